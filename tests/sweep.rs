@@ -820,10 +820,10 @@ fn the_shipped_studies_have_the_points_they_say() {
     }
 }
 
-/// Both cluster examples run: the array job's script as SLURM would start it, Dask as itself.
-/// Needs `python3` with `dask[distributed]`; `AMACRINE_PYTHON` names another.
+/// The cluster examples run: the array job's script as SLURM would start it, Dask, Ray and Snakemake as
+/// themselves. Needs `python3` with `examples/cluster/requirements.txt`; `AMACRINE_PYTHON` names another.
 #[test]
-#[ignore = "needs Dask; CI runs it by name"]
+#[ignore = "needs Dask, Ray and Snakemake; CI runs it by name"]
 fn the_cluster_examples_run() {
     let folder = folder(&study());
     let at = folder.path();
@@ -849,15 +849,42 @@ fn the_cluster_examples_run() {
     .concat();
     assert_eq!(json(at, &merge)["finished"], POINTS);
     let python = std::env::var("AMACRINE_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let dask = Process::new(python)
+    let dask = Process::new(&python)
         .arg(root.join("dask_sweep.py"))
         .args(["study.toml", "dask", "--shards", "3", "--program"])
         .arg(&program)
         .current_dir(at)
         .status();
     assert!(dask.unwrap().success());
-    assert_eq!(
-        results(&at.join("dask/all")),
-        results(&at.join("slurm/all"))
-    );
+    let ray = Process::new(&python)
+        .arg(root.join("ray_sweep.py"))
+        .args(["study.toml", "ray", "--shards", "3", "--program"])
+        .arg(&program)
+        .current_dir(at)
+        .status();
+    assert!(ray.unwrap().success());
+    // A second run has nothing to do, and after a kill it goes on.
+    for _ in 0..2 {
+        let snakemake = Process::new(&python)
+            .args(["-m", "snakemake", "--cores", "2", "--quiet", "all"])
+            .arg("--snakefile")
+            .arg(root.join("Snakefile"))
+            .args([
+                "--config",
+                "study=study.toml",
+                "output=snakemake",
+                "shards=3",
+            ])
+            .arg(format!("program={}", program.display()))
+            .current_dir(at)
+            .status();
+        assert!(snakemake.unwrap().success());
+    }
+    for engine in ["dask", "ray", "snakemake"] {
+        assert_eq!(
+            results(&at.join(engine).join("all")),
+            results(&at.join("slurm/all")),
+            "{engine}"
+        );
+    }
 }

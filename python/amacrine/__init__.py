@@ -13,6 +13,7 @@ events are whole microseconds. Whatever is wrong raises :class:`Error`, a ``Valu
 words of the command line.
 """
 
+from . import events, gradient
 from ._amacrine import Error, __version__, set_threads, threads
 from .answer import Answer
 from .events import EVENT, EVENT_OF_KINDS
@@ -22,6 +23,7 @@ from .names import names, text
 from .program import Program, ProgramRun
 from .sensor import Caution, ChipSensor, EventSensor, Sensor, Stream, compile
 from .study import Quantised, design, feasibility, quantise, trade, waterfall
+from .sweeps import Sweep, sweep
 
 __all__ = [
     "EVENT",
@@ -37,17 +39,21 @@ __all__ = [
     "Quantised",
     "Sensor",
     "Stream",
+    "Sweep",
     "__version__",
     "about",
     "compare",
     "compile",
     "design",
+    "events",
     "feasibility",
+    "gradient",
     "load",
     "names",
     "quantise",
     "read",
     "set_threads",
+    "sweep",
     "text",
     "threads",
     "trade",

@@ -9,6 +9,7 @@ import numpy.typing as npt
 _Path = str | PathLike[str]
 _Named = tuple[str, bytes | None]
 _Search = tuple[str, str, float, int]
+_OfKind = tuple[list[npt.NDArray[np.float64]], list[float], list[float], tuple[float, float]]
 _Shown = tuple[str | None, npt.NDArray[Any] | None, float | None, float | None]
 
 __version__: str
@@ -34,6 +35,12 @@ class Sensor:
     def name(self) -> str: ...
     @property
     def channels(self) -> list[str | None]: ...
+    @property
+    def kernels(self) -> list[list[npt.NDArray[np.float64]]]: ...
+    @property
+    def thresholds(self) -> list[list[tuple[float, float, float]]]: ...
+    @property
+    def plain(self) -> bool: ...
     def watch(
         self,
         size: tuple[int, int],
@@ -81,14 +88,9 @@ class Run:
     def events(self, frames: npt.NDArray[Any]) -> npt.NDArray[np.uint8]: ...
     def counts(self, frames: npt.NDArray[Any], out: npt.NDArray[np.int32]) -> None: ...
     def voxels(self, frames: npt.NDArray[Any], out: npt.NDArray[np.float32]) -> None: ...
-    def bins(
-        self,
-        frames: npt.NDArray[Any],
-        out: npt.NDArray[np.float32],
-        bins: int,
-        length: float,
-        apart: bool,
-    ) -> None: ...
+    def windows(
+        self, frames: npt.NDArray[Any], stream: Stream
+    ) -> list[npt.NDArray[np.float32]]: ...
     @property
     def seen(self) -> int: ...
     @property
@@ -137,6 +139,87 @@ class Program:
         dict[str, npt.NDArray[Any]],
     ]: ...
 
+@final
+class Voxels:
+    def __new__(
+        cls,
+        bins: int,
+        length: float,
+        every: float,
+        alignment: str,
+        share: str,
+        polarity: str,
+        normalise: str,
+    ) -> Voxels: ...
+    def count(self, end: int) -> int: ...
+    def bounds(self, n: int) -> tuple[int, int]: ...
+    def shape(
+        self, size: tuple[int, int], channels: int
+    ) -> tuple[int, int, int, int, int]: ...
+
+@final
+class Stream:
+    def __new__(cls, how: Voxels, size: tuple[int, int], channels: int) -> Stream: ...
+    def rest(self, end: int) -> list[npt.NDArray[np.float32]]: ...
+
+@final
+class Seen:
+    @property
+    def voxels(self) -> npt.NDArray[Any]: ...
+    @property
+    def counts(self) -> npt.NDArray[np.int32]: ...
+    @property
+    def shape(self) -> tuple[int, int, int, int, int]: ...
+    @property
+    def events(self) -> int: ...
+    def backward(
+        self,
+        voxels: npt.NDArray[Any] | None,
+        counts: npt.NDArray[Any] | None,
+        events: float,
+        rule: str | None,
+        slope: str,
+        light: bool,
+    ) -> tuple[list[_OfKind], npt.NDArray[Any] | None]: ...
+
+def forward(
+    sensor: Sensor,
+    parameters: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]] | None,
+    light: npt.NDArray[Any],
+    times: list[float],
+    seed: int,
+    phase: float | None,
+) -> Seen: ...
+def voxels(
+    npy: bytes, size: tuple[int, int] | None, channels: int, how: Voxels, end: int | None
+) -> tuple[npt.NDArray[np.float32], tuple[int, int, int]]: ...
+def surfaces(
+    npy: bytes,
+    size: tuple[int, int] | None,
+    channels: int,
+    times: list[int],
+    tau: float,
+    decay: str,
+    polarity: str,
+) -> tuple[npt.NDArray[np.float32], tuple[int, int, int]]: ...
+def event_frames(
+    npy: bytes,
+    size: tuple[int, int] | None,
+    channels: int,
+    each: int,
+    polarity: str,
+    fill: str,
+) -> tuple[npt.NDArray[np.int32], tuple[int, int, int]]: ...
+def uniform(seed: int, words: list[int]) -> float: ...
+def sweep(
+    study: tuple[str, str, _Path],
+    sets: list[str],
+    output: _Path,
+    shard: str | None,
+    jobs: int,
+    max_seconds: float | None,
+) -> str: ...
+def merge(folders: list[_Path], output: _Path) -> str: ...
 def read(
     path: _Path, kind: str | None, of: tuple[int, int] | None
 ) -> tuple[npt.NDArray[np.uint8], int, str]: ...

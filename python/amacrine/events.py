@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from . import _amacrine, voxels as voxel
 from ._amacrine import Error
 
 EVENT = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "i1")])
@@ -28,6 +29,18 @@ def view(records: npt.NDArray[np.uint8], channels: int) -> Events:
     return events
 
 
+def _placed(events: npt.NDArray[Any], size: tuple[int, int] | None) -> bytes:
+    """Events in the order of their times, whose sensor has a size."""
+    events = np.asarray(events).ravel()
+    if size is None and events.size == 0:
+        raise Error("no events, and no size of their sensor\nhelp: give size=(height, width)")
+    if events.dtype.names is not None and "t" in events.dtype.names:
+        times = events["t"]
+        if (times[1:] < times[:-1]).any():
+            events = events[np.argsort(times, kind="stable")]
+    return npy(events)
+
+
 def npy(events: npt.NDArray[Any]) -> bytes:
     """Events as the bytes of a `.npy`: the library reads, and checks, any order and width of
     fields."""
@@ -40,3 +53,132 @@ def npy(events: npt.NDArray[Any]) -> bytes:
     file = io.BytesIO()
     np.save(file, events.ravel(), allow_pickle=False)
     return file.getvalue()
+
+
+def voxels(
+    events: npt.NDArray[Any],
+    *,
+    bins: int,
+    window: float | None = None,
+    every: float | None = None,
+    causal: bool = True,
+    polarity: str = "signed",
+    share: str = "bilinear",
+    normalise: str | None = None,
+    dtype: npt.DTypeLike = np.float32,
+    size: tuple[int, int] | None = None,
+    channels: int | None = None,
+    start: float = 0.0,
+    end: float | None = None,
+) -> npt.NDArray[Any]:
+    """Voxels of an array of events, as :meth:`amacrine.Sensor.voxels` makes them of frames.
+
+    Args:
+        events: A structured array with the fields t (us), x, y, p and, of several kinds of cells,
+            channel, in any order.
+        size: Height and width of the sensor; the smallest that holds the events where it is left
+            out.
+        channels: Kinds of cells, where some said nothing.
+        start: Where windows begin, in seconds; what is before is left out.
+        end: Up to where there are windows, in seconds; the last event where it is left out.
+
+    The rest is that of :meth:`amacrine.Sensor.voxels`.
+
+    Returns:
+        (windows,K,bins,H,W), or (windows,K,2,bins,H,W) with OFF first where they are split.
+    """
+    events, number = _after(events, start), voxel.number(dtype)
+    last = int(events["t"].max()) if len(events) else 0
+    until = last if end is None else max(round((end - start) * 1e6), 0)
+    length = max(until, 1) * 1e-6 if window is None else window
+    how = voxel.how(bins, length, every, causal, polarity, share, normalise)
+    flat, (height, width, kinds) = _amacrine.voxels(_placed(events, size), size, channels or 1, how, until)
+    one = voxel.shape(how, (height, width), kinds, polarity)
+    return flat.reshape(-1, *one).astype(number, copy=False)
+
+
+def time_surfaces(
+    events: npt.NDArray[Any],
+    times: npt.ArrayLike,
+    *,
+    tau: float,
+    decay: str = "exponential",
+    polarity: str = "split",
+    size: tuple[int, int] | None = None,
+    channels: int | None = None,
+) -> npt.NDArray[np.float32]:
+    """How long ago each cell fired: 1 for just then, 0 for never.
+
+    Args:
+        events: A structured array, as for :func:`voxels`.
+        times: When, in seconds; each surface has seen the events up to its time.
+        tau: How long a cell remembers, in seconds.
+        decay: ``"exponential"`` (Lagorce et al., TPAMI 2017), exp(-age / tau), or ``"linear"``,
+            1 - age / tau down to 0.
+        polarity: ``"split"``: OFF and ON each have a surface; ``"signed"``: the last event of
+            either sign, below 0 where it was OFF.
+        size: Height and width of the sensor, as for :func:`voxels`.
+        channels: Kinds of cells, where some said nothing.
+
+    Returns:
+        ``float32`` (times,K,2,H,W) with OFF first, or (times,K,H,W) where they are signed.
+    """
+    seconds = np.atleast_1d(np.asarray(times, np.float64))
+    if not (np.isfinite(seconds).all() and (seconds >= 0).all()):
+        raise Error("the times of surfaces\nhelp: give finite seconds, from 0 on")
+    micros = [round(time * 1e6) for time in seconds.tolist()]
+    flat, place = _amacrine.surfaces(
+        _placed(events, size), size, channels or 1, micros, float(tau), decay, polarity
+    )
+    return flat.reshape(len(micros), *_planes(place, polarity))
+
+
+def event_frames(
+    events: npt.NDArray[Any],
+    count: int,
+    *,
+    polarity: str = "signed",
+    fill: str = "count",
+    size: tuple[int, int] | None = None,
+    channels: int | None = None,
+) -> npt.NDArray[np.int32]:
+    """Pictures of ``count`` events each, in the order of their times; the last has what is left.
+    For pictures of equal times take :func:`voxels` with ``bins=1, share="whole"``.
+
+    Args:
+        events: A structured array, as for :func:`voxels`.
+        count: Events of a picture.
+        polarity: ``"signed"`` or ``"split"``, as for :func:`voxels`.
+        fill: ``"count"``: how many events a pixel had; ``"last"``: its last one, 1 or -1 (1 where
+            they are split).
+        size: Height and width of the sensor, as for :func:`voxels`.
+        channels: Kinds of cells, where some said nothing.
+
+    Returns:
+        ``int32`` (frames,K,H,W), or (frames,K,2,H,W) with OFF first where they are split.
+    """
+    if isinstance(count, bool) or count != int(count) or count < 1:
+        raise Error(f"frames of {count} events\nhelp: give a whole number above 0")
+    flat, place = _amacrine.event_frames(
+        _placed(events, size), size, channels or 1, int(count), polarity, fill
+    )
+    return flat.reshape(-1, *_planes(place, polarity))
+
+
+def _planes(place: tuple[int, int, int], polarity: str) -> tuple[int, ...]:
+    height, width, kinds = place
+    return (kinds, *((2,) if polarity == "split" else ()), height, width)
+
+
+def _after(events: npt.NDArray[Any], start: float) -> npt.NDArray[Any]:
+    """The events after a time, which becomes 0."""
+    events = np.asarray(events).ravel()
+    if events.dtype.names is None or "t" not in events.dtype.names:
+        npy(events)
+        raise Error("events without times\nhelp: give a structured array with a field t, in us")
+    if start == 0.0:
+        return events
+    micros = round(start * 1e6)
+    kept = events[events["t"] > micros].copy()
+    kept["t"] -= micros
+    return kept

@@ -7,14 +7,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
-from math import ceil
 from pathlib import Path
 from typing import Any, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _amacrine, toml
+from . import _amacrine, toml, voxels as voxel
 from ._amacrine import Error
 from .events import Events, view
 from .frames import Clips, clips
@@ -27,6 +26,9 @@ T = TypeVar("T")
 Thresholds = Union[float, Mapping[str, float], Sequence[Any], npt.NDArray[Any]]
 """One for all kernels, or one for each: a number for both signs, a pair (on, off), or a table with
 the keys ``on``, ``off`` and ``sigma``."""
+
+PART = 16
+"""Frames that are watched before windows that are over are handed on."""
 
 MOST_SIDE = 1 << 15
 """The longest side whose addresses an event's ``i2`` holds."""
@@ -49,6 +51,10 @@ class EventSensor(ABC):
 
     @abstractmethod
     def _watch(self, size: tuple[int, int], fps: float, scale: float) -> _amacrine.Run: ...
+
+    @abstractmethod
+    def _reseeded(self, seed: int) -> EventSensor:
+        """The same with another pattern of mismatch, and other noise."""
 
     @property
     @abstractmethod
@@ -121,60 +127,117 @@ class EventSensor(ABC):
         *,
         bins: int | None = None,
         window: float | None = None,
-        signed: bool = True,
+        every: float | None = None,
+        causal: bool = True,
+        polarity: str = "signed",
+        share: str = "bilinear",
+        normalise: str | None = None,
+        dtype: npt.DTypeLike = np.float32,
         scale: float | None = None,
-    ) -> npt.NDArray[np.float32]:
-        """Events in bins of time, each shared between the two nearest bins (bilinear).
+    ) -> npt.NDArray[Any]:
+        """Events in bins of time.
 
         Args:
             frames: Light, (T,H,W), (T,1,H,W) or (B,T,1,H,W).
             fps: Frames per second.
-            bins: Bins of a window, its first at the window's start and its last at its end, as in
-                Zhu et al., CVPR 2019. Left out: a bin for each frame, centred on it.
+            bins: Bins of a window. Left out: a bin for each frame, centred on it.
             window: Length of a window, in seconds; the whole clip where it is left out.
-            signed: ON less OFF; else OFF and ON each have bins of their own.
+            every: From one window to the next, in seconds; as ``window`` where it is left out, so
+                that they tile the clip.
+            causal: Window n ends at (n + 1) every, so that nothing in it comes from later; else it
+                has its middle at n every. It has the events after its start and up to its end.
+            polarity: ``"signed"``: ON less OFF; ``"split"``: OFF and ON each have bins of their
+                own.
+            share: ``"bilinear"``: an event is shared between the two nearest bins, the first of
+                which has its middle at the window's start and the last at its end (Zhu et al., CVPR
+                2019); ``"whole"``: it counts in the part of the window in which it falls.
+            normalise: Kind by kind in each window: ``"std"``: what is not 0 has a mean of 0 and a
+                deviation of 1, as E2VID takes it; ``"max"``: the largest is 1 in size.
+            dtype: float32, float16 or float64.
             scale: What floats are multiplied by to be light from 0 to 255.
 
         Returns:
-            ``float32``, in events. Without ``bins`` (T,K,H,W), what ``amacrine run --voxels``
-            writes. With them (windows,K,bins,H,W), or (windows,K,2,bins,H,W) with OFF first where
-            not ``signed``. Of several clips with a leading axis (B,…).
+            Voxels in events. Without ``bins`` (T,K,H,W), what ``amacrine run --voxels`` writes.
+            With them (windows,K,bins,H,W), or (windows,K,2,bins,H,W) with OFF first where they are
+            split. Of several clips with a leading axis (B,…).
         """
-        given = clips(frames, scale)
+        given, number = clips(frames, scale), voxel.number(dtype)
         kinds, size = len(self.channels), given.size
         if bins is None:
-            if window is not None or not signed:
+            if (window, every, polarity, normalise) != (None, None, "signed", None):
                 raise Error(
-                    "a bin for each frame has no window and no sides\n"
+                    "a bin for each frame has no window, no sides and no range\n"
                     "help: give bins, such as bins=9"
                 )
-            out = np.zeros((len(given.all), given.frames, kinds, *size), np.float32)
+            out = _zeros((len(given.all), given.frames, kinds, *size), np.float32)
 
             def watch(b: int) -> None:
                 run = self._watch(size, fps, given.scale)
                 run.voxels(given.clip(b), out[b].reshape(-1))
 
             _all(given, watch)
-            return out if given.batched else out[0]
+            cast = out.astype(number, copy=False)
+            return cast if given.batched else cast[0]
         seconds = max(given.frames - 1, 0) / fps if fps > 0 else 0.0
-        length = seconds or 1.0 if window is None else float(window)
-        if bins < 1 or not 0.0 < length < float("inf"):
-            raise Error(
-                f"{bins} bins in a window of {length} s\n"
-                "help: give at least one bin, and a length above 0, in seconds"
-            )
-        # A rounding of the clip's length must not make a window of its own.
-        windows = max(ceil(seconds / length - 1e-9), 1)
-        signs = () if signed else (2,)
-        shape = (len(given.all), windows, kinds, *signs, bins, *size)
-        shared = np.zeros(shape, np.float32)
+        length = seconds or 1.0 if window is None else window
+        how = voxel.how(bins, length, every, causal, polarity, share, normalise)
+        one = voxel.shape(how, size, kinds, polarity)
+        windows = how.count(round(seconds * 1e6))
+        shared = _zeros((len(given.all), windows, *one), number)
 
-        def share(b: int) -> None:
+        def bin(b: int) -> None:
             run = self._watch(size, fps, given.scale)
-            run.bins(given.clip(b), shared[b].reshape(-1), bins, length, not signed)
+            clip = given.clip(b)
+            parts = (clip[n : n + PART] for n in range(0, len(clip), PART))
+            for to, values in zip(shared[b], _windows(run, parts, how, (size, kinds), fps)):
+                to[...] = values.reshape(one)
 
-        _all(given, share)
+        _all(given, bin)
         return shared if given.batched else shared[0]
+
+    def voxel_windows(
+        self,
+        parts: Iterable[Any],
+        fps: float,
+        *,
+        bins: int,
+        window: float,
+        every: float | None = None,
+        causal: bool = True,
+        polarity: str = "signed",
+        share: str = "bilinear",
+        normalise: str | None = None,
+        dtype: npt.DTypeLike = np.float32,
+        scale: float | None = None,
+    ) -> Iterator[npt.NDArray[Any]]:
+        """The windows of :meth:`voxels` one after the other, as soon as each is over: for clips that
+        do not fit into memory.
+
+        Args:
+            parts: The clip, part by part: arrays of shape (t,H,W) or (t,1,H,W).
+
+        The rest is that of :meth:`voxels`; the last windows come when the parts end.
+
+        Yields:
+            Windows of shape (K,bins,H,W), or (K,2,bins,H,W) where they are split.
+        """
+        how = voxel.how(bins, window, every, causal, polarity, share, normalise)
+        number = voxel.number(dtype)
+        stream = self.stream(fps, scale=scale)
+        opened: _amacrine.Stream | None = None
+        one: tuple[int, ...] = ()
+        for part in parts:
+            run, clip = stream._next(part)
+            for n in range(0, len(clip), PART):
+                if opened is None:
+                    size = clip.shape[1], clip.shape[2]
+                    opened = _amacrine.Stream(how, size, len(self.channels))
+                    one = voxel.shape(how, size, len(self.channels), polarity)
+                for values in run.windows(clip[n : n + PART], opened):
+                    yield values.reshape(one).astype(number, copy=False)
+        if opened is not None:
+            for values in opened.rest(round(max(stream.seen - 1, 0) / fps * 1e6)):
+                yield values.reshape(one).astype(number, copy=False)
 
     def stream(self, fps: float, *, scale: float | None = None) -> Stream:
         """A clip that comes part by part: memory and time go on from one part to the next."""
@@ -307,6 +370,7 @@ class Sensor(EventSensor):
         checked = text(lambda i, kernel: kernel if isinstance(kernel, str) else f"kernels[{i}]")
         self._native = _amacrine.Sensor("Sensor(…)", checked, arrays, Path())
         self._text = text(lambda i, kernel: kernel)
+        self._from: tuple[str, Path | None] = "Sensor(…)", Path()
         self._seed, self._format, self._max_events = seed, format, max_events
 
     @classmethod
@@ -342,6 +406,7 @@ class Sensor(EventSensor):
         self = cls.__new__(cls)
         self._native = _amacrine.Sensor(file, text, {}, folder)
         self._text = text
+        self._from = file, folder
         self._seed, self._format, self._max_events = how
         return self
 
@@ -349,6 +414,11 @@ class Sensor(EventSensor):
         return self._native.watch(
             size, float(fps), scale, self._seed, self._format, self._max_events
         )
+
+    def _reseeded(self, seed: int) -> Sensor:
+        other = Sensor.__new__(Sensor)
+        other.__dict__.update(self.__dict__, _seed=seed)
+        return other
 
     @property
     def name(self) -> str:
@@ -365,6 +435,23 @@ class Sensor(EventSensor):
     def text(self) -> str:
         """The sensor file: ``amacrine run --sensor`` takes it."""
         return self._text
+
+    @property
+    def kernels(self) -> list[npt.NDArray[np.float64]]:
+        """For each kind of cell its kernel, (k,k), row 0 to the north; (4,k,k) of a 2x2 pattern."""
+        return [np.stack(own) if len(own) > 1 else own[0] for own in self._native.kernels]
+
+    @property
+    def thresholds(self) -> list[npt.NDArray[np.float64]]:
+        """For each kind of cell its thresholds, (3,): ON, OFF, and the deviation of their mismatch,
+        in the unit of the filtered signal; (4,3) of a 2x2 pattern."""
+        return [
+            np.array(own) if len(own) > 1 else np.array(own[0]) for own in self._native.thresholds
+        ]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        (file, folder), how = self._from, (self._seed, self._format, self._max_events)
+        return Sensor._of_text, (file, self._text, folder, how)
 
     def __repr__(self) -> str:
         return f"<Sensor {self.name}: {', '.join(self.channels)}>"
@@ -428,6 +515,9 @@ class ChipSensor(EventSensor):
     def _watch(self, size: tuple[int, int], fps: float, scale: float) -> _amacrine.Run:
         seed, domain, slots, most = self._how
         return self._native.watch(size, float(fps), scale, seed, domain, slots, most)
+
+    def _reseeded(self, seed: int) -> ChipSensor:
+        return self.with_domain(self._how[1], seed=seed)
 
     def with_domain(self, domain: str, *, seed: int | None = None) -> ChipSensor:
         """The same program on cells that hold something else, or on another chip (``seed``)."""
@@ -519,6 +609,30 @@ def compile(
     return sensor.on_chip(
         to, domain=domain, chip=chip, sum=sum, memory=memory, effort=effort
     )
+
+
+def _zeros(shape: tuple[int, ...], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
+    try:
+        return np.zeros(shape, dtype)
+    except (MemoryError, ValueError) as cause:
+        raise Error(
+            f"voxels of shape {shape} take more memory than there is\n"
+            "help: take them window by window (voxel_windows), or fewer or narrower ones"
+        ) from cause
+
+
+def _windows(
+    run: _amacrine.Run,
+    parts: Iterable[npt.NDArray[Any]],
+    how: _amacrine.Voxels,
+    place: tuple[tuple[int, int], int],
+    fps: float,
+) -> Iterator[npt.NDArray[np.float32]]:
+    """The windows of a clip, each when it is over."""
+    stream = _amacrine.Stream(how, *place)
+    for part in parts:
+        yield from run.windows(part, stream)
+    yield from stream.rest(round(max(run.seen - 1, 0) / fps * 1e6))
 
 
 def _one(of: tuple[list[T], bool]) -> list[T] | T:

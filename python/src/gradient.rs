@@ -114,46 +114,38 @@ fn scattered(what: &str) -> PyErr {
     )
 }
 
-/// The events of a batch of clips: light (B,T,H,W) of float32 or float64, in which all is computed.
+/// The events of a batch of clips: light (B,T,H,W) of float32 or float64, in which all is computed,
+/// and the time of each frame in seconds.
 #[pyfunction]
 pub fn forward(
     py: Python<'_>,
     sensor: &Bound<'_, Sensor>,
     parameters: Option<Learned<'_>>,
     light: &Bound<'_, PyAny>,
-    fps: f64,
+    times: Vec<f64>,
     seed: u64,
     phase: Option<f64>,
 ) -> PyResult<Seen> {
-    if !(fps > 0.0 && fps.is_finite()) {
-        return Err(refused(
-            format!("{fps} frames a second is no rate"),
-            "give a number above 0, in frames/s",
-        ));
-    }
     let description = &sensor.get().description;
     let description = match &parameters {
         Some(given) => learned(description, given)?,
         None => description.clone(),
     };
-    let place = |shape: &[usize]| {
-        let [_, frames, height, width] = *shape else {
-            return (Vec::new(), Size::new(0, 0));
-        };
-        let times = (0..frames).map(|n| n as f64 / fps).collect::<Vec<_>>();
-        (times, Size::new(height, width))
+    let size = |shape: &[usize]| match *shape {
+        [_, _, height, width] => Size::new(height, width),
+        _ => Size::new(0, 0),
     };
     let how = (seed, phase);
     if let Ok(array) = light.cast::<PyArray4<f32>>() {
         let array: PyReadonlyArray4<'_, f32> = array.readonly();
-        let (times, size) = place(array.shape());
+        let size = size(array.shape());
         let light = array.as_slice().map_err(|_| scattered("the light"))?;
         let made = pool::work(py, || pass(description, light, (&times, size), how))?;
         return Ok(Seen(Either::Narrow(made.map_err(raised)?)));
     }
     if let Ok(array) = light.cast::<PyArray4<f64>>() {
         let array: PyReadonlyArray4<'_, f64> = array.readonly();
-        let (times, size) = place(array.shape());
+        let size = size(array.shape());
         let light = array.as_slice().map_err(|_| scattered("the light"))?;
         let made = pool::work(py, || pass(description, light, (&times, size), how))?;
         return Ok(Seen(Either::Wide(made.map_err(raised)?)));

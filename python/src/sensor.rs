@@ -8,10 +8,11 @@ use amacrine::{
     reference::Description,
     source,
 };
+use numpy::PyArray2;
 use pyo3::prelude::*;
 
 use crate::{
-    chip::{self, Chip},
+    chip::{self, Chip, plane},
     error::raised,
     pool,
     run::Run,
@@ -54,6 +55,42 @@ impl Sensor {
     fn channels(&self) -> Vec<Option<String>> {
         let channels = self.description.channels.iter();
         channels.map(|channel| channel.name.clone()).collect()
+    }
+
+    /// The kernels of each kind of cell: one, or four of a 2x2 pattern.
+    #[getter]
+    fn kernels<'py>(&self, py: Python<'py>) -> Vec<Vec<Bound<'py, PyArray2<f64>>>> {
+        let channels = self.description.channels.iter();
+        channels
+            .map(|channel| {
+                let kernels = channel.kernels.iter();
+                kernels.map(|kernel| plane(py, kernel.weights())).collect()
+            })
+            .collect()
+    }
+
+    /// The thresholds of each kind of cell, one or four: ON, OFF, and the deviation of their mismatch.
+    #[getter]
+    fn thresholds(&self) -> Vec<Vec<(f64, f64, f64)>> {
+        let channels = self.description.channels.iter();
+        channels
+            .map(|channel| {
+                let thresholds = channel.thresholds.iter();
+                thresholds.map(|it| (it.on, it.off, it.sigma)).collect()
+            })
+            .collect()
+    }
+
+    /// Whether each kind of cell is a kernel and thresholds, and nothing else.
+    #[getter]
+    fn plain(&self) -> bool {
+        self.description.channels.iter().all(|channel| {
+            channel.kernels.len() == 1
+                && channel.thresholds.len() == 1
+                && channel.surrounds.is_none()
+                && channel.memory_kernel.is_none()
+                && !channel.log_temporal
+        })
     }
 
     /// A sensor of this size as switched on.

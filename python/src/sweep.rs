@@ -65,7 +65,12 @@ pub fn sweep(
             while !work.is_finished() {
                 thread::sleep(LOOK);
                 if asked.is_ok() {
-                    asked = Python::attach(Python::check_signals);
+                    #[expect(
+                        clippy::redundant_closure_for_method_calls,
+                        reason = "the method is of one lifetime alone"
+                    )]
+                    let signals = Python::attach(|py| py.check_signals());
+                    asked = signals;
                     stop.store(asked.is_err(), Ordering::Relaxed);
                 }
             }

@@ -9,8 +9,11 @@ use amacrine::{
     event::{
         Packet,
         file::Opening,
-        tensor::{self, TensorError, TimeSurface, VoxelStream, Windows, frames as frames_of},
+        tensor::{
+            self, Sides, TensorError, TimeSurface, VoxelStream, Windows, frames as frames_of,
+        },
     },
+    memory::{Budget, Need},
     plane::Size,
     unit::Micros,
 };
@@ -110,8 +113,25 @@ fn packet(npy: Vec<u8>, size: Option<(usize, usize)>, channels: u8) -> Result<Pa
     Ok(packet)
 }
 
+/// Whether there is room for so many values of four bytes.
+fn room(what: &str, values: u128) -> Result<(), Report> {
+    let need = Need::new().and(what, values * 4);
+    need.within(
+        Budget::from_machine(),
+        what,
+        "take fewer of them, or a part of the events",
+    )?;
+    Ok(())
+}
+
 /// Rows, columns and kinds of cells.
 type Place = (usize, usize, u8);
+
+/// Values of all kinds and sides.
+fn planes(packet: &Packet, sides: Sides) -> u128 {
+    let kinds = usize::from(packet.channels) * sides.count();
+    packet.size.pixels() as u128 * kinds as u128
+}
 
 fn place(packet: &Packet) -> Place {
     (packet.size.height, packet.size.width, packet.channels)
@@ -131,8 +151,10 @@ pub fn voxels<'py>(
         let mut packet = packet(npy, size, channels)?;
         let last = packet.events.iter().map(|event| event.t).max();
         packet.span.1 = end.map_or(last.unwrap_or_default(), Micros);
-        let count = how.how.windows.count(packet.span.1) as usize;
-        let mut voxels = vec![0.0; count * how.how.len(packet.size, packet.channels)];
+        let count = how.how.windows.count(packet.span.1);
+        let each = how.how.len(packet.size, packet.channels);
+        room("voxels", u128::from(count) * each as u128)?;
+        let mut voxels = vec![0.0; count as usize * each];
         how.how.fill(&packet, &mut voxels);
         Ok((voxels, place(&packet)))
     })?;
@@ -157,6 +179,10 @@ pub fn surfaces<'py>(
     how.sides = named(polarity)?;
     let made = pool::work(py, || {
         let packet = packet(npy, size, channels)?;
+        room(
+            "time surfaces",
+            planes(&packet, how.sides) * times.len() as u128,
+        )?;
         let times: Vec<_> = times.into_iter().map(Micros).collect();
         Ok((how.of(&packet, &times), place(&packet)))
     })?;
@@ -178,6 +204,8 @@ pub fn event_frames<'py>(
     let (sides, fill) = (named(polarity)?, named(fill)?);
     let made = pool::work(py, || {
         let packet = packet(npy, size, channels)?;
+        let frames = packet.events.len().div_ceil(each.max(1));
+        room("event frames", planes(&packet, sides) * frames as u128)?;
         Ok((frames_of(&packet, each, sides, fill), place(&packet)))
     })?;
     let (frames, place) = made.map_err(|report: Report| raised(report))?;

@@ -18,6 +18,10 @@ def sensor() -> amacrine.Sensor:
     return amacrine.Sensor("dvs", 0.1)
 
 
+def _few() -> Any:
+    return np.array([(5, 1, 2, 1)], amacrine.EVENT)
+
+
 MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "even kernel": (lambda: amacrine.Sensor(np.ones((4, 4)), 1), "must be odd"),
     "kernel of text": (lambda: amacrine.Sensor(np.array(["a"]), 1), "floats or integers"),
@@ -38,7 +42,28 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "bool": (lambda: sensor().events(GOOD > 0, 9), "uint8, or floats with a scale"),
     "nan": (lambda: sensor().events(GOOD + np.nan, 9, scale=1), "not finite"),
     "dark": (lambda: sensor().events(GOOD - 1.0, 9, scale=1), "below zero"),
-    "bins": (lambda: sensor().voxels(GOOD, 9, bins=0), "at least one bin"),
+    "bins": (lambda: sensor().voxels(GOOD, 9, bins=0), "give 1 to 1000"),
+    "no window": (lambda: sensor().voxels(GOOD, 9, bins=3, window=0), "the window is 0 s"),
+    "polarity": (lambda: sensor().voxels(GOOD, 9, bins=3, polarity="on"), "signed, split"),
+    "share": (lambda: sensor().voxels(GOOD, 9, bins=3, share="all"), "bilinear, whole"),
+    "normalise": (lambda: sensor().voxels(GOOD, 9, bins=3, normalise="l2"), "none, std, max"),
+    "voxels of": (lambda: sensor().voxels(GOOD, 9, bins=3, dtype="i4"), "float16, float32"),
+    "room": (lambda: sensor().voxels(GOOD, 9, bins=999, window=1, every=1e-6), "memory"),
+    "room for events": (
+        lambda: amacrine.events.voxels(_few(), bins=999, window=1, every=1e-6, end=1e8), "voxels"
+    ),
+    "no fields": (lambda: amacrine.events.voxels(np.zeros(3), bins=3), "have no fields"),
+    "no size": (lambda: amacrine.events.event_frames(np.zeros(0, amacrine.EVENT), 3), "size"),
+    "tau": (lambda: amacrine.events.time_surfaces(_few(), 1, tau=0), "tau is 0 s"),
+    "times": (lambda: amacrine.events.time_surfaces(_few(), -1, tau=1), "from 0 on"),
+    "decay": (
+        lambda: amacrine.events.time_surfaces(_few(), 1, tau=1, decay="log"), "exponential, linear"
+    ),
+    "event frames": (lambda: amacrine.events.event_frames(_few(), 0), "above 0"),
+    "fill": (lambda: amacrine.events.event_frames(_few(), 1, fill="x"), "count, last"),
+    "study": (lambda: amacrine.sweep("no-such"), "formats"),
+    "study key": (lambda: amacrine.sweep("formats", "x", set={"fromat": "f32"}), "format"),
+    "shards": (lambda: amacrine.sweep("formats", "x", shards=2), "without a client"),
     "window": (lambda: sensor().voxels(GOOD, 9, window=1), "give bins"),
     "size": (lambda: sensor().events(np.zeros((2, 0, 8), "u1"), 9), "cannot be addressed"),
     "too many": (

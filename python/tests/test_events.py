@@ -181,32 +181,6 @@ def test_a_stream_goes_on(frames: Frames) -> None:
     assert np.array_equal(counts, sensor.counts(frames, FPS))
 
 
-@pytest.mark.parametrize("signed", [True, False])
-@pytest.mark.parametrize(("bins", "window"), [(9, None), (5, 0.03), (1, 0.05)])
-def test_bins_are_those_of_the_equation(
-    bins: int, window: float | None, signed: bool, frames: Frames
-) -> None:
-    """An event at t of a window from 0 to w gives 1 - |b - t (bins - 1) / w| to bin b."""
-    sensor = amacrine.Sensor(kernels(2), 0.5)
-    events = sensor.events(frames, FPS)
-    seconds = 11 / FPS
-    length = window or seconds
-    windows = int(np.ceil(seconds / length - 1e-9))
-    want = np.zeros((windows, 2, 2, bins, 61, 83))
-    for event in events:
-        since = event["t"] * 1e-6 / length
-        w = min(int(since), windows - 1)
-        at = min(max((since - w) * (bins - 1), 0), bins - 1)
-        for b in range(bins):
-            share = max(0.0, 1 - abs(b - at))
-            want[w, event["channel"], event["p"], b, event["y"], event["x"]] += share
-    if signed:
-        want = want[:, :, 1] - want[:, :, 0]
-    got = sensor.voxels(frames, FPS, bins=bins, window=window, signed=signed)
-    assert got.shape == want.shape
-    np.testing.assert_allclose(got, want, atol=1e-4)
-
-
 def test_a_sensor_that_never_fires_says_so(frames: Frames) -> None:
     with pytest.warns(amacrine.Caution, match="no event at all in 12 frames"):
         amacrine.Sensor("dvs", 50.0).events(frames, FPS)

@@ -71,5 +71,13 @@ def test_everything_public_is_documented() -> None:
                     assert getattr(it, "__doc__", None), f"{name}.{method}"
 
 
+def test_functions_of_events_and_gradients_are_documented() -> None:
+    for module in (amacrine.events, amacrine.gradient):
+        for name, of in vars(module).items():
+            own = getattr(of, "__module__", None) == module.__name__
+            if own and callable(of) and not name.startswith("_"):
+                assert of.__doc__, name
+
+
 def test_the_first_lines_work() -> None:
     assert doctest.testmod(amacrine).failed == 0

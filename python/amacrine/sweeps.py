@@ -1,0 +1,154 @@
+"""Sweeps: the points of a study, computed once each, here or on a cluster."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from . import _amacrine
+from ._amacrine import Error
+from .answer import _table
+from .names import opened
+
+Overrides = Mapping[str, Any]
+"""Keys of a study, such as ``{"format": ["f32", "q8.8"], "sample.points": 64}``."""
+
+
+class Sweep:
+    """A folder of results, finished or not; :func:`sweep` makes it. It is a table in a notebook."""
+
+    def __init__(self, folder: str | Path, told: Mapping[str, Any] | None = None) -> None:
+        self.folder = Path(folder)
+        """Where the results are; ``amacrine report`` reads it as well."""
+        self._told = dict(told or {})
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """A row for each point that is there, in the order of the study: ``docs/sweeps.md`` lists the
+        columns."""
+        path = self.folder / "results.jsonl"
+        try:
+            text = path.read_text(encoding="utf-8")
+        except OSError as cause:
+            raise Error(f"{path}: {cause}\nhelp: give a folder that a sweep has written") from cause
+        return [json.loads(line) for line in text.splitlines() if line]
+
+    def to_frame(self) -> Any:
+        """The rows as a pandas data frame. Needs pandas."""
+        return importlib.import_module("pandas").DataFrame(self.rows)
+
+    @property
+    def finished(self) -> int:
+        """Points that are done, and points that cannot be."""
+        return sum(row["outcome"] != "failed" for row in self.rows)
+
+    @property
+    def failed(self) -> list[dict[str, Any]]:
+        """Points that were given up, with their reason: the next run computes them again."""
+        return [row for row in self.rows if row["outcome"] == "failed"]
+
+    @property
+    def missing(self) -> list[int]:
+        """Numbers of the points that are not there, where the sweep has told them."""
+        return list(self._told.get("missing", []))
+
+    @property
+    def computed(self) -> int:
+        """Points that this call computed; the others were there already."""
+        return int(self._told.get("computed", 0))
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __repr__(self) -> str:
+        return f"<Sweep {self.folder}: {len(self)} points>"
+
+    def _repr_html_(self) -> str:
+        return _table(self.rows)
+
+
+def sweep(
+    study: str | Path,
+    output: str | Path | None = None,
+    *,
+    set: Overrides | None = None,
+    client: Any = None,
+    shards: int | None = None,
+    jobs: int | None = None,
+    max_seconds_per_point: float | None = None,
+) -> Sweep:
+    """Computes each point of a study once, as ``amacrine sweep`` does, in the same folder of results.
+
+    What is finished is not computed again: a folder that exists is gone on with. A kill, Ctrl-C or a
+    lost worker costs the points in flight and nothing else.
+
+    Args:
+        study: A study file, or one that comes with the package by name, such as ``"formats"``.
+        output: The folder of results; the study's name without its ending where it is left out.
+        set: Keys of the study that are set.
+        client: A ``dask.distributed.Client``: each task is a shard, in a folder of its own
+            (``output/shard-0``, …), and all are joined in ``output/all``. The folder must be one that
+            all workers see. A shard whose worker is lost is tried again and goes on where it was.
+        shards: Tasks with a client; four for each worker where it is left out.
+        jobs: Points at a time without a client, each on one thread; as many as there are cores where it
+            is left out.
+        max_seconds_per_point: Gives a point up when a sensor takes longer to watch its scene.
+
+    Returns:
+        The folder: ``.to_frame()`` is a data frame with a row for each point, ``.rows`` are dicts.
+    """
+    file, text, folder = opened("studies", study)
+    sets = [f"{key}={_value(value)}" for key, value in (set or {}).items()]
+    path = Path(Path(study).stem if output is None else output)
+    given = file, text, (folder or Path()).absolute()
+    if client is None:
+        if shards is not None:
+            raise Error("shards without a client\nhelp: give client, or leave shards out")
+        told = _amacrine.sweep(given, sets, path, None, jobs or 0, max_seconds_per_point)
+        return Sweep(path, json.loads(told))
+    if jobs is not None:
+        raise Error("jobs with a client\nhelp: leave jobs out: a worker computes a point at a time")
+    count = shards if shards is not None else 4 * max(len(client.scheduler_info()["workers"]), 1)
+    if count < 1:
+        raise Error(f"{count} shards\nhelp: give a whole number above 0")
+    path = path.absolute()
+    path.mkdir(parents=True, exist_ok=True)
+    tasks = [
+        client.submit(
+            _shard, given, sets, path, (n, count), max_seconds_per_point, retries=2, pure=False
+        )
+        for n in range(count)
+    ]
+    try:
+        done = client.gather(tasks)
+    except BaseException:
+        client.cancel(tasks)
+        raise
+    told = json.loads(_amacrine.merge([path / f"shard-{n}" for n in range(count)], path / "all"))
+    told["computed"] = sum(json.loads(one)["computed"] for one in done)
+    return Sweep(path / "all", told)
+
+
+def _shard(
+    study: tuple[str, str, Path],
+    sets: Sequence[str],
+    path: Path,
+    part: tuple[int, int],
+    seconds: float | None,
+) -> str:
+    """One shard, on a worker."""
+    index, count = part
+    output = path / f"shard-{index}"
+    return _amacrine.sweep(study, [*sets], output, f"{index}/{count}", 1, seconds)
+
+
+def _value(of: Any) -> str:
+    """A value as the command line takes it."""
+    if isinstance(of, bool):
+        return "true" if of else "false"
+    if isinstance(of, (list, tuple)):
+        return ",".join(map(_value, of))
+    return str(of)

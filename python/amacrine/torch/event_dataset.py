@@ -1,0 +1,250 @@
+"""Voxels made on the fly of a folder of videos, by sensors that are drawn."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections import OrderedDict
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypedDict
+
+import numpy as np
+import numpy.typing as npt
+import torch
+
+from .. import _amacrine
+from .._amacrine import Error
+from ..frames import load
+from ..kernels import Kernels
+from ..sensor import Caution, EventSensor, Sensor
+
+VIDEOS = (".mp4", ".y4m", ".gif", ".apng", ".npy")
+"""Endings of the files of a folder that are videos; a folder in it is one of pictures."""
+
+
+class Item(TypedDict):
+    """What a data set gives for an index."""
+
+    voxels: torch.Tensor
+    """(windows,K,bins,H,W), (windows,K,2,bins,H,W) where they are split, or (T,K,H,W) without
+    ``bins``; in events."""
+    frames: torch.Tensor
+    """Light from 0 to 255 that the sensor watched, (T,1,H,W), ``uint8`` or ``float32``."""
+    video: int
+    """Which of :attr:`EventDataset.videos`."""
+    start: int
+    """The first frame in the video."""
+    sensor: int
+    """Which of the sensors that were drawn: :meth:`EventDataset.sensor`."""
+    fps: float
+    """Frames per second."""
+
+
+# What a number is drawn for.
+_VIDEO, _START, _ROW, _COLUMN, _FLIP, _SENSOR, _SEED = range(7)
+_KERNELS, _THRESHOLD, _QUANTISER, _CHIP = range(16, 20)
+
+
+class EventDataset(torch.utils.data.Dataset[Item]):
+    """Voxels on the fly: each item is some frames of a video, watched by a sensor that is drawn.
+
+    All that is drawn is a hash of (seed, epoch, index): an item is the same on any number of workers,
+    whatever was asked for before.
+
+    Args:
+        folder: A folder of videos (.mp4, .y4m, .gif, .apng, .npy, or folders of pictures), or a list of
+            them; or names that :func:`amacrine.load` takes, in a list.
+        frames: Frames of an item.
+        crop: Height and width of a part that is drawn; whole frames where it is left out.
+        flips: Mirrors items, left to right and top to bottom, half of them each.
+        kernels: What sensors are drawn from: a list of kernels as :class:`amacrine.Sensor` takes them, of
+            as many kinds each.
+        thresholds: The range that thresholds are drawn from, even in the logarithm.
+        mismatch: Deviation of a float sensor's thresholds from cell to cell, as a share of them; a chip
+            has its own.
+        quantisers: What is drawn: ``None`` is the float sensor, a quantiser such as ``"int-5"`` the
+            sensor as a program of a chip.
+        chips: What is drawn for a quantiser: chips by name, or folders.
+        domain: What the cells of the array hold, as in :meth:`amacrine.Sensor.on_chip`.
+        sensors: How many sensors are drawn. A program is compiled once for each, in each worker.
+        options: Of :class:`amacrine.Sensor`: ``response``, ``memory``, ``noise``, …; by default what a
+            chip can follow (``filtered-snap``, border ``zero``).
+        voxels: Of :meth:`amacrine.Sensor.voxels`: ``bins``, ``window``, ``polarity``, ``normalise``, ….
+        fps: Frames per second, instead of what the videos say.
+        length: Items of an epoch; as many as there are videos where it is left out.
+        seed: Chooses everything. The seed of a sensor's mismatch and noise is drawn for each item.
+        cache: Bytes of videos that each worker keeps.
+        transform: Is given each :class:`Item`.
+
+    With a ``DataLoader`` call :meth:`set_epoch` before each epoch (and leave
+    ``persistent_workers`` off), else all epochs are the same.
+    """
+
+    def __init__(
+        self,
+        folder: str | Path | Sequence[str | Path],
+        *,
+        frames: int = 16,
+        crop: tuple[int, int] | None = None,
+        flips: bool = True,
+        kernels: Sequence[Kernels] = ("csdvs-5",),
+        thresholds: tuple[float, float] = (0.1, 0.4),
+        mismatch: float = 0.0,
+        quantisers: Sequence[str | None] = (None,),
+        chips: Sequence[str] = ("scamp5",),
+        domain: str = "silicon",
+        sensors: int = 16,
+        options: Mapping[str, Any] | None = None,
+        voxels: Mapping[str, Any] | None = None,
+        fps: float | None = None,
+        length: int | None = None,
+        seed: int = 0,
+        cache: int = 1 << 30,
+        transform: Callable[[Item], Any] | None = None,
+    ) -> None:
+        self.videos = _videos(folder)
+        low, high = thresholds
+        if not 0.0 < low <= high < math.inf:
+            raise Error(f"thresholds from {low} to {high}\nhelp: give a range above 0, low to high")
+        whole = {"frames": (frames, 2), "sensors": (sensors, 1), "seed": (seed, 0)}
+        if length is not None:
+            whole["length"] = length, 1
+        for name, (given, least) in whole.items():
+            if given != int(given) or given < least:
+                raise Error(f"{name} = {given}\nhelp: give a whole number, {least} or more")
+        for name, list in {"kernels": kernels, "quantisers": quantisers, "chips": chips}.items():
+            if isinstance(list, str) or len(list) == 0:
+                raise Error(f"{name} to draw from are no list\nhelp: give a list of one or more")
+        if not 0.0 <= mismatch < 1.0:
+            raise Error(f"a mismatch of {mismatch}\nhelp: give a share of the threshold, 0 to 1")
+        self._mismatch = float(mismatch)
+        self._frames, self._crop, self._flips = int(frames), crop, flips
+        self._kernels, self._range = [*kernels], (float(low), float(high))
+        self._quantisers, self._chips, self._domain = [*quantisers], [*chips], domain
+        self._sensors = int(sensors)
+        self._options = {"memory": "filtered-snap", "border": "zero", **(options or {})}
+        self._voxels = dict(voxels or {})
+        self._fps, self._length, self._seed = fps, length, int(seed)
+        self._most, self._transform, self._epoch = cache, transform, 0
+        self._forget()
+
+    def _forget(self) -> None:
+        self._clips: OrderedDict[int, tuple[npt.NDArray[Any], float]] = OrderedDict()
+        self._made: dict[int, EventSensor] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        # A worker makes its own: programs of chips do not travel.
+        return {**self.__dict__, "_clips": OrderedDict(), "_made": {}}
+
+    def __len__(self) -> int:
+        return len(self.videos) if self._length is None else self._length
+
+    def set_epoch(self, epoch: int) -> None:
+        """Draws other items from now on."""
+        self._epoch = int(epoch)
+
+    def _draw(self, what: int, index: int) -> float:
+        """From 0 to 1."""
+        return _amacrine.uniform(self._seed, [what, self._epoch, index])
+
+    def sensor(self, number: int) -> EventSensor:
+        """A sensor that was drawn, from 0: a :class:`amacrine.Sensor`, or its program on a chip."""
+        if not 0 <= number < self._sensors:
+            raise Error(f"there is no sensor {number}\nhelp: give 0 to {self._sensors - 1}")
+        if number not in self._made:
+            self._made[number] = self._make(number)
+        return self._made[number]
+
+    def _make(self, number: int) -> EventSensor:
+        def one(what: int, of: Sequence[Any]) -> Any:
+            return of[int(_amacrine.uniform(self._seed, [what, number]) * len(of))]
+
+        low, high = self._range
+        part = _amacrine.uniform(self._seed, [_THRESHOLD, number])
+        threshold = low * (high / low) ** part
+        kernels = one(_KERNELS, self._kernels)
+        to = one(_QUANTISER, self._quantisers)
+        sigma = self._mismatch * threshold if to is None else 0.0
+        limits = {"on": threshold, "off": threshold, "sigma": sigma}
+        sensor = Sensor(kernels, limits, **self._options)
+        if to is None:
+            return sensor
+        with warnings.catch_warnings():
+            # They are in its notes.
+            warnings.simplefilter("ignore", Caution)
+            chip = one(_CHIP, self._chips)
+            return sensor.on_chip(to, domain=self._domain, chip=chip, effort=0.2)
+
+    def _clip(self, video: int) -> tuple[npt.NDArray[Any], float]:
+        """Light (T,H,W) of a whole video, and its frames per second."""
+        if video in self._clips:
+            self._clips.move_to_end(video)
+            return self._clips[video]
+        clip, fps = load(self.videos[video], fps=self._fps)
+        if clip.dtype != np.uint8:
+            clip = clip.astype(np.float32)
+        self._clips[video] = clip, fps
+        while sum(kept.nbytes for kept, _ in self._clips.values()) > self._most:
+            if len(self._clips) == 1:
+                break
+            self._clips.popitem(last=False)
+        return clip, fps
+
+    def __getitem__(self, index: int) -> Item:
+        if not -len(self) <= index < len(self):
+            raise IndexError(index)
+        index %= len(self)
+        # In order where each comes once, else drawn.
+        video = index
+        if self._length is not None:
+            video = int(self._draw(_VIDEO, index) * len(self.videos))
+        clip, fps = self._clip(video)
+        count, height, width = clip.shape
+        crop = self._crop or (height, width)
+        if count < self._frames or height < crop[0] or width < crop[1]:
+            raise Error(
+                f"{self.videos[video]}: {count} frames of {width}x{height} pixels, where "
+                f"{self._frames} of {crop[1]}x{crop[0]} are asked for\n"
+                "help: leave it out, or ask for fewer frames or a smaller part"
+            )
+
+        def at(what: int, room: int) -> int:
+            return int(self._draw(what, index) * (room + 1))
+
+        start = at(_START, count - self._frames)
+        y, x = at(_ROW, height - crop[0]), at(_COLUMN, width - crop[1])
+        part = clip[start : start + self._frames, y : y + crop[0], x : x + crop[1]]
+        if self._flips:
+            way = at(_FLIP, 3)
+            part = part[:, :: -1 if way & 1 else 1, :: -1 if way & 2 else 1]
+        part = np.ascontiguousarray(part)
+        number = at(_SENSOR, self._sensors - 1)
+        seed = int(self._draw(_SEED, index) * (1 << 53))
+        scale = None if part.dtype == np.uint8 else 1.0
+        voxels = self.sensor(number)._reseeded(seed).voxels(part, fps, scale=scale, **self._voxels)
+        item = Item(
+            voxels=torch.from_numpy(voxels),
+            frames=torch.from_numpy(part)[:, None],
+            video=video,
+            start=start,
+            sensor=number,
+            fps=fps,
+        )
+        return item if self._transform is None else self._transform(item)
+
+
+def _videos(folder: str | Path | Sequence[str | Path]) -> list[str]:
+    """Videos in the order of their names."""
+    if not isinstance(folder, (str, Path)):
+        videos = [str(video) for video in folder]
+        if not videos:
+            raise Error("a list without videos\nhelp: give a folder, or paths")
+        return videos
+    path = Path(folder)
+    if not path.is_dir():
+        raise Error(f"{path}: no such folder\nhelp: give a folder of videos, or a list of paths")
+    found = sorted(p for p in path.iterdir() if p.suffix.lower() in VIDEOS or p.is_dir())
+    if not found:
+        raise Error(f"{path}: no videos\nhelp: give a folder of {', '.join(VIDEOS)}, or of folders")
+    return [str(video) for video in found]

@@ -1,0 +1,304 @@
+"""A sensor as a layer, with the adjoint of the reference as its way back."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import torch
+from torch.autograd.function import once_differentiable
+
+from .. import _amacrine, toml
+from .._amacrine import Error
+from ..gradient import Rule, Slope, seconds
+from ..kernels import Kernels
+from ..sensor import Sensor, Thresholds
+
+RULES = ("through", "reset", "authors", "mean")
+
+
+class Watched(NamedTuple):
+    """What a sensor made of a batch of clips."""
+
+    voxels: torch.Tensor
+    """Voxels in events, (B,T,K,H,W), or (T,K,H,W) of one clip: a bin for each frame, centred on it,
+    which shares an event with the bin of the frame beside it. To stack bins and kinds for a
+    convolution: ``voxels.flatten(1, 2)``."""
+    counts: torch.Tensor
+    """ON less OFF between each two frames, (B,T-1,K,H,W), or (T-1,K,H,W) of one clip."""
+    events: torch.Tensor
+    """The number of events of all clips, whatever their sign; a scalar whose gradient all cells feel
+    (``slope="all"``), or those that fired."""
+
+
+class EventSensor(torch.nn.Module):
+    """A float sensor whose kernels and thresholds are learned.
+
+    Frames go in, voxels and counts come out, to the bit those of the sensor that
+    :meth:`to_sensor` gives, for light that is exact in ``dtype``, as 8-bit light is. The way back is the
+    adjoint of the float model (``docs/learning.md``): kernels, thresholds and light have gradients. It
+    is computed on the processor, on all threads and with the interpreter released; the results are the
+    same on any number of them. Tensors of another device are brought here and back.
+
+    Args:
+        kernels: (K,k,k) or (K,1,k,k), or names, as for :class:`amacrine.Sensor`: where learning begins.
+        thresholds: As for :class:`amacrine.Sensor`, in the unit of the filtered signal. Their
+            logarithms are learned, so that they stay above 0.
+        fps: Frames per second.
+        scale: What frames are multiplied by to be light from 0 to 255: 255 where they are 0 to 1.
+            ``uint8`` frames are light as they are.
+        rule: What flows back through the memory: ``"through"``, ``"reset"``, ``"authors"`` or
+            ``"mean"``; ``"through"`` where the memory steps and ``"reset"`` where it snaps if it is left
+            out. Where events are few, ``"mean"`` points where the loss falls.
+        slope: Which cells feel a loss on the number of events: ``"all"`` or ``"fired"``.
+        mismatch: Deviation of the thresholds from cell to cell, as a share of their mean; a fixed
+            pattern that ``seed`` chooses.
+        phase: Begins each memory between two thresholds, at a place of its own that this moves on;
+            left out, all begin at the first frame.
+        seed: Chooses mismatch and phases.
+        dtype: ``torch.float32`` or ``torch.float64``: all is computed in it.
+        options: Of :class:`amacrine.Sensor`: ``response``, ``memory`` (``"filtered-step"`` or
+            ``"filtered-snap"``), ``border``, ``refractory``, ``names``, ``name``.
+
+    Attributes:
+        kernels: The parameter (K,k,k), row 0 to the north.
+        log_thresholds: The parameter (K,2): the logarithms of the ON and the OFF threshold.
+    """
+
+    def __init__(
+        self,
+        kernels: Kernels,
+        thresholds: Thresholds,
+        *,
+        fps: float,
+        scale: float | None = None,
+        rule: Rule | None = None,
+        slope: Slope = "all",
+        mismatch: float = 0.0,
+        phase: float | None = None,
+        seed: int = 0,
+        dtype: torch.dtype = torch.float32,
+        **options: Any,
+    ) -> None:
+        super().__init__()
+        given = kernels.detach().cpu() if isinstance(kernels, torch.Tensor) else kernels
+        limits = thresholds
+        if isinstance(limits, torch.Tensor):
+            limits = limits.detach().cpu().double().tolist()
+        self._begin(Sensor(given, limits, **options), dtype)
+        self._set(fps, scale, rule, slope, mismatch, phase, seed)
+
+    @classmethod
+    def from_sensor(
+        cls,
+        sensor: Sensor,
+        *,
+        fps: float,
+        scale: float | None = None,
+        rule: Rule | None = None,
+        slope: Slope = "all",
+        mismatch: float = 0.0,
+        phase: float | None = None,
+        seed: int = 0,
+        dtype: torch.dtype = torch.float32,
+    ) -> EventSensor:
+        """The layer that begins as this sensor, each of whose kinds of cells has one kernel."""
+        self = cls.__new__(cls)
+        torch.nn.Module.__init__(self)
+        self._begin(sensor, dtype)
+        self._set(fps, scale, rule, slope, mismatch, phase, seed)
+        return self
+
+    def _begin(self, sensor: Sensor, dtype: torch.dtype) -> None:
+        if dtype not in (torch.float32, torch.float64):
+            raise Error(f"a sensor in {dtype}\nhelp: give torch.float32 or torch.float64")
+        kernels = sensor.kernels
+        if not sensor._native.plain or len({kernel.shape for kernel in kernels}) != 1:
+            raise Error(
+                f"{sensor.name}: its kinds of cells are more than kernels of one size\n"
+                "help: give every kind one kernel (k,k), without a pattern, a mesh or log-temporal"
+            )
+        weights = torch.stack([torch.from_numpy(kernel) for kernel in kernels])
+        limits = torch.tensor([limit[:2].tolist() for limit in sensor.thresholds]).double()
+        self.kernels = torch.nn.Parameter(weights.to(dtype))
+        self.log_thresholds = torch.nn.Parameter(limits.log().to(dtype))
+        self._template = sensor
+        self._names = sensor._native.channels
+        # What is said of the sensor before its kinds of cells.
+        self._head = sensor.text.partition("[[channel]]")[0]
+
+    def _set(
+        self,
+        fps: float,
+        scale: float | None,
+        rule: Rule | None,
+        slope: Slope,
+        mismatch: float,
+        phase: float | None,
+        seed: int,
+    ) -> None:
+        if rule is not None and rule not in RULES:
+            raise Error(f"`{rule}` is no rule of the gradient\nhelp: give one of {', '.join(RULES)}")
+        if slope not in ("all", "fired"):
+            raise Error(f"`{slope}` is no slope\nhelp: give all or fired")
+        if not (0.0 <= mismatch < 1.0):
+            raise Error(f"a mismatch of {mismatch}\nhelp: give a share of the threshold, 0 to 1")
+        seconds(0, fps, None)
+        self.fps, self.scale, self.rule, self.slope = fps, scale, rule, slope
+        self.mismatch, self.phase, self.seed = mismatch, phase, seed
+
+    @property
+    def thresholds(self) -> torch.Tensor:
+        """ON and OFF thresholds, (K,2), in the unit of the filtered signal."""
+        return self.log_thresholds.exp()
+
+    def forward(self, frames: torch.Tensor) -> Watched:
+        """The events of clips: light of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W), two frames at
+        least."""
+        light, batched = self._light(frames)
+        thresholds = self.thresholds
+        limits = thresholds.detach().double()
+        sigma = self.mismatch * limits.mean(1, keepdim=True)
+        how = _How(
+            native=self._template._native,
+            sigma=sigma,
+            times=seconds(light.shape[1], self.fps, None),
+            seed=self.seed,
+            phase=self.phase,
+            rule=self.rule,
+            slope=self.slope,
+        )
+        seen = Watched(*_Watch.apply(self.kernels, thresholds, light, how))
+        return seen if batched else Watched(seen.voxels[0], seen.counts[0], seen.events)
+
+    def _light(self, frames: torch.Tensor) -> tuple[torch.Tensor, bool]:
+        """Light from 0 to 255, (B,T,H,W), and whether there are several clips."""
+        if not isinstance(frames, torch.Tensor):
+            frames = torch.as_tensor(frames)
+        shape = tuple(frames.shape)
+        if frames.dtype == torch.bool or frames.is_complex():
+            raise Error(f"frames of dtype {frames.dtype} are no light\nhelp: give uint8 or floats")
+        if frames.dtype != torch.uint8 and self.scale is None:
+            raise Error(
+                f"frames of dtype {frames.dtype} have no scale of their own\n"
+                "help: say what they are multiplied by to be light from 0 to 255: "
+                "EventSensor(…, scale=255) where they are 0 to 1, scale=1 where they are 0 to 255"
+            )
+        light = frames.to(self.kernels.dtype)
+        if frames.dtype != torch.uint8 or self.scale is not None:
+            light = light * (1.0 if self.scale is None else self.scale)
+        if len(shape) == 3:
+            return light[None], False
+        if len(shape) == 4 and shape[1] == 1:
+            return light[None, :, 0], False
+        if len(shape) == 5 and shape[2] == 1:
+            return light[:, :, 0], True
+        raise Error(
+            f"frames of shape {shape} are no clip\n"
+            "help: give a tensor of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W)"
+        )
+
+    def to_sensor(self, name: str | None = None) -> Sensor:
+        """The sensor as it is now, which makes the same counts and voxels; its ``text`` is the file
+        that ``amacrine run --sensor`` takes."""
+        kernels = self.kernels.detach().cpu().double().numpy()
+        limits = self.thresholds.detach().cpu().double()
+        sigmas = (self.mismatch * limits.mean(1)).tolist()
+        head = self._head.splitlines(keepends=True)
+        if name is not None:
+            head = [line for line in head if not line.startswith("name =")]
+            head.insert(0, toml.table({"name": name}))
+        text = "".join(head)
+        for k, kernel in enumerate(kernels):
+            on, off = limits[k].tolist()
+            text += "\n[[channel]]\n" + toml.table(
+                {
+                    "name": self._names[k],
+                    "kernel": kernel,
+                    "threshold": {"on": on, "off": off, "sigma": sigmas[k]},
+                }
+            )
+        format = "f32" if self.kernels.dtype == torch.float32 else "f64"
+        return Sensor.from_text(text, seed=self.seed, format=format)
+
+    def extra_repr(self) -> str:
+        """What stands in the representation of the layer."""
+        kinds, side, _ = self.kernels.shape
+        return f"{kinds} kinds of {side}x{side}, fps={self.fps}, rule={self.rule or 'by memory'}"
+
+
+class _How(NamedTuple):
+    """What has no gradient."""
+
+    native: _amacrine.Sensor
+    sigma: torch.Tensor
+    times: list[float]
+    seed: int
+    phase: float | None
+    rule: Rule | None
+    slope: Slope
+
+
+class _Watch(torch.autograd.Function):
+    """Light, kernels and thresholds to voxels, counts and the number of events."""
+
+    @staticmethod
+    def forward(
+        ctx: Any,
+        kernels: torch.Tensor,
+        thresholds: torch.Tensor,
+        light: torch.Tensor,
+        how: _How,
+    ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+        weights = kernels.detach().cpu().double().contiguous().numpy()
+        limits = torch.cat([thresholds.detach().cpu().double(), how.sigma.cpu()], 1)
+        seen = _amacrine.forward(
+            how.native,
+            (weights, limits.contiguous().numpy()),
+            light.detach().cpu().contiguous().numpy(),
+            how.times,
+            how.seed,
+            how.phase,
+        )
+        clips, frames, *rest = seen.shape
+        ctx.seen, ctx.how, ctx.device = seen, how, light.device
+        ctx.dtype = kernels.dtype
+        ctx.set_materialize_grads(False)
+        voxels = torch.from_numpy(seen.voxels).reshape(seen.shape)
+        counts = torch.from_numpy(seen.counts).reshape(clips, frames - 1, *rest)
+        events = torch.tensor(float(seen.events), dtype=kernels.dtype)
+        to = light.device
+        return voxels.to(to), counts.to(to, kernels.dtype), events.to(to)
+
+    @staticmethod
+    @once_differentiable
+    def backward(
+        ctx: Any,
+        voxels: torch.Tensor | None,
+        counts: torch.Tensor | None,
+        events: torch.Tensor | None,
+    ) -> tuple[torch.Tensor | None, torch.Tensor | None, torch.Tensor | None, None]:
+        seen: _amacrine.Seen = ctx.seen
+        asked = 0.0 if events is None else float(events)
+        if not math.isfinite(asked):
+            raise Error(
+                f"the loss's gradient of the number of events is {asked}\n"
+                "help: look at what made it: a loss that divides by zero, or a network that has "
+                "diverged"
+            )
+        wants_light = bool(ctx.needs_input_grad[2])
+        kinds, light = seen.backward(
+            _flat(voxels), _flat(counts), asked, ctx.how.rule, ctx.how.slope, wants_light
+        )
+        weights = torch.stack([torch.from_numpy(own[0]) for own, *_ in kinds])
+        limits = torch.tensor([[on[0], off[0]] for _, on, off, _ in kinds], dtype=torch.float64)
+        back = None
+        if light is not None:
+            clips, frames, _, height, width = seen.shape
+            back = torch.from_numpy(light).reshape(clips, frames, height, width).to(ctx.device)
+        to = {"device": ctx.device, "dtype": ctx.dtype}
+        return weights.to(**to), limits.to(**to), back, None
+
+
+def _flat(of: torch.Tensor | None) -> Any:
+    return None if of is None else of.detach().cpu().contiguous().reshape(-1).numpy()

@@ -1,0 +1,117 @@
+"""Sweeps in Python are those of the command line, in the same folders."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any, Callable
+
+import amacrine
+import pytest
+
+STUDY = """
+title = "small"
+scene = "pattern:bar?width=48&height=32&frames=8&fps=100"
+kernel = "csdvs-3"
+threshold = [4, 8, 16]
+[[side]]
+side = "reference"
+format = ["f64", "f32"]
+[[side]]
+side = "array"
+quantise = "ternary"
+effort = 0.1
+"""
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    path = tmp_path / "small.toml"
+    text = STUDY.replace('effort = 0.1\n', "")
+    path.write_text(text.replace('title = "small"', 'title = "small"\neffort = 0.1'))
+    return path
+
+
+def _rows(folder: Path) -> list[dict[str, Any]]:
+    """What does not differ between machines."""
+    lines = (folder / "results.jsonl").read_text().splitlines()
+    differ = ("seconds", "per_s", "memory")
+    return [
+        {k: v for k, v in json.loads(line).items() if not any(d in k for d in differ)}
+        for line in lines
+    ]
+
+
+def test_it_is_the_sweep_of_the_program(
+    study: Path, program: Callable[..., str], tmp_path: Path
+) -> None:
+    program("sweep", study, "--output", tmp_path / "theirs")
+    ours = amacrine.sweep(study, tmp_path / "ours")
+    assert _rows(tmp_path / "ours") == _rows(tmp_path / "theirs")
+    assert (len(ours), ours.finished, ours.computed, ours.missing) == (9, 9, 9, [])
+    assert "<table>" in ours._repr_html_()
+    again = amacrine.sweep(study, tmp_path / "ours")
+    assert again.computed == 0
+    # The program goes on with the folder.
+    told = json.loads(program("sweep", study, "--output", tmp_path / "ours", "--json"))
+    assert told["computed"] == 0
+    other = amacrine.sweep(study, tmp_path / "other", set={"threshold": [4], "reference.format": ["f16"]})
+    assert len(other) == 2 and {row["threshold_on"] for row in other.rows} == {4.0}
+
+
+def test_rows_as_a_frame(study: Path, tmp_path: Path) -> None:
+    pandas = pytest.importorskip("pandas")
+    swept = amacrine.sweep(study, tmp_path / "out", set={"threshold": 4})
+    frame = swept.to_frame()
+    assert isinstance(frame, pandas.DataFrame) and list(frame["side"])[0] == "reference"
+
+
+LONG = """
+import amacrine, sys
+amacrine.sweep(sys.argv[1], sys.argv[2], jobs=1, set={"threshold": [*range(1, 200)], "frames": 8})
+"""
+
+
+@pytest.mark.parametrize("blow", [signal.SIGKILL, signal.SIGINT])
+def test_what_is_finished_is_kept(blow: signal.Signals, study: Path, tmp_path: Path) -> None:
+    """Killed, or stopped by Ctrl-C, it goes on where it was."""
+    output = tmp_path / "out"
+    with subprocess.Popen(
+        [sys.executable, "-c", LONG, study, output], stderr=subprocess.PIPE, text=True
+    ) as run:
+        points = output / "points"
+        until = time.monotonic() + 60
+        while len(list(points.glob("*.json"))) < 3 and time.monotonic() < until:
+            time.sleep(0.02)
+        os.kill(run.pid, blow)
+        said = run.communicate(timeout=60)[1]
+    there = len([p for p in points.iterdir() if len(p.stem) == 32])
+    assert 3 <= there < 597, there
+    assert ("KeyboardInterrupt" in said) == (blow == signal.SIGINT), said
+    some = {"threshold": [*range(1, 200)], "frames": 8}
+    subprocess.run(
+        [sys.executable, "-c", LONG.replace("jobs=1", "jobs=2"), study, output], check=True
+    )
+    swept = amacrine.sweep(study, output, set=some)
+    assert (swept.computed, len(swept)) == (0, 597)
+
+
+def test_on_a_cluster(study: Path, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("dask.distributed")
+    amacrine.sweep(study, tmp_path / "alone")
+    cluster = distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, processes=True
+    )
+    with cluster, distributed.Client(cluster) as client:
+        swept = amacrine.sweep(study, tmp_path / "dask", client=client, shards=3)
+        assert swept.folder == tmp_path / "dask/all" and swept.computed == 9
+        assert _rows(swept.folder) == _rows(tmp_path / "alone")
+        again = amacrine.sweep(study, tmp_path / "dask", client=client, shards=2)
+        assert len(again) == 9
+        with pytest.raises(amacrine.Error, match="jobs with a client"):
+            amacrine.sweep(study, tmp_path / "x", client=client, jobs=2)

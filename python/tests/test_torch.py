@@ -1,0 +1,280 @@
+"""A sensor as a layer of PyTorch, and its data set. Skipped where torch is not installed; `.ci/torch`
+installs it."""
+
+from __future__ import annotations
+
+import copy
+import io
+import pickle
+from pathlib import Path
+from typing import Any
+
+import amacrine
+import numpy as np
+import pytest
+from amacrine import gradient
+from conftest import Frames, kernels
+
+torch = pytest.importorskip("torch")
+
+from amacrine.torch import EventDataset, EventSensor  # noqa: E402
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("memory", ["filtered-step", "filtered-snap"])
+def test_it_is_the_sensor_that_it_becomes(dtype: str, memory: str, frames: Frames) -> None:
+    batch = np.stack([frames, frames[::-1]])[:, :, None]
+    layer = EventSensor(
+        torch.from_numpy(kernels(3)), [0.3, (0.3, 0.5), 0.4], fps=120, memory=memory,
+        mismatch=0.1, seed=4, refractory=500 if memory == "filtered-step" else None,
+        dtype=getattr(torch, dtype), names=["a", "b", "c"], name="layer",
+    )
+    seen = layer(torch.from_numpy(batch))
+    assert seen.voxels.shape == (2, 12, 3, 61, 83) and seen.voxels.dtype == layer.kernels.dtype
+    sensor = layer.to_sensor()
+    assert sensor.channels == ["a", "b", "c"] and sensor.name == "layer"
+    counts = sensor.counts(batch, 120)
+    assert np.array_equal(seen.counts.detach().numpy(), counts) and counts.any()
+    assert float(seen.events.detach()) == np.abs(counts).sum()
+    want = sensor.voxels(batch, 120)
+    np.testing.assert_allclose(seen.voxels.detach().numpy(), want, atol=1e-5)
+    one = layer(torch.from_numpy(batch[0]))
+    assert torch.equal(one.voxels, seen.voxels[0]) and torch.equal(one.counts, seen.counts[0])
+    again = EventSensor.from_sensor(sensor, fps=120, dtype=layer.kernels.dtype)
+    assert torch.equal(again.kernels, layer.kernels)
+    assert layer.to_sensor("other").name == "other"
+
+
+@pytest.mark.parametrize("rule", ["through", "reset", "authors", "mean"])
+def test_its_gradients_are_those_of_the_model(rule: Any, frames: Frames) -> None:
+    layer = EventSensor(kernels(2), 0.3, fps=120, rule=rule, dtype=torch.float64)
+    light = torch.tensor(frames, dtype=torch.float64, requires_grad=True)
+    layer.scale = 1.0
+    seen = layer(light)
+    weight = torch.cos(torch.arange(seen.voxels.numel(), dtype=torch.float64)).reshape_as(seen.voxels)
+    ask = torch.sin(torch.arange(seen.counts.numel(), dtype=torch.float64)).reshape_as(seen.counts)
+    loss = (seen.voxels * weight).sum() + (seen.counts * ask).sum() + 0.3 * seen.events
+    loss.backward()
+    model = gradient.forward(layer.to_sensor(), frames, 120, dtype="f8")
+    want = model.backward(weight.numpy(), ask.numpy(), events=0.3, rule=rule, light=True)
+    assert torch.equal(layer.kernels.grad, torch.from_numpy(np.stack(want.kernels)))
+    limits = torch.tensor([[on[0], off[0]] for on, off in zip(want.on, want.off)])
+    chained = limits.double() * layer.thresholds.detach()
+    torch.testing.assert_close(layer.log_thresholds.grad, chained)
+    assert want.light is not None and light.grad is not None
+    assert torch.equal(light.grad, torch.from_numpy(want.light)) and bool(light.grad.any())
+
+
+def test_gradcheck_where_no_event_comes_or_goes() -> None:
+    """PyTorch's own check, on a loss from which what stands for the derivative of a number of events
+    is taken out (`test_gradient.py` says how)."""
+    from test_gradient import _without_counts
+
+    random = np.random.default_rng(3)
+    frames = torch.from_numpy(random.uniform(30, 255, (2, 5, 6))).requires_grad_()
+    layer = EventSensor(kernels(1, 3), 0.31, fps=30, scale=1, dtype=torch.float64)
+    weights = random.normal(size=(2, 1, 5, 6))
+    base = gradient.forward(layer.to_sensor(), frames.detach().numpy(), 30, scale=1, dtype="f8")
+    ask = torch.from_numpy(_without_counts(base, weights))
+    counts = torch.from_numpy(base.counts).double()
+
+    def loss(kernel: Any, logs: Any, light: Any) -> Any:
+        parameters = {"kernels": kernel, "log_thresholds": logs}
+        seen = torch.func.functional_call(layer, parameters, (light,))
+        assert torch.equal(seen.counts, counts)
+        return (seen.voxels * torch.from_numpy(weights)).sum() + (seen.counts * ask).sum()
+
+    given = [it.detach().clone().requires_grad_() for it in (layer.kernels, layer.log_thresholds)]
+    assert torch.autograd.gradcheck(loss, (*given, frames), eps=1e-7, atol=1e-5, rtol=1e-5)
+
+
+@pytest.mark.parametrize("optimiser", ["SGD", "Adam", "LBFGS"])
+def test_it_learns(optimiser: str) -> None:
+    """Kernels and thresholds that make the voxels of another sensor, from its events alone."""
+    random = np.random.default_rng(2)
+    texture = np.cumsum(np.cumsum(random.normal(size=(50, 90)), 0), 1)
+    texture = 20 + 200 * (texture - texture.min()) / np.ptp(texture)
+    frames = torch.from_numpy(
+        np.stack([texture[n : n + 24, 2 * n : 2 * n + 32] for n in range(10)]).astype("u1")
+    )
+    teacher = EventSensor(kernels(1, 3) * 3, 0.05, fps=30)
+    with torch.no_grad():
+        want = teacher(frames).voxels
+    start = teacher.kernels.detach().numpy() * 0.8 + 0.02 * random.normal(size=(1, 3, 3))
+    layer = EventSensor(start, 0.06, fps=30, rule="through")
+    rate = {"SGD": 3e-2, "Adam": 5e-3, "LBFGS": 0.02}[optimiser]
+    steps = torch.optim.__dict__[optimiser](layer.parameters(), lr=rate)
+    losses: list[float] = []
+
+    def step() -> Any:
+        steps.zero_grad()
+        loss = (layer(frames).voxels - want).square().mean()
+        loss.backward()
+        losses.append(float(loss.detach()))
+        return loss
+
+    for _ in range(30):
+        steps.step(step)
+    assert min(losses) < 0.5 * losses[0], losses
+
+
+def test_state_goes_round(frames: Frames) -> None:
+    layer = EventSensor(kernels(2), 0.3, fps=120)
+    with torch.no_grad():
+        layer.kernels.add_(0.01)
+    file = io.BytesIO()
+    torch.save(layer.state_dict(), file)
+    file.seek(0)
+    other = EventSensor(kernels(2) * 0, 0.5, fps=120)
+    other.load_state_dict(torch.load(file))
+    given = torch.from_numpy(frames)
+    want = layer(given).voxels
+    for same in (other, copy.deepcopy(layer), pickle.loads(pickle.dumps(layer))):
+        assert torch.equal(same(given).voxels, want)
+    assert set(layer.state_dict()) == {"kernels", "log_thresholds"}
+
+
+def test_the_same_on_any_number_of_threads(frames: Frames) -> None:
+    large = torch.from_numpy(np.tile(frames, (1, 3, 2)))
+    before, said = amacrine.threads(), []
+    try:
+        for threads in (1, 3):
+            amacrine.set_threads(threads)
+            layer = EventSensor(kernels(3), 0.3, fps=120)
+            seen = layer(large)
+            (seen.voxels.square().sum() + seen.events).backward()
+            assert layer.kernels.grad is not None and layer.log_thresholds.grad is not None
+            said.append((layer.kernels.grad.numpy().tobytes(),
+                         layer.log_thresholds.grad.numpy().tobytes()))
+    finally:
+        amacrine.set_threads(before)
+    assert said[0] == said[1]
+
+
+def _any(of: Any) -> Any:
+    """What the types do not let through."""
+    return of
+
+
+MISTAKES: dict[str, tuple[Any, str]] = {
+    "scale": (lambda f: EventSensor("dvs", 0.1, fps=9)(f / 255), "scale=255"),
+    "axes": (lambda f: EventSensor("dvs", 0.1, fps=9)(f[0]), "(T,H,W), (T,1,H,W)"),
+    "one frame": (lambda f: EventSensor("dvs", 0.1, fps=9)(f[:1]), "at least two frames"),
+    "rule": (lambda f: EventSensor("dvs", 0.1, fps=9, rule=_any("ste")), "no rule of the gradient"),
+    "rate": (lambda f: EventSensor("dvs", 0.1, fps=0), "no rate"),
+    "dtype": (lambda f: EventSensor("dvs", 0.1, fps=9, dtype=torch.float16), "torch.float32"),
+    "memory": (lambda f: EventSensor("dvs", 0.1, fps=9, memory="raw-snap")(f), "holds pixels"),
+    "sizes": (lambda f: EventSensor(["dvs", "csdvs-5"], 0.1, fps=9), "kernels of one size"),
+    "diverged": (lambda f: _diverged(f), "must stay finite"),
+    "loss": (lambda f: _loss(f), "has NaN at"),
+}
+
+
+def _diverged(frames: Any) -> None:
+    layer = EventSensor("csdvs-3", 0.1, fps=9)
+    with torch.no_grad():
+        layer.kernels[0, 1, 1] = torch.nan
+    layer(frames)
+
+
+def _loss(frames: Any) -> None:
+    layer = EventSensor("csdvs-3", 0.1, fps=9)
+    (layer(frames).voxels.sum() * torch.nan).backward()
+
+
+@pytest.mark.parametrize("which", MISTAKES)
+def test_mistakes(which: str, frames: Frames) -> None:
+    what, words = MISTAKES[which]
+    with pytest.raises(amacrine.Error) as told:
+        what(torch.from_numpy(frames))
+    assert words in str(told.value), str(told.value)
+
+
+@pytest.fixture(scope="module")
+def videos(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder: Path = tmp_path_factory.mktemp("videos")
+    random = np.random.default_rng(6)
+    for n in range(3):
+        texture = random.integers(0, 256, (80, 90)).astype(np.uint8)
+        clip = np.stack([texture[t : t + 40, 2 * t : 2 * t + 48] for t in range(14 + n)])
+        np.save(folder / f"clip{n}.npy", clip)
+    return folder
+
+
+def _dataset(videos: Path, **more: Any) -> EventDataset:
+    how: dict[str, Any] = dict(
+        frames=6, crop=(24, 32), kernels=[kernels(1, 3), -kernels(1, 3)], thresholds=(0.2, 0.6),
+        quantisers=[None, "int-5"], sensors=4, voxels={"bins": 5}, fps=60, length=10, seed=3,
+    )
+    return EventDataset(videos, **{**how, **more})
+
+
+def _equal(a: Any, b: Any) -> bool:
+    return all(
+        torch.equal(a[key], b[key]) if isinstance(a[key], torch.Tensor) else a[key] == b[key]
+        for key in a
+    )
+
+
+def test_a_data_set_is_the_same_on_any_number_of_workers(videos: Path) -> None:
+    data = _dataset(videos)
+    assert len(data) == 10
+    alone = [data[n] for n in range(10)]
+    assert alone[0]["voxels"].shape == (1, 1, 5, 24, 32)
+    assert alone[0]["frames"].shape == (6, 1, 24, 32)
+    assert all(bool(item["voxels"].any()) for item in alone)
+    kinds = {type(data.sensor(n)).__name__ for n in range(4)}
+    assert kinds == {"Sensor", "ChipSensor"}
+    assert len({(i["video"], i["start"], i["sensor"]) for i in alone}) > 5
+    again = _dataset(videos)
+    assert all(_equal(again[n], alone[n]) for n in reversed(range(10)))
+    for workers in (0, 2):
+        loader: Any = torch.utils.data.DataLoader(_dataset(videos), batch_size=2, num_workers=workers)
+        batches = list(loader)
+        assert len(batches) == 5
+        for n, item in enumerate(alone):
+            assert torch.equal(batches[n // 2]["voxels"][n % 2], item["voxels"])
+    data.set_epoch(1)
+    assert not all(_equal(data[n], alone[n]) for n in range(10))
+
+
+def test_an_item_is_what_its_sensor_makes_of_its_frames(videos: Path) -> None:
+    data = _dataset(videos, quantisers=[None], length=None, flips=False)
+    assert len(data) == 3
+    item = data[2]
+    clip = np.load(data.videos[2])
+    frames = item["frames"][:, 0].numpy()
+    start = item["start"]
+    windows = np.lib.stride_tricks.sliding_window_view(clip[start : start + 6], (24, 32), (1, 2))
+    assert any((windows[:, y, x] == frames).all() for y in range(17) for x in range(17))
+    want = data.sensor(item["sensor"]).voxels(frames, 60, bins=5)
+    assert torch.equal(item["voxels"], torch.from_numpy(want))
+
+
+@pytest.mark.parametrize("quantiser", [None, "int-5"])
+def test_each_item_has_its_own_mismatch(quantiser: Any, videos: Path) -> None:
+    """The same sensor on the same frames: another chip, or other cells, each time."""
+    same: dict[str, Any] = dict(
+        frames=14, crop=None, flips=False, quantisers=[quantiser], sensors=1, length=2
+    )
+    first = [str(sorted(videos.iterdir())[0])]
+    still = EventDataset(first, **same, fps=60, voxels={"bins": 3})
+    moved = EventDataset(first, **same, fps=60, voxels={"bins": 3}, mismatch=0.1)
+    assert torch.equal(moved[0]["frames"], moved[1]["frames"])
+    assert not torch.equal(moved[0]["voxels"], moved[1]["voxels"])
+    assert torch.equal(still[0]["voxels"], still[1]["voxels"]) == (quantiser is None)
+
+
+def test_mistakes_of_data_sets(videos: Path, tmp_path: Path) -> None:
+    mistakes: list[tuple[Any, str]] = [
+        (lambda: EventDataset(tmp_path / "none"), "no such folder"),
+        (lambda: EventDataset(tmp_path), "no videos"),
+        (lambda: _dataset(videos, thresholds=(0.5, 0.1)), "thresholds from 0.5"),
+        (lambda: _dataset(videos, frames=1), "frames = 1"),
+        (lambda: _dataset(videos, mismatch=2), "a mismatch of 2"),
+        (lambda: _dataset(videos, frames=99)[0], "where 99 of 32x24"),
+        (lambda: _dataset(videos, kernels="dvs"), "kernels to draw from"),
+    ]
+    for make, words in mistakes:
+        with pytest.raises(amacrine.Error, match=words):
+            make()

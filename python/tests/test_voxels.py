@@ -1,0 +1,162 @@
+"""Voxels, time surfaces and event frames as networks are fed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import amacrine
+import numpy as np
+import pytest
+from conftest import Frames, kernels
+
+FPS = 120.0
+
+
+def _slow(
+    events: Any, kinds: int, how: dict[str, Any], end: int
+) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """An event at t in a window from a to b gives 1 - |bin - (bins - 1) (t - a) / (b - a)|."""
+    bins, length = how["bins"], how.get("window") or end * 1e-6
+    every = how.get("every") or length
+    causal, split = how.get("causal", True), how.get("polarity") == "split"
+    bounds: list[tuple[int, int]] = []
+    while True:
+        n = len(bounds)
+        if causal:
+            if n and bounds[-1][1] >= end:
+                break
+            at = (n + 1) * every
+            bounds.append((round((n * every + every - length) * 1e6), round(at * 1e6)))
+        else:
+            if n and round(n * every * 1e6) > end:
+                break
+            middle = n * every
+            bounds.append((round((middle - length / 2) * 1e6), round((middle + length / 2) * 1e6)))
+    out = np.zeros((len(bounds), kinds, 2, bins, 61, 83))
+    for n, (a, b) in enumerate(bounds):
+        for event in events[(events["t"] > a) & (events["t"] <= b)]:
+            part = (int(event["t"]) - a) / (b - a)
+            for bin in range(bins):
+                if how.get("share") == "whole":
+                    share = float(bin / bins < part <= (bin + 1) / bins)
+                else:
+                    share = max(0.0, 1 - abs(bin - part * (bins - 1)))
+                out[n, event["channel"], event["p"], bin, event["y"], event["x"]] += share
+    return out if split else out[:, :, 1] - out[:, :, 0]
+
+
+WAYS: list[dict[str, Any]] = [
+    {"bins": 9},
+    {"bins": 5, "window": 0.03},
+    {"bins": 5, "window": 0.03, "polarity": "split"},
+    {"bins": 1, "window": 0.05},
+    {"bins": 4, "window": 0.02, "share": "whole"},
+    {"bins": 3, "window": 0.025, "every": 1 / FPS},
+    {"bins": 3, "window": 0.025, "every": 1 / FPS, "causal": False},
+]
+
+
+@pytest.mark.parametrize("how", WAYS, ids=str)
+def test_voxels_are_those_of_the_equation(how: dict[str, Any], frames: Frames) -> None:
+    sensor = amacrine.Sensor(kernels(2), 2.0)
+    events = sensor.events(frames, FPS)
+    assert len(events) > 1000
+    end = round(11 / FPS * 1e6)
+    want = _slow(events, 2, how, end)
+    got = sensor.voxels(frames, FPS, **how)
+    assert got.shape == want.shape and got.dtype == np.float32
+    np.testing.assert_allclose(got, want, atol=1e-4)
+    of_events = amacrine.events.voxels(events, size=(61, 83), channels=2, end=11 / FPS, **how)
+    assert np.array_equal(of_events, got)
+    shuffled = np.random.default_rng(1).permutation(events)
+    again = amacrine.events.voxels(shuffled, size=(61, 83), channels=2, end=11 / FPS, **how)
+    np.testing.assert_allclose(again, got, atol=1e-4)
+
+
+def test_a_window_after_a_snap_has_the_events_of_its_last_frame(frames: Frames) -> None:
+    """A memory that snaps decides at frames: a causal window that ends with a frame has its events."""
+    sensor = amacrine.Sensor(kernels(1), 1.0, memory="filtered-snap")
+    counts = sensor.counts(frames, FPS)
+    voxels = sensor.voxels(frames, FPS, bins=1, window=1 / FPS)
+    assert voxels.shape == (11, 1, 1, 61, 83)
+    assert np.array_equal(voxels[:, :, 0], counts)
+
+
+@pytest.mark.parametrize("chip", [False, True])
+def test_windows_come_one_by_one(chip: bool, frames: Frames) -> None:
+    made = amacrine.Sensor(kernels(2, 3), 0.5, memory="filtered-snap", border="zero")
+    sensor = made.on_chip("int-5", domain="exact") if chip else made
+    long = np.concatenate([frames] * 4)
+    ways: list[dict[str, Any]] = [
+        {"bins": 4, "window": 0.05},
+        {"bins": 2, "window": 0.06, "every": 0.02, "normalise": "std"},
+    ]
+    for how in ways:
+        want = sensor.voxels(long, FPS, **how)
+        parts = (long[n : n + 7] for n in range(0, len(long), 7))
+        got = list(sensor.voxel_windows(parts, FPS, **how))
+        assert np.array_equal(np.stack(got), want) and want.any()
+    assert list(sensor.voxel_windows([], FPS, bins=3, window=1.0)) == []
+
+
+def test_ranges_and_types(frames: Frames) -> None:
+    sensor = amacrine.Sensor(kernels(2), 2.0)
+    plain = sensor.voxels(frames, FPS, bins=5)
+    for dtype in (np.float16, np.float64):
+        other = sensor.voxels(frames, FPS, bins=5, dtype=dtype)
+        assert other.dtype == dtype and np.array_equal(other, plain.astype(dtype))
+    even = sensor.voxels(frames, FPS, bins=5, normalise="std")
+    for kind in range(2):
+        fired = plain[0, kind] != 0
+        assert even[0, kind][fired].mean() == pytest.approx(0, abs=1e-3)
+        assert even[0, kind][fired].std() == pytest.approx(1, abs=1e-3)
+        assert not even[0, kind][~fired].any()
+    most = sensor.voxels(frames, FPS, bins=5, normalise="max")
+    assert np.abs(most).max() == 1
+    batch = np.stack([frames, frames[::-1]])[:, :, None]
+    several = sensor.voxels(batch, FPS, bins=5)
+    assert np.array_equal(several[0], plain) and several.shape == (2, *plain.shape)
+
+
+def test_time_surfaces(frames: Frames) -> None:
+    sensor = amacrine.Sensor(kernels(2), 2.0)
+    events = sensor.events(frames, FPS)
+    times, tau = [0.0, 0.03, 0.0912, 0.05], 0.01
+    got = amacrine.events.time_surfaces(events, times, tau=tau, size=(61, 83))
+    want = np.zeros((4, 2, 2, 61, 83))
+    for n, time in enumerate(times):
+        for e in events[events["t"] <= round(time * 1e6)]:
+            age = time - e["t"] * 1e-6
+            want[n, e["channel"], e["p"], e["y"], e["x"]] = np.exp(-age / tau)
+    assert got.shape == want.shape and got.dtype == np.float32
+    np.testing.assert_allclose(got, want, atol=1e-6)
+    signed = amacrine.events.time_surfaces(
+        events, times, tau=tau, polarity="signed", decay="linear", size=(61, 83)
+    )
+    assert signed.shape == (4, 2, 61, 83) and signed.min() < 0 < signed.max() <= 1
+
+
+def test_event_frames(frames: Frames) -> None:
+    sensor = amacrine.Sensor(kernels(2), 2.0)
+    events = sensor.events(frames, FPS)
+    got = amacrine.events.event_frames(events, 1000, size=(61, 83), polarity="split")
+    assert got.shape == (-(-len(events) // 1000), 2, 2, 61, 83)
+    assert (got[:-1].sum((1, 2, 3, 4)) == 1000).all() and got.sum() == len(events)
+    first = np.zeros((2, 2, 61, 83), int)
+    np.add.at(first, tuple(events[:1000][n] for n in ("channel", "p", "y", "x")), 1)
+    assert np.array_equal(got[0], first)
+    last = amacrine.events.event_frames(events, 1000, size=(61, 83), fill="last")
+    assert set(np.unique(last)) == {-1, 0, 1}
+    none = np.zeros(0, amacrine.EVENT)
+    assert amacrine.events.event_frames(none, 5, size=(4, 6)).shape == (0, 1, 4, 6)
+    assert not amacrine.events.voxels(none, bins=3, size=(4, 6)).any()
+
+
+def test_a_recording_that_begins_late(frames: Frames) -> None:
+    sensor = amacrine.Sensor("csdvs-3", 0.2)
+    events = sensor.events(frames, FPS)
+    late = events.copy()
+    late["t"] += 10**9
+    how: dict[str, Any] = {"bins": 4, "window": 0.03, "size": (61, 83)}
+    want = amacrine.events.voxels(events, **how)
+    assert np.array_equal(amacrine.events.voxels(late, start=1000.0, **how), want)
