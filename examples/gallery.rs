@@ -29,17 +29,17 @@ const SCENES: [(&str, &str, u64); 4] = [
     ("the bundled clip", "bundled", 30),
     (
         "a bar that moves",
-        "pattern:bar?width=96&height=96&frames=9&speed=120",
+        "pattern:bar?width=112&height=112&frames=9&speed=120",
         8,
     ),
     (
         "a disc that moves",
-        "pattern:disc?width=96&height=96&frames=9&speed=120",
+        "pattern:disc?width=112&height=112&frames=9&speed=120",
         8,
     ),
     (
         "blobs that drift",
-        "pattern:noise?width=96&height=96&frames=9&speed=120&grain=5",
+        "pattern:noise?width=112&height=112&frames=9&speed=120&grain=14",
         8,
     ),
 ];
@@ -134,6 +134,7 @@ fn shown_by(sensor: &Description) -> miette::Result<Vec<(String, StripCell)>> {
             }
         }
         let light = light.ok_or_else(|| miette!("{name} has no frame"))?;
+        let light = light.mapv(|it| levelled(it, 0.0, 255.0));
         let ground = panel::pale(&panel::frame(&light, 0.0, 255.0));
         cells.push((
             name.to_owned(),
@@ -166,7 +167,9 @@ fn left_by(file: File) -> miette::Result<(String, Vec<(String, StripCell)>)> {
     let mut chip = exact.chip(file.name, &code, &device, scene.size(), settings)?;
     let mut packet = Packet::new(chip.size(), chip.channels());
     let mut light: Option<Plane<f64>> = None;
-    for index in 0..own.frames.unwrap_or(2) {
+    // Statements without an `init` begin with the second frame.
+    let frames = own.frames.unwrap_or(2) + u64::from(code.init.is_empty());
+    for index in 0..frames {
         // A picture that does not move is shown again.
         if let Some(frame) = scene.next_frame()? {
             light = Some(frame.light);
@@ -207,8 +210,15 @@ fn left_by(file: File) -> miette::Result<(String, Vec<(String, StripCell)>)> {
     Ok((about, cells))
 }
 
+/// In few greys: the pictures are small files.
+fn levelled(value: f64, black: f64, white: f64) -> f64 {
+    let step = (white - black) / 16.0;
+    black + ((value - black) / step).round() * step
+}
+
 fn cell(held: Option<&Plane<f64>>, black: f64, white: f64) -> Result<StripCell, Report> {
     let held = held.ok_or_else(|| miette!("nothing was shown"))?;
+    let held = &held.mapv(|it| levelled(it, black, white));
     Ok(StripCell {
         picture: panel::frame(held, black, white),
         written: true,

@@ -60,8 +60,8 @@ fn a_file_goes_before_a_name() {
     );
     refused(
         folder,
-        &["list", "chips", "scamp5"],
-        &["a chip is a folder"],
+        &["list", "chips", "scamp6"],
+        &["there is no scamp6", "scamp5-wide"],
     );
 }
 

@@ -110,7 +110,7 @@ def test_it_learns(optimiser: str) -> None:
         steps.zero_grad()
         loss = (layer(frames).voxels - want).square().mean()
         loss.backward()
-        losses.append(float(loss))
+        losses.append(float(loss.detach()))
         return loss
 
     for _ in range(30):
@@ -251,12 +251,27 @@ def test_an_item_is_what_its_sensor_makes_of_its_frames(videos: Path) -> None:
     assert torch.equal(item["voxels"], torch.from_numpy(want))
 
 
+@pytest.mark.parametrize("quantiser", [None, "int-5"])
+def test_each_item_has_its_own_mismatch(quantiser: Any, videos: Path) -> None:
+    """The same sensor on the same frames: another chip, or other cells, each time."""
+    same: dict[str, Any] = dict(
+        frames=14, crop=None, flips=False, quantisers=[quantiser], sensors=1, length=2
+    )
+    first = [str(sorted(videos.iterdir())[0])]
+    still = EventDataset(first, **same, fps=60, voxels={"bins": 3})
+    moved = EventDataset(first, **same, fps=60, voxels={"bins": 3}, mismatch=0.1)
+    assert torch.equal(moved[0]["frames"], moved[1]["frames"])
+    assert not torch.equal(moved[0]["voxels"], moved[1]["voxels"])
+    assert torch.equal(still[0]["voxels"], still[1]["voxels"]) == (quantiser is None)
+
+
 def test_mistakes_of_data_sets(videos: Path, tmp_path: Path) -> None:
     mistakes: list[tuple[Any, str]] = [
         (lambda: EventDataset(tmp_path / "none"), "no such folder"),
         (lambda: EventDataset(tmp_path), "no videos"),
         (lambda: _dataset(videos, thresholds=(0.5, 0.1)), "thresholds from 0.5"),
         (lambda: _dataset(videos, frames=1), "frames = 1"),
+        (lambda: _dataset(videos, mismatch=2), "a mismatch of 2"),
         (lambda: _dataset(videos, frames=99)[0], "where 99 of 32x24"),
         (lambda: _dataset(videos, kernels="dvs"), "kernels to draw from"),
     ]

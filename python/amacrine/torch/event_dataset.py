@@ -61,6 +61,8 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         kernels: What sensors are drawn from: a list of kernels as :class:`amacrine.Sensor` takes them, of
             as many kinds each.
         thresholds: The range that thresholds are drawn from, even in the logarithm.
+        mismatch: Deviation of a float sensor's thresholds from cell to cell, as a share of them; a chip
+            has its own.
         quantisers: What is drawn: ``None`` is the float sensor, a quantiser such as ``"int-5"`` the
             sensor as a program of a chip.
         chips: What is drawn for a quantiser: chips by name, or folders.
@@ -88,6 +90,7 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         flips: bool = True,
         kernels: Sequence[Kernels] = ("csdvs-5",),
         thresholds: tuple[float, float] = (0.1, 0.4),
+        mismatch: float = 0.0,
         quantisers: Sequence[str | None] = (None,),
         chips: Sequence[str] = ("scamp5",),
         domain: str = "silicon",
@@ -113,6 +116,9 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         for name, list in {"kernels": kernels, "quantisers": quantisers, "chips": chips}.items():
             if isinstance(list, str) or len(list) == 0:
                 raise Error(f"{name} to draw from are no list\nhelp: give a list of one or more")
+        if not 0.0 <= mismatch < 1.0:
+            raise Error(f"a mismatch of {mismatch}\nhelp: give a share of the threshold, 0 to 1")
+        self._mismatch = float(mismatch)
         self._frames, self._crop, self._flips = int(frames), crop, flips
         self._kernels, self._range = [*kernels], (float(low), float(high))
         self._quantisers, self._chips, self._domain = [*quantisers], [*chips], domain
@@ -159,7 +165,9 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         threshold = low * (high / low) ** part
         kernels = one(_KERNELS, self._kernels)
         to = one(_QUANTISER, self._quantisers)
-        sensor = Sensor(kernels, threshold, **self._options)
+        sigma = self._mismatch * threshold if to is None else 0.0
+        limits = {"on": threshold, "off": threshold, "sigma": sigma}
+        sensor = Sensor(kernels, limits, **self._options)
         if to is None:
             return sensor
         with warnings.catch_warnings():

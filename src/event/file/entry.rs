@@ -177,7 +177,7 @@ impl Format {
     pub fn opened_by(self, path: &Path) -> String {
         let name = path.display().to_string();
         let name = name.replace('\\', "\\\\").replace('\'', "\\'");
-        let line = self.python().replace("(path)", &format!("('{name}')"));
+        let line = self.python().replace("(path", &format!("('{name}'"));
         format!("import {}; events = {line}", self.module())
     }
 }
