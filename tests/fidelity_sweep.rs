@@ -109,7 +109,6 @@ fn plain_models_stand_for_points() {
 
 const MESHES: &str = r#"
 scene = "pattern:noise?width=96&height=80&frames=16&fps=100&speed=40"
-kernel = "dvs"
 threshold = [6, 12]
 within = "5ms"
 [[side]]
