@@ -377,9 +377,9 @@ mod tests {
                 assert!(whole.behind_sheets("q8.8".parse().unwrap()).is_none());
             }
         }
-        let bare = "response = \"identity\"\n[[channel]]\nkernel = [[1]]\nthreshold = 9\n";
+        let bare = "response = \"identity\"\nmemory = \"filtered-step\"\n[[channel]]\nkernel = [[1]]\nthreshold = { on = 9, off = 9 }\n";
         assert!(sensor(bare).behind_sheets(Format::F64).is_none());
-        let pixel = "response = \"identity\"\nmemory = \"filtered-snap\"\npolarity = \"pixel\"\n[[channel]]\nmesh = { lambda = 2 }\nthreshold = 9\n";
+        let pixel = "response = \"identity\"\nmemory = \"filtered-snap\"\npolarity = \"pixel\"\n[[channel]]\nmesh = { lambda = 2 }\nthreshold = { on = 9, off = 9 }\n";
         assert!(sensor(pixel).behind_sheets(Format::F64).is_none());
     }
 }
