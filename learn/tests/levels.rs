@@ -120,7 +120,7 @@ fn whole_levels_are_the_nearest_at_their_scale() {
             let far = |plane: &Plane<f64>| (&latent - &(plane * own.scale)).mapv(|v| v * v).sum();
             let mut best = f64::INFINITY;
             every(symmetry, side, most, true, &mut |plane| {
-                best = best.min(far(plane))
+                best = best.min(far(plane));
             });
             assert!(far(&own.levels) <= best + 1e-9, "{name}, {seed}");
             assert_eq!(own.levels.sum(), 0.0);
@@ -357,7 +357,7 @@ fn names_and_kernels_that_make_no_levels() {
 fn dear_words_make_short_programs() {
     let trained = |price: &str| -> State {
         let text = format!(
-            "goal = \"interpolation\"\narms = [\"ternary\"]\nsteps = 12\nbatch = 2\ncrop = 16\n\
+            "goal = \"interpolation\"\narms = [\"int-5\"]\nsteps = 12\nbatch = 2\ncrop = 16\n\
             targets = [0.05]\nseeds = [1]\n[network]\nwidths = [4, 6]\nconvolutions = 1\n\
             [scenes]\npan = 1\n{price}"
         );
