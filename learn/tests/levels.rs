@@ -5,11 +5,16 @@ use amacrine::{
     array::{Input, Settings, taps},
     compile::Effort,
     isa::Device,
-    plane::Plane,
+    plane::{Plane, Size},
     program::{Overrides, Program},
     rng::Hash,
 };
-use amacrine_learn::levels::{Chip, Levels, LevelsError, Projected, Symmetry, search};
+use amacrine_learn::{
+    levels::{Chip, Levels, LevelsError, Projected, Symmetry, search},
+    scene::{Clips, Photographs},
+    task::Task,
+    train::{State, Trainee},
+};
 
 fn levels(name: &str) -> Levels {
     name.parse().unwrap()
@@ -115,7 +120,7 @@ fn whole_levels_are_the_nearest_at_their_scale() {
             let far = |plane: &Plane<f64>| (&latent - &(plane * own.scale)).mapv(|v| v * v).sum();
             let mut best = f64::INFINITY;
             every(symmetry, side, most, true, &mut |plane| {
-                best = best.min(far(plane))
+                best = best.min(far(plane));
             });
             assert!(far(&own.levels) <= best + 1e-9, "{name}, {seed}");
             assert_eq!(own.levels.sum(), 0.0);
@@ -345,4 +350,35 @@ fn names_and_kernels_that_make_no_levels() {
     }
     assert!(project("ternary:d4", Plane::ones((3, 5))).contains("3x5 weights is not square"));
     assert!(project("ternary", Plane::from_elem((3, 3), f64::NAN)).contains("NaN"));
+}
+
+/// Where words are dear, training goes on from a neighbour of fewer words.
+#[test]
+fn dear_words_make_short_programs() {
+    let trained = |price: &str| -> State {
+        let text = format!(
+            "goal = \"interpolation\"\narms = [\"int-5\"]\nsteps = 12\nbatch = 2\ncrop = 16\n\
+            targets = [0.05]\nseeds = [1]\n[network]\nwidths = [4, 6]\nconvolutions = 1\n\
+            [scenes]\npan = 1\n{price}"
+        );
+        let task = Task::parse("small.toml", &text).unwrap_or_else(|faults| panic!("{faults}"));
+        let (training, _) = Photographs::bundled().unwrap().split();
+        let motion = &task.scenes.motion;
+        let clips = Clips::new(&training, motion, Size::new(16, 16), 9, 1).unwrap();
+        let mut trainee = Trainee::new((&task, &task.arms[0]), (0.05, 1), &clips).unwrap();
+        // The first search is due after half of them.
+        for _ in 0..task.steps / 2 {
+            trainee.step(&clips).unwrap();
+        }
+        trainee.state
+    };
+    let cheap = trained("");
+    let dear = trained("[price]\nwords = 10");
+    let words = |state: &State| state.words.unwrap();
+    assert!(
+        words(&dear) < words(&cheap),
+        "{} of {}",
+        words(&dear),
+        words(&cheap)
+    );
 }

@@ -1,6 +1,9 @@
 //! The report of a run that was made up: what is known of it is what it says.
 
-use amacrine::rng::{self, Hash};
+use amacrine::{
+    elementary::log2,
+    rng::{self, Hash},
+};
 use amacrine_learn::{
     record::{Decoder, Form, KernelAt, Record, Row, VERSION},
     report::{FILE, Metric, Report},
@@ -23,7 +26,7 @@ fn row(arm: &str, target: f64, seed: u64, clip: u64, more: f64) -> Row {
         .fold(Hash::new(9), |hash, byte| hash.with(byte.into()));
     let own = name.with(seed).bits();
     let quality = 20.0
-        + 3.0 * (target / 0.02).log2()
+        + 3.0 * log2(target / 0.02)
         + more
         + noise(1, photograph, 2.0)
         + noise(2, own, 0.05)
@@ -161,7 +164,7 @@ fn the_chip_keeps_a_part() {
     let report = Report::new(record());
     let [kept] = &report.kept()[..] else { panic!() };
     assert_eq!((kept.arm.as_str(), kept.stages.len()), ("rgc", 2));
-    let verdict = kept.verdict(Metric::Psnr);
+    let verdict = kept.verdict(Metric::Psnr).unwrap();
     assert!(
         verdict.contains("on silicon of the +0.9") && verdict.ends_with("at least half"),
         "{verdict}"
@@ -172,13 +175,13 @@ fn the_chip_keeps_a_part() {
     for row in weak.rows.iter_mut().filter(|row| row.form == Form::Silicon) {
         row.psnr = row.psnr.map(|psnr| psnr - 0.5);
     }
-    let verdict = Report::new(weak).kept()[0].verdict(Metric::Psnr);
+    let verdict = Report::new(weak).kept()[0].verdict(Metric::Psnr).unwrap();
     assert!(verdict.contains("dB less than half"), "{verdict}");
     let mut level = record();
     for row in level.rows.iter_mut().filter(|row| row.arm == "rgc") {
         row.psnr = row.psnr.map(|psnr| psnr - 1.0);
     }
-    let verdict = Report::new(level).kept()[0].verdict(Metric::Psnr);
+    let verdict = Report::new(level).kept()[0].verdict(Metric::Psnr).unwrap();
     assert!(verdict.contains("is not shown"), "{verdict}");
 }
 

@@ -49,6 +49,12 @@ pub struct Applied {
 }
 
 impl Applied {
+    /// The kernels before they had few values.
+    #[must_use]
+    pub fn latent(&self) -> &[Plane<f64>] {
+        &self.latent
+    }
+
     /// The kernels in few values; none where weights are free.
     #[must_use]
     pub fn few(&self) -> &[crate::levels::Projected] {

@@ -6,7 +6,7 @@ use std::{
 };
 
 use amacrine::{
-    compile::{CellKind, DriveMemory, Effort, FilterNoise, Request, SensorProgram},
+    compile::{CellKind, DriveMemory, Effort, FilterNoise, Request, SensorProgram, Signal},
     isa::Device,
     kernel::Kernel,
 };
@@ -38,6 +38,9 @@ pub struct OnChip {
     pub halvings: u32,
     /// LSB of a drive for each unit of kernel times light, light being 0 to 255.
     pub scale: f64,
+    /// The correlation with the exact filter that is predicted on silicon, for light that is
+    /// independent from pixel to pixel and uniform over the capture's range; the least of the kinds.
+    pub correlation: f64,
     /// What the filter adds to each drive, LSB. Its fixed part is in the drive and in the memory of
     /// it alike.
     pub noise: Vec<FilterNoise>,
@@ -125,7 +128,15 @@ impl Chip {
         let noise = sensor
             .filter
             .noise(&self.device, input, MIDDLE, &sensor.drives);
+        let signal = Signal::from_range((0.0, 2.0 * MIDDLE - 1.0));
+        let forecasts =
+            sensor
+                .filter
+                .forecast(&self.device, (input, &sensor.drives), &kernels, signal);
         Ok(OnChip {
+            correlation: { forecasts.iter() }
+                .map(|forecast| forecast.correlation)
+                .fold(1.0, f64::min),
             words: sensor.filter.words.len(),
             halvings: sensor.filter.prescale,
             scale: sensor.scale,

@@ -1,7 +1,9 @@
 //! What of an arm is left on the chip.
 
+use std::collections::BTreeSet;
+
 use super::{Report, curve::Curve, difference::Difference, metric::Metric};
-use crate::record::{Decoder, Form};
+use crate::record::{Decoder, Form, Row};
 
 /// The arm that others are to beat, and the one whose win over it is to be kept.
 const BASE: &str = "dvs";
@@ -36,15 +38,24 @@ pub struct Stage {
 impl Kept {
     pub(super) fn new(report: &Report, arm: &str) -> Option<Self> {
         let (rows, metric) = (&report.record.rows, report.headline());
+        // The chip may have been shown fewer clips: all forms are told on those of all.
+        let own: Vec<Row> = rows.iter().filter(|row| row.arm == arm).cloned().collect();
+        let shown: BTreeSet<u64> = { own.iter() }
+            .filter(|row| row.form != Form::Trained)
+            .map(|row| row.clip)
+            .collect();
+        let common: Vec<Row> = { own.into_iter() }
+            .filter(|row| shown.contains(&row.clip))
+            .collect();
         let trained = (arm, Form::Trained, Decoder::Own);
         let mut stages = Vec::new();
         for form in [Form::Trained, Form::Quantised, Form::Exact, Form::Silicon] {
             for decoder in [Decoder::Own, Decoder::Retrained] {
                 let of = (arm, form, decoder);
-                let curve = Curve::new(rows, of, metric);
+                let curve = Curve::new(&common, of, metric);
                 if !curve.points.is_empty() {
                     let change =
-                        (of != trained).then(|| Difference::new(rows, (of, trained), metric));
+                        (of != trained).then(|| Difference::new(&common, (of, trained), metric));
                     stages.push(Stage {
                         form,
                         decoder,
@@ -65,12 +76,17 @@ impl Kept {
         })
     }
 
-    /// Whether half of what the float kernel wins over `dvs` is kept on silicon, in a sentence.
+    /// Whether half of what the float kernel wins over `dvs` is kept on silicon, in a sentence;
+    /// `None` of `dvs` itself.
     #[must_use]
-    pub fn verdict(&self, metric: Metric) -> String {
+    pub fn verdict(&self, metric: Metric) -> Option<String> {
+        (self.arm != BASE).then(|| self.sentence(metric))
+    }
+
+    fn sentence(&self, metric: Metric) -> String {
         let (Some(won), Some(float)) = (&self.won, &self.float) else {
             return format!(
-                "{}: no bits in common with `{BASE}` and `{FLOAT}`",
+                "{}: nothing to be said without bits in common with `{BASE}`, of it on silicon and of `{FLOAT}` as it was trained",
                 self.arm
             );
         };

@@ -180,7 +180,8 @@ impl Report {
         html! {
             section {
                 h2 { "On the chip" }
-                @for arm in &kept { p.verdict { (arm.verdict(metric)) "." } }
+                @for verdict in kept.iter().filter_map(|arm| arm.verdict(metric)) { p.verdict { (verdict) "." } }
+                p { "All forms of an arm on the clips that the chip was shown." }
                 div.wide { table {
                     thead { tr { th { "arm" } th { "events by" } th { "decoder" } th.n { "bits" } th.n { (metric.label()) } th { "against the float model, at equal bits" } } }
                     tbody { @for arm in &kept { @for stage in &arm.stages { @for (n, point) in stage.curve.points.iter().enumerate() {

@@ -85,7 +85,9 @@ impl Report {
                 }
             }
             for arm in &kept {
-                let _ = writeln!(text, "{}", arm.verdict(headline));
+                if let Some(verdict) = arm.verdict(headline) {
+                    let _ = writeln!(text, "{verdict}");
+                }
             }
         }
         if let Some(line) = self.surround_line() {

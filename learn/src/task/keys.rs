@@ -81,12 +81,32 @@ pub(super) const TASK: Table = Table::new(&[
         "\"scamp5\"",
         "the chip in the loop: its noise and its whole thresholds, for kernels of few values",
     ),
+    Key::optional(
+        "price",
+        Kind::Table(&PRICE),
+        "what the chip adds to the loss of a kernel of few values: neighbours of it are compiled and judged",
+    ),
     Key::optional("test", Kind::Table(&TEST), "what the arms are judged on"),
     Key::with_default(
         "checkpoint",
         whole(1, 100_000_000),
         "500",
         "steps between checkpoints: as many are lost when it is killed",
+    ),
+]);
+
+pub(super) const PRICE: Table = Table::new(&[
+    Key::with_default(
+        "words",
+        Kind::Number(Range::NOT_NEGATIVE),
+        "0.0",
+        "what a word of the filter adds to the loss",
+    ),
+    Key::with_default(
+        "survival",
+        Kind::Number(Range::NOT_NEGATIVE),
+        "0.0",
+        "what 1 less the predicted correlation with the exact filter on silicon adds to the loss",
     ),
 ]);
 

@@ -60,6 +60,9 @@ pub struct Task {
     pub sensor: Sensors,
     /// The chip that kernels of few values are trained for.
     pub chip: Option<String>,
+    /// What a word of the filter, and 1 less the correlation that is predicted on silicon, add to the
+    /// loss; 0 without a search among neighbours.
+    pub price: [f64; 2],
     /// Held-out clips, and rows and columns of each.
     pub test: (u64, usize),
     /// Steps between checkpoints.

@@ -11,7 +11,7 @@ use crate::{arm, scene::Motion};
 
 use super::{
     Goal, Scenes, Sensors, Task,
-    keys::{FILE, GOALS, NETWORK, RATES, SCENES, SENSOR, SPARSITY, TASK, TEST},
+    keys::{FILE, GOALS, NETWORK, PRICE, RATES, SCENES, SENSOR, SPARSITY, TASK, TEST},
 };
 
 /// A task file that cannot be used.
@@ -125,6 +125,13 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
             .map(|sparsity| sparsity.number("weight"))
             .transpose()
     })?;
+    let price = part(task, "price", |price| {
+        debug_assert!(PRICE.key("words").is_some());
+        Ok([
+            number(price, "words", 0.0)?,
+            number(price, "survival", 0.0)?,
+        ])
+    })?;
     let mut targets = Vec::new();
     for node in task.list("targets") {
         let target = node.as_number().unwrap_or(f64::NAN);
@@ -170,6 +177,7 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
         scenes,
         sensor,
         chip: Some(task.text("chip")?.to_owned()).filter(|chip| chip != "none"),
+        price,
         test,
         checkpoint: task.whole("checkpoint")?,
     })

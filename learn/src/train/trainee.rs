@@ -48,6 +48,10 @@ const MEMORY: f64 = 0.02;
 /// By how much the logarithm of a threshold follows a rate that is twice the target, in a step.
 const FOLLOW: f64 = 0.02;
 
+/// A step's rate counts as at most so many targets above the target: a bound that is seldom met, else
+/// the mean would lie above the target.
+const MOST: f64 = 5.0;
+
 /// Of the first rate of learning, what is left at the end.
 const LEFT: f64 = 0.01;
 
@@ -97,10 +101,10 @@ pub struct Trainee<'a> {
     /// The seed.
     pub seed: u64,
     pub(super) network: Network<f32>,
-    shape: Option<Shape>,
+    pub(super) shape: Option<Shape>,
     times: Vec<f64>,
     /// What was compiled on the way.
-    chip: Option<Arc<Chip>>,
+    pub(super) chip: Option<Arc<Chip>>,
     /// Where it is.
     pub state: State,
 }
@@ -382,6 +386,12 @@ impl<'a> Trainee<'a> {
         self.follow(loss.mean, rate)?;
         self.state.step += 1;
         self.keep(applied.as_ref());
+        if self.search_due()
+            && let Some(applied) = self.applied()?
+        {
+            self.compile(&applied);
+            self.exchange(&applied, clips)?;
+        }
         Ok(())
     }
 
@@ -482,9 +492,10 @@ impl<'a> Trainee<'a> {
         if self.arm.cells().is_none() || self.task.sparsity.is_some() {
             return Ok(());
         }
+        // The step's own rate: a running mean comes late, and the threshold would swing.
+        let off = (rate / self.target - 1.0).clamp(-1.0, MOST);
+        state.threshold *= amacrine::elementary::exp(FOLLOW * off);
         let rate = state.means[1];
-        let off = rate / self.target - 1.0;
-        state.threshold *= amacrine::elementary::exp(FOLLOW * off.clamp(-1.0, 1.0));
         let far = !(0.5..=2.0).contains(&(rate / self.target));
         state.pinned = if far { state.pinned + 1 } else { 0 };
         if state.pinned >= PINNED {
@@ -513,7 +524,7 @@ impl<'a> Trainee<'a> {
     /// Takes the chip into the loop, from a third of the steps on, where weights have few values.
     ///
     /// What the chip refuses is trained on without it; the report then has no rows of the chip.
-    fn compile(&mut self, applied: &Applied) {
+    pub(super) fn compile(&mut self, applied: &Applied) {
         let cells = self.arm.cells();
         let alone = cells.is_some_and(|cells| cells.kinds == 1 && !cells.pattern && !cells.log);
         if !alone || self.task.chip.is_none() || 3 * self.state.step < self.task.steps {
