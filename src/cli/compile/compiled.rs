@@ -274,7 +274,7 @@ impl Compiled {
             _ => ("the light", "light"),
         };
         format!(
-            "{what} is halved {} times on the way, for the most events on the chip; {where_} of at most {} LSB saturates nothing, above that a sum may, and a decision in exact arithmetic differ from the kernel's (--objective exact halves until none does)",
+            "{what} is halved {} times on the way, for the most events on the chip; nothing saturates for {where_} of at most {} LSB, above that a sum may, and a decision in exact arithmetic differ from the kernel's (--objective exact halves until none does)",
             self.each(|filter| filter.prescale.to_string()),
             self.each(|filter| format!("{:.0}", filter.exact_within.floor())),
         )

@@ -89,7 +89,7 @@ pub(super) fn whole(
         // Beyond that it saturates, for the threshold's sake.
         let within = filter
             .decided
-            .map_or(most, |_| filter.exact_within.min(most));
+            .map_or(most, |_| filter.exact_within.min(most).floor().max(1.0));
         let signal = Signal::around_zero(within);
         let registers = (drive, results);
         compiled
