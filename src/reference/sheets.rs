@@ -327,7 +327,7 @@ mod tests {
                 })
                 .collect();
             let sensor = |description: &Description| {
-                Reference::with_number(number.clone(), description.clone(), size, 3).unwrap()
+                Reference::with_number(number, description.clone(), size, 3).unwrap()
             };
             [
                 watched(&mut sensor(self.whole), self.lights),
