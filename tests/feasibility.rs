@@ -473,7 +473,7 @@ fn kernels_that_do_not_fit_together_are_told_so() {
     four_kernels(folder.path());
     let chip = folder.path().join("small");
     fs::create_dir(&chip).unwrap();
-    let device = "name = \"small\"\ntitle = \"a small store\"\nextends = \"scamp5\"\n\n[figure.store]\nwords = { value = 90, unit = \"words\", source = \"test\", evidence = \"guess\" }\n";
+    let device = "name = \"small\"\ntitle = \"a small store\"\nextends = \"scamp5\"\n\n[figure.store]\nwords = { value = 60, unit = \"words\", source = \"test\", evidence = \"guess\" }\n";
     fs::write(chip.join("device.toml"), device).unwrap();
     let mut ask = ASK;
     (ask[2], ask[8]) = ("k.npy", "ternary");
