@@ -24,7 +24,10 @@ fn blocks<'a>(page: &'a str, fence: &str) -> Vec<&'a str> {
 
 #[test]
 fn the_guide_can_be_followed() {
-    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/guides/learn-a-kernel.md");
+    let page = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../docs/guides/learn-a-kernel.md"
+    );
     let page = fs::read_to_string(page).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let task = blocks(&page, "toml small.toml");
@@ -34,7 +37,9 @@ fn the_guide_can_be_followed() {
         let Some(arguments) = line.strip_prefix("amacrine-learn ") else {
             continue;
         };
-        let output = amacrine_learn(folder.path()).args(arguments.split_whitespace()).output();
+        let output = amacrine_learn(folder.path())
+            .args(arguments.split_whitespace())
+            .output();
         let output = output.unwrap();
         let errors = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{line}: {errors}");
@@ -43,7 +48,11 @@ fn the_guide_can_be_followed() {
     }
     assert_eq!(ran, 4);
     let run = folder.path().join("run");
-    assert!(fs::read_to_string(run.join("report.html")).unwrap().contains("ternary"));
+    assert!(
+        fs::read_to_string(run.join("report.html"))
+            .unwrap()
+            .contains("ternary")
+    );
     for arm in ["dvs-0.05-1", "rgc-0.05-1", "ternary-0.05-1"] {
         let arm = run.join("arms").join(arm);
         Description::open(arm.join("sensor.toml")).unwrap();
@@ -69,7 +78,9 @@ fn what_is_wrong_is_told_in_a_sentence() {
     let photographs = Path::new(env!("CARGO_MANIFEST_DIR")).join("photographs");
     fs::copy(photographs.join("camera.jpg"), at.join("few/a.jpg")).unwrap();
     for n in 0..8 {
-        image::GrayImage::new(30, 90).save(at.join(format!("small/{n}.png"))).unwrap();
+        image::GrayImage::new(30, 90)
+            .save(at.join(format!("small/{n}.png")))
+            .unwrap();
     }
     for (arguments, says) in [
         ("task.toml -o r --arm dvss", "no arm `dvss` takes part"),
@@ -82,7 +93,10 @@ fn what_is_wrong_is_told_in_a_sentence() {
         ("report nowhere", "nowhere"),
         ("task.toml -o task.toml --resume --threads 1", "task.toml"),
     ] {
-        let output = amacrine_learn(at).args(arguments.split_whitespace()).output().unwrap();
+        let output = amacrine_learn(at)
+            .args(arguments.split_whitespace())
+            .output()
+            .unwrap();
         let errors = String::from_utf8_lossy(&output.stderr);
         assert!(!output.status.success(), "{arguments}");
         // However lines are broken.

@@ -56,7 +56,9 @@ fn one_batch_is_learned_by_heart() {
         let light = batch.light(0.0, amacrine::rng::Hash::new(0));
         let times = task.scenes.times();
         let model = Model::<f32>::new(sensor, batch.size(), 1).unwrap();
-        let seen = model.forward(Light::new(&light, &times, batch.size()).unwrap()).unwrap();
+        let seen = model
+            .forward(Light::new(&light, &times, batch.size()).unwrap())
+            .unwrap();
         let network = Network::<f32>::new(task.plan(arm), batch.size());
         let mut weights = network.start(3, task.fan());
         let mut adam = Adam::new(weights.len());
@@ -105,14 +107,20 @@ fn losses_fall_where_their_gradient_says() {
         }
         let moved = Loss::new(&task, shape, &batch, &answers).mean - loss.mean;
         let want = f64::from(asked * step);
-        assert!((moved - want).abs() < 0.1 * want.abs().max(1e-5), "{goal}: {moved} {want}");
+        assert!(
+            (moved - want).abs() < 0.1 * want.abs().max(1e-5),
+            "{goal}: {moved} {want}"
+        );
     }
 }
 
 fn trained(threads: usize, arm: &str) -> State {
     let task = task(&text("interpolation", &format!("{arm:?}")));
     let clips = clips(&task);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap();
     pool.install(|| {
         let mut trainee = Trainee::new((&task, &task.arms[0]), (0.05, 1), &clips).unwrap();
         for _ in 0..5 {
@@ -126,7 +134,11 @@ fn trained(threads: usize, arm: &str) -> State {
 fn any_number_of_threads_gives_the_same_bits() {
     for arm in ["rgc", "int-5", "rgc-2x2"] {
         let one = trained(1, arm);
-        assert_ne!(one.kernel.1.first, vec![0.0; one.kernel.0.len()], "{arm} has not learned");
+        assert_ne!(
+            one.kernel.1.first,
+            vec![0.0; one.kernel.0.len()],
+            "{arm} has not learned"
+        );
         for threads in [2, 5] {
             assert!(one == trained(threads, arm), "{arm} on {threads} threads");
         }
@@ -197,10 +209,18 @@ fn ten_stops_end_as_none() {
     let other = text.replace("steps = 12", "steps = 13");
     let run = Run::new((&task, &other), &stopped, true).unwrap();
     let refused = run.train(&run.jobs()[1], &mut |_| {}).unwrap_err();
-    assert!(refused.to_string().contains("of something else"), "{refused}");
+    assert!(
+        refused.to_string().contains("of something else"),
+        "{refused}"
+    );
     fs::remove_file(stopped.join("arms/ternary-0.05-1/finished.json")).unwrap();
     let refused = run.train(&run.jobs()[1], &mut |_| {}).unwrap_err();
-    assert!(refused.to_string().contains("a checkpoint of something else"), "{refused}");
+    assert!(
+        refused
+            .to_string()
+            .contains("a checkpoint of something else"),
+        "{refused}"
+    );
     // What is damaged or of another version is not taken either.
     let run = Run::new((&task, &text), &stopped, true).unwrap();
     let path = stopped.join("arms/ternary-0.05-1/checkpoint");
@@ -210,7 +230,10 @@ fn ten_stops_end_as_none() {
     for (bytes, says) in [
         (&damaged[..], "a damaged checkpoint"),
         (&whole[..whole.len() - 5], "a damaged checkpoint"),
-        (&b"amacrine-learn checkpoint 9\n"[..], "a checkpoint of another version"),
+        (
+            &b"amacrine-learn checkpoint 9\n"[..],
+            "a checkpoint of another version",
+        ),
         (&b"PK"[..], "no checkpoint of amacrine-learn"),
     ] {
         fs::write(&path, bytes).unwrap();
@@ -222,16 +245,24 @@ fn ten_stops_end_as_none() {
 #[test]
 fn what_is_judged_is_what_was_asked_for() {
     let folder = tempfile::tempdir().unwrap();
-    let text = text("interpolation", "\"blend\", \"none\", \"ternary\", \"int-5\", \"rgc-k2\"");
+    let text = text(
+        "interpolation",
+        "\"blend\", \"none\", \"ternary\", \"int-5\", \"rgc-k2\"",
+    );
     let record = run(folder.path(), &text, false);
     let of = |arm: &str, form: Form| {
-        let rows = record.rows.iter().filter(|row| row.arm == arm && row.form == form);
+        let rows = record
+            .rows
+            .iter()
+            .filter(|row| row.arm == arm && row.form == form);
         rows.collect::<Vec<_>>()
     };
     for arm in ["ternary", "int-5", "rgc-k2"] {
         let rows = of(arm, Form::Trained);
         assert_eq!(rows.len(), 6);
-        let sum = |of: fn(&amacrine_learn::record::Row) -> u64| rows.iter().map(|r| of(r)).sum::<u64>() as f64;
+        let sum = |of: fn(&amacrine_learn::record::Row) -> u64| {
+            rows.iter().map(|r| of(r)).sum::<u64>() as f64
+        };
         let rate = sum(|r| r.events) / sum(|r| r.cells);
         assert!((rate / 0.05 - 1.0).abs() < 0.03, "{arm}: {rate}");
         // Ten bits of address and one of sign; one more tells two kinds apart.
@@ -245,10 +276,19 @@ fn what_is_judged_is_what_was_asked_for() {
         assert_eq!(float.len(), 6);
         assert!(float.iter().any(|row| row.events > 0));
         for (a, b) in float.iter().zip(&exact) {
-            assert_eq!((a.events, a.psnr, a.ssim), (b.events, b.psnr, b.ssim), "{arm}");
+            assert_eq!(
+                (a.events, a.psnr, a.ssim),
+                (b.events, b.psnr, b.ssim),
+                "{arm}"
+            );
         }
         let silicon = of(arm, Form::Silicon);
-        assert!(silicon.iter().zip(&exact).any(|(a, b)| a.events != b.events));
+        assert!(
+            silicon
+                .iter()
+                .zip(&exact)
+                .any(|(a, b)| a.events != b.events)
+        );
         let place = folder.path().join("arms").join(format!("{arm}-0.05-1"));
         let program = fs::read_to_string(place.join("program.scamp")).unwrap();
         assert!(program.contains("threshold"));
@@ -261,7 +301,12 @@ fn what_is_judged_is_what_was_asked_for() {
         let rows = of(arm, Form::Trained);
         rows.iter().filter_map(|row| row.psnr).sum::<f64>() / rows.len() as f64
     };
-    assert!((mean("none") - mean("blend")).abs() < 1.0, "{} {}", mean("none"), mean("blend"));
+    assert!(
+        (mean("none") - mean("blend")).abs() < 1.0,
+        "{} {}",
+        mean("none"),
+        mean("blend")
+    );
 }
 
 /// The sensor file is read back to the bit, and makes the events of the forward pass.
@@ -269,7 +314,10 @@ fn what_is_judged_is_what_was_asked_for() {
 fn the_exported_sensor_is_the_trained_one() {
     let folder = tempfile::tempdir().unwrap();
     let arms = "\"rgc\", \"rgc-k2\", \"rgc-2x2\", \"fs-dvs\", \"dog\"";
-    let text = format!("{}[sensor]\nmismatch = 0\nrefractory-us = 1000\n", text("interpolation", arms));
+    let text = format!(
+        "{}[sensor]\nmismatch = 0\nrefractory-us = 1000\n",
+        text("interpolation", arms)
+    );
     run(folder.path(), &text, false);
     let task = task(&text);
     let (_, held_out) = Photographs::bundled().unwrap().split();
@@ -282,12 +330,16 @@ fn the_exported_sensor_is_the_trained_one() {
         let name = format!("{}-0.05-1", arm.name);
         let path = folder.path().join("arms").join(&name).join("sensor.toml");
         let sensor = Description::open(&path).unwrap();
-        let again = Description::parse("again.toml", &amacrine_learn::train::sensor_text(&sensor, "test"), &|_| {
-            Err(std::io::ErrorKind::NotFound.into())
-        });
+        let again = Description::parse(
+            "again.toml",
+            &amacrine_learn::train::sensor_text(&sensor, "test"),
+            &|_| Err(std::io::ErrorKind::NotFound.into()),
+        );
         assert_eq!(sensor, again.unwrap());
         let model = Model::<f32>::new(sensor.clone(), size, 5).unwrap();
-        let seen = model.forward(Light::new(&light, &times, size).unwrap()).unwrap();
+        let seen = model
+            .forward(Light::new(&light, &times, size).unwrap())
+            .unwrap();
         let mut reference = Reference::with_number(F32, sensor, size, 5).unwrap();
         let mut packet = Packet::new(size, reference.channels());
         for (n, light) in light.chunks(size.pixels()).enumerate() {
@@ -318,7 +370,11 @@ fn what_cannot_be_trained_says_why() {
         ("crop = 16", "crop = 17", "not a multiple of 2"),
         ("steps = 12", "stepps = 12", "steps"),
         ("pan = 1", "frames = 8", "none in the middle"),
-        ("pan = 1", "video = \"a.mp4\"\nphotographs = \"b\"", "stands in place of photographs"),
+        (
+            "pan = 1",
+            "video = \"a.mp4\"\nphotographs = \"b\"",
+            "stands in place of photographs",
+        ),
     ] {
         wrong(&whole.replace(from, to), says);
     }
@@ -329,7 +385,11 @@ fn what_cannot_be_trained_says_why() {
     wrong(&text("flow", "\"none\""), "flow is told from events alone");
 
     // A rate that these scenes cannot make.
-    let still = task(&whole.replace("pan = 1", "pan = 0.2").replace("[0.05]", "[1]"));
+    let still = task(
+        &whole
+            .replace("pan = 1", "pan = 0.2")
+            .replace("[0.05]", "[1]"),
+    );
     let mut seen = still.clone();
     seen.sensor.refractory_us = 4000.0;
     let clips = clips(&seen);
@@ -343,5 +403,8 @@ fn what_cannot_be_trained_says_why() {
     trainee.step(&clips).unwrap();
     trainee.state.network.0[3] = f32::NAN;
     let stopped = trainee.step(&clips).unwrap_err();
-    assert!(matches!(stopped, TrainError::NotFinite { step: 1, .. }), "{stopped}");
+    assert!(
+        matches!(stopped, TrainError::NotFinite { step: 1, .. }),
+        "{stopped}"
+    );
 }

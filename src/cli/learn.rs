@@ -16,7 +16,11 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 )]
 pub struct Arguments {
     /// What `amacrine-learn` is given: TASK.toml -o RUN and options, or report RUN
-    #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
+    #[arg(
+        value_name = "ARGUMENTS",
+        trailing_var_arg = true,
+        allow_hyphen_values = true
+    )]
     handed_over: Vec<OsString>,
 }
 
@@ -53,5 +57,7 @@ fn find() -> Option<PathBuf> {
     let beside = own.as_deref().and_then(Path::parent).map(Path::to_owned);
     let path = env::var_os("PATH").unwrap_or_default();
     let folders = beside.into_iter().chain(env::split_paths(&path));
-    folders.map(|folder| folder.join(&name)).find(|file| file.is_file())
+    folders
+        .map(|folder| folder.join(&name))
+        .find(|file| file.is_file())
 }
