@@ -226,7 +226,7 @@ fn what_a_format_cannot_hold_is_refused_and_nothing_is_written() {
         packet
     };
     refused("a.jpg", &good, "`jpg` is not a known kind");
-    refused("a", &good, "known are csv, txt, npy");
+    refused("a", &good, "known are csv, txt, e2vid");
     refused("a.txt", &with(|p| p.channels = 2), ".txt has no place");
     let far = with(|p| {
         p.size.width = 40_000;
