@@ -45,7 +45,7 @@ impl Request<'_> {
                 levels.extend(usual + 1..=all.len().min(MOST));
             }
             // The fewest words are not what is sought: of a wider chip's two the shorter is taken.
-            Objective::Silicon | Objective::Exact => {
+            Objective::Silicon | Objective::Events | Objective::Exact => {
                 levels.extend((all.len() > USUAL).then(|| all.len().min(MOST)));
             }
         }

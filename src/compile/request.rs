@@ -48,11 +48,14 @@ impl Default for Effort {
 /// What a program is to be best at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Objective {
+    /// What comes out of the chip: as `Exact`; with a memory of the pixel for all kinds as `Events`,
+    /// since its filters have nothing that takes a chip's mismatch out.
+    #[default]
+    Silicon,
     /// The events that are kept on the chip, as predicted ([`Decided`](super::Decided)); among equals
     /// what is nearer to exact, then the fewest words. Large inputs may saturate. Where it is not
     /// known with what one result is compared, as `Exact`.
-    #[default]
-    Silicon,
+    Events,
     /// The signal-to-noise ratio that is predicted on the chip, and no input of the range saturates:
     /// in exact arithmetic a program decides as the kernel itself does, whatever it is shown. Among
     /// equals, the fewest words.
@@ -147,7 +150,7 @@ impl<'a> Request<'a> {
         let (goals, unit) = goals(self.kernels)?;
         match self.objective {
             Objective::Words => self.shortest(&goals, unit, (all, effort)),
-            Objective::Silicon | Objective::Exact => Survival {
+            Objective::Silicon | Objective::Events | Objective::Exact => Survival {
                 request: self,
                 goals: &goals,
                 unit,

@@ -11,7 +11,7 @@
 
 use super::{
     allocate::allocate,
-    decision::Decided,
+    decision::{Compared, Decided},
     error::CompileError,
     filter::Filter,
     forecast::{Forecast, Signal, forecasts, worst},
@@ -86,13 +86,17 @@ impl Candidate {
 impl Survival<'_> {
     /// The filter of which most comes out.
     pub(super) fn filter(&self) -> Result<Filter, CompileError> {
-        if let (Objective::Silicon, Some(range), Some(decision), [_]) = (
-            self.request.objective,
-            self.request.range,
-            self.request.decision,
-            self.goals,
-        ) {
-            return self.deciding(range, decision);
+        if let (Some(range), Some(decision), [_]) =
+            (self.request.range, self.request.decision, self.goals)
+        {
+            let decides = match self.request.objective {
+                Objective::Silicon => decision.compared == Compared::Difference,
+                Objective::Events => true,
+                Objective::Exact | Objective::Words => false,
+            };
+            if decides {
+                return self.deciding(range, decision);
+            }
         }
         let (candidates, seen) = match self.request.range {
             None => self.anywhere()?,

@@ -126,9 +126,11 @@ pub struct Arguments {
 /// What a program is to be best at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 enum Aim {
-    /// The events that are kept on the chip, as predicted; strong light or change may saturate
+    /// What comes out of the chip: `events` with `--memory shared`, else `exact`
     #[default]
     Silicon,
+    /// The events that are kept on the chip, as predicted; strong light or change may saturate
+    Events,
     /// Signal over noise as predicted, and no light saturates anything: without the chip's errors the
     /// program says event for event what the float model says
     Exact,
@@ -460,6 +462,7 @@ fn request<'a>(
     request.seed = arguments.seed;
     request.objective = match arguments.objective {
         Aim::Silicon => Objective::Silicon,
+        Aim::Events => Objective::Events,
         Aim::Exact => Objective::Exact,
         Aim::Words => Objective::Words,
     };
