@@ -52,7 +52,7 @@ impl Bench {
 
 /// Cases that write files of their own, not folders.
 fn plain() -> impl Iterator<Item = &'static Case> {
-    let folders = ["demo", "sweep", "merge"];
+    let folders = ["demo", "design", "sweep", "merge"];
     let all = CASES
         .iter()
         .filter(move |case| !folders.contains(&case.verb()));
@@ -435,7 +435,9 @@ fn a_dash_is_standard_output() {
             if case.verb() == "convert" {
                 words.extend(["--format".to_owned(), ending.to_owned()]);
             }
-            if case.verb() == "show" && ending != "png" || output == &"h.png" {
+            let pictures = case.verb() == "show" && ending != "png";
+            let archives = case.verb() == "voxels" && ending != "npy";
+            if pictures || archives || output == &"h.png" {
                 continue;
             }
             let what = words.join(" ");

@@ -283,7 +283,7 @@ fn bad_input_gets_one_message() {
     let show = |more: &[&str], words: &[&str]| refused(&[&["show", "e.csv"], more].concat(), words);
     show(
         &["-o", "x.jpg"],
-        &["x.jpg ends in `.jpg`", ".png, .svg, .gif or .apng"],
+        &["x.jpg ends in `.jpg`", ".png, .svg, .gif, .apng or .mcap"],
     );
     show(
         &["-o", "x.apng", "--view", "rate"],

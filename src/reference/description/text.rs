@@ -216,7 +216,9 @@ mod tests {
             }
             (Table(a), Table(b)) => {
                 assert!(a.keys().eq(b.keys()));
-                a.values().zip(b.values()).for_each(|(a, b)| assert_alike(a, b));
+                a.values()
+                    .zip(b.values())
+                    .for_each(|(a, b)| assert_alike(a, b));
             }
             _ => assert_eq!(one, other),
         }
