@@ -620,7 +620,7 @@ fn wrong_values_and_names_are_refused_in_one_message() {
     refused(
         folder.path(),
         &["sweep", "no.toml"],
-        &["no.toml", "studies/"],
+        &["no.toml", "list studies"],
     );
     for shard in ["2/2", "x", "1"] {
         refused(
