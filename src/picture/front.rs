@@ -152,7 +152,7 @@ fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
         }
     }
     for dot in show.dots.iter().filter(|dot| dot.dominated) {
-        square(drawing, plot.at(dot), 2.5, colour(dot.side));
+        drawing.square(plot.at(dot), 2.5, colour(dot.side));
     }
     let line = f64::from(LINE);
     let names = PLOT + 40.0;
@@ -161,12 +161,12 @@ fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
     write(drawing, heading, Weight::Heading, what);
     for (number, dot) in (1..).zip(&front) {
         let (x, y) = plot.at(dot);
-        square(drawing, (x, y), 5.0, colour(dot.side));
+        drawing.square((x, y), 5.0, colour(dot.side));
         let place = (x + 7.0, y - line);
         write(drawing, place, Weight::Plain, &number.to_string());
         let row = top + TOP + f64::from(number - 1) * line;
         let mark = (names + 4.0, row + line / 2.0);
-        square(drawing, mark, 4.0, colour(dot.side));
+        drawing.square(mark, 4.0, colour(dot.side));
         let text = format!("{number} {} ({:.4})", dot.name, dot.error);
         write(drawing, (names + 14.0, row), Weight::Plain, &text);
     }
@@ -177,7 +177,7 @@ fn legend(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
     let mut left = 24.0;
     for (side, name) in show.sides.iter().enumerate() {
         if show.dots.iter().any(|dot| dot.side == side) {
-            square(drawing, (left + 4.0, top + 44.0), 4.0, colour(side));
+            drawing.square((left + 4.0, top + 44.0), 4.0, colour(side));
             write(drawing, (left + 14.0, top + 34.0), Weight::Plain, name);
             left += 30.0 + 9.0 * name.len() as f64;
         }
@@ -190,16 +190,6 @@ fn write(drawing: &mut Drawing, at: Point, weight: Weight, text: &str) {
 
 fn colour(side: usize) -> Ink {
     SIDES.get(side).copied().unwrap_or(ink::BARS)
-}
-
-fn square(drawing: &mut Drawing, (x, y): Point, half: f64, ink: Ink) {
-    let area = Area {
-        x: x - half,
-        y: y - half,
-        width: 2.0 * half,
-        height: 2.0 * half,
-    };
-    drawing.fill(area, ink);
 }
 
 #[cfg(test)]

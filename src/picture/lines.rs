@@ -81,7 +81,7 @@ pub fn lines(show: &LinesShow<'_>) -> Drawing {
     for (n, one) in show.lines.iter().enumerate() {
         let ink = colour(n);
         for dot in &one.dots {
-            square(&mut page, plot.at(*dot), 2.0, ink);
+            page.square(plot.at(*dot), 2.0, ink);
         }
         for pair in one.corners.windows(2) {
             if let [from, to] = pair {
@@ -89,7 +89,7 @@ pub fn lines(show: &LinesShow<'_>) -> Drawing {
             }
         }
         for corner in &one.corners {
-            square(&mut page, plot.at(*corner), 4.0, ink);
+            page.square(plot.at(*corner), 4.0, ink);
         }
     }
     // What is named, from above to below as at the end of the lines.
@@ -105,7 +105,7 @@ pub fn lines(show: &LinesShow<'_>) -> Drawing {
     named.sort_by(|a, b| b.0.total_cmp(&a.0));
     for (n, (_, ink, name)) in (0..).zip(named) {
         let y = top + f64::from(n) * line;
-        square(&mut page, (area.right() + 20.0, y + line / 2.0), 5.0, ink);
+        page.square((area.right() + 20.0, y + line / 2.0), 5.0, ink);
         write(
             &mut page,
             (area.right() + 32.0, y),
@@ -171,16 +171,6 @@ fn ends(values: impl Iterator<Item = f64>) -> (f64, f64) {
 
 fn colour(n: usize) -> Ink {
     ink::CAUSES[n % ink::CAUSES.len()]
-}
-
-fn square(page: &mut Drawing, (x, y): Point, half: f64, ink: Ink) {
-    let area = Area {
-        x: x - half,
-        y: y - half,
-        width: 2.0 * half,
-        height: 2.0 * half,
-    };
-    page.fill(area, ink);
 }
 
 #[cfg(test)]

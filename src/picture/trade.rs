@@ -199,7 +199,7 @@ impl Plot {
         // What it took to know, and from the estimate to its limit.
         page.line((self.x(dot.run), y), (x, y), 1.5, ink);
         page.line((x, self.y(dot.share)), (x, y), 1.5, ink);
-        square(page, (x, y), half, ink);
+        page.square((x, y), half, ink);
         let place = (x + 6.0, y - f64::from(LINE) + 2.0);
         let text = if dot.on_front {
             ink::TEXT
@@ -227,7 +227,7 @@ fn legend(page: &mut Drawing, y: f64) {
         (KNEE, "its knee"),
         (BEATEN, "beaten"),
     ] {
-        square(page, (x + 4.0, y + 10.0), 4.0, ink);
+        page.square((x + 4.0, y + 10.0), 4.0, ink);
         write(page, (x + 16.0, y), Weight::Plain, ink::TEXT, text);
         x += 40.0 + LETTER * text.chars().count() as f64;
     }
@@ -250,7 +250,7 @@ fn names(page: &mut Drawing, area: Area, dots: &[TradeDot]) {
     );
     for (number, dot) in (1..).zip(dots) {
         let y = area.y + f64::from(number - 1) * line;
-        square(page, (left + 4.0, y + line / 2.0), 4.0, colour(dot));
+        page.square((left + 4.0, y + line / 2.0), 4.0, colour(dot));
         let text = format!(
             "{number:>2} {:>8} {:>8}  {}",
             seconds(dot.run + dot.planning),
@@ -291,16 +291,6 @@ fn share(share: f64) -> String {
 
 fn write(page: &mut Drawing, at: Point, weight: Weight, ink: Ink, text: &str) {
     page.text(at, Anchor::Start, weight, ink, text);
-}
-
-fn square(page: &mut Drawing, (x, y): Point, half: f64, ink: Ink) {
-    let area = Area {
-        x: x - half,
-        y: y - half,
-        width: 2.0 * half,
-        height: 2.0 * half,
-    };
-    page.fill(area, ink);
 }
 
 #[cfg(test)]

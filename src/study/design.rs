@@ -31,7 +31,9 @@
 //! ```
 
 use crate::{
-    array::{Arithmetic, Array, Chip, CodeError, Errors, Layout, RunError, Settings, Silicon},
+    array::{
+        Arithmetic, Array, Body, Chip, CodeError, Errors, Layout, RunError, Settings, Silicon,
+    },
     compile::{CellKind, CompileError, DriveMemory, Effort, Request, SensorProgram},
     config::Faults,
     event::{Event, Packet, Polarity},
@@ -395,9 +397,9 @@ pub struct AllEvents {
     delivered: Packet,
 }
 
-/// Steps of a frame up to a scan, and what that reads.
+/// The body of a frame up to a scan, and what that reads.
 struct Part {
-    steps: Vec<Step>,
+    body: Body,
     scanned: Option<(Digital, Polarity, u8)>,
 }
 
@@ -418,7 +420,7 @@ impl AllEvents {
             parts: parts
                 .map(|steps| Part {
                     scanned: steps.last().and_then(scanned),
-                    steps: steps.to_vec(),
+                    body: chip.lower(steps),
                 })
                 .collect(),
             delivered: Packet::new(chip.size(), chip.channels()),
@@ -429,8 +431,8 @@ impl AllEvents {
     /// Runs the steps of a frame, and looks at each register that is scanned.
     fn run(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
         self.chip.begin_frame();
-        for Part { steps, scanned } in &self.parts {
-            self.chip.run_steps(steps, t, &mut self.delivered)?;
+        for Part { body, scanned } in &self.parts {
+            self.chip.run_body(body, t, &mut self.delivered)?;
             let Some((register, polarity, channel)) = *scanned else {
                 continue;
             };

@@ -231,9 +231,8 @@ pub const NEARLY: f64 = 0.95;
 /// A threshold to begin with, in kernel times light, before one for the rate is found.
 const START: f64 = 64.0;
 
-/// Tries all of it on a scene that can be opened again: shown seven times for the thresholds of
-/// each float sensor, if a rate is asked for (seven times more for kinds that share a memory), and
-/// then once for each float sensor with its candidates. `seen` is called after each frame of
+/// Tries all of it on a scene that can be opened again: shown seven times for the thresholds, if a
+/// rate is asked for (seven times more for kinds that share a memory), and then once for each float sensor with its candidates. `seen` is called after each frame of
 /// those, and `searching` before each search, with its number and how many there are.
 ///
 /// # Errors
@@ -265,11 +264,12 @@ pub fn explore(
     let mut begun = 0;
     let shared = |memory: &DriveMemory| *memory == DriveMemory::Shared;
     let (of_pixel, of_drives): (Vec<_>, Vec<_>) = every.into_iter().partition(shared);
+    let apart = question.thresholds(open)?;
     for memories in [of_drives, of_pixel] {
         let Some(first) = memories.first() else {
             continue;
         };
-        let thresholds = question.thresholds(*first, open)?;
+        let thresholds = question.thresholds_with(*first, &apart, open)?;
         let floats = question.designs(&thresholds);
         let mut found = Vec::new();
         for to in question.quantisers {
@@ -369,10 +369,9 @@ impl Question<'_> {
         .collect()
     }
 
-    /// The thresholds of the float sensor that programs with this memory stand for.
+    /// The thresholds of kinds that each have a memory of their own.
     fn thresholds(
         &self,
-        memory: DriveMemory,
         open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
     ) -> Result<Vec<f64>, ExplorationError> {
         let rate = match self.aim {
@@ -383,14 +382,27 @@ impl Question<'_> {
         let apart = together::description(DriveMemory::Analogue, &start)?;
         let each = rate / self.kernels.len() as f64;
         let found = rate::factors(&apart, each, self.seed, open)?;
-        let mut thresholds: Vec<f64> = found.iter().map(|it| START * it.factor).collect();
+        Ok(found.iter().map(|it| START * it.factor).collect())
+    }
+
+    /// The thresholds of the float sensor that programs with this memory stand for, from those
+    /// of kinds with a memory each.
+    fn thresholds_with(
+        &self,
+        memory: DriveMemory,
+        apart: &[f64],
+        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    ) -> Result<Vec<f64>, ExplorationError> {
+        let Aim::Rate(rate) = self.aim else {
+            return Ok(apart.to_vec());
+        };
+        let mut factor = 1.0;
         if memory == DriveMemory::Shared && self.kernels.len() > 1 {
             // An event of any kind renews the memory of all.
-            let shared = together::description(memory, &self.designs(&thresholds))?;
-            let found = rate::factor(&shared, rate, self.seed, open)?;
-            thresholds = thresholds.iter().map(|it| it * found.factor).collect();
+            let shared = together::description(memory, &self.designs(apart))?;
+            factor = rate::factor(&shared, rate, self.seed, open)?.factor;
         }
-        Ok(thresholds.into_iter().map(four_digits).collect())
+        Ok(apart.iter().map(|it| four_digits(it * factor)).collect())
     }
 
     /// All kernels in few values in one program; or why there is none.

@@ -2,6 +2,7 @@
 
 use super::{
     super::{Layout, Ledger, Reading},
+    Body,
     error::{RunError, ShapeError},
 };
 use crate::{
@@ -82,16 +83,35 @@ pub trait Array: Sensor {
     /// When the domain has no answer for an instruction.
     fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError>;
 
-    /// Runs these steps now, as a kernel of their own; what was read before is kept.
-    ///
-    /// # Errors
-    /// When the domain has no answer for an instruction.
+    /// Lowers these steps, to be run on this chip as often as wanted.
     ///
     /// # Panics
     /// When a step names a register that the array does not have; steps of its own program
     /// never do.
-    fn run_steps(&mut self, steps: &[Step], t: Micros, packet: &mut Packet)
-    -> Result<(), RunError>;
+    fn lower(&self, steps: &[Step]) -> Body;
+
+    /// Runs a body now, as a kernel of its own; what was read before is kept.
+    ///
+    /// # Errors
+    /// When the domain has no answer for an instruction.
+    fn run_body(&mut self, body: &Body, t: Micros, packet: &mut Packet) -> Result<(), RunError>;
+
+    /// Lowers these steps and runs them once.
+    ///
+    /// # Errors
+    /// As [`run_body`](Self::run_body).
+    ///
+    /// # Panics
+    /// As [`lower`](Self::lower).
+    fn run_steps(
+        &mut self,
+        steps: &[Step],
+        t: Micros,
+        packet: &mut Packet,
+    ) -> Result<(), RunError> {
+        let body = self.lower(steps);
+        self.run_body(&body, t, packet)
+    }
 
     /// Forgets what was read before, as each frame does.
     fn begin_frame(&mut self);

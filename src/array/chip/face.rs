@@ -5,7 +5,7 @@ use super::{
         BitPlane, Layout, Ledger, Reading, RowOps, Settings,
         engine::{self, Lowered},
     },
-    Array, Chip, RunError, ShapeError,
+    Array, Body, Chip, RunError, ShapeError,
 };
 use crate::{
     event::Packet,
@@ -107,15 +107,18 @@ impl<D: RowOps> Array for Chip<D> {
         result
     }
 
-    fn run_steps(
-        &mut self,
-        steps: &[Step],
-        t: Micros,
-        packet: &mut Packet,
-    ) -> Result<(), RunError> {
+    fn lower(&self, steps: &[Step]) -> Body {
         let lowering = self.engine.lowering(self.domain.fuses());
-        let body = Lowered::new(steps, &self.device, &self.state.layout, lowering);
-        self.run(&body, t, packet)
+        Body(Lowered::new(
+            steps,
+            &self.device,
+            &self.state.layout,
+            lowering,
+        ))
+    }
+
+    fn run_body(&mut self, body: &Body, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
+        self.run(&body.0, t, packet)
     }
 
     fn begin_frame(&mut self) {

@@ -33,6 +33,10 @@ use crate::{
     unit::Micros,
 };
 
+/// Steps as a chip runs them, lowered once.
+#[derive(Clone, Debug)]
+pub struct Body(Lowered);
+
 /// A program on an array in one domain.
 #[derive(Clone, Debug)]
 pub struct Chip<D: RowOps> {

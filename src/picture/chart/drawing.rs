@@ -85,6 +85,17 @@ impl Drawing {
         self.marks.push(Mark::Fill(area, ink));
     }
 
+    /// A square about a point, of twice `half` along each side.
+    pub(crate) fn square(&mut self, (x, y): Point, half: f64, ink: Ink) {
+        let area = Area {
+            x: x - half,
+            y: y - half,
+            width: 2.0 * half,
+            height: 2.0 * half,
+        };
+        self.fill(area, ink);
+    }
+
     pub(crate) fn line(&mut self, from: Point, to: Point, width: f64, ink: Ink) {
         self.marks.push(Mark::Line(from, to, width, ink));
     }
