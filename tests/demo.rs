@@ -28,7 +28,7 @@ use tempfile::TempDir;
 /// The demo, shown once for all tests.
 fn demo() -> &'static Value {
     static DEMO: OnceLock<Value> = OnceLock::new();
-    DEMO.get_or_init(|| json(TempDir::new().unwrap().path(), &["demo", "--out", "o"]))
+    DEMO.get_or_init(|| json(TempDir::new().unwrap().path(), &["demo", "--output", "o"]))
 }
 
 /// Rows on the array, at the clip's own rate or at the other.
@@ -155,7 +155,7 @@ fn the_devices_are_those_of_the_files() {
 
 #[test]
 fn the_table_says_how_to_read_it() {
-    let said = good(TempDir::new().unwrap().path(), &["demo", "--out", "o"]);
+    let said = good(TempDir::new().unwrap().path(), &["demo", "--output", "o"]);
     for words in [
         "at 10 frames/s, the clip's own",
         "at 50 frames/s, which the chip can run",

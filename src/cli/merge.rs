@@ -20,7 +20,7 @@ pub struct Arguments {
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<Input>,
     /// The folder of all results
-    #[arg(long, value_name = "DIR", value_parser = Content::Folder)]
+    #[arg(short, long, value_name = "DIR", value_parser = Content::Folder)]
     output: Output,
     /// Also write results.parquet
     #[arg(long)]

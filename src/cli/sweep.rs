@@ -48,7 +48,7 @@ pub struct Arguments {
     sets: Vec<Override>,
     /// The folder of results; the study's name without its ending when left out, and what was set
     /// as a hash
-    #[arg(long, value_name = "DIR", value_parser = Content::Folder)]
+    #[arg(short, long, value_name = "DIR", value_parser = Content::Folder)]
     output: Option<Output>,
     /// Compute only the points whose number leaves i when divided by n
     #[arg(long, value_name = "i/n", value_parser = shard)]

@@ -35,7 +35,7 @@ const fn slow(line: &'static str, writes: &'static str) -> Case {
 /// At least one for each verb; `..` leads to the inputs.
 pub const CASES: &[Case] = &[
     slow(
-        "demo --out o",
+        "demo --output o",
         "o/reference.csv,o/reference.npy,o/exact.csv,o/exact.npy,o/q8.8.csv,o/q8.8.npy,o/silicon.csv,o/silicon.npy,o/row.png,o/sheet.png,o/watch.gif",
     ),
     case(

@@ -49,11 +49,11 @@ const SHOWN: &str = "silicon";
 
 /// What `demo` is asked to do.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: amacrine demo --out out")]
+#[command(after_help = "Example: amacrine demo --output out")]
 pub struct Arguments {
     /// Where the event files and pictures go
-    #[arg(long, default_value = "out", value_name = "FOLDER", value_parser = Content::Folder)]
-    out: Output,
+    #[arg(short, long, alias = "out", default_value = "out", value_name = "DIR", value_parser = Content::Folder)]
+    output: Output,
     /// Chooses the silicon's mismatch and noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -67,8 +67,8 @@ pub struct Arguments {
 /// # Errors
 /// When the output folder cannot be written to.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    outputs::writes(files::events(&arguments.out).into_iter().flatten())?;
-    outputs::writes(files::pictures(&arguments.out))?;
+    outputs::writes(files::events(&arguments.output).into_iter().flatten())?;
+    outputs::writes(files::pictures(&arguments.output))?;
     let seed = arguments.seed;
     let cells = cell::all(seed)?;
     let observation = Observation::new();
@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut warnings = Warning::of_scene(&observation, 255.0);
     warnings.append(&mut guard.warnings());
     light::warn(&warnings);
-    let written = files::write(&arguments.out, &faster, &moments.kept)?;
+    let written = files::write(&arguments.output, &faster, &moments.kept)?;
     let demo = Demo {
         cells: &cells,
         showings: [own, faster],
