@@ -26,6 +26,7 @@ pub mod elementary;
 pub mod limit;
 pub mod memory;
 pub mod mosaic;
+mod parallel;
 pub mod plane;
 pub mod rng;
 pub mod save;
