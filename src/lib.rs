@@ -11,8 +11,8 @@
 //! ```
 //!
 //! The rooms, in the order in which light passes them. Imports run downward only
-//! (`docs/architecture.md` holds the table, `tests/layers.rs` holds the code to it). Fuzzers are
-//! built with all rooms but the last.
+//! (`docs/architecture.md` holds the table, `tests/layers.rs` holds the code to it).
+//! The last room, `cli`, belongs to the program (`src/main.rs`).
 
 #![warn(clippy::disallowed_methods)]
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
@@ -26,6 +26,7 @@ pub mod elementary;
 pub mod limit;
 pub mod memory;
 pub mod mosaic;
+mod parallel;
 pub mod plane;
 pub mod rng;
 pub mod save;
@@ -55,6 +56,3 @@ pub mod gradient;
 #[cfg(feature = "proptest")]
 pub mod property;
 pub mod study;
-
-#[cfg(all(feature = "cli", not(fuzzing)))]
-pub mod cli;

@@ -1,7 +1,22 @@
 //! `amacrine`, the command: parse, run, print the diagnostic, exit code.
+//!
+//! The command line is a room of the program, not of the library: nobody who links the library
+//! compiles it.
+
+#![warn(clippy::disallowed_methods)]
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
+mod cli;
 
 use std::process::ExitCode;
 
+// The rooms of the library by the names that they have in it.
+use amacrine::{
+    array, bundled, catch_panic, compare, compile, config, elementary, event, isa, kernel, limit,
+    memory, mesh, number, photoreceptor, picture, plane, program, reference, rig, save, scene,
+    sensor, source, study, unit,
+};
+
 fn main() -> ExitCode {
-    amacrine::cli::main()
+    cli::main()
 }

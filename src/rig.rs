@@ -66,6 +66,15 @@ pub fn watch(
     sensors: &mut [&mut (dyn Sensor + Send)],
     mut seen: impl FnMut(&Frame),
 ) -> Result<Vec<Packet>, RigError> {
+    watch_all(scene, sensors, &mut seen)
+}
+
+/// The same, compiled once.
+fn watch_all(
+    scene: &mut dyn Scene,
+    sensors: &mut [&mut (dyn Sensor + Send)],
+    seen: &mut dyn FnMut(&Frame),
+) -> Result<Vec<Packet>, RigError> {
     let mut packets: Vec<_> = sensors
         .iter()
         .map(|s| Packet::new(s.size(), s.channels()))

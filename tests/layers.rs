@@ -203,12 +203,13 @@ fn only_some_rooms_touch_the_world() {
             "println!",
             "print!(",
             "eprintln!",
-            "process::exit",
             "Instant::now",
             "SystemTime",
         ] {
             forbid(what, room == "cli", &mut wrong);
         }
+        // `main` alone ends the program: what holds temporaries is dropped before.
+        forbid("process::exit", false, &mut wrong);
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

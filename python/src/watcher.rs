@@ -2,9 +2,9 @@
 
 use amacrine::{
     event::{Event, Packet, Polarity},
-    number::{Format, Number, Visitor},
+    number::Format,
     plane::{Plane, Size},
-    reference::{Counts, Description, Reference, VoxelGrid},
+    reference::{AnyReference, Counts, Description, Reference, Sinks, VoxelGrid},
     scene::Frame,
     sensor::{Sensor, SensorError},
 };
@@ -25,27 +25,35 @@ pub trait Watcher: Send {
     fn last_voxels(&mut self, out: &mut [f32]);
 }
 
-/// The float model, in one number format.
-struct Float<N: Number> {
-    reference: Reference<N>,
+/// The float model.
+struct Float {
+    reference: Box<dyn AnyReference>,
     counts: Counts,
     grid: VoxelGrid,
     begun: bool,
 }
 
-impl<N: Number> Watcher for Float<N> {
+impl Watcher for Float {
     fn events(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
         self.reference.watch(frame, packet)
     }
 
     fn counts(&mut self, frame: &Frame, out: &mut [i32]) -> Result<(), SensorError> {
-        self.reference.watch_into(frame, &mut self.counts)?;
+        let sinks = Sinks {
+            counts: Some(&mut self.counts),
+            ..Sinks::default()
+        };
+        self.reference.watch_into_sinks(frame, sinks)?;
         lay(self.counts.planes(), out, |count| count);
         Ok(())
     }
 
     fn voxels(&mut self, frame: &Frame, out: &mut [f32]) -> Result<(), SensorError> {
-        self.reference.watch_into(frame, &mut self.grid)?;
+        let sinks = Sinks {
+            voxels: Some(&mut self.grid),
+            ..Sinks::default()
+        };
+        self.reference.watch_into_sinks(frame, sinks)?;
         if std::mem::replace(&mut self.begun, true) {
             lay(self.grid.earlier(), out, |share| share as f32);
             self.grid.advance();
@@ -73,22 +81,13 @@ pub fn float(
     seed: u64,
     format: Format,
 ) -> Result<Box<dyn Watcher>, SensorError> {
-    struct Make(Description, Size, u64);
-    impl Visitor for Make {
-        type Output = Result<Box<dyn Watcher>, SensorError>;
-
-        fn visit<N: Number>(self, number: N) -> Self::Output {
-            let Self(description, size, seed) = self;
-            let channels = description.channels.len();
-            Ok(Box::new(Float {
-                reference: Reference::with_number(number, description, size, seed)?,
-                counts: Counts::new(size, channels),
-                grid: VoxelGrid::new(size, channels),
-                begun: false,
-            }))
-        }
-    }
-    format.visit(Make(description, size, seed))
+    let channels = description.channels.len();
+    Ok(Box::new(Float {
+        reference: Reference::in_format(format, description, size, seed)?,
+        counts: Counts::new(size, channels),
+        grid: VoxelGrid::new(size, channels),
+        begun: false,
+    }))
 }
 
 /// Any sensor of which only events are known: a program on the array.

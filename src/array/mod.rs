@@ -37,6 +37,7 @@ mod state;
 pub mod survival;
 mod symbolic;
 
+pub use crate::isa::Errors;
 pub use arithmetic::{Arithmetic, ArithmeticError};
 pub use bits::BitPlane;
 pub use border::AtBorder;
@@ -52,6 +53,6 @@ pub use readout::{Address, Scan};
 pub use register::{Register, UnknownRegister};
 pub use schedule::{Schedule, ScheduleError};
 pub use settings::{Converters, Propagation, Settings};
-pub use silicon::{Errors, Silicon};
+pub use silicon::Silicon;
 pub use state::State;
 pub use symbolic::{GenericError, Input, effort, range, taps};

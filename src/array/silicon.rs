@@ -1,21 +1,8 @@
-//! The real chip's arithmetic: every store errs a little.
+//! The real chip's arithmetic: every store errs a little, as `isa/errors.rs` has it.
 //!
-//! ```text
-//! cell := -(1 - loss + m_g) · share · sum + Δ + m_o + noise       limited to the range
-//!         and for a bus that splits:  + division error
-//! ```
-//!
-//! - The transfer error Δ is nearly the same for all cells, so two stores cancel it
-//!   (`T = -x + Δ`, `y = -T + Δ = x`): why every macro of the vendor stores twice.
-//! - The loss of each store, and how Δ of a splitting bus differs, are fitted to the chip's
-//!   only public measurement: `diva(A,E,F); mov(F,A); add(A,A,F)`, an identity, repeated. A map
-//!   that is affine in the signal explains it, inputs that were left out of the fit too; a curve
-//!   explains no more (`docs/silicon.md`).
-//! - All numbers are the device's, each with its source: `[figure.error]` of `device.toml`.
 //! - Mismatch belongs to one cell of one pixel and never changes; noise is drawn anew for every
 //!   word. Both are hashes of the seed and the place.
-//! - A bus that splits between two cells does so unevenly: what one gets more the other gets
-//!   less, so that `diva`, which adds them again, corrects it to first order.
+//! - All numbers are the device's, each with its source: `[figure.error]` of `device.toml`.
 
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
@@ -24,72 +11,10 @@ use multiversion::multiversion;
 
 use super::{Ageing, Domain, Layout, Place, RowOps, Share};
 use crate::{
-    isa::{Device, Digital, Figure},
+    isa::{self, Digital, Errors},
     plane::At,
     rng::row::{Draws, hash, normal},
 };
-
-/// How a chip errs. Analogue values are in LSB, the ADC's steps.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Errors {
-    /// Δ of every store, LSB.
-    pub transfer: f64,
-    /// Part of the signal that one store loses.
-    pub loss: f64,
-    /// How much more than Δ a splitting bus adds, LSB.
-    pub division: f64,
-    /// Spread of the gain of cells.
-    pub gain_mismatch: f64,
-    /// Spread of Δ of cells, LSB.
-    pub offset_mismatch: f64,
-    /// Correlation of the two.
-    pub mismatch_correlation: f64,
-    /// Spread of how unevenly a bus splits.
-    pub division_mismatch: f64,
-    /// Noise of every store, LSB.
-    pub noise: f64,
-    /// Step of the converter that sets the global input, LSB; 0 sets any value.
-    pub input_step: f64,
-    /// Lowest and highest value of a cell, LSB.
-    pub range: (f64, f64),
-    /// What a cell that nothing was put on holds, LSB.
-    pub reset_level: f64,
-    /// How fast every cell goes there, LSB/s.
-    pub decay: f64,
-    /// How long a one-bit cell holds at least without being written, s.
-    pub retention: f64,
-    /// Spread of how much longer it holds, as a part of that.
-    pub retention_spread: f64,
-}
-
-impl Errors {
-    /// As a chip's data has them.
-    #[must_use]
-    pub fn from_device(device: &Device) -> Self {
-        let value = |figure| device.value(figure);
-        let headroom = value(Figure::Headroom);
-        Self {
-            transfer: value(Figure::TransferError),
-            loss: value(Figure::StoreLoss),
-            division: value(Figure::DivisionError),
-            gain_mismatch: value(Figure::GainMismatch),
-            offset_mismatch: value(Figure::OffsetMismatch),
-            mismatch_correlation: value(Figure::MismatchCorrelation),
-            division_mismatch: value(Figure::DivisionMismatch),
-            noise: value(Figure::StoreNoise),
-            // The host's table has an entry for each LSB.
-            input_step: 1.0,
-            range: (
-                value(Figure::Lowest) - headroom,
-                value(Figure::Highest) + headroom,
-            ),
-            reset_level: value(Figure::ResetLevel),
-            decay: value(Figure::AnalogueDecay),
-            retention: value(Figure::Retention),
-            retention_spread: value(Figure::RetentionSpread),
-        }
-    }
-}
 
 /// Kinds of chance.
 const GAIN: u64 = 0;
@@ -153,22 +78,15 @@ impl Silicon {
                 .map(|register| numbers().map(|p| value(register, p) as f32).collect())
                 .collect()
         };
-        let together = errors.mismatch_correlation;
-        let apart = (1.0 - together * together).sqrt();
         let split = |part: u8| {
             numbers()
                 .map(|pixel| (errors.division_mismatch * draw(SPLIT, part, pixel)) as f32)
                 .collect()
         };
         Self {
-            gain: planes(&|register, pixel| {
-                let mismatch = errors.gain_mismatch * draw(GAIN, register, pixel);
-                -(1.0 - errors.loss + mismatch)
-            }),
+            gain: planes(&|register, pixel| errors.gain(draw(GAIN, register, pixel))),
             offset: planes(&|register, pixel| {
-                let mismatch =
-                    together * draw(GAIN, register, pixel) + apart * draw(OFFSET, register, pixel);
-                errors.transfer + errors.offset_mismatch * mismatch
+                errors.offset(draw(GAIN, register, pixel), draw(OFFSET, register, pixel))
             }),
             split: [split(0), split(1)],
             errors,
@@ -204,14 +122,7 @@ impl Silicon {
             gain: &self.gain[register][first..][..cells],
             offset: &self.offset[register][first..][..cells],
             split: self.split.each_ref().map(|split| &split[first..][..cells]),
-            // What the others get more the last gets less.
-            more: share.part.map(|part| match (part, share.by) {
-                (0, 2..) => [1.0, 0.0],
-                (1, 2) => [-1.0, 0.0],
-                (1, _) => [0.0, 1.0],
-                (2, 3) => [-1.0, -1.0],
-                _ => [0.0, 0.0],
-            }),
+            more: (share.part).map(|part| isa::uneven(part.into(), share.by as usize)),
             division: self.errors.division as f32,
             draws: Draws::new(self.seed, NOISE, place.register.0, place.step),
             noise: self.errors.noise as f32,
@@ -301,13 +212,13 @@ impl Run<'_> {
         if let Some([one, two]) = self.more {
             let [first, second] = self.split;
             self.each::<BLOCK>(cells, |i, held, error| {
-                let current = sum(i, held) / self.by;
                 let more = one * first[i] + two * second[i];
-                self.gain[i] * (current * (1.0 + more)) + (error + self.division)
+                let current = isa::split(sum(i, held) / self.by, more);
+                isa::stored(current, self.gain[i], error + self.division)
             });
         } else {
             self.each::<BLOCK>(cells, |i, held, error| {
-                self.gain[i] * (sum(i, held) / self.by) + error
+                isa::stored(sum(i, held) / self.by, self.gain[i], error)
             });
         }
     }

@@ -16,6 +16,7 @@ pub struct Arguments {
 ///
 /// # Errors
 /// None.
+#[expect(clippy::unnecessary_wraps, reason = "as all verbs")]
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut text = Vec::new();
     generate(

@@ -9,6 +9,8 @@ use std::{
 
 use miette::{IntoDiagnostic, WrapErr, miette};
 
+use super::print::Ended;
+
 /// What `learn` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
@@ -47,7 +49,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         return Ok(());
     }
     // It has said what is wrong.
-    std::process::exit(status.code().unwrap_or(2));
+    let code = status.code().and_then(|code| u8::try_from(code).ok());
+    Err(Ended(code.unwrap_or(2)).into())
 }
 
 /// Beside this program, else on the PATH.

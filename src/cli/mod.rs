@@ -174,7 +174,8 @@ pub fn main() -> ExitCode {
         Err(error) => return print::usage(&error),
     };
     budget::allow(arguments.max_memory);
-    match files::check(&command(), &matches).and_then(|()| run(arguments)) {
+    let run = || files::check(&command(), &matches).and_then(|()| run(arguments));
+    match print::until_ended(run) {
         Ok(()) => ExitCode::SUCCESS,
         Err(report) => print::failed(&report),
     }

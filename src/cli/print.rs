@@ -2,6 +2,7 @@
 
 use std::{
     io::{self, Write},
+    panic,
     process::ExitCode,
     sync::atomic::{AtomicBool, Ordering},
 };
@@ -27,10 +28,24 @@ pub(super) fn say(text: &str) {
     let mut out = io::stdout().lock();
     let said = out.write_all(text.as_bytes()).and_then(|()| out.flush());
     if let Err(cause) = said {
-        let code = lost(&cause);
-        save::remove_all();
-        std::process::exit(code.into());
+        // Up to `until_ended`, past whatever is being done: no panic, and nothing is printed.
+        panic::resume_unwind(Box::new(Ended(lost(&cause))));
     }
+}
+
+/// The program ends with this code; all that is to be said of it has been said.
+#[derive(Clone, Copy, Debug, thiserror::Error, miette::Diagnostic)]
+#[error("ends with {0}")]
+pub(super) struct Ended(pub(super) u8);
+
+/// Runs until all is done, or an output is [`Ended`].
+pub(super) fn until_ended(run: impl FnOnce() -> miette::Result<()>) -> miette::Result<()> {
+    panic::catch_unwind(panic::AssertUnwindSafe(run)).unwrap_or_else(|payload| {
+        match payload.downcast_ref::<Ended>() {
+            Some(ended) => Err((*ended).into()),
+            None => panic::resume_unwind(payload),
+        }
+    })
 }
 
 /// Prints to standard error. There is nobody to tell when that fails.
@@ -40,6 +55,10 @@ pub(super) fn complain(text: &str) {
 
 /// Prints what went wrong; the exit code.
 pub(super) fn failed(report: &miette::Report) -> ExitCode {
+    if let Some(Ended(code)) = report.downcast_ref() {
+        save::remove_all();
+        return ExitCode::from(*code);
+    }
     if save::reader_is_gone() {
         return ExitCode::SUCCESS;
     }

@@ -11,11 +11,11 @@ use crate::{
         address::AddressWord,
         readout::{Statistics, settings::Description as ReadoutDescription},
     },
-    number::{Format, Number, Visitor},
+    number::Format,
     plane::Size,
     reference::{
-        Counts, Description, EventList, Limit, Reference, RefractoryRule, Report, Tally, VoxelGrid,
-        WhenFull,
+        Counts, Description, EventList, Limit, Reference, RefractoryRule, Report, Sinks, Tally,
+        VoxelGrid, WhenFull,
     },
     rig::{self, guard::Warning},
     save::Stack,
@@ -191,7 +191,7 @@ fn watched(
     let end = end(&*scene);
     let shown = (scene.frames(), scene.fps());
     let scene = upsample::by_contrast(scene, arguments.upsample)?;
-    let watched = arguments.format.visit(Run {
+    let watched = watch(Run {
         arguments,
         description: sensor,
         scene,
@@ -263,7 +263,7 @@ struct Watched {
     warnings: Vec<Warning>,
 }
 
-/// The run, in whatever number format is asked for.
+/// The run.
 struct Run<'a> {
     arguments: &'a Arguments,
     description: Description,
@@ -274,21 +274,13 @@ struct Run<'a> {
     shown: (Option<u64>, f64),
 }
 
-impl Visitor for Run<'_> {
-    type Output = miette::Result<Watched>;
-
-    fn visit<N: Number>(self, number: N) -> miette::Result<Watched> {
-        watch(self, number)
-    }
-}
-
 /// When the last frame of a scene is to come; 0 where nobody knows.
 fn end(scene: &dyn Scene) -> Micros {
     let last = scene.frames().unwrap_or_default().saturating_sub(1);
     Micros::from_seconds(last as f64 / scene.fps())
 }
 
-fn watch<N: Number>(run: Run<'_>, number: N) -> miette::Result<Watched> {
+fn watch(run: Run<'_>) -> miette::Result<Watched> {
     let Run {
         arguments,
         description,
@@ -301,10 +293,10 @@ fn watch<N: Number>(run: Run<'_>, number: N) -> miette::Result<Watched> {
     let names = description.names();
     let refractory = description.refractory;
     let mut guard = RunGuard::new(&description, size, arguments.format);
-    let sensor = Reference::<N>::bytes(&description, size);
+    let sensor = Reference::bytes_in(arguments.format, &description, size);
     let held = events(arguments, &*scene, sensor, channels)?;
     let limit = arguments.limit(held);
-    let mut reference = Reference::with_number(number, description, size, arguments.seed)?;
+    let mut reference = Reference::in_format(arguments.format, description, size, arguments.seed)?;
     let mut packet = Packet::new(size, channels as u8);
     packet.names = names;
     packet.span.1 = end;
@@ -312,9 +304,8 @@ fn watch<N: Number>(run: Run<'_>, number: N) -> miette::Result<Watched> {
     let whole = arguments.readout.is_asked();
     let mut output = EventOutput::new(arguments.events.as_ref(), &packet, whole)?;
     let mut tally = Tally::new(channels);
-    let counts = arguments.counts.as_ref();
-    let mut counts = counts.map(|_| Counts::new(size, channels));
     let counts_path = arguments.counts.as_ref();
+    let mut counts = counts_path.map(|_| Counts::new(size, channels));
     let count_stack = counts_path.map(|path| Stack::<i32>::create(path, channels, size));
     let mut count_stack = count_stack.transpose()?;
     let mut grid =
@@ -332,13 +323,14 @@ fn watch<N: Number>(run: Run<'_>, number: N) -> miette::Result<Watched> {
         .as_ref()
         .map(|_| EventList::new(&mut packet, limit).holding(held));
     let frames = rig::play(&mut scene, |frame| {
-        reference.watch_into(
-            &frame,
-            &mut (
-                ((&mut tally, &mut guard.firing), &mut list),
-                (&mut counts, &mut grid),
-            ),
-        )?;
+        let sinks = Sinks {
+            tally: Some(&mut tally),
+            firing: Some(&mut guard.firing),
+            list: list.as_mut(),
+            counts: counts.as_mut(),
+            voxels: grid.as_mut(),
+        };
+        reference.watch_into_sinks(&frame, sinks)?;
         output.take(list.as_mut())?;
         guard.see(&frame);
         if first.is_some() {

@@ -4,19 +4,19 @@
 //! A forecast of a result's noise does not say this. What counts is where the result lies beside
 //! its threshold: a result that saturates is far above it and decides as it should, so that halving
 //! it costs signal and gains nothing; a partial sum that saturates may decide wrongly. So the words
-//! are run, store by store as `array/silicon.rs` has it, on an array of a few thousand cells, from
+//! are run, store by store as `isa/errors.rs` has it, on an array of a few thousand cells, from
 //! the photodiode through memory and filter to both comparisons, and the events are compared with
 //! those of the kernel itself.
 
 use std::sync::OnceLock;
 
 use super::{
-    forecast::{ChipErrors, Wired, wired},
+    forecast::{Wired, wired},
     leaves::{self, SIDE},
     sensor::CellKind,
 };
 use crate::{
-    isa::{Analog, Device, Figure, Primitive},
+    isa::{self, Analog, Device, Errors, Figure, Primitive},
     kernel::Kernel,
     plane::Plane,
     rng::{Hash, normal},
@@ -81,7 +81,7 @@ type Cells = Vec<f32>;
 
 /// The arrays that filters are tried on.
 pub(super) struct Trials {
-    errors: ChipErrors,
+    errors: Errors,
     /// Lowest and highest of a register without errors, LSB.
     range: (f32, f32),
     /// NEWS.
@@ -93,7 +93,7 @@ pub(super) struct Trials {
 /// One array, with the light before and after.
 struct Array {
     light: [Cells; 2],
-    /// Of each register: what its gain and its offset differ by.
+    /// Of each register: the gain and the offset of its cells.
     gain: Vec<Cells>,
     offset: Vec<Cells>,
     /// Of each part of a bus that splits.
@@ -116,7 +116,7 @@ fn pairs() -> &'static [[Plane<f64>; 2]] {
 impl Trials {
     /// For a chip whose input is at most `most` LSB.
     pub(super) fn new(device: &Device, most: f64) -> Self {
-        let errors = ChipErrors::from_device(device);
+        let errors = Errors::from_device(device);
         let registers = device.registers().analog.len();
         let draw = |array: usize, reason: u64, number: usize| -> Cells {
             let place = Hash::new(0xDEC1).with(array as u64).with(reason);
@@ -126,24 +126,28 @@ impl Trials {
         let array = |(number, pair): (usize, &[Plane<f64>; 2])| {
             let gain: Vec<Cells> = (0..registers).map(|r| draw(number, GAIN, r)).collect();
             let own = |(r, gain): (usize, &Cells)| -> Cells {
-                let together = errors.together as f32;
-                let apart = (1.0 - together * together).max(0.0).sqrt();
-                let size = errors.offset_mismatch as f32;
                 let both = gain.iter().zip(draw(number, OFFSET, r));
-                both.map(|(gain, own)| size * (together * gain + apart * own))
+                both.map(|(gain, own)| errors.offset((*gain).into(), own.into()) as f32)
                     .collect()
             };
             let offset = gain.iter().enumerate().map(own).collect();
-            let sized = |cells: Cells, size: f64| -> Cells {
-                cells.into_iter().map(|cell| cell * size as f32).collect()
+            let all = |of: &dyn Fn(f64) -> f64, cells: Cells| -> Cells {
+                { cells.into_iter() }
+                    .map(|cell| of(cell.into()) as f32)
+                    .collect()
             };
             Array {
                 light: [0, 1].map(|i| pair[i].iter().map(|it| (it * most) as f32).collect()),
                 offset,
                 gain: { gain.into_iter() }
-                    .map(|cells| sized(cells, errors.gain_mismatch))
+                    .map(|cells| all(&|own| errors.gain(own), cells))
                     .collect(),
-                split: [0, 1].map(|k| sized(draw(number, SPLIT, k), errors.uneven)),
+                split: [0, 1].map(|k| {
+                    all(
+                        &|own| errors.division_mismatch * own,
+                        draw(number, SPLIT, k),
+                    )
+                }),
             }
         };
         let noise = Hash::new(0xDEC1).with(NOISE);
@@ -309,7 +313,7 @@ impl Run<'_> {
         }
     }
 
-    /// `cell := -(1 - loss + m_g) · share · sum + Δ + m_o + noise`, limited to the range.
+    /// Stores a sum as the chip does, or without its errors.
     fn store(&mut self, sum: &[f32], targets: &[(usize, (i32, i32))]) {
         let Trials {
             errors,
@@ -332,32 +336,24 @@ impl Run<'_> {
                 continue;
             }
             let splits = targets.len() > 1;
-            let transfer = errors.transfer + if splits { errors.division } else { 0.0 };
-            let (transfer, kept) = (transfer as f32, errors.gain as f32);
+            let division = if splits { errors.division as f32 } else { 0.0 };
             let (low, high) = (errors.range.0 as f32, errors.range.1 as f32);
             let (gain, offset) = (&self.array.gain[*cell], &self.array.offset[*cell]);
             let noise = &noise[self.at % (NOISES - CELLS)..];
             self.at += 1009;
-            // What the others get more the last gets less.
-            let more = match (part, targets.len()) {
-                (_, ..2) => None,
-                (0, _) => Some([1.0, 0.0]),
-                (1, 2) => Some([-1.0, 0.0]),
-                (1, _) => Some([0.0, 1.0]),
-                _ => Some([-1.0, -1.0]),
-            };
+            let more = splits.then(|| isa::uneven(part, targets.len()));
             let [one, two] = &self.array.split;
             for (i, sum) in sum.iter().enumerate() {
                 let mut current = sum / count;
                 if let Some([first, second]) = more {
-                    current *= 1.0 + first * one[i] + second * two[i];
+                    current = isa::split(current, first * one[i] + second * two[i]);
                 }
                 let to = if *place == (0, 0) {
                     i
                 } else {
                     beside(i, *place)
                 };
-                let stored = -(kept + gain[to]) * current + transfer + offset[to] + noise[i];
+                let stored = isa::stored(current, gain[to], offset[to] + noise[i] + division);
                 own[to] = stored.clamp(low, high);
             }
         }

@@ -2,7 +2,7 @@
 //! one, and the noise in it.
 //!
 //! The chip stores `cell := clip(-(1 - loss + m_g) · share · sum + Δ + m_o + noise)`
-//! (`array/silicon.rs`). For an input that is independent from pixel to pixel and uniform in
+//! (`isa/errors.rs`). For an input that is independent from pixel to pixel and uniform in
 //! `mean ± amplitude`, two passes over the straight-line words give what that does to a result:
 //!
 //! - **forwards**, every register as `constant + Σ coefficient · input(p + d)`: the constant piles
@@ -21,7 +21,7 @@
 use super::filter::Filter;
 use crate::{
     elementary::{exp, hypot},
-    isa::{Analog, Device, Direction, Figure, Primitive, Source, Target},
+    isa::{self, Analog, Device, Direction, Errors, Primitive, Source, Target},
     kernel::Kernel,
     plane::Plane,
 };
@@ -89,41 +89,6 @@ impl Forecast {
     pub fn snr_db(&self) -> f64 {
         let squared = self.correlation * self.correlation;
         10.0 * crate::elementary::log10(squared.max(1e-12) / (1.0 - squared).max(1e-12))
-    }
-}
-
-/// The errors of a chip's stores.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ChipErrors {
-    pub(super) transfer: f64,
-    pub(super) division: f64,
-    pub(super) gain: f64,
-    pub(super) gain_mismatch: f64,
-    pub(super) offset_mismatch: f64,
-    pub(super) together: f64,
-    pub(super) uneven: f64,
-    pub(super) noise: f64,
-    pub(super) range: (f64, f64),
-}
-
-impl ChipErrors {
-    pub(super) fn from_device(device: &Device) -> Self {
-        let value = |figure| device.value(figure);
-        let headroom = value(Figure::Headroom);
-        Self {
-            transfer: value(Figure::TransferError),
-            division: value(Figure::DivisionError),
-            gain: 1.0 - value(Figure::StoreLoss),
-            gain_mismatch: value(Figure::GainMismatch),
-            offset_mismatch: value(Figure::OffsetMismatch),
-            together: value(Figure::MismatchCorrelation),
-            uneven: value(Figure::DivisionMismatch),
-            noise: value(Figure::StoreNoise),
-            range: (
-                value(Figure::Lowest) - headroom,
-                value(Figure::Highest) + headroom,
-            ),
-        }
     }
 }
 
@@ -263,7 +228,8 @@ pub(super) fn forecasts(
     kernels: &[Kernel],
     signal: Signal,
 ) -> Vec<Forecast> {
-    let errors = ChipErrors::from_device(device);
+    let errors = Errors::from_device(device);
+    let slope = -errors.gain(0.0);
     let cells = device.registers().analog.len();
     let words = wired(words, device);
     let kernel_reach = kernels.iter().map(|k| k.reach().0.max(k.reach().1));
@@ -291,13 +257,13 @@ pub(super) fn forecasts(
         let splits = word.targets.len() > 1;
         let extra = if splits { errors.division } else { 0.0 };
         let current = level / count;
-        let mean = errors.transfer + extra - errors.gain * current;
-        let clipped = limited(mean, errors.gain * spread, errors.gain * most, errors.range);
+        let mean = errors.transfer + extra - slope * current;
+        let clipped = limited(mean, slope * spread, slope * most, errors.range);
         let mut own = Vec::with_capacity(word.targets.len());
         for (cell, place) in &word.targets {
             let mut form = blank.clone();
             let opposite = (-place.0, -place.1);
-            form.add(&bus, opposite, -errors.gain * clipped.kept / count);
+            form.add(&bus, opposite, -slope * clipped.kept / count);
             forms[*cell] = form;
             levels[*cell] = clipped.mean;
             own.push(Stored {
@@ -367,7 +333,7 @@ fn exact(kernel: &Kernel, blank: &Field) -> Field {
 
 /// The pass from a result back to the input.
 struct Backwards<'a> {
-    errors: ChipErrors,
+    errors: Errors,
     words: &'a [Wired],
     stores: &'a [Vec<Stored>],
     blank: &'a Field,
@@ -387,7 +353,7 @@ impl Backwards<'_> {
         let mut gains = vec![self.blank.clone(); self.cells];
         let mut offsets = vec![self.blank.clone(); self.cells];
         let mut splits = vec![self.blank.clone(); 2];
-        let apart = (1.0 - errors.together * errors.together).max(0.0).sqrt();
+        let (slope, apart) = (-errors.gain(0.0), errors.apart());
         for (word, stores) in self.words.iter().zip(self.stores).rev() {
             let mut bus = self.blank.clone();
             let count = stores.len() as f64;
@@ -403,22 +369,21 @@ impl Backwards<'_> {
                 temporal += kept * kept * errors.noise * errors.noise * power;
                 let gain = errors.gain_mismatch;
                 other += (kept * kept * gain * gain * stored.variance + stored.distortion) * power;
-                let own = errors.offset_mismatch * errors.together - stored.current * gain;
+                let own =
+                    errors.offset_mismatch * errors.mismatch_correlation - stored.current * gain;
                 gains[stored.cell].add(&field, (0, 0), kept * own);
                 offsets[stored.cell].add(&field, (0, 0), kept * errors.offset_mismatch * apart);
                 // The target's cell lies a step from the pixel whose bus it stored.
                 let back = (-stored.place.0, -stored.place.1);
-                bus.add(&field, back, -errors.gain * kept / count);
+                bus.add(&field, back, -slope * kept / count);
                 moving = stored.variance;
                 for (k, uneven) in uneven.iter_mut().enumerate() {
-                    let more = if part == k {
-                        1.0
-                    } else if part + 1 == stores.len() {
-                        -1.0
-                    } else {
-                        0.0
-                    };
-                    uneven.add(&field, back, -errors.gain * kept * errors.uneven * more);
+                    let more = f64::from(isa::uneven(part, stores.len())[k]);
+                    uneven.add(
+                        &field,
+                        back,
+                        -slope * kept * errors.division_mismatch * more,
+                    );
                 }
             }
             if !read {

@@ -20,7 +20,7 @@ pub trait Float: FftNum + PartialOrd {
     fn to_f64(self) -> f64;
 
     /// The Fourier transform of `length` numbers, and its inverse. Not generic, so that the long
-    /// code of `rustfft` is compiled in this library alone.
+    /// code of `rustfft` is compiled once.
     fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2];
 }
 
@@ -57,6 +57,8 @@ impl Float for f32 {
         self.into()
     }
 
+    /// Nothing in this library asks for it: who does compiles it.
+    #[inline]
     fn transforms(length: usize) -> [Arc<dyn Fft<Self>>; 2] {
         planned(length)
     }

@@ -12,6 +12,7 @@
 //! held to. `docs/reference.md` states every rule, and where the paper, the released code and this
 //! model part.
 
+mod any_format;
 mod band;
 mod bytes;
 mod counts;
@@ -40,6 +41,7 @@ pub(crate) mod thresholds;
 mod train;
 mod voxel;
 
+pub use any_format::{AnyReference, Sinks};
 pub use counts::{CountBand, Counts};
 pub use description::{
     Border, Channel, Description, MemoryRule, OpenError, PolarityRule, ReadFile, Refractory,

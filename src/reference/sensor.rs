@@ -2,14 +2,13 @@
 
 use std::{convert::Infallible, ops::Range};
 
-use rayon::prelude::*;
-
 use crate::{
     event::Packet,
     kernel::Kernel,
     limit::ARRAY_SIDE,
     mosaic::Mosaic,
     number::{F64, Number, Real},
+    parallel::{self, Job},
     plane::{Plane, Size},
     scene::Frame,
     sensor::{Sensor, SensorError, check_time},
@@ -294,8 +293,19 @@ impl<N: Number> Reference<N> {
             let signal = Padded::new(*size, rows.clone(), *reach, N::ZERO);
             Band::settle(plan, signal, rows.clone(), light, self.sheets.as_ref())
         };
-        let bands: Result<_, _> = self.cut.par_iter().map(settle).collect();
-        self.bands = bands.map_err(|error| first_fault(light, *size).unwrap_or(error))?;
+        let mut bands: Vec<Option<Band<N>>> = self.cut.iter().map(|_| None).collect();
+        let jobs = self
+            .cut
+            .iter()
+            .zip(&mut bands)
+            .map(|(rows, band)| -> Job<'_, _> {
+                Box::new(|| {
+                    *band = Some(settle(rows)?);
+                    Ok(())
+                })
+            });
+        parallel::all(jobs).map_err(|error| first_fault(light, *size).unwrap_or(error))?;
+        self.bands = bands.into_iter().flatten().collect();
         Ok(())
     }
 
@@ -316,8 +326,9 @@ impl<N: Number> Reference<N> {
         let holds_pixels = !self.pixels.is_empty();
         if holds_pixels {
             // Kernels read the pixel memory of cells beyond their band.
-            let see = |band: &mut Band<N>| band.see(plan, light);
-            bands.par_iter_mut().try_for_each(see).map_err(fault)?;
+            let jobs = { bands.iter_mut() }
+                .map(|band| -> Job<'_, _> { Box::new(move || band.see(plan, light)) });
+            parallel::all(jobs).map_err(fault)?;
             lay_out_pixels(plan, bands, &mut self.pixels);
         }
         let input = IntervalInput {
@@ -333,7 +344,10 @@ impl<N: Number> Reference<N> {
         let advanced = if bands.len() == 1 || rayon::current_num_threads() == 1 {
             bands.iter_mut().zip(&mut parts).try_for_each(one)
         } else {
-            bands.par_iter_mut().zip(&mut parts).try_for_each(one)
+            let jobs = { bands.iter_mut().zip(&mut parts) }.map(|(band, part)| -> Job<'_, _> {
+                Box::new(move || one((&mut *band, &mut *part)))
+            });
+            parallel::all(jobs)
         };
         drop(parts);
         advanced.map_err(fault)?;

@@ -43,7 +43,7 @@ use crate::{
         quantise::{QuantiseError, Quantised, Quantiser, Sum},
     },
     limit::ARRAY_SIDE,
-    number::{Format, Number, Visitor},
+    number::Format,
     photoreceptor::{Curve, Response},
     plane::Size,
     program::{Action, Code, Cost, Host, Overrides, Program, Step},
@@ -119,15 +119,7 @@ pub(super) fn float(
     seed: u64,
     format: Format,
 ) -> Result<Box<dyn Sensor + Send>, SensorError> {
-    struct Make(Description, Size, u64);
-    impl Visitor for Make {
-        type Output = Result<Box<dyn Sensor + Send>, SensorError>;
-        fn visit<N: Number>(self, number: N) -> Self::Output {
-            let made = Reference::with_number(number, self.0, self.1, self.2)?;
-            Ok(Box::new(made))
-        }
-    }
-    format.visit(Make(description, size, seed))
+    Ok(Reference::in_format(format, description, size, seed)?)
 }
 
 impl<'a> Design<'a> {

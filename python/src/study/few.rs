@@ -1,6 +1,6 @@
 //! Kernels in few values, alone and on a chip.
 
-use amacrine::{kernel::quantise::Change, plane::Plane, study::quantisation};
+use amacrine::{kernel::quantise::Summary, study::quantisation};
 use miette::Report;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -17,12 +17,8 @@ use crate::{
 #[derive(Serialize)]
 struct Few {
     to: String,
-    levels: Vec<Vec<f64>>,
-    scale: f64,
-    relative_error: f64,
-    sum: f64,
-    taps: usize,
-    response: Change,
+    #[serde(flatten)]
+    summary: Summary,
     erased: Vec<String>,
 }
 
@@ -37,15 +33,9 @@ pub fn quantise(of: Named, to: Vec<String>, sum_to: &str, seed: u64) -> PyResult
             let what = format!("{} cannot be {to}", of.0);
             raised(Report::new(error).wrap_err(what))
         })?;
-        let levels = quantised.levels.weights();
         all.push(Few {
             to: to.to_string(),
-            levels: rows(levels),
-            scale: quantised.scale,
-            relative_error: quantised.relative_error(&kernel),
-            sum: quantised.kernel().sum(),
-            taps: levels.iter().filter(|level| **level != 0.0).count(),
-            response: Change::between(&kernel, &quantised.kernel()),
+            summary: Summary::new(&kernel, &quantised),
             erased: { quantised.erasures(&kernel).into_iter() }
                 .map(|erasure| erasure.to_string())
                 .collect(),
@@ -85,8 +75,4 @@ pub fn on_chip(
         quantisation::ask(&question, &|| source.open(), |_| ()).map_err(Report::new)
     })?;
     json(&answer.map_err(|report: Report| raised(report))?)
-}
-
-fn rows(weights: &Plane<f64>) -> Vec<Vec<f64>> {
-    weights.rows().into_iter().map(|row| row.to_vec()).collect()
 }

@@ -19,8 +19,6 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::{
     super::{Layout, RowOps, State, Undecided},
     constants::Constants,
@@ -31,7 +29,10 @@ use super::{
     slab::{Copies, Slab},
     sweep::{self, Semantics},
 };
-use crate::plane::Size;
+use crate::{
+    parallel::{self, Job},
+    plane::Size,
+};
 
 /// Bands move up by so many rows at most: what is behind them leaves the cache.
 const FARTHEST: usize = 16;
@@ -155,10 +156,11 @@ impl Tiles {
             band = below;
         }
         bands.push(band);
-        bands.into_par_iter().try_for_each(|mut band| {
+        let jobs = bands.into_iter().map(|mut band| -> Job<'_, _> {
             let rows = band.rows.clone();
-            self.part(semantics, &mut band, rows)
-        })?;
+            Box::new(move || self.part(semantics, &mut band, rows.clone()))
+        });
+        parallel::all(jobs)?;
         let mut band = Slab::whole(state, copies, constants);
         for seam in seams {
             let spans = self.shifts.iter().map(|shift| seam - shift..seam + shift);

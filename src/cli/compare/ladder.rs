@@ -11,6 +11,7 @@ use super::{
 use crate::{
     compare::{Pair, equality},
     event::Packet,
+    number::Format,
     reference::{Description, Reference},
     rig::{self, guard::Warning},
     scene::{Observation, Scene, upsample},
@@ -87,12 +88,13 @@ impl Arguments {
         let mut sensors = Vec::new();
         for part in parts {
             let description = equivalent::at_part(description, *part);
-            sensors.push(Reference::new(description, size, self.seed)?);
+            let format = Format::F64;
+            sensors.push(Reference::in_format(format, description, size, self.seed)?);
         }
         budget::check_study(&*scene, sensors.len())?;
         let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
         for sensor in &mut sensors {
-            watching.push(sensor);
+            watching.push(&mut **sensor);
         }
         let progress = Progress::new("watching", scene.frames());
         let packets = rig::watch(&mut *scene, &mut watching, |_| progress.tick());

@@ -255,7 +255,8 @@ impl Compiled {
                 )
             }
             (n, _) => format!(
-                "{n} stores can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
+                "{n} {} can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
+                if n == 1 { "store" } else { "stores" },
                 127.0 / self.filter.peak
             ),
         };

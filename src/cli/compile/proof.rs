@@ -5,13 +5,14 @@ use miette::{WrapErr, miette};
 use super::{Compiled, Proof, TRACED, noises};
 use crate::{
     array::{
-        Array as _, Chip, Exact, Input, Settings,
+        Arithmetic, Input, Settings,
         range::{self, Interval},
         taps,
     },
     compile::{CompileError, Filter, naive_cost},
     event::Packet,
     isa::{Analog, Figure},
+    number::Format,
     plane::{Plane, Size},
     program::{Action, Code, Host, Overrides, Program, Step},
     sensor::Sensor as _,
@@ -127,7 +128,13 @@ impl Proof<'_> {
             picture[middle] = level;
             let size = Size::new(SIDE, SIDE);
             let code = code.clone();
-            let mut chip = Chip::new("compiled", Exact, &code, self.device, size, settings)?;
+            let mut chip = Arithmetic::Number(Format::F64).chip(
+                "compiled",
+                &code,
+                self.device,
+                size,
+                settings,
+            )?;
             match self.input {
                 Input::Light => chip.expose(&picture)?,
                 Input::Register(register) => chip.set_analog(register, &picture)?,

@@ -235,13 +235,13 @@ impl<'a> Tracer<'a> {
         let mut notes = Vec::new();
         if self.dropped > 0 {
             notes.push(format!(
-                "The first {} frames were run and are left out: --frames runs fewer.",
+                "the first {} frames were run and are left out: --frames runs fewer",
                 self.dropped
             ));
         }
         if self.unseen > 0 {
             notes.push(format!(
-                "Of each frame the first {WORDS} words and operations are shown; {} more were run.",
+                "of each frame the first {WORDS} words and operations are shown; {} more were run",
                 self.unseen
             ));
         }

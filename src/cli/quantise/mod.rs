@@ -13,7 +13,7 @@ use crate::{
     isa::Device,
     kernel::{
         Kernel,
-        quantise::{self, Change, QuantiseError, Quantised, Quantiser},
+        quantise::{self, Change, QuantiseError, Quantised, Quantiser, Summary},
     },
     picture::{self, write_png},
     plane::Plane,
@@ -102,20 +102,8 @@ struct Row {
 #[derive(serde::Serialize)]
 #[serde(untagged)]
 enum Few {
-    Numbers(Numbers),
+    Numbers(Summary),
     Refused { refused: String },
-}
-
-/// A kernel in few values, in numbers.
-#[derive(serde::Serialize)]
-struct Numbers {
-    levels: Vec<Vec<f64>>,
-    scale: f64,
-    relative_error: f64,
-    sum: f64,
-    /// Weights that are not 0.
-    taps: usize,
-    response: Change,
 }
 
 #[derive(serde::Serialize)]
@@ -396,25 +384,11 @@ impl Row {
         Self {
             to: to.to_string(),
             few: match quantised {
-                Ok(quantised) => Few::Numbers(Numbers::new(kernel, quantised)),
+                Ok(quantised) => Few::Numbers(Summary::new(kernel, quantised)),
                 Err(error) => Few::Refused {
                     refused: error.to_string(),
                 },
             },
-        }
-    }
-}
-
-impl Numbers {
-    fn new(kernel: &Kernel, quantised: &Quantised) -> Self {
-        let levels = quantised.levels.weights();
-        Self {
-            levels: rows_of(levels),
-            scale: quantised.scale,
-            relative_error: quantised.relative_error(kernel),
-            sum: quantised.kernel().sum(),
-            taps: levels.iter().filter(|level| **level != 0.0).count(),
-            response: Change::between(kernel, &quantised.kernel()),
         }
     }
 }

@@ -20,6 +20,7 @@ mod levels;
 mod list;
 mod quantised;
 mod response;
+mod summary;
 mod total;
 
 pub use digits::FINEST;
@@ -29,6 +30,7 @@ pub use error::QuantiseError;
 pub use list::{ENTRIES, QuantiserNameError, known};
 pub use quantised::Quantised;
 pub use response::Change;
+pub use summary::Summary;
 
 #[cfg(test)]
 mod tests;

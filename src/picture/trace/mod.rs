@@ -126,7 +126,7 @@ pub struct Trace {
     pub limit: f64,
     /// Where they part.
     pub parting: Option<TraceParting>,
-    /// What else is to be known.
+    /// What else is to be known; the page makes sentences of them.
     pub notes: Vec<String>,
 }
 

@@ -157,7 +157,7 @@ fn whole(trace: &Trace, parts: u32) -> String {
                         } @else {
                             li #parting { "Nowhere does a pixel part by more than " (trace.limit) " LSB." }
                         }
-                        @for note in &trace.notes { li { (note) } }
+                        @for note in &trace.notes { li { (sentence(note)) } }
                     }
                     p { "Made by amacrine " (env!("CARGO_PKG_VERSION")) "." }
                 }
@@ -167,4 +167,16 @@ fn whole(trace: &Trace, parts: u32) -> String {
         }
     }
     .into_string()
+}
+
+/// A message as a sentence of the page.
+fn sentence(message: &str) -> String {
+    let mut letters = message.chars();
+    let first = letters.next().map(char::to_uppercase);
+    first
+        .into_iter()
+        .flatten()
+        .chain(letters)
+        .chain(['.'])
+        .collect()
 }

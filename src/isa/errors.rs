@@ -1,0 +1,167 @@
+//! How a store errs on silicon: the one formula, for whoever runs or predicts it.
+//!
+//! ```text
+//! cell := -(1 - loss + m_g) · share · sum + Δ + m_o + noise       limited to the range
+//!         and for a bus that splits:  + division error
+//! ```
+//!
+//! - The transfer error Δ is nearly the same for all cells, so two stores cancel it
+//!   (`T = -x + Δ`, `y = -T + Δ = x`): why every macro of the vendor stores twice.
+//! - The loss of each store, and how Δ of a splitting bus differs, are fitted to the chip's
+//!   only public measurement: `diva(A,E,F); mov(F,A); add(A,A,F)`, an identity, repeated. A map
+//!   that is affine in the signal explains it, inputs that were left out of the fit too; a curve
+//!   explains no more (`docs/silicon.md`).
+//! - Mismatch `m_g`, `m_o` belongs to one cell of one pixel; noise is drawn anew for every word.
+//! - A bus that splits between two cells does so unevenly: what one gets more the other gets
+//!   less, so that `diva`, which adds them again, corrects it to first order.
+//!
+//! All numbers are the device's, each with its source: `[figure.error]` of `device.toml`.
+
+// What is not inlined is not compiled for the wide vectors.
+#![allow(clippy::inline_always)]
+
+use super::{Device, Figure};
+
+/// How a chip errs. Analogue values are in LSB, the ADC's steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Errors {
+    /// Δ of every store, LSB.
+    pub transfer: f64,
+    /// Part of the signal that one store loses.
+    pub loss: f64,
+    /// How much more than Δ a splitting bus adds, LSB.
+    pub division: f64,
+    /// Spread of the gain of cells.
+    pub gain_mismatch: f64,
+    /// Spread of Δ of cells, LSB.
+    pub offset_mismatch: f64,
+    /// Correlation of the two.
+    pub mismatch_correlation: f64,
+    /// Spread of how unevenly a bus splits.
+    pub division_mismatch: f64,
+    /// Noise of every store, LSB.
+    pub noise: f64,
+    /// Step of the converter that sets the global input, LSB; 0 sets any value.
+    pub input_step: f64,
+    /// Lowest and highest value of a cell, LSB.
+    pub range: (f64, f64),
+    /// What a cell that nothing was put on holds, LSB.
+    pub reset_level: f64,
+    /// How fast every cell goes there, LSB/s.
+    pub decay: f64,
+    /// How long a one-bit cell holds at least without being written, s.
+    pub retention: f64,
+    /// Spread of how much longer it holds, as a part of that.
+    pub retention_spread: f64,
+}
+
+impl Errors {
+    /// As a chip's data has them.
+    #[must_use]
+    pub fn from_device(device: &Device) -> Self {
+        let value = |figure| device.value(figure);
+        let headroom = value(Figure::Headroom);
+        Self {
+            transfer: value(Figure::TransferError),
+            loss: value(Figure::StoreLoss),
+            division: value(Figure::DivisionError),
+            gain_mismatch: value(Figure::GainMismatch),
+            offset_mismatch: value(Figure::OffsetMismatch),
+            mismatch_correlation: value(Figure::MismatchCorrelation),
+            division_mismatch: value(Figure::DivisionMismatch),
+            noise: value(Figure::StoreNoise),
+            // The host's table has an entry for each LSB.
+            input_step: 1.0,
+            range: (
+                value(Figure::Lowest) - headroom,
+                value(Figure::Highest) + headroom,
+            ),
+            reset_level: value(Figure::ResetLevel),
+            decay: value(Figure::AnalogueDecay),
+            retention: value(Figure::Retention),
+            retention_spread: value(Figure::RetentionSpread),
+        }
+    }
+
+    /// The gain of a cell, with its mismatch: `-(1 - loss + m_g)`; `own` is the cell's normal
+    /// number.
+    #[must_use]
+    pub fn gain(&self, own: f64) -> f64 {
+        -(1.0 - self.loss + self.gain_mismatch * own)
+    }
+
+    /// The offset of a cell, with its mismatch: `Δ + m_o`; the cell's normal numbers are that of
+    /// its gain, with which this correlates, and one of its own.
+    #[must_use]
+    pub fn offset(&self, gain: f64, own: f64) -> f64 {
+        let together = self.mismatch_correlation;
+        let mismatch = together * gain + self.apart() * own;
+        self.transfer + self.offset_mismatch * mismatch
+    }
+
+    /// The part of the mismatch of offsets that does not go with that of gains.
+    #[must_use]
+    pub fn apart(&self) -> f64 {
+        let together = self.mismatch_correlation;
+        (1.0 - together * together).max(0.0).sqrt()
+    }
+}
+
+/// How much more than its share a target of a bus that splits gets: so often each of the pixel's
+/// two splits. What the others get more the last gets less.
+#[must_use]
+pub const fn uneven(part: usize, targets: usize) -> [f32; 2] {
+    match (part, targets) {
+        (0, 2..) => [1.0, 0.0],
+        (1, 2) => [-1.0, 0.0],
+        (1, _) => [0.0, 1.0],
+        (2, 3) => [-1.0, -1.0],
+        _ => [0.0, 0.0],
+    }
+}
+
+/// The current that a target gets which gets so much more than its share.
+#[inline(always)]
+#[must_use]
+pub const fn split(share: f32, more: f32) -> f32 {
+    share * (1.0 + more)
+}
+
+/// What is stored of a current by a cell of this [gain](Errors::gain); the error is its
+/// [offset](Errors::offset), what noise and division add. The range limits it.
+#[inline(always)]
+#[must_use]
+pub const fn stored(current: f32, gain: f32, error: f32) -> f32 {
+    gain * current + error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_others_get_more_the_last_gets_less() {
+        for targets in 1..=3 {
+            let mut sum = [0.0; 2];
+            for part in 0..targets {
+                let more = uneven(part, targets);
+                sum = [sum[0] + more[0], sum[1] + more[1]];
+            }
+            let whole = if targets == 1 { [0.0; 2] } else { sum };
+            assert_eq!(whole, [0.0; 2], "{targets} targets");
+        }
+    }
+
+    /// `T = -x + Δ`, `y = -T + Δ = x` without loss.
+    #[test]
+    fn two_stores_cancel_the_transfer_error() {
+        let errors = Errors {
+            loss: 0.0,
+            ..Errors::from_device(&Device::find("scamp5").unwrap())
+        };
+        assert!(errors.transfer != 0.0);
+        let (gain, offset) = (errors.gain(0.0) as f32, errors.offset(0.0, 0.0) as f32);
+        let twice = stored(stored(40.0, gain, offset), gain, offset);
+        assert!((twice - 40.0).abs() < 1e-5, "{twice}");
+    }
+}
