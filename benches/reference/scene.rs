@@ -30,7 +30,7 @@ impl Clip {
             seconds: n as f64 * INTERVAL,
             light: Plane::from_shape_fn(size.shape(), |(y, x)| {
                 texture(x as f64 + 1.3 * n as f64, y as f64 + 0.4 * n as f64).round()
-            }),
+            }).into(),
         };
         Self {
             size,
@@ -42,7 +42,7 @@ impl Clip {
     /// The same, not quite in whole numbers.
     pub fn not_whole(&self) -> Self {
         let frames = self.frames.iter().map(|frame| Frame {
-            light: frame.light.mapv(|light| light * 0.997 + 0.1),
+            light: frame.light.mapv(|light| light * 0.997 + 0.1).into(),
             ..frame.clone()
         });
         Self {
