@@ -316,7 +316,15 @@ fn tiles_are_the_sensor(seed: u64, across: usize, fine: bool) -> Result<(), Test
         let mut scene = kept.scene();
         while let Some(frame) = scene.next_frame().unwrap() {
             let light = mosaic.shown(&frame.light, family.outside());
-            tiles.watch(&Frame { light: light.into(), ..frame }, &mut packet).unwrap();
+            tiles
+                .watch(
+                    &Frame {
+                        light: light.into(),
+                        ..frame
+                    },
+                    &mut packet,
+                )
+                .unwrap();
         }
         let (some, all) = (at_home(&mosaic, &packet), sorted(&full));
         let first = some.iter().zip(&all).find(|(a, b)| a != b);
@@ -363,7 +371,15 @@ fn a_smaller_halo_shows() {
         let mut scene = kept.scene();
         while let Some(frame) = scene.next_frame().unwrap() {
             let light = mosaic.shown(&frame.light, family.outside());
-            tiles.watch(&Frame { light: light.into(), ..frame }, &mut packet).unwrap();
+            tiles
+                .watch(
+                    &Frame {
+                        light: light.into(),
+                        ..frame
+                    },
+                    &mut packet,
+                )
+                .unwrap();
         }
         at_home(&mosaic, &packet) == sorted(&full)
     };

@@ -63,7 +63,8 @@ fn kept(seed: u64, height: usize, width: usize, frames: u64) -> Kept {
             let spot = 130.0 * (-(dy * dy + dx * dx) / (2.0 * size * size)).exp();
             let grain = texture * chance(1000 + (y * width + x) as u64 + (index / 3) * 100_000);
             (60.0 + spot + grain).clamp(0.0, 255.0)
-        }).into(),
+        })
+        .into(),
     };
     let frames = (0..frames).map(frame).collect();
     let mut scene = Held::new(frames, Size::new(height, width), 200.0);

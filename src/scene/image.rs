@@ -403,12 +403,19 @@ mod tests {
         assert!(Image::of_words(size, vec![0; 4], Levels::bytes()).is_none());
         let image = Image::of_bytes(size, vec![3, 9, 0, 255], Levels::bytes()).unwrap();
         assert!(image.coded().unwrap().levels().are_codes());
-        assert_eq!(image.under(&Levels::bytes().map(|l| 2.0 * l)).unwrap().at(1), 18.0);
+        assert_eq!(
+            image
+                .under(&Levels::bytes().map(|l| 2.0 * l))
+                .unwrap()
+                .at(1),
+            18.0
+        );
     }
 
     #[test]
     fn what_is_not_a_number_is_no_end() {
-        let of = |light: Vec<f64>| Image::from(Plane::from_shape_vec((1, light.len()), light).unwrap());
+        let of =
+            |light: Vec<f64>| Image::from(Plane::from_shape_vec((1, light.len()), light).unwrap());
         assert_eq!(of(vec![f64::NAN; 20]).extent(), None);
         assert_eq!(of(vec![]).extent(), None);
         assert_eq!(of(vec![f64::NAN, 3.0, -1.0]).extent(), Some((-1.0, 3.0)));

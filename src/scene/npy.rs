@@ -178,7 +178,9 @@ impl<R: Read + Send> Scene for Npy<R> {
             return Err(truncated());
         }
         let light = match self.number.kind {
-            Kind::U1 => Image::of_bytes(self.size, std::mem::take(&mut self.bytes), Levels::bytes()),
+            Kind::U1 => {
+                Image::of_bytes(self.size, std::mem::take(&mut self.bytes), Levels::bytes())
+            }
             Kind::U2 => {
                 let read = if self.number.big_end_first {
                     u16::from_be_bytes
