@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench reference` (a minute or two), or with `-- --quick` (seconds, rougher).
 //! Every figure is the median over repetitions, with half the distance of its quartiles. The scene is made beforehand: 17 frames of a
-//! moving 8-bit texture, watched to and fro; about 0.8 events per cell and pair.
+//! moving texture of 8 bits, held as bytes, watched to and fro; about 0.8 events per cell and pair.
 //!
 //! The plain version, measured in the same run, is the obvious loop over pixels in double
 //! precision; both must make the same number of events. The machine's limits are measured too:
@@ -278,6 +278,14 @@ fn main() {
         let line = bench.line(F32, &uneven_sensor(), &mut clip, ask, 1);
         bench.show(&Line {
             label: "f32 25 weights".to_owned(),
+            ..line
+        });
+    }
+    let mut numbers = clip.as_numbers();
+    for ask in [Ask::Counts, Ask::List] {
+        let line = bench.line(F32, &plain_sensor, &mut numbers, ask, 1);
+        bench.show(&Line {
+            label: "f32 8 bits as f64".to_owned(),
             ..line
         });
     }

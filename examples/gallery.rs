@@ -172,7 +172,7 @@ fn left_by(file: File) -> miette::Result<(String, Vec<(String, StripCell)>)> {
     for index in 0..frames {
         // A picture that does not move is shown again.
         if let Some(frame) = scene.next_frame()? {
-            light = Some(frame.light);
+            light = Some(frame.light.into_plane());
         }
         let light = light
             .clone()
@@ -182,7 +182,7 @@ fn left_by(file: File) -> miette::Result<(String, Vec<(String, StripCell)>)> {
         let frame = Frame {
             index,
             seconds,
-            light,
+            light: light.into(),
         };
         chip.watch(&frame, &mut packet)?;
     }

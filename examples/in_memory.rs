@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut frame = Frame {
         index: 0,
         seconds: 0.0,
-        light: Plane::zeros(kept.size().shape()),
+        light: Plane::zeros(kept.size().shape()).into(),
     };
     for _ in 0..runs {
         let start = Instant::now();

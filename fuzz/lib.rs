@@ -258,7 +258,7 @@ fn watch(sensor: &mut dyn Sensor) {
         let frame = Frame {
             index,
             seconds: index as f64 / 100.0,
-            light,
+            light: light.into(),
         };
         if sensor.watch(&frame, &mut packet).is_err() {
             return;

@@ -89,7 +89,7 @@ fn watch(sensor: &mut dyn Sensor, clip: &[Plane<f64>], fps: f64) -> Packet {
         let frame = Frame {
             index: index as u64,
             seconds,
-            light: light.clone(),
+            light: light.clone().into(),
         };
         sensor.watch(&frame, &mut packet).unwrap();
     }

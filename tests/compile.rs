@@ -830,7 +830,7 @@ fn watch(sensor: &mut dyn Sensor, clip: &[Plane<f64>]) -> Packet {
         let frame = Frame {
             index: index as u64,
             seconds: index as f64 / 240.0,
-            light: light.clone(),
+            light: light.clone().into(),
         };
         sensor.watch(&frame, &mut packet).unwrap();
     }

@@ -109,7 +109,7 @@ fn scene(chance: &mut Chance, height: usize, width: usize, frames: u64) -> Kept 
         all.push(Frame {
             index,
             seconds,
-            light: light.clone(),
+            light: light.clone().into(),
         });
         seconds += if chance.next() < 0.1 { 4e-3 } else { 1e-3 };
     }
@@ -316,7 +316,15 @@ fn tiles_are_the_sensor(seed: u64, across: usize, fine: bool) -> Result<(), Test
         let mut scene = kept.scene();
         while let Some(frame) = scene.next_frame().unwrap() {
             let light = mosaic.shown(&frame.light, family.outside());
-            tiles.watch(&Frame { light, ..frame }, &mut packet).unwrap();
+            tiles
+                .watch(
+                    &Frame {
+                        light: light.into(),
+                        ..frame
+                    },
+                    &mut packet,
+                )
+                .unwrap();
         }
         let (some, all) = (at_home(&mosaic, &packet), sorted(&full));
         let first = some.iter().zip(&all).find(|(a, b)| a != b);
@@ -363,7 +371,15 @@ fn a_smaller_halo_shows() {
         let mut scene = kept.scene();
         while let Some(frame) = scene.next_frame().unwrap() {
             let light = mosaic.shown(&frame.light, family.outside());
-            tiles.watch(&Frame { light, ..frame }, &mut packet).unwrap();
+            tiles
+                .watch(
+                    &Frame {
+                        light: light.into(),
+                        ..frame
+                    },
+                    &mut packet,
+                )
+                .unwrap();
         }
         at_home(&mosaic, &packet) == sorted(&full)
     };
@@ -831,7 +847,7 @@ fn still_surroundings_go_without_a_trace() {
             Frame {
                 index,
                 seconds: index as f64 * 1e-3,
-                light: Plane::from_shape_fn((70, 80), light),
+                light: Plane::from_shape_fn((70, 80), light).into(),
             }
         })
         .collect();

@@ -63,7 +63,8 @@ fn kept(seed: u64, height: usize, width: usize, frames: u64) -> Kept {
             let spot = 130.0 * (-(dy * dy + dx * dx) / (2.0 * size * size)).exp();
             let grain = texture * chance(1000 + (y * width + x) as u64 + (index / 3) * 100_000);
             (60.0 + spot + grain).clamp(0.0, 255.0)
-        }),
+        })
+        .into(),
     };
     let frames = (0..frames).map(frame).collect();
     let mut scene = Held::new(frames, Size::new(height, width), 200.0);
@@ -154,7 +155,7 @@ proptest! {
         let mut scene = kept.scene();
         while let Some(frame) = scene.next_frame().unwrap() {
             let light = mosaic.shown(&frame.light, Outside::Nearest);
-            tiles.watch(&Frame { light, ..frame }, &mut packet).unwrap();
+            tiles.watch(&Frame { light: light.into(), ..frame }, &mut packet).unwrap();
         }
         let at = |e: &Event| (At { y: e.y.into(), x: e.x.into() }, *e);
         let own = packet.events.iter().filter(|e| mosaic.tile(e.y.into(), e.x.into()).is_some());

@@ -46,7 +46,7 @@ impl Scene for Middle {
         let cut = s![from..from + SIDE, from..from + SIDE];
         let frame = self.0.next_frame()?;
         Ok(frame.map(|frame| Frame {
-            light: frame.light.slice(cut).to_owned(),
+            light: frame.light.slice(cut).to_owned().into(),
             ..frame
         }))
     }

@@ -181,7 +181,7 @@ fn is_the_reference<R: Float>(text: &str, white: f64, clips: usize, size: Size) 
             let frame = Frame {
                 index: n as u64,
                 seconds: times[n],
-                light: Plane::from_shape_vec(size.shape(), light).unwrap(),
+                light: Plane::from_shape_vec(size.shape(), light).unwrap().into(),
             };
             reference
                 .watch_into(&frame, &mut (&mut counts, &mut grid))

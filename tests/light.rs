@@ -95,7 +95,7 @@ fn asked(range: Range) -> OpenOptions {
 fn frames(mut scene: impl Scene) -> Vec<Plane<f64>> {
     let mut lights = Vec::new();
     while let Some(frame) = scene.next_frame().unwrap() {
-        lights.push(frame.light);
+        lights.push(frame.light.into_plane());
     }
     lights
 }
@@ -378,7 +378,7 @@ impl Scene for Clip {
         Ok(self.lights.next().map(|light| Frame {
             index,
             seconds: index as f64 / 10.0,
-            light,
+            light: light.into(),
         }))
     }
     fn coding(&self) -> amacrine::scene::Light {

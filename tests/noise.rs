@@ -28,7 +28,7 @@ fn uniform(size: Size, times: &[f64], light: impl Fn(f64) -> f64) -> Vec<Frame> 
     let frame = |(index, &seconds)| Frame {
         index: index as u64,
         seconds,
-        light: Plane::from_elem(size.shape(), light(seconds)),
+        light: Plane::from_elem(size.shape(), light(seconds)).into(),
     };
     times.iter().enumerate().map(frame).collect()
 }
@@ -329,7 +329,7 @@ fn shot_noise_falls_with_light() {
         .map(|index| Frame {
             index,
             seconds: index as f64 * seconds / 20.0,
-            light: light.clone(),
+            light: light.clone().into(),
         })
         .collect();
     let responses = [
@@ -470,7 +470,7 @@ fn the_photoreceptor_follows_a_held_step_exponentially() {
                 let frame = Frame {
                     index: n.into(),
                     seconds,
-                    light: Plane::from_elem((1, 1), step),
+                    light: Plane::from_elem((1, 1), step).into(),
                 };
                 reference.watch_into(&frame, &mut tally).unwrap();
                 let got = reference.memory(0).unwrap()[[0, 0]];
@@ -498,7 +498,7 @@ fn busy() -> (Description, Vec<Frame>) {
         Frame {
             index,
             seconds,
-            light: Plane::from_shape_fn((130, 120), |(y, x)| 100.0 + 80.0 * wave(y, x)),
+            light: Plane::from_shape_fn((130, 120), |(y, x)| 100.0 + 80.0 * wave(y, x)).into(),
         }
     };
     (description, (0..12).map(frame).collect())

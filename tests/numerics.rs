@@ -35,7 +35,7 @@ fn frame(index: u64, seconds: f64, light: Plane<f64>) -> Frame {
     Frame {
         index,
         seconds,
-        light,
+        light: light.into(),
     }
 }
 

@@ -61,7 +61,7 @@ fn agree(path: &Path) -> u64 {
         let frame = Frame {
             index: n as u64,
             seconds: times[n],
-            light: light.mapv(f64::from),
+            light: light.mapv(f64::from).into(),
         };
         reference
             .watch_into(&frame, &mut (&mut counts, (&mut grid, &mut shares)))

@@ -630,7 +630,8 @@ impl Noise {
                 seconds,
                 light: Plane::from_shape_fn(self.size, |(y, x)| {
                     (hash(y, x) % 100) as f64 * 0.01 + shift
-                }),
+                })
+                .into(),
             }
         };
         (0..self.frames).map(frame).collect()

@@ -176,7 +176,7 @@ fn h264_is_what_ffmpeg_decodes() {
         let want = all(&format!("{name}.y4m"));
         assert_eq!(got.len(), want.len(), "{name}");
         for (got, want) in got.iter().zip(&want) {
-            let worst = (&got.light - &want.light)
+            let worst = (&*got.light - &*want.light)
                 .iter()
                 .fold(0.0_f64, |m, d| m.max(d.abs()));
             assert!(worst <= most, "{name}: frame {}: {worst}", got.index);

@@ -89,7 +89,7 @@ impl Scene for Corner {
         }
         self.left -= 1;
         let cut = |frame: Frame| Frame {
-            light: frame.light.slice(s![32..96, 32..96]).to_owned(),
+            light: frame.light.slice(s![32..96, 32..96]).to_owned().into(),
             ..frame
         };
         Ok(self.clip.next_frame()?.map(cut))
@@ -158,7 +158,7 @@ fn still(frames: u64) -> impl Iterator<Item = Frame> {
     (0..frames).map(move |index| Frame {
         index,
         seconds: 7.0 + index as f64 / 240.0,
-        light: light.clone(),
+        light: light.clone().into(),
     })
 }
 
@@ -263,7 +263,7 @@ fn the_authors_files_give_the_authors_counts() {
                     let frame = Frame {
                         index: n as u64,
                         seconds: n as f64 / 240.0,
-                        light: light.slice(s![n, .., ..]).mapv(f64::from),
+                        light: light.slice(s![n, .., ..]).mapv(f64::from).into(),
                     };
                     reference.watch_into(&frame, &mut counts).unwrap();
                     if n > 0 {

@@ -1,8 +1,8 @@
 //! The scene: a moving texture in memory, so that making it is not timed.
 
 use amacrine::{
-    plane::{Plane, Size},
-    scene::Frame,
+    plane::Size,
+    scene::{Frame, Image, Levels},
 };
 
 /// Makes about 0.8 events per pixel and pair of the texture under `csdvs-5`.
@@ -28,9 +28,16 @@ impl Clip {
         let frame = |n: u64| Frame {
             index: n,
             seconds: n as f64 * INTERVAL,
-            light: Plane::from_shape_fn(size.shape(), |(y, x)| {
-                texture(x as f64 + 1.3 * n as f64, y as f64 + 0.4 * n as f64).round()
-            }),
+            light: Image::of_bytes(
+                size,
+                (0..size.pixels())
+                    .map(|pixel| (pixel / size.width, pixel % size.width))
+                    .map(|(y, x)| texture(x as f64 + 1.3 * n as f64, y as f64 + 0.4 * n as f64))
+                    .map(|light| light.round() as u8)
+                    .collect(),
+                Levels::bytes(),
+            )
+            .expect("a byte for each pixel"),
         };
         Self {
             size,
@@ -39,10 +46,22 @@ impl Clip {
         }
     }
 
+    /// The same, held as numbers.
+    pub fn as_numbers(&self) -> Self {
+        let frames = self.frames.iter().map(|frame| Frame {
+            light: frame.light.clone().into_plane().into(),
+            ..frame.clone()
+        });
+        Self {
+            frames: frames.collect(),
+            ..*self
+        }
+    }
+
     /// The same, not quite in whole numbers.
     pub fn not_whole(&self) -> Self {
         let frames = self.frames.iter().map(|frame| Frame {
-            light: frame.light.mapv(|light| light * 0.997 + 0.1),
+            light: frame.light.mapv(|light| light * 0.997 + 0.1).into(),
             ..frame.clone()
         });
         Self {

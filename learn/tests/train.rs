@@ -346,7 +346,7 @@ fn the_exported_sensor_is_the_trained_one() {
             let frame = Frame {
                 index: n as u64,
                 seconds: times[n],
-                light: Plane::from_shape_fn((24, 24), |(y, x)| f64::from(light[24 * y + x])),
+                light: Plane::from_shape_fn((24, 24), |(y, x)| f64::from(light[24 * y + x])).into(),
             };
             reference.watch(&frame, &mut packet).unwrap();
         }

@@ -67,7 +67,7 @@ impl Run {
             frame: Frame {
                 index: 0,
                 seconds: 0.0,
-                light: Plane::zeros(size.shape()),
+                light: Plane::zeros(size.shape()).into(),
             },
             seen: 0,
             packet: Packet::new(size, channels),

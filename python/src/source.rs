@@ -148,7 +148,7 @@ impl Scene for Given {
         Ok(Some(Frame {
             index,
             seconds: index as f64 / self.fps,
-            light,
+            light: light.into(),
         }))
     }
 }

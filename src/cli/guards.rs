@@ -102,10 +102,10 @@ impl Border {
             let signal = self.response.apply(*light);
             signal.is_ok_and(|signal| signal < low || signal >= high)
         };
-        self.all += frame.light.len() as u64;
+        self.all += frame.light.size().pixels() as u64;
         // More light is never less signal: nearly always both ends of the light are within.
-        let ends = extent(frame.light.as_slice().unwrap_or_default());
-        if frame.light.is_standard_layout() && !ends.iter().any(beyond) {
+        let ends = frame.light.extent();
+        if ends.is_none_or(|(low, high)| !beyond(&low) && !beyond(&high)) {
             return;
         }
         self.at += frame.light.iter().filter(|light| beyond(light)).count() as u64;
@@ -117,35 +117,4 @@ impl Border {
         let counted = (self.at, self.all);
         Some(Warning::saturation(subject, &place, counted, ends))
     }
-}
-
-/// The least and the most light, several pixels at a time; what is not a number is neither.
-fn extent(light: &[f64]) -> [f64; 2] {
-    const LANES: usize = 8;
-    let (mut least, mut most) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
-    let (blocks, rest) = light.as_chunks::<LANES>();
-    let mut look = |lane: usize, light: f64| {
-        least[lane] = if light < least[lane] {
-            light
-        } else {
-            least[lane]
-        };
-        most[lane] = if light > most[lane] {
-            light
-        } else {
-            most[lane]
-        };
-    };
-    for block in blocks {
-        for (lane, light) in block.iter().enumerate() {
-            look(lane, *light);
-        }
-    }
-    for light in rest {
-        look(0, *light);
-    }
-    [
-        least.into_iter().fold(f64::INFINITY, f64::min),
-        most.into_iter().fold(f64::NEG_INFINITY, f64::max),
-    ]
 }

@@ -23,14 +23,21 @@ pub(super) struct Cosine<T: Float> {
     inverse: Arc<dyn Fft<T>>,
     /// `(cos, sin)(π k / 2N)`, for k up to N/2.
     twiddles: Vec<Complex<T>>,
-    row: Vec<Complex<T>>,
+    length: usize,
+    /// Complex rows, [`Cosine::pitch`] apart.
+    rows: Vec<Complex<T>>,
     scratch: Vec<Complex<T>>,
+    /// In the place of a row or column that makes a pair with the last of an odd number.
+    spare: Vec<T>,
 }
+
+/// Columns that are transformed at a time: one or two cache lines wide.
+pub(super) const COLUMNS: usize = 16;
 
 /// Written by hand, since a plan of `rustfft` has no `Debug`.
 impl<T: Float> fmt::Debug for Cosine<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Cosine of {}", self.row.len())
+        write!(f, "Cosine of {}", self.length)
     }
 }
 
@@ -52,27 +59,158 @@ impl<T: Float> Cosine<T> {
             forward,
             inverse,
             twiddles: (0..=length / 2).map(twiddle).collect(),
-            row: vec![zero; length],
+            length,
+            rows: vec![zero; COLUMNS / 2 * pitch(length)],
             scratch: vec![zero; scratch],
+            spare: vec![T::nearest(0.0); length],
         }
+    }
+
+    /// How much longer transforms of this length take than their `N log N`: 0 where all prime
+    /// factors have a form of their own, 1 where the others are one above a product of such
+    /// (Rader's way), 2 elsewhere (Bluestein's).
+    pub(super) fn burden(length: usize) -> u32 {
+        let own = |mut n: usize| {
+            for prime in [2, 3, 5, 7, 11] {
+                while n > 1 && n.is_multiple_of(prime) {
+                    n /= prime;
+                }
+            }
+            n
+        };
+        let mut rest = own(length);
+        let mut burden = 0;
+        let mut prime = 13;
+        while rest > 1 {
+            if prime * prime > rest {
+                prime = rest;
+            }
+            if rest.is_multiple_of(prime) {
+                rest /= prime;
+                burden = burden.max(if own(prime - 1) == 1 { 1 } else { 2 });
+            } else {
+                prime += 2;
+            }
+        }
+        burden
     }
 
     /// The modes (DCT-II coefficients) of two rows, in place; `off` is subtracted from each value
     /// first.
     pub(super) fn forward(&mut self, a: &mut [T], b: &mut [T], off: T) {
-        gather(a, b, off, &mut self.row);
-        self.forward
-            .process_with_scratch(&mut self.row, &mut self.scratch);
-        part(&self.row, &self.twiddles, a, b);
+        let row = &mut self.rows[..self.length];
+        gather(a, b, off, row);
+        self.forward.process_with_scratch(row, &mut self.scratch);
+        part(row, &self.twiddles, a, b);
     }
 
     /// Two rows from their modes, in place: the inverse transform.
     pub(super) fn inverse(&mut self, a: &mut [T], b: &mut [T]) {
-        let scale = T::nearest(1.0 / self.row.len() as f64);
-        join(a, b, &self.twiddles, scale, &mut self.row);
-        self.inverse
-            .process_with_scratch(&mut self.row, &mut self.scratch);
-        scatter(&self.row, a, b);
+        let scale = T::nearest(1.0 / self.length as f64);
+        let row = &mut self.rows[..self.length];
+        join(a, b, &self.twiddles, scale, row);
+        self.inverse.process_with_scratch(row, &mut self.scratch);
+        scatter(row, a, b);
+    }
+
+    /// The modes of up to [`COLUMNS`] columns of a plane from column `x` on, one column after the
+    /// other; the plane's rows are `width` long.
+    pub(super) fn forward_columns(
+        &mut self,
+        (plane, width, x): (&[T], usize, usize),
+        off: T,
+        modes: &mut [T],
+    ) {
+        let (length, pitch) = (self.length, pitch(self.length));
+        let columns = modes.len() / length;
+        gather_columns((plane, width, x), columns, off, (&mut self.rows, length));
+        let rows = self.rows.chunks_mut(pitch);
+        for (row, pair) in rows.zip(modes.chunks_mut(2 * length)) {
+            let row = &mut row[..length];
+            self.forward.process_with_scratch(row, &mut self.scratch);
+            let (a, b) = pair.split_at_mut(length);
+            let b = if b.is_empty() { &mut self.spare } else { b };
+            part(row, &self.twiddles, a, b);
+        }
+    }
+
+    /// The inverse of [`Cosine::forward_columns`]; `shown` is applied to each value.
+    pub(super) fn inverse_columns(
+        &mut self,
+        modes: &[T],
+        (plane, width, x): (&mut [T], usize, usize),
+        shown: impl Fn(T) -> T,
+    ) {
+        let (length, pitch) = (self.length, pitch(self.length));
+        let scale = T::nearest(1.0 / length as f64);
+        let columns = modes.len() / length;
+        self.spare.fill(T::nearest(0.0));
+        let rows = self.rows.chunks_mut(pitch);
+        for (row, pair) in rows.zip(modes.chunks(2 * length)) {
+            let row = &mut row[..length];
+            let (a, b) = pair.split_at(length);
+            let b = if b.is_empty() { &self.spare } else { b };
+            join(a, b, &self.twiddles, scale, row);
+            self.inverse.process_with_scratch(row, &mut self.scratch);
+        }
+        let to = (plane, width, x);
+        scatter_columns((&self.rows, length), columns, to, shown);
+    }
+}
+
+/// From one complex row to the next: rows that are a power of two apart fight for the same lines
+/// of the cache.
+const fn pitch(length: usize) -> usize {
+    length + 4
+}
+
+/// The place of value `n` in Makhoul's order.
+#[inline]
+const fn place(n: usize, length: usize) -> usize {
+    if n.is_multiple_of(2) {
+        n / 2
+    } else {
+        length - 1 - n / 2
+    }
+}
+
+/// Pairs of columns as complex rows in Makhoul's order.
+fn gather_columns<T: Float>(
+    (plane, width, x): (&[T], usize, usize),
+    columns: usize,
+    off: T,
+    (rows, length): (&mut [Complex<T>], usize),
+) {
+    for (n, line) in plane.chunks_exact(width).enumerate() {
+        let (pairs, last) = line[x..x + columns].as_chunks();
+        let mut to = place(n, length);
+        for &[a, b] in pairs {
+            rows[to] = Complex::new(a - off, b - off);
+            to += pitch(length);
+        }
+        if let [a] = last {
+            rows[to] = Complex::new(*a - off, T::nearest(0.0));
+        }
+    }
+}
+
+/// The inverse of [`gather_columns`].
+fn scatter_columns<T: Float>(
+    (rows, length): (&[Complex<T>], usize),
+    columns: usize,
+    (plane, width, x): (&mut [T], usize, usize),
+    shown: impl Fn(T) -> T,
+) {
+    for (n, line) in plane.chunks_exact_mut(width).enumerate() {
+        let (pairs, last) = line[x..x + columns].as_chunks_mut();
+        let mut from = place(n, length);
+        for [a, b] in pairs {
+            (*a, *b) = (shown(rows[from].re), shown(rows[from].im));
+            from += pitch(length);
+        }
+        if let [a] = last {
+            *a = shown(rows[from].re);
+        }
     }
 }
 

@@ -21,7 +21,7 @@ use multiversion::multiversion;
 
 use super::{
     Float, MeshError, Sheet,
-    cosine::Cosine,
+    cosine::{COLUMNS, Cosine},
     reason::{Reason, normal},
     sheet::eigenvalues,
     signal::checked_range,
@@ -289,7 +289,6 @@ struct Modes<T: Float> {
     across: Cosine<T>,
     down: Cosine<T>,
     plane: Vec<T>,
-    other: Vec<T>,
     spare: Vec<T>,
 }
 
@@ -301,8 +300,7 @@ impl<T: Float> Modes<T> {
             across: Cosine::new(size.width),
             down: Cosine::new(size.height),
             plane: vec![zero; size.pixels()],
-            other: vec![zero; size.pixels()],
-            spare: vec![zero; size.width.max(size.height)],
+            spare: vec![zero; size.width],
         }
     }
 
@@ -318,57 +316,32 @@ impl<T: Float> Modes<T> {
         }
         for rows in self.plane.chunks_mut(2 * width) {
             let (a, b) = rows.split_at_mut(width);
-            let spare = &mut self.spare[..width];
-            spare.fill(off);
-            self.across
-                .forward(a, if b.is_empty() { spare } else { b }, off);
+            self.spare.fill(off);
+            let b = if b.is_empty() { &mut self.spare } else { b };
+            self.across.forward(a, b, off);
         }
-        transpose(&self.plane, width, modes);
-        for rows in modes.chunks_mut(2 * height) {
-            let (a, b) = rows.split_at_mut(height);
-            let spare = &mut self.spare[..height];
-            spare.fill(T::nearest(0.0));
-            self.down
-                .forward(a, if b.is_empty() { spare } else { b }, T::nearest(0.0));
+        for (block, modes) in modes.chunks_mut(COLUMNS * height).enumerate() {
+            let columns = (&self.plane[..], width, COLUMNS * block);
+            self.down.forward_columns(columns, T::nearest(0.0), modes);
         }
     }
 
     fn inverse(&mut self, modes: &[T], off: T, plane: &mut Plane<T>) {
         let Size { height, width } = self.size;
-        self.other.copy_from_slice(modes);
-        for rows in self.other.chunks_mut(2 * height) {
-            let (a, b) = rows.split_at_mut(height);
-            let spare = &mut self.spare[..height];
-            spare.fill(T::nearest(0.0));
-            self.down.inverse(a, if b.is_empty() { spare } else { b });
-        }
         let Some(values) = plane.as_slice_mut() else {
             return;
         };
-        transpose(&self.other, height, values);
+        for (block, modes) in modes.chunks(COLUMNS * height).enumerate() {
+            let columns = (&mut *values, width, COLUMNS * block);
+            self.down.inverse_columns(modes, columns, |value| value);
+        }
         for rows in values.chunks_mut(2 * width) {
             let (a, b) = rows.split_at_mut(width);
-            let spare = &mut self.spare[..width];
-            spare.fill(T::nearest(0.0));
-            self.across.inverse(a, if b.is_empty() { spare } else { b });
+            self.spare.fill(T::nearest(0.0));
+            let b = if b.is_empty() { &mut self.spare } else { b };
+            self.across.inverse(a, b);
             for value in rows {
                 *value = *value + off;
-            }
-        }
-    }
-}
-
-/// Transposes rows of `width` into columns, in blocks that stay in cache.
-fn transpose<T: Copy>(from: &[T], width: usize, to: &mut [T]) {
-    const BLOCK: usize = 16;
-    let height = from.len() / width;
-    for y in (0..height).step_by(BLOCK) {
-        for x in (0..width).step_by(BLOCK) {
-            for x in x..(x + BLOCK).min(width) {
-                let column = &mut to[x * height..][..height];
-                for y in y..(y + BLOCK).min(height) {
-                    column[y] = from[y * width + x];
-                }
             }
         }
     }

@@ -150,7 +150,7 @@ fn watch(sensor: &mut dyn Sensor, clip: &Clip) -> Result<Packet, crate::sensor::
         let frame = Frame {
             index: index as u64,
             seconds: index as f64 / clip.fps,
-            light: light.clone(),
+            light: light.clone().into(),
         };
         sensor.watch(&frame, &mut packet)?;
     }

@@ -30,8 +30,9 @@ impl LowPass {
         frame: &Frame,
         dt: f64,
     ) -> Result<(), SensorError> {
+        let light: &Plane<f64> = &frame.light;
         for ((y, x), state) in self.state.indexed_iter_mut() {
-            let light = frame.light[[y, x]];
+            let light = light[[y, x]];
             let index = frame.index;
             let signal = description.response.apply(light);
             let signal = signal.map_err(|cause| SensorError::Light { index, y, x, cause })?;

@@ -244,7 +244,7 @@ impl<N: Number> Reference<N> {
     /// response is not defined for, or the sink or the memory cannot take more.
     pub fn watch_into<S: Sink>(&mut self, frame: &Frame, sink: &mut S) -> Result<(), SensorError> {
         let (index, seconds) = (frame.index, frame.seconds);
-        let got = Size::of(&frame.light);
+        let got = frame.light.size();
         if got != self.size {
             return Err(SensorError::Size {
                 index,
@@ -253,6 +253,7 @@ impl<N: Number> Reference<N> {
             });
         }
         check_time(frame, self.seen.map(|(_, last)| last))?;
+        self.photoreceptors.see(frame);
         if let Some(low_pass) = &mut self.low_pass {
             let dt = self.seen.map_or(f64::INFINITY, |(_, last)| seconds - last);
             low_pass.see(&self.plan.description, frame, dt)?;
@@ -513,7 +514,7 @@ mod tests {
                 light: Plane::from_shape_fn((height, width), |(y, x)| {
                     let mixed = (seed ^ n << 40 ^ (y as u64) << 20 ^ x as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
                     ((mixed >> 40) % 256) as f64
-                }),
+                }).into(),
             }).collect();
             let one = watch(&text, &frames, 1, height);
             for (threads, rows) in [(1, rows), (2, rows), (5, 1)] {

@@ -140,7 +140,7 @@ impl SheetDrive {
     /// When the frame has another size, is not later than the last, or holds light that the response
     /// is not defined for.
     pub fn see(&mut self, frame: &Frame) -> Result<Plane<f64>, SensorError> {
-        let got = Size::of(&frame.light);
+        let got = frame.light.size();
         if got != self.size {
             return Err(SensorError::Size {
                 index: frame.index,
@@ -149,6 +149,7 @@ impl SheetDrive {
             });
         }
         check_time(frame, self.last.replace(frame.seconds))?;
+        self.photoreceptors.see(frame);
         let light = Light {
             photoreceptors: &self.photoreceptors,
             frame,
@@ -302,7 +303,7 @@ mod tests {
             let frame = Frame {
                 index,
                 seconds: 0.01 * index as f64,
-                light: light.clone(),
+                light: light.clone().into(),
             };
             sensor.watch(&frame, &mut packet).unwrap();
         }
@@ -321,7 +322,7 @@ mod tests {
                     let frame = Frame {
                         index,
                         seconds,
-                        light,
+                        light: light.into(),
                     };
                     drive.see(&frame).unwrap()
                 })

@@ -9,7 +9,7 @@ use crate::{
     number::{Number, Real},
     photoreceptor::{Curve, Response},
     plane::Size,
-    scene::Frame,
+    scene::{Codes, Frame, Image, Levels},
     sensor::SensorError,
 };
 
@@ -171,6 +171,9 @@ pub(super) struct Photoreceptors<N: Number> {
     table: [N::Held; 256],
     /// Two parts of a factor that replaces the division for 8-bit light.
     slope: Option<(N::Real, N::Real)>,
+    /// The levels of the frame that was seen last, and the signal of each; no signals where the
+    /// response is not defined for all of them.
+    levels: Option<(Levels, Vec<N::Held>)>,
 }
 
 impl<N: Number> Photoreceptors<N> {
@@ -192,7 +195,22 @@ impl<N: Number> Photoreceptors<N> {
             response,
             table,
             slope: slope.filter(agrees),
+            levels: None,
         }
+    }
+
+    /// Makes the signals of the codes of a frame, whose rows are to be asked for.
+    pub(super) fn see(&mut self, frame: &Frame) {
+        let Some(coded) = frame.light.coded() else {
+            return;
+        };
+        let levels = coded.levels();
+        if matches!(&self.levels, Some((known, _)) if known.same(levels)) {
+            return;
+        }
+        let signal = |light: &f64| self.response.apply(*light).map(|u| self.number.hold(u));
+        let signals: Result<_, _> = levels.light().iter().map(signal).collect();
+        self.levels = Some((levels.clone(), signals.unwrap_or_default()));
     }
 
     /// `u = R(I)` for row `y` of a frame.
@@ -202,6 +220,9 @@ impl<N: Number> Photoreceptors<N> {
         y: usize,
         out: &mut [N::Held],
     ) -> Result<(), SensorError> {
+        if self.of_codes(&frame.light, y, out) {
+            return Ok(());
+        }
         let row = frame.light.row(y);
         if let Some(light) = row.as_slice() {
             let bytes = |slope| multiply(&self.number, slope, light, out);
@@ -223,6 +244,32 @@ impl<N: Number> Photoreceptors<N> {
             })?);
         }
         Ok(())
+    }
+
+    /// The signals of a row of codes, where they were made.
+    fn of_codes(&self, light: &Image, y: usize, out: &mut [N::Held]) -> bool {
+        let (Some(coded), Some((levels, signals))) = (light.coded(), &self.levels) else {
+            return false;
+        };
+        if !levels.same(coded.levels()) {
+            return false;
+        }
+        let width = coded.size().width;
+        let row = y * width..(y + 1) * width;
+        match (coded.codes(), self.slope, signals.first_chunk()) {
+            (Codes::Bytes(codes), Some(slope), _) if levels.are_codes() => {
+                multiply_bytes(&self.number, slope, &codes[row], out);
+            }
+            (Codes::Bytes(codes), _, Some(signals)) => look_up(signals, &codes[row], out),
+            (Codes::Words(codes), ..) => {
+                let Some(signals) = signals.first_chunk() else {
+                    return false;
+                };
+                look_up_words(signals, &codes[row], out);
+            }
+            _ => return false,
+        }
+        true
     }
 
     /// Linear responses, for a row at once; returns whether this is one, and all light is in its
@@ -281,6 +328,33 @@ fn multiply<N: Number>(
         *out = number.hold_real(product(N::Real::from_f64(light), slope));
     }
     all <= 0xff && wrong == 0
+}
+
+/// Multiplies codes of 8 bits, which are the light.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn multiply_bytes<N: Number>(
+    number: &N,
+    slope: (N::Real, N::Real),
+    light: &[u8],
+    out: &mut [N::Held],
+) {
+    for (out, &light) in out.iter_mut().zip(light) {
+        *out = number.hold_real(product(N::Real::from_i32(light.into()), slope));
+    }
+}
+
+/// The signals of codes of 8 bits.
+fn look_up<H: Copy>(signals: &[H; 1 << 8], codes: &[u8], out: &mut [H]) {
+    for (out, &code) in out.iter_mut().zip(codes) {
+        *out = signals[usize::from(code)];
+    }
+}
+
+/// The signals of codes of 16 bits.
+fn look_up_words<H: Copy>(signals: &[H; 1 << 16], codes: &[u16], out: &mut [H]) {
+    for (out, &code) in out.iter_mut().zip(codes) {
+        *out = signals[usize::from(code)];
+    }
 }
 
 /// Looks up light that is 0, 1, … 255; returns whether all of it was.
@@ -359,7 +433,7 @@ mod tests {
         ) {
             let response = Response { curve: Curve::Linear { white }, round_f32 };
             let width = light.len();
-            let frame = Frame { index: 0, seconds: 0.0, light: crate::plane::Plane::from_shape_vec((1, width), light.clone()).unwrap() };
+            let frame = Frame { index: 0, seconds: 0.0, light: crate::plane::Plane::from_shape_vec((1, width), light.clone()).unwrap().into() };
             let (mut single, mut double) = (vec![0f32; width], vec![0f64; width]);
             let mut half = vec![F16::ZERO; width];
             Photoreceptors::new(F32, response).row(&frame, 0, &mut single).unwrap();
@@ -371,6 +445,52 @@ mod tests {
                 prop_assert_eq!(single[x].to_bits(), (signal as f32).to_bits());
                 prop_assert_eq!(double[x].to_bits(), signal.to_bits());
             }
+        }
+
+        /// Codes have the signals of their light, to the bit; a response that some level is not
+        /// defined for says so where the level occurs.
+        #[test]
+        fn codes_have_the_signals_of_their_light(
+            codes in proptest::collection::vec(any::<u16>(), 1..150),
+            (by, less) in (prop_oneof![Just(1.0), 1e-3f64..4.0], prop_oneof![Just(0.0), 0f64..3.0]),
+            curve in prop_oneof![
+                Just(Curve::Identity),
+                Just(Curve::Linear { white: 255.0 }),
+                Just(Curve::Log { white: 255.0, offset: 1e-3 }),
+                Just(Curve::LinLog { knee: 20.0 }),
+            ],
+            wide: bool,
+        ) {
+            fn rows<N: Number>(number: N, response: Response, frames: &[Frame; 2]) -> [Result<Vec<u64>, String>; 2] {
+                let mut photoreceptors = Photoreceptors::new(number, response);
+                [0, 1].map(|n| {
+                    let mut row = vec![N::ZERO; frames[n].light.size().width];
+                    photoreceptors.see(&frames[n]);
+                    let seen = photoreceptors.row(&frames[n], 0, &mut row);
+                    let bits = |held: &N::Held| number.value(*held).to_bits();
+                    seen.map(|()| row.iter().map(bits).collect()).map_err(|e| e.to_string())
+                })
+            }
+            let size = Size::new(1, codes.len());
+            let level = |light: f64| light * by - less;
+            let coded = if wide {
+                Image::of_words(size, codes, Levels::words().map(level))
+            } else {
+                let codes = codes.iter().map(|code| *code as u8).collect();
+                let levels = Levels::bytes();
+                let plain = by == 1.0 && less == 0.0;
+                Image::of_bytes(size, codes, if plain { levels } else { levels.map(level) })
+            }
+            .unwrap();
+            let numbers: Image = coded.clone().into_plane().into();
+            let frames = [coded, numbers].map(|light| Frame { index: 0, seconds: 0.0, light });
+            let response = Response::new(curve);
+            let [a, b] = rows(F64, response, &frames);
+            prop_assert_eq!(a, b);
+            let [a, b] = rows(F32, response, &frames);
+            prop_assert_eq!(a, b);
+            let [a, b] = rows(F16, response, &frames);
+            prop_assert_eq!(a, b);
         }
     }
 }

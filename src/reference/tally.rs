@@ -68,17 +68,35 @@ impl Sink for Tally {
 
 impl BandSink for TallyBand<'_> {
     fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
-        let all = row.events() as i64;
-        let net = net(&row.counts);
         let (on, off) = &mut self.0[row.channel];
+        let (all, net) = sums(&row.counts);
         *on += i64::midpoint(all, net) as u64;
         *off += i64::midpoint(all, -net) as u64;
         Ok(())
     }
 }
 
-/// ON events less OFF events.
+/// All events, and ON events less OFF events.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn net(counts: &[i32]) -> i64 {
-    counts.iter().map(|n| i64::from(*n)).sum()
+fn sums(counts: &[i32]) -> (i64, i64) {
+    let (mut all, mut net) = (0, 0);
+    for block in counts.chunks(256) {
+        let (mut few, mut few_net, mut any) = (0u32, 0i32, 0);
+        for &count in block {
+            few = few.wrapping_add(count.unsigned_abs());
+            few_net = few_net.wrapping_add(count);
+            any |= count.unsigned_abs();
+        }
+        // Nearly always they fit.
+        if any < 1 << 22 {
+            all += i64::from(few);
+            net += i64::from(few_net);
+        } else {
+            for &count in block {
+                all += i64::from(count.unsigned_abs());
+                net += i64::from(count);
+            }
+        }
+    }
+    (all, net)
 }

@@ -238,7 +238,8 @@ impl Scene for Animation {
             .canvas
             .draw(&patch)
             .ok_or_else(|| damaged("it does not fit on the canvas".into()))?
-            .clone();
+            .clone()
+            .into();
         self.next += 1;
         Ok(Some(Frame {
             index,

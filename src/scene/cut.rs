@@ -6,7 +6,8 @@
 //! [`ALIKE`]). A flash changes much and keeps the picture; fast motion loses the picture, but
 //! frame after frame. Some thousand pixels of a frame are looked at.
 
-use crate::plane::Plane;
+use super::Image;
+use crate::plane::Size;
 
 /// How many times the usual change a cut is, at least.
 const RATIO: f64 = 3.0;
@@ -57,17 +58,16 @@ struct Change {
 
 impl Cuts {
     /// The next frame.
-    pub fn see(&mut self, light: &Plane<f64>, seconds: f64) {
-        let pixels = light.len();
+    pub fn see(&mut self, light: &Image, seconds: f64) {
+        let Size { height, width } = light.size();
+        let pixels = height * width;
         if pixels < FEWEST || self.changes.len() == MOST {
             return;
         }
         let step = (pixels as f64 / LOOKED_AT as f64).sqrt().ceil().max(1.0) as usize;
-        let looked: Vec<f64> = light
-            .slice(ndarray::s![..;step, ..;step])
-            .iter()
-            .copied()
-            .collect();
+        let row = |y: usize| (0..width).step_by(step).map(move |x| y * width + x);
+        let places = (0..height).step_by(step).flat_map(row);
+        let looked: Vec<f64> = places.map(|pixel| light.at(pixel)).collect();
         if self.before.len() == looked.len() {
             self.changes.push(Change {
                 seconds,
@@ -134,6 +134,7 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plane::Plane;
 
     /// A picture of random pixels, number `picture` of them, with a line that moves.
     fn frame(picture: u64, at: usize) -> Plane<f64> {
@@ -154,7 +155,7 @@ mod tests {
     fn found(frames: impl IntoIterator<Item = Plane<f64>>) -> Vec<u64> {
         let mut cuts = Cuts::default();
         for (n, frame) in frames.into_iter().enumerate() {
-            cuts.see(&frame, n as f64);
+            cuts.see(&frame.into(), n as f64);
         }
         cuts.found().iter().map(|cut| cut.frame).collect()
     }

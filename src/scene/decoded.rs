@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use super::{
-    Frame, Light, OpenOptions, Range, Samples, Scene, SceneError, Transfer, coding::Origin,
+    Frame, Image, Levels, Light, OpenOptions, Range, Samples, Scene, SceneError, Transfer,
+    coding::Origin,
 };
-use crate::plane::{Plane, Size};
+use crate::plane::Size;
 
 /// What a reader says about its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,6 +124,7 @@ impl Source {
             scene,
             light,
             limits,
+            levels: None,
         }))
     }
 }
@@ -144,22 +146,43 @@ struct Decoded<S> {
     light: Light,
     /// Black and white, where the range is limited.
     limits: Option<(f64, f64)>,
+    /// The levels that came last, and what becomes of them.
+    levels: Option<(Levels, Levels)>,
 }
 
 impl<S> Decoded<S> {
-    fn decode(&self, plane: &mut Plane<f64>) {
-        if let Some((black, white)) = self.limits {
-            plane.mapv_inplace(|v| ((v - black) * 255.0 / (white - black)).clamp(0.0, 255.0));
-        }
+    fn decode(&mut self, image: &mut Image) {
         let Light {
             scale, transfer, ..
         } = self.light;
-        if scale != 1.0 {
-            plane.mapv_inplace(|v| v * scale);
+        let limits = self.limits;
+        let codes = matches!(transfer, Transfer::Srgb | Transfer::Bt709).then_some(transfer);
+        if limits.is_none() && scale == 1.0 && codes.is_none() {
+            return;
         }
-        if matches!(transfer, Transfer::Srgb | Transfer::Bt709) {
-            plane.mapv_inplace(|v| transfer.light(v));
+        let light = |mut v: f64| {
+            if let Some((black, white)) = limits {
+                v = ((v - black) * 255.0 / (white - black)).clamp(0.0, 255.0);
+            }
+            if scale != 1.0 {
+                v *= scale;
+            }
+            codes.map_or(v, |transfer| transfer.light(v))
+        };
+        let Some(coded) = image.coded() else {
+            image.mapv_inplace(light);
+            return;
+        };
+        let known = { self.levels.take() }.filter(|(from, _)| from.same(coded.levels()));
+        let (from, to) = known.unwrap_or_else(|| {
+            let from = coded.levels().clone();
+            let to = from.map(light);
+            (from, to)
+        });
+        if let Some(decoded) = image.under(&to) {
+            *image = decoded;
         }
+        self.levels = Some((from, to));
     }
 }
 

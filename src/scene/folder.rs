@@ -76,7 +76,7 @@ pub(super) fn open(
         left,
         count,
         next: 1,
-        size: Size::of(&light),
+        size: light.size(),
         first: Some(Frame {
             index: 0,
             seconds: 0.0,
@@ -110,11 +110,11 @@ impl Scene for Folder {
         let path = self.path.join(name);
         let index = self.next;
         let light = still::read(&path, index, self.room)?;
-        if Size::of(&light) != self.size {
+        if light.size() != self.size {
             return Err(SceneError::OddSize {
                 path,
                 frame: index,
-                got: Size::of(&light),
+                got: light.size(),
                 want: self.size,
             });
         }

@@ -1,7 +1,7 @@
 //! A frame, and the trait of all sources of frames.
 
-use super::{coding::Light, error::SceneError, light};
-use crate::plane::{Plane, Size};
+use super::{coding::Light, error::SceneError, image::Image, light};
+use crate::plane::Size;
 
 /// One picture of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -10,9 +10,9 @@ pub struct Frame {
     pub index: u64,
     /// When it was taken, in seconds.
     pub seconds: f64,
-    /// Light, `[y, x]`: 0 to 255 for video and pictures, as given for `.npy`;
+    /// Light, `[y, x]`, held as its samples are: 0 to 255 for video and pictures, as given for `.npy`;
     /// [`Scene::coding`] says what was undone.
-    pub light: Plane<f64>,
+    pub light: Image,
 }
 
 /// A source of frames, all of one size.

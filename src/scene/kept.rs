@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Frame, Light, Scene, SceneError, light};
+use super::{Codes, Frame, Image, Levels, Light, Scene, SceneError, light};
 use crate::plane::{Plane, Size};
 
 /// A scene in memory: a byte a pixel where light is 0, 1, … 255, as in 8-bit video.
@@ -24,7 +24,7 @@ struct One {
 
 #[derive(Clone, Debug)]
 enum Store {
-    Bytes(Box<[u8]>),
+    Bytes(Arc<Vec<u8>>),
     Numbers(Plane<f64>),
 }
 
@@ -50,11 +50,18 @@ impl Pixels<'_> {
 }
 
 impl Store {
-    fn new(light: Plane<f64>) -> Self {
+    fn new(light: Image) -> Self {
+        if let Some(coded) = light.coded()
+            && let (Codes::Bytes(codes), true) = (coded.codes(), coded.levels().are_codes())
+        {
+            return Self::Bytes(Arc::clone(codes));
+        }
+        let light = light.into_plane();
         // `as` saturates.
         let is_byte = |light: &f64| f64::from(*light as u8).to_bits() == light.to_bits();
         if light.iter().all(is_byte) {
-            Self::Bytes(light.iter().map(|light| *light as u8).collect())
+            let codes: Vec<u8> = light.iter().map(|light| *light as u8).collect();
+            Self::Bytes(codes.into())
         } else if light.is_standard_layout() {
             Self::Numbers(light)
         } else {
@@ -69,13 +76,12 @@ impl Store {
         }
     }
 
-    fn into_plane(self, size: Size) -> Plane<f64> {
-        let bytes = match self {
-            Self::Bytes(bytes) => bytes,
-            Self::Numbers(numbers) => return numbers,
-        };
-        let numbers = bytes.iter().copied().map(f64::from).collect();
-        Plane::from_shape_vec(size.shape(), numbers).unwrap_or_else(|_| Plane::zeros(size.shape()))
+    fn into_image(self, size: Size) -> Image {
+        match self {
+            Self::Bytes(codes) => Image::of_shared_bytes(size, codes, Levels::bytes())
+                .unwrap_or_else(|| Plane::zeros(size.shape()).into()),
+            Self::Numbers(numbers) => numbers.into(),
+        }
     }
 }
 
@@ -151,11 +157,17 @@ impl Kept {
         Some((*index, *seconds, pixels))
     }
 
-    /// The light of a frame as a plane.
+    /// The light of a frame.
+    #[must_use]
+    pub fn image(&self, n: usize) -> Option<Image> {
+        let one = self.frames.get(n)?;
+        Some(one.pixels.clone().into_image(self.size))
+    }
+
+    /// The light of a frame as numbers.
     #[must_use]
     pub fn plane(&self, n: usize) -> Option<Plane<f64>> {
-        let one = self.frames.get(n)?;
-        Some(one.pixels.clone().into_plane(self.size))
+        self.image(n).map(Image::into_plane)
     }
 
     /// The scene from its beginning; its frames are those that were read, to the bit.
@@ -230,7 +242,7 @@ impl Scene for Once {
         Ok(self.left.next().map(|one| Frame {
             index: one.index,
             seconds: one.seconds,
-            light: one.pixels.into_plane(self.size),
+            light: one.pixels.into_image(self.size),
         }))
     }
 
@@ -270,7 +282,7 @@ impl Scene for Again {
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
-        let Some(light) = self.kept.plane(self.given) else {
+        let Some(light) = self.kept.image(self.given) else {
             return Ok(None);
         };
         let frame = self.kept.frame(self.given);
@@ -305,7 +317,7 @@ mod tests {
             .map(|(index, [a, b])| Frame {
                 index,
                 seconds: index as f64 * 0.1,
-                light: Plane::from_shape_vec((1, 2), vec![a, b]).unwrap(),
+                light: Plane::from_shape_vec((1, 2), vec![a, b]).unwrap().into(),
             })
             .collect();
         let size = Size::new(1, 2);

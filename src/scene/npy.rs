@@ -9,7 +9,8 @@ use std::{
 };
 
 use super::{
-    Frame, OpenOptions, Scene, SceneError, decoded::Source, light, light::MemoryLimit, rate::Rate,
+    Frame, Image, Levels, OpenOptions, Scene, SceneError, decoded::Source, light,
+    light::MemoryLimit, rate::Rate,
 };
 use crate::plane::Size;
 
@@ -108,6 +109,38 @@ impl<R: Read + Send> Npy<R> {
             bytes: Vec::new(),
         })
     }
+
+    /// The numbers of the frame that was read.
+    fn numbers(&self, index: u64) -> Result<Vec<f64>, SceneError> {
+        let width = self.size.width;
+        let mut numbers = Vec::with_capacity(self.size.pixels());
+        for (place, bytes) in self.bytes.chunks_exact(self.number.bytes()).enumerate() {
+            let (y, x) = (place / width, place % width);
+            let value = match self.number.read(bytes) {
+                Value::Real(value) => value,
+                Value::Inexact(value) => {
+                    return Err(SceneError::Inexact {
+                        path: self.path.clone(),
+                        frame: index,
+                        y,
+                        x,
+                        value,
+                    });
+                }
+            };
+            if !value.is_finite() {
+                return Err(SceneError::NotFinite {
+                    path: self.path.clone(),
+                    frame: index,
+                    y,
+                    x,
+                    value,
+                });
+            }
+            numbers.push(value);
+        }
+        Ok(numbers)
+    }
 }
 
 impl<R: Read + Send> Scene for Npy<R> {
@@ -144,34 +177,23 @@ impl<R: Read + Send> Scene for Npy<R> {
         if got < want {
             return Err(truncated());
         }
-        let width = self.size.width;
-        let mut numbers = Vec::with_capacity(self.size.pixels());
-        for (place, bytes) in self.bytes.chunks_exact(self.number.bytes()).enumerate() {
-            let (y, x) = (place / width, place % width);
-            let value = match self.number.read(bytes) {
-                Value::Real(value) => value,
-                Value::Inexact(value) => {
-                    return Err(SceneError::Inexact {
-                        path: self.path.clone(),
-                        frame: index,
-                        y,
-                        x,
-                        value,
-                    });
-                }
-            };
-            if !value.is_finite() {
-                return Err(SceneError::NotFinite {
-                    path: self.path.clone(),
-                    frame: index,
-                    y,
-                    x,
-                    value,
-                });
+        let light = match self.number.kind {
+            Kind::U1 => {
+                Image::of_bytes(self.size, std::mem::take(&mut self.bytes), Levels::bytes())
             }
-            numbers.push(value);
-        }
-        let light = light::plane(self.size, numbers).ok_or_else(truncated)?;
+            Kind::U2 => {
+                let read = if self.number.big_end_first {
+                    u16::from_be_bytes
+                } else {
+                    u16::from_le_bytes
+                };
+                let (pairs, _) = self.bytes.as_chunks();
+                let codes = pairs.iter().map(|pair| read(*pair)).collect();
+                Image::of_words(self.size, codes, Levels::words())
+            }
+            _ => light::plane(self.size, self.numbers(index)?).map(Image::from),
+        };
+        let light = light.ok_or_else(truncated)?;
         self.next += 1;
         Ok(Some(Frame {
             index,
@@ -184,9 +206,9 @@ impl<R: Read + Send> Scene for Npy<R> {
     }
 }
 
-/// Bytes held for a frame: as it is stored, and as light.
+/// Bytes held for a frame: as it is stored, twice where that is light, and as light.
 fn held(number: Number, size: Size) -> u128 {
-    (number.bytes() as u128 + light::PIXEL_BYTES_HELD) * size.pixels() as u128
+    (2 * number.bytes() as u128 + light::PIXEL_BYTES_HELD) * size.pixels() as u128
 }
 
 /// The type of the array's numbers.

@@ -65,8 +65,8 @@ impl Seen {
         }
         self.frames += 1;
         let (low, high) = self.extent.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
-        let light = frame.light.iter();
-        self.extent = Some(light.fold((low, high), |(low, high), v| (low.min(*v), high.max(*v))));
+        let ends = frame.light.extent();
+        self.extent = Some(ends.map_or((low, high), |(a, b)| (low.min(a), high.max(b))));
         if self.light.is_none_or(|l| l.samples != Samples::Drawn) {
             self.cuts.see(&frame.light, frame.seconds);
         }

@@ -102,11 +102,11 @@ impl<S: Scene> Scene for Resampled<S> {
             (from.seconds, from.light.clone())
         } else if let Some(to) = to {
             let share = (seconds - from.seconds) / (to.seconds - from.seconds);
-            let mut light = from.light.clone();
+            let mut light = from.light.clone().into_plane();
             Zip::from(&mut light)
-                .and(&to.light)
+                .and(&*to.light)
                 .for_each(|now, to| *now += (to - *now) * share);
-            (seconds, light)
+            (seconds, light.into())
         } else {
             // The last frame of the source is past.
             return Ok(None);
@@ -131,7 +131,7 @@ mod tests {
         let frame = |i: u32| Frame {
             index: i.into(),
             seconds: f64::from(i) / 10.0,
-            light: Plane::from_elem((1, 1), 10.0 * f64::from(i)),
+            light: Plane::from_elem((1, 1), 10.0 * f64::from(i)).into(),
         };
         Held::new((0..frames).map(frame).collect(), Size::new(1, 1), 10.0)
     }

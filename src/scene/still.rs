@@ -3,22 +3,23 @@
 use std::{
     io::{BufRead, Seek},
     path::{Path, PathBuf},
+    sync::OnceLock,
 };
 
 use image::{ImageDecoder, ImageFormat, ImageReader};
 
 use super::{
-    Frame, OpenOptions, Scene, SceneError,
+    Frame, Image, Levels, OpenOptions, Scene, SceneError,
     decoded::Source,
     gray::{self, Depth, Layout},
     light::{self, MemoryLimit},
     rate::Rate,
 };
-use crate::plane::{Plane, Size};
+use crate::plane::Size;
 
 /// A scene of one frame.
 pub(super) struct Still {
-    light: Option<Plane<f64>>,
+    light: Option<Image>,
     size: Size,
     rate: Rate,
 }
@@ -30,7 +31,7 @@ pub(super) fn open(
 ) -> Result<(impl Scene + use<>, Source), SceneError> {
     let (light, bits) = read_with_bits(path, 0, MemoryLimit::new(options))?;
     let still = Still {
-        size: Size::of(&light),
+        size: light.size(),
         light: Some(light),
         rate: Rate::asked_or_assumed(options.fps),
     };
@@ -68,7 +69,7 @@ pub(super) const MOST_CODED: u128 = 8;
 /// Reads the picture at `path`: a PNG or a PNM, 8 or 16 bits, gray or colour.
 ///
 /// `frame` is its number in the scene, for messages.
-pub(super) fn read(path: &Path, frame: u64, room: MemoryLimit) -> Result<Plane<f64>, SceneError> {
+pub(super) fn read(path: &Path, frame: u64, room: MemoryLimit) -> Result<Image, SceneError> {
     Ok(read_with_bits(path, frame, room)?.0)
 }
 
@@ -77,7 +78,7 @@ pub(super) fn read_with_bits(
     path: &Path,
     frame: u64,
     room: MemoryLimit,
-) -> Result<(Plane<f64>, u32), SceneError> {
+) -> Result<(Image, u32), SceneError> {
     let file = light::open_file(path)?;
     let reader = ImageReader::new(file)
         .with_guessed_format()
@@ -97,7 +98,7 @@ fn decode<R: BufRead + Seek>(
     path: &Path,
     frame: u64,
     room: MemoryLimit,
-) -> Result<(Plane<f64>, u32), SceneError> {
+) -> Result<(Image, u32), SceneError> {
     let damaged = |cause: Box<dyn std::error::Error + Send + Sync>| SceneError::Picture {
         path: PathBuf::from(path),
         frame,
@@ -119,10 +120,26 @@ fn decode<R: BufRead + Seek>(
         2 => (Depth::Sixteen(u16::from_ne_bytes), 16),
         _ => return Err(damaged("more than 16 bits a sample".into())),
     };
-    let lights = gray::pixels(Layout { channels, depth }, &bytes).map(|p| p.light);
-    let light = light::plane(size, lights.collect());
+    let light = match (channels, depth) {
+        (1, Depth::Eight) => Image::of_bytes(size, bytes, Levels::bytes()),
+        (1, Depth::Sixteen(read)) => {
+            let codes = bytes.as_chunks().0.iter().map(|pair| read(*pair)).collect();
+            Image::of_words(size, codes, full_range())
+        }
+        _ => {
+            let lights = gray::pixels(Layout { channels, depth }, &bytes).map(|p| p.light);
+            light::plane(size, lights.collect()).map(Image::from)
+        }
+    };
     Ok((
         light.ok_or_else(|| damaged("too few samples".into()))?,
         bits,
     ))
+}
+
+/// What samples of 16 bits stand for.
+fn full_range() -> Levels {
+    static LEVELS: OnceLock<Levels> = OnceLock::new();
+    let light = |code| f64::from(code) * 255.0 / 65535.0;
+    LEVELS.get_or_init(|| Levels::of_words(light)).clone()
 }

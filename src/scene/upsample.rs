@@ -8,7 +8,7 @@
 
 use ndarray::Zip;
 
-use super::{Frame, Light, Scene, SceneError, light};
+use super::{Frame, Image, Light, Scene, SceneError, light};
 use crate::{
     elementary,
     plane::{Plane, Size},
@@ -150,7 +150,7 @@ impl<S: Scene> Upsampled<S> {
         &self.source
     }
 
-    fn give(&mut self, seconds: f64, light: Plane<f64>) -> Frame {
+    fn give(&mut self, seconds: f64, light: Image) -> Frame {
         let index = self.given;
         self.given += 1;
         Frame {
@@ -213,12 +213,12 @@ impl<S: Scene> Scene for Upsampled<S> {
         let share = between.share;
         if share < 1.0 {
             let (from, to) = (&between.from, &between.to);
-            let light = Zip::from(&from.light)
-                .and(&to.light)
+            let light = Zip::from(&*from.light)
+                .and(&*to.light)
                 .map_collect(|a, b| at(*a, *b, share));
             let seconds = at(from.seconds, to.seconds, share);
             self.inserted += 1;
-            return Ok(Some(self.give(seconds, light)));
+            return Ok(Some(self.give(seconds, light.into())));
         }
         match self.between.take() {
             Some(between) => self.begin(between.to),
@@ -414,7 +414,7 @@ mod tests {
             Ok(self.0.get(index).map(|light| Frame {
                 index: index as u64,
                 seconds: index as f64 / 10.0,
-                light: light.clone(),
+                light: light.clone().into(),
             }))
         }
     }

@@ -11,8 +11,8 @@ use std::{
 };
 
 use super::{
-    Frame, OpenOptions, Range, Scene, SceneError, decoded::Source, light, light::MemoryLimit,
-    rate::Rate,
+    Frame, Image, Levels, OpenOptions, Range, Scene, SceneError, decoded::Source, light,
+    light::MemoryLimit, rate::Rate,
 };
 use crate::plane::Size;
 
@@ -32,7 +32,10 @@ pub(super) struct Y4m<R> {
     rate: Rate,
     frames: Option<u64>,
     next: u64,
-    bytes: Vec<u8>,
+    /// What each sample stands for.
+    levels: Levels,
+    /// The bytes behind the luma of a frame.
+    others: Vec<u8>,
 }
 
 /// How the samples of one frame are laid out.
@@ -126,7 +129,8 @@ impl<R: BufRead + Send> Y4m<R> {
             rate,
             frames,
             next: 0,
-            bytes: Vec::new(),
+            levels: levels(samples.bits),
+            others: Vec::new(),
         })
     }
 }
@@ -161,36 +165,34 @@ impl<R: BufRead + Send> Scene for Y4m<R> {
             Line::Broken(text) => return Err(no_frame(text)),
         }
         // Reading through `take` allocates what is there, not what the header claims.
-        self.bytes.clear();
-        let got = (&mut self.stream)
-            .take(self.samples.frame)
-            .read_to_end(&mut self.bytes)
-            .map_err(|cause| SceneError::unreadable(&self.path, cause))? as u64;
+        let Samples { bits, luma, frame } = self.samples;
+        let mut codes = Vec::new();
+        self.others.clear();
+        let parts = [(luma, &mut codes), (frame - luma, &mut self.others)];
+        let mut got = 0;
+        for (want, part) in parts {
+            let read = (&mut self.stream).take(want).read_to_end(part);
+            got += read.map_err(|cause| SceneError::unreadable(&self.path, cause))? as u64;
+        }
         let truncated = || SceneError::Truncated {
             path: self.path.clone(),
             frame: index,
             got,
-            want: self.samples.frame,
+            want: frame,
         };
-        if got < self.samples.frame {
+        if got < frame {
             return Err(truncated());
         }
         light::check_number(&self.path, index)?;
-        let luma = self
-            .bytes
-            .get(..self.samples.luma as usize)
-            .ok_or_else(truncated)?;
-        let numbers = if self.samples.bits == 8 {
-            luma.iter().map(|&b| f64::from(b)).collect()
+        let levels = self.levels.clone();
+        let light = if bits == 8 {
+            Image::of_bytes(self.size, codes, levels)
         } else {
-            let most = f64::from((1_u32 << self.samples.bits) - 1);
-            luma.as_chunks()
-                .0
-                .iter()
-                .map(|&pair| f64::from(u16::from_le_bytes(pair)) * 255.0 / most)
-                .collect()
+            let (pairs, _) = codes.as_chunks();
+            let codes = pairs.iter().map(|&pair| u16::from_le_bytes(pair)).collect();
+            Image::of_words(self.size, codes, levels)
         };
-        let light = light::plane(self.size, numbers).ok_or_else(truncated)?;
+        let light = light.ok_or_else(truncated)?;
         self.next += 1;
         Ok(Some(Frame {
             index,
@@ -203,9 +205,18 @@ impl<R: BufRead + Send> Scene for Y4m<R> {
     }
 }
 
-/// Bytes held for a frame: as it is coded, and as light.
+/// Bytes held for a frame: as it is coded, twice where that is light, and as light.
 fn held(samples: Samples, size: Size) -> u128 {
-    u128::from(samples.frame) + light::PIXEL_BYTES_HELD * size.pixels() as u128
+    u128::from(samples.frame + samples.luma) + light::PIXEL_BYTES_HELD * size.pixels() as u128
+}
+
+/// What samples of so many bits stand for.
+fn levels(bits: u32) -> Levels {
+    if bits == 8 {
+        return Levels::bytes();
+    }
+    let most = f64::from((1_u32 << bits) - 1);
+    Levels::of_words(|code| f64::from(code) * 255.0 / most)
 }
 
 /// The fields of the header that matter here.

@@ -24,7 +24,7 @@ fn watch(mesh: &str, memory: &str, frames: &[Plane<f64>]) -> Packet {
         let frame = Frame {
             index,
             seconds: index as f64 * 1e-3,
-            light: light.clone(),
+            light: light.clone().into(),
         };
         sensor.watch(&frame, &mut packet).unwrap();
     }

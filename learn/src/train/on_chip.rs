@@ -184,7 +184,8 @@ impl Trainee<'_> {
                     seconds: *seconds,
                     light: Plane::from_shape_fn(shape, |(y, x)| {
                         f64::from(light[y * size.width + x])
-                    }),
+                    })
+                    .into(),
                 })
                 .collect()
         };

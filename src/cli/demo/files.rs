@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use crate::{
     event::{Packet, file},
     picture::{Moment, Show, contact_sheet, write_animation, write_png},
-    plane::Plane,
     scene::Frame,
     unit::Micros,
 };
@@ -29,7 +28,7 @@ impl Moments {
         if frame.seconds + 1e-9 < self.from + 0.1 {
             return;
         }
-        let light: Plane<f64> = frame.light.clone();
+        let light = frame.light.clone().into_plane();
         self.kept.push(Moment {
             from: Micros::from_seconds(self.from),
             to: Micros::from_seconds(frame.seconds),

@@ -9,7 +9,7 @@ use crate::{
     limit::FRAMES,
     plane::{Plane, Size},
     program::Program,
-    scene::{ASSUMED_FPS, Frame, Observation, Scene, SceneError},
+    scene::{ASSUMED_FPS, Frame, Image, Observation, Scene, SceneError},
 };
 
 /// The light, as it is asked for.
@@ -113,7 +113,7 @@ pub struct Lasting {
     enough: u64,
     given: u64,
     /// The light that goes on when the scene ends, kept only if it may end too soon.
-    last: Option<Plane<f64>>,
+    last: Option<Image>,
 }
 
 impl Lasting {
@@ -169,7 +169,8 @@ impl Scene for Lasting {
             None => Frame {
                 index,
                 seconds: index as f64 / self.light.fps,
-                light: { self.last.take() }.unwrap_or_else(|| Plane::zeros(self.size.shape())),
+                light: { self.last.take() }
+                    .unwrap_or_else(|| Plane::zeros(self.size.shape()).into()),
             },
         };
         self.given += 1;

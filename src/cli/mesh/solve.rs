@@ -116,5 +116,5 @@ pub(super) fn read(name: &str) -> miette::Result<Plane<f64>> {
     let mut scene = open(name, &budget::opening(None))?;
     let frame = scene.next_frame()?;
     let frame = frame.ok_or_else(|| miette!("{name} holds no picture"))?;
-    Ok(frame.light)
+    Ok(frame.light.into_plane())
 }

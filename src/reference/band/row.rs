@@ -58,7 +58,7 @@ impl<N: Number> Row<'_, N> {
         }
         self.remember(cells, picture, scratch, report)?;
         if !self.is_authors() && !cells.fired.is_empty() {
-            events = Some(self.dead_time(cells, scratch, report));
+            events = Some(self.dead_time(cells, scratch, (events, report)));
         }
         if noise.jitter_us > 0.0 && self.input.times {
             self.jitter(scratch);
@@ -254,15 +254,16 @@ impl<N: Number> Row<'_, N> {
         Ok(())
     }
 
-    /// (9): removes the events that the dead time loses; returns the number of the others.
+    /// (9): removes the events that the dead time loses, of those that were `counted`; returns the
+    /// number of the others.
     fn dead_time(
         &self,
         cells: &mut Cells<N>,
         scratch: &mut Scratch<N>,
-        report: &mut Report,
+        (counted, report): (Option<u64>, &mut Report),
     ) -> u64 {
         let fired = &mut cells.fired[self.range.clone()];
-        let before = scratch.trains.events();
+        let before = counted.unwrap_or_else(|| scratch.trains.events());
         let (interval, r) = (self.input.interval, self.plan.refractory());
         refractory::dead_time(interval, r, fired, &mut scratch.trains);
         let left = scratch.trains.events();

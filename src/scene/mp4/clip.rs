@@ -21,11 +21,12 @@ use super::{
 };
 use crate::{
     limit::SAMPLE_BYTES,
-    plane::{Plane, Size},
+    plane::Size,
     scene::{
         decoded::Source,
         error::SceneError,
         frame::{Frame, Scene},
+        image::{Image, Levels},
         light::{self, MemoryLimit},
         options::OpenOptions,
         rate::Rate,
@@ -49,7 +50,7 @@ pub(super) struct H264 {
     /// Length of the size field before each NAL unit, in bytes.
     length_bytes: usize,
     /// Decoded luma planes not yet given, in the order in which they are shown.
-    ready: VecDeque<Plane<u8>>,
+    ready: VecDeque<Image>,
     flushed: bool,
     size: Size,
     rate: Rate,
@@ -248,11 +249,11 @@ impl Scene for H264 {
                 "only {index} of its {count} frames could be decoded"
             )));
         };
-        if Size::of(&light) != self.size {
+        if light.size() != self.size {
             return Err(SceneError::OddSize {
                 path: self.path.clone(),
                 frame: index,
-                got: Size::of(&light),
+                got: light.size(),
                 want: self.size,
             });
         }
@@ -260,7 +261,7 @@ impl Scene for H264 {
         Ok(Some(Frame {
             index,
             seconds: self.rate.seconds(index),
-            light: light.mapv(f64::from),
+            light,
         }))
     }
     fn bytes(&self) -> u128 {
@@ -302,12 +303,13 @@ fn push_unit(coded: &mut Vec<u8>, unit: &[u8]) {
 }
 
 /// The luma plane of a decoded picture, as coded.
-fn luma(path: &Path, frame: u64, picture: &DecodedYUV<'_>) -> Result<Plane<u8>, SceneError> {
+fn luma(path: &Path, frame: u64, picture: &DecodedYUV<'_>) -> Result<Image, SceneError> {
     let (width, height) = picture.dimensions();
     let size = light::checked_size(path, height, width)?;
     let rows = picture.y().chunks(picture.strides().0.max(1)).take(height);
-    let numbers = rows.flat_map(|row| row.iter().take(width)).copied();
-    Plane::from_shape_vec(size.shape(), numbers.collect()).map_err(|_| SceneError::Mp4 {
+    let mut codes = Vec::with_capacity(size.pixels());
+    rows.for_each(|row| codes.extend_from_slice(&row[..width.min(row.len())]));
+    Image::of_bytes(size, codes, Levels::bytes()).ok_or_else(|| SceneError::Mp4 {
         path: path.into(),
         what: format!("frame {frame} was decoded to too few pixels"),
     })

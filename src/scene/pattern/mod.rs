@@ -80,7 +80,7 @@ impl Pattern {
             .then(|| given.text("image", ""))
             .flatten()
         {
-            Some(path) => Some(super::still::read(&PathBuf::from(path), 0, room)?),
+            Some(path) => Some(super::still::read(&PathBuf::from(path), 0, room)?.into_plane()),
             None => None,
         };
         let natural = image.as_ref().map_or(Size::new(128, 128), Size::of);
@@ -158,7 +158,7 @@ impl Scene for Pattern {
         Ok(Some(Frame {
             index,
             seconds,
-            light: self.light(seconds),
+            light: self.light(seconds).into(),
         }))
     }
     fn bytes(&self) -> u128 {

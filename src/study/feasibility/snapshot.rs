@@ -7,7 +7,7 @@ use crate::{
     event::{Event, Packet},
     plane::Plane,
     rig,
-    scene::{Scene, SceneError},
+    scene::{Image, Scene, SceneError},
     unit::Micros,
 };
 
@@ -41,7 +41,7 @@ impl Snapshot {
                 (most, at) = (frame.len(), event.t);
             }
         }
-        let mut light = Plane::zeros((0, 0));
+        let mut light = Image::from(Plane::zeros((0, 0)));
         rig::play(scene, |frame| {
             light = frame.light;
             let reached = Micros::from_seconds(frame.seconds) >= at;
@@ -57,7 +57,7 @@ impl Snapshot {
         };
         Ok(Self {
             at,
-            light,
+            light: light.into_plane(),
             float: then(float),
             chip: chip.map(then),
         })

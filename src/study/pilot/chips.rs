@@ -313,7 +313,7 @@ impl Sensor for Tiled {
             let (y, x) = part.at;
             let Size { height, width } = part.chip.size();
             let light = frame.light.slice(ndarray::s![y..y + height, x..x + width]);
-            let light = light.to_owned();
+            let light = light.to_owned().into();
             part.seen.events.clear();
             part.chip.watch(&Frame { light, ..*frame }, &mut part.seen)
         })?;
@@ -391,10 +391,10 @@ mod tests {
                 (200.0 * hash.with((y * whole.width + x) as u64).uniform()).floor()
             });
             let seconds = 0.01 * index as f64;
-            let frame = |light| Frame {
+            let frame = |light: crate::plane::Plane<f64>| Frame {
                 index,
                 seconds,
-                light,
+                light: light.into(),
             };
             let shown = mosaic.shown(&light, crate::mosaic::Outside::Nearest);
             on_tiles.watch(&frame(shown), &mut seen).unwrap();

@@ -287,7 +287,8 @@ mod tests {
                     (5, 9) => 10.0 * index as f64,
                     (9, 0) if index == 3 => 200.0,
                     _ => 7.0,
-                }),
+                })
+                .into(),
             })
             .collect();
         let mut scene = Held::new(frames, size, 2.0);

@@ -6,7 +6,7 @@ use crate::{
     event::Packet,
     mosaic::Mosaic,
     number::{Number, Visitor},
-    plane::{At, Plane, Size},
+    plane::{At, Size},
     reference::{Limit, Reference},
     rig,
     scene::{Frame, Scene, upsample},
@@ -135,6 +135,6 @@ fn cut(frame: &Frame, mosaic: &Mosaic) -> Frame {
     let at = mosaic.tiles().first().copied().unwrap_or(At { y: 0, x: 0 });
     let Size { height, width } = mosaic.size();
     let rows = ndarray::s![at.y..at.y + height, at.x..at.x + width];
-    let light: Plane<f64> = frame.light.slice(rows).to_owned();
+    let light = frame.light.slice(rows).to_owned().into();
     Frame { light, ..*frame }
 }

@@ -114,7 +114,7 @@ mod tests {
         let frames = (0..4).map(|index| Frame {
             index,
             seconds: index as f64,
-            light: Plane::zeros(size.shape()),
+            light: Plane::zeros(size.shape()).into(),
         });
         let mut held = Held::new(frames.collect(), size, 1.0);
         let kept = Kept::new(&mut held, 1 << 20).unwrap().unwrap();

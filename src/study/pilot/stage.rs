@@ -120,7 +120,7 @@ impl<'a> Stage<'a> {
                     let frame = Frame {
                         index: given,
                         seconds: at(*start, seconds, *share),
-                        light,
+                        light: light.into(),
                     };
                     given += 1;
                     see(Shown { frame, own: None })?;
@@ -132,7 +132,7 @@ impl<'a> Stage<'a> {
             let frame = Frame {
                 index: given,
                 seconds,
-                light,
+                light: light.into(),
             };
             given += 1;
             let own = Some(index);

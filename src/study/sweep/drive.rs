@@ -82,6 +82,7 @@ fn computed(
         let light = drive.see(frame)?;
         seconds += (limits.clock)() - start;
         limits.hold(seconds, scene.size, 0)?;
+        let light = light.into();
         frames.push(Frame { light, ..*frame });
         Ok::<(), Stop>(())
     })?;

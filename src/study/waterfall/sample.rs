@@ -109,7 +109,7 @@ impl Sample {
     /// A frame of the scene as a mosaic.
     pub(super) fn shown(&self, frame: &Frame) -> Frame {
         // Tiles of a grid begin at least a halo from the edge.
-        let light = self.mosaic.shown(&frame.light, Outside::Nearest);
+        let light = self.mosaic.shown(&frame.light, Outside::Nearest).into();
         Frame { light, ..*frame }
     }
 
@@ -240,7 +240,7 @@ mod tests {
         let frame = Frame {
             index: 4,
             seconds: 0.4,
-            light: Plane::from_shape_fn(size.shape(), |(y, x)| place(y, x)),
+            light: Plane::from_shape_fn(size.shape(), |(y, x)| place(y, x)).into(),
         };
         let shown = sample.shown(&frame);
         assert_eq!((shown.index, shown.seconds), (4, 0.4));
@@ -268,7 +268,7 @@ mod tests {
         let frame = Frame {
             index: 0,
             seconds: 0.0,
-            light,
+            light: light.into(),
         };
         assert_eq!(sample.shown(&frame), frame);
     }

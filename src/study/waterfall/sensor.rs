@@ -250,7 +250,7 @@ mod tests {
             let frame = Frame {
                 index: index.into(),
                 seconds: f64::from(index) * 1e-3,
-                light: Plane::zeros((2, 2)),
+                light: Plane::zeros((2, 2)).into(),
             };
             sensor.watch(&frame, &mut packet).unwrap();
         }
