@@ -12,6 +12,7 @@ use super::{
     plan::{Plan, StoreErrors, Trace, Value},
     scale::scale,
     separable::{Factor, compose, factors},
+    tour::{NODES, Room, tours},
     walk::walks,
 };
 use crate::rng::{GOLDEN, Hash};
@@ -148,7 +149,13 @@ impl Problem {
             best = Some(proved);
         }
         all.extend(best.clone());
-        let mut seen = 0;
+        let (mut seen, toured) = self.toured();
+        for solved in toured {
+            all.push(solved.clone());
+            if better(&solved, best.as_ref(), self.border) {
+                best = Some(solved);
+            }
+        }
         let mut width = 4;
         for round in 0.. {
             let left = self.states.saturating_sub(seen);
@@ -172,6 +179,21 @@ impl Problem {
             width = (2 * width).min((affordable as usize).max(4));
         }
         best.map(|best| Solved { seen, ..best })
+    }
+
+    /// Tours, with a third of the effort at most.
+    fn toured(&self) -> (u64, Vec<Solved>) {
+        let order = self.order();
+        let last = order.last().and_then(|goal| self.registers.into.get(*goal));
+        let room = Room {
+            registers: self.registers.all.len(),
+            order: &order,
+            over_input: last == Some(&self.registers.input),
+        };
+        let budget = self.states.saturating_mul(NODES) / 3;
+        let (nodes, plans) = tours(&self.goals, self.unit, room, budget);
+        let solved = plans.into_iter().filter_map(|plan| self.finish(plan));
+        (nodes.div_ceil(NODES), solved.collect())
     }
 
     /// Several searches of one beam width, in parallel.
