@@ -149,13 +149,7 @@ impl Problem {
             best = Some(proved);
         }
         all.extend(best.clone());
-        let (mut seen, toured) = self.toured();
-        for solved in toured {
-            all.push(solved.clone());
-            if better(&solved, best.as_ref(), self.border) {
-                best = Some(solved);
-            }
-        }
+        let mut seen = 0;
         let mut width = 4;
         for round in 0.. {
             let left = self.states.saturating_sub(seen);
@@ -178,11 +172,21 @@ impl Problem {
             let affordable = left as u128 * width as u128 / u128::from(more);
             width = (2 * width).min((affordable as usize).max(4));
         }
+        // What tours find counts where it is shorter, so that nothing becomes longer by them.
+        let (more, toured) = self.toured(best.as_ref());
+        seen += more;
+        for solved in toured {
+            if better(&solved, best.as_ref(), self.border) {
+                best = Some(solved.clone());
+            }
+            all.push(solved);
+        }
         best.map(|best| Solved { seen, ..best })
     }
 
-    /// Tours, with a third of the effort at most.
-    fn toured(&self) -> (u64, Vec<Solved>) {
+    /// Tours that are preferred to the best of what was found, with a third more of the effort at
+    /// most.
+    fn toured(&self, best: Option<&Solved>) -> (u64, Vec<Solved>) {
         let order = self.order();
         let last = order.last().and_then(|goal| self.registers.into.get(*goal));
         let room = Room {
@@ -190,10 +194,17 @@ impl Problem {
             order: &order,
             over_input: last == Some(&self.registers.input),
         };
+        let fits = |solved: &&Solved| (solved.border || !self.border) && solved.holds;
+        let below = best.filter(fits).map(|best| best.allocated.words.len());
         let budget = self.states.saturating_mul(NODES) / 3;
-        let (nodes, plans) = tours(&self.goals, self.unit, room, budget);
+        let limits = (below.unwrap_or(usize::MAX), budget);
+        let (nodes, plans) = tours(&self.goals, self.unit, room, limits);
         let solved = plans.into_iter().filter_map(|plan| self.finish(plan));
-        (nodes.div_ceil(NODES), solved.collect())
+        let words = |solved: &Solved| solved.allocated.words.len();
+        let shorter = solved.filter(|new| {
+            better(new, best, self.border) && below.is_none_or(|below| words(new) < below)
+        });
+        (nodes.div_ceil(NODES), shorter.collect())
     }
 
     /// Several searches of one beam width, in parallel.

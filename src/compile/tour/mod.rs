@@ -46,13 +46,13 @@ pub(super) struct Room<'a> {
     pub(super) over_input: bool,
 }
 
-/// The shortest tours that are found, with five copies and with fewer, which leave registers free;
-/// and how many nodes were looked at, about `budget` at most.
+/// The shortest tours of fewer than `fewer` words that are found, with five copies and with fewer,
+/// which leave registers free; and how many nodes were looked at, about `budget` at most.
 pub(super) fn tours(
     goals: &[LinearForm],
     unit: i64,
     room: Room<'_>,
-    budget: u64,
+    (fewer, budget): (usize, u64),
 ) -> (u64, Vec<Plan>) {
     let most = room.registers.saturating_sub(goals.len()).min(MOST_COPIES);
     if most == 0 || goals.iter().any(LinearForm::is_zero) {
@@ -103,7 +103,7 @@ pub(super) fn tours(
                     .filter(|one| one.footprint.copies.len() == copies);
                 let made = same.filter(|one| one.plan.is_some());
                 let least = made.map(|one| one.words).min();
-                least.map_or(usize::MAX, |least| least + slack)
+                least.map_or(fewer, |least| fewer.min(least + slack))
             };
             let below: Vec<usize> = (0..=most).map(below).collect();
             let counts: Vec<u64> = { tries[at..end].par_iter_mut() }
@@ -241,7 +241,7 @@ mod tests {
             order: &order,
             over_input: true,
         };
-        let (_, plans) = tours(goals, unit, room, 40_000);
+        let (_, plans) = tours(goals, unit, room, (usize::MAX, 40_000));
         let fine = 1 << 20;
         for plan in &plans {
             let trace = plan.trace(unit * fine).unwrap();
