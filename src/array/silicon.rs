@@ -152,7 +152,11 @@ struct Run<'a> {
 const BLOCK: usize = 256;
 
 /// Stores the bus of each cell. A cell costs so many instructions that the call does not matter.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 fn store_run(run: &Run<'_>, operands: &[&[f32]], cells: &mut [f32]) {
     let n = cells.len();
     match *operands {

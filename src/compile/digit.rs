@@ -22,7 +22,11 @@ pub(super) type Visits = Vec<(Place, Vec<Digit>)>;
 /// counts 2^-held in the next. With them the exponent of the last group's input; `None` without
 /// digits.
 pub(super) fn groups(goal: &LinearForm, held: usize) -> Option<(Vec<Visits>, usize)> {
-    let planes = planes(goal);
+    grouped(&planes(goal), held)
+}
+
+/// The same of digits in any form, by their exponents.
+pub(super) fn grouped(planes: &[Plane], held: usize) -> Option<(Vec<Visits>, usize)> {
     let last = planes.len().checked_sub(1)?;
     let group = |group: usize| {
         let top = last - group * held;
@@ -42,9 +46,12 @@ pub(super) fn groups(goal: &LinearForm, held: usize) -> Option<(Vec<Visits>, usi
     Some(((0..=last / held).rev().map(group).collect(), last))
 }
 
-/// Places and signs by the digit's exponent.
-pub(super) fn planes(goal: &LinearForm) -> Vec<Vec<(Place, bool)>> {
-    let mut planes: Vec<Vec<_>> = Vec::new();
+/// Digits of one exponent: their places, and whether they are subtracted.
+pub(super) type Plane = Vec<(Place, bool)>;
+
+/// The digits of all weights by their exponents, in non-adjacent form: the fewest digits.
+pub(super) fn planes(goal: &LinearForm) -> Vec<Plane> {
+    let mut planes: Vec<Plane> = Vec::new();
     for tap in goal.taps() {
         let (mut left, mut exponent) = (tap.weight, 0);
         while left != 0 {
@@ -63,6 +70,20 @@ pub(super) fn planes(goal: &LinearForm) -> Vec<Vec<(Place, bool)>> {
         }
     }
     planes
+}
+
+/// The same as sign and magnitude: more digits, and at times one exponent less.
+pub(super) fn magnitudes(goal: &LinearForm) -> Vec<Plane> {
+    let exponents = { goal.taps().iter() }
+        .map(|tap| 64 - tap.weight.unsigned_abs().leading_zeros())
+        .max();
+    let plane = |exponent: u32| -> Plane {
+        { goal.taps().iter() }
+            .filter(|tap| tap.weight.unsigned_abs() >> exponent & 1 == 1)
+            .map(|tap| ((tap.y, tap.x), tap.weight < 0))
+            .collect()
+    };
+    (0..exponents.unwrap_or(0)).map(plane).collect()
 }
 
 /// The most halvings of the input among these digits.

@@ -4,7 +4,8 @@
 //! and replaces the value that it stored by those that it read. Everything that a bus does in one
 //! word is a step: up to four sources, neighbours among them, the negation by every store, halving
 //! by two targets. So symmetry, separability, running sums and common subexpressions of several
-//! kernels are found without being special cases. A `walk` over the kernel is the plan to beat.
+//! kernels are found without being special cases. A `walk` over the kernel is the plan to beat; for
+//! dense kernels, which have nothing of that, a `tour` with copies of the input comes first.
 //!
 //! ```
 //! use amacrine::{compile::{Effort, Request}, isa::Device, kernel::Kernel};
@@ -50,6 +51,7 @@ mod steady;
 #[cfg(test)]
 mod strategy;
 mod survival;
+mod tour;
 mod walk;
 
 pub use decision::{Compared, Decided, Decision};

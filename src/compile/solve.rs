@@ -12,6 +12,7 @@ use super::{
     plan::{Plan, StoreErrors, Trace, Value},
     scale::scale,
     separable::{Factor, compose, factors},
+    tour::{NODES, Room, tours},
     walk::walks,
 };
 use crate::rng::{GOLDEN, Hash};
@@ -171,7 +172,39 @@ impl Problem {
             let affordable = left as u128 * width as u128 / u128::from(more);
             width = (2 * width).min((affordable as usize).max(4));
         }
+        // What tours find counts where it is shorter, so that nothing becomes longer by them.
+        let (more, toured) = self.toured(best.as_ref());
+        seen += more;
+        for solved in toured {
+            if better(&solved, best.as_ref(), self.border) {
+                best = Some(solved.clone());
+            }
+            all.push(solved);
+        }
         best.map(|best| Solved { seen, ..best })
+    }
+
+    /// Tours that are preferred to the best of what was found, with a third more of the effort at
+    /// most.
+    fn toured(&self, best: Option<&Solved>) -> (u64, Vec<Solved>) {
+        let order = self.order();
+        let last = order.last().and_then(|goal| self.registers.into.get(*goal));
+        let room = Room {
+            registers: self.registers.all.len(),
+            order: &order,
+            over_input: last == Some(&self.registers.input),
+        };
+        let fits = |solved: &&Solved| (solved.border || !self.border) && solved.holds;
+        let below = best.filter(fits).map(|best| best.allocated.words.len());
+        let budget = self.states.saturating_mul(NODES) / 3;
+        let limits = (below.unwrap_or(usize::MAX), budget);
+        let (nodes, plans) = tours(&self.goals, self.unit, room, limits);
+        let solved = plans.into_iter().filter_map(|plan| self.finish(plan));
+        let words = |solved: &Solved| solved.allocated.words.len();
+        let shorter = solved.filter(|new| {
+            better(new, best, self.border) && below.is_none_or(|below| words(new) < below)
+        });
+        (nodes.div_ceil(NODES), shorter.collect())
     }
 
     /// Several searches of one beam width, in parallel.
