@@ -2,18 +2,20 @@
 //!
 //! A result that is halved until nothing saturates for any input leaves thresholds that are hardly
 //! above what cells differ by. What saturates is far above its threshold, so that it decides as it
-//! should, but where a partial sum does. So each plan is tried behind every number of halvings up to
-//! that, with as little of a constant in its result as its words and a few more can leave, and all are
-//! tried on the same leaves ([`decision`](super::decision)).
+//! should, but where a partial sum does, or where it is compared with an earlier one and both are at
+//! the end of the range. So each plan is tried behind every number of halvings up to that, with as
+//! little of a constant in its result as its words and a few more can leave, and all are tried on the
+//! same light ([`decision`](super::decision)). Unless events on the chip are all that counts, a plan
+//! must keep nearly all of them in exact arithmetic, of every kind of light.
 
 use rayon::prelude::*;
 
 use super::{
-    decision::{Decided, Decision, Trials},
+    decision::{Compared, Decided, Decision, Trials},
     error::CompileError,
     filter::Filter,
     plan::Plan,
-    request::{Effort, Request},
+    request::{Effort, Objective, Request},
     separable::compose,
     steady::{Reads, balanced, steadied, trimmed},
     survival::{Candidate, HALVINGS, HALVINGS_IN_ALL, Survival, halvings},
@@ -22,6 +24,9 @@ use crate::elementary;
 
 /// Shares of events within this are equal.
 const EQUAL_F1: f64 = 0.01;
+
+/// What a plan keeps at least in exact arithmetic, as F1, of the kind of light that suits it least.
+const EXACT_F1: f64 = 0.985;
 
 /// A threshold that is well above what cells differ by, LSB.
 const THRESHOLD: f64 = 32.0;
@@ -61,28 +66,41 @@ impl Survival<'_> {
         let (Some(result), Some(kernel)) = (request.into.first(), request.kernels.first()) else {
             return Err(Request::too_few(1, self.all.len()));
         };
-        let trials = Trials::new(request.device, range.1.max(-range.0));
+        let trials = Trials::new(
+            request.device,
+            range.1.max(-range.0),
+            decision.compared,
+        );
         let truth = trials.truth(kernel, decision);
-        let decided = |candidate: &Candidate| {
+        let decided = |candidate: &Candidate, least: f64| {
             let scale = 2f64.powi(-(candidate.bits as i32));
             trials.decided(
                 &candidate.solved.allocated.words,
                 request.device,
                 (request.input, *result),
                 (decision, scale),
-                &truth,
+                (&truth, least),
             )
         };
-        let judged: Vec<Decided> = all.par_iter().map(decided).collect();
-        let best = { all.into_iter().zip(judged) }.min_by_key(|(candidate, decided)| {
-            let steps = |f1: f64| (-f1 / EQUAL_F1).round() as i64;
-            (
-                steps(decided.silicon),
-                steps(decided.exact),
-                candidate.words(),
-            )
-        });
-        let Some((mut best, decided)) = best else {
+        let best = |least: f64| -> Option<(Candidate, Decided)> {
+            let judged: Vec<_> = all.par_iter().map(|it| decided(it, least)).collect();
+            let kept = { all.iter().zip(judged) }.filter_map(|(it, decided)| Some((it, decided?)));
+            let best = kept.min_by_key(|(candidate, decided)| {
+                let steps = |f1: f64| (-f1 / EQUAL_F1).round() as i64;
+                (
+                    steps(decided.silicon),
+                    steps(decided.exact),
+                    candidate.words(),
+                )
+            });
+            best.map(|(candidate, decided)| (candidate.clone(), decided))
+        };
+        let least = match (request.objective, decision.compared) {
+            (Objective::Silicon, Compared::Drives) => EXACT_F1,
+            _ => 0.0,
+        };
+        // Where none is that near, as with weights of many digits, the best of all.
+        let Some((mut best, decided)) = best(least).or_else(|| best(0.0)) else {
             return Err(Request::too_few(1, self.all.len()));
         };
         best.decided = Some(decided);

@@ -6,12 +6,12 @@
 //! Where a range of the input is given, each is tried behind as many halvings as it needs, and
 //! plans that halve on the way are searched as well.
 //!
-//! Where it is known with what a result is compared, the plan is taken that decides best on the chip
+//! Where it is known with what one result is compared, the plan is taken that decides best on the chip
 //! ([`deciding`](super::deciding)).
 
 use super::{
     allocate::allocate,
-    decision::{Compared, Decided},
+    decision::Decided,
     error::CompileError,
     filter::Filter,
     forecast::{Forecast, Signal, forecasts, worst},
@@ -89,13 +89,9 @@ impl Survival<'_> {
         if let (Some(range), Some(decision), [_]) =
             (self.request.range, self.request.decision, self.goals)
         {
-            let decides = match self.request.objective {
-                Objective::Silicon => decision.compared == Compared::Difference,
-                Objective::Events => true,
-                Objective::Exact | Objective::Words => false,
-            };
-            if decides {
-                return self.deciding(range, decision);
+            match self.request.objective {
+                Objective::Silicon | Objective::Events => return self.deciding(range, decision),
+                Objective::Exact | Objective::Words => (),
             }
         }
         let (candidates, seen) = match self.request.range {
