@@ -38,12 +38,13 @@ const LOWEST_THRESHOLD: f64 = 1.0;
 const EIGHTHS: u64 = 2;
 
 impl Survival<'_> {
-    /// The filter of one goal that decides best, whatever saturates.
+    /// The filter of one goal that decides best. `None` where events in exact arithmetic count as
+    /// well and no plan keeps enough of them: of weights of many digits, nothing may be in range.
     pub(super) fn deciding(
         &self,
         range: (f64, f64),
         decision: Decision,
-    ) -> Result<Filter, CompileError> {
+    ) -> Result<Option<Filter>, CompileError> {
         let request = self.request;
         let mut seen = 0;
         let least = decision.on.min(decision.off).max(LOWEST_THRESHOLD);
@@ -66,13 +67,13 @@ impl Survival<'_> {
         let (Some(result), Some(kernel)) = (request.into.first(), request.kernels.first()) else {
             return Err(Request::too_few(1, self.all.len()));
         };
-        let trials = Trials::new(
-            request.device,
-            range.1.max(-range.0),
-            decision.compared,
-        );
+        let trials = Trials::new(request.device, range.1.max(-range.0), decision.compared);
         let truth = trials.truth(kernel, decision);
-        let decided = |candidate: &Candidate, least: f64| {
+        let least = match (request.objective, decision.compared) {
+            (Objective::Silicon, Compared::Drives) => EXACT_F1,
+            _ => 0.0,
+        };
+        let decided = |candidate: &Candidate| {
             let scale = 2f64.powi(-(candidate.bits as i32));
             trials.decided(
                 &candidate.solved.allocated.words,
@@ -82,30 +83,22 @@ impl Survival<'_> {
                 (&truth, least),
             )
         };
-        let best = |least: f64| -> Option<(Candidate, Decided)> {
-            let judged: Vec<_> = all.par_iter().map(|it| decided(it, least)).collect();
-            let kept = { all.iter().zip(judged) }.filter_map(|(it, decided)| Some((it, decided?)));
-            let best = kept.min_by_key(|(candidate, decided)| {
-                let steps = |f1: f64| (-f1 / EQUAL_F1).round() as i64;
-                (
-                    steps(decided.silicon),
-                    steps(decided.exact),
-                    candidate.words(),
-                )
-            });
-            best.map(|(candidate, decided)| (candidate.clone(), decided))
-        };
-        let least = match (request.objective, decision.compared) {
-            (Objective::Silicon, Compared::Drives) => EXACT_F1,
-            _ => 0.0,
-        };
-        // Where none is that near, as with weights of many digits, the best of all.
-        let Some((mut best, decided)) = best(least).or_else(|| best(0.0)) else {
-            return Err(Request::too_few(1, self.all.len()));
+        let judged: Vec<Option<Decided>> = all.par_iter().map(decided).collect();
+        let kept = { all.into_iter().zip(judged) }.filter_map(|(it, decided)| Some((it, decided?)));
+        let best = kept.min_by_key(|(candidate, decided)| {
+            let steps = |f1: f64| (-f1 / EQUAL_F1).round() as i64;
+            (
+                steps(decided.silicon),
+                steps(decided.exact),
+                candidate.words(),
+            )
+        });
+        let Some((mut best, decided)) = best else {
+            return Ok(None);
         };
         best.decided = Some(decided);
         best.solved.holds = self.fits(&best.solved.plan, best.bits, range);
-        Ok(self.built(best, seen))
+        Ok(Some(self.built(best, seen)))
     }
 
     /// A plan behind each number of halvings, up to the first with which nothing saturates or the

@@ -89,9 +89,12 @@ impl Survival<'_> {
         if let (Some(range), Some(decision), [_]) =
             (self.request.range, self.request.decision, self.goals)
         {
-            match self.request.objective {
-                Objective::Silicon | Objective::Events => return self.deciding(range, decision),
-                Objective::Exact | Objective::Words => (),
+            let decides = match self.request.objective {
+                Objective::Silicon | Objective::Events => self.deciding(range, decision)?,
+                Objective::Exact | Objective::Words => None,
+            };
+            if let Some(filter) = decides {
+                return Ok(filter);
             }
         }
         let (candidates, seen) = match self.request.range {

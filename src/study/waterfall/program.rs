@@ -30,10 +30,7 @@ pub(super) struct Kinds<'a> {
 
 impl<'a> Kinds<'a> {
     /// One kind in a program of its own.
-    pub(super) fn alone(
-        design: Design<'a>,
-        quantised: Quantised,
-    ) -> Result<Self, WaterfallError> {
+    pub(super) fn alone(design: Design<'a>, quantised: Quantised) -> Result<Self, WaterfallError> {
         let compiled = design.in_levels(&quantised).compile("levels")?;
         Ok(Self {
             compiled,

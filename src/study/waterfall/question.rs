@@ -152,7 +152,9 @@ pub enum WaterfallError {
     Scene(#[from] SceneError),
     /// No memory holds all kinds in one program.
     #[error("no program holds all kinds: {}", .0.join("; "))]
-    #[diagnostic(help("ask for fewer kinds, for another chip, or for coarser kernels (--to ternary)"))]
+    #[diagnostic(help(
+        "ask for fewer kinds, for another chip, or for coarser kernels (--to ternary)"
+    ))]
     Refused(Vec<String>),
     /// Too few frames at a rate, or too many.
     #[error("{frames} frames at {fps} frames/s in {seconds:.3} s of the scene")]
