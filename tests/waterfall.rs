@@ -262,7 +262,7 @@ fn a_loss_that_is_put_in_lands_on_its_own_step() {
         );
     };
     for (figure, value, cause) in [
-        (Figure::StoreNoise, 4.0, Cause::Noise),
+        (Figure::StoreNoise, 1.0, Cause::Noise),
         (Figure::OffsetMismatch, 4.0, Cause::Mismatch),
         (Figure::StoreLoss, 0.1, Cause::Transfer),
         (Figure::AnalogueDecay, 2000.0, Cause::Decay),
