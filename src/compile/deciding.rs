@@ -34,7 +34,7 @@ const THRESHOLD: f64 = 32.0;
 /// No more halvings are tried below this threshold, LSB.
 const LOWEST_THRESHOLD: f64 = 1.0;
 
-/// The part of the effort that each search has, in eighths.
+/// The part of the effort that a search has, in eighths.
 const EIGHTHS: u64 = 2;
 
 impl Survival<'_> {
@@ -55,12 +55,22 @@ impl Survival<'_> {
         searches.push((false, inner.min(HALVINGS)));
         searches.sort_unstable();
         searches.dedup();
-        let mut all = Vec::new();
+        // What exact arithmetic says counts as well, so that plans in range are sought as for it.
+        let in_range = decision.compared == Compared::Drives;
+        let (mut all, mut fitting) = (Vec::new(), Vec::new());
         for asked in searches {
-            for plan in self.searched(asked, EIGHTHS, &mut seen)? {
+            let eighths = match asked {
+                (false, 0) if in_range => 2 * EIGHTHS,
+                _ => EIGHTHS,
+            };
+            for plan in self.searched(asked, eighths, &mut seen)? {
+                if in_range {
+                    fitting.extend(self.halved(&plan, asked, range).0);
+                }
                 all.extend(self.scaled(&plan, asked, range, least));
             }
         }
+        all.extend(self.best(fitting));
         if request.border && all.iter().any(|c| c.solved.border) {
             all.retain(|c| c.solved.border);
         }

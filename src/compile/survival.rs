@@ -240,7 +240,7 @@ impl Survival<'_> {
     /// A plan behind the fewest halvings with which nothing saturates, as it is and with its
     /// constant errors taken out. And whether one halving less would do. `negated`: a plan of the
     /// negated goals, for which the number is odd; `inner`: halvings in the plan itself.
-    fn halved(
+    pub(super) fn halved(
         &self,
         plan: &Plan,
         (negated, inner): (bool, u32),
@@ -343,7 +343,7 @@ impl Survival<'_> {
     }
 
     /// The best of the candidates, after each of the most promising was improved word by word.
-    fn best(&self, mut all: Vec<Candidate>) -> Option<Candidate> {
+    pub(super) fn best(&self, mut all: Vec<Candidate>) -> Option<Candidate> {
         if self.request.border && all.iter().any(|c| c.solved.border) {
             all.retain(|c| c.solved.border);
         }
