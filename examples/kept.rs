@@ -18,7 +18,7 @@ use amacrine::{
     plane::{Plane, Size},
     reference::MemoryRule,
     rng::Hash,
-    scene::{Frame, Scene, bundled, held::Held, open},
+    scene::{Frame, OpenOptions, Scene, bundled, held::Held, open},
     study::{
         design::{Compiled, Design},
         together,
@@ -94,7 +94,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let mut clips = Vec::new();
     for path in &paths {
-        clips.push((path.clone(), clip(open(path, &Default::default())?, every)?));
+        clips.push((
+            path.clone(),
+            clip(open(path, &OpenOptions::default())?, every)?,
+        ));
     }
     if clips.is_empty() {
         clips.push(("bundled".to_owned(), clip(bundled()?, every)?));
