@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use amacrine::{
     array::{Chip, Exact, Settings},
-    compile::{CellKind, DriveMemory, Effort, Request, SensorProgram},
+    compile::{CellKind, DriveMemory, Effort, Objective, Request, SensorProgram},
     isa::Device,
     kernel::Kernel,
     plane::Size,
@@ -111,6 +111,7 @@ proptest! {
         let kernels = [kernel.clone()];
         let mut request = Request::new(&kernels, &device).unwrap();
         request.effort = Effort { states: 500 };
+        request.objective = Objective::Exact;
         let program = SensorProgram::new(&kinds, DriveMemory::Analogue, "any", &request).unwrap();
         prop_assume!(program.filter.border);
         let program = Program::parse("any", &program.text).unwrap();

@@ -223,7 +223,7 @@ fn sensors_keep_more_of_the_signal() {
         );
         said.correlation
     };
-    assert!(of(Objective::Silicon) >= of(Objective::Words));
+    assert!(of(Objective::Exact) >= of(Objective::Words));
 }
 
 /// Rows of the atlas, chosen by a hash, are what the compiler gives today.

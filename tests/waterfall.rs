@@ -11,7 +11,7 @@ mod common;
 use amacrine::{
     array::{Arithmetic, Errors},
     compare::{Pair, fate::Fate, matching},
-    compile::Effort,
+    compile::{DriveMemory, Effort},
     event::readout::{Ideal, Readout, Scan, scan::Order},
     isa::{Device, Figure},
     kernel::{
@@ -26,8 +26,10 @@ use amacrine::{
     study::{
         design::{Design, DesignError},
         quantisation,
+        together::Together,
         waterfall::{
             Cause, Choice, Fall, How, Question, Rates, Step, Waterfall, WaterfallError, ask,
+            steps_together,
         },
     },
     unit::{Micros, Picos},
@@ -244,7 +246,7 @@ fn what_cannot_matter_changes_nothing() {
 
 #[test]
 fn a_loss_that_is_put_in_lands_on_its_own_step() {
-    let kernel = ternary();
+    let (kernel, pixel) = (ternary(), Kernel::from_rows(&[vec![1.0]]).unwrap());
     let float = [Cause::Frames, Cause::Memory];
     let only = |question: &Question<'_>, cause: Cause| {
         let all = fall(question);
@@ -267,7 +269,12 @@ fn a_loss_that_is_put_in_lands_on_its_own_step() {
         (Figure::Lowest, -40.0, Cause::Saturation),
     ] {
         let device = perfect(&[(Figure::Headroom, 0.0), (figure, value)]);
-        only(&question(design(&kernel, &device, 32.0)), cause);
+        // Against these a program of sums lets strong light saturate, which is a loss of its own.
+        let kernel = match cause {
+            Cause::Noise | Cause::Mismatch | Cause::Transfer => &pixel,
+            _ => &kernel,
+        };
+        only(&question(design(kernel, &device, 32.0)), cause);
     }
     let device = perfect(&[]);
     let plain = question(design(&kernel, &device, 32.0));
@@ -368,6 +375,57 @@ fn what_does_not_fit_is_said() {
     let mut scene = scene::open(scene, &OpenOptions::default()).unwrap();
     let error = ask(&silent, &mut scene, |_| ()).unwrap_err();
     assert!(matches!(error, WaterfallError::Silent { .. }), "{error}");
+}
+
+/// Kinds that share a memory are one program: what is told of each is what that program keeps of the
+/// float sensor that shares it too, and no cause of it is a program of its own.
+#[test]
+fn kinds_of_one_program_fall_together() {
+    let device = Device::scamp5();
+    let kernels = [
+        ternary(),
+        Kernel::builtin("laplacian").unwrap(),
+        Kernel::builtin("sobel-x").unwrap(),
+    ];
+    let designs = kernels
+        .each_ref()
+        .map(|kernel| design(kernel, &device, 40.0));
+    let asked = Question {
+        within: WITHIN,
+        ..question(designs[0])
+    };
+    let falls = Fall::together(&designs, asked).unwrap();
+    assert_eq!(falls[0].remembered(), Some(DriveMemory::Shared));
+    let all = steps_together(&falls, &mut *scene(), |_| ()).unwrap();
+    let quantised = designs.map(|own| own.quantise(asked.to, asked.sum).unwrap());
+    let levels: Vec<Design<'_>> = { designs.iter().zip(&quantised) }
+        .map(|(own, quantised)| own.in_levels(quantised))
+        .collect();
+    let program = Together::compile(&levels, "three").unwrap().unwrap();
+    let (judged, _) = program
+        .judge(&designs, (WITHIN, 1), &mut *scene(), |_| ())
+        .unwrap();
+    assert_eq!(all.len(), 3);
+    for (told, judged) in all.iter().zip(&judged) {
+        assert_eq!(told.chip_events, judged.packet.events.len() as u64);
+        assert_eq!(told.likeness.kept, judged.silicon.kept);
+        assert_eq!(told.program.words, program.compiled.cost.words.0);
+    }
+    // Another kind's events renew the memory: alone, the first says something else.
+    let alone = fall(&asked);
+    assert_ne!(alone.chip_events, all[0].chip_events);
+    assert_eq!(alone.float_events, all[0].float_events);
+    // Over frame rate, all that is kept and taken is all.
+    let open = || scene::open(SCENE, &OpenOptions::default());
+    let two = Choice {
+        within: Some(WITHIN),
+        ..choice(&[240.0], 2)
+    };
+    let rates = falls[1].rates(&two, &open, &|| {}).unwrap();
+    for rate in &rates.rates {
+        let taken: f64 = rate.causes.iter().map(|cause| cause.share).sum();
+        assert!((taken + rate.headline.kept - 1.0).abs() < 1e-9);
+    }
 }
 
 /// Everything that is at most this far apart matches; two frames of the scene are closer.

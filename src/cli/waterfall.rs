@@ -8,7 +8,7 @@ use miette::miette;
 use crate::{
     array::{Arithmetic, ArithmeticError},
     compare::fate::Fate,
-    compile::Effort,
+    compile::{DriveMemory, Effort},
     event::readout::Readout,
     isa::{Device, Figure},
     kernel::quantise::Quantiser,
@@ -18,7 +18,11 @@ use crate::{
     study::{
         design::Design,
         equivalent::{self, RUNGS},
-        waterfall::{Choice as Rated, Fall, Question, Rate, Rates, Share, Shares, Waterfall},
+        together,
+        waterfall::{
+            Choice as Rated, Fall, Question, Rate, Rates, Share, Shares, Waterfall, WaterfallError,
+            steps_together,
+        },
     },
 };
 
@@ -42,7 +46,7 @@ use super::{
 )]
 pub struct Arguments {
     /// A kernel file (.toml, .npy of shape (k,k) or (K,k,k)), the name of a built-in, or a sensor
-    /// file, with its thresholds; of several kernels each is told, in a program of its own
+    /// file, with its thresholds; several kernels are one program, of which each is told
     kernel: Named,
     /// Events where kernel times light (0 to 255) moved by more than this
     #[arg(long, allow_negative_numbers = true)]
@@ -167,17 +171,17 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let observation = Observation::new();
     let readout = arguments.readout.open_compiled()?;
-    let mut all = Vec::new();
-    for ((name, kernel), threshold) in kinds.names.iter().zip(&kinds.kernels).zip(&thresholds) {
-        let design = Design {
+    let designs: Vec<Design<'_>> = { kinds.kernels.iter().zip(&thresholds) }
+        .map(|(kernel, threshold)| Design {
             kernel,
             threshold: *threshold,
             device: &device,
             effort: Effort::seconds(arguments.effort),
             seed: arguments.seed,
-        };
-        all.push(arguments.fall((name, design), readout.readout()?, &observation)?);
-    }
+        })
+        .collect();
+    let (memory, all) =
+        arguments.falls((&kinds.names, &designs), readout.readout()?, &observation)?;
     if let (Some(path), [told], [threshold]) = (&arguments.output, &all[..], &thresholds[..]) {
         let scene = arguments.clip.name();
         let title = format!(
@@ -210,7 +214,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut text = String::new();
     for told in &all {
         if all.len() > 1 {
-            let _ = writeln!(text, "== {}, in a program of its own", told.name);
+            let _ = writeln!(text, "== {}", told.name);
         }
         text += &light::of_kernels(&told.steps.warnings);
         let _ = writeln!(
@@ -226,8 +230,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             text.push('\n');
         }
     }
-    if all.len() > 1 {
-        text += "what all of them keep in one program: amacrine quantise, or feasibility\n";
+    if let Some(memory) = memory {
+        let _ = writeln!(
+            text,
+            "all {} kernels in one program, with {}; the memory rule of the float sensor is then that too",
+            all.len(),
+            together::name(memory)
+        );
     }
     text += &light::line(&observation);
     super::say(&text);
@@ -247,57 +256,74 @@ impl Arguments {
         }
     }
 
-    /// Where the events of one kernel go.
-    fn fall(
+    /// Where the events of each kernel go, all of them in one program; and what that remembers,
+    /// where there are several.
+    fn falls(
         &self,
-        (name, design): (&str, Design<'_>),
+        (names, designs): (&[String], &[Design<'_>]),
         readout: Readout,
         observation: &Observation,
-    ) -> miette::Result<Told> {
+    ) -> miette::Result<(Option<DriveMemory>, Vec<Told>)> {
         let open = || self.clip.open(observation);
         let mut scene = open()?;
+        let [first, ..] = designs else {
+            return Ok((None, Vec::new()));
+        };
         let question = Question {
-            design,
+            design: *first,
             to: self.to,
             sum: self.sum.into(),
             arithmetic: self.format.with_seed(self.seed),
             readout,
             within: self.window.at(scene.fps()),
         };
-        budget::check_study(&*scene, SENSORS)?;
+        budget::check_study(&*scene, SENSORS * designs.len())?;
         let choice = Rated {
             rates: self.rates.clone(),
             chips: self.chips,
             tiles: self.tiles.map(usize::from),
             within: self.window.within,
         };
-        let answers = Fall::new(question).and_then(|fall| {
+        let mut answer = || {
+            let falls = match designs {
+                [_] => vec![Fall::new(question)?],
+                several => Fall::together(several, question)?,
+            };
             let progress = Progress::new("watching", scene.frames());
-            let steps = fall.steps(&mut *scene, |_| progress.tick());
+            let steps = steps_together(&falls, &mut *scene, |_| progress.tick());
             progress.finish();
             let steps = steps?;
-            if self.steps {
-                return Ok((steps, None));
+            let mut rates = Vec::new();
+            if !self.steps {
+                let progress = Progress::new("chips", None);
+                let told = |fall: &Fall<'_>| fall.rates(&choice, &open, &|| progress.tick());
+                let all: Result<Vec<Rates>, _> = falls.iter().map(told).collect();
+                progress.finish();
+                rates = all?;
             }
-            let progress = Progress::new("chips", None);
-            let rates = fall.rates(&choice, &open, &|| progress.tick());
-            progress.finish();
-            Ok((steps, Some(rates?)))
-        });
-        let mut warnings = Warning::of_scene(observation, 255.0);
+            let memory = falls.first().and_then(Fall::remembered);
+            Ok((memory, steps, rates))
+        };
+        let answers: Result<_, WaterfallError> = answer();
+        let warnings = Warning::of_scene(observation, 255.0);
         light::warn(&warnings);
-        let (mut steps, rates) = answers.map_err(|error| {
-            let what = format!("no waterfall of {name} on {}", self.chip);
+        let (memory, steps, rates) = answers.map_err(|error| {
+            let what = format!("no waterfall of {} on {}", self.kernel, self.chip);
             miette::Report::new(error).wrap_err(what)
         })?;
-        light::warn(&steps.warnings);
-        warnings.append(&mut steps.warnings);
-        steps.warnings = warnings;
-        Ok(Told {
-            name: name.to_owned(),
-            steps,
-            rates,
-        })
+        let mut rates = rates.into_iter();
+        let told = |(name, mut steps): (&String, Waterfall)| {
+            light::warn(&steps.warnings);
+            let mut all = warnings.clone();
+            all.append(&mut steps.warnings);
+            steps.warnings = all;
+            Told {
+                name: name.clone(),
+                steps,
+                rates: rates.next(),
+            }
+        };
+        Ok((memory, names.iter().zip(steps).map(told).collect()))
     }
 }
 

@@ -2,18 +2,20 @@
 //!
 //! A result that is halved until nothing saturates for any input leaves thresholds that are hardly
 //! above what cells differ by. What saturates is far above its threshold, so that it decides as it
-//! should, but where a partial sum does. So each plan is tried behind every number of halvings up to
-//! that, with as little of a constant in its result as its words and a few more can leave, and all are
-//! tried on the same leaves ([`decision`](super::decision)).
+//! should, but where a partial sum does, or where it is compared with an earlier one and both are at
+//! the end of the range. So each plan is tried behind every number of halvings up to that, with as
+//! little of a constant in its result as its words and a few more can leave, and all are tried on the
+//! same light ([`decision`](super::decision)). Unless events on the chip are all that counts, a plan
+//! must keep nearly all of them in exact arithmetic, of every kind of light.
 
 use rayon::prelude::*;
 
 use super::{
-    decision::{Decided, Decision, Trials},
+    decision::{Compared, Decided, Decision, Trials},
     error::CompileError,
     filter::Filter,
     plan::Plan,
-    request::{Effort, Request},
+    request::{Effort, Objective, Request},
     separable::compose,
     steady::{Reads, balanced, steadied, trimmed},
     survival::{Candidate, HALVINGS, HALVINGS_IN_ALL, Survival, halvings},
@@ -23,22 +25,26 @@ use crate::elementary;
 /// Shares of events within this are equal.
 const EQUAL_F1: f64 = 0.01;
 
+/// What a plan keeps at least in exact arithmetic, as F1, of the kind of light that suits it least.
+const EXACT_F1: f64 = 0.985;
+
 /// A threshold that is well above what cells differ by, LSB.
 const THRESHOLD: f64 = 32.0;
 
 /// No more halvings are tried below this threshold, LSB.
 const LOWEST_THRESHOLD: f64 = 1.0;
 
-/// The part of the effort that each search has, in eighths.
+/// The part of the effort that a search has, in eighths.
 const EIGHTHS: u64 = 2;
 
 impl Survival<'_> {
-    /// The filter of one goal that decides best, whatever saturates.
+    /// The filter of one goal that decides best. `None` where events in exact arithmetic count as
+    /// well and no plan keeps enough of them: of weights of many digits, nothing may be in range.
     pub(super) fn deciding(
         &self,
         range: (f64, f64),
         decision: Decision,
-    ) -> Result<Filter, CompileError> {
+    ) -> Result<Option<Filter>, CompileError> {
         let request = self.request;
         let mut seen = 0;
         let least = decision.on.min(decision.off).max(LOWEST_THRESHOLD);
@@ -49,20 +55,34 @@ impl Survival<'_> {
         searches.push((false, inner.min(HALVINGS)));
         searches.sort_unstable();
         searches.dedup();
-        let mut all = Vec::new();
+        // What exact arithmetic says counts as well, so that plans in range are sought as for it.
+        let in_range = decision.compared == Compared::Drives;
+        let (mut all, mut fitting) = (Vec::new(), Vec::new());
         for asked in searches {
-            for plan in self.searched(asked, EIGHTHS, &mut seen)? {
+            let eighths = match asked {
+                (false, 0) if in_range => 2 * EIGHTHS,
+                _ => EIGHTHS,
+            };
+            for plan in self.searched(asked, eighths, &mut seen)? {
+                if in_range {
+                    fitting.extend(self.halved(&plan, asked, range).0);
+                }
                 all.extend(self.scaled(&plan, asked, range, least));
             }
         }
+        all.extend(self.best(fitting));
         if request.border && all.iter().any(|c| c.solved.border) {
             all.retain(|c| c.solved.border);
         }
         let (Some(result), Some(kernel)) = (request.into.first(), request.kernels.first()) else {
             return Err(Request::too_few(1, self.all.len()));
         };
-        let trials = Trials::new(request.device, range.1.max(-range.0));
+        let trials = Trials::new(request.device, range.1.max(-range.0), decision.compared);
         let truth = trials.truth(kernel, decision);
+        let least = match (request.objective, decision.compared) {
+            (Objective::Silicon, Compared::Drives) => EXACT_F1,
+            _ => 0.0,
+        };
         let decided = |candidate: &Candidate| {
             let scale = 2f64.powi(-(candidate.bits as i32));
             trials.decided(
@@ -70,11 +90,12 @@ impl Survival<'_> {
                 request.device,
                 (request.input, *result),
                 (decision, scale),
-                &truth,
+                (&truth, least),
             )
         };
-        let judged: Vec<Decided> = all.par_iter().map(decided).collect();
-        let best = { all.into_iter().zip(judged) }.min_by_key(|(candidate, decided)| {
+        let judged: Vec<Option<Decided>> = all.par_iter().map(decided).collect();
+        let kept = { all.into_iter().zip(judged) }.filter_map(|(it, decided)| Some((it, decided?)));
+        let best = kept.min_by_key(|(candidate, decided)| {
             let steps = |f1: f64| (-f1 / EQUAL_F1).round() as i64;
             (
                 steps(decided.silicon),
@@ -83,11 +104,11 @@ impl Survival<'_> {
             )
         });
         let Some((mut best, decided)) = best else {
-            return Err(Request::too_few(1, self.all.len()));
+            return Ok(None);
         };
         best.decided = Some(decided);
         best.solved.holds = self.fits(&best.solved.plan, best.bits, range);
-        Ok(self.built(best, seen))
+        Ok(Some(self.built(best, seen)))
     }
 
     /// A plan behind each number of halvings, up to the first with which nothing saturates or the

@@ -1,5 +1,5 @@
-//! How many events a program keeps: its filter, tried on moving [`leaves`](super::leaves) as the
-//! chip errs.
+//! How many events a program keeps: its filter, tried on moving light ([`leaves`](super::leaves)) as
+//! the chip errs.
 //!
 //! A forecast of a result's noise does not say this. What counts is where the result lies beside
 //! its threshold: a result that saturates is far above it and decides as it should, so that halving
@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 
 use super::{
     forecast::{Wired, wired},
-    leaves::{self, SIDE},
+    leaves::{Light, SIDE},
     sensor::CellKind,
 };
 use crate::{
@@ -55,12 +55,14 @@ impl Decision {
     }
 }
 
-/// How well a filter decides on the leaves.
+/// How well a filter decides on light that moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Decided {
-    /// F1 of the events as silicon: 1 where all are those of the kernel itself.
+    /// F1 of the events as silicon, the mean of all kinds of light: 1 where all are those of the
+    /// kernel itself.
     pub silicon: f64,
-    /// F1 in exact arithmetic with registers of the chip's range: 1 where nothing saturates.
+    /// F1 in exact arithmetic with registers of the chip's range, of the kind of light of which it
+    /// is least: 1 where nothing saturates.
     pub exact: f64,
 }
 
@@ -86,7 +88,8 @@ pub(super) struct Trials {
     range: (f32, f32),
     /// NEWS.
     news: usize,
-    arrays: Vec<Array>,
+    /// Of each kind of light.
+    arrays: Vec<Vec<Array>>,
     noise: Cells,
 }
 
@@ -107,15 +110,31 @@ enum As {
     Exact,
 }
 
-/// Pairs of pictures, made once.
-fn pairs() -> &'static [[Plane<f64>; 2]] {
-    static PAIRS: OnceLock<Vec<[Plane<f64>; 2]>> = OnceLock::new();
-    PAIRS.get_or_init(|| (0..leaves::MOVES.len()).map(leaves::pair).collect())
+/// A picture before and after.
+type Pair = [Plane<f64>; 2];
+
+/// Pairs of pictures of a kind of light, made once.
+fn pairs(light: Light) -> &'static [Pair] {
+    static PAIRS: [OnceLock<Vec<Pair>>; Light::ALL.len()] =
+        [const { OnceLock::new() }; Light::ALL.len()];
+    let make = || light.numbers().iter().map(|n| light.pair(*n)).collect();
+    PAIRS[light as usize].get_or_init(make)
 }
+
+/// What is shown. A difference from the pixel's own memory does not have the light that stays.
+const fn shown(compared: Compared) -> &'static [Light] {
+    match compared {
+        Compared::Difference => &[Light::Leaves],
+        Compared::Drives => &Light::ALL,
+    }
+}
+
+/// The kernel's own events on each array: -1, 0 or 1 at each cell.
+pub(super) type Truth = Vec<Vec<Vec<i8>>>;
 
 impl Trials {
     /// For a chip whose input is at most `most` LSB.
-    pub(super) fn new(device: &Device, most: f64) -> Self {
+    pub(super) fn new(device: &Device, most: f64, compared: Compared) -> Self {
         let errors = Errors::from_device(device);
         let registers = device.registers().analog.len();
         let draw = |array: usize, reason: u64, number: usize| -> Cells {
@@ -123,7 +142,7 @@ impl Trials {
             let place = place.with(number as u64);
             (0..CELLS).map(|i| drawn(place.with(i as u64))).collect()
         };
-        let array = |(number, pair): (usize, &[Plane<f64>; 2])| {
+        let array = |(number, pair): (usize, &Pair)| {
             let gain: Vec<Cells> = (0..registers).map(|r| draw(number, GAIN, r)).collect();
             let own = |(r, gain): (usize, &Cells)| -> Cells {
                 let both = gain.iter().zip(draw(number, OFFSET, r));
@@ -157,7 +176,9 @@ impl Trials {
                 device.value(Figure::Highest) as f32,
             ),
             news: usize::from(device.news().0),
-            arrays: pairs().iter().enumerate().map(array).collect(),
+            arrays: { shown(compared).iter() }
+                .map(|light| pairs(*light).iter().enumerate().map(array).collect())
+                .collect(),
             noise: { 0..NOISES }
                 .map(|i| drawn(noise.with(i as u64)) * errors.noise as f32)
                 .collect(),
@@ -167,7 +188,7 @@ impl Trials {
 
     /// The changes of the light that belong to each array, and where kernel times change exceeds a
     /// threshold: -1, 0 or 1.
-    pub(super) fn truth(&self, kernel: &Kernel, decision: Decision) -> Vec<Vec<i8>> {
+    pub(super) fn truth(&self, kernel: &Kernel, decision: Decision) -> Truth {
         let (rows, columns) = kernel.reach();
         let of = |array: &Array| {
             let change: Vec<f64> = { array.light[1].iter().zip(&array.light[0]) }
@@ -186,54 +207,85 @@ impl Trials {
             let sign = |drive: f64| i8::from(drive > decision.on) - i8::from(-drive > decision.off);
             drive.into_iter().map(sign).collect()
         };
-        self.arrays.iter().map(of).collect()
+        let all = |arrays: &Vec<Array>| arrays.iter().map(of).collect();
+        self.arrays.iter().map(all).collect()
     }
 
-    /// What is kept of the events by these words, whose result is `scale` times the kernel's.
+    /// What is kept of the events by these words, whose result is `scale` times the kernel's. `None`
+    /// where in exact arithmetic they keep less than `least` of any kind of light.
     pub(super) fn decided(
         &self,
         words: &[Primitive],
         device: &Device,
         (input, result): (Analog, Analog),
         (decision, scale): (Decision, f64),
-        truth: &[Vec<i8>],
-    ) -> Decided {
-        let words = wired(words, device);
-        let registers = (usize::from(input.0), usize::from(result.0));
-        let f1 = |how: As| {
-            let (mut both, mut either) = (0usize, 0usize);
-            for (number, (array, truth)) in self.arrays.iter().zip(truth).enumerate() {
-                let mut run = Run {
-                    trials: self,
-                    array,
-                    how,
-                    at: number * 7919,
-                    cells: vec![vec![0.0; CELLS]; array.gain.len()],
-                };
-                let drive = run.drive(&words, registers, decision.compared);
-                // The host sets whole LSB.
-                let set = |threshold: f64| match how {
-                    As::Silicon => (threshold * scale).round_ties_even(),
-                    As::Exact => threshold * scale,
-                };
-                let (on, off) = (set(decision.on) as f32, set(decision.off) as f32);
-                for (drive, truth) in drive.iter().zip(truth) {
-                    for (fires, is_true) in [(*drive > on, *truth > 0), (-drive > off, *truth < 0)]
-                    {
-                        both += 2 * usize::from(fires && is_true);
-                        either += usize::from(fires) + usize::from(is_true);
-                    }
+        (truth, least): (&Truth, f64),
+    ) -> Option<Decided> {
+        let filter = Filtered {
+            trials: self,
+            words: wired(words, device),
+            registers: (usize::from(input.0), usize::from(result.0)),
+            decision,
+            scale,
+        };
+        let each = |how: As| -> Vec<f64> {
+            let both = self.arrays.iter().zip(truth);
+            both.map(|(arrays, truth)| filter.f1(how, arrays, truth))
+                .collect()
+        };
+        let exact = each(As::Exact).into_iter().fold(1.0, f64::min);
+        if exact < least {
+            return None;
+        }
+        let silicon = each(As::Silicon);
+        Some(Decided {
+            silicon: silicon.iter().sum::<f64>() / silicon.len().max(1) as f64,
+            exact,
+        })
+    }
+}
+
+/// A filter and what its result is for.
+struct Filtered<'a> {
+    trials: &'a Trials,
+    words: Vec<Wired>,
+    /// Of the input and of the result.
+    registers: (usize, usize),
+    decision: Decision,
+    scale: f64,
+}
+
+impl Filtered<'_> {
+    /// F1 on all arrays of one kind of light.
+    fn f1(&self, how: As, arrays: &[Array], truth: &[Vec<i8>]) -> f64 {
+        // The host sets whole LSB.
+        let set = |threshold: f64| match how {
+            As::Silicon => (threshold * self.scale).round_ties_even(),
+            As::Exact => threshold * self.scale,
+        };
+        let Decision { on, off, compared } = self.decision;
+        let (on, off) = (set(on) as f32, set(off) as f32);
+        let (mut both, mut either) = (0usize, 0usize);
+        for (number, (array, truth)) in arrays.iter().zip(truth).enumerate() {
+            let mut run = Run {
+                trials: self.trials,
+                array,
+                how,
+                at: number * 7919,
+                cells: vec![vec![0.0; CELLS]; array.gain.len()],
+            };
+            let drive = run.drive(&self.words, self.registers, compared);
+            for (drive, truth) in drive.iter().zip(truth) {
+                for (fires, is_true) in [(*drive > on, *truth > 0), (-drive > off, *truth < 0)] {
+                    both += 2 * usize::from(fires && is_true);
+                    either += usize::from(fires) + usize::from(is_true);
                 }
             }
-            if either == 0 {
-                1.0
-            } else {
-                both as f64 / either as f64
-            }
-        };
-        Decided {
-            silicon: f1(As::Silicon),
-            exact: f1(As::Exact),
+        }
+        if either == 0 {
+            1.0
+        } else {
+            both as f64 / either as f64
         }
     }
 }

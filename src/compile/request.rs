@@ -48,13 +48,15 @@ impl Default for Effort {
 /// What a program is to be best at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Objective {
-    /// What comes out of the chip: as `Exact`; with a memory of the pixel for all kinds as `Events`,
-    /// since its filters have nothing that takes a chip's mismatch out.
+    /// The events that are kept on the chip, as predicted ([`Decided`](super::Decided)), with nearly
+    /// all of them kept in exact arithmetic too: large inputs may saturate where that changes hardly
+    /// a decision. With a memory of the pixel for all kinds as `Events`, since its filters have nothing
+    /// that takes a chip's mismatch out. Where it is not known with what one result is compared, as
+    /// `Exact`.
     #[default]
     Silicon,
-    /// The events that are kept on the chip, as predicted ([`Decided`](super::Decided)); among equals
-    /// what is nearer to exact, then the fewest words. Large inputs may saturate. Where it is not
-    /// known with what one result is compared, as `Exact`.
+    /// The events that are kept on the chip, whatever saturates; among equals what is nearer to exact,
+    /// then the fewest words.
     Events,
     /// The signal-to-noise ratio that is predicted on the chip, and no input of the range saturates:
     /// in exact arithmetic a program decides as the kernel itself does, whatever it is shown. Among

@@ -151,8 +151,10 @@ impl SensorProgram {
             },
             border: true,
             range: Some((CAPTURE.0, largest_light(device))),
-            decision: match kinds {
-                [kind] => Some(Decision::new(kind, device, Compared::Drives)),
+            decision: match (kinds, memory) {
+                ([kind], DriveMemory::Analogue) => {
+                    Some(Decision::new(kind, device, Compared::Drives))
+                }
                 _ => None,
             },
             ..request.clone()

@@ -6,12 +6,12 @@
 //! Where a range of the input is given, each is tried behind as many halvings as it needs, and
 //! plans that halve on the way are searched as well.
 //!
-//! Where it is known with what a result is compared, the plan is taken that decides best on the chip
+//! Where it is known with what one result is compared, the plan is taken that decides best on the chip
 //! ([`deciding`](super::deciding)).
 
 use super::{
     allocate::allocate,
-    decision::{Compared, Decided},
+    decision::Decided,
     error::CompileError,
     filter::Filter,
     forecast::{Forecast, Signal, forecasts, worst},
@@ -90,12 +90,11 @@ impl Survival<'_> {
             (self.request.range, self.request.decision, self.goals)
         {
             let decides = match self.request.objective {
-                Objective::Silicon => decision.compared == Compared::Difference,
-                Objective::Events => true,
-                Objective::Exact | Objective::Words => false,
+                Objective::Silicon | Objective::Events => self.deciding(range, decision)?,
+                Objective::Exact | Objective::Words => None,
             };
-            if decides {
-                return self.deciding(range, decision);
+            if let Some(filter) = decides {
+                return Ok(filter);
             }
         }
         let (candidates, seen) = match self.request.range {
@@ -241,7 +240,7 @@ impl Survival<'_> {
     /// A plan behind the fewest halvings with which nothing saturates, as it is and with its
     /// constant errors taken out. And whether one halving less would do. `negated`: a plan of the
     /// negated goals, for which the number is odd; `inner`: halvings in the plan itself.
-    fn halved(
+    pub(super) fn halved(
         &self,
         plan: &Plan,
         (negated, inner): (bool, u32),
@@ -344,7 +343,7 @@ impl Survival<'_> {
     }
 
     /// The best of the candidates, after each of the most promising was improved word by word.
-    fn best(&self, mut all: Vec<Candidate>) -> Option<Candidate> {
+    pub(super) fn best(&self, mut all: Vec<Candidate>) -> Option<Candidate> {
         if self.request.border && all.iter().any(|c| c.solved.border) {
             all.retain(|c| c.solved.border);
         }

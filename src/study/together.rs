@@ -241,7 +241,7 @@ pub fn judge(
 }
 
 /// The events of one kind, as a sensor of that kind alone has them.
-fn own(packet: &Packet, kind: usize) -> Packet {
+pub(super) fn own(packet: &Packet, kind: usize) -> Packet {
     let mut own = Packet::new(packet.size, 1);
     own.span = packet.span;
     let events = packet.events.iter();

@@ -240,7 +240,8 @@ impl Compiled {
 
     /// Whether anything saturates, and what that costs.
     pub(super) fn range(&self) -> String {
-        if self.filters.iter().any(|filter| filter.decided.is_some()) {
+        let saturates = |filter: &Filter| filter.decided.is_some() && !filter.holds;
+        if self.filters.iter().any(saturates) {
             return self.exact_range();
         }
         let range = match (self.saturations, self.filter.prescale) {
@@ -292,7 +293,7 @@ impl Compiled {
         };
         self.filters.iter().any(|filter| filter.decided.is_some()).then(|| {
             format!(
-                "F1 {} on the chip, {} in exact arithmetic, against the kernel itself (predicted on moving leaves)",
+                "F1 {} on the chip, {} in exact arithmetic, against the kernel itself (predicted on moving light)",
                 f1(|it| it.silicon),
                 f1(|it| it.exact),
             )

@@ -126,7 +126,8 @@ pub struct Arguments {
 /// What a program is to be best at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 enum Aim {
-    /// What comes out of the chip: `events` with `--memory shared`, else `exact`
+    /// The events that are kept on the chip, as predicted, and nearly all of them without the chip's
+    /// errors too; with `--memory shared` as `events`, of several kinds with a memory each as `exact`
     #[default]
     Silicon,
     /// The events that are kept on the chip, as predicted; strong light or change may saturate

@@ -6,7 +6,7 @@ use serde_json::json;
 use super::{plan::Entry, refusal::Refusal, sensor, shared::Shared, study::Settings, table::Row};
 use crate::{
     array::{self, Arithmetic},
-    compile::{CellKind, DriveMemory, Effort, Request, SensorProgram},
+    compile::{CellKind, DriveMemory, Effort, Objective, Request, SensorProgram},
     kernel::{
         Kernel,
         quantise::{Quantiser, Sum},
@@ -253,6 +253,8 @@ fn compiled(
     request.effort = Effort {
         states: settings.effort,
     };
+    // One program serves all thresholds, so that it cannot be the one that decides best at one.
+    request.objective = Objective::Exact;
     let kind = CellKind {
         kernel: levels,
         on: 1.0,

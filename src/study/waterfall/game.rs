@@ -79,13 +79,12 @@ impl Game<'_> {
         on: &Switches,
         mut light: Held,
     ) -> Result<Packet, WaterfallError> {
-        let Fall { program, .. } = self.fall;
         let setup = Setup::new(question, on).ok_or(WaterfallError::Packet)?;
-        let mut sensor = setup.sensor(question, &self.fall.levels(), program, light.size())?;
+        let mut sensor = setup.sensor(question, &self.fall.kinds, light.size())?;
         let packets = rig::watch(&mut light, &mut [&mut *sensor], |_| ())?;
         (self.seen)();
         let said = packets.into_iter().next().ok_or(WaterfallError::Packet)?;
-        Ok(self.sample.within(said))
+        Ok(self.sample.within(self.fall.own(&said).into_owned()))
     }
 
     fn kept(&self, question: &Question<'_>, on: &Switches) -> Result<f64, WaterfallError> {

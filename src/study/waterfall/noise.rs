@@ -8,7 +8,7 @@
 use serde::Serialize;
 
 use super::Fall;
-use crate::{elementary, isa::Analog};
+use crate::{elementary, isa::Analog, study::design::Compiled};
 
 /// Noise events for each of the float sensor's that a design should stay below.
 pub(super) const LIMIT: f64 = 0.1;
@@ -51,10 +51,13 @@ impl Noise {
         reference_per_second: f64,
         pixels: usize,
     ) -> Self {
-        let filter = &fall.program.program.filter;
-        let drives = &fall.program.program.drives;
-        let noise = filter.noise(&fall.program.device, Analog(0), MIDDLE, drives);
-        let temporal = noise.first().map_or(0.0, |noise| noise.temporal);
+        let Compiled {
+            program, device, ..
+        } = fall.program();
+        let filter = fall.kinds.filter(fall.kind);
+        let noise = filter.noise(device, Analog(0), MIDDLE, &program.drives);
+        let own = fall.kind.min(noise.len().saturating_sub(1));
+        let temporal = noise.get(own).map_or(0.0, |noise| noise.temporal);
         let threshold_lsb = fall.threshold_lsb();
         let most = LIMIT * reference_per_second;
         let threshold = fall.question.design.threshold;

@@ -1,10 +1,14 @@
 //! What is asked, what it is asked of, and why there may be no answer.
 
+use std::{borrow::Cow, sync::Arc};
+
+use super::program::Kinds;
 use crate::{
     array::Arithmetic,
     compare::CompareError,
-    event::readout::Readout,
-    kernel::quantise::{Quantised, Quantiser, Sum},
+    compile::DriveMemory,
+    event::{Packet, readout::Readout},
+    kernel::quantise::{Quantiser, Sum},
     reference::MemoryRule,
     rig::RigError,
     scene::SceneError,
@@ -45,12 +49,14 @@ impl Question<'_> {
     }
 }
 
-/// A question, and the program that the compiler makes of its kernel.
+/// A question, and the program that the compiler makes of its kernel: alone, or with others.
 #[derive(Clone, Debug)]
 pub struct Fall<'a> {
     pub(super) question: Question<'a>,
-    pub(super) quantised: Quantised,
-    pub(super) program: Compiled,
+    /// What is in the program.
+    pub(super) kinds: Arc<Kinds<'a>>,
+    /// Which of them this is.
+    pub(super) kind: usize,
 }
 
 impl<'a> Fall<'a> {
@@ -63,28 +69,65 @@ impl<'a> Fall<'a> {
         // The threshold as it was given is what a message names, not the one in levels.
         design.description(MemoryRule::FilteredSnap)?;
         let quantised = design.quantise(question.to, question.sum)?;
-        let program = design.in_levels(&quantised).compile("levels")?;
         Ok(Self {
             question,
-            quantised,
-            program,
+            kinds: Arc::new(Kinds::alone(design, quantised)?),
+            kind: 0,
         })
     }
 
-    /// The design with its kernel in levels.
-    pub(super) fn levels(&self) -> Design<'_> {
-        self.question.design.in_levels(&self.quantised)
+    /// Kinds of one program, each a fall of its own: quantises their kernels and compiles them
+    /// together, with the first memory that the chip holds them in. The design of the question is
+    /// not looked at.
+    ///
+    /// # Errors
+    /// When a kernel cannot be quantised as asked, or no memory holds all kinds on the chip.
+    pub fn together(
+        designs: &[Design<'a>],
+        question: Question<'a>,
+    ) -> Result<Vec<Self>, WaterfallError> {
+        let mut quantised = Vec::new();
+        for design in designs {
+            design.description(MemoryRule::FilteredSnap)?;
+            quantised.push(design.quantise(question.to, question.sum)?);
+        }
+        let kinds = Arc::new(Kinds::together(designs, quantised)?);
+        let of = |(kind, design): (usize, &Design<'a>)| Self {
+            question: Question {
+                design: *design,
+                ..question
+            },
+            kinds: Arc::clone(&kinds),
+            kind,
+        };
+        Ok(designs.iter().enumerate().map(of).collect())
+    }
+
+    /// The program.
+    pub(super) fn program(&self) -> &Compiled {
+        &self.kinds.compiled
+    }
+
+    /// What the program remembers, where it holds several kinds.
+    #[must_use]
+    pub fn remembered(&self) -> Option<DriveMemory> {
+        self.kinds.remembered()
+    }
+
+    /// The events of this kind, of a packet of all.
+    pub(super) fn own<'p>(&self, packet: &'p Packet) -> Cow<'p, Packet> {
+        self.kinds.own(packet, self.kind)
     }
 
     /// The threshold, in LSB.
     pub(super) fn threshold_lsb(&self) -> f64 {
-        self.levels().threshold * self.program.program.scale
+        self.kinds.threshold(self.kind) * self.kinds.scale(self.kind)
     }
 
     /// Frames a second at most: instruction words, then the slots of the readout.
     #[must_use]
     pub fn ceiling_fps(&self) -> f64 {
-        1e6 / self.program.cost.micros()
+        1e6 / self.program().cost.micros()
     }
 }
 
@@ -107,6 +150,12 @@ pub enum WaterfallError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scene(#[from] SceneError),
+    /// No memory holds all kinds in one program.
+    #[error("no program holds all kinds: {}", .0.join("; "))]
+    #[diagnostic(help(
+        "ask for fewer kinds, for another chip, or for coarser kernels (--to ternary)"
+    ))]
+    Refused(Vec<String>),
     /// Too few frames at a rate, or too many.
     #[error("{frames} frames at {fps} frames/s in {seconds:.3} s of the scene")]
     #[diagnostic(help("give rates that show 2 to {most} frames in that time"))]

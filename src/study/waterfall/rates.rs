@@ -166,8 +166,7 @@ impl Fall<'_> {
         let rates = self.choose(choice, fps, seconds)?;
         let seeds = self.seeds(choice.chips);
         // What a program stores on its way may lie a little beyond the kernel.
-        let (down, across) = question.design.kernel.reach();
-        let halo = down.max(across) + 1;
+        let halo = self.kinds.reach() + 1;
         let tiles = choice.tiles.unwrap_or_else(|| {
             let frames: f64 = rates.iter().map(|rate| rate * seconds + 1.0).sum();
             self.tiles(frames, halo, seeds.len())
@@ -262,7 +261,7 @@ impl Fall<'_> {
         // Of six switches two change nothing on most scenes; of the sets of the other four,
         // twelve are other ones on every chip.
         let sensors = (20 + 12 * chips) as f64;
-        let tile = sample::pixels_of_tile(halo) as f64 * self.program.cost.words.0 as f64;
+        let tile = sample::pixels_of_tile(halo) as f64 * self.program().cost.words.0 as f64;
         let [least, most] = TILES;
         // `as` saturates.
         ((WORK / (sensors * tile * frames)) as usize).clamp(least, most)
@@ -315,16 +314,17 @@ impl Whole<'_> {
         let on = ordered.into_iter().chain(switches).collect();
         let scene = Resampled::new(self.stretch.of((self.open)()?), fps)?;
         let setup = super::sensor::Setup::new(&question, &on).ok_or(WaterfallError::Packet)?;
-        let (levels, size) = (self.fall.levels(), scene.size());
-        let mut chip = setup.sensor(&question, &levels, &self.fall.program, size)?;
+        let mut chip = setup.sensor(&question, &self.fall.kinds, scene.size())?;
         let said = rig::watch(&mut { scene }, &mut [&mut *chip], |_| ())?;
         let fired = said.first().ok_or(WaterfallError::Packet)?;
         let judge = judge(&self.reference, window, question.design.seed)?;
+        // The readout is of all kinds.
         let read = question.readout.read(fired).packet;
+        let (read, fired) = (self.fall.own(&read), self.fall.own(fired));
         if read.events == fired.events {
             return Ok(0.0);
         }
-        Ok(judge.kept(fired)? - judge.kept(&read)?)
+        Ok(judge.kept(&fired)? - judge.kept(&read)?)
     }
 }
 

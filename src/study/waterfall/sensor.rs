@@ -2,7 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use super::{cause::Cause, question::Question};
+use super::{
+    cause::Cause,
+    program::Kinds,
+    question::{Question, WaterfallError},
+};
 use crate::{
     array::{Arithmetic, Errors, Settings},
     event::{Event, Packet},
@@ -11,10 +15,7 @@ use crate::{
     reference::MemoryRule,
     scene::Frame,
     sensor::{Sensor, SensorError},
-    study::{
-        design::{Compiled, Design, DesignError},
-        pilot::Term,
-    },
+    study::pilot::Term,
     unit::Micros,
 };
 
@@ -87,27 +88,26 @@ impl Setup {
         }
     }
 
-    /// Makes it.
+    /// Makes it, with all kinds of the program.
     pub(super) fn sensor(
         self,
         question: &Question<'_>,
-        levels: &Design<'_>,
-        program: &Compiled,
+        kinds: &Kinds<'_>,
         size: Size,
-    ) -> Result<Box<dyn Sensor + Send>, DesignError> {
+    ) -> Result<Box<dyn Sensor + Send>, WaterfallError> {
+        let program = &kinds.compiled;
         Ok(match self {
             Self::Float {
                 frames,
                 memory,
                 kernel,
             } => {
-                let design = if kernel { levels } else { &question.design };
                 let rule = if memory {
                     MemoryRule::FilteredSnap
                 } else {
                     MemoryRule::FilteredStep
                 };
-                let sensor = design.reference(size, rule, Format::F64)?;
+                let sensor = kinds.float(kernel, rule, size)?;
                 if frames {
                     Box::new(OncePerFrame::new(sensor))
                 } else {

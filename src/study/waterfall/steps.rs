@@ -1,5 +1,7 @@
 //! The steps: one after the other switched on, at the clip's own frame rate.
 
+use std::borrow::Cow;
+
 use serde::Serialize;
 
 use super::{
@@ -14,7 +16,6 @@ use crate::{
         window,
     },
     event::Packet,
-    number::Format,
     reference::MemoryRule,
     rig::{
         self,
@@ -22,7 +23,7 @@ use crate::{
     },
     scene::{Frame, Scene},
     sensor::Sensor,
-    study::equivalent::{self, Ladder, Likeness, RUNGS},
+    study::equivalent::{Ladder, Likeness, RUNGS},
     unit::Micros,
 };
 
@@ -173,6 +174,68 @@ pub fn ask(
     Fall::new(*question)?.steps(scene, seen)
 }
 
+/// The steps of falls that end in one program, on all of a scene: every sensor has all kinds and
+/// watches it at once.
+///
+/// # Errors
+/// When scene or sensor cannot go on, or the float sensor of a kind is silent.
+pub fn steps_together(
+    falls: &[Fall<'_>],
+    scene: &mut dyn Scene,
+    mut seen: impl FnMut(&Frame),
+) -> Result<Vec<Waterfall>, WaterfallError> {
+    let Some(first) = falls.first() else {
+        return Ok(Vec::new());
+    };
+    let (question, kinds) = (first.question, &first.kinds);
+    let (size, fps) = (scene.size(), scene.fps());
+    let plan = Plan::new(&question).ok_or(WaterfallError::Packet)?;
+    let mut sensors = Vec::new();
+    for setup in &plan.setups {
+        sensors.push(setup.sensor(&question, kinds, size)?);
+    }
+    let (step, snap) = (MemoryRule::FilteredStep, MemoryRule::FilteredSnap);
+    sensors.extend(kinds.ladder(step, size)?);
+    sensors.push(kinds.float(false, snap, size)?);
+    sensors.extend(kinds.ladder(snap, size)?);
+    let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
+    for sensor in &mut sensors {
+        watching.push(sensor);
+    }
+    let mut guard = Guard::new();
+    let mut fired = rig::watch(scene, &mut watching, |frame| {
+        guard.frame(frame);
+        seen(frame);
+    })?;
+    let floats = fired.split_off(plan.setups.len());
+    let read: Vec<Option<Packet>> = { fired.iter().enumerate() }
+        .map(|(i, packet)| {
+            let read = || question.readout.read(packet).packet;
+            plan.is_read((i, true)).then(read)
+        })
+        .collect();
+    let shown = Shown {
+        plan: &plan,
+        fired: &fired,
+        read: &read,
+        floats: &floats,
+        fps,
+        guard: &guard,
+    };
+    falls.iter().map(|fall| fall.told(&shown)).collect()
+}
+
+/// What all sensors said of all kinds.
+struct Shown<'a> {
+    plan: &'a Plan,
+    fired: &'a [Packet],
+    read: &'a [Option<Packet>],
+    /// The ladders of both float sensors, the one that decides once a frame between them.
+    floats: &'a [Packet],
+    fps: f64,
+    guard: &'a Guard,
+}
+
 impl Fall<'_> {
     /// The steps, on all of a scene: every sensor of them watches it at once.
     ///
@@ -181,41 +244,34 @@ impl Fall<'_> {
     pub fn steps(
         &self,
         scene: &mut dyn Scene,
-        mut seen: impl FnMut(&Frame),
+        seen: impl FnMut(&Frame),
     ) -> Result<Waterfall, WaterfallError> {
-        let (question, size, fps) = (self.question, scene.size(), scene.fps());
-        let plan = Plan::new(&question).ok_or(WaterfallError::Packet)?;
-        let mut sensors = Vec::new();
-        for setup in &plan.setups {
-            sensors.push(setup.sensor(&question, &self.levels(), &self.program, size)?);
+        let all = steps_together(std::slice::from_ref(self), scene, seen)?;
+        all.into_iter().next().ok_or(WaterfallError::Packet)
+    }
+
+    /// What became of this kind.
+    fn told(&self, shown: &Shown<'_>) -> Result<Waterfall, WaterfallError> {
+        let (question, plan, fps) = (self.question, shown.plan, shown.fps);
+        let mut guard = shown.guard.clone();
+        if let Some(quantised) = self.kinds.quantised(self.kind) {
+            for erasure in quantised.erasures(question.design.kernel) {
+                guard.warn(Warning::erased(&question.to.to_string(), erasure));
+            }
         }
-        let (step, snap) = (MemoryRule::FilteredStep, MemoryRule::FilteredSnap);
-        sensors.extend(equivalent::sensors(&question.design, size, step)?);
-        sensors.push(question.design.reference(size, snap, Format::F64)?);
-        sensors.extend(equivalent::sensors(&question.design, size, snap)?);
-        let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-        for sensor in &mut sensors {
-            watching.push(sensor);
-        }
-        let mut guard = Guard::new();
-        for erasure in self.quantised.erasures(question.design.kernel) {
-            guard.warn(Warning::erased(&question.to.to_string(), erasure));
-        }
-        let mut packets = rig::watch(scene, &mut watching, |frame| {
-            guard.frame(frame);
-            seen(frame);
-        })?;
-        let floats = packets.split_off(plan.setups.len());
+        let floats: Cow<'_, [Packet]> = if self.kinds.count() == 1 {
+            Cow::Borrowed(shown.floats)
+        } else {
+            let own = |packet| self.own(packet).into_owned();
+            Cow::Owned(shown.floats.iter().map(own).collect())
+        };
         let packets = Packets {
-            read: packets
-                .iter()
-                .enumerate()
-                .map(|(i, packet)| {
-                    let read = || question.readout.read(packet).packet;
-                    plan.is_read((i, true)).then(read)
-                })
+            fired: { shown.fired.iter() }
+                .map(|packet| self.own(packet))
                 .collect(),
-            fired: packets,
+            read: { shown.read.iter() }
+                .map(|packet| packet.as_ref().map(|packet| self.own(packet)))
+                .collect(),
             windows: Windows {
                 narrow: question.within.min(NARROW),
                 wide: window::interval(fps).max(question.within.min(NARROW)),
@@ -242,7 +298,7 @@ impl Fall<'_> {
         }
         guard.packet("the float sensor", packets.at(plan.float)?);
         guard.packet("the chip", packets.at(plan.chip)?);
-        packets.assemble(self, &plan, &ladders, guard)
+        packets.assemble(self, plan, &ladders, guard)
     }
 }
 
@@ -305,18 +361,18 @@ impl Plan {
 }
 
 /// What each sensor said, and what of it left through the readout.
-struct Packets {
-    fired: Vec<Packet>,
-    read: Vec<Option<Packet>>,
+struct Packets<'a> {
+    fired: Vec<Cow<'a, Packet>>,
+    read: Vec<Option<Cow<'a, Packet>>>,
     windows: Windows,
 }
 
-impl Packets {
+impl Packets<'_> {
     fn at(&self, (sensor, read): Place) -> Result<&Packet, WaterfallError> {
         let packet = if read {
-            self.read.get(sensor).and_then(Option::as_ref)
+            self.read.get(sensor).and_then(Option::as_deref)
         } else {
-            self.fired.get(sensor)
+            self.fired.get(sensor).map(|packet| &**packet)
         };
         packet.ok_or(WaterfallError::Packet)
     }
@@ -345,7 +401,7 @@ impl Packets {
         [ladder, decided]: &[Ladder; 2],
         guard: Guard,
     ) -> Result<Waterfall, WaterfallError> {
-        let (question, program) = (&fall.question, &fall.program);
+        let (question, program) = (&fall.question, fall.program());
         let float_events = self.at(plan.float)?.events.len() as u64;
         let mut steps = Vec::new();
         for pairs in &plan.steps {
@@ -364,7 +420,7 @@ impl Packets {
                 interaction: backward_share.map(|backward| backward.less(forward_share)),
             });
         }
-        let filter = &program.program.filter;
+        let filter = fall.kinds.filter(fall.kind);
         Ok(Waterfall {
             likeness: decided.judge(self.at(plan.chip)?)?,
             float_events,
