@@ -232,6 +232,7 @@ impl<'a> Design<'a> {
     fn kind(&self) -> Result<CellKind, DesignError> {
         let threshold = self.checked()?;
         Ok(CellKind {
+            name: None,
             kernel: self.kernel.clone(),
             on: threshold,
             off: threshold,

@@ -85,20 +85,22 @@ pub fn description(memory: DriveMemory, floats: &[Design<'_>]) -> Result<Descrip
 }
 
 impl Together {
-    /// Compiles designs in levels with the first memory that the chip holds them in; else what each
-    /// memory is short of.
+    /// Compiles designs in levels with this memory, or with the first that the chip holds them in;
+    /// else what each memory is short of.
     ///
     /// # Errors
     /// When a threshold is not positive.
     pub fn compile(
         levels: &[Design<'_>],
         title: &str,
+        memory: Option<DriveMemory>,
     ) -> Result<Result<Self, Vec<String>>, DesignError> {
         let Some((first, others)) = levels.split_first() else {
             return Ok(Err(Vec::new()));
         };
         let mut refused = Vec::new();
-        for memory in memories(levels.len()) {
+        let tried = memory.map_or_else(|| memories(levels.len()), |memory| vec![memory]);
+        for memory in tried {
             match first.compile_with(others, memory, title) {
                 Ok(compiled) => return Ok(Ok(Self { memory, compiled })),
                 Err(error) if error.is_refusal() => {

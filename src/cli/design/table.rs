@@ -2,14 +2,12 @@
 
 use std::fmt::Write as _;
 
-use super::{Arguments, Candidate, Exploration};
+use super::{Arguments, Exploration};
 use crate::{
     compare::metric::Short,
-    compile::DriveMemory,
     study::{
         equivalent::rate,
         exploration::{NEARLY, Refused},
-        together::{memories, name},
     },
 };
 
@@ -126,20 +124,4 @@ fn refusals(found: &Exploration) -> String {
         None => format!("  -  {to}: {}\n", refused.why),
     });
     lines.collect()
-}
-
-/// Where the report's program is not the one that was taken.
-pub(super) fn other_memory(candidate: &Candidate, found: &Exploration) -> String {
-    let firsts = memories(candidate.kinds.len());
-    let fits = |memory: &DriveMemory| {
-        let own = |other: &&Candidate| other.to == candidate.to && other.remembers == *memory;
-        found.candidates.iter().any(|other| own(&other))
-    };
-    match firsts.into_iter().find(fits) {
-        Some(first) if first != candidate.remembers => format!(
-            "note     report.html is of the same kernels with {}\n",
-            name(first)
-        ),
-        _ => String::new(),
-    }
 }

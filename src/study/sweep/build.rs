@@ -254,6 +254,7 @@ fn compiled(
         states: settings.effort,
     };
     let kind = CellKind {
+        name: None,
         kernel: levels,
         on: 1.0,
         off: if one_threshold { 1.0 } else { 0.5 },
