@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use super::{budget, complain};
 use crate::{
+    elementary,
     rig::guard::Warning,
     scene::{
         Coding, Observation, Observed, OpenOptions, Range, Scene, SceneError, Transfer,
@@ -146,7 +147,7 @@ fn brief(number: f64) -> String {
     if number.fract() == 0.0 || !number.is_finite() {
         return number.to_string();
     }
-    let before = number.abs().log10().floor().max(-300.0) as i32;
+    let before = elementary::log10(number.abs()).floor().max(-300.0) as i32;
     let after = usize::try_from(3 - before).unwrap_or(0);
     let text = format!("{number:.after$}");
     if !text.contains('.') {

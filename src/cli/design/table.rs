@@ -29,8 +29,13 @@ pub(super) fn text(
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "rate     {:.4} events per pixel and second, all kinds together, with a memory of the {}: threshold {}",
+            "rate     {:.4} events per pixel and second{}, with a memory of the {}: threshold {}",
             rated.rate,
+            if rated.thresholds.len() > 1 {
+                ", all kinds together"
+            } else {
+                ""
+            },
             rated.memory,
             thresholds.join(", ")
         );

@@ -77,7 +77,7 @@ impl TensorFile {
     /// When no file can be made in that folder, or nothing can be written there.
     pub fn create(path: &Path, container: Container, layers: Layers) -> Result<Self, SaveError> {
         let mut file = AtomicFile::create(path)?;
-        let begun = Body::begin(container, &mut file);
+        let begun = Body::begin(container, &layers, &mut file);
         let body = begun.map_err(|cause| file.failed(cause))?;
         Ok(Self {
             file,
@@ -120,7 +120,7 @@ impl TensorFile {
 }
 
 impl Body {
-    fn begin(container: Container, out: &mut AtomicFile) -> io::Result<Self> {
+    fn begin(container: Container, layers: &Layers, out: &mut AtomicFile) -> io::Result<Self> {
         match container {
             Container::Npy => {
                 out.write_all(&[0; HEADER])?;
@@ -131,7 +131,7 @@ impl Body {
                 rest.write_all(&[0; HEADER])?;
                 Ok(Self::Npz(rest))
             }
-            Container::Hdf5 => Chunks::begin(out).map(Self::Hdf5),
+            Container::Hdf5 => Chunks::begin(out, layers).map(Self::Hdf5),
         }
     }
 

@@ -15,6 +15,12 @@ use super::file::{Layers, NAME, Precision};
 /// Bytes of the superblock.
 const SUPERBLOCK: u64 = 48;
 
+/// Bytes of a chunk at most: their number has 32 bits.
+const MOST_BYTES: usize = u32::MAX as usize;
+
+/// Bytes of the names at most: a message of a header has less than 64 KiB.
+const MOST_NAMES: usize = 60_000;
+
 /// Of an address that is not there.
 const NOWHERE: u64 = u64::MAX;
 
@@ -34,7 +40,23 @@ pub(super) struct Chunks {
 
 impl Chunks {
     /// None yet.
-    pub(super) fn begin(out: &mut impl Write) -> io::Result<Self> {
+    ///
+    /// # Errors
+    /// When the format cannot hold such layers, or their kinds' names, or nothing can be written.
+    pub(super) fn begin(out: &mut impl Write, layers: &Layers) -> io::Result<Self> {
+        let refused = |why: String| Err(io::Error::new(io::ErrorKind::InvalidInput, why));
+        let bytes = bytes_of_layer(layers);
+        if bytes > MOST_BYTES {
+            return refused(format!(
+                "a layer has {bytes} bytes, and a chunk of HDF5 at most {MOST_BYTES}: take fewer bins, or .npy"
+            ));
+        }
+        let names: usize = layers.kinds.iter().map(|name| name.len() + 1).sum();
+        if names > MOST_NAMES {
+            return refused(format!(
+                "the names of the kinds have {names} bytes, and HDF5 has room for {MOST_NAMES}: take shorter ones, or .npz"
+            ));
+        }
         out.write_all(&[0; SUPERBLOCK as usize])?;
         Ok(Self {
             at: SUPERBLOCK,
@@ -158,9 +180,14 @@ const fn bytes_of(precision: Precision) -> usize {
     }
 }
 
+/// Bytes of a layer.
+fn bytes_of_layer(layers: &Layers) -> usize {
+    layers.shape.iter().product::<usize>() * bytes_of(layers.precision)
+}
+
 /// Bytes in which the index holds the length of a chunk.
 fn wide(layers: &Layers) -> usize {
-    let bytes = layers.shape.iter().product::<usize>() * bytes_of(layers.precision);
+    let bytes = bytes_of_layer(layers);
     (1 + (bytes.max(1).ilog2() as usize + 8) / 8).min(8)
 }
 
@@ -189,7 +216,6 @@ fn root_group(layers: &Layers, array: u64) -> Vec<u8> {
     link.extend(array.to_le_bytes());
     // A text of no letters has no size.
     let mut text = layers.kinds.join("\n").into_bytes();
-    text.truncate(60_000);
     if text.is_empty() {
         text.push(0);
     }
