@@ -82,15 +82,21 @@ impl fmt::Display for Cause {
 
 impl SourceError {
     fn new(path: &Path, cause: Cause, help: &str) -> Self {
-        let help = match &cause {
+        let alone = match &cause {
             Cause::System(_) | Cause::Folder | Cause::NotNumbers => help,
             Cause::Long { .. } => "give a smaller file; one that never ends is no file",
             Cause::Line { .. } => "break the line",
             Cause::NotText { .. } => "save the file as UTF-8",
         };
+        // It may be a file of another kind.
+        let both = matches!(cause, Cause::NotText { .. }) && !help.is_empty();
         Self {
             path: path.to_owned(),
-            help: help.to_owned(),
+            help: if both {
+                format!("{help}; a text file: {alone}")
+            } else {
+                alone.to_owned()
+            },
             cause,
         }
     }

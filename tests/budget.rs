@@ -4,6 +4,7 @@
 #![cfg(target_os = "linux")]
 
 use std::{
+    fmt::Write as _,
     fs,
     io::{Read as _, Write as _},
     path::{Path, PathBuf},
@@ -543,4 +544,35 @@ fn predictions_are_what_is_measured() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// Voxels are written window by window, into any container, however far apart events are:
+/// 191 windows of 1.2 MB, most of them silent.
+#[test]
+fn voxels_hold_the_windows_that_overlap() {
+    let folder = Folder::new();
+    let mut text = String::from("t,x,y,p\n");
+    for n in 0..20 {
+        let _ = writeln!(
+            text,
+            "{},{},{},{}",
+            1 + n * 100_000,
+            n % 320,
+            n % 240,
+            n & 1
+        );
+    }
+    let events = folder.write("events.csv", text.as_bytes());
+    for name in ["v.npy", "v.npz", "v.h5"] {
+        let path = folder.path(name).display().to_string();
+        let arguments = ["voxels", &events, "--size", "320x240", "--window", "10ms"];
+        let ran = amacrine(
+            &[&arguments[..], &["--bins", "4", "-o", &path]].concat(),
+            PATIENCE,
+        );
+        assert_eq!(ran.code, Some(0), "{name}: {}", ran.errors);
+        assert!(ran.out.contains("(191, 1, 1, 4, 240, 320)"), "{}", ran.out);
+        // The program alone takes about 20 MiB.
+        assert!(ran.peak < 60 << 10, "{name}: {} KiB", ran.peak);
+    }
 }

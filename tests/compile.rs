@@ -222,6 +222,7 @@ fn what_holds_works_as_silicon() {
         let quantised = to.quantise(&weights, Sum::Zero, 0).unwrap().within_one();
         let threshold = 256.0 / quantised.scale;
         let kinds = [CellKind {
+            name: None,
             kernel: quantised.levels.clone(),
             on: threshold,
             off: threshold,
@@ -283,6 +284,7 @@ fn what_cannot_be_is_said() {
     ));
     let kinds = vec![
         CellKind {
+            name: None,
             kernel: outer(&[1.0], &[1.0], 1.0),
             on: 1.0,
             off: 1.0
@@ -313,6 +315,7 @@ fn levels_are_as_close_as_the_threshold_needs() {
     // Light in half LSB: a threshold of 2 LSB, a range of 127.5.
     let kinds = |count| {
         let kind = CellKind {
+            name: None,
             kernel: kernels[0].clone(),
             on: 4.0,
             off: 6.0,
@@ -436,7 +439,7 @@ proptest! {
         request.effort = Effort { states: 3000 };
         request.objective = Objective::Exact;
         let light = f64::from(threshold) / 4.0;
-        let kinds = [CellKind { kernel: kernel.clone(), on: light, off: light }];
+        let kinds = [CellKind { name: None, kernel: kernel.clone(), on: light, off: light }];
         let sensor = SensorProgram::new(&kinds, DriveMemory::Analogue, "random", &request).unwrap();
         prop_assert!(sensor.filter.border);
         let program = Program::parse("sensor", &sensor.text).unwrap();
@@ -469,7 +472,10 @@ fn shared(kinds: &[CellKind], states: u64, objective: Objective) -> (SensorProgr
     let mut text =
         "response = \"identity\"\nmemory = \"raw-snap\"\nshared = true\nborder = \"zero\"\n"
             .to_owned();
-    for CellKind { kernel, on, off } in kinds {
+    for CellKind {
+        kernel, on, off, ..
+    } in kinds
+    {
         let rows: Vec<Vec<f64>> = { kernel.weights().rows().into_iter() }
             .map(|row| row.to_vec())
             .collect();
@@ -668,6 +674,7 @@ fn four_kinds(to: &str) -> Vec<CellKind> {
             .within_one();
         let light = 255.0 / quantised.scale;
         CellKind {
+            name: None,
             kernel: quantised.levels,
             on: channel.thresholds[0].on * light,
             off: channel.thresholds[0].off * light,
@@ -737,6 +744,7 @@ fn seven_kinds_are_read_five_at_a_time() {
     for count in [1, 2, 3, 5, 7] {
         let kinds: Vec<CellKind> = { kernels[..count].iter().enumerate() }
             .map(|(i, kernel)| CellKind {
+                name: None,
                 kernel: kernel.clone(),
                 on: 40.0 + i as f64,
                 off: 40.0,
@@ -759,6 +767,7 @@ proptest! {
         seed: u64,
     ) {
         let kind = |(kernel, (on, off)): (&Kernel, &(u32, u32))| CellKind {
+            name: None,
             kernel: kernel.clone(),
             on: f64::from(*on) / 4.0,
             off: f64::from(if equal { *on } else { *off }) / 4.0,
@@ -803,6 +812,7 @@ fn a_memory_in_bits_is_its_twin() {
         let least = 14f64.max(256.0 / 2f64.powi(i32::from(bits)));
         let kinds: Vec<CellKind> = (0..count)
             .map(|i| CellKind {
+                name: None,
                 kernel: if i == 1 {
                     outer(&[1.0], &[0.5], 1.0)
                 } else {

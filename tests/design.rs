@@ -133,6 +133,30 @@ fn four_kernels_become_a_sensor_a_program_and_a_report() {
     let page = fs::read_to_string(folder.join("out/four/report.html")).unwrap();
     assert!(page.contains("four.npy[3]"), "the report has every kind");
 
+    // With another memory than the first that fits, the page is of that one, and its command
+    // gives it again.
+    let one = ["design", "csdvs-3", "--rate", "2", "--memory", "shared"];
+    let one = [&one[..], &SHOWN, &quick[2..], &["--to", "ternary"]].concat();
+    let row = json(folder, &[&one[..], &["-o", "one"]].concat());
+    let page = fs::read_to_string(folder.join("one/report.html")).unwrap();
+    assert!(page.contains("one memory of the pixel"), "{page}");
+    let begins = page.find("amacrine feasibility ").unwrap();
+    let command = page[begins..].split('<').next().unwrap();
+    assert!(command.contains(" --memory shared "), "{command}");
+    let command: Vec<&str> = command.split(' ').skip(1).collect();
+    let answered = json(folder, &command);
+    assert_eq!(
+        answered["together"]["kinds"][0]["kept"],
+        row["candidates"][0]["kinds"][0]["silicon"]["kept"]
+    );
+    let again = fs::read_to_string(folder.join("report.html")).unwrap();
+    // But for the command itself, which says more of what is left out here.
+    let answer = |page: &str| {
+        let (before, after) = page.split_once("amacrine feasibility ").unwrap();
+        format!("{before}{}", after.split_once('<').unwrap().1)
+    };
+    assert!(answer(&again) == answer(&page), "another page");
+
     // As a table, with the commands; another row.
     let text = good(
         folder,
@@ -177,6 +201,29 @@ fn what_cannot_be_designed_is_said() {
         &["the chip takes none of these"],
     );
     assert_eq!(folder.read_dir().unwrap().count(), 0);
+    ask(
+        &["--rate", "-1"],
+        &["-1 events per pixel and second", "above 0"],
+    );
+    let of = |name: &str, words: &[&str]| {
+        let ask = ["design", name, "--rate", "2"];
+        refused(folder, &[&ask[..], &quick].concat(), words);
+    };
+    fs::write(folder.join("text.npy"), "1 2 3\n").unwrap();
+    of("text.npy", &["text.npy", "something else", "numpy.save"]);
+    let array = |name: &str, shape, number: f64| {
+        let file = fs::File::create(folder.join(name)).unwrap();
+        Array3::from_elem(shape, number).write_npy(file).unwrap();
+    };
+    array("nan.npy", (2, 3, 3), f64::NAN);
+    of("nan.npy", &["nan.npy, kernel 0", "is NaN", "finite floats"]);
+    array("even.npy", (2, 4, 4), 1.0);
+    of(
+        "even.npy",
+        &["even.npy, kernel 0", "4 rows by 4", "numpy.pad"],
+    );
+    array("zero.npy", (2, 3, 3), 0.0);
+    of("zero.npy", &["no event at any threshold", "not all 0"]);
 }
 
 /// A file of several kernels is several kinds; their names reach files, voxels and the other verbs.
@@ -225,6 +272,26 @@ fn kinds_of_one_file_keep_their_names() {
         kinds
             .windows(4)
             .any(|it| it == u32::from('é').to_le_bytes())
+    );
+
+    // As a program they keep them, where the array is told of them.
+    let two = "response = \"identity\"\nmemory = \"filtered-snap\"\n[[channel]]\nname = \"spot é\"\nkernel = \"csdvs-3\"\nthreshold = { on = 9, off = 9 }\n[[channel]]\nkernel = \"sobel-x\"\nthreshold = { on = 30, off = 30 }\n";
+    fs::write(folder.join("two.toml"), two).unwrap();
+    let compile = ["compile", "--sensor", "two.toml", "--to", "ternary"];
+    let compile = [&compile[..], &["--effort", "0.05", "-o", "two.scamp"]].concat();
+    good(folder, &compile);
+    let exec = ["exec", "two.scamp", "--image", "clip.npy", "--fps", "10"];
+    let exec = [&exec[..], &["--events", "x.npz"]].concat();
+    good(folder, &exec);
+    let packet = file::read(&folder.join("x.npz")).unwrap().packet;
+    assert_eq!(packet.names, ["spot é", "kind 1"]);
+    let text = fs::read_to_string(folder.join("two.scamp")).unwrap();
+    let text = text.replace(", \"kind 1\"]", "]");
+    fs::write(folder.join("two.scamp"), text).unwrap();
+    refused(
+        folder,
+        &exec,
+        &["two.scamp: `names` has 1 names", "events of 2 kinds"],
     );
 
     // One name is numbered, one threshold is for all.
@@ -281,11 +348,10 @@ fn voxels_of_a_file() {
     );
     let half = fs::metadata(folder.join("h.npy")).unwrap().len();
     assert_eq!(half, 192 + 2 * wanted.len() as u64);
-    refused(
-        folder,
-        &[&made[..], &["-o", "h.h5", "--half"]].concat(),
-        &["32 bits", ".npy or .npz"],
-    );
+    let said = json(folder, &[&made[..], &["-o", "h.h5", "--half"]].concat());
+    assert_eq!(said["dtype"], "float16");
+    let bytes = |name: &str| fs::metadata(folder.join(name)).unwrap().len();
+    assert!(bytes("h.h5") < bytes("v.h5") && bytes("v.h5") < bytes("v.npy"));
     let none = ["voxels", "e.npy", "--window", "0us", "-o", "n.npy"];
     refused(folder, &none, &["the window is 0 s"]);
 }

@@ -107,7 +107,7 @@ proptest! {
     #[test]
     fn compiled_kernels_agree(kernel in kernels(&[1, 3], -2..=2, 1), clip in clips(Size::new(8, 7), 2..=4)) {
         let device = Device::scamp5();
-        let kinds = [CellKind { kernel: kernel.clone(), on: 30.0, off: 30.0 }];
+        let kinds = [CellKind { name: None, kernel: kernel.clone(), on: 30.0, off: 30.0 }];
         let kernels = [kernel.clone()];
         let mut request = Request::new(&kernels, &device).unwrap();
         request.effort = Effort { states: 500 };

@@ -204,6 +204,7 @@ fn sensors_keep_more_of_the_signal() {
     let device = Device::scamp5();
     let kernels = named("rgc-5x5 ternary");
     let kinds = [CellKind {
+        name: None,
         kernel: kernels[0].clone(),
         on: 40.0,
         off: 40.0,

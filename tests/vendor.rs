@@ -543,6 +543,7 @@ fn every_bundled_kernel_reads_back_from_cpp() {
         let mut request = Request::new(&kernels, &device).unwrap();
         request.effort = Effort { states: 300 };
         let kinds = [CellKind {
+            name: None,
             kernel: kernels[0].clone(),
             on: 16.0,
             off: 16.0,

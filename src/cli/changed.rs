@@ -18,11 +18,16 @@ pub struct Changes {
     #[arg(long, value_name = "KERNELS")]
     kernel: Option<Named>,
     /// This threshold in place of the file's, for ON and OFF
-    #[arg(long, value_name = "THRESHOLD", conflicts_with = "rate")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "THRESHOLD",
+        conflicts_with = "rate"
+    )]
     threshold: Option<f64>,
     /// Thresholds for so many events per pixel and second, all kinds together: the file's, all
     /// times the same number
-    #[arg(long, value_name = "EVENTS")]
+    #[arg(long, allow_negative_numbers = true, value_name = "EVENTS")]
     rate: Option<f64>,
 }
 

@@ -6,7 +6,7 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::{
     compare::metric::Short,
-    compile::Effort,
+    compile::{DriveMemory, Effort},
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
     reference::MemoryRule,
@@ -29,6 +29,7 @@ use crate::{
 use super::{
     budget,
     clip::Clip,
+    compile::Remembered,
     content::Content,
     files::{Named, Output},
     kernels::Kinds,
@@ -62,7 +63,12 @@ pub struct Arguments {
     threshold: Vec<f64>,
     /// Instead of thresholds: for each kernel the one at which the float sensor has so many events
     /// per pixel and second
-    #[arg(long, value_name = "EVENTS", conflicts_with = "threshold")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "EVENTS",
+        conflicts_with = "threshold"
+    )]
     rate: Option<f64>,
     #[command(flatten)]
     clip: Clip,
@@ -76,6 +82,10 @@ pub struct Arguments {
     /// What quantised kernels must sum to
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
+    /// What the program of all kernels remembers: `analogue`, `shared` or `bits:N` [default: the
+    /// first that the chip has room for]
+    #[arg(long, value_name = "WHERE")]
+    memory: Option<Remembered>,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
     chip: Named,
@@ -191,6 +201,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             candidates: &arguments.candidates,
             sum: arguments.sum.into(),
             device: &device,
+            memory: arguments.memory.map(|memory| memory.0),
             exposure: arguments.exposure,
             order: arguments.readout.into(),
             link: [least, most],
@@ -250,7 +261,11 @@ fn ask(
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
     progress: &Progress,
 ) -> miette::Result<Answer> {
-    if let [question] = questions {
+    if let [question] = questions
+        && question
+            .memory
+            .is_none_or(|memory| memory == DriveMemory::Analogue)
+    {
         let answer = feasibility::ask(question, open, |_| progress.tick())?;
         return Ok(Answer::One(Box::new(answer)));
     }
@@ -395,6 +410,9 @@ impl Arguments {
         let candidates: Vec<String> = self.candidates.iter().map(Quantiser::to_string).collect();
         add("candidates", &candidates.join(","));
         add("sum", self.sum.name());
+        if let Some(memory) = self.memory {
+            add("memory", &memory.to_string());
+        }
         add("chip", &self.chip);
         if let Some(exposure) = self.exposure {
             add("exposure", &format!("{}us", exposure.0));

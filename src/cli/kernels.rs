@@ -70,9 +70,10 @@ impl Kinds {
         let cells = cells::cells(name, description)?;
         let thresholds = cells.thresholds(name)?;
         let several = cells.kinds.len() > 1;
-        let names = cells.names.into_iter().enumerate();
+        let names = cells.kinds.iter().map(|kind| kind.name.clone());
         Ok(Self {
             names: names
+                .enumerate()
                 .map(|(i, own)| match own {
                     Some(own) => own,
                     None if several => format!("{name}[{i}]"),
@@ -103,6 +104,9 @@ fn is_sensor(name: &str) -> bool {
         .any(|line| line.trim_start().starts_with("[[channel]]"))
 }
 
+/// What an array of kernels is.
+const ARRAY: &str = "give an array of shape (k,k) or (K,k,k), k odd, of finite floats or integers; numpy.pad adds rows and columns of zeros";
+
 /// The kernels of a file or of a name, and how many axes they came with.
 ///
 /// # Errors
@@ -123,6 +127,13 @@ pub(super) fn read(name: &str) -> miette::Result<(Vec<Kernel>, usize)> {
             error.cause
         )
     })?;
+    let says_array = Path::new(name).extension().is_some_and(|it| it == "npy");
+    if says_array && !bytes.starts_with(NUMPY) {
+        return Err(miette!(
+            help = "give a file that numpy.save has written, or a kernel file in TOML",
+            "{name}: the name says a numpy array, but the content is something else"
+        ));
+    }
     if !bytes.starts_with(NUMPY) {
         let kernel = Kernel::from_bytes(name, &bytes).map_err(|e| match e {
             KernelFileError::Wrong(faults) => faults.into(),
@@ -135,20 +146,18 @@ pub(super) fn read(name: &str) -> miette::Result<(Vec<Kernel>, usize)> {
         Err(error) => error,
     };
     let Some(planes) = Kernel::planes_from_npy(&bytes) else {
-        return Err(miette!(
-            help = "give an array of shape (k,k) or (K,k,k), k odd, of floats or integers",
-            "{name}: {flat}"
-        ));
+        return Err(miette!(help = ARRAY, "{name}: {flat}"));
     };
     if planes.is_empty() || planes.len() > KERNELS {
         return Err(miette!(
-            help = "give an array of shape (k,k) or (K,k,k), k odd",
+            help = ARRAY,
             "{name}: {} kernels; 1 to {KERNELS} kernels at most",
             planes.len()
         ));
     }
     let kernels = (0..).zip(planes).map(|(i, plane)| {
-        let kernel = Kernel::new(plane).map_err(|e| miette!("{name}, kernel {i}: {e}"))?;
+        let kernel =
+            Kernel::new(plane).map_err(|e| miette!(help = ARRAY, "{name}, kernel {i}: {e}"))?;
         workable(kernel, &format!("{name}, kernel {i}"))
     });
     Ok((kernels.collect::<miette::Result<_>>()?, 3))

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use super::{budget, complain};
 use crate::{
+    elementary,
     rig::guard::Warning,
     scene::{
         Coding, Observation, Observed, OpenOptions, Range, Scene, SceneError, Transfer,
@@ -133,10 +134,26 @@ pub fn line(observation: &Observation) -> String {
         let frames = observation.frames();
         let _ = write!(
             line,
-            "; from {least} to {most} in all {frames} frames shown"
+            "; from {} to {} in all {frames} frames shown",
+            brief(least),
+            brief(most)
         );
     }
     line + "\n"
+}
+
+/// A number in four digits, or in all of a whole one.
+fn brief(number: f64) -> String {
+    if number.fract() == 0.0 || !number.is_finite() {
+        return number.to_string();
+    }
+    let before = elementary::log10(number.abs()).floor().max(-300.0) as i32;
+    let after = usize::try_from(3 - before).unwrap_or(0);
+    let text = format!("{number:.after$}");
+    if !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// The same for machines.

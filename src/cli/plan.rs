@@ -40,7 +40,7 @@ pub struct Arguments {
     #[arg(long)]
     sensor: Input,
     /// Frames per second, instead of what the scene says
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,

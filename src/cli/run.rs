@@ -54,7 +54,7 @@ pub struct Arguments {
     #[command(flatten)]
     changes: Changes,
     /// Frames per second, instead of what the scene says
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,

@@ -26,7 +26,7 @@ use crate::{
 /// What `voxels` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine voxels events.npy -o voxels.npy --window 50ms\n  amacrine voxels events.npy -o voxels.npz --window 100ms --every 50ms --bins 9 --polarity split --half\n  amacrine voxels events.npy -o voxels.h5 --window 50ms --normalise std --align centred\n\nThe array has the shape (windows, kinds, sides, bins, H, W); sides is 1, or with --polarity split OFF and then ON. Files of any length are read block by block; what is held is the windows that overlap; of .h5 all of them."
+    after_help = "Examples:\n  amacrine voxels events.npy -o voxels.npy --window 50ms\n  amacrine voxels events.npy -o voxels.npz --window 100ms --every 50ms --bins 9 --polarity split --half\n  amacrine voxels events.npy -o voxels.h5 --window 50ms --normalise std --align centred\n\nThe array has the shape (windows, kinds, sides, bins, H, W); sides is 1, or with --polarity split OFF and then ON. Files of any length are read block by block; what is held is the windows that overlap."
 )]
 pub struct Arguments {
     /// An event file
@@ -106,14 +106,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let (size, channels) = (about.size, about.channels);
     let each = how.len(size, channels) as u128 * 4;
     let overlap = u128::from(arguments.window.0.div_ceil(every.0.max(1)) + 1);
-    let whole = u128::from(windows.count(about.end)) * u128::from(container == Container::Hdf5);
-    let need = Need::new()
-        .and("windows that overlap", each * overlap)
-        .and("the file, which HDF5 makes in memory", 2 * each * whole);
+    // One more as it is written.
+    let need = Need::new().and("windows that overlap", each * (overlap + 1));
     budget::check(
         &need,
         &format!("voxels of {size}"),
-        "take fewer bins, windows that overlap less, or .npy in place of .h5",
+        "take fewer bins, or windows that overlap less",
     )?;
     let shape = how.shape(size, channels);
     let layers = Layers {
@@ -126,18 +124,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut reader = Reader::open(&arguments.file, &arguments.opening())?;
     let progress = Progress::new("windows", Some(windows.count(about.end)));
     let mut block: Vec<Event> = Vec::new();
-    while reader.next_block(&mut block)? {
-        stream.add(&block);
-        // More events of the last time may follow.
-        let until = block.last().map_or(0, |event| event.t.0.saturating_sub(1));
-        for window in stream.finished(Micros(until)) {
-            file.push(&window)?;
-            progress.tick();
-        }
-    }
-    for window in stream.rest(about.end) {
-        file.push(&window)?;
+    let mut write = |window: &[f32]| {
         progress.tick();
+        file.push(window)
+    };
+    while reader.next_block(&mut block)? {
+        stream.pass(&block, &mut write)?;
+    }
+    while let Some(window) = stream.next_left(about.end) {
+        write(&window)?;
     }
     let count = file.finish()?;
     progress.finish();

@@ -14,6 +14,7 @@ use super::{
 };
 use crate::{
     elementary,
+    event::kind_names,
     isa::{Analog, Device, Figure},
     kernel::Kernel,
 };
@@ -24,6 +25,8 @@ pub const SLOTS: u32 = 4000;
 /// One kind of cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellKind {
+    /// What it is called.
+    pub name: Option<String>,
     /// Its kernel, of dyadic weights.
     pub kernel: Kernel,
     /// The ON threshold: an event happens when kernel times light (0 to 255) has risen by more
@@ -275,11 +278,21 @@ pub(super) fn constants(kinds: &[CellKind], i: usize) -> (String, String) {
 
 /// The settings at the head of a program.
 pub(super) fn header(title: &str, device: &Device, kinds: &[CellKind]) -> String {
-    format!(
+    let mut text = format!(
         "//! title = {title:?}\n//! chip = {:?}\n//! image = \"pattern:disc?width=64&height=48\"\n//! frames = 8\n//! channels = {}\n",
         device.name(),
         kinds.len()
-    )
+    );
+    let names = kind_names(kinds.iter().map(|kind| kind.name.as_deref()));
+    if !names.is_empty() {
+        // A text of JSON is one of TOML, and stays on its line.
+        let names = names
+            .into_iter()
+            .map(|name| serde_json::Value::from(name).to_string());
+        let names: Vec<String> = names.collect();
+        let _ = writeln!(text, "//! names = [{}]", names.join(", "));
+    }
+    text
 }
 
 /// The constants of all thresholds, each in LSB of its kind's result, of this scale.

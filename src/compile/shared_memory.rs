@@ -317,7 +317,10 @@ impl Writer<'_> {
         } = self.registers;
         let [drive, scratch, threshold] = [drive, scratch, threshold].map(name);
         let (on, off) = constants(self.kinds, i);
-        let _ = writeln!(text, "\n    // kind {i}");
+        let called = self.kinds[i].name.iter().map(|name| format!(", {name}"));
+        // A name of several lines would end the comment.
+        let called: String = called.collect::<String>().replace(char::is_control, " ");
+        let _ = writeln!(text, "\n    // kind {i}{called}");
         text.push_str(&self.difference());
         text.push_str(&self.filters[i].text(self.device, 4));
         let mut line = |what: &str| {

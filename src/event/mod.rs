@@ -99,6 +99,19 @@ impl ops::AddAssign for Dropped {
     }
 }
 
+/// What kinds of cells are called in packets and files: of several, of which one has a name, the
+/// others by their number; none otherwise.
+#[must_use]
+pub fn kind_names<'a>(kinds: impl Iterator<Item = Option<&'a str>>) -> Vec<String> {
+    let kinds: Vec<_> = kinds.collect();
+    if kinds.len() < 2 || kinds.iter().all(Option::is_none) {
+        return Vec::new();
+    }
+    let each = kinds.into_iter().enumerate();
+    each.map(|(i, name)| name.map_or_else(|| format!("kind {i}"), str::to_owned))
+        .collect()
+}
+
 /// A packet: all events of one sensor over one scene.
 ///
 /// Events are ordered by time, ties in readout order.

@@ -13,6 +13,29 @@ pub struct Code {
     pub frame: Vec<Step>,
 }
 
+impl Code {
+    /// Kinds of cells whose events it reads out: one more than the highest number.
+    #[must_use]
+    pub fn kinds(&self) -> u8 {
+        kinds(&self.init).max(kinds(&self.frame))
+    }
+}
+
+fn kinds(body: &[Step]) -> u8 {
+    let of = |step: &Step| match &step.action {
+        Action::Host(Host::ScanEvents { channel, .. } | Host::ScanEventsFrom { channel, .. }) => {
+            channel.saturating_add(1)
+        }
+        Action::Host(Host::ScanDigital {
+            events: Some((_, channel)),
+            ..
+        }) => channel.saturating_add(1),
+        Action::Host(_) | Action::Word(_) => 0,
+        Action::Repeat { body, .. } => kinds(body),
+    };
+    body.iter().map(of).max().unwrap_or(0)
+}
+
 /// One step of a program, with the line of the source text that it came from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {

@@ -97,6 +97,15 @@ const SETTINGS: Table = Table::new(&[
         "kinds of cells whose events it reads out",
     ),
     Key::optional(
+        "names",
+        Kind::List {
+            of: &Kind::Name,
+            least: 1,
+            most: u8::MAX as usize,
+        },
+        "what these kinds are called, in their order, in files of events",
+    ),
+    Key::optional(
         "const",
         Kind::Map(&NUMBER),
         "constants, as `const` states them",
@@ -186,6 +195,9 @@ pub struct Settings {
     pub edge: Option<f64>,
     /// Kinds of cells whose events it reads out.
     pub channels: Option<u8>,
+    /// What these kinds are called, in their order; empty where nobody says so.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub names: Vec<String>,
     /// Constants, as `const` states them.
     #[serde(rename = "const")]
     pub constants: BTreeMap<String, f64>,
@@ -299,6 +311,9 @@ impl Settings {
             clip: top.get("clip").and_then(Node::as_flag),
             edge: top.maybe_number("edge"),
             channels: top.maybe_whole("channels").map(|n| n as u8),
+            names: { top.list("names").into_iter() }
+                .filter_map(|name| name.as_text().map(str::to_owned))
+                .collect(),
             constants: constants
                 .filter_map(|(name, value)| Some((name.text.to_owned(), value.as_number()?)))
                 .collect(),

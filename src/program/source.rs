@@ -8,12 +8,26 @@ use crate::{
 };
 
 use super::{
+    code::Code,
     expand::{self, Expansion, Overrides},
     parse,
     settings::{Expectation, Settings},
     syntax::Syntax,
     vendor::{self, Includes},
 };
+
+/// Names for other kinds of cells than a program reads out.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error("{file}: `names` has {names} names, and the program reads out events of {kinds} kinds")]
+#[diagnostic(help("give a name for each kind, in their order, or leave `names` out"))]
+pub struct NamesError {
+    /// The program.
+    pub file: String,
+    /// Names in its settings.
+    pub names: usize,
+    /// Kinds whose events it reads out.
+    pub kinds: u8,
+}
 
 /// A program: its text, taken apart.
 #[derive(Clone, Debug)]
@@ -184,6 +198,30 @@ impl Program {
         faults.extend(self.faults.iter().cloned());
         Faults::check(&self.file, &self.text, faults)?;
         Ok(expansion)
+    }
+
+    /// What the kinds are called whose events its code reads out; empty where it says no names, or
+    /// reads no events.
+    ///
+    /// # Errors
+    /// When it has names for other kinds than these.
+    pub fn names(&self, code: &Code) -> Result<Vec<String>, NamesError> {
+        let (names, kinds) = (&self.settings.names, code.kinds());
+        if kinds == 0 || names.len() == usize::from(kinds) {
+            return Ok(if kinds == 0 {
+                Vec::new()
+            } else {
+                names.clone()
+            });
+        }
+        if names.is_empty() {
+            return Ok(Vec::new());
+        }
+        Err(NamesError {
+            file: self.file.clone(),
+            names: names.len(),
+            kinds,
+        })
     }
 
     /// The warnings of an expansion, ready to be shown; `None` when there are none.

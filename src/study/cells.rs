@@ -23,9 +23,8 @@ use crate::{
 /// The cells of a sensor as a chip computes them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cells {
-    /// What each kind is called, where the sensor says so.
-    pub names: Vec<Option<String>>,
-    /// The kernel and the thresholds of each kind, in kernel times light (0 to 255).
+    /// The kernel and the thresholds of each kind, in kernel times light (0 to 255); its name where
+    /// the sensor says so.
     pub kinds: Vec<CellKind>,
     /// In what a program of them cannot follow the sensor, a sentence each.
     pub notes: Vec<String>,
@@ -126,12 +125,10 @@ pub fn cells(sensor: &str, description: &Description) -> Result<Cells, CellsErro
         }
     };
     let mut cells = Cells {
-        names: Vec::new(),
         kinds: Vec::new(),
         notes: Vec::new(),
     };
     for (i, channel) in description.channels.iter().enumerate() {
-        cells.names.push(channel.name.clone());
         cells.kinds.push(kind(sensor, i, channel, white)?);
     }
     Ok(cells)
@@ -151,6 +148,7 @@ fn kind(sensor: &str, channel: usize, of: &Channel, white: f64) -> Result<CellKi
         cause,
     })?;
     Ok(CellKind {
+        name: of.name.clone(),
         kernel: kernel.clone(),
         on: threshold.on * white,
         off: threshold.off * white,

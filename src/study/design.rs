@@ -221,9 +221,11 @@ impl<'a> Design<'a> {
         Compiled::new(title, (&kinds, memory), self.device, search)
     }
 
-    fn kind(&self) -> Result<CellKind, DesignError> {
+    /// Its kind of cell.
+    pub(super) fn kind(&self) -> Result<CellKind, DesignError> {
         let threshold = self.checked()?;
         Ok(CellKind {
+            name: None,
             kernel: self.kernel.clone(),
             on: threshold,
             off: threshold,

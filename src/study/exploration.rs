@@ -397,8 +397,8 @@ impl Question<'_> {
             return Ok(apart.to_vec());
         };
         let mut factor = 1.0;
-        if memory == DriveMemory::Shared && self.kernels.len() > 1 {
-            // An event of any kind renews the memory of all.
+        if memory == DriveMemory::Shared {
+            // An event of any kind renews the memory of the pixel, which all look at.
             let shared = together::description(memory, &self.designs(apart))?;
             factor = rate::factor(&shared, rate, self.seed, open)?.factor;
         }
@@ -425,9 +425,11 @@ impl Question<'_> {
                 Err(error) => return Err(error.into()),
             }
         }
-        let kinds = floats.iter().zip(&few).map(|(float, few)| {
+        let named = self.names.iter().zip(floats.iter().zip(&few));
+        let kinds = named.map(|(name, (float, few))| {
             let threshold = float.in_levels(few).threshold;
             CellKind {
+                name: Some(name.clone()),
                 kernel: few.levels.clone(),
                 on: threshold,
                 off: threshold,

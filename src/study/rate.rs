@@ -41,6 +41,12 @@ pub enum RateError {
     #[error("the scene has one frame, or none: there is no rate")]
     #[diagnostic(help("give a scene of two frames at least"))]
     Still,
+    /// Nothing changes for the sensor.
+    #[error("{0} events per pixel and second: this scene gives no event at any threshold")]
+    #[diagnostic(help(
+        "give a scene in which something moves, and a kernel whose weights are not all 0"
+    ))]
+    Silent(f64),
     /// Beyond what any threshold gives.
     #[error(
         "{asked} events per pixel and second: this scene gives {least:.3} to {most:.3} at any threshold"
@@ -135,6 +141,9 @@ fn search(
     let ends = count(&[vec![-OCTAVES; groups], vec![OCTAVES; groups]])?;
     let mut within: Vec<[Point; 2]> = Vec::new();
     for (most, least) in ends[0].iter().zip(&ends[1]) {
+        if *most == 0.0 {
+            return Err(RateError::Silent(rate));
+        }
         if !(*least < rate && rate <= *most) {
             return Err(RateError::Unreachable {
                 asked: rate,

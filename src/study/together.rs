@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     array::{Arithmetic, Array},
-    compile::{DriveMemory, MEMORY_BITS, carried},
+    compile::{DriveMemory, EventReadout, MEMORY_BITS, carried},
     event::{Event, Packet},
     number::Format,
     program::stored,
@@ -28,6 +28,8 @@ pub struct Together {
     pub memory: DriveMemory,
     /// The program.
     pub compiled: Compiled,
+    /// The same, with a readout that loses no event.
+    every_event: Compiled,
 }
 
 /// One kind of a program, judged by its own part of the float sensor's events.
@@ -85,22 +87,24 @@ pub fn description(memory: DriveMemory, floats: &[Design<'_>]) -> Result<Descrip
 }
 
 impl Together {
-    /// Compiles designs in levels with the first memory that the chip holds them in; else what each
-    /// memory is short of.
+    /// Compiles designs in levels with this memory, or with the first that the chip holds them in;
+    /// else what each memory is short of.
     ///
     /// # Errors
     /// When a threshold is not positive.
     pub fn compile(
         levels: &[Design<'_>],
         title: &str,
+        memory: Option<DriveMemory>,
     ) -> Result<Result<Self, Vec<String>>, DesignError> {
         let Some((first, others)) = levels.split_first() else {
             return Ok(Err(Vec::new()));
         };
         let mut refused = Vec::new();
-        for memory in memories(levels.len()) {
+        let tried = memory.map_or_else(|| memories(levels.len()), |memory| vec![memory]);
+        for memory in tried {
             match first.compile_with(others, memory, title) {
-                Ok(compiled) => return Ok(Ok(Self { memory, compiled })),
+                Ok(compiled) => return Self::of(levels, memory, compiled).map(Ok),
                 Err(error) if error.is_refusal() => {
                     refused.push(format!("{}: {error}", name(memory)));
                 }
@@ -108,6 +112,29 @@ impl Together {
             }
         }
         Ok(Err(refused))
+    }
+
+    fn of(
+        levels: &[Design<'_>],
+        memory: DriveMemory,
+        compiled: Compiled,
+    ) -> Result<Self, DesignError> {
+        let kinds = levels.iter().map(Design::kind);
+        let kinds: Vec<_> = kinds.collect::<Result<_, _>>()?;
+        let (title, device) = (&compiled.title, &compiled.device);
+        let all = EventReadout::BitPlanes(0, u16::MAX);
+        let text = compiled.program.text_with(&kinds, title, device, all);
+        let read = Compiled::from_text(title, compiled.program.clone(), &text, device);
+        let every_event = match read {
+            // A few words more than the chip stores.
+            Err(error) if error.is_refusal() => compiled.clone(),
+            read => read?,
+        };
+        Ok(Self {
+            every_event,
+            memory,
+            compiled,
+        })
     }
 
     /// The float sensor that the program stands for, of the designs before they were quantised.
@@ -118,8 +145,8 @@ impl Together {
         description(self.memory, floats)
     }
 
-    /// Shows the scene to the float sensors and to the program, and judges every kind. Also the
-    /// number of frames.
+    /// Shows the scene to the float sensors and to the program, and judges every kind by all of its
+    /// events, before the readout. Also the number of frames.
     ///
     /// # Errors
     /// When a sensor cannot be made, or scene or sensor cannot go on.
@@ -131,7 +158,7 @@ impl Together {
         seen: impl FnMut(&Frame),
     ) -> Result<(Vec<Judged>, u64), EquivalentError> {
         let description = self.description(floats)?;
-        let shown = judge(&[&self.compiled], &description, within, scene, seen)?;
+        let shown = judge(&[&self.every_event], &description, within, scene, seen)?;
         let judged = shown.programs.into_iter().next().unwrap_or_default();
         Ok((judged, shown.frames))
     }

@@ -10,6 +10,7 @@ use amacrine::{
     event::{
         Event, Packet, Polarity,
         file::{self, Compression, Format, Opening},
+        tensor::{Container, Layers, Precision, TensorFile},
     },
     plane::Size,
     unit::Micros,
@@ -222,6 +223,38 @@ fn viewers_read_our_recordings() {
     let window = Micros(100_000);
     amacrine::picture::view::mcap::write(&path, &all, window).unwrap();
     let said = python("recording.py", folder.path());
+    assert_eq!(said.matches("agrees").count(), 2, "{said}");
+}
+
+/// Voxels in HDF5, which are laid out by hand, by the reference library: more windows than a page
+/// of its own index has, numbers of 32 and of 16 bits.
+#[test]
+#[ignore = "needs Python with the packages of tests/interop/requirements.txt; run by name in .ci/run"]
+fn h5py_reads_our_voxels() {
+    let folder = tempfile::tempdir().unwrap();
+    let shape = vec![2, 1, 3, 4, 70];
+    let each: usize = shape.iter().product();
+    for (name, precision) in [("a", Precision::Single), ("b", Precision::Half)] {
+        let of = |name: String| folder.path().join(name);
+        let files = [("npy", Container::Npy), ("h5", Container::Hdf5)];
+        for (ending, container) in files {
+            let layers = Layers {
+                shape: shape.clone(),
+                precision,
+                kinds: vec!["centre-on".to_owned(), "kind é".to_owned()],
+            };
+            let path = of(format!("{name}.{ending}"));
+            let mut file = TensorFile::create(&path, container, layers).unwrap();
+            for n in 0..1_500_u64 {
+                let layer: Vec<f32> = (0..each as u64)
+                    .map(|i| (hash(n * each as u64 + i) % 64) as f32 / 8.0)
+                    .collect();
+                file.push(&layer).unwrap();
+            }
+            file.finish().unwrap();
+        }
+    }
+    let said = python("voxels.py", folder.path());
     assert_eq!(said.matches("agrees").count(), 2, "{said}");
 }
 

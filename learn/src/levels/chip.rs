@@ -119,6 +119,7 @@ impl Chip {
         // Thresholds do not change the filter.
         let kinds: Vec<CellKind> = { kernels.iter() }
             .map(|kernel| CellKind {
+                name: None,
                 kernel: kernel.clone(),
                 on: 255.0,
                 off: 255.0,
@@ -180,6 +181,7 @@ impl OnChip {
     pub fn program(&self, thresholds: &[[f64; 2]], title: &str, chip: &Chip) -> String {
         let kinds: Vec<CellKind> = { self.kernels.iter().zip(thresholds) }
             .map(|(kernel, [on, off])| CellKind {
+                name: None,
                 kernel: kernel.clone(),
                 on: *on,
                 off: *off,

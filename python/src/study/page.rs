@@ -58,6 +58,7 @@ pub fn feasibility(
                     candidates: &candidates,
                     sum,
                     device: &device,
+                    memory: None,
                     exposure: exposure_us.map(Micros),
                     order: if overlapped {
                         ReadoutOrder::Overlapped

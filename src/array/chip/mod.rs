@@ -27,7 +27,7 @@ use crate::{
     isa::Device,
     photoreceptor::LightError,
     plane::{Plane, Size},
-    program::{Action, Code, Host, Step},
+    program::{Code, Step},
     scene::Frame,
     sensor::{Sensor, SensorError, light_error},
     unit::Micros,
@@ -92,7 +92,7 @@ impl<D: RowOps> Chip<D> {
             frame: lowered(&code.frame),
             engine,
             state,
-            channels: channels(&code.init).max(channels(&code.frame)).max(1),
+            channels: code.kinds().max(1),
             domain,
             device: device.clone(),
             settings,
@@ -147,22 +147,6 @@ impl<D: RowOps> Chip<D> {
             Err(ShapeError { got, want })
         }
     }
-}
-
-/// One more than the highest channel that a body reads out.
-fn channels(body: &[Step]) -> u8 {
-    let of = |step: &Step| match &step.action {
-        Action::Host(Host::ScanEvents { channel, .. } | Host::ScanEventsFrom { channel, .. }) => {
-            channel.saturating_add(1)
-        }
-        Action::Host(Host::ScanDigital {
-            events: Some((_, channel)),
-            ..
-        }) => channel.saturating_add(1),
-        Action::Host(_) | Action::Word(_) => 0,
-        Action::Repeat { body, .. } => channels(body),
-    };
-    body.iter().map(of).max().unwrap_or(0)
 }
 
 impl<D: RowOps> Sensor for Chip<D> {

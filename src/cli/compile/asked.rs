@@ -45,6 +45,7 @@ impl Asked {
             input: arguments.input,
             thresholds: vec![(threshold, threshold); kernels.len()],
             scales: vec![1.0; kernels.len()],
+            names: vec![None; kernels.len()],
             kernels,
             warnings: Vec::new(),
             stacked,
@@ -74,6 +75,9 @@ impl Asked {
             input: None,
             scales: vec![1.0; cells.kinds.len()],
             thresholds: thresholds.collect(),
+            names: { cells.kinds.iter() }
+                .map(|kind| kind.name.clone())
+                .collect(),
             kernels: cells.kinds.into_iter().map(|kind| kind.kernel).collect(),
             warnings: Vec::new(),
             stacked: true,

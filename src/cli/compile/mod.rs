@@ -217,6 +217,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 /// What is to be compiled.
 struct Asked {
     kernels: Vec<Kernel>,
+    /// What a sensor file calls each kind.
+    names: Vec<Option<String>>,
     /// What they are to be multiplied by.
     scales: Vec<f64>,
     /// What few values have taken from them.
@@ -269,6 +271,16 @@ impl std::str::FromStr for To {
 /// `analogue`, `shared` or `bits:N`.
 #[derive(Clone, Copy, Debug)]
 pub struct Remembered(pub(super) DriveMemory);
+
+impl std::fmt::Display for Remembered {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.0 {
+            DriveMemory::Analogue => f.write_str("analogue"),
+            DriveMemory::Shared => f.write_str("shared"),
+            DriveMemory::Bits(bits) => write!(f, "bits:{bits}"),
+        }
+    }
+}
 
 impl std::str::FromStr for Remembered {
     type Err = String;
@@ -385,7 +397,9 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
         .kernels
         .iter()
         .zip(&asked.thresholds)
-        .map(|(kernel, (on, off))| CellKind {
+        .zip(&asked.names)
+        .map(|((kernel, (on, off)), name)| CellKind {
+            name: name.clone(),
             kernel: kernel.clone(),
             on: *on,
             off: *off,

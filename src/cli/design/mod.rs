@@ -47,7 +47,12 @@ pub struct Arguments {
     kernels: Vec<Named>,
     /// Events per pixel and second, all kinds together, each an equal share: the thresholds are
     /// found
-    #[arg(long, value_name = "EVENTS", conflicts_with = "threshold")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "EVENTS",
+        conflicts_with = "threshold"
+    )]
     rate: Option<f64>,
     /// Thresholds instead, in kernel times light (0 to 255): one for all kernels, or one for each;
     /// a sensor file has its own
@@ -240,7 +245,6 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             text += &path.display().to_string();
             text += "\n";
         }
-        text += &table::other_memory(candidate, &found);
         text += "\n";
         for command in commands {
             text += command;

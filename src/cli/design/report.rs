@@ -3,11 +3,12 @@
 use std::{fmt::Write as _, path::Path};
 
 use super::{
-    super::{quoted::quoted, readout::Choice},
+    super::{compile::Remembered, quoted::quoted, readout::Choice},
     Arguments, Candidate, Question,
 };
 use crate::{
     compare::window,
+    compile::DriveMemory,
     scene::Observation,
     study::{
         feasibility::{self, readout::ReadoutOrder},
@@ -39,6 +40,7 @@ pub(super) fn page(
             candidates: &candidates,
             sum: question.sum,
             device: question.device,
+            memory: Some(candidate.remembers),
             exposure: None,
             order: ReadoutOrder::Overlapped,
             link: LINK,
@@ -53,7 +55,9 @@ pub(super) fn page(
         .collect();
     let unseen = Observation::new();
     let open = || arguments.clip.open(&unseen);
-    if let [question] = &questions[..] {
+    if let [question] = &questions[..]
+        && candidate.remembers == DriveMemory::Analogue
+    {
         let (answer, snapshot) = feasibility::ask(question, &open, |_| ())?;
         return Ok(report::page(&answer, &snapshot));
     }
@@ -79,6 +83,7 @@ fn command(arguments: &Arguments, candidate: &Candidate, sensor: &Path) -> Strin
     add("to", &candidate.to.to_string());
     add("candidates", &candidate.to.to_string());
     add("sum", arguments.sum.name());
+    add("memory", &Remembered(candidate.remembers).to_string());
     add("chip", &arguments.chip);
     add("chips", &arguments.chips.to_string());
     if let Some(within) = arguments.window.within {

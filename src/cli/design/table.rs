@@ -2,14 +2,12 @@
 
 use std::fmt::Write as _;
 
-use super::{Arguments, Candidate, Exploration};
+use super::{Arguments, Exploration};
 use crate::{
     compare::metric::Short,
-    compile::DriveMemory,
     study::{
         equivalent::rate,
         exploration::{NEARLY, Refused},
-        together::{memories, name},
     },
 };
 
@@ -31,8 +29,13 @@ pub(super) fn text(
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "rate     {:.4} events per pixel and second, all kinds together, with a memory of the {}: threshold {}",
+            "rate     {:.4} events per pixel and second{}, with a memory of the {}: threshold {}",
             rated.rate,
+            if rated.thresholds.len() > 1 {
+                ", all kinds together"
+            } else {
+                ""
+            },
             rated.memory,
             thresholds.join(", ")
         );
@@ -126,20 +129,4 @@ fn refusals(found: &Exploration) -> String {
         None => format!("  -  {to}: {}\n", refused.why),
     });
     lines.collect()
-}
-
-/// Where the report's program is not the one that was taken.
-pub(super) fn other_memory(candidate: &Candidate, found: &Exploration) -> String {
-    let firsts = memories(candidate.kinds.len());
-    let fits = |memory: &DriveMemory| {
-        let own = |other: &&Candidate| other.to == candidate.to && other.remembers == *memory;
-        found.candidates.iter().any(|other| own(&other))
-    };
-    match firsts.into_iter().find(fits) {
-        Some(first) if first != candidate.remembers => format!(
-            "note     report.html is of the same kernels with {}\n",
-            name(first)
-        ),
-        _ => String::new(),
-    }
 }

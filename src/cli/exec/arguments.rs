@@ -35,7 +35,7 @@ pub struct Arguments {
     #[arg(long)]
     pub(super) frames: Option<u64>,
     /// Frames per second, instead of what the scene says
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub(super) fps: Option<f64>,
     #[arg(long, help = format!("The arithmetic: {}", Arithmetic::names()))]
     pub(super) domain: Option<String>,

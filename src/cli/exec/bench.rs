@@ -239,6 +239,7 @@ impl<'a> Bench<'a> {
         let Expansion { code, bare, .. } = &self.opened.expansion;
         let mut light = Lasting::new(light, self.size, if *bare { 1 } else { 2 });
         let mut packet = Packet::new(chip.size(), chip.channels());
+        packet.names = self.opened.program.names(code)?;
         let growth = Growth::beside(&self.need());
         let mut before: Option<f64> = None;
         let mut index = 0;

@@ -42,7 +42,7 @@ pub struct Arguments {
     #[command(flatten)]
     samples: Samples,
     /// Frames a second, instead of what the scene says
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     fps: Option<f64>,
     /// From light to signal, as in a sensor file
     #[arg(long, default_value = "\"identity\"", value_parser = response)]

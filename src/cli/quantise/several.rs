@@ -172,7 +172,7 @@ fn together(
                 let levels: Vec<Design<'_>> = { floats.iter().zip(&few) }
                     .map(|(float, few)| float.in_levels(few))
                     .collect();
-                match Together::compile(&levels, "together")? {
+                match Together::compile(&levels, "together", None)? {
                     Err(why) => Outcome::Refused(why),
                     Ok(program) => {
                         let within = arguments.window.at(fps);

@@ -57,7 +57,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "sensor", value_parser = clap::value_parser!(u64).range(3..))]
     frames: Option<u64>,
     /// Frames per second, instead of what the scene says
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,

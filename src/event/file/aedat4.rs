@@ -8,9 +8,7 @@
 //! Source: <https://docs.inivation.com/software/software-advanced-usage/file-formats/aedat-4.0.html>
 //! and the schemata at <https://gitlab.com/inivation/dv/dv-core>.
 
-use std::io::{self, Read, SeekFrom};
-
-use lz4_flex::frame::{FrameDecoder, FrameEncoder, FrameInfo};
+use std::io::{self, SeekFrom};
 
 use super::{
     Fault, Format, Place,
@@ -24,10 +22,11 @@ use super::{
     gate::Raw,
     head::{Compression, Head},
     header::complete,
+    packed::{Packing, Unpacking},
     packets::{self, Row},
     source::{BLOCK, Out, Sink, Source},
 };
-use crate::{event::Event, plane::Size};
+use crate::{event::Event, plane::Size, unit::Micros};
 
 /// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
@@ -55,13 +54,16 @@ const MAGIC: &[u8] = b"#!AER-DAT4.0\r\n";
 /// Bytes of an event.
 const EVENT: usize = 16;
 
+/// The signs of an event's time, column and row.
+const SIGNS: u128 = 1 << 63 | 1 << 79 | 1 << 95;
+
 /// The longest packet or header, in bytes, compressed or not.
-const LONGEST: usize = 1 << 26;
+pub(super) const LONGEST: usize = 1 << 26;
 
 pub(super) struct Reading {
     chunks: Chunks,
     about: About,
-    compression: i32,
+    unpacking: Unpacking,
     /// Place of the table of packets as the header states it; -1 where there is none.
     table: i64,
     /// The streams that the header describes.
@@ -74,12 +76,14 @@ pub(super) struct Reading {
     damage: Option<Stop>,
     /// Whether the recording was not closed, so that it has no table.
     unclosed: bool,
-    /// The packet being read, where it is, and how much of it has been read.
+    /// The packet being read, with its size in front, and the same as it stands in the file.
     packet: Vec<u8>,
+    block: Vec<u8>,
     at: u64,
-    next: usize,
-    /// Where the events of the packet start, and the first of the last block.
+    /// Where its events start and end in it, the next one, and the first of the last block.
     start: usize,
+    end: usize,
+    next: usize,
     first: usize,
     skipped: u64,
 }
@@ -115,7 +119,7 @@ pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
     Ok(Reading {
         chunks,
         about,
-        compression,
+        unpacking: Unpacking::new(compression),
         table: end,
         streams,
         stream: None,
@@ -123,9 +127,11 @@ pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
         damage: None,
         unclosed: false,
         packet: Vec::new(),
+        block: Vec::new(),
         at,
-        next: 0,
         start: 0,
+        end: 0,
+        next: 0,
         first: 0,
         skipped: 0,
     })
@@ -254,12 +260,16 @@ impl Reading {
         if length as usize > LONGEST {
             return Err(wrong(at, format!("has a packet of {length} bytes")));
         }
-        let block = self.chunks.block(length as usize, "a packet")?;
-        let packet = inflate(self.compression, block).map_err(|why| wrong(at, why))?;
+        (self.start, self.end, self.next) = (0, 0, 0);
+        let into = &mut self.block;
+        self.chunks.block_into(length as usize, into, "a packet")?;
+        self.unpacking
+            .unpack(&mut self.block, &mut self.packet)
+            .map_err(|why| wrong(at, why))?;
         // Without the size in front, which says it again.
-        let Some(body) = packets::whole(&packet) else {
+        let Some(body) = packets::whole(&self.packet) else {
             let one = "a packet says its own size".to_owned();
-            let other = format!("it has {} bytes in all", packet.len());
+            let other = format!("it has {} bytes in all", self.packet.len());
             return Err(Stop::twice(Format::Aedat4, at, one, other));
         };
         let mut row = Row {
@@ -289,9 +299,11 @@ impl Reading {
         let ends = (time(records.first()), time(records.last()));
         row.events = Some((records.len() as u64, ends.0, ends.1));
         self.found.push(row);
-        self.packet = events.to_vec();
-        (self.at, self.start, self.next) = (at, start + 4, 0);
-        Ok(!self.packet.is_empty())
+        // Behind the size.
+        self.start = start + 4;
+        self.end = self.start + events.len();
+        (self.at, self.next) = (at, self.start);
+        Ok(self.start < self.end)
     }
 
     /// Checks a packet against the description of its stream in the header.
@@ -344,9 +356,10 @@ impl Reading {
                 return Err(wrong(at, "has a table of packets that is too long"));
             }
         }
-        let table = inflate(self.compression, table)
+        self.unpacking
+            .unpack(&mut table, &mut self.packet)
             .map_err(|_| wrong(at, "has a table of packets that cannot be decompressed"))?;
-        let rows = packets::read(&table)
+        let rows = packets::read(&self.packet)
             .ok_or_else(|| wrong(at, "has a table of packets that cannot be read"))?;
         packets::agree(&self.found, &rows).map_err(|fault| Stop::Fault(Place::Byte(at), fault))
     }
@@ -366,56 +379,46 @@ impl Reading {
     }
 }
 
-/// Decompresses a packet.
-fn inflate(compression: i32, block: Vec<u8>) -> Result<Vec<u8>, String> {
-    let mut packet = Vec::new();
-    let read = match compression {
-        0 => return Ok(block),
-        // The decoder takes the end of its input for the end of a frame.
-        1 | 2 if !packets::is_lz4_frame(&block) => {
-            return Err("has a packet that is no whole LZ4 frame".into());
-        }
-        1 | 2 => FrameDecoder::new(&block[..])
-            .take(LONGEST as u64 + 1)
-            .read_to_end(&mut packet),
-        _ => zstd::stream::read::Decoder::with_buffer(&block[..])
-            .and_then(|decoder| decoder.take(LONGEST as u64 + 1).read_to_end(&mut packet)),
-    };
-    match read {
-        Ok(bytes) if bytes > LONGEST => Err("has a packet that is too long".into()),
-        Ok(_) => Ok(packet),
-        Err(e) => Err(format!("has a packet that cannot be decompressed: {e}")),
-    }
-}
-
 impl Source for Reading {
     fn about(&self) -> About {
         self.about.clone()
     }
 
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {
-        if self.next >= self.packet.len() && !self.next_packet()? {
-            (self.packet, self.next) = (Vec::new(), 0);
+        if self.next >= self.end && !self.next_packet()? {
+            (self.start, self.end, self.next) = (0, 0, 0);
             return Ok(false);
         }
         self.first = self.next;
-        let (records, _) = self.packet[self.next..].as_chunks::<EVENT>();
-        for record in records.iter().take(BLOCK) {
-            let word = u128::from_le_bytes(*record);
-            let raw = Raw {
-                t: i128::from(word as i64),
-                x: i128::from((word >> 64) as i16),
-                y: i128::from((word >> 80) as i16),
-                p: 0,
-                channel: 0,
-            };
-            let mut event = raw
-                .event()
-                .map_err(|fault| Stop::Fault(self.place(events.len()), fault))?;
-            event.polarity = polarity(word >> 96 & 0xFF != 0);
-            events.push(event);
-            self.next += EVENT;
+        let (records, _) = self.packet[self.next..self.end].as_chunks::<EVENT>();
+        let records = &records[..records.len().min(BLOCK)];
+        let plain = |word: u128| Event {
+            t: Micros(word as u64),
+            x: (word >> 64) as u16,
+            y: (word >> 80) as u16,
+            polarity: polarity(word >> 96 & 0xFF != 0),
+            channel: 0,
+        };
+        // Time and place have a sign, which is almost never there: all at once, and one by one
+        // only where it is.
+        let words = records.iter().map(|record| u128::from_le_bytes(*record));
+        let signs = words.clone().fold(0, |signs, word| signs | word) & SIGNS;
+        if signs == 0 {
+            events.extend(words.map(plain));
+        } else {
+            for word in words {
+                let raw = Raw {
+                    t: i128::from(word as i64),
+                    x: i128::from((word >> 64) as i16),
+                    y: i128::from((word >> 80) as i16),
+                    ..Raw::default()
+                };
+                raw.event()
+                    .map_err(|fault| Stop::Fault(self.place(events.len()), fault))?;
+                events.push(plain(word));
+            }
         }
+        self.next += records.len() * EVENT;
         Ok(true)
     }
 
@@ -426,11 +429,11 @@ impl Source for Reading {
     }
 
     fn place(&self, event: usize) -> Place {
-        if self.next == 0 && self.packet.is_empty() {
+        if self.start == self.end {
             return Place::Byte(self.chunks.at());
         }
-        if self.compression == 0 {
-            let inside = self.start + self.first + event * EVENT;
+        if self.unpacking.is_plain() {
+            let inside = self.first + event * EVENT;
             return Place::Byte(self.at + 8 + inside as u64);
         }
         // No byte of a compressed packet is that of an event.
@@ -447,12 +450,13 @@ pub(super) fn sink(head: &Head, compression: Compression) -> Writing {
     Writing {
         head: head.clone(),
         compression,
+        packing: Packing::new(compression),
         table: Vec::new(),
         header: Vec::new(),
         at: 0,
         position: 0,
         rest: Vec::new(),
-        block: Vec::new(),
+        packet: Vec::new(),
     }
 }
 
@@ -460,6 +464,7 @@ pub(super) fn sink(head: &Head, compression: Compression) -> Writing {
 pub(super) struct Writing {
     head: Head,
     compression: Compression,
+    packing: Packing,
     table: Vec<Row>,
     /// The header, which is written again at the end.
     header: Vec<u8>,
@@ -470,64 +475,54 @@ pub(super) struct Writing {
     /// Events that do not fill a packet yet.
     rest: Vec<Event>,
     /// The memory of the last packet, reused because the system would clear new memory each time.
-    block: Vec<u8>,
+    packet: Vec<u8>,
 }
 
 impl Writing {
-    fn deflate(&mut self, bytes: Vec<u8>) -> io::Result<Vec<u8>> {
-        match self.compression {
-            Compression::None => Ok(bytes),
-            Compression::Lz4 => {
-                // With a content checksum, so that damage is noticed.
-                let info = FrameInfo::new().content_checksum(true);
-                let mut block = std::mem::take(&mut self.block);
-                block.clear();
-                let mut encoder = FrameEncoder::with_frame_info(info, block);
-                io::Write::write_all(&mut encoder, &bytes)?;
-                encoder.finish().map_err(io::Error::other)
-            }
-            Compression::Zstd => {
-                let mut compressor = zstd::bulk::Compressor::new(1)?;
-                compressor.include_checksum(true)?;
-                compressor.compress(&bytes)
-            }
-        }
-    }
-
-    fn packet(&mut self, out: &mut dyn Out) -> io::Result<()> {
-        let (Some(first), Some(last)) = (self.rest.first(), self.rest.last()) else {
+    fn packet(&mut self, out: &mut dyn Out, events: &[Event]) -> io::Result<()> {
+        let (Some(first), Some(last)) = (events.first(), events.last()) else {
             return Ok(());
         };
         let ends = (first.t.0.cast_signed(), last.t.0.cast_signed());
-        // A table of one field, the vector, right behind it.
-        let mut builder = Builder::new(*b"EVTS", 8, &[4]);
-        let bytes = &mut builder.bytes;
-        // And the size, which comes in front.
-        bytes.reserve(self.rest.len() * EVENT + 12);
-        bytes.extend(4_u32.to_le_bytes());
-        bytes.extend((self.rest.len() as u32).to_le_bytes());
-        for e in &self.rest {
+        // A table of one field, the vector, right behind it; and the size in front.
+        let mut front = Builder::new(*b"EVTS", 8, &[4]).bytes;
+        front.extend(4_u32.to_le_bytes());
+        front.extend((events.len() as u32).to_le_bytes());
+        let bytes = &mut self.packet;
+        bytes.clear();
+        bytes.extend(((front.len() + events.len() * EVENT) as u32).to_le_bytes());
+        bytes.extend(front);
+        let from = bytes.len();
+        bytes.resize(from + events.len() * EVENT, 0);
+        let (records, _) = bytes[from..].as_chunks_mut::<EVENT>();
+        for (record, e) in records.iter_mut().zip(events) {
             let word = u128::from(e.t.0)
                 | u128::from(e.x) << 64
                 | u128::from(e.y) << 80
                 | u128::from(e.polarity.bit()) << 96;
-            bytes.extend(word.to_le_bytes());
+            *record = word.to_le_bytes();
         }
-        let events = self.rest.len() as u64;
-        let packet = self.deflate(builder.finish())?;
+        let packet = self.packing.pack(&self.packet)?;
         let length = u32::try_from(packet.len()).map_err(io::Error::other)?;
         out.write_all(&0_i32.to_le_bytes())?;
         out.write_all(&length.to_le_bytes())?;
-        out.write_all(&packet)?;
+        out.write_all(packet)?;
         self.table.push(Row {
             at: self.at + 8,
             stream: 0,
             bytes: length,
-            events: Some((events, ends.0, ends.1)),
+            events: Some((events.len() as u64, ends.0, ends.1)),
         });
-        self.at += 8 + packet.len() as u64;
-        self.rest.clear();
-        self.block = packet;
+        self.at += 8 + u64::from(length);
+        Ok(())
+    }
+
+    /// Writes the events that wait.
+    fn flush(&mut self, out: &mut dyn Out) -> io::Result<()> {
+        let mut events = std::mem::take(&mut self.rest);
+        self.packet(out, &events)?;
+        events.clear();
+        self.rest = events;
         Ok(())
     }
 
@@ -597,19 +592,24 @@ impl Sink for Writing {
         while !events.is_empty() {
             let room = BLOCK - self.rest.len();
             let (now, later) = events.split_at(room.min(events.len()));
-            self.rest.extend_from_slice(now);
-            events = later;
-            if self.rest.len() == BLOCK {
-                self.packet(out)?;
+            if now.len() == BLOCK {
+                self.packet(out, now)?;
+            } else {
+                self.rest.extend_from_slice(now);
+                if self.rest.len() == BLOCK {
+                    self.flush(out)?;
+                }
             }
+            events = later;
         }
         Ok(())
     }
 
     fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
-        self.packet(out)?;
-        let table = self.deflate(packets::written(&self.table))?;
-        out.write_all(&table)?;
+        self.flush(out)?;
+        let table = packets::written(&self.table);
+        let table = self.packing.pack(&table)?;
+        out.write_all(table)?;
         out.seek(SeekFrom::Start(self.position))?;
         out.write_all(&self.at.to_le_bytes())?;
         complete(out, &self.header, about)

@@ -90,6 +90,18 @@ impl Chunks {
     /// claims.
     pub fn block(&mut self, length: usize, inside: &str) -> Result<Vec<u8>, Stop> {
         let mut block = Vec::new();
+        self.block_into(length, &mut block, inside)?;
+        Ok(block)
+    }
+
+    /// As [`block`](Self::block), in place of what `block` holds.
+    pub fn block_into(
+        &mut self,
+        length: usize,
+        block: &mut Vec<u8>,
+        inside: &str,
+    ) -> Result<(), Stop> {
+        block.clear();
         while block.len() < length {
             let here = self.ahead(1)?;
             let part = &here[..here.len().min(length - block.len())];
@@ -100,7 +112,7 @@ impl Chunks {
             let eaten = part.len();
             self.eat(eaten);
         }
-        Ok(block)
+        Ok(())
     }
 
     /// The next line without its end, if it starts with `mark`.

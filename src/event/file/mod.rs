@@ -38,6 +38,7 @@ mod line;
 mod npy;
 mod npz;
 mod origin;
+mod packed;
 mod packets;
 mod parquet;
 mod reader;

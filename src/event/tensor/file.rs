@@ -1,5 +1,4 @@
-//! Voxels and what is like them in a file, layer after layer: `.npy` and `.npz` in memory that does
-//! not grow, HDF5 in memory that holds all of it.
+//! Voxels and what is like them in a file, layer after layer, in memory that does not grow.
 
 use std::{
     io::{self, BufWriter, Seek, SeekFrom, Write},
@@ -9,6 +8,7 @@ use std::{
 use half::f16;
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
+use super::hdf5::Chunks;
 use crate::{
     event::file::Steady,
     save::{AtomicFile, SaveError},
@@ -31,8 +31,8 @@ pub enum Container {
     Npy,
     /// numpy's archive of arrays: `voxels`, and the names of the kinds as `kinds`.
     Npz,
-    /// HDF5: the data set `voxels`, whose attribute `kinds` has the names; needs the feature
-    /// `hdf5`.
+    /// HDF5: the data set `voxels`, a chunk for each layer, and in the file's attribute `kinds` the
+    /// names, a line each.
     Hdf5,
 }
 
@@ -48,7 +48,7 @@ pub struct Layers {
 }
 
 /// What the array is called in an archive.
-const NAME: &str = "voxels";
+pub(super) const NAME: &str = "voxels";
 
 /// Bytes kept for the header of an array, a multiple of 64 as the format asks.
 const HEADER: usize = 192;
@@ -66,15 +66,15 @@ enum Body {
     Npy,
     /// In a temporary file until it is whole.
     Npz(BufWriter<std::fs::File>),
-    #[cfg(feature = "hdf5")]
-    Hdf5(hdf5::Open),
+    /// Chunks as they come, the way to them at the end.
+    Hdf5(Chunks),
 }
 
 impl TensorFile {
     /// No layers yet, of a file that will be at `path`.
     ///
     /// # Errors
-    /// When no file can be made in that folder, or this build or the format has no such numbers.
+    /// When no file can be made in that folder, or nothing can be written there.
     pub fn create(path: &Path, container: Container, layers: Layers) -> Result<Self, SaveError> {
         let mut file = AtomicFile::create(path)?;
         let begun = Body::begin(container, &layers, &mut file);
@@ -96,11 +96,7 @@ impl TensorFile {
         let written = match &mut self.body {
             Body::Npy => self.file.write_all(&bytes(layer, self.layers.precision)),
             Body::Npz(rest) => rest.write_all(&bytes(layer, self.layers.precision)),
-            #[cfg(feature = "hdf5")]
-            Body::Hdf5(open) => {
-                open.push(layer);
-                Ok(())
-            }
+            Body::Hdf5(chunks) => chunks.push(&mut self.file, &bytes(layer, self.layers.precision)),
         };
         written.map_err(|cause| self.file.failed(cause))
     }
@@ -135,21 +131,8 @@ impl Body {
                 rest.write_all(&[0; HEADER])?;
                 Ok(Self::Npz(rest))
             }
-            Container::Hdf5 => Self::hdf5(layers),
+            Container::Hdf5 => Chunks::begin(out, layers).map(Self::Hdf5),
         }
-    }
-
-    #[cfg(feature = "hdf5")]
-    fn hdf5(layers: &Layers) -> io::Result<Self> {
-        hdf5::Open::new(layers).map(Self::Hdf5)
-    }
-
-    #[cfg(not(feature = "hdf5"))]
-    fn hdf5(_: &Layers) -> io::Result<Self> {
-        Err(io::Error::new(
-            io::ErrorKind::Unsupported,
-            "this amacrine was built without HDF5: build with --features hdf5",
-        ))
     }
 
     fn finish(self, out: &mut AtomicFile, layers: &Layers, count: u64) -> io::Result<()> {
@@ -169,20 +152,24 @@ impl Body {
                 // The first error.
                 steady.lost.map_or(written, Err)
             }
-            #[cfg(feature = "hdf5")]
-            Self::Hdf5(open) => open.finish(out, layers, count),
+            Self::Hdf5(chunks) => chunks.finish(out, layers),
         }
     }
 }
 
 /// A layer as it stands in an array, little-endian.
 fn bytes(layer: &[f32], precision: Precision) -> Vec<u8> {
+    fn each<const N: usize>(layer: &[f32], number: impl Fn(f32) -> [u8; N]) -> Vec<u8> {
+        let mut bytes = vec![0; layer.len() * N];
+        let (numbers, _) = bytes.as_chunks_mut::<N>();
+        for (bytes, value) in numbers.iter_mut().zip(layer) {
+            *bytes = number(*value);
+        }
+        bytes
+    }
     match precision {
-        Precision::Single => layer.iter().flat_map(|v| v.to_le_bytes()).collect(),
-        Precision::Half => layer
-            .iter()
-            .flat_map(|v| f16::from_f32(*v).to_le_bytes())
-            .collect(),
+        Precision::Single => each(layer, f32::to_le_bytes),
+        Precision::Half => each(layer, |value| f16::from_f32(value).to_le_bytes()),
     }
 }
 
@@ -246,57 +233,6 @@ fn texts(texts: &[String]) -> Vec<u8> {
     bytes
 }
 
-#[cfg(feature = "hdf5")]
-mod hdf5 {
-    use std::io;
-
-    use hdf5_pure::{AttrValue, FileBuilder};
-
-    use super::{AtomicFile, Layers, NAME, Precision};
-
-    /// A file is made of all layers at once: what it is made by appends along one axis only.
-    pub(super) struct Open {
-        values: Vec<f32>,
-    }
-
-    impl Open {
-        pub(super) fn new(layers: &Layers) -> io::Result<Self> {
-            if layers.precision == Precision::Half {
-                return Err(io::Error::new(
-                    io::ErrorKind::Unsupported,
-                    "HDF5 is written in 32 bits: take .npy or .npz for 16",
-                ));
-            }
-            Ok(Self { values: Vec::new() })
-        }
-
-        pub(super) fn push(&mut self, layer: &[f32]) {
-            self.values.extend_from_slice(layer);
-        }
-
-        pub(super) fn finish(
-            self,
-            out: &mut AtomicFile,
-            layers: &Layers,
-            count: u64,
-        ) -> io::Result<()> {
-            let with = |first: u64| -> Vec<u64> {
-                let rest = layers.shape.iter().map(|n| *n as u64);
-                std::iter::once(first).chain(rest).collect()
-            };
-            let mut builder = FileBuilder::new();
-            builder.set_attr("kinds", AttrValue::String(layers.kinds.join("\n")));
-            let array = builder.create_dataset(NAME);
-            array.with_f32_data(&self.values).with_shape(&with(count));
-            if count > 0 {
-                array.with_chunks(&with(1)).with_deflate(1);
-            }
-            let bytes = builder.finish().map_err(io::Error::other)?;
-            io::Write::write_all(out, &bytes)
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -344,15 +280,50 @@ mod tests {
         assert!(String::from_utf8_lossy(&kinds).contains("'<U3'"));
     }
 
+    /// By hdf5-pure, which has no part in the writing.
     #[cfg(feature = "hdf5")]
     #[test]
     fn layers_read_back_from_hdf5() {
-        let bytes = written(Container::Hdf5, Precision::Single);
-        let file = hdf5_pure::File::from_bytes(bytes).unwrap();
-        let array = file.dataset("voxels").unwrap();
-        assert_eq!(
-            array.read_f32().unwrap(),
-            wanted().into_raw_vec_and_offset().0
-        );
+        for precision in [Precision::Single, Precision::Half] {
+            let bytes = written(Container::Hdf5, precision);
+            let file = hdf5_pure::File::from_bytes(bytes).unwrap();
+            let array = file.dataset("voxels").unwrap();
+            assert_eq!(array.shape().unwrap(), [3, 2, 3]);
+            let kinds = file.root().attrs().unwrap();
+            assert_eq!(kinds["kinds"].as_str(), Some("é\ntwo"));
+            let raw = array.read_raw().unwrap();
+            let read: Vec<f32> = match precision {
+                Precision::Single => array.read_f32().unwrap(),
+                Precision::Half => { raw.as_chunks::<2>().0.iter() }
+                    .map(|half| f16::from_le_bytes(*half).to_f32())
+                    .collect(),
+            };
+            assert_eq!(read, wanted().into_raw_vec_and_offset().0);
+        }
+    }
+
+    /// More layers than a page of the reference library's own index holds, and none.
+    #[cfg(feature = "hdf5")]
+    #[test]
+    fn any_number_of_layers_is_found() {
+        for count in [0, 1, 1024, 3000] {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("a.h5");
+            let layers = Layers {
+                shape: vec![300],
+                precision: Precision::Single,
+                kinds: Vec::new(),
+            };
+            let mut file = TensorFile::create(&path, Container::Hdf5, layers).unwrap();
+            for n in 0..count {
+                file.push(&[n as f32; 300]).unwrap();
+            }
+            file.finish().unwrap();
+            let file = hdf5_pure::File::open(&path).unwrap();
+            let array = file.dataset("voxels").unwrap();
+            assert_eq!(array.shape().unwrap(), [count, 300]);
+            let read = array.read_f32().unwrap();
+            assert!((0..count as usize * 300).all(|i| read[i] == (i / 300) as f32));
+        }
     }
 }

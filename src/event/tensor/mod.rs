@@ -6,6 +6,7 @@
 mod error;
 mod file;
 mod frame;
+mod hdf5;
 mod normalise;
 mod sides;
 mod stream;

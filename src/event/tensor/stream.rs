@@ -50,17 +50,53 @@ impl VoxelStream {
         }
     }
 
+    /// As [`add`](Self::add), and passes on each window that is over, one after the other: only those
+    /// that overlap are held, however far apart events are.
+    ///
+    /// # Errors
+    /// The first of `pass`.
+    pub fn pass<E>(
+        &mut self,
+        events: &[Event],
+        mut pass: impl FnMut(&[f32]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut rest = events;
+        while let Some(first) = rest.first() {
+            // More events of one time may follow.
+            let before = Micros(first.t.0.saturating_sub(1));
+            while let Some(window) = self.next_finished(before) {
+                pass(&window)?;
+            }
+            // So the first window left ends no earlier than this event.
+            let end = self.how.windows.bounds(self.next).1;
+            let part = rest.partition_point(|event| event.t.0 as i64 <= end);
+            let (now, later) = rest.split_at(part.max(1));
+            self.add(now);
+            rest = later;
+        }
+        Ok(())
+    }
+
     /// The windows that end by `until`, up to which all events are in, in their order.
     pub fn finished(&mut self, until: Micros) -> Vec<Vec<f32>> {
-        let over = (self.next..).take_while(|n| self.how.windows.bounds(*n).1 <= until.0 as i64);
-        let count = over.count();
-        self.end(count)
+        std::iter::from_fn(|| self.next_finished(until)).collect()
     }
 
     /// The windows that are left of a clip that ends at `end`.
     pub fn rest(&mut self, end: Micros) -> Vec<Vec<f32>> {
-        let count = self.how.windows.count(end).saturating_sub(self.next);
-        self.end(count as usize)
+        std::iter::from_fn(|| self.next_left(end)).collect()
+    }
+
+    /// The next window, if it ends by `until`, up to which all events are in.
+    pub fn next_finished(&mut self, until: Micros) -> Option<Vec<f32>> {
+        let over = self.how.windows.bounds(self.next).1 <= until.0 as i64;
+        over.then(|| self.end())
+    }
+
+    /// The next window, if any is left of a clip that ends at `end`.
+    pub fn next_left(&mut self, end: Micros) -> Option<Vec<f32>> {
+        let left = self.next < self.how.windows.count(end);
+        left.then(|| self.end())
     }
 
     fn begin(&mut self, at: usize) {
@@ -70,15 +106,13 @@ impl VoxelStream {
         }
     }
 
-    fn end(&mut self, count: usize) -> Vec<Vec<f32>> {
-        if count > 0 {
-            self.begin(count - 1);
-        }
-        self.next += count as u64;
-        let mut over: Vec<_> = self.begun.drain(..count).collect();
-        for window in &mut over {
-            self.how.finish((self.size, self.channels), window);
-        }
-        over
+    /// The next window, which is over.
+    fn end(&mut self) -> Vec<f32> {
+        let place = (self.size, self.channels);
+        let silent = || vec![0.0; self.how.len(place.0, place.1)];
+        let mut window = self.begun.pop_front().unwrap_or_else(silent);
+        self.next += 1;
+        self.how.finish(place, &mut window);
+        window
     }
 }

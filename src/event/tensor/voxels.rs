@@ -287,7 +287,21 @@ mod tests {
                 got.extend(stream.finished(Micros(until)).into_iter().flatten());
             }
             got.extend(stream.rest(Micros(100_000)).into_iter().flatten());
-            prop_assert_eq!(got, how.of(&packet));
+            prop_assert_eq!(&got, &how.of(&packet));
+            // And passed on one by one.
+            let mut stream = VoxelStream::new(how, SIZE, 2);
+            let mut passed = Vec::new();
+            for part in packet.events.chunks(1 + step as usize % 9) {
+                let pass = |window: &[f32]| {
+                    passed.extend_from_slice(window);
+                    Ok::<(), ()>(())
+                };
+                stream.pass(part, pass).unwrap();
+            }
+            while let Some(window) = stream.next_left(Micros(100_000)) {
+                passed.extend(window);
+            }
+            prop_assert_eq!(passed, got);
         }
     }
 

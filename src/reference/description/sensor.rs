@@ -1,6 +1,6 @@
 //! Everything that a sensor file states.
 
-use crate::{photoreceptor::Response, reference::noise::Noise};
+use crate::{event::kind_names, photoreceptor::Response, reference::noise::Noise};
 
 use super::{
     channel::Channel,
@@ -35,12 +35,6 @@ impl Description {
     /// name; none otherwise.
     #[must_use]
     pub fn names(&self) -> Vec<String> {
-        let several = self.channels.len() > 1;
-        if !several || self.channels.iter().all(|kind| kind.name.is_none()) {
-            return Vec::new();
-        }
-        let each = self.channels.iter().enumerate();
-        each.map(|(i, kind)| kind.name.clone().unwrap_or_else(|| format!("kind {i}")))
-            .collect()
+        kind_names(self.channels.iter().map(|kind| kind.name.as_deref()))
     }
 }

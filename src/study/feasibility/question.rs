@@ -2,7 +2,7 @@
 
 use super::readout::ReadoutOrder;
 use crate::{
-    compile::Effort,
+    compile::{DriveMemory, Effort},
     event::readout::Readout,
     isa::Device,
     kernel::{
@@ -29,6 +29,9 @@ pub struct Question<'a> {
     pub sum: Sum,
     /// The chip on which the program is to run.
     pub device: &'a Device,
+    /// What a program of all kernels remembers, and where; else the first that the chip holds them
+    /// in.
+    pub memory: Option<DriveMemory>,
     /// How long each frame is exposed, where that is known.
     pub exposure: Option<Micros>,
     /// Whether the next frame is exposed while events are read.

@@ -108,7 +108,7 @@ impl Shared {
             quantised.push(question.design().quantise(to, question.sum)?);
         }
         let designs = levels(questions, &quantised);
-        let found = Together::compile(&designs, "together")?;
+        let found = Together::compile(&designs, "together", of.memory)?;
         let mut kinds: Vec<_> = answers.iter().map(SharedKind::new).collect();
         let fit = match found {
             Err(refused) => SharedFit::Refused(refused),
@@ -214,6 +214,13 @@ const LOSS: f64 = 0.05;
 fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (String, String) {
     let count = kinds.len();
     let program = match fit {
+        SharedFit::Refused(why) if count == 1 => {
+            let says = format!(
+                "There is no such program of the kernel. {}.",
+                why.join(". ")
+            );
+            return ("Does not fit".to_owned(), says);
+        }
         SharedFit::Refused(why) => {
             return (
                 "Do not fit together".to_owned(),
@@ -227,12 +234,13 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
     };
     let fps = answers.first().map_or(0.0, |answer| answer.scene.fps);
     let ceiling = &program.time.ceiling;
-    let headline = if ceiling.high < fps {
-        "Fit together, but are too slow"
-    } else if ceiling.low < fps {
-        "Fit together, but may be too slow"
-    } else {
-        "Fit together"
+    let headline = match (ceiling.high < fps, ceiling.low < fps, count) {
+        (true, _, 1) => "Fits, but is too slow",
+        (_, true, 1) => "Fits, but may be too slow",
+        (_, _, 1) => "Fits",
+        (true, ..) => "Fit together, but are too slow",
+        (_, true, _) => "Fit together, but may be too slow",
+        _ => "Fit together",
     };
     let loses = |kind: &&SharedKind| {
         let together = kind.headline.map(|headline| headline.kept);
@@ -245,7 +253,12 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
         .filter(loses)
         .map(|kind| kind.name.as_str())
         .collect();
-    let loss = if losing.is_empty() {
+    // The other program of a kernel alone is one with another memory.
+    let loss = if losing.is_empty() && count == 1 {
+        "It keeps no clearly less than with a memory in an analogue register.".to_owned()
+    } else if count == 1 {
+        "It keeps clearly less than with a memory in an analogue register.".to_owned()
+    } else if losing.is_empty() {
         "None of them keeps clearly less than in a program of its own.".to_owned()
     } else {
         format!(
@@ -256,13 +269,23 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
     (
         headline.to_owned(),
         format!(
-            "One program has all {count} kernels, with {}: {} words of the {} in the store, {} of {} analogue registers, at most {ceiling} for the {fps} that the scene asks for. The chip carries {} kinds like these in that way. Together they are judged against {}. {loss}",
+            "One program has {}, with {}: {} words of the {} in the store, {} of {} analogue registers, at most {ceiling} for the {fps} that the scene asks for. The chip carries {} kinds like these in that way. {} judged against {}. {loss}",
+            if count == 1 {
+                "the kernel".to_owned()
+            } else {
+                format!("all {count} kernels")
+            },
             program.memory,
             program.stored_words,
             program.store.low,
             program.registers,
             program.registers_of,
             program.carried,
+            if count == 1 {
+                "It is"
+            } else {
+                "Together they are"
+            },
             program.against,
         ),
     )

@@ -66,7 +66,13 @@ pub fn page_of_several(all: &Several, snapshots: &[Snapshot]) -> String {
         all.amacrine,
         &format!("{} on {chip}", names.join(", ")),
         &html! {
-            p.lead { "Can a pixel of " (chip) " compute all of these receptive fields at once, and what is left of the events of each? First all of them together, then a chapter for each." }
+            p.lead {
+                @if names.len() == 1 {
+                    "Can a pixel of " (chip) " compute this receptive field with the memory that was asked for, and what is left of its events? First that program, then a chapter about the kernel with a memory in an analogue register."
+                } @else {
+                    "Can a pixel of " (chip) " compute all of these receptive fields at once, and what is left of the events of each? First all of them together, then a chapter for each."
+                }
+            }
         },
         &html! {
             (shared::section(all).at(&place))

@@ -13,12 +13,16 @@ pub(super) fn section(all: &Several) -> Part {
     let together = &all.together;
     part(
         "together",
-        "All of them in one program",
+        if together.kinds.len() == 1 {
+            "The program with this memory"
+        } else {
+            "All of them in one program"
+        },
         html! {
             p.headline { strong { (together.headline) } }
             (wide("Kernels", &html! {
                 table {
-                    caption { "Each kernel, in the program of all and in one of its own, with the chip\u{2019}s errors" }
+                    caption { "Each kernel, in this program and in one of its own, with the chip\u{2019}s errors" }
                     thead { tr {
                         th scope="col" { "Kernel" }
                         th scope="col" { "Values" }
@@ -67,10 +71,10 @@ fn program_table(program: &SharedProgram) -> Markup {
     let at = |key: &str| format!("/together/fit/on_chip/{key}");
     let time = &program.time;
     cards(
-        "The program of all",
+        "This program",
         &html! {
             table {
-                caption { "One program of all kernels, with " (program.memory) }
+                caption { "One program, with " (program.memory) }
                 (number::head())
                 tbody {
                     (number::counted("Kinds that the chip carries", "like these, in that way", &number::plain(&at("carried"), program.carried as f64)))

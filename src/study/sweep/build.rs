@@ -256,6 +256,7 @@ fn compiled(
     // One program serves all thresholds, so that it cannot be the one that decides best at one.
     request.objective = Objective::Exact;
     let kind = CellKind {
+        name: None,
         kernel: levels,
         on: 1.0,
         off: if one_threshold { 1.0 } else { 0.5 },
