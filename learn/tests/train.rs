@@ -59,22 +59,20 @@ fn one_batch_is_learned_by_heart() {
         let seen = model
             .forward(Light::new(&light, &times, batch.size()).unwrap())
             .unwrap();
-        let network = Network::<f32>::new(task.plan(arm), batch.size());
+        let network = Network::<f32>::new(task.plan(arm), batch.size(), 2);
         let mut weights = network.start(3, task.fan());
         let mut adam = Adam::new(weights.len());
         let mut losses = Vec::new();
         for _ in 0..400 {
             let packed = network.packed(&weights);
-            let there = |n| {
-                let input = batch.input((&task, network.shape()), n, Some(&seen));
-                network.forward(&weights, &packed, input)
-            };
-            let (answers, kept): (Vec<_>, Vec<_>) = (0..2).map(there).unzip();
+            let input = batch.input((&task, network.shape()), 0..2, Some(&seen));
+            let (answers, kept) = network.forward(&weights, &packed, input);
+            let answers = [answers];
             let loss = Loss::new(&task, network.shape(), &batch, &answers);
             losses.push(loss.mean);
             let mut gradient = vec![0.0; weights.len()];
-            for (kept, asked) in kept.iter().zip(loss.asked) {
-                network.backward(&packed, kept, asked, (&mut gradient, false));
+            for asked in loss.asked {
+                network.backward(&packed, &kept, asked, (&mut gradient, false));
             }
             adam.step(&mut weights, &gradient, 5e-3);
         }
@@ -90,18 +88,18 @@ fn losses_fall_where_their_gradient_says() {
         let task = task(&text(goal, "\"dvs\""));
         let clips = clips(&task);
         let batch = Batch::new(&clips, 0..2);
-        let network = Network::<f32>::new(task.plan(&task.arms[0]), batch.size());
+        let network = Network::<f32>::new(task.plan(&task.arms[0]), batch.size(), 2);
         let shape = network.shape();
         let mut weights = network.start(3, task.fan());
         let biases = weights.len() - network.plan().outputs;
         weights[biases..].fill(0.05);
-        let none = |_| amacrine_learn::network::Maps::zeros(shape, network.plan().inputs);
-        let mut answers = network.answers(&weights, (0..2).map(none).collect());
+        let none = amacrine_learn::network::Maps::zeros(shape, network.plan().inputs);
+        let mut answers = network.answers(&weights, vec![none]);
         let loss = Loss::new(&task, shape, &batch, &answers);
-        let asked: f32 = (0..16).flat_map(|y| loss.asked[1].row(shape, 0, y)).sum();
+        let asked: f32 = (0..16).flat_map(|y| loss.asked[0].row(shape, (1, 0), y)).sum();
         let step = 2e-3;
         for y in 0..16 {
-            for value in answers[1].row_mut(shape, 0, y) {
+            for value in answers[0].row_mut(shape, (1, 0), y) {
                 *value += step;
             }
         }

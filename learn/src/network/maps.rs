@@ -4,6 +4,9 @@
 //! the next row; a row of zeros lies above and below. The neighbour at (dy, dx) of the value at `p` is
 //! then at `p + dy (width + 1) + dx`, at every place. What a loop over all of them writes to the rim
 //! is multiplied by 0 ([`Shape::mask`]).
+//!
+//! Maps hold some pictures, one below the other with a row of zeros between: a loop goes over all of
+//! them, and is long where pictures are small.
 
 use amacrine::{gradient::Float, plane::Size};
 
@@ -14,23 +17,36 @@ pub(super) const BLOCK: usize = 16;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape<R> {
     size: Size,
+    pictures: usize,
     mask: Vec<R>,
 }
 
 impl<R: Float> Shape<R> {
-    /// Maps of this size.
+    /// Maps of so many pictures of this size.
     #[must_use]
-    pub fn new(size: Size) -> Self {
+    pub fn new(size: Size, pictures: usize) -> Self {
         let stride = size.width + 1;
-        let span = (size.height * stride).next_multiple_of(BLOCK);
-        let mut mask = vec![R::ZERO; span];
-        for row in mask.chunks_mut(stride).take(size.height) {
-            row[..size.width].fill(R::ONE);
+        let each = (size.height + 1) * stride;
+        let mut mask = vec![R::ZERO; (pictures * each).next_multiple_of(BLOCK)];
+        for picture in mask.chunks_mut(each).take(pictures) {
+            for row in picture.chunks_mut(stride).take(size.height) {
+                row[..size.width].fill(R::ONE);
+            }
         }
-        Self { size, mask }
+        Self {
+            size,
+            pictures,
+            mask,
+        }
     }
 
-    /// Rows and columns.
+    /// How many pictures.
+    #[must_use]
+    pub const fn pictures(&self) -> usize {
+        self.pictures
+    }
+
+    /// Rows and columns of a picture.
     #[must_use]
     pub const fn size(&self) -> Size {
         self.size
@@ -56,13 +72,13 @@ impl<R: Float> Shape<R> {
         self.start() + self.mask.len() + self.stride() + 1
     }
 
-    /// Where row `y` begins.
-    pub(super) const fn row(&self, y: usize) -> usize {
-        self.start() + y * self.stride()
+    /// Where row `y` of a picture begins.
+    const fn row(&self, picture: usize, y: usize) -> usize {
+        self.start() + (picture * (self.size.height + 1) + y) * self.stride()
     }
 }
 
-/// Maps of one size, one for each channel; the rim is 0.
+/// Maps of some pictures of one size, one for each channel; the rim is 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Maps<R> {
     channels: usize,
@@ -105,15 +121,20 @@ impl<R: Float> Maps<R> {
         &mut self.values
     }
 
-    /// Row `y` of a map.
+    /// Row `y` of a picture in a map.
     #[must_use]
-    pub fn row(&self, shape: &Shape<R>, channel: usize, y: usize) -> &[R] {
-        &self.map(channel)[shape.row(y)..][..shape.size().width]
+    pub fn row(&self, shape: &Shape<R>, (picture, channel): (usize, usize), y: usize) -> &[R] {
+        &self.map(channel)[shape.row(picture, y)..][..shape.size().width]
     }
 
-    /// Row `y` of a map.
-    pub fn row_mut(&mut self, shape: &Shape<R>, channel: usize, y: usize) -> &mut [R] {
-        &mut self.map_mut(channel)[shape.row(y)..][..shape.size().width]
+    /// Row `y` of a picture in a map.
+    pub fn row_mut(
+        &mut self,
+        shape: &Shape<R>,
+        (picture, channel): (usize, usize),
+        y: usize,
+    ) -> &mut [R] {
+        &mut self.map_mut(channel)[shape.row(picture, y)..][..shape.size().width]
     }
 
     /// These maps and, after them, those of `other`.

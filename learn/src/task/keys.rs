@@ -161,6 +161,12 @@ pub(super) const SCENES: Table = Table::new(&[
         Kind::Name,
         "a video or a pattern in place of photographs, as `amacrine run` takes it; for interpolation",
     ),
+    Key::with_default(
+        "clips",
+        whole(0, 10_000_000),
+        "8192",
+        "different clips to train on, each made once and kept; with 0 each step has new ones",
+    ),
     Key::with_default("frames", whole(3, 65), "9", "frames of a clip, odd"),
     Key::with_default(
         "fps",

@@ -96,6 +96,8 @@ pub struct Scenes {
     pub photographs: Option<PathBuf>,
     /// A video or a pattern in their place.
     pub video: Option<String>,
+    /// Different clips to train on; 0 for new ones in each step.
+    pub clips: u64,
     /// Frames of a clip, odd.
     pub frames: usize,
     /// Frames a second.

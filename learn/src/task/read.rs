@@ -214,6 +214,7 @@ fn scenes_of(task: &Section<'_>, scenes: Option<Section<'_>>, goal: Goal) -> Rea
     Ok(Scenes {
         photographs: text("photographs").map(Into::into),
         video,
+        clips: whole(scenes, "clips", 8192)?,
         frames,
         fps: number(scenes, "fps", 240.0)?,
         motion: Motion {

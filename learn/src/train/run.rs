@@ -16,7 +16,7 @@ use crate::{
     arm::Arm,
     record::{self, KernelAt, Record, Row},
     scene::{Clips, Photographs, Video},
-    task::Task,
+    task::{Goal, Task},
 };
 
 use super::{
@@ -255,7 +255,8 @@ impl<'a> Run<'a> {
         let one = self.task.arms.iter().find(|arm| arm.kinds() == 1);
         let one = one.or_else(|| self.task.arms.first());
         let size = Size::new(self.task.crop, self.task.crop);
-        let network = one.map(|arm| crate::network::Network::<f32>::new(self.task.plan(arm), size));
+        let network =
+            one.map(|arm| crate::network::Network::<f32>::new(self.task.plan(arm), size, 1));
         let record = Record {
             version: record::VERSION,
             task: self.task.name.clone(),
@@ -282,10 +283,12 @@ fn clips(task: &Task) -> Result<(Clips, Clips, String), TrainError> {
     let scenes = &task.scenes;
     let crop = Size::new(task.crop, task.crop);
     let large = Size::new(task.test.1, task.test.1);
+    let flow = task.goal == Goal::Flow;
+    let kept = |clips: Clips| clips.kept(scenes.clips, flow);
     if let Some(video) = &scenes.video {
         let (training, held_out) = Video::open(video)?.split();
         return Ok((
-            Clips::of_video(&training, crop, scenes.frames, TRAINING)?,
+            kept(Clips::of_video(&training, crop, scenes.frames, TRAINING)?),
             Clips::of_video(&held_out, large, scenes.frames, HELD_OUT)?,
             video.clone(),
         ));
@@ -296,7 +299,13 @@ fn clips(task: &Task) -> Result<(Clips, Clips, String), TrainError> {
     };
     let (training, held_out) = photographs.split();
     Ok((
-        Clips::new(&training, &scenes.motion, crop, scenes.frames, TRAINING)?,
+        kept(Clips::new(
+            &training,
+            &scenes.motion,
+            crop,
+            scenes.frames,
+            TRAINING,
+        )?),
         Clips::new(&held_out, &scenes.motion, large, scenes.frames, HELD_OUT)?,
         photographs.checksum(),
     ))

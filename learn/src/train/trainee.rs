@@ -130,7 +130,7 @@ impl<'a> Trainee<'a> {
     /// The same without thresholds.
     #[must_use]
     pub fn blank((task, arm): (&'a Task, &'a Arm), (target, seed): (f64, u64)) -> Self {
-        let network = Network::new(task.plan(arm), Size::new(task.crop, task.crop));
+        let network = Network::new(task.plan(arm), Size::new(task.crop, task.crop), task.batch);
         let weights = network.start(seed, task.fan());
         let shape = arm.cells().map(|cells| Shape::new(cells, seed));
         let learned = shape
@@ -332,10 +332,11 @@ impl<'a> Trainee<'a> {
         let shape = self.network.shape();
         let weights = &self.state.network.0;
         let packed = self.network.packed(weights);
-        let (answers, kept): (Vec<_>, Vec<_>) = (0..batch.clips.len())
+        let (answers, kept): (Vec<_>, Vec<_>) = batch
+            .groups()
             .into_par_iter()
-            .map(|n| {
-                let input = batch.input((self.task, shape), n, seen);
+            .map(|clips| {
+                let input = batch.input((self.task, shape), clips, seen);
                 self.network.forward(weights, &packed, input)
             })
             .unzip();
@@ -363,8 +364,8 @@ impl<'a> Trainee<'a> {
         self.finite("the network's gradient", size)?;
         let moved = match (&model, &applied) {
             (Some((model, seen)), Some(applied)) if learned => {
-                let voxels = self.voxels(&inputs);
-                Some(self.pulled((model, seen), &voxels, (applied, loss.mean))?)
+                let voxels = self.voxels(&batch, &inputs);
+                Some(self.pulled((model, seen), &voxels, applied)?)
             }
             _ => None,
         };
@@ -408,14 +409,16 @@ impl<'a> Trainee<'a> {
     }
 
     /// What the loss asks of the voxels, clip after clip.
-    fn voxels(&self, inputs: &[Maps<f32>]) -> Vec<f32> {
+    fn voxels(&self, batch: &Batch, inputs: &[Maps<f32>]) -> Vec<f32> {
         let shape = self.network.shape();
         let first = self.task.pictures();
         let mut voxels = Vec::new();
-        for maps in inputs {
-            for c in first..maps.channels() {
-                for y in 0..shape.size().height {
-                    voxels.extend_from_slice(maps.row(shape, c, y));
+        for (clips, maps) in batch.groups().into_iter().zip(inputs) {
+            for place in 0..clips.len() {
+                for c in first..maps.channels() {
+                    for y in 0..shape.size().height {
+                        voxels.extend_from_slice(maps.row(shape, (place, c), y));
+                    }
                 }
             }
         }
@@ -428,7 +431,7 @@ impl<'a> Trainee<'a> {
         &self,
         (model, seen): (&Model<f32>, &amacrine::gradient::Forward<f32>),
         voxels: &[f32],
-        (applied, _loss): (&Applied, f64),
+        applied: &Applied,
     ) -> Result<(Vec<f64>, f64), TrainError> {
         let wrong = |cause| self.gradient_error(cause);
         let ask = Ask {
