@@ -85,7 +85,7 @@ impl Convolution {
         input: &Maps<R>,
     ) -> Maps<R> {
         let (_, biases) = self.weights(parameters);
-        let mut output = Maps::zeros(shape, self.outputs);
+        let mut output = Maps::unwritten(shape, self.outputs);
         self.apply((shape, packed, self.rectified), input, biases, &mut output);
         output
     }
@@ -134,7 +134,7 @@ impl Convolution {
             *bias = *bias + total(asked.map(o));
         }
         further.then(|| {
-            let mut back = Maps::zeros(shape, self.inputs);
+            let mut back = Maps::unwritten(shape, self.inputs);
             let turned = Self {
                 inputs: self.outputs,
                 outputs: self.inputs,
@@ -199,11 +199,7 @@ impl Convolution {
     "x86_64+avx2",
     "aarch64+neon"
 ))]
-fn add_nine<R: Real>(
-    sums: &mut [R],
-    (map, stride): (&[R], usize),
-    weights: &[R; 9 * TOGETHER],
-) {
+fn add_nine<R: Real>(sums: &mut [R], (map, stride): (&[R], usize), weights: &[R; 9 * TOGETHER]) {
     let n = sums.len() / TOGETHER;
     let (a, rest) = sums.split_at_mut(n);
     let (b, rest) = rest.split_at_mut(n);

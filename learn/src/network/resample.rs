@@ -11,7 +11,7 @@ pub(super) fn halved<R: Float>(
     maps: &Maps<R>,
     factor: R,
 ) -> Maps<R> {
-    let mut out = Maps::zeros(to, maps.channels());
+    let mut out = Maps::unwritten(to, maps.channels());
     for place in places(to, maps) {
         for y in 0..to.size().height {
             let upper = maps.row(from, place, 2 * y).chunks_exact(2);
@@ -37,7 +37,7 @@ pub(super) fn doubled<R: Float>(
     maps: &Maps<R>,
     factor: R,
 ) -> Maps<R> {
-    let mut out = Maps::zeros(to, maps.channels());
+    let mut out = Maps::unwritten(to, maps.channels());
     for place in places(to, maps) {
         for y in 0..to.size().height {
             let row = maps.row(from, place, y / 2).iter();

@@ -9,7 +9,9 @@ fn noise<R: Float>(seed: u64, shape: &Shape<R>, channels: usize) -> Maps<R> {
     for (p, c) in (0..shape.pictures()).flat_map(|p| (0..channels).map(move |c| (p, c))) {
         for y in 0..shape.size().height {
             for (x, value) in maps.row_mut(shape, (p, c), y).iter_mut().enumerate() {
-                let place = [p, c, y, x].iter().fold(Hash::new(seed), |h, n| h.with(*n as u64));
+                let place = [p, c, y, x]
+                    .iter()
+                    .fold(Hash::new(seed), |h, n| h.with(*n as u64));
                 *value = R::from_f64(2.0 * place.uniform() - 1.0);
             }
         }
@@ -74,7 +76,11 @@ fn gradients_are_differences() {
     }
     let shape = network.shape().clone();
     for n in (0..6 * size.pixels()).step_by(17) {
-        let (c, y, x) = ((n / size.pixels() % 2, n / size.pixels() / 2), n / 12 % 8, n % 12);
+        let (c, y, x) = (
+            (n / size.pixels() % 2, n / size.pixels() / 2),
+            n / 12 % 8,
+            n % 12,
+        );
         let held = input.row(&shape, c, y)[x];
         let mut at = |by: f64| {
             input.row_mut(&shape, c, y)[x] = held + by;

@@ -102,9 +102,7 @@ impl<R: Float> Network<R> {
             inputs = *width;
         }
         let head = layer(inputs, plan.outputs, 1);
-        let shape = |n: usize| {
-            Shape::new(Size::new(size.height >> n, size.width >> n), pictures)
-        };
+        let shape = |n: usize| Shape::new(Size::new(size.height >> n, size.width >> n), pictures);
         Self {
             shapes: (0..plan.widths.len()).map(shape).collect(),
             down,
@@ -131,6 +129,27 @@ impl<R: Float> Network<R> {
     #[must_use]
     pub const fn parameters(&self) -> usize {
         self.parameters
+    }
+
+    /// Where a parameter is, in words.
+    #[must_use]
+    pub fn place(&self, parameter: usize) -> String {
+        let (down, up) = (self.down.iter().enumerate(), self.up.iter().enumerate());
+        let levels = self.down.len();
+        let layers = down
+            .map(|(n, layers)| (n, "down", layers))
+            .chain(up.map(|(n, layers)| (levels - 2 - n, "up", layers)));
+        for (level, way, layers) in layers {
+            let own = |layer: &Convolution| parameter < layer.start + layer.parameters();
+            if let Some(n) = layers.iter().position(own) {
+                return format!(
+                    "convolution {} of the network's level {}, on the way {way}",
+                    n + 1,
+                    level + 1
+                );
+            }
+        }
+        "the network's head".to_owned()
     }
 
     /// Multiplications of one picture on the way there.
@@ -247,7 +266,8 @@ impl<R: Float> Network<R> {
             let level = levels - 2 - n;
             let below = up.last().unwrap_or(&down[level + 1]);
             let shapes = (&self.shapes[level + 1], &self.shapes[level]);
-            let from = doubled(shapes, &below[each], R::ONE).joined(&down[level][each]);
+            let from = doubled(shapes, &below[each], R::ONE);
+            let from = from.joined(&self.shapes[level], &down[level][each]);
             let place = (&layers[..], &self.shapes[level], (levels + n) * each);
             up.push(Self::level(weights, place, from));
         }
@@ -299,7 +319,7 @@ impl<R: Float> Network<R> {
             let level = levels - 2 - n;
             let place = (&self.shapes[level], (levels + n) * each);
             let both = level_back(layers, place, &seen.up[n], asked, true)?;
-            let (below, skip) = both.parted(self.plan.widths[level + 1]);
+            let (below, skip) = both.parted(&self.shapes[level], self.plan.widths[level + 1]);
             skipped.push(skip);
             let shapes = (&self.shapes[level], &self.shapes[level + 1]);
             asked = halved(shapes, &below, R::ONE);

@@ -29,6 +29,14 @@ impl Batch {
         }
     }
 
+    /// Some of these clips, by their places.
+    pub(super) fn some(&self, places: &[usize]) -> Self {
+        Self {
+            clips: places.iter().map(|n| self.clips[*n].clone()).collect(),
+            size: self.size,
+        }
+    }
+
     /// Rows and columns.
     #[must_use]
     pub const fn size(&self) -> Size {
@@ -140,7 +148,9 @@ impl Loss {
         let each = |(clips, answer): (Range<usize>, &Maps<f32>)| {
             let mut asked = Maps::zeros(shape, answer.channels());
             let own = |(place, clip): (usize, &Clip)| match task.goal {
-                Goal::Interpolation => interpolation(clip, (shape, place, count), answer, &mut asked),
+                Goal::Interpolation => {
+                    interpolation(clip, (shape, place, count), answer, &mut asked)
+                }
                 Goal::Flow => flow(clip, (shape, place, count), answer, &mut asked),
             };
             let losses: Vec<f64> = batch.clips[clips].iter().enumerate().map(own).collect();

@@ -28,6 +28,7 @@ use super::{
 const TOGETHER: u64 = 32;
 
 /// What the network is given of the events of some clips, and how many they are.
+#[derive(PartialEq)]
 pub(super) struct Told {
     /// Voxels, (frames, kinds, rows, columns), clip after clip.
     pub voxels: Vec<Vec<f32>>,
@@ -100,7 +101,7 @@ impl Trainee<'_> {
                     Some(told(&seen))
                 }
             };
-            rows.extend(self.rows((&part, first), told.as_ref(), Form::Trained));
+            rows.extend(self.rows((&part, first), told.as_ref(), (Form::Trained, Decoder::Own)));
         }
         Ok(rows)
     }
@@ -110,7 +111,7 @@ impl Trainee<'_> {
         &self,
         (batch, first): (&Batch, u64),
         told: Option<&Told>,
-        form: Form,
+        (form, decoder): (Form, Decoder),
     ) -> Vec<Row> {
         let network =
             Network::<f32>::new(self.task.plan(self.arm), batch.size(), batch.clips.len());
@@ -127,7 +128,7 @@ impl Trainee<'_> {
                 target: self.target,
                 seed: self.seed,
                 form,
-                decoder: Decoder::Own,
+                decoder,
                 photograph: clip.name.to_string(),
                 clip: first + n as u64,
                 events,
@@ -153,7 +154,8 @@ impl Trainee<'_> {
                 network.forward(weights, &packed, input).0
             });
             let rows = clips.enumerate();
-            rows.map(|(place, n)| one(n, (place, answer.as_ref()))).collect::<Vec<_>>()
+            rows.map(|(place, n)| one(n, (place, answer.as_ref())))
+                .collect::<Vec<_>>()
         };
         let groups: Vec<_> = batch.groups().into_par_iter().map(group).collect();
         groups.concat()

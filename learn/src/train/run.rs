@@ -23,6 +23,7 @@ use super::{
     checkpoint,
     error::TrainError,
     export,
+    on_chip::Sources,
     trainee::{State, Trainee},
 };
 
@@ -181,6 +182,9 @@ impl<'a> Run<'a> {
         }
         let place = self.place(job);
         make_folder(&place)?;
+        // What a process that was killed has left half written.
+        let _ = save::sweep_up(&place);
+        let _ = save::sweep_up(&self.folder);
         let path = place.join(CHECKPOINT);
         let identity = self.identity(job);
         let (of, at) = ((self.task, job.arm), (job.target, job.seed));
@@ -225,9 +229,14 @@ impl<'a> Run<'a> {
                 let weights = levels.unwrap_or_else(|| kernel.weights());
                 export::kernel(&place.join(format!("kernel-{k}.npy")), weights)?;
             }
+            let sources = Sources {
+                held_out: &self.held_out,
+                training: &self.training,
+            };
             let source = format!("amacrine-learn, {identity}, {} steps", trainee.state.step);
-            export::sensor(&place.join("sensor.toml"), &rated.description, &source)?;
-            rows.extend(trainee.on_chip(&applied, rated, (&self.held_out, &place))?);
+            let sensor = trainee.as_built(&rated.description);
+            export::sensor(&place.join("sensor.toml"), &sensor, &source)?;
+            rows.extend(trainee.on_chip(&applied, rated, (sources, &place))?);
         }
         let finished = Finished {
             identity,

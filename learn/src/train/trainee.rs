@@ -257,6 +257,26 @@ impl<'a> Trainee<'a> {
         }
     }
 
+    /// The sensor as it is built: a mesh of resistors in place of the kernel that stands for it.
+    #[must_use]
+    pub fn as_built(&self, sensor: &Description) -> Description {
+        let mut sensor = sensor.clone();
+        let shape = self.shape.clone().map(|mut shape| {
+            if self.arm.cells().is_some_and(|cells| cells.learned) {
+                shape.parameters.clone_from(&self.state.kernel.0);
+            }
+            shape
+        });
+        let mesh = shape.as_ref().and_then(Shape::surrounds);
+        if let (Some(mesh), Ok(alone)) = (mesh, Kernel::new(Plane::ones((1, 1)))) {
+            for channel in &mut sensor.channels {
+                channel.surrounds = Some(mesh.clone());
+                channel.kernels = vec![alone.clone()];
+            }
+        }
+        sensor
+    }
+
     /// The threshold that meets the target on a batch.
     ///
     /// # Errors
@@ -341,7 +361,10 @@ impl<'a> Trainee<'a> {
             })
             .unzip();
         let loss = Loss::new(self.task, shape, &batch, &answers);
-        self.finite("the loss", loss.mean)?;
+        if !loss.mean.is_finite() {
+            let voxels = seen.map_or(&[][..], |seen| seen.voxels());
+            return Err(self.not_finite(&light, voxels, loss.mean));
+        }
         let learned = self.arm.cells().is_some_and(|cells| cells.learned);
         let back: Vec<_> = { kept.par_iter().zip(loss.asked) }
             .map(|(seen, asked)| {
@@ -360,8 +383,10 @@ impl<'a> Trainee<'a> {
             }
             inputs.extend(input);
         }
-        let size: f64 = gradient.iter().map(|g| f64::from(g.abs())).sum();
-        self.finite("the network's gradient", size)?;
+        if let Some(n) = gradient.iter().position(|g| !g.is_finite()) {
+            let what = format!("the gradient of {}", self.network.place(n));
+            self.finite(&what, f64::from(gradient[n]))?;
+        }
         let moved = match (&model, &applied) {
             (Some((model, seen)), Some(applied)) if learned => {
                 let voxels = self.voxels(&batch, &inputs);
@@ -396,16 +421,37 @@ impl<'a> Trainee<'a> {
         Ok(())
     }
 
-    fn finite(&self, what: &'static str, value: f64) -> Result<(), TrainError> {
+    pub(super) fn finite(&self, what: &str, value: f64) -> Result<(), TrainError> {
         if value.is_finite() {
             return Ok(());
         }
         Err(TrainError::NotFinite {
             arm: self.arm.name.clone(),
             step: self.state.step,
-            what,
+            what: what.to_owned(),
             value,
         })
+    }
+
+    /// The first tensor on the way to the loss that is not finite.
+    fn not_finite(&self, light: &[f32], voxels: &[f32], loss: f64) -> TrainError {
+        let bad = |values: &[f32]| values.iter().position(|v| !v.is_finite());
+        let weights = &self.state.network.0;
+        let (what, value) = if let Some(n) = bad(light) {
+            ("the light".to_owned(), f64::from(light[n]))
+        } else if let Some(n) = bad(voxels) {
+            ("the voxels".to_owned(), f64::from(voxels[n]))
+        } else if let Some(n) = bad(weights) {
+            (self.network.place(n), f64::from(weights[n]))
+        } else {
+            ("the loss".to_owned(), loss)
+        };
+        TrainError::NotFinite {
+            arm: self.arm.name.clone(),
+            step: self.state.step,
+            what,
+            value,
+        }
     }
 
     /// What the loss asks of the voxels, clip after clip.
