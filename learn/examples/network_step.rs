@@ -7,7 +7,7 @@
 use std::{fs, time::Instant};
 
 use amacrine::plane::Size;
-use amacrine_learn::network::{Adam, Maps, Network, Plan};
+use amacrine_learn::network::{Adam, Maps, Network, PICTURES, Plan};
 use rayon::prelude::*;
 
 fn main() {
@@ -28,14 +28,15 @@ fn measure(widths: &[usize], convolutions: usize, side: usize) {
         inputs: 11,
         outputs: 1,
     };
-    let network = Network::<f32>::new(plan, Size::new(side, side));
+    let network = Network::<f32>::new(plan, Size::new(side, side), BATCH);
     let mut parameters = network.start(1, 11);
     let mut adam = Adam::new(parameters.len());
-    let mut inputs = vec![Maps::zeros(network.shape(), 11); BATCH];
-    for (n, input) in inputs.iter_mut().enumerate() {
+    let mut inputs = vec![Maps::zeros(network.shape(), 11); BATCH / PICTURES];
+    for n in 0..BATCH {
         for c in 0..11 {
             for y in 0..side {
-                for (x, value) in input.row_mut(network.shape(), c, y).iter_mut().enumerate() {
+                let row = inputs[n / PICTURES].row_mut(network.shape(), (n % PICTURES, c), y);
+                for (x, value) in row.iter_mut().enumerate() {
                     *value = ((n * 31 + c * 17 + y * 7 + x * 3) % 11) as f32 * 0.1;
                 }
             }

@@ -203,7 +203,7 @@ fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>]) -> Result<()> {
         };
         let each = step.mul_f64(steps as f64);
         total += each * own.len() as u32;
-        let bytes = bytes(task, trainee.network());
+        let bytes = bytes(task, trainee.network()) + run.training().bytes();
         most = most.max(bytes);
         println!(
             "  {:<12} {} x {:.1} min, {:.0} ms a step, {} weights, {:.0} MB",
@@ -227,7 +227,8 @@ fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>]) -> Result<()> {
 /// What a step holds: maps there and back of all clips, weights and their moments for each clip.
 fn bytes(task: &Task, network: &Network<f32>) -> usize {
     let light = task.batch * task.scenes.frames * task.crop * task.crop * 12;
-    task.batch * (network.map_bytes() * 2 + network.parameters() * 4)
+    let groups = task.batch.div_ceil(network.shape().pictures());
+    groups * (network.map_bytes() * 2 + network.parameters() * 4)
         + network.parameters() * 20
         + light
 }

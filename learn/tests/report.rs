@@ -166,9 +166,32 @@ fn the_chip_keeps_a_part() {
     assert_eq!((kept.arm.as_str(), kept.stages.len()), ("rgc", 2));
     let verdict = kept.verdict(Metric::Psnr).unwrap();
     assert!(
-        verdict.contains("on silicon of the +0.9") && verdict.ends_with("at least half"),
+        verdict.contains("of the +0.9") && verdict.ends_with("frozen: at least half"),
         "{verdict}"
     );
+    // With a decoder that was trained on it keeps more.
+    let mut both = record();
+    let again: Vec<Row> = { both.rows.iter() }
+        .filter(|row| row.form == Form::Silicon)
+        .map(|row| Row {
+            decoder: Decoder::Retrained,
+            psnr: row.psnr.map(|psnr| psnr + 0.3),
+            ..row.clone()
+        })
+        .collect();
+    both.rows.extend(again);
+    let kept = Report::new(both).kept().remove(0);
+    let [(_, frozen), (Decoder::Retrained, retrained)] = &kept.won[..] else {
+        panic!("{:?}", kept.won)
+    };
+    assert!((retrained.mean - frozen.mean - 0.3).abs() < 1e-9);
+    let verdict = kept.verdict(Metric::Psnr).unwrap();
+    assert!(
+        verdict.contains("with the decoder retrained: at least half"),
+        "{verdict}"
+    );
+    let report = Report::new(record());
+    let kept = report.kept().remove(0);
     let change = kept.stages[1].change.as_ref().unwrap();
     assert!((change.mean + 0.4).abs() < 0.1, "{change:?}");
     let mut weak = record();

@@ -306,13 +306,13 @@ impl<'a, R: Float> BackPass<'a, R> {
             self.light[start..start + width].copy_from_slice(&self.h[..width]);
         }
         if let [one] = &mut self.sums[k].kernels[..] {
-            return one.add(signal, y, &self.h);
+            return one.add(signal, (y, width), &self.h);
         }
         for parity in 0..2 {
             for (x, (half, h)) in self.half.iter_mut().zip(&self.h).enumerate() {
                 *half = if x % 2 == parity { *h } else { R::ZERO };
             }
-            self.sums[k].kernels[2 * (y % 2) + parity].add(signal, y, &self.half);
+            self.sums[k].kernels[2 * (y % 2) + parity].add(signal, (y, width), &self.half);
         }
     }
 

@@ -38,9 +38,10 @@ impl<R: Float> KernelSum<R> {
         }
     }
 
-    /// Adds row `y`: `h` is 0 beyond the last column, up to a whole block.
-    pub(super) fn add(&mut self, signal: &Padded<R>, y: usize, h: &[R]) {
+    /// Adds row `y` of so many columns: `h` is 0 beyond the last one, up to a whole block.
+    pub(super) fn add(&mut self, signal: &Padded<R>, (y, width): (usize, usize), h: &[R]) {
         debug_assert!(h.len().is_multiple_of(BLOCK));
+        let h = &h[..width.next_multiple_of(lanes::<R>())];
         let (source, stride) = signal.from(y, (self.rows / 2, self.columns / 2));
         let own = self.columns * lanes::<R>();
         for (row, sums) in self.lanes.chunks_exact_mut(own).enumerate() {
@@ -82,7 +83,11 @@ fn add_columns<R: Float, const LANES: usize>(h: &[R], source: &[R], sums: &mut [
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 fn add_some<R: Float, const LANES: usize, const TAPS: usize>(
     h: &[R],
     source: &[R],
@@ -92,15 +97,15 @@ fn add_some<R: Float, const LANES: usize, const TAPS: usize>(
         return;
     };
     let mut local = *sums;
-    for (block, h) in h.as_chunks::<LANES>().0.iter().enumerate() {
-        let Some(source) = source.get(block * LANES..block * LANES + LANES + TAPS - 1) else {
-            break;
-        };
-        for (sum, source) in local.iter_mut().zip(source.windows(LANES)) {
-            for ((sum, &h), &value) in sum.iter_mut().zip(h).zip(source) {
-                *sum = *sum + h * value;
+    let mut at = 0;
+    while at + LANES <= h.len() && at + LANES + TAPS - 1 <= source.len() {
+        let (h, source) = (&h[at..at + LANES], &source[at..at + LANES + TAPS - 1]);
+        for tap in 0..TAPS {
+            for lane in 0..LANES {
+                local[tap][lane] = local[tap][lane] + h[lane] * source[tap + lane];
             }
         }
+        at += LANES;
     }
     *sums = local;
 }

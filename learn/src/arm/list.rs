@@ -15,6 +15,7 @@ pub const NAMES: &[&str] = &[
     "rgc-rounded",
     "ternary",
     "int-5",
+    "mesh",
     "rgc-k2",
     "rgc-k4",
     "rgc-2x2",
@@ -53,6 +54,11 @@ pub fn named(name: &str) -> Option<Arm> {
         }),
         "ternary" | "int-5" => Some(Cells {
             levels: Levels::parse(name),
+            ..free()
+        }),
+        // What resistors between pixels carry: the pixel, less its surround.
+        "mesh" => Some(Cells {
+            start: Start::Mesh([1.0, -0.3]),
             ..free()
         }),
         "rgc-k2" => Some(Cells { kinds: 2, ..free() }),

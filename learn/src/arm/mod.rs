@@ -5,6 +5,7 @@
 //! with weights of another.
 
 mod list;
+mod resistors;
 mod shape;
 
 use crate::levels::Levels;
@@ -61,6 +62,9 @@ pub enum Start {
     /// The difference of two Gaussians: their standard deviations in pixels, and the gain of the
     /// second. What is learned is these three.
     Gaussians([f64; 3]),
+    /// The pixel and the surround that a resistor mesh makes: its space constant in pixels, and its
+    /// gain. What is learned is these two.
+    Mesh([f64; 2]),
 }
 
 impl Arm {

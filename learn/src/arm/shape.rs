@@ -4,12 +4,16 @@ use amacrine::{
     gradient::gaussian_gradients,
     kernel::{Gaussian, Kernel},
     plane::Plane,
+    reference::Surrounds,
     rng::Hash,
 };
 
 use crate::levels::{Levels, LevelsError};
 
-use super::{Cells, Start};
+use super::{
+    Cells, Start,
+    resistors::{self, LAMBDAS},
+};
 
 /// How far several kernels that begin alike are apart.
 const APART: f64 = 0.05;
@@ -32,6 +36,8 @@ enum Form {
     Weights { kernels: usize, side: usize },
     /// The logarithms of two standard deviations, and the gain of the second.
     Gaussians,
+    /// The logarithm of a mesh's space constant, and the gain of its surround.
+    Mesh,
     /// Nothing.
     Given(Plane<f64>),
 }
@@ -101,6 +107,9 @@ impl Shape {
                 let ln = amacrine::elementary::ln;
                 (Form::Gaussians, vec![ln(*narrow), ln(*wide), *gain])
             }
+            Start::Mesh([lambda, gain]) => {
+                (Form::Mesh, vec![amacrine::elementary::ln(*lambda), *gain])
+            }
         };
         let mut shape = Self {
             form,
@@ -131,8 +140,32 @@ impl Shape {
                 }
                 self.parameters[2] = self.parameters[2].clamp(-1.0, 1.0);
             }
+            Form::Mesh => {
+                let [least, most] = LAMBDAS.map(amacrine::elementary::ln);
+                self.parameters[0] = self.parameters[0].clamp(least, most);
+                self.parameters[1] = self.parameters[1].clamp(-1.0, 1.0);
+            }
             Form::Given(_) => {}
         }
+    }
+
+    /// The space constant and the gain of a mesh.
+    fn mesh(&self) -> (f64, f64) {
+        (
+            amacrine::elementary::exp(self.parameters[0]),
+            self.parameters[1],
+        )
+    }
+
+    /// The mesh that the kernel stands for, of the same length; `None` where there is none.
+    #[must_use]
+    pub fn surrounds(&self) -> Option<Surrounds> {
+        if self.form != Form::Mesh {
+            return None;
+        }
+        let (lambda, gain) = self.mesh();
+        let size = length(&resistors::kernel(lambda, gain)).max(f64::MIN_POSITIVE);
+        resistors::surrounds(lambda, gain, 1.0 / size)
     }
 
     fn gaussians(&self) -> [Gaussian; 2] {
@@ -153,6 +186,10 @@ impl Shape {
             Form::Gaussians => {
                 let sum = Kernel::from_gaussians(&self.gaussians());
                 vec![sum.map_or_else(|_| Plane::ones((1, 1)), |k| k.weights().clone())]
+            }
+            Form::Mesh => {
+                let (lambda, gain) = self.mesh();
+                vec![resistors::kernel(lambda, gain)]
             }
             Form::Weights { side, .. } => {
                 let kernels = self.parameters.chunks(side * side);
@@ -205,6 +242,14 @@ impl Shape {
         match &self.form {
             Form::Given(_) => Vec::new(),
             Form::Weights { .. } => asked.into_iter().flatten().collect(),
+            Form::Mesh => {
+                let (lambda, gain) = self.mesh();
+                let by = |plane: Plane<f64>| asked.iter().map(|g| (g * &plane).sum()).sum::<f64>();
+                vec![
+                    gain * by(resistors::by_logarithm(lambda)),
+                    by(resistors::surround(lambda)),
+                ]
+            }
             Form::Gaussians => {
                 let parts = self.gaussians();
                 let of = asked
@@ -229,7 +274,7 @@ impl Shape {
     pub const fn kernels(&self) -> usize {
         match self.form {
             Form::Weights { kernels, .. } => kernels,
-            Form::Gaussians | Form::Given(_) => 1,
+            Form::Gaussians | Form::Mesh | Form::Given(_) => 1,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Adam (Kingma and Ba 2015, <https://arxiv.org/abs/1412.6980>).
 
 use amacrine::gradient::Float;
+use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
 /// The running moments of some parameters.
@@ -37,13 +38,32 @@ impl<R: Float> Adam<R> {
         let (a, b) = (R::from_f64(FIRST), R::from_f64(SECOND));
         let (c, d) = (R::from_f64(1.0 - FIRST), R::from_f64(1.0 - SECOND));
         let least = R::from_f64(LEAST);
-        let moments = self.first.iter_mut().zip(&mut self.second);
-        for ((parameter, g), (first, second)) in parameters.iter_mut().zip(gradient).zip(moments) {
-            *first = a * *first + c * *g;
-            *second = b * *second + d * (*g * *g);
-            let root = R::from_f64((*second * scale).to_f64().sqrt());
-            *parameter = *parameter - pace * *first / (root + least);
-        }
+        walk(
+            parameters,
+            gradient,
+            (&mut self.first, &mut self.second),
+            [a, b, c, d, scale, pace, least],
+        );
+    }
+}
+
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
+fn walk<R: Float>(
+    parameters: &mut [R],
+    gradient: &[R],
+    (first, second): (&mut [R], &mut [R]),
+    [a, b, c, d, scale, pace, least]: [R; 7],
+) {
+    let moments = first.iter_mut().zip(second);
+    for ((parameter, g), (first, second)) in parameters.iter_mut().zip(gradient).zip(moments) {
+        *first = a * *first + c * *g;
+        *second = b * *second + d * (*g * *g);
+        let root = R::from_f64((*second * scale).to_f64().sqrt());
+        *parameter = *parameter - pace * *first / (root + least);
     }
 }
 

@@ -5,15 +5,18 @@
 //! are the same on every machine.
 
 use amacrine::{gradient::Float, number::Real};
-use multiversion::multiversion;
+use multiversion::{multiversion, target::target_cfg_f};
 
-use super::maps::{Maps, Shape};
+use super::maps::{BLOCK, Maps, Shape};
 
 /// Output channels that are worked on together.
 const TOGETHER: usize = 4;
 
 /// Partial sums of a weight's gradient.
-const LANES: usize = 8;
+const LANES: usize = BLOCK;
+
+/// Places that are worked on together: their sums stay in the first cache.
+const CHUNK: usize = 64 * BLOCK;
 
 /// The weights' places in a network's parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,7 +85,7 @@ impl Convolution {
         input: &Maps<R>,
     ) -> Maps<R> {
         let (_, biases) = self.weights(parameters);
-        let mut output = Maps::zeros(shape, self.outputs);
+        let mut output = Maps::unwritten(shape, self.outputs);
         self.apply((shape, packed, self.rectified), input, biases, &mut output);
         output
     }
@@ -131,7 +134,7 @@ impl Convolution {
             *bias = *bias + total(asked.map(o));
         }
         further.then(|| {
-            let mut back = Maps::zeros(shape, self.inputs);
+            let mut back = Maps::unwritten(shape, self.inputs);
             let turned = Self {
                 inputs: self.outputs,
                 outputs: self.inputs,
@@ -151,56 +154,76 @@ impl Convolution {
         output: &mut Maps<R>,
     ) {
         let each = self.inputs * self.taps() * TOGETHER;
-        let span = shape.mask().len();
-        let mut sums = vec![R::ZERO; TOGETHER * span];
+        let mut sums = vec![R::ZERO; TOGETHER * CHUNK];
         for (block, packed) in packed.chunks(each).enumerate() {
             let least = block * TOGETHER;
-            for (o, sums) in sums.chunks_mut(span).enumerate() {
-                sums.fill(biases.get(least + o).copied().unwrap_or(R::ZERO));
-            }
-            let taps = packed.chunks_exact(self.taps() * TOGETHER);
-            for (i, weights) in taps.enumerate() {
-                let map = input.map(i);
-                if self.side == 3 {
-                    for (dy, weights) in
-                        weights.as_chunks::<{ 3 * TOGETHER }>().0.iter().enumerate()
-                    {
-                        let first = shape.start() + dy * shape.stride() - shape.stride() - 1;
-                        add_three(&mut sums, &map[first..], weights);
-                    }
-                } else if let Some(weights) = weights.first_chunk() {
-                    add_one(&mut sums, &map[shape.start()..], weights);
+            for (n, mask) in shape.mask().chunks(CHUNK).enumerate() {
+                let start = shape.start() + n * CHUNK;
+                let sums = &mut sums[..TOGETHER * mask.len()];
+                for (o, sums) in sums.chunks_exact_mut(mask.len()).enumerate() {
+                    sums.fill(biases.get(least + o).copied().unwrap_or(R::ZERO));
                 }
-            }
-            for (o, sums) in sums
-                .chunks(span)
-                .enumerate()
-                .take(output.channels() - least)
-            {
-                let map = &mut output.map_mut(least + o)[shape.start()..];
-                finish(map, sums, shape.mask(), rectified);
+                let taps = packed.chunks_exact(self.taps() * TOGETHER);
+                for (i, weights) in taps.enumerate() {
+                    let map = input.map(i);
+                    if let Some(weights) = weights.first_chunk() {
+                        let stride = shape.stride();
+                        add_nine(sums, (&map[start - stride - 1..], stride), weights);
+                    } else if let Some(weights) = weights.first_chunk() {
+                        add_one(sums, &map[start..], weights);
+                    }
+                }
+                for (o, sums) in sums
+                    .chunks_exact(mask.len())
+                    .enumerate()
+                    .take(output.channels() - least)
+                {
+                    finish(
+                        &mut output.map_mut(least + o)[start..],
+                        sums,
+                        mask,
+                        rectified,
+                    );
+                }
             }
         }
     }
 }
 
-/// Adds a row of three taps of a map to each of a few sums.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn add_three<R: Real>(sums: &mut [R], map: &[R], weights: &[R; 3 * TOGETHER]) {
+/// Adds the nine taps of a map to each of a few sums.
+///
+/// Each sum is loaded and stored once for nine products, and the loop has no bounds checks, so that
+/// it runs in the widest vectors there are.
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
+fn add_nine<R: Real>(sums: &mut [R], (map, stride): (&[R], usize), weights: &[R; 9 * TOGETHER]) {
     let n = sums.len() / TOGETHER;
     let (a, rest) = sums.split_at_mut(n);
     let (b, rest) = rest.split_at_mut(n);
     let (c, d) = rest.split_at_mut(n);
-    // All slices have one length, so that the loop has no bounds checks.
     let d = &mut d[..n];
-    let (west, here, east) = (&map[..n], &map[1..=n], &map[2..n + 2]);
+    let (north, middle, south) = (map, &map[stride..], &map[2 * stride..]);
+    let (nw, nn, ne) = (&north[..n], &north[1..=n], &north[2..n + 2]);
+    let (ww, here, ee) = (&middle[..n], &middle[1..=n], &middle[2..n + 2]);
+    let (sw, ss, se) = (&south[..n], &south[1..=n], &south[2..n + 2]);
     let w = weights;
     for l in 0..n {
-        let (x, y, z) = (west[l], here[l], east[l]);
-        a[l] = a[l] + ((w[0] * x + w[4] * y) + w[8] * z);
-        b[l] = b[l] + ((w[1] * x + w[5] * y) + w[9] * z);
-        c[l] = c[l] + ((w[2] * x + w[6] * y) + w[10] * z);
-        d[l] = d[l] + ((w[3] * x + w[7] * y) + w[11] * z);
+        let v = [
+            nw[l], nn[l], ne[l], ww[l], here[l], ee[l], sw[l], ss[l], se[l],
+        ];
+        // One order of the sum, whatever the vectors.
+        let row = |o: usize, t: usize| {
+            let at = |t: usize| w[TOGETHER * t + o] * v[t];
+            (at(t) + at(t + 1)) + at(t + 2)
+        };
+        let all = |o: usize| (row(o, 0) + row(o, 3)) + row(o, 6);
+        a[l] = a[l] + all(0);
+        b[l] = b[l] + all(1);
+        c[l] = c[l] + all(2);
+        d[l] = d[l] + all(3);
     }
 }
 
@@ -234,7 +257,8 @@ fn finish<R: Real>(map: &mut [R], sums: &[R], mask: &[R], rectified: bool) {
 /// Partial sums of products.
 type Lanes<R> = [R; LANES];
 
-#[inline]
+#[allow(clippy::inline_always, reason = "takes the vectors of its caller")]
+#[inline(always)]
 fn add_products<R: Real>(mut sums: Lanes<R>, a: Lanes<R>, b: Lanes<R>) -> Lanes<R> {
     for l in 0..LANES {
         sums[l] = sums[l] + a[l] * b[l];
@@ -243,15 +267,35 @@ fn add_products<R: Real>(mut sums: Lanes<R>, a: Lanes<R>, b: Lanes<R>) -> Lanes<
 }
 
 /// The sums of products of a map, shifted by 0, 1 and 2, with each of a few.
-///
-/// Sums are variables of their own, so that they stay in registers.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512vl+avx512dq+avx512bw",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 fn across<R: Real>(input: &[R], asked: [&[R]; TOGETHER]) -> [[R; TOGETHER]; 3] {
+    let [a, b, c, d] = asked;
+    let sums = if target_cfg_f!(target_feature = "avx512f") {
+        let [(wa, ha, ea), (wb, hb, eb), (wc, hc, ec), (wd, hd, ed)] = with_four(input, asked);
+        [[wa, wb, wc, wd], [ha, hb, hc, hd], [ea, eb, ec, ed]]
+    } else {
+        // As many sums as there are registers.
+        let [(wa, ha, ea), (wb, hb, eb)] = with_two(input, [a, b]);
+        let [(wc, hc, ec), (wd, hd, ed)] = with_two(input, [c, d]);
+        [[wa, wb, wc, wd], [ha, hb, hc, hd], [ea, eb, ec, ed]]
+    };
+    sums.map(|each| each.map(|lanes| folded(&lanes)))
+}
+
+/// Sums with the place to the west, with the place itself, with the place to the east.
+type Three<R> = (Lanes<R>, Lanes<R>, Lanes<R>);
+
+/// Sums are variables of their own, so that they stay in registers.
+#[allow(clippy::inline_always, reason = "takes the vectors of its caller")]
+#[inline(always)]
+fn with_four<R: Real>(input: &[R], asked: [&[R]; 4]) -> [Three<R>; 4] {
     let n = asked[0].len() / LANES;
     let [a, b, c, d] = asked.map(|map| &map.as_chunks::<LANES>().0[..n]);
-    let west = &input[..n * LANES].as_chunks::<LANES>().0[..n];
-    let here = &input[1..=n * LANES].as_chunks::<LANES>().0[..n];
-    let east = &input[2..n * LANES + 2].as_chunks::<LANES>().0[..n];
+    let [west, here, east] = shifted(input, n);
     let zero = [R::ZERO; LANES];
     let (mut wa, mut wb, mut wc, mut wd) = (zero, zero, zero, zero);
     let (mut ha, mut hb, mut hc, mut hd) = (zero, zero, zero, zero);
@@ -271,14 +315,48 @@ fn across<R: Real>(input: &[R], asked: [&[R]; TOGETHER]) -> [[R; TOGETHER]; 3] {
         ec = add_products(ec, z, c[i]);
         ed = add_products(ed, z, d[i]);
     }
-    [[wa, wb, wc, wd], [ha, hb, hc, hd], [ea, eb, ec, ed]]
-        .map(|each| each.map(|lanes| folded(&lanes)))
+    [(wa, ha, ea), (wb, hb, eb), (wc, hc, ec), (wd, hd, ed)]
+}
+
+#[allow(clippy::inline_always, reason = "takes the vectors of its caller")]
+#[inline(always)]
+fn with_two<R: Real>(input: &[R], asked: [&[R]; 2]) -> [Three<R>; 2] {
+    let n = asked[0].len() / LANES;
+    let [a, b] = asked.map(|map| &map.as_chunks::<LANES>().0[..n]);
+    let [west, here, east] = shifted(input, n);
+    let zero = [R::ZERO; LANES];
+    let (mut wa, mut wb, mut ha) = (zero, zero, zero);
+    let (mut hb, mut ea, mut eb) = (zero, zero, zero);
+    for i in 0..n {
+        let (x, y, z) = (west[i], here[i], east[i]);
+        wa = add_products(wa, x, a[i]);
+        wb = add_products(wb, x, b[i]);
+        ha = add_products(ha, y, a[i]);
+        hb = add_products(hb, y, b[i]);
+        ea = add_products(ea, z, a[i]);
+        eb = add_products(eb, z, b[i]);
+    }
+    [(wa, ha, ea), (wb, hb, eb)]
+}
+
+/// A map from each of three places on, in lanes.
+#[allow(clippy::inline_always, reason = "takes the vectors of its caller")]
+#[inline(always)]
+fn shifted<R: Real>(input: &[R], n: usize) -> [&[Lanes<R>]; 3] {
+    [0, 1, 2].map(|by| &input[by..by + n * LANES].as_chunks::<LANES>().0[..n])
 }
 
 /// A sum of lanes, in one order.
 fn folded<R: Real>(lanes: &[R; LANES]) -> R {
-    let pair = |n: usize| lanes[n] + lanes[n + 4];
-    (pair(0) + pair(2)) + (pair(1) + pair(3))
+    let mut lanes = *lanes;
+    let mut half = LANES / 2;
+    while half > 0 {
+        for l in 0..half {
+            lanes[l] = lanes[l] + lanes[l + half];
+        }
+        half /= 2;
+    }
+    lanes[0]
 }
 
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]

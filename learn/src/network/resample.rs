@@ -11,12 +11,12 @@ pub(super) fn halved<R: Float>(
     maps: &Maps<R>,
     factor: R,
 ) -> Maps<R> {
-    let mut out = Maps::zeros(to, maps.channels());
-    for channel in 0..maps.channels() {
+    let mut out = Maps::unwritten(to, maps.channels());
+    for place in places(to, maps) {
         for y in 0..to.size().height {
-            let upper = maps.row(from, channel, 2 * y).chunks_exact(2);
-            let lower = maps.row(from, channel, 2 * y + 1).chunks_exact(2);
-            let rows = out.row_mut(to, channel, y).iter_mut().zip(upper.zip(lower));
+            let upper = maps.row(from, place, 2 * y).chunks_exact(2);
+            let lower = maps.row(from, place, 2 * y + 1).chunks_exact(2);
+            let rows = out.row_mut(to, place, y).iter_mut().zip(upper.zip(lower));
             for (out, (upper, lower)) in rows {
                 *out = ((upper[0] + upper[1]) + (lower[0] + lower[1])) * factor;
             }
@@ -25,19 +25,23 @@ pub(super) fn halved<R: Float>(
     out
 }
 
+/// Each picture of each map.
+fn places<R: Float>(shape: &Shape<R>, maps: &Maps<R>) -> impl Iterator<Item = (usize, usize)> {
+    let (pictures, channels) = (shape.pictures(), maps.channels());
+    (0..channels).flat_map(move |channel| (0..pictures).map(move |picture| (picture, channel)))
+}
+
 /// Each value four times, times `factor`.
 pub(super) fn doubled<R: Float>(
     (from, to): (&Shape<R>, &Shape<R>),
     maps: &Maps<R>,
     factor: R,
 ) -> Maps<R> {
-    let mut out = Maps::zeros(to, maps.channels());
-    for channel in 0..maps.channels() {
+    let mut out = Maps::unwritten(to, maps.channels());
+    for place in places(to, maps) {
         for y in 0..to.size().height {
-            let row = maps.row(from, channel, y / 2);
-            let row = row
-                .iter()
-                .zip(out.row_mut(to, channel, y).chunks_exact_mut(2));
+            let row = maps.row(from, place, y / 2).iter();
+            let row = row.zip(out.row_mut(to, place, y).chunks_exact_mut(2));
             for (value, out) in row {
                 out.fill(*value * factor);
             }

@@ -6,10 +6,12 @@ use super::*;
 
 fn noise<R: Float>(seed: u64, shape: &Shape<R>, channels: usize) -> Maps<R> {
     let mut maps = Maps::zeros(shape, channels);
-    for c in 0..channels {
+    for (p, c) in (0..shape.pictures()).flat_map(|p| (0..channels).map(move |c| (p, c))) {
         for y in 0..shape.size().height {
-            for (x, value) in maps.row_mut(shape, c, y).iter_mut().enumerate() {
-                let place = Hash::new(seed).with(c as u64).with(y as u64).with(x as u64);
+            for (x, value) in maps.row_mut(shape, (p, c), y).iter_mut().enumerate() {
+                let place = [p, c, y, x]
+                    .iter()
+                    .fold(Hash::new(seed), |h, n| h.with(*n as u64));
                 *value = R::from_f64(2.0 * place.uniform() - 1.0);
             }
         }
@@ -44,7 +46,7 @@ fn product<R: Float>(a: &Maps<R>, b: &Maps<R>) -> f64 {
 #[test]
 fn gradients_are_differences() {
     let size = Size::new(8, 12);
-    let network = Network::<f64>::new(plan(3, 2, &[5, 6, 7]), size);
+    let network = Network::<f64>::new(plan(3, 2, &[5, 6, 7]), size, 2);
     let mut parameters = weights(&network, 7);
     let mut input = noise(1, network.shape(), 3);
     let asked = noise(2, network.shape(), 2);
@@ -73,8 +75,12 @@ fn gradients_are_differences() {
         worst = worst.max((difference - gradient[n]).abs() / gradient[n].abs().max(1.0));
     }
     let shape = network.shape().clone();
-    for n in (0..3 * size.pixels()).step_by(17) {
-        let (c, y, x) = (n / size.pixels(), n / 12 % 8, n % 12);
+    for n in (0..6 * size.pixels()).step_by(17) {
+        let (c, y, x) = (
+            (n / size.pixels() % 2, n / size.pixels() / 2),
+            n / 12 % 8,
+            n % 12,
+        );
         let held = input.row(&shape, c, y)[x];
         let mut at = |by: f64| {
             input.row_mut(&shape, c, y)[x] = held + by;
@@ -91,7 +97,7 @@ fn gradients_are_differences() {
 #[test]
 fn the_way_back_is_the_transpose() {
     for side in [1, 3] {
-        let shape = Shape::<f64>::new(Size::new(7, 9));
+        let shape = Shape::<f64>::new(Size::new(7, 9), 3);
         let layer = convolution::Convolution {
             inputs: 5,
             outputs: 6,
@@ -127,8 +133,8 @@ fn the_way_back_is_the_transpose() {
         );
     }
     let (large, small) = (
-        Shape::<f64>::new(Size::new(6, 8)),
-        Shape::new(Size::new(3, 4)),
+        Shape::<f64>::new(Size::new(6, 8), 2),
+        Shape::new(Size::new(3, 4), 2),
     );
     let (v, g) = (noise(4, &large, 2), noise(5, &small, 2));
     let a = product(&resample::halved((&large, &small), &v, 0.25), &g);
@@ -138,7 +144,7 @@ fn the_way_back_is_the_transpose() {
 
 #[test]
 fn a_convolution_is_what_it_says() {
-    let shape = Shape::<f64>::new(Size::new(4, 5));
+    let shape = Shape::<f64>::new(Size::new(4, 5), 2);
     let layer = convolution::Convolution {
         inputs: 2,
         outputs: 3,
@@ -154,7 +160,7 @@ fn a_convolution_is_what_it_says() {
         (&shape, &parameters, &layer.packed(&parameters, false)),
         &input,
     );
-    for o in 0..3 {
+    for (p, o) in (0..2).flat_map(|p| (0..3).map(move |o| (p, o))) {
         for y in 0..4i32 {
             for x in 0..5i32 {
                 let mut sum = parameters[54 + o];
@@ -166,11 +172,11 @@ fn a_convolution_is_what_it_says() {
                         let (v, u) = (y + dy, x + dx);
                         if (0..4).contains(&v) && (0..5).contains(&u) {
                             sum += parameters[(o * 2 + i) * 9 + tap]
-                                * input.row(&shape, i, v as usize)[u as usize];
+                                * input.row(&shape, (p, i), v as usize)[u as usize];
                         }
                     }
                 }
-                let got = got.row(&shape, o, y as usize)[x as usize];
+                let got = got.row(&shape, (p, o), y as usize)[x as usize];
                 assert!((got - sum.max(0.0)).abs() < 1e-12);
             }
         }
@@ -181,8 +187,8 @@ fn a_convolution_is_what_it_says() {
 #[test]
 fn networks_begin_alike() {
     let size = Size::new(8, 8);
-    let few = Network::<f32>::new(plan(2, 1, &[4, 8]), size);
-    let many = Network::<f32>::new(plan(11, 1, &[4, 8]), size);
+    let few = Network::<f32>::new(plan(2, 1, &[4, 8]), size, 1);
+    let many = Network::<f32>::new(plan(11, 1, &[4, 8]), size, 1);
     let (a, b) = (few.start(5, 11), many.start(5, 11));
     assert_eq!(a[..18], b[..18]);
     assert_ne!(a[..18], few.start(6, 11)[..18]);

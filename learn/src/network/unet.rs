@@ -36,7 +36,11 @@ impl Plan {
     }
 }
 
-/// A network for pictures of one size: the same weights work at every size.
+/// Pictures that a network works on at once at the most. A batch is cut into so many: its sums hang on
+/// this, so it is one number on any machine.
+pub const PICTURES: usize = 4;
+
+/// A network for so many pictures of one size: the same weights work at every size.
 #[derive(Clone, Debug)]
 pub struct Network<R> {
     plan: Plan,
@@ -48,7 +52,7 @@ pub struct Network<R> {
     parameters: usize,
 }
 
-/// What the way back needs of one picture.
+/// What the way back needs of some pictures.
 #[derive(Clone, Debug)]
 pub struct Seen<R> {
     /// For each level on the way down, what went in and what came out of each layer.
@@ -64,10 +68,11 @@ pub struct Packed<R> {
 }
 
 impl<R: Float> Network<R> {
-    /// The network of a plan for pictures of `size`, whose sides are multiples of
-    /// [`Plan::multiple`].
+    /// The network of a plan for batches of pictures of `size`, whose sides are multiples of
+    /// [`Plan::multiple`]: it works on [`PICTURES`] at once, or on the batch where that is smaller.
     #[must_use]
-    pub fn new(plan: Plan, size: Size) -> Self {
+    pub fn new(plan: Plan, size: Size, batch: usize) -> Self {
+        let pictures = batch.clamp(1, PICTURES);
         let mut parameters = 0;
         let mut layer = |inputs: usize, outputs: usize, side: usize| {
             let layer = Convolution {
@@ -97,7 +102,7 @@ impl<R: Float> Network<R> {
             inputs = *width;
         }
         let head = layer(inputs, plan.outputs, 1);
-        let shape = |n: usize| Shape::new(Size::new(size.height >> n, size.width >> n));
+        let shape = |n: usize| Shape::new(Size::new(size.height >> n, size.width >> n), pictures);
         Self {
             shapes: (0..plan.widths.len()).map(shape).collect(),
             down,
@@ -126,6 +131,27 @@ impl<R: Float> Network<R> {
         self.parameters
     }
 
+    /// Where a parameter is, in words.
+    #[must_use]
+    pub fn place(&self, parameter: usize) -> String {
+        let (down, up) = (self.down.iter().enumerate(), self.up.iter().enumerate());
+        let levels = self.down.len();
+        let layers = down
+            .map(|(n, layers)| (n, "down", layers))
+            .chain(up.map(|(n, layers)| (levels - 2 - n, "up", layers)));
+        for (level, way, layers) in layers {
+            let own = |layer: &Convolution| parameter < layer.start + layer.parameters();
+            if let Some(n) = layers.iter().position(own) {
+                return format!(
+                    "convolution {} of the network's level {}, on the way {way}",
+                    n + 1,
+                    level + 1
+                );
+            }
+        }
+        "the network's head".to_owned()
+    }
+
     /// Multiplications of one picture on the way there.
     #[must_use]
     pub fn products(&self) -> usize {
@@ -139,7 +165,7 @@ impl<R: Float> Network<R> {
         down + up + head
     }
 
-    /// Bytes of all maps of one picture.
+    /// Bytes of all maps of the pictures that are worked on at once.
     #[must_use]
     pub fn map_bytes(&self) -> usize {
         let of = |(level, layers): (usize, &Vec<Convolution>)| {
@@ -207,7 +233,7 @@ impl<R: Float> Network<R> {
         maps
     }
 
-    /// What the network makes of one picture, and what the way back needs.
+    /// What the network makes of some pictures, and what the way back needs.
     #[must_use]
     pub fn forward(
         &self,
@@ -240,7 +266,8 @@ impl<R: Float> Network<R> {
             let level = levels - 2 - n;
             let below = up.last().unwrap_or(&down[level + 1]);
             let shapes = (&self.shapes[level + 1], &self.shapes[level]);
-            let from = doubled(shapes, &below[each], R::ONE).joined(&down[level][each]);
+            let from = doubled(shapes, &below[each], R::ONE);
+            let from = from.joined(&self.shapes[level], &down[level][each]);
             let place = (&layers[..], &self.shapes[level], (levels + n) * each);
             up.push(Self::level(weights, place, from));
         }
@@ -292,7 +319,7 @@ impl<R: Float> Network<R> {
             let level = levels - 2 - n;
             let place = (&self.shapes[level], (levels + n) * each);
             let both = level_back(layers, place, &seen.up[n], asked, true)?;
-            let (below, skip) = both.parted(self.plan.widths[level + 1]);
+            let (below, skip) = both.parted(&self.shapes[level], self.plan.widths[level + 1]);
             skipped.push(skip);
             let shapes = (&self.shapes[level], &self.shapes[level + 1]);
             asked = halved(shapes, &below, R::ONE);
@@ -311,7 +338,7 @@ impl<R: Float> Network<R> {
         Some(asked)
     }
 
-    /// What the network makes of a batch of pictures.
+    /// What the network makes of the pictures of a batch.
     #[must_use]
     pub fn answers(&self, parameters: &[R], inputs: Vec<Maps<R>>) -> Vec<Maps<R>> {
         let packed = self.packed(parameters);

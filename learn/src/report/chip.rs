@@ -16,8 +16,8 @@ pub struct Kept {
     pub arm: String,
     /// Its forms in order.
     pub stages: Vec<Stage>,
-    /// On silicon, decoder frozen, over [`BASE`] as trained; `None` without such bits.
-    pub won: Option<Difference>,
+    /// On silicon over [`BASE`] as trained, with each decoder that there is; empty without such bits.
+    pub won: Vec<(Decoder, Difference)>,
     /// What the float kernel wins over [`BASE`].
     pub float: Option<Difference>,
 }
@@ -70,7 +70,10 @@ impl Kept {
         let against = |of| Difference::new(rows, (of, base), metric);
         Some(Self {
             arm: arm.to_owned(),
-            won: against((arm, Form::Silicon, Decoder::Own)),
+            won: [Decoder::Own, Decoder::Retrained]
+                .into_iter()
+                .filter_map(|decoder| Some((decoder, against((arm, Form::Silicon, decoder))?)))
+                .collect(),
             float: against((FLOAT, Form::Trained, Decoder::Own)),
             stages,
         })
@@ -84,30 +87,50 @@ impl Kept {
     }
 
     fn sentence(&self, metric: Metric) -> String {
-        let (Some(won), Some(float)) = (&self.won, &self.float) else {
+        let Some(float) = self.float.as_ref().filter(|_| !self.won.is_empty()) else {
             return format!(
                 "{}: nothing to be said without bits in common with `{BASE}`, of it on silicon and of `{FLOAT}` as it was trained",
                 self.arm
             );
         };
         let (sign, digits) = (metric.sign(), metric.digits());
-        let (own, all) = (won.mean * sign, float.mean * sign);
+        let all = float.mean * sign;
         let label = metric.label();
+        let on_silicon = |(decoder, won): &(Decoder, Difference)| {
+            let mut ends = won.interval.map(|end| end * sign);
+            ends.sort_by(f64::total_cmp);
+            let own = won.mean * sign;
+            let ends = format!("{:+.digits$} to {:+.digits$}", ends[0], ends[1]);
+            (decoder.name(), own, ends)
+        };
+        let parts: Vec<_> = self.won.iter().map(on_silicon).collect();
         if !float.shown() || all <= 0.0 {
+            let told: Vec<_> = { parts.iter() }
+                .map(|(decoder, own, ends)| {
+                    format!("{own:+.digits$} ({ends}) with the decoder {decoder}")
+                })
+                .collect();
             return format!(
-                "{}: the float kernel's win over `{BASE}` is not shown ({all:+.digits$} {label}), so there is none to keep; on silicon {own:+.digits$}",
-                self.arm
+                "{}: the float kernel's win over `{BASE}` is not shown ({all:+.digits$} {label}), so there is none to keep; on silicon {}",
+                self.arm,
+                told.join(", ")
             );
         }
-        let share = 100.0 * own / all;
-        let half = if own >= all / 2.0 {
-            "at least half".to_owned()
-        } else {
-            format!("{:.digits$} {label} less than half", all / 2.0 - own)
-        };
+        let told: Vec<_> = { parts.iter() }
+            .map(|(decoder, own, ends)| {
+                let share = 100.0 * own / all;
+                let half = if *own >= all / 2.0 {
+                    "at least half".to_owned()
+                } else {
+                    format!("{:.digits$} {label} less than half", all / 2.0 - own)
+                };
+                format!("{share:.0} % ({own:+.digits$}, {ends}) with the decoder {decoder}: {half}")
+            })
+            .collect();
         format!(
-            "{}: keeps {share:.0} % on silicon of the {all:+.digits$} {label} that the float kernel wins over `{BASE}`: {half}",
-            self.arm
+            "{}: of the {all:+.digits$} {label} that the float kernel wins over `{BASE}` silicon keeps {}",
+            self.arm,
+            told.join("; ")
         )
     }
 }

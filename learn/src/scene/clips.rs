@@ -12,6 +12,7 @@ use ndarray::Array3;
 use super::{
     clip::{Clip, Flow, middle},
     error::SceneError,
+    kept::Kept,
     layer::{Layer, SAMPLES, View, place},
     motion::{Draw, Motion, Reason},
     outline::Outline,
@@ -22,6 +23,9 @@ use super::{
 /// The layers of a clip, as words of its hash.
 const BEHIND: u64 = 1 << 32;
 const FRONT: u64 = 2 << 32;
+
+/// What one of the clips that are kept is drawn by, as a word of its hash.
+const ANY: u64 = 3 << 32;
 
 /// What a second layer measures from its middle to its outline, in parts of the crop's shorter side.
 const RADIUS: [f64; 2] = [0.15, 0.35];
@@ -36,6 +40,7 @@ pub struct Clips {
     size: Size,
     frames: usize,
     seed: u64,
+    kept: Option<Arc<Kept>>,
 }
 
 #[derive(Clone, Debug)]
@@ -64,6 +69,7 @@ impl Clips {
             size,
             frames,
             seed,
+            kept: None,
         })
     }
 
@@ -84,6 +90,7 @@ impl Clips {
             size,
             frames,
             seed,
+            kept: None,
         })
     }
 
@@ -99,9 +106,38 @@ impl Clips {
         self.frames
     }
 
+    /// The same with so many different clips, each of which is made once: number `n` is any of them,
+    /// drawn by `n`. Their flow is kept where `flow` says so. None are kept for 0.
+    #[must_use]
+    pub fn kept(self, different: u64, flow: bool) -> Self {
+        let kept = (different > 0).then(|| Arc::new(Kept::new(different, flow)));
+        Self { kept, ..self }
+    }
+
+    /// Bytes of all clips that are kept, once they are made.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let pixels = self.size.pixels();
+        let each = |kept: &Arc<Kept>| {
+            let flow = if kept.flow { 9 * pixels } else { 0 };
+            kept.places.len() * (self.frames * pixels + flow)
+        };
+        self.kept.as_ref().map_or(0, each)
+    }
+
     /// One clip.
     #[must_use]
     pub fn clip(&self, index: u64) -> Clip {
+        let Some(kept) = &self.kept else {
+            return self.made(index);
+        };
+        let shape = (self.frames, self.size.height, self.size.width);
+        kept.clip(Hash::new(self.seed).with(ANY).with(index), shape, |index| {
+            self.made(index)
+        })
+    }
+
+    fn made(&self, index: u64) -> Clip {
         let draw = Draw(Hash::new(self.seed).with(index));
         match &self.source {
             Source::Photographs(photographs, motion) => self.moved(photographs, motion, draw),

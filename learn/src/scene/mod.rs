@@ -8,6 +8,7 @@ mod affine;
 mod clip;
 mod clips;
 mod error;
+mod kept;
 mod layer;
 mod motion;
 mod outline;

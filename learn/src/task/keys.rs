@@ -87,6 +87,11 @@ pub(super) const TASK: Table = Table::new(&[
         "what the chip adds to the loss of a kernel of few values: neighbours of it are compiled and judged",
     ),
     Key::optional("test", Kind::Table(&TEST), "what the arms are judged on"),
+    Key::optional(
+        "retrain",
+        Kind::Table(&RETRAIN),
+        "the network trained on, on the events of each form of the chip; only the network as it was when left out",
+    ),
     Key::with_default(
         "checkpoint",
         whole(1, 100_000_000),
@@ -107,6 +112,16 @@ pub(super) const PRICE: Table = Table::new(&[
         Kind::Number(Range::NOT_NEGATIVE),
         "0.0",
         "what 1 less the predicted correlation with the exact filter on silicon adds to the loss",
+    ),
+]);
+
+pub(super) const RETRAIN: Table = Table::new(&[
+    Key::with_default("steps", whole(1, 1_000_000), "300", "steps of each form"),
+    Key::with_default(
+        "clips",
+        whole(1, 100_000),
+        "128",
+        "training clips that are shown to the chip",
     ),
 ]);
 
@@ -160,6 +175,12 @@ pub(super) const SCENES: Table = Table::new(&[
         "video",
         Kind::Name,
         "a video or a pattern in place of photographs, as `amacrine run` takes it; for interpolation",
+    ),
+    Key::with_default(
+        "clips",
+        whole(0, 10_000_000),
+        "8192",
+        "different clips to train on, each made once and kept; with 0 each step has new ones",
     ),
     Key::with_default("frames", whole(3, 65), "9", "frames of a clip, odd"),
     Key::with_default(

@@ -65,6 +65,9 @@ pub struct Task {
     pub price: [f64; 2],
     /// Held-out clips, and rows and columns of each.
     pub test: (u64, usize),
+    /// Steps that the network is trained on with the events of each form of the chip, and the training
+    /// clips that are shown to it.
+    pub retrain: Option<(u64, u64)>,
     /// Steps between checkpoints.
     pub checkpoint: u64,
 }
@@ -96,6 +99,8 @@ pub struct Scenes {
     pub photographs: Option<PathBuf>,
     /// A video or a pattern in their place.
     pub video: Option<String>,
+    /// Different clips to train on; 0 for new ones in each step.
+    pub clips: u64,
     /// Frames of a clip, odd.
     pub frames: usize,
     /// Frames a second.

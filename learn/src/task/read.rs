@@ -11,7 +11,7 @@ use crate::{arm, scene::Motion};
 
 use super::{
     Goal, Scenes, Sensors, Task,
-    keys::{FILE, GOALS, NETWORK, PRICE, RATES, SCENES, SENSOR, SPARSITY, TASK, TEST},
+    keys::{FILE, GOALS, NETWORK, PRICE, RATES, RETRAIN, SCENES, SENSOR, SPARSITY, TASK, TEST},
 };
 
 /// A task file that cannot be used.
@@ -132,6 +132,11 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
             number(price, "survival", 0.0)?,
         ])
     })?;
+    let retrain = part(task, "retrain", |retrain| {
+        debug_assert!(RETRAIN.key("steps").is_some());
+        let read = |retrain: Section<'_>| Ok((retrain.whole("steps")?, retrain.whole("clips")?));
+        retrain.map(read).transpose()
+    })?;
     let mut targets = Vec::new();
     for node in task.list("targets") {
         let target = node.as_number().unwrap_or(f64::NAN);
@@ -179,6 +184,7 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
         chip: Some(task.text("chip")?.to_owned()).filter(|chip| chip != "none"),
         price,
         test,
+        retrain,
         checkpoint: task.whole("checkpoint")?,
     })
 }
@@ -214,6 +220,7 @@ fn scenes_of(task: &Section<'_>, scenes: Option<Section<'_>>, goal: Goal) -> Rea
     Ok(Scenes {
         photographs: text("photographs").map(Into::into),
         video,
+        clips: whole(scenes, "clips", 8192)?,
         frames,
         fps: number(scenes, "fps", 240.0)?,
         motion: Motion {

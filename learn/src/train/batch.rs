@@ -1,10 +1,12 @@
 //! What a step is trained on: some clips, as tensors.
 
+use std::ops::Range;
+
 use amacrine::{gradient::Forward, plane::Size, rng::Hash};
 use rayon::prelude::*;
 
 use crate::{
-    network::{Maps, Shape},
+    network::{Maps, PICTURES, Shape},
     scene::{Clip, Clips},
     task::{Goal, Task},
 };
@@ -24,6 +26,14 @@ impl Batch {
         Self {
             clips: numbers.into_par_iter().map(|n| clips.clip(n)).collect(),
             size: clips.size(),
+        }
+    }
+
+    /// Some of these clips, by their places.
+    pub(super) fn some(&self, places: &[usize]) -> Self {
+        Self {
+            clips: places.iter().map(|n| self.clips[*n].clone()).collect(),
+            size: self.size,
         }
     }
 
@@ -57,45 +67,55 @@ impl Batch {
         each.concat()
     }
 
-    /// What the network gets of a clip when it is trained.
+    /// Numbers of the clips that a network works on at once.
+    #[must_use]
+    pub fn groups(&self) -> Vec<Range<usize>> {
+        let count = self.clips.len();
+        let starts = (0..count).step_by(PICTURES);
+        starts.map(|n| n..(n + PICTURES).min(count)).collect()
+    }
+
+    /// What the network gets of some clips when it is trained.
     #[must_use]
     pub fn input(
         &self,
         given: (&Task, &Shape<f32>),
-        n: usize,
+        clips: Range<usize>,
         seen: Option<&Forward<f32>>,
     ) -> Maps<f32> {
         let (frames, kinds) = seen.map_or((0, 0), |seen| (seen.shape()[1], seen.shape()[2]));
         let each = frames * kinds * self.size.pixels();
-        let voxels = seen.map(|seen| &seen.voxels()[n * each..][..each]);
-        self.given(given, n, kinds, voxels)
+        let voxels = |n: usize| seen.map(|seen| &seen.voxels()[n * each..][..each]);
+        self.given(given, clips, kinds, voxels)
     }
 
-    /// What the network gets of a clip: the first and the last frame where the task shows them, from
-    /// -1/2 to 1/2, then the voxels of each kind, frame after frame.
-    #[must_use]
-    pub fn given(
+    /// What the network gets of some clips: the first and the last frame where the task shows them,
+    /// from -1/2 to 1/2, then the voxels of each kind, frame after frame.
+    pub(super) fn given<'a>(
         &self,
         (task, shape): (&Task, &Shape<f32>),
-        n: usize,
+        clips: Range<usize>,
         kinds: usize,
-        voxels: Option<&[f32]>,
+        voxels: impl Fn(usize) -> Option<&'a [f32]>,
     ) -> Maps<f32> {
-        let clip = &self.clips[n];
-        let (pictures, frames) = (task.pictures(), clip.light.dim().0);
+        let (pictures, frames) = (task.pictures(), task.scenes.frames);
         let mut maps = Maps::zeros(shape, pictures + frames * kinds);
         let Size { height, width } = self.size;
-        for (map, frame) in [0, frames - 1].into_iter().enumerate().take(pictures) {
-            for y in 0..height {
-                let light = clip.light.slice(ndarray::s![frame, y, ..]);
-                for (value, light) in maps.row_mut(shape, map, y).iter_mut().zip(light) {
-                    *value = light / 255.0 - 0.5;
+        for (place, n) in clips.enumerate() {
+            let clip = &self.clips[n];
+            for (map, frame) in [0, frames - 1].into_iter().enumerate().take(pictures) {
+                for y in 0..height {
+                    let light = clip.light.slice(ndarray::s![frame, y, ..]);
+                    let row = maps.row_mut(shape, (place, map), y);
+                    for (value, light) in row.iter_mut().zip(light) {
+                        *value = light / 255.0 - 0.5;
+                    }
                 }
             }
-        }
-        for (n, row) in voxels.unwrap_or_default().chunks(width).enumerate() {
-            let to = maps.row_mut(shape, pictures + n / height, n % height);
-            to.copy_from_slice(row);
+            for (n, row) in voxels(n).unwrap_or_default().chunks(width).enumerate() {
+                let to = maps.row_mut(shape, (place, pictures + n / height), n % height);
+                to.copy_from_slice(row);
+            }
         }
         maps
     }
@@ -112,7 +132,7 @@ fn bell(bits: u64) -> f32 {
 pub struct Loss {
     /// The mean over clips and pixels.
     pub mean: f64,
-    /// For each clip.
+    /// For the clips of each of [`Batch::groups`].
     pub asked: Vec<Maps<f32>>,
 }
 
@@ -124,26 +144,23 @@ impl Loss {
     /// the mean distance, coordinate by coordinate, of the flow where it is seen at both ends.
     #[must_use]
     pub fn new(task: &Task, shape: &Shape<f32>, batch: &Batch, answers: &[Maps<f32>]) -> Self {
-        let each = |(clip, answer): (&Clip, &Maps<f32>)| match task.goal {
-            Goal::Interpolation => interpolation(clip, shape, answer),
-            Goal::Flow => flow(clip, shape, answer),
-        };
-        let pairs: Vec<_> = batch.clips.par_iter().zip(answers).map(each).collect();
-        let count = pairs.len() as f64;
-        let mean = pairs.iter().map(|(loss, _)| loss).sum::<f64>() / count;
-        let scaled = |(_, mut maps): (f64, Maps<f32>)| {
-            for c in 0..maps.channels() {
-                for y in 0..shape.size().height {
-                    for value in maps.row_mut(shape, c, y) {
-                        *value /= count as f32;
-                    }
+        let count = batch.clips.len() as f32;
+        let each = |(clips, answer): (Range<usize>, &Maps<f32>)| {
+            let mut asked = Maps::zeros(shape, answer.channels());
+            let own = |(place, clip): (usize, &Clip)| match task.goal {
+                Goal::Interpolation => {
+                    interpolation(clip, (shape, place, count), answer, &mut asked)
                 }
-            }
-            maps
+                Goal::Flow => flow(clip, (shape, place, count), answer, &mut asked),
+            };
+            let losses: Vec<f64> = batch.clips[clips].iter().enumerate().map(own).collect();
+            (losses, asked)
         };
+        let groups = batch.groups().into_par_iter().zip(answers);
+        let (losses, asked): (Vec<_>, Vec<_>) = groups.map(each).unzip();
         Self {
-            mean,
-            asked: pairs.into_iter().map(scaled).collect(),
+            mean: losses.iter().flatten().sum::<f64>() / f64::from(count),
+            asked,
         }
     }
 }
@@ -154,36 +171,44 @@ pub(super) fn blend(clip: &Clip, y: usize, x: usize) -> f32 {
     (clip.light[[0, y, x]] + clip.light[[last, y, x]]) / 510.0
 }
 
-fn interpolation(clip: &Clip, shape: &Shape<f32>, answer: &Maps<f32>) -> (f64, Maps<f32>) {
-    let mut asked = Maps::zeros(shape, 1);
+fn interpolation(
+    clip: &Clip,
+    (shape, place, clips): (&Shape<f32>, usize, f32),
+    answer: &Maps<f32>,
+    asked: &mut Maps<f32>,
+) -> f64 {
     let mut sum = 0.0;
     let Size { height, width } = shape.size();
     let count = (height * width) as f32;
     for y in 0..height {
-        let said = answer.row(shape, 0, y);
-        for (x, asked) in asked.row_mut(shape, 0, y).iter_mut().enumerate() {
+        let said = answer.row(shape, (place, 0), y);
+        for (x, asked) in asked.row_mut(shape, (place, 0), y).iter_mut().enumerate() {
             let truth = clip.light[[clip.middle(), y, x]] / 255.0;
             let error = blend(clip, y, x) + said[x] - truth;
             let size = (error * error + EDGE * EDGE).sqrt();
             sum += f64::from(size);
-            *asked = error / size / count;
+            *asked = error / size / count / clips;
         }
     }
-    (sum / f64::from(count), asked)
+    sum / f64::from(count)
 }
 
-fn flow(clip: &Clip, shape: &Shape<f32>, answer: &Maps<f32>) -> (f64, Maps<f32>) {
-    let mut asked = Maps::zeros(shape, 2);
+fn flow(
+    clip: &Clip,
+    (shape, place, clips): (&Shape<f32>, usize, f32),
+    answer: &Maps<f32>,
+    asked: &mut Maps<f32>,
+) -> f64 {
     let Some(truth) = &clip.flow else {
-        return (0.0, asked);
+        return 0.0;
     };
     let count = truth.seen.iter().filter(|seen| **seen).count().max(1) as f32;
     let mut sum = 0.0;
     let Size { height, width } = shape.size();
     for (c, truth_of) in [&truth.u, &truth.v].into_iter().enumerate() {
         for y in 0..height {
-            let said = answer.row(shape, c, y);
-            let asked = asked.row_mut(shape, c, y);
+            let said = answer.row(shape, (place, c), y);
+            let asked = asked.row_mut(shape, (place, c), y);
             for x in 0..width {
                 if truth.seen[[y, x]] {
                     let error = said[x] - truth_of[[y, x]];
@@ -191,11 +216,11 @@ fn flow(clip: &Clip, shape: &Shape<f32>, answer: &Maps<f32>) -> (f64, Maps<f32>)
                     asked[x] = if error == 0.0 {
                         0.0
                     } else {
-                        error.signum() / count
+                        error.signum() / count / clips
                     };
                 }
             }
         }
     }
-    (sum / f64::from(count), asked)
+    sum / f64::from(count)
 }

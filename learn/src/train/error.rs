@@ -45,7 +45,7 @@ pub enum TrainError {
         /// The step.
         step: u64,
         /// Which tensor.
-        what: &'static str,
+        what: String,
         /// What it is.
         value: f64,
     },

@@ -1,5 +1,7 @@
 //! How good an arm is on held-out photographs.
 
+use std::ops::Range;
+
 use amacrine::{
     event::address::AddressWord,
     gradient::{Forward, Model, Rated, rate_threshold},
@@ -26,6 +28,7 @@ use super::{
 const TOGETHER: u64 = 32;
 
 /// What the network is given of the events of some clips, and how many they are.
+#[derive(PartialEq)]
 pub(super) struct Told {
     /// Voxels, (frames, kinds, rows, columns), clip after clip.
     pub voxels: Vec<Vec<f32>>,
@@ -98,7 +101,7 @@ impl Trainee<'_> {
                     Some(told(&seen))
                 }
             };
-            rows.extend(self.rows((&part, first), told.as_ref(), Form::Trained));
+            rows.extend(self.rows((&part, first), told.as_ref(), (Form::Trained, Decoder::Own)));
         }
         Ok(rows)
     }
@@ -108,27 +111,24 @@ impl Trainee<'_> {
         &self,
         (batch, first): (&Batch, u64),
         told: Option<&Told>,
-        form: Form,
+        (form, decoder): (Form, Decoder),
     ) -> Vec<Row> {
-        let network = Network::<f32>::new(self.task.plan(self.arm), batch.size());
+        let network =
+            Network::<f32>::new(self.task.plan(self.arm), batch.size(), batch.clips.len());
         let weights = &self.state.network.0;
         let packed = network.packed(weights);
         let kinds = self.arm.kinds();
         let word = AddressWord::new(batch.size(), u8::try_from(kinds.max(1)).unwrap_or(u8::MAX));
         let pairs = self.task.scenes.frames - 1;
-        let one = |(n, clip): (usize, &Clip)| {
-            let answer = (self.arm.sight != Sight::Blend).then(|| {
-                let voxels = told.map(|told| &told.voxels[n][..]);
-                let input = batch.given((self.task, network.shape()), n, kinds, voxels);
-                network.forward(weights, &packed, input).0
-            });
+        let one = |n: usize, (place, answer): (usize, Option<&Maps<f32>>)| {
+            let clip = &batch.clips[n];
             let events = told.map_or(0, |told| told.events[n]);
             let mut row = Row {
                 arm: self.arm.name.clone(),
                 target: self.target,
                 seed: self.seed,
                 form,
-                decoder: Decoder::Own,
+                decoder,
                 photograph: clip.name.to_string(),
                 clip: first + n as u64,
                 events,
@@ -141,12 +141,24 @@ impl Trainee<'_> {
                 off_by_3: None,
             };
             match self.task.goal {
-                Goal::Interpolation => drawn(&mut row, clip, network.shape(), answer.as_ref()),
-                Goal::Flow => moved(&mut row, clip, network.shape(), answer.as_ref()),
+                Goal::Interpolation => drawn(&mut row, clip, (network.shape(), place), answer),
+                Goal::Flow => moved(&mut row, clip, (network.shape(), place), answer),
             }
             row
         };
-        batch.clips.par_iter().enumerate().map(one).collect()
+        let group = |clips: Range<usize>| {
+            let answer = (self.arm.sight != Sight::Blend).then(|| {
+                let voxels = |n: usize| told.map(|told| &told.voxels[n][..]);
+                let given = (self.task, network.shape());
+                let input = batch.given(given, clips.clone(), kinds, voxels);
+                network.forward(weights, &packed, input).0
+            });
+            let rows = clips.enumerate();
+            rows.map(|(place, n)| one(n, (place, answer.as_ref())))
+                .collect::<Vec<_>>()
+        };
+        let groups: Vec<_> = batch.groups().into_par_iter().map(group).collect();
+        groups.concat()
     }
 }
 
@@ -167,10 +179,15 @@ fn told(seen: &Forward<f32>) -> Told {
     }
 }
 
-fn drawn(row: &mut Row, clip: &Clip, shape: &Shape<f32>, answer: Option<&Maps<f32>>) {
+fn drawn(
+    row: &mut Row,
+    clip: &Clip,
+    (shape, place): (&Shape<f32>, usize),
+    answer: Option<&Maps<f32>>,
+) {
     let Size { height, width } = shape.size();
     let picture = Plane::from_shape_fn((height, width), |(y, x)| {
-        let added = answer.map_or(0.0, |maps| maps.row(shape, 0, y)[x]);
+        let added = answer.map_or(0.0, |maps| maps.row(shape, (place, 0), y)[x]);
         f64::from(
             ((blend(clip, y, x) + added) * 255.0)
                 .round()
@@ -232,7 +249,12 @@ fn ssim(a: &Plane<f64>, b: &Plane<f64>) -> f64 {
     sum / m.len() as f64
 }
 
-fn moved(row: &mut Row, clip: &Clip, shape: &Shape<f32>, answer: Option<&Maps<f32>>) {
+fn moved(
+    row: &mut Row,
+    clip: &Clip,
+    (shape, place): (&Shape<f32>, usize),
+    answer: Option<&Maps<f32>>,
+) {
     let (Some(flow), Some(answer)) = (&clip.flow, answer) else {
         return;
     };
@@ -240,7 +262,7 @@ fn moved(row: &mut Row, clip: &Clip, shape: &Shape<f32>, answer: Option<&Maps<f3
     let mut count = 0.0;
     let mut sums = [0.0; 3];
     for ((y, x), _) in flow.seen.indexed_iter().filter(|(_, seen)| **seen) {
-        let off = |c: usize, truth: f32| f64::from(answer.row(shape, c, y)[x] - truth);
+        let off = |c: usize, truth: f32| f64::from(answer.row(shape, (place, c), y)[x] - truth);
         let (u, v) = (off(0, flow.u[[y, x]]), off(1, flow.v[[y, x]]));
         let error = (u * u + v * v).sqrt();
         count += 1.0;

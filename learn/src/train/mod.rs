@@ -15,6 +15,7 @@ mod evaluate;
 mod export;
 mod on_chip;
 mod price;
+mod retrain;
 mod run;
 mod trainee;
 

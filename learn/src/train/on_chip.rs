@@ -1,6 +1,7 @@
 //! The same kernel on the chip: in few values, in exact arithmetic, on silicon.
 //!
-//! The decoder is the arm's own, as it was trained. Thresholds meet the target in the float model of the
+//! The decoder is the arm's own, as it was trained; and, where the task says so, the same trained on
+//! with what the form makes of training clips. Thresholds meet the target in the float model of the
 //! chip's sensor (memory `filtered-snap`), and are rounded to whole steps of the chip.
 
 use std::path::Path;
@@ -21,14 +22,14 @@ use amacrine::{
     save,
     scene::Frame,
     sensor::Sensor,
-    study::design::{Design, DesignError},
+    study::design::{Compiled, Design, DesignError},
     unit::Micros,
 };
 use rayon::prelude::*;
 
 use crate::{
-    arm::Applied,
-    record::{Form, Row},
+    arm::{Applied, Start},
+    record::{Decoder, Form, Row},
     scene::Clips,
 };
 
@@ -45,6 +46,53 @@ const EFFORT: Effort = Effort { states: 40_000 };
 /// Held-out clips that are shown to the chip.
 const CLIPS: u64 = 32;
 
+/// Held-out clips, and those of training.
+#[derive(Clone, Copy)]
+pub(super) struct Sources<'a> {
+    pub held_out: &'a Clips,
+    pub training: &'a Clips,
+}
+
+/// A kernel as it is built.
+struct Built<'a> {
+    design: Design<'a>,
+    program: Compiled,
+    seed: u64,
+}
+
+impl Built<'_> {
+    /// What a form of it makes of some clips, each seen by a chip of its own.
+    fn packets(
+        &self,
+        form: Form,
+        clips: &[Vec<Frame>],
+        (first, size): (u64, Size),
+    ) -> Result<Vec<Packet>, DesignError> {
+        let Self {
+            design, program, ..
+        } = self;
+        let chip = |arithmetic| {
+            let chip = program.chip(arithmetic, size, program.settings())?;
+            Ok::<Box<dyn Sensor>, DesignError>(Box::new(program.all_events(chip)))
+        };
+        let one = |(n, frames): (usize, &Vec<Frame>)| {
+            let mut sensor: Box<dyn Sensor> = match form {
+                Form::Exact => chip(Arithmetic::Number(Format::F64))?,
+                Form::Silicon => chip(Arithmetic::Silicon {
+                    seed: self.seed.wrapping_add(first + n as u64),
+                })?,
+                _ => design.reference(size, MemoryRule::FilteredSnap, Format::F64)?,
+            };
+            let mut packet = Packet::new(size, sensor.channels());
+            for frame in frames {
+                sensor.watch(frame, &mut packet)?;
+            }
+            Ok(packet)
+        };
+        clips.par_iter().enumerate().map(one).collect()
+    }
+}
+
 impl Trainee<'_> {
     /// Rows of the compiled kernel, and its program in a folder; none where a chip has no such sensor:
     /// several kinds, patterns, a logarithm, a refractory period.
@@ -55,13 +103,15 @@ impl Trainee<'_> {
         &self,
         applied: &Applied,
         rated: &Rated,
-        (clips, place): (&Clips, &Path),
+        (clips, place): (Sources<'_>, &Path),
     ) -> Result<Vec<Row>, TrainError> {
-        let log = self.arm.cells().is_some_and(|cells| cells.log);
+        let cells = self.arm.cells();
+        // Resistors are not a program.
+        let other = cells.is_some_and(|cells| cells.log || matches!(cells.start, Start::Mesh(_)));
         let [unit] = &applied.kernels[..] else {
             return Ok(Vec::new());
         };
-        if log || self.task.sensor.refractory_us > 0.0 {
+        if other || self.task.sensor.refractory_us > 0.0 {
             return Ok(Vec::new());
         }
         match self.compiled(applied, unit, rated, (clips, place)) {
@@ -76,7 +126,7 @@ impl Trainee<'_> {
         applied: &Applied,
         unit: &Kernel,
         rated: &Rated,
-        (clips, place): (&Clips, &Path),
+        (clips, place): (Sources<'_>, &Path),
     ) -> Result<Vec<Row>, TrainError> {
         let wrong = |cause: DesignError| TrainError::Design {
             arm: self.arm.name.clone(),
@@ -113,15 +163,15 @@ impl Trainee<'_> {
             seed: self.seed,
         };
         let count = CLIPS.min(self.task.test.0);
-        let batch = Batch::new(clips, 0..count);
+        let batch = Batch::new(clips.held_out, 0..count);
         let size = batch.size();
         let light = batch.light(self.task.sensor.light_noise, self.draw(Reason::Test, 1));
         let seen: Vec<Vec<Frame>> = self.frames(&light, size);
         let description = design
             .description(MemoryRule::FilteredSnap)
             .map_err(wrong)?;
-        let clips = Light::new(&light, self.times(), size);
-        let rating = clips.and_then(|clips| rate_threshold(&description, clips, 0, self.target));
+        let lit = Light::new(&light, self.times(), size);
+        let rating = lit.and_then(|lit| rate_threshold(&description, lit, 0, self.target));
         design.threshold = rating
             .map_err(|cause| TrainError::Gradient {
                 arm: self.arm.name.clone(),
@@ -141,34 +191,40 @@ impl Trainee<'_> {
         save::save(&place.join("program.scamp"), |out| {
             out.write_all(text.as_bytes())
         })?;
+        let built = Built {
+            design,
+            program,
+            seed: self.seed,
+        };
         let mut rows = Vec::new();
+        let shown = self.task.retrain.map(|(steps, count)| {
+            let batch = Batch::new(clips.training, 0..count);
+            let light = batch.light(self.task.sensor.light_noise, self.draw(Reason::Test, 2));
+            let frames = self.frames(&light, batch.size());
+            (steps, batch, frames)
+        });
+        // Exact programs make the float model's events: what is learned from them is the same.
+        let mut learned: Option<(Told, Self)> = None;
         for form in [Form::Quantised, Form::Exact, Form::Silicon] {
-            let packets: Result<Vec<Packet>, DesignError> = { seen.par_iter().enumerate() }
-                .map(|(n, frames)| {
-                    let mut sensor: Box<dyn Sensor> = match form {
-                        Form::Exact => Box::new(program.all_events(program.chip(
-                            Arithmetic::Number(Format::F64),
-                            size,
-                            program.settings(),
-                        )?)),
-                        Form::Silicon => Box::new(program.all_events(program.chip(
-                            Arithmetic::Silicon {
-                                seed: self.seed.wrapping_add(n as u64),
-                            },
-                            size,
-                            program.settings(),
-                        )?)),
-                        _ => design.reference(size, MemoryRule::FilteredSnap, Format::F64)?,
-                    };
-                    let mut packet = Packet::new(size, sensor.channels());
-                    for frame in frames {
-                        sensor.watch(frame, &mut packet)?;
-                    }
-                    Ok(packet)
-                })
-                .collect();
-            let told = self.told(&packets.map_err(wrong)?, size);
-            rows.extend(self.rows((&batch, 0), Some(&told), form));
+            let packets = built.packets(form, &seen, (0, size)).map_err(wrong)?;
+            let told = self.told(&packets, size);
+            rows.extend(self.rows((&batch, 0), Some(&told), (form, Decoder::Own)));
+            let Some((steps, shown, frames)) = &shown else {
+                continue;
+            };
+            // Other chips than those it is judged on.
+            let packets = built.packets(form, frames, (CLIPS, shown.size()));
+            let emitted = self.told(&packets.map_err(wrong)?, shown.size());
+            let known = learned.take().filter(|(told, _)| *told == emitted);
+            let (emitted, other) = match known {
+                Some(known) => known,
+                None => {
+                    let other = self.retrained(*steps, shown, &emitted)?;
+                    (emitted, other)
+                }
+            };
+            rows.extend(other.rows((&batch, 0), Some(&told), (form, Decoder::Retrained)));
+            learned = Some((emitted, other));
         }
         Ok(rows)
     }

@@ -97,10 +97,11 @@ impl Trainee<'_> {
         let shape = self.network.shape();
         let weights = &self.state.network.0;
         let packed = self.network.packed(weights);
-        let answers: Vec<_> = (0..batch.clips.len())
+        let answers: Vec<_> = batch
+            .groups()
             .into_par_iter()
-            .map(|n| {
-                let input = batch.input((self.task, shape), n, Some(&seen));
+            .map(|clips| {
+                let input = batch.input((self.task, shape), clips, Some(&seen));
                 self.network.forward(weights, &packed, input).0
             })
             .collect();

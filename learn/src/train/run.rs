@@ -16,13 +16,14 @@ use crate::{
     arm::Arm,
     record::{self, KernelAt, Record, Row},
     scene::{Clips, Photographs, Video},
-    task::Task,
+    task::{Goal, Task},
 };
 
 use super::{
     checkpoint,
     error::TrainError,
     export,
+    on_chip::Sources,
     trainee::{State, Trainee},
 };
 
@@ -181,6 +182,9 @@ impl<'a> Run<'a> {
         }
         let place = self.place(job);
         make_folder(&place)?;
+        // What a process that was killed has left half written.
+        let _ = save::sweep_up(&place);
+        let _ = save::sweep_up(&self.folder);
         let path = place.join(CHECKPOINT);
         let identity = self.identity(job);
         let (of, at) = ((self.task, job.arm), (job.target, job.seed));
@@ -225,9 +229,14 @@ impl<'a> Run<'a> {
                 let weights = levels.unwrap_or_else(|| kernel.weights());
                 export::kernel(&place.join(format!("kernel-{k}.npy")), weights)?;
             }
+            let sources = Sources {
+                held_out: &self.held_out,
+                training: &self.training,
+            };
             let source = format!("amacrine-learn, {identity}, {} steps", trainee.state.step);
-            export::sensor(&place.join("sensor.toml"), &rated.description, &source)?;
-            rows.extend(trainee.on_chip(&applied, rated, (&self.held_out, &place))?);
+            let sensor = trainee.as_built(&rated.description);
+            export::sensor(&place.join("sensor.toml"), &sensor, &source)?;
+            rows.extend(trainee.on_chip(&applied, rated, (sources, &place))?);
         }
         let finished = Finished {
             identity,
@@ -255,7 +264,8 @@ impl<'a> Run<'a> {
         let one = self.task.arms.iter().find(|arm| arm.kinds() == 1);
         let one = one.or_else(|| self.task.arms.first());
         let size = Size::new(self.task.crop, self.task.crop);
-        let network = one.map(|arm| crate::network::Network::<f32>::new(self.task.plan(arm), size));
+        let network =
+            one.map(|arm| crate::network::Network::<f32>::new(self.task.plan(arm), size, 1));
         let record = Record {
             version: record::VERSION,
             task: self.task.name.clone(),
@@ -282,10 +292,12 @@ fn clips(task: &Task) -> Result<(Clips, Clips, String), TrainError> {
     let scenes = &task.scenes;
     let crop = Size::new(task.crop, task.crop);
     let large = Size::new(task.test.1, task.test.1);
+    let flow = task.goal == Goal::Flow;
+    let kept = |clips: Clips| clips.kept(scenes.clips, flow);
     if let Some(video) = &scenes.video {
         let (training, held_out) = Video::open(video)?.split();
         return Ok((
-            Clips::of_video(&training, crop, scenes.frames, TRAINING)?,
+            kept(Clips::of_video(&training, crop, scenes.frames, TRAINING)?),
             Clips::of_video(&held_out, large, scenes.frames, HELD_OUT)?,
             video.clone(),
         ));
@@ -296,7 +308,13 @@ fn clips(task: &Task) -> Result<(Clips, Clips, String), TrainError> {
     };
     let (training, held_out) = photographs.split();
     Ok((
-        Clips::new(&training, &scenes.motion, crop, scenes.frames, TRAINING)?,
+        kept(Clips::new(
+            &training,
+            &scenes.motion,
+            crop,
+            scenes.frames,
+            TRAINING,
+        )?),
         Clips::new(&held_out, &scenes.motion, large, scenes.frames, HELD_OUT)?,
         photographs.checksum(),
     ))

@@ -130,7 +130,7 @@ impl<'a> Trainee<'a> {
     /// The same without thresholds.
     #[must_use]
     pub fn blank((task, arm): (&'a Task, &'a Arm), (target, seed): (f64, u64)) -> Self {
-        let network = Network::new(task.plan(arm), Size::new(task.crop, task.crop));
+        let network = Network::new(task.plan(arm), Size::new(task.crop, task.crop), task.batch);
         let weights = network.start(seed, task.fan());
         let shape = arm.cells().map(|cells| Shape::new(cells, seed));
         let learned = shape
@@ -257,6 +257,26 @@ impl<'a> Trainee<'a> {
         }
     }
 
+    /// The sensor as it is built: a mesh of resistors in place of the kernel that stands for it.
+    #[must_use]
+    pub fn as_built(&self, sensor: &Description) -> Description {
+        let mut sensor = sensor.clone();
+        let shape = self.shape.clone().map(|mut shape| {
+            if self.arm.cells().is_some_and(|cells| cells.learned) {
+                shape.parameters.clone_from(&self.state.kernel.0);
+            }
+            shape
+        });
+        let mesh = shape.as_ref().and_then(Shape::surrounds);
+        if let (Some(mesh), Ok(alone)) = (mesh, Kernel::new(Plane::ones((1, 1)))) {
+            for channel in &mut sensor.channels {
+                channel.surrounds = Some(mesh.clone());
+                channel.kernels = vec![alone.clone()];
+            }
+        }
+        sensor
+    }
+
     /// The threshold that meets the target on a batch.
     ///
     /// # Errors
@@ -332,15 +352,19 @@ impl<'a> Trainee<'a> {
         let shape = self.network.shape();
         let weights = &self.state.network.0;
         let packed = self.network.packed(weights);
-        let (answers, kept): (Vec<_>, Vec<_>) = (0..batch.clips.len())
+        let (answers, kept): (Vec<_>, Vec<_>) = batch
+            .groups()
             .into_par_iter()
-            .map(|n| {
-                let input = batch.input((self.task, shape), n, seen);
+            .map(|clips| {
+                let input = batch.input((self.task, shape), clips, seen);
                 self.network.forward(weights, &packed, input)
             })
             .unzip();
         let loss = Loss::new(self.task, shape, &batch, &answers);
-        self.finite("the loss", loss.mean)?;
+        if !loss.mean.is_finite() {
+            let voxels = seen.map_or(&[][..], |seen| seen.voxels());
+            return Err(self.not_finite(&light, voxels, loss.mean));
+        }
         let learned = self.arm.cells().is_some_and(|cells| cells.learned);
         let back: Vec<_> = { kept.par_iter().zip(loss.asked) }
             .map(|(seen, asked)| {
@@ -359,12 +383,14 @@ impl<'a> Trainee<'a> {
             }
             inputs.extend(input);
         }
-        let size: f64 = gradient.iter().map(|g| f64::from(g.abs())).sum();
-        self.finite("the network's gradient", size)?;
+        if let Some(n) = gradient.iter().position(|g| !g.is_finite()) {
+            let what = format!("the gradient of {}", self.network.place(n));
+            self.finite(&what, f64::from(gradient[n]))?;
+        }
         let moved = match (&model, &applied) {
             (Some((model, seen)), Some(applied)) if learned => {
-                let voxels = self.voxels(&inputs);
-                Some(self.pulled((model, seen), &voxels, (applied, loss.mean))?)
+                let voxels = self.voxels(&batch, &inputs);
+                Some(self.pulled((model, seen), &voxels, applied)?)
             }
             _ => None,
         };
@@ -395,27 +421,50 @@ impl<'a> Trainee<'a> {
         Ok(())
     }
 
-    fn finite(&self, what: &'static str, value: f64) -> Result<(), TrainError> {
+    pub(super) fn finite(&self, what: &str, value: f64) -> Result<(), TrainError> {
         if value.is_finite() {
             return Ok(());
         }
         Err(TrainError::NotFinite {
             arm: self.arm.name.clone(),
             step: self.state.step,
-            what,
+            what: what.to_owned(),
             value,
         })
     }
 
+    /// The first tensor on the way to the loss that is not finite.
+    fn not_finite(&self, light: &[f32], voxels: &[f32], loss: f64) -> TrainError {
+        let bad = |values: &[f32]| values.iter().position(|v| !v.is_finite());
+        let weights = &self.state.network.0;
+        let (what, value) = if let Some(n) = bad(light) {
+            ("the light".to_owned(), f64::from(light[n]))
+        } else if let Some(n) = bad(voxels) {
+            ("the voxels".to_owned(), f64::from(voxels[n]))
+        } else if let Some(n) = bad(weights) {
+            (self.network.place(n), f64::from(weights[n]))
+        } else {
+            ("the loss".to_owned(), loss)
+        };
+        TrainError::NotFinite {
+            arm: self.arm.name.clone(),
+            step: self.state.step,
+            what,
+            value,
+        }
+    }
+
     /// What the loss asks of the voxels, clip after clip.
-    fn voxels(&self, inputs: &[Maps<f32>]) -> Vec<f32> {
+    fn voxels(&self, batch: &Batch, inputs: &[Maps<f32>]) -> Vec<f32> {
         let shape = self.network.shape();
         let first = self.task.pictures();
         let mut voxels = Vec::new();
-        for maps in inputs {
-            for c in first..maps.channels() {
-                for y in 0..shape.size().height {
-                    voxels.extend_from_slice(maps.row(shape, c, y));
+        for (clips, maps) in batch.groups().into_iter().zip(inputs) {
+            for place in 0..clips.len() {
+                for c in first..maps.channels() {
+                    for y in 0..shape.size().height {
+                        voxels.extend_from_slice(maps.row(shape, (place, c), y));
+                    }
                 }
             }
         }
@@ -428,7 +477,7 @@ impl<'a> Trainee<'a> {
         &self,
         (model, seen): (&Model<f32>, &amacrine::gradient::Forward<f32>),
         voxels: &[f32],
-        (applied, _loss): (&Applied, f64),
+        applied: &Applied,
     ) -> Result<(Vec<f64>, f64), TrainError> {
         let wrong = |cause| self.gradient_error(cause);
         let ask = Ask {
