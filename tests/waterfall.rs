@@ -401,7 +401,7 @@ fn kinds_of_one_program_fall_together() {
     let levels: Vec<Design<'_>> = { designs.iter().zip(&quantised) }
         .map(|(own, quantised)| own.in_levels(quantised))
         .collect();
-    let program = Together::compile(&levels, "three").unwrap().unwrap();
+    let program = Together::compile(&levels, "three", None).unwrap().unwrap();
     let (judged, _) = program
         .judge(&designs, (WITHIN, 1), &mut *scene(), |_| ())
         .unwrap();

@@ -131,9 +131,9 @@ impl Together {
             read => read?,
         };
         Ok(Self {
-            every_event,
             memory,
             compiled,
+            every_event,
         })
     }
 

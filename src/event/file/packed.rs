@@ -126,7 +126,7 @@ mod tests {
 
     fn bytes(length: usize) -> Vec<u8> {
         (0..length as u32)
-            .map(|i| (i * i >> 7 & i >> 3) as u8)
+            .map(|i| (((i * i) >> 7) & (i >> 3)) as u8)
             .collect()
     }
 

@@ -48,8 +48,9 @@ impl<'a> Kinds<'a> {
         let levels: Vec<Design<'_>> = { designs.iter().zip(&quantised) }
             .map(|(design, quantised)| design.in_levels(quantised))
             .collect();
-        let Together { memory, compiled } =
-            Together::compile(&levels, "levels")?.map_err(WaterfallError::Refused)?;
+        let Together {
+            memory, compiled, ..
+        } = Together::compile(&levels, "levels", None)?.map_err(WaterfallError::Refused)?;
         Ok(Self {
             compiled,
             memory,
