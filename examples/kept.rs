@@ -74,7 +74,7 @@ fn clip(mut scene: Box<dyn Scene>, every: usize) -> Result<Held, Box<dyn Error>>
         frames.push(Frame {
             index,
             seconds: index as f64 / fps,
-            light,
+            light: light.into(),
         });
     }
     Ok(Held::new(frames, Size::new(SIDE, SIDE), fps))
@@ -128,6 +128,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 };
                 let levels = float.in_levels(&quantised);
                 let kinds = [CellKind {
+                    name: None,
                     kernel: levels.kernel.clone(),
                     on: levels.threshold,
                     off: levels.threshold,

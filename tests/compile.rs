@@ -619,6 +619,7 @@ fn one_kind_survives_the_silicon() {
         let quantised = to.quantise(&weights, sum, 0).unwrap().within_one();
         let threshold = 48.0 / quantised.scale;
         let kinds = [CellKind {
+            name: None,
             kernel: quantised.levels.clone(),
             on: threshold,
             off: threshold,

@@ -51,6 +51,7 @@ fn kernels(folder: &Path) {
 const SHOWN: [&str; 4] = ["--scene", "clip.npy", "--fps", "10"];
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one walk from kernels to a report")]
 fn four_kernels_become_a_sensor_a_program_and_a_report() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
