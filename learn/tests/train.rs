@@ -329,9 +329,9 @@ fn a_retrained_decoder_knows_the_chip() {
         let (own, retrained) = (mean(form, Decoder::Own), mean(form, Decoder::Retrained));
         assert!(retrained > own, "{form:?}: {own} and then {retrained}");
     }
-    let (few, exact) = (Form::Quantised, Form::Exact);
-    let retrained = Decoder::Retrained;
-    assert_eq!(mean(few, retrained), mean(exact, retrained));
+    // A tie may fall either way: the two are alike, not always the same.
+    let [few, exact] = [Form::Quantised, Form::Exact].map(|form| mean(form, Decoder::Retrained));
+    assert!((few - exact).abs() < 0.05, "{few} {exact}");
 }
 
 /// The kernel that stands for a mesh, as the forward pass has it.

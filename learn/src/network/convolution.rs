@@ -154,7 +154,7 @@ impl Convolution {
         output: &mut Maps<R>,
     ) {
         let each = self.inputs * self.taps() * TOGETHER;
-        let mut sums = vec![R::ZERO; TOGETHER * CHUNK];
+        let mut sums = [R::ZERO; TOGETHER * CHUNK];
         for (block, packed) in packed.chunks(each).enumerate() {
             let least = block * TOGETHER;
             for (n, mask) in shape.mask().chunks(CHUNK).enumerate() {
@@ -166,10 +166,10 @@ impl Convolution {
                 let taps = packed.chunks_exact(self.taps() * TOGETHER);
                 for (i, weights) in taps.enumerate() {
                     let map = input.map(i);
-                    if let Some(weights) = weights.first_chunk() {
+                    if let Some(weights) = weights.first_chunk::<{ 9 * TOGETHER }>() {
                         let stride = shape.stride();
                         add_nine(sums, (&map[start - stride - 1..], stride), weights);
-                    } else if let Some(weights) = weights.first_chunk() {
+                    } else if let Some(weights) = weights.first_chunk::<TOGETHER>() {
                         add_one(sums, &map[start..], weights);
                     }
                 }

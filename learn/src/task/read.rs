@@ -137,16 +137,7 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
         let read = |retrain: Section<'_>| Ok((retrain.whole("steps")?, retrain.whole("clips")?));
         retrain.map(read).transpose()
     })?;
-    let mut targets = Vec::new();
-    for node in task.list("targets") {
-        let target = node.as_number().unwrap_or(f64::NAN);
-        if !(target > 0.0 && target <= 1.0) {
-            let message = format!("a target of {target} events a pixel and pair of frames");
-            return Err(Fault::error(node.place(), message, "above 0 and at most 1")
-                .help("at more than one event a pixel and pair frames are cheaper than events"));
-        }
-        targets.push(target);
-    }
+    let targets = targets(task)?;
     let mut arms = Vec::new();
     for node in task.list("arms") {
         let word = node.as_text().unwrap_or_default();
@@ -187,6 +178,21 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
         retrain,
         checkpoint: task.whole("checkpoint")?,
     })
+}
+
+/// Events a pixel and pair of frames.
+fn targets(task: &Section<'_>) -> Read<Vec<f64>> {
+    let mut targets = Vec::new();
+    for node in task.list("targets") {
+        let target = node.as_number().unwrap_or(f64::NAN);
+        if !(target > 0.0 && target <= 1.0) {
+            let message = format!("a target of {target} events a pixel and pair of frames");
+            return Err(Fault::error(node.place(), message, "above 0 and at most 1")
+                .help("at more than one event a pixel and pair frames are cheaper than events"));
+        }
+        targets.push(target);
+    }
+    Ok(targets)
 }
 
 /// A side that all levels of the network halve evenly.

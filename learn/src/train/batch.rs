@@ -6,7 +6,7 @@ use amacrine::{gradient::Forward, plane::Size, rng::Hash};
 use rayon::prelude::*;
 
 use crate::{
-    network::{Maps, PICTURES, Shape},
+    network::{Maps, Shape},
     scene::{Clip, Clips},
     task::{Goal, Task},
 };
@@ -67,12 +67,12 @@ impl Batch {
         each.concat()
     }
 
-    /// Numbers of the clips that a network works on at once.
+    /// Numbers of the clips that a network of maps of this shape works on at once.
     #[must_use]
-    pub fn groups(&self) -> Vec<Range<usize>> {
-        let count = self.clips.len();
-        let starts = (0..count).step_by(PICTURES);
-        starts.map(|n| n..(n + PICTURES).min(count)).collect()
+    pub fn groups(&self, shape: &Shape<f32>) -> Vec<Range<usize>> {
+        let (count, each) = (self.clips.len(), shape.pictures());
+        let starts = (0..count).step_by(each);
+        starts.map(|n| n..(n + each).min(count)).collect()
     }
 
     /// What the network gets of some clips when it is trained.
@@ -156,7 +156,7 @@ impl Loss {
             let losses: Vec<f64> = batch.clips[clips].iter().enumerate().map(own).collect();
             (losses, asked)
         };
-        let groups = batch.groups().into_par_iter().zip(answers);
+        let groups = batch.groups(shape).into_par_iter().zip(answers);
         let (losses, asked): (Vec<_>, Vec<_>) = groups.map(each).unzip();
         Self {
             mean: losses.iter().flatten().sum::<f64>() / f64::from(count),

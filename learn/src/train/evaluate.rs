@@ -157,7 +157,11 @@ impl Trainee<'_> {
             rows.map(|(place, n)| one(n, (place, answer.as_ref())))
                 .collect::<Vec<_>>()
         };
-        let groups: Vec<_> = batch.groups().into_par_iter().map(group).collect();
+        let groups: Vec<_> = batch
+            .groups(network.shape())
+            .into_par_iter()
+            .map(group)
+            .collect();
         groups.concat()
     }
 }

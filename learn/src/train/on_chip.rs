@@ -203,7 +203,7 @@ impl Trainee<'_> {
             let frames = self.frames(&light, batch.size());
             (steps, batch, frames)
         });
-        // Exact programs make the float model's events: what is learned from them is the same.
+        // Exact programs mostly make the float model's events: what is learned from them is the same.
         let mut learned: Option<(Told, Self)> = None;
         for form in [Form::Quantised, Form::Exact, Form::Silicon] {
             let packets = built.packets(form, &seen, (0, size)).map_err(wrong)?;
@@ -216,12 +216,11 @@ impl Trainee<'_> {
             let packets = built.packets(form, frames, (CLIPS, shown.size()));
             let emitted = self.told(&packets.map_err(wrong)?, shown.size());
             let known = learned.take().filter(|(told, _)| *told == emitted);
-            let (emitted, other) = match known {
-                Some(known) => known,
-                None => {
-                    let other = self.retrained(*steps, shown, &emitted)?;
-                    (emitted, other)
-                }
+            let (emitted, other) = if let Some(known) = known {
+                known
+            } else {
+                let other = self.retrained(*steps, shown, &emitted)?;
+                (emitted, other)
             };
             rows.extend(other.rows((&batch, 0), Some(&told), (form, Decoder::Retrained)));
             learned = Some((emitted, other));

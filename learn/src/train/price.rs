@@ -98,7 +98,7 @@ impl Trainee<'_> {
         let weights = &self.state.network.0;
         let packed = self.network.packed(weights);
         let answers: Vec<_> = batch
-            .groups()
+            .groups(shape)
             .into_par_iter()
             .map(|clips| {
                 let input = batch.input((self.task, shape), clips, Some(&seen));

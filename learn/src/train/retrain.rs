@@ -40,7 +40,7 @@ impl Trainee<'_> {
             let packed = self.network.packed(weights);
             let voxels = |n: usize| Some(&told.voxels[of[n]][..]);
             let (answers, kept): (Vec<_>, Vec<_>) = batch
-                .groups()
+                .groups(shape)
                 .into_par_iter()
                 .map(|clips| {
                     let given = (self.task, shape);

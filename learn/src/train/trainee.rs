@@ -353,7 +353,7 @@ impl<'a> Trainee<'a> {
         let weights = &self.state.network.0;
         let packed = self.network.packed(weights);
         let (answers, kept): (Vec<_>, Vec<_>) = batch
-            .groups()
+            .groups(shape)
             .into_par_iter()
             .map(|clips| {
                 let input = batch.input((self.task, shape), clips, seen);
@@ -459,7 +459,7 @@ impl<'a> Trainee<'a> {
         let shape = self.network.shape();
         let first = self.task.pictures();
         let mut voxels = Vec::new();
-        for (clips, maps) in batch.groups().into_iter().zip(inputs) {
+        for (clips, maps) in batch.groups(shape).into_iter().zip(inputs) {
             for place in 0..clips.len() {
                 for c in first..maps.channels() {
                     for y in 0..shape.size().height {
