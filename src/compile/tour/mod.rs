@@ -6,7 +6,7 @@
 //! words one adds up to three copies with a positive sign, the other up to three with a negative
 //! one. With the five inputs of a row held, a ternary 5x5 kernel with at most three of a sign in each
 //! row can be made in 17 words: six for the copies, one that begins the sum, and two for each of the
-//! five moves between its rows and home. The search finds 14 to 20, often with other footprints.
+//! five moves between its rows and home. The search finds 15 to 20, often with other footprints.
 //!
 //! Weights of several bits are added plane by plane, the lowest first, and the sum is halved in
 //! between; several goals one after the other, from the same copies.
