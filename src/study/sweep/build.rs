@@ -6,14 +6,13 @@ use serde_json::json;
 use super::{plan::Entry, refusal::Refusal, sensor, shared::Shared, study::Settings, table::Row};
 use crate::{
     array::{self, Arithmetic},
-    compile::{CellKind, DriveMemory, Effort, Objective, Request, SensorProgram},
+    compile::{CellKind, DriveMemory, Effort},
     kernel::{
         Kernel,
         quantise::{Quantiser, Sum},
     },
     number::Format,
     plane::Size,
-    program::{Code, Cost, Overrides, Program},
     reference::{Description, MemoryRule},
     rig::guard::Warning,
     sensor::Sensor,
@@ -135,51 +134,30 @@ pub(super) fn array_of(
     } else {
         0
     };
-    // A program does not depend on its thresholds, but on whether they are one or two.
+    // What a program is best at is to decide at its threshold.
     let key = format!(
-        "{weights:?} {:?} {} {} {} {} {rounding} {}",
+        "{weights:?} {:?} {} {} {} {} {rounding} {on} {off}",
         entry.kernel.weights().dim(),
         word("chip"),
         word("quantise"),
         word("sum"),
         word("memory"),
-        on == off,
     );
-    let made = shared.program(&key, || {
-        compiled(settings, &entry.kernel, entry, rounding, on == off)
-    });
+    let made = shared.program(&key, || compiled(settings, entry, rounding, (on, off)));
     let LevelProgram {
         compiled,
-        scale,
         quantisation_error,
         erased,
     } = match made.get() {
-        Some(Ok(made)) => made,
+        Some(Ok(made)) => made.clone(),
         Some(Err(refusal)) => return Err(refusal.clone()),
         None => return Err(Refusal::Cannot("the program was not made".to_owned())),
     };
-    let unit = compiled.program.scale / scale;
-    let constants: &[(&str, f64)] = if on == off {
-        &[("threshold", on)]
-    } else {
-        &[("on_threshold", on), ("off_threshold", off)]
-    };
-    let overrides: Overrides = constants
-        .iter()
-        .map(|(name, light)| ((*name).to_owned(), light * unit))
-        .collect();
-    let text = Program::parse(&compiled.title, &compiled.program.text)?;
-    let code = text.expand(device, &overrides)?.code;
-    let compiled = Compiled {
-        code,
-        ..compiled.clone()
-    };
-    let cost = Cost::of(&compiled.code.frame, device);
     let arithmetic: Arithmetic = word("domain").parse()?;
     let size = entry.scene.size;
     let mut put = |name: &str, value: serde_json::Value| row.insert(name.to_owned(), value);
-    put("words", json!(cost.words.0));
-    put("array_us", json!(cost.array_us));
+    put("words", json!(compiled.cost.words.0));
+    put("array_us", json!(compiled.cost.array_us));
     put("registers", json!(compiled.registers()));
     put("prescale_bits", json!(compiled.program.filter.prescale));
     put("quantisation_error", json!(quantisation_error));
@@ -207,12 +185,10 @@ pub(super) fn array_of(
     Ok(Programmed { compiled, settings })
 }
 
-/// The program of a kernel with thresholds of 1.
-#[derive(Debug)]
+/// The program of a kernel in few values.
+#[derive(Clone, Debug)]
 pub(super) struct LevelProgram {
     compiled: Compiled,
-    /// Of the kernel's levels.
-    scale: f64,
     quantisation_error: f64,
     /// What the levels have lost of its shape, by the names of the warnings.
     erased: Vec<&'static str>,
@@ -221,11 +197,11 @@ pub(super) struct LevelProgram {
 /// Makes it.
 fn compiled(
     settings: &Settings,
-    kernel: &Kernel,
     entry: &Entry,
     seed: u64,
-    one_threshold: bool,
+    (on, off): (f64, f64),
 ) -> Result<LevelProgram, Refusal> {
+    let kernel = &entry.kernel;
     let point = &entry.point;
     let device = entry
         .chip
@@ -233,7 +209,7 @@ fn compiled(
         .ok_or_else(|| Refusal::Cannot("there is no chip".to_owned()))?;
     let name = point.word("quantise").unwrap_or("none");
     let (levels, scale, quantisation_error, erased) = if name == "none" {
-        (kernel.clone(), 1.0, 0.0, Vec::new())
+        (Kernel::clone(kernel), 1.0, 0.0, Vec::new())
     } else {
         let to: Quantiser = name.parse()?;
         let sum = match point.word("sum") {
@@ -248,18 +224,11 @@ fn compiled(
             .collect();
         (quantised.levels, quantised.scale, error, erased)
     };
-    let kernels = [levels.clone()];
-    let mut request = Request::new(&kernels, device)?;
-    request.effort = Effort {
-        states: settings.effort,
-    };
-    // One program serves all thresholds, so that it cannot be the one that decides best at one.
-    request.objective = Objective::Exact;
     let kind = CellKind {
         name: None,
         kernel: levels,
-        on: 1.0,
-        off: if one_threshold { 1.0 } else { 0.5 },
+        on: on / scale,
+        off: off / scale,
     };
     let memory = point
         .word("memory")
@@ -267,17 +236,12 @@ fn compiled(
     let memory = memory.and_then(|bits| bits.parse().ok());
     let memory = memory.map_or(DriveMemory::Analogue, DriveMemory::Bits);
     let title = format!("{} as {name}", point.word("kernel").unwrap_or_default());
-    let program = SensorProgram::new(&[kind], memory, &title, &request)?;
-    let compiled = Compiled {
-        cost: Cost::default(),
-        code: Code::default(),
-        device: device.as_ref().clone(),
-        title,
-        program,
+    let effort = Effort {
+        states: settings.effort,
     };
+    let compiled = Compiled::new(&title, (&[kind], memory), device, (effort, 0))?;
     Ok(LevelProgram {
         compiled,
-        scale,
         quantisation_error,
         erased,
     })
