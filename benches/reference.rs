@@ -1,6 +1,7 @@
 //! How fast the float model is, and how far from what the machine could do.
 //!
-//! `cargo bench --bench reference` (a minute or two), or with `-- --quick` (seconds, rougher).
+//! `cargo bench --bench reference` (a minute or two), or with `-- --quick` (seconds, rougher);
+//! `-- ratios` prints the ratios alone.
 //! Every figure is the median over repetitions, with half the distance of its quartiles. The scene is made beforehand: 17 frames of a
 //! moving texture of 8 bits, held as bytes, watched to and fro; about 0.8 events per cell and pair.
 //!
@@ -157,6 +158,13 @@ impl Bench {
     }
 }
 
+/// What a sensor takes for a pair, as a multiple of what another does: the median of `times` pairs
+/// of measurements, each of one after the other, and half the distance of the quartiles.
+fn ratio(times: usize, mut one: impl FnMut() -> Line, mut other: impl FnMut() -> Line) -> Timed {
+    let ratios = (0..times).map(|_| one().time.median / other().time.median);
+    Timed::from_seconds(ratios.collect())
+}
+
 fn heading(title: &str) {
     println!("\n{title}");
     println!(
@@ -213,6 +221,52 @@ fn described(kinds: usize, kernel: &str, more: &str) -> String {
     )
 }
 
+/// The names of rules that make a cell rest, and what stands for them in a sensor file.
+const REFRACTORY: [(&str, &str); 2] = [
+    ("dead-time 1 ms", "refractory = { us = 1000 }"),
+    (
+        "authors 1 ms",
+        "refractory = { us = 1000, rule = \"authors\" }",
+    ),
+];
+
+/// What rests and kinds cost, as multiples of what a plain list of one kind does.
+fn ratios(bench: &Bench, clip: &mut Clip, times: usize) {
+    println!("\nRatios, 256x256, f32, one thread, pairs of measurements");
+    let clip = std::cell::RefCell::new(clip);
+    let time = |text: &str, ask| bench.line(F32, text, &mut clip.borrow_mut(), ask, 1);
+    for (name, more) in REFRACTORY {
+        for ask in [Ask::List, Ask::Counts] {
+            let ratio = ratio(
+                times,
+                || time(&sensor(1, more), ask),
+                || time(&sensor(1, ""), ask),
+            );
+            println!(
+                "{name:<16} {:>7} {:>6.2} {:>5} times a plain one",
+                ask.name(),
+                ratio.median,
+                ratio.plus_minus()
+            );
+        }
+    }
+    for kinds in [4, 16] {
+        for ask in Ask::ALL {
+            let ratio = ratio(
+                times,
+                || time(&sensor(kinds, ""), ask),
+                || time(&sensor(1, ""), ask),
+            );
+            println!(
+                "{kinds:>2} kinds {:>15} {:>6.2} {:>5} times one kind",
+                ask.name(),
+                ratio.median,
+                ratio.plus_minus()
+            );
+        }
+    }
+}
+
 fn main() {
     let quick = std::env::args().any(|arg| arg == "--quick");
     let pool = |threads| {
@@ -228,9 +282,13 @@ fn main() {
         pools: [pool(1), pool(2)],
     };
     println!("{}", timed::cpu());
+    let mut clip = Clip::new(SIZES[0]);
+    ratios(&bench, &mut clip, if quick { 3 } else { 9 });
+    if std::env::args().any(|arg| arg == "ratios") {
+        return;
+    }
     bench.machine.show();
 
-    let mut clip = Clip::new(SIZES[0]);
     let plain_sensor = sensor(1, "");
     let plain = plain::pace(&describe(&plain_sensor), &mut clip, timing);
 
@@ -259,17 +317,11 @@ fn main() {
     );
 
     heading("256x256, other sensors and formats, one thread");
-    for (name, more) in [
-        ("dead-time 1 ms", "refractory = { us = 1000 }"),
-        (
-            "authors 1 ms",
-            "refractory = { us = 1000, rule = \"authors\" }",
-        ),
-        (
-            "shot 5 Hz, leak 0.1 Hz",
-            "noise = { shot-hz = 5, leak-hz = 0.1 }",
-        ),
-    ] {
+    let noise = (
+        "shot 5 Hz, leak 0.1 Hz",
+        "noise = { shot-hz = 5, leak-hz = 0.1 }",
+    );
+    for (name, more) in REFRACTORY.into_iter().chain([noise]) {
         let label = format!("f32 {name}");
         let line = bench.line(F32, &sensor(1, more), &mut clip, Ask::List, 1);
         bench.show(&Line { label, ..line });

@@ -9,6 +9,8 @@
 //! assert_eq!(bundled::find(Kind::Program, "snap"), bundled::find(Kind::Program, "dvs/snap"));
 //! ```
 
+use crate::config::nearest;
+
 /// A kind of file that comes with the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -100,6 +102,23 @@ pub fn find(kind: Kind, name: &str) -> Option<File> {
     alike.next().is_none().then_some(found)
 }
 
+/// The name that was meant, if one of this kind is near, and what else can be given: for messages
+/// about a name that is not there.
+#[must_use]
+pub fn meant(kind: Kind, name: &str, otherwise: &str) -> String {
+    let last = |file: File| file.name.rsplit('/').next().unwrap_or(file.name);
+    let near = nearest(name, all(kind).map(|file| file.name));
+    // A last part will do where only one file has it.
+    let near = near.or_else(|| {
+        let near = nearest(name, all(kind).map(last))?;
+        find(kind, near).map(|file| file.name)
+    });
+    match near {
+        Some(near) => format!("did you mean `{near}`? {otherwise}"),
+        None => otherwise.to_owned(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,5 +143,23 @@ mod tests {
         let other = find(Kind::Sensor, "authors/dvs").map(|file| file.name);
         assert_eq!(other, Some("authors/dvs"));
         assert_eq!(find(Kind::Program, "nothing"), None);
+    }
+
+    #[test]
+    fn a_slip_of_the_pen_is_understood() {
+        let meant = |kind, name| meant(kind, name, "else");
+        assert_eq!(
+            meant(Kind::Sensor, "dsv-clean"),
+            "did you mean `dvs-clean`? else"
+        );
+        assert_eq!(
+            meant(Kind::Program, "dvs/snp"),
+            "did you mean `dvs/snap`? else"
+        );
+        assert_eq!(
+            meant(Kind::Program, "snapp"),
+            "did you mean `dvs/snap`? else"
+        );
+        assert_eq!(meant(Kind::Sensor, "clip.mp4"), "else");
     }
 }

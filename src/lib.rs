@@ -26,6 +26,7 @@ pub mod elementary;
 pub mod limit;
 pub mod memory;
 pub mod mosaic;
+pub mod npy;
 mod parallel;
 pub mod plane;
 pub mod rng;

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 // The rooms of the library by the names that they have in it.
 use amacrine::{
     array, bundled, catch_panic, compare, compile, config, elementary, event, isa, kernel, limit,
-    memory, mesh, number, photoreceptor, picture, plane, program, reference, rig, save, scene,
+    memory, mesh, npy, number, photoreceptor, picture, plane, program, reference, rig, save, scene,
     sensor, source, study, unit,
 };
 

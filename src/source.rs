@@ -10,7 +10,10 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use crate::limit::{LINE_BYTES, NESTING, NUMBERS_BYTES, TEXT_BYTES};
+use crate::{
+    limit::{LINE_BYTES, NUMBERS_BYTES, TEXT_BYTES},
+    npy::MAGIC,
+};
 
 /// A file that cannot be read.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -112,9 +115,6 @@ impl From<SourceError> for io::Error {
     }
 }
 
-/// How a `.npy` begins.
-const NPY: &[u8] = b"\x93NUMPY";
-
 /// Reads a text file; `help` says what to give in its place.
 ///
 /// # Errors
@@ -135,9 +135,9 @@ pub fn numbers(path: &Path, help: &str) -> Result<Vec<u8>, SourceError> {
     let read = || {
         let mut file = open(path)?;
         let mut start = Vec::new();
-        let read = (&mut file).take(NPY.len() as u64).read_to_end(&mut start);
+        let read = (&mut file).take(MAGIC.len() as u64).read_to_end(&mut start);
         read.map_err(Cause::System)?;
-        if start != NPY {
+        if start != MAGIC {
             return Err(Cause::NotNumbers);
         }
         rest(file, start, NUMBERS_BYTES, ".npy")
@@ -152,42 +152,6 @@ pub fn numbers(path: &Path, help: &str) -> Result<Vec<u8>, SourceError> {
 pub fn bytes(path: &Path, help: &str) -> Result<Vec<u8>, SourceError> {
     let read = || rest(open(path)?, Vec::new(), TEXT_BYTES, "text");
     read().map_err(|cause| SourceError::new(path, cause, help))
-}
-
-/// Checks the header of a `.npy` before another reader takes it apart: that it ends within the
-/// file, and that its brackets are not so deep inside each other that taking them apart would
-/// not end well.
-///
-/// # Errors
-/// What is wrong with it.
-pub fn npy_header(bytes: &[u8]) -> Result<(), String> {
-    // Version 1 says in two bytes how long the header is, later ones in four.
-    let (start, length) = match bytes.get(6..) {
-        Some(&[1, _, a, b, ..]) => (10, usize::from(u16::from_le_bytes([a, b]))),
-        Some(&[_, _, a, b, c, d, ..]) => (12, u32::from_le_bytes([a, b, c, d]) as usize),
-        _ => return Err("its header is cut off".to_owned()),
-    };
-    let version = bytes.get(6).copied().unwrap_or_default();
-    let Some(header) = bytes.get(start..).and_then(|rest| rest.get(..length)) else {
-        return Err(format!(
-            "its header, of version {version}, goes beyond its end"
-        ));
-    };
-    let (mut depth, mut most) = (0_usize, 0);
-    for byte in header {
-        match byte {
-            b'(' | b'[' | b'{' => depth += 1,
-            b')' | b']' | b'}' => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-        most = depth.max(most);
-    }
-    if most > NESTING {
-        return Err(format!(
-            "its header has {most} levels inside each other, more than {NESTING}"
-        ));
-    }
-    Ok(())
 }
 
 /// One line of a stream, without its end; nothing at the end of the stream.

@@ -134,7 +134,21 @@ fn sensors() {
 
 #[test]
 fn options() {
-    says(&refused(SCENE, SENSOR, &["--format", "q99.1"]), &["q99.1"]);
+    says(
+        &refused(SCENE, SENSOR, &["--format", "q99.1"]),
+        &["q99.1", "8, 16 or 32"],
+    );
+    for fps in ["0", "-3", "nan", "1e300", "1e-400"] {
+        says(
+            &refused(SCENE, SENSOR, &["--fps", fps]),
+            &["frames per second is no rate", "at most 1000000000"],
+        );
+    }
+    says(&refused(SCENE, SENSOR, &["--seed", "-1"]), &["--seed"]);
+    says(
+        &refused(SCENE, SENSOR, &["--upsample", "-0.1"]),
+        &["contrast is -0.1"],
+    );
     says(
         &refused(SCENE, SENSOR, &["--when-full", "wait"]),
         &["wait", "stop", "drop"],

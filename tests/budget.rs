@@ -576,3 +576,18 @@ fn voxels_hold_the_windows_that_overlap() {
         assert!(ran.peak < 60 << 10, "{name}: {} KiB", ran.peak);
     }
 }
+
+#[test]
+fn arrays_beyond_the_disk_are_refused_before_the_work() {
+    let folder = Folder::new();
+    let events = folder.write("far.csv", b"t,x,y,p\n0,0,0,1\n1000000000000,9,9,1\n");
+    for name in ["v.npy", "v.npz"] {
+        let out = folder.path(name).display().to_string();
+        let asked = ["voxels", &events, "-o", &out, "--size", "64x48"];
+        let asked = [&asked[..], &["--window", "1us", "--bins", "1000"]].concat();
+        refused(
+            &asked,
+            &["windows of 11.7 MiB would take", "are free", "--every"],
+        );
+    }
+}

@@ -618,12 +618,12 @@ fn arrays_that_lie_are_refused() {
     refused(
         case.folder.path(),
         &["quantise", "k.npy", "--to", "ternary"],
-        "levels inside each other",
+        "expected {'descr': …",
     );
     refused(
         case.folder.path(),
         &["exec", "p.scamp", "--set", "A=k.npy"],
-        "levels inside each other",
+        "expected {'descr': …",
     );
 }
 

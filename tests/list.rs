@@ -74,3 +74,33 @@ fn a_sensor_of_a_name_is_asked_for_its_kernels() {
     );
     assert!(text.contains("falling diagonals"), "{text}");
 }
+
+#[test]
+fn a_slip_of_the_pen_is_understood() {
+    let folder = tempfile::tempdir().unwrap();
+    for (line, meant) in [
+        ("run --scene bundled --sensor dsv-clean", "dvs-clean"),
+        ("run --scene pattern:disk --sensor dvs", "disc"),
+        ("run --scene pattern:disc?widht=9 --sensor dvs", "width"),
+        (
+            "run --scene bundled --sensor dvs --kernel rgc-5x6",
+            "rgc-5x5",
+        ),
+        ("exec dvs/snp", "dvs/snap"),
+        ("exec dvs/snap --domain silicone", "silicon"),
+        ("exec dvs/snap --chip scamp6", "scamp5"),
+        ("quantise rgc-5x5 --to ternery", "ternary"),
+        ("sweep fromats --output d", "formats"),
+        ("list sensors dvs-claen", "dvs-clean"),
+        ("new sensor mine --from dvs-claen", "dvs-clean"),
+    ] {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        refused(
+            folder.path(),
+            &words,
+            &[&format!("did you mean `{meant}`?")],
+        );
+    }
+    let names = std::fs::read_dir(folder.path()).unwrap();
+    assert_eq!(names.count(), 0);
+}

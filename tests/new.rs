@@ -105,6 +105,9 @@ fn nothing_is_overwritten() {
         &["new", "chip", "a", "--from", "scamp5"],
         &["it extends it"],
     );
+    for name in ["", "b/", ".."] {
+        refused(folder, &["new", "sensor", name], &["is no name of a file"]);
+    }
 }
 
 #[test]

@@ -828,3 +828,32 @@ fn names_that_are_no_utf8() {
     fs::remove_file(scene).unwrap();
     assert_eq!(files(&work), before);
 }
+
+/// No input is looked at before the places of the outputs: what is not there is not complained of.
+#[cfg(target_os = "linux")]
+#[test]
+fn places_are_tried_before_the_work() {
+    let bench = Bench::new();
+    let work = bench.work();
+    for line in [
+        "run --scene none.npy --sensor none --events /proc/none/e.npy",
+        "run --scene none.npy --sensor none --counts /proc/none.npy",
+        "exec none --dump /proc/none",
+        "exec none --trace /proc/none.html",
+        "design none --rate 2 -o /proc/none",
+        "feasibility --kernel none --threshold 1 -o /proc/none.html",
+        "waterfall none --threshold 1 -o /proc/none.svg",
+        "trade --scene none --sensor none -o /proc/none.svg",
+        "quantise none --to ternary --picture /proc/none.png",
+        "compile none -o /proc/none.scamp",
+        "sweep none --output /proc/none",
+        "merge none -o /proc/none",
+        "voxels none.npy --window 1s -o /proc/none.npy",
+        "show none.npy -o /proc/none.png",
+        "demo -o /proc/none",
+    ] {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        refused(&ran(&work, &words), line, &["cannot write /proc/none"]);
+    }
+    assert!(files(&work).is_empty());
+}

@@ -223,7 +223,7 @@ fn the_program_computes_what_was_projected() {
     let chip = chip();
     for name in ["ternary:zero:d4", "ternary", "int-3:zero:mirror"] {
         let own = levels(name).project(&drawn(4, 3)).unwrap();
-        let made = chip.compile(std::slice::from_ref(&own)).unwrap();
+        let made = chip.compile(std::slice::from_ref(&own), 20.0).unwrap();
         let on = 12.0 / made.scale;
         let text = made.program(&[[on, on]], "learned", &chip);
         let program = Program::parse("learned", &text).unwrap();
@@ -258,9 +258,14 @@ fn the_program_computes_what_was_projected() {
 fn a_chip_says_what_it_leaves() {
     let chip = chip();
     let own = levels("ternary:zero:d4").project(&drawn(4, 3)).unwrap();
-    let one = chip.compile(std::slice::from_ref(&own)).unwrap();
-    let again = chip.compile(std::slice::from_ref(&own)).unwrap();
+    let one = chip.compile(std::slice::from_ref(&own), 20.0).unwrap();
+    let again = chip.compile(std::slice::from_ref(&own), 20.0).unwrap();
     assert!(std::sync::Arc::ptr_eq(&one, &again), "compiled once");
+    // Thresholds near each other share a program, others have their own.
+    let near = chip.compile(std::slice::from_ref(&own), 20.5).unwrap();
+    let far = chip.compile(std::slice::from_ref(&own), 80.0).unwrap();
+    assert!(std::sync::Arc::ptr_eq(&one, &near) && !std::sync::Arc::ptr_eq(&one, &far));
+    assert_eq!(chip.compiled(), 2);
     // Whole steps, one at least.
     let step = 1.0 / one.scale;
     assert_eq!(one.threshold(0.0), step);
@@ -284,12 +289,21 @@ fn a_search_finds_what_is_worth_more() {
     let latent = drawn(4, 3);
     let start = ternary.project(&latent).unwrap();
     // Words alone: fewer of them, and never more.
-    let before = chip.compile(std::slice::from_ref(&start)).unwrap().words;
+    let before = chip
+        .compile(std::slice::from_ref(&start), 20.0)
+        .unwrap()
+        .words;
     let mut judged = Vec::new();
-    let found = search(&ternary, (&start, &latent), &chip, 12, |kernel, made| {
-        judged.push(kernel.levels.clone());
-        made.words as f64
-    })
+    let found = search(
+        &ternary,
+        (&start, &latent),
+        (&chip, 20.0),
+        12,
+        |kernel, made| {
+            judged.push(kernel.levels.clone());
+            made.words as f64
+        },
+    )
     .unwrap();
     assert!(
         found.chip.words < before,
@@ -305,9 +319,13 @@ fn a_search_finds_what_is_worth_more() {
         );
     }
     // Nothing is worth more: the start stays.
-    let same = search(&ternary, (&start, &latent), &chip, 12, |kernel, _| {
-        f64::from(kernel.levels != start.levels)
-    });
+    let same = search(
+        &ternary,
+        (&start, &latent),
+        (&chip, 20.0),
+        12,
+        |kernel, _| f64::from(kernel.levels != start.levels),
+    );
     assert_eq!(same.unwrap().kernel.levels, start.levels);
     // A sum of 0 is kept on the way.
     let zero = levels("ternary:zero:mirror");
@@ -315,7 +333,7 @@ fn a_search_finds_what_is_worth_more() {
     let found = search(
         &zero,
         (&start, &latent),
-        &chip,
+        (&chip, 20.0),
         6,
         |kernel: &Projected, made| {
             assert_eq!(kernel.levels.sum(), 0.0);

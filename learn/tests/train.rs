@@ -5,6 +5,7 @@ use std::{
     fs,
     panic::{AssertUnwindSafe, catch_unwind},
     path::Path,
+    sync::atomic::{AtomicUsize, Ordering},
 };
 
 use amacrine::{
@@ -21,7 +22,7 @@ use amacrine_learn::{
     record::{Decoder, Form, Record},
     scene::{Clips, Motion, Photographs},
     task::Task,
-    train::{Batch, Loss, Run, State, TrainError, Trainee},
+    train::{Batch, Loss, Progress, Run, State, TrainError, Trainee},
 };
 
 const SMALL: &str = "steps = 12\nbatch = 2\ncrop = 16\ntargets = [0.05]\nseeds = [1]\ncheckpoint = 2\n\
@@ -195,7 +196,17 @@ fn ten_stops_end_as_none() {
         }));
         drop(ended);
     }
-    run(&stopped, &text, true);
+    // The rest side by side.
+    let last = Run::new((&task, &text), &stopped, true).unwrap();
+    let ended = AtomicUsize::new(0);
+    last.train_all(&last.jobs(), 2, &|_, progress| {
+        if let Progress::Ended(done) = progress {
+            done.unwrap();
+            ended.fetch_add(1, Ordering::Relaxed);
+        }
+    });
+    assert_eq!(ended.into_inner(), last.jobs().len());
+    last.record().unwrap();
     let (a, b) = (files(&straight), files(&stopped));
     let names = |files: &[(String, Vec<u8>)]| files.iter().map(|f| f.0.clone()).collect::<Vec<_>>();
     assert_eq!(names(&a), names(&b));
@@ -210,15 +221,13 @@ fn ten_stops_end_as_none() {
     let run = Run::new((&task, &other), &stopped, true).unwrap();
     let refused = run.train(&run.jobs()[1], &mut |_| {}).unwrap_err();
     assert!(
-        refused.to_string().contains("of something else"),
+        refused.to_string().contains("made with another task file"),
         "{refused}"
     );
     fs::remove_file(stopped.join("arms/ternary-0.05-1/finished.json")).unwrap();
     let refused = run.train(&run.jobs()[1], &mut |_| {}).unwrap_err();
     assert!(
-        refused
-            .to_string()
-            .contains("a checkpoint of something else"),
+        refused.to_string().contains("made with another task file"),
         "{refused}"
     );
     // What is damaged or of another version is not taken either.
@@ -257,6 +266,19 @@ fn what_is_judged_is_what_was_asked_for() {
             .filter(|row| row.arm == arm && row.form == form);
         rows.collect::<Vec<_>>()
     };
+    // The threshold of a form is set on the form: as near to the target as whole LSB allow.
+    for (arm, form) in [
+        ("ternary", Form::Quantised),
+        ("ternary", Form::Silicon),
+        ("int-5", Form::Silicon),
+    ] {
+        let rows = of(arm, form);
+        let events: u64 = rows.iter().map(|row| row.events).sum();
+        let cells: u64 = rows.iter().map(|row| row.cells).sum();
+        let rate = events as f64 / cells as f64;
+        let part = rate / 0.05;
+        assert!((0.67..1.5).contains(&part), "{arm} {form:?}: {rate}");
+    }
     for arm in ["ternary", "int-5", "rgc-k2"] {
         let rows = of(arm, Form::Trained);
         assert_eq!(rows.len(), 6);

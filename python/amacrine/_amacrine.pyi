@@ -190,6 +190,7 @@ def forward(
     seed: int,
     phase: float | None,
 ) -> Seen: ...
+def check_room(what: str, bytes: int, help: str) -> None: ...
 def voxels(
     npy: bytes, size: tuple[int, int] | None, channels: int, how: Voxels, end: int | None
 ) -> tuple[npt.NDArray[np.float32], tuple[int, int, int]]: ...
@@ -265,7 +266,7 @@ def design(
 def feasibility(
     of: list[_Named],
     thresholds: list[float],
-    levels: tuple[str | None, list[str]],
+    levels: tuple[str | None, list[str], str | None],
     search: _Search,
     scene: _Shown,
     times: tuple[int | None, int | None],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -29,6 +30,9 @@ the keys ``on``, ``off`` and ``sigma``."""
 
 PART = 16
 """Frames that are watched before windows that are over are handed on."""
+
+FEWER = "take them window by window (voxel_windows), or fewer or narrower ones"
+"""What to do about voxels for which there is no room."""
 
 MOST_SIDE = 1 << 15
 """The longest side whose addresses an event's ``i2`` holds."""
@@ -111,7 +115,7 @@ class EventSensor(ABC):
         given = clips(frames, scale)
         pairs = max(given.frames - 1, 0)
         shape = (len(given.all), pairs, len(self.channels), *given.size)
-        out = np.zeros(shape, np.int32)
+        out = _zeros("counts", shape, np.int32, "take them part by part (stream)")
 
         def watch(b: int) -> None:
             run = self._watch(given.size, fps, given.scale)
@@ -169,7 +173,8 @@ class EventSensor(ABC):
                     "a bin for each frame has no window, no sides and no range\n"
                     "help: give bins, such as bins=9"
                 )
-            out = _zeros((len(given.all), given.frames, kinds, *size), np.float32)
+            shape = (len(given.all), given.frames, kinds, *size)
+            out = _zeros("voxels", shape, np.float32, FEWER)
 
             def watch(b: int) -> None:
                 run = self._watch(size, fps, given.scale)
@@ -183,7 +188,7 @@ class EventSensor(ABC):
         how = voxel.how(bins, length, every, causal, polarity, share, normalise)
         one = voxel.shape(how, size, kinds, polarity)
         windows = how.count(round(seconds * 1e6))
-        shared = _zeros((len(given.all), windows, *one), number)
+        shared = _zeros("voxels", (len(given.all), windows, *one), number, FEWER)
 
         def bin(b: int) -> None:
             run = self._watch(size, fps, given.scale)
@@ -611,14 +616,12 @@ def compile(
     )
 
 
-def _zeros(shape: tuple[int, ...], dtype: npt.DTypeLike) -> npt.NDArray[Any]:
-    try:
-        return np.zeros(shape, dtype)
-    except (MemoryError, ValueError) as cause:
-        raise Error(
-            f"voxels of shape {shape} take more memory than there is\n"
-            "help: take them window by window (voxel_windows), or fewer or narrower ones"
-        ) from cause
+def _zeros(what: str, shape: tuple[int, ...], dtype: npt.DTypeLike, help: str) -> npt.NDArray[Any]:
+    """An array of zeros that this machine's memory holds: numpy would ask for it only as it fills."""
+    number = np.dtype(dtype)
+    bytes = min(math.prod(shape) * number.itemsize, (1 << 64) - 1)
+    _amacrine.check_room(f"{what} of shape {shape}", bytes, help)
+    return np.zeros(shape, number)
 
 
 def _windows(

@@ -172,6 +172,7 @@ def feasibility(
     to: str | None = None,
     candidates: Sequence[str] = (),
     sum: str = "kept",
+    memory: str | None = None,
     scene: Scene = None,
     fps: float | None = None,
     scale: float | None = None,
@@ -193,6 +194,8 @@ def feasibility(
             kernels, or one for each.
         to: The few values that the chip computes with; else the best of the candidates.
         candidates: Rows of the table of quantisers; a usual list where it is empty.
+        memory: What the program of all kernels remembers: ``"analogue"``, ``"shared"`` or
+            ``"bits:N"``; the first that the chip has room for where it is left out.
         scene: What is watched.
         exposure: How long each frame is exposed, in seconds.
         link_energy: The least and the most energy of a bit on the link, in pJ: an assumption.
@@ -217,7 +220,7 @@ def feasibility(
     text, page = _amacrine.feasibility(
         given,
         limits,
-        (to, list(candidates)),
+        (to, list(candidates), memory),
         (sum, chip, float(effort), seed),
         shown(scene, fps, scale),
         (_micros(within), _micros(exposure)),

@@ -54,6 +54,7 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::merge, module)?)?;
     module.add_function(wrap_pyfunction!(gradient::forward, module)?)?;
+    module.add_function(wrap_pyfunction!(tensor::check_room, module)?)?;
     module.add_function(wrap_pyfunction!(tensor::voxels, module)?)?;
     module.add_function(wrap_pyfunction!(tensor::surfaces, module)?)?;
     module.add_function(wrap_pyfunction!(tensor::event_frames, module)?)?;

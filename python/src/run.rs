@@ -6,7 +6,7 @@ use amacrine::{
     event::Packet,
     plane::{Plane, Size},
     reference::Limit,
-    scene::Frame,
+    scene::{Frame, check_rate},
     sensor::SensorError,
     unit::Micros,
 };
@@ -48,12 +48,7 @@ impl Run {
         scale: f64,
         most: Option<usize>,
     ) -> PyResult<Self> {
-        if !(fps > 0.0 && fps.is_finite()) {
-            return Err(refused(
-                format!("{fps} frames a second is no rate"),
-                "give a number above 0, in frames/s",
-            ));
-        }
+        check_rate(fps).map_err(raised)?;
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(refused(
                 format!("scale = {scale}: no scale"),

@@ -17,7 +17,7 @@ use amacrine::{
     plane::Size,
     unit::Micros,
 };
-use miette::Report;
+use miette::{Report, miette};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -116,12 +116,21 @@ fn packet(npy: Vec<u8>, size: Option<(usize, usize)>, channels: u8) -> Result<Pa
 /// Whether there is room for so many values of four bytes.
 fn room(what: &str, values: u128) -> Result<(), Report> {
     let need = Need::new().and(what, values * 4);
-    need.within(
-        Budget::from_machine(),
-        what,
-        "take fewer of them, or a part of the events",
-    )?;
-    Ok(())
+    within(&need, what, "take fewer of them, or a part of the events")
+}
+
+/// Refuses what this machine's memory does not hold.
+fn within(need: &Need, what: &str, help: &str) -> Result<(), Report> {
+    let held = need.within(Budget::from_machine(), what, help);
+    // There is no --max-memory here.
+    held.map_err(|much| miette!(help = help.to_owned(), "{much}"))
+}
+
+/// Refuses an array of so many bytes where this machine has less memory.
+#[pyfunction]
+pub fn check_room(what: &str, bytes: u64, help: &str) -> PyResult<()> {
+    let need = Need::new().and("the array", bytes.into());
+    within(&need, what, help).map_err(raised)
 }
 
 /// Rows, columns and kinds of cells.

@@ -18,6 +18,11 @@ def sensor() -> amacrine.Sensor:
     return amacrine.Sensor("dvs", 0.1)
 
 
+def _wide() -> Any:
+    """A long clip that takes no memory."""
+    return np.broadcast_to(np.uint8(0), (3_000_000, 512, 512))
+
+
 def _few() -> Any:
     return np.array([(5, 1, 2, 1)], amacrine.EVENT)
 
@@ -34,7 +39,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "response": (lambda: amacrine.Sensor("dvs", 1, response={"lin": 2}), "unknown key `lin`"),
     "format": (lambda: amacrine.Sensor("dvs", 1, format="f12").events(GOOD, 9), "f12"),
     "sensor file": (lambda: amacrine.Sensor.from_file("rgc-5"), "rgc-4"),
-    "fps": (lambda: sensor().events(GOOD, 0), "0 frames a second is no rate"),
+    "fps": (lambda: sensor().events(GOOD, 0), "0 frames per second is no rate"),
     "axes": (lambda: sensor().events(GOOD[0], 9), "(T,H,W), (T,1,H,W) or (B,T,1,H,W)"),
     "colour": (lambda: sensor().events(np.zeros((3, 3, 8, 8), "u1"), 9), "(3, 3, 8, 8)"),
     "no scale": (lambda: sensor().events(GOOD / 255, 9), "scale=255 where they are 0 to 1"),
@@ -94,6 +99,11 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "of no use": (lambda: amacrine.quantise("dvs", "ternary", fps=3), "give a threshold, too"),
     "two kernels": (lambda: amacrine.waterfall(kernels(2), 1), "give one of them"),
     "kernel zero": (lambda: amacrine.quantise(np.zeros((3, 3)), "ternary"), "0"),
+    "feasibility memory": (
+        lambda: amacrine.feasibility("dvs", 9, memory="bits:9"), "`bits:9` is no memory"
+    ),
+    "rate": (lambda: sensor().events(GOOD, 1e300), "1e300 frames per second is no rate"),
+    "room for counts": (lambda: sensor().counts(_wide(), 9), "counts of shape (1, 2999999, 1, "),
     "feasibility": (lambda: amacrine.feasibility("dvs", -1), "the threshold is -1"),
     "frames short": (lambda: amacrine.trade(sensor(), GOOD[:2], fps=9), "three frames"),
 }

@@ -6,6 +6,7 @@ use super::{
     Array, Bfloat, Chip, CodeError, Errors, Exact, Fixed, Half, Layout, Settings, Silicon, Single,
 };
 use crate::{
+    config::asked,
     isa::Device,
     number::{FixedFormat, Format, FormatError, Q, Width, known_floats},
     plane::Size,
@@ -28,7 +29,8 @@ pub enum Arithmetic {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("unknown domain `{name}`")]
 #[diagnostic(help(
-    "known are {}, qM.N for fixed point (for instance q8.8, q4.12, q8.24, q1.7; qM.N-wrap wraps; M + N is 8, 16 or 32), and silicon",
+    "{}known are {}, qM.N for fixed point (for instance q8.8, q4.12, q8.24, q1.7; qM.N-wrap wraps; M + N is 8, 16 or 32), and silicon",
+    asked(name, ["exact", "silicon"]),
     known_floats()
 ))]
 pub struct ArithmeticError {

@@ -1,9 +1,10 @@
 //! Loops over cells that lie beside each other.
 
-// What is not inlined is not compiled for the wide vectors.
-#![allow(clippy::inline_always)]
+// What is not inlined is not compiled for the wide vectors; nor, where the crate is compiled in
+// several units, are the zips that lints prefer to loops by number.
+#![allow(clippy::inline_always, clippy::needless_range_loop)]
 
-use std::hint::black_box;
+use std::{hint::black_box, ops::Index};
 
 use crate::number::{Wide, Width};
 
@@ -55,13 +56,11 @@ fn over<T: Copy + Default, U, const N: usize>(
     let (blocks, last) = cells.as_chunks_mut::<BLOCK>();
     let done = BLOCK * blocks.len();
     let whole = whole::<_, N, BLOCK>(operands, blocks.len());
+    let nothing = [T::default(); BLOCK];
     for (k, cells) in blocks.iter_mut().enumerate() {
+        let from = block(&whole, k, &nothing);
         for (i, cell) in cells.iter_mut().enumerate() {
-            let mut picked = [T::default(); N];
-            for (one, blocks) in picked.iter_mut().zip(whole) {
-                *one = blocks[k][i];
-            }
-            set(cell, picked);
+            set(cell, picked(from, i));
         }
     }
     for (i, cell) in (done..).zip(last) {
@@ -101,14 +100,12 @@ pub(super) fn above<T: Width, const N: usize>(
     of: impl Fn([T; N]) -> T,
 ) {
     let whole = whole::<_, N, WORD>(operands, words.len());
+    let nothing = [T::ZERO; WORD];
     for (k, word) in words.iter_mut().enumerate() {
+        let from = block(&whole, k, &nothing);
         let mut cells = [T::ZERO; WORD];
         for (i, cell) in cells.iter_mut().enumerate() {
-            let mut picked = [T::ZERO; N];
-            for (one, blocks) in picked.iter_mut().zip(whole) {
-                *one = blocks[k][i];
-            }
-            *cell = of(picked);
+            *cell = of(picked(from, i));
         }
         *word = T::above(&cells);
     }
@@ -134,11 +131,7 @@ pub(super) fn some<T: Width, const N: usize>(
         }
         let mut new = [T::ZERO; WORD];
         for (i, new) in new.iter_mut().enumerate() {
-            let mut picked = [T::ZERO; N];
-            for (one, from) in picked.iter_mut().zip(&from) {
-                *one = from[i];
-            }
-            *new = of(picked);
+            *new = of(picked(from.each_ref(), i));
         }
         let lanes = cells.as_chunks_mut::<16>().0.iter_mut();
         for (k, (cells, new)) in lanes.zip(new.as_chunks::<16>().0).enumerate() {
@@ -174,12 +167,18 @@ pub(super) fn summed<T: Width, U>(operands: &[&[T]], cells: &mut [U], of: impl F
     }
 }
 
-/// The cells `i` of all operands.
+/// The cells `i` of all operands, each a slice or a block.
+///
+/// Gone through by number: a zip of the two arrays calls what is not inlined where the crate is
+/// compiled in several units, and a loop over cells with a call in it is not vectorised.
 #[inline(always)]
-fn picked<T: Copy + Default, const N: usize>(operands: [&[T]; N], i: usize) -> [T; N] {
+fn picked<T: Copy + Default, S: Index<usize, Output = T> + ?Sized, const N: usize>(
+    operands: [&S; N],
+    i: usize,
+) -> [T; N] {
     let mut cells = [T::default(); N];
-    for (cell, operand) in cells.iter_mut().zip(operands) {
-        *cell = operand[i];
+    for k in 0..N {
+        cells[k] = operands[k][i];
     }
     cells
 }
@@ -192,4 +191,19 @@ fn whole<T, const N: usize, const B: usize>(operands: [&[T]; N], blocks: usize) 
         *whole = &operand.as_chunks().0[..blocks];
     }
     whole
+}
+
+/// Block `k` of all operands, as [`picked`]. Looked up before the loop over its cells: that loop then
+/// has no bounds to check, which would keep it from being vectorised too. `nothing` is any block.
+#[inline(always)]
+fn block<'a, T, const N: usize, const B: usize>(
+    whole: &[&'a [[T; B]]; N],
+    k: usize,
+    nothing: &'a [T; B],
+) -> [&'a [T; B]; N] {
+    let mut block = [nothing; N];
+    for n in 0..N {
+        block[n] = &whole[n][k];
+    }
+    block
 }

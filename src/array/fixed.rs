@@ -151,7 +151,11 @@ impl<T: Width> RowOps for Fixed<T> {
 // and so would the loop.
 
 /// Stores along a row.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 fn saturated_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
     match (operands, by) {
         ([], _) => cells.fill(T::ZERO),
@@ -164,13 +168,21 @@ fn saturated_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
     }
 }
 
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 fn wrapped_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
     summed(operands, cells, wrapped_part(by));
 }
 
 /// Stores where the bit is 1; whether the operands are so few.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 fn saturated_some<T: Width>(operands: &[&[T]], words: &[u64], cells: &mut [T]) -> bool {
     match *operands {
         [a] => some([a], words, cells, saturated_sum),
@@ -181,7 +193,11 @@ fn saturated_some<T: Width>(operands: &[&[T]], words: &[u64], cells: &mut [T]) -
 }
 
 /// Two stores at once.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 fn saturated_pair<T: Width>(
     operands: &[&[T]],
     own: bool,
@@ -213,7 +229,11 @@ fn saturated_pair<T: Width>(
 }
 
 /// Whether each sum is above zero.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 fn positives<T: Width>(operands: &[&[T]], bytes: &mut [u8]) {
     match *operands {
         [a] => each([a], bytes, positive),
@@ -224,7 +244,11 @@ fn positives<T: Width>(operands: &[&[T]], bytes: &mut [u8]) {
 }
 
 /// The same in words of bits; whether the operands are so few.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 fn positive_words<T: Width>(operands: &[&[T]], words: &mut [u64]) -> bool {
     match *operands {
         [a] => above([a], words, signed),

@@ -87,7 +87,11 @@ fn summed<N: Number, U>(
 }
 
 /// Stores along a row, divided.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 fn row<N: Number>(number: N, operands: &[&[N::Held]], by: u32, cells: &mut [N::Held]) {
     let by = (by, N::Real::from_i32(by as i32));
     // Times a half is divided by two, to the bit.
@@ -103,7 +107,11 @@ fn row<N: Number>(number: N, operands: &[&[N::Held]], by: u32, cells: &mut [N::H
 }
 
 /// Two stores at once, the first divided by a power of two.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 fn pair<N: Number>(
     number: N,
     operands: &[&[N::Held]],
@@ -142,7 +150,11 @@ fn two_more<N: Number>(number: N, part: N::Real) -> impl Fn(N::Held, N::Held, N:
 }
 
 /// Whether each sum is above zero.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 fn positives<N: Number>(number: N, operands: &[&[N::Held]], bytes: &mut [u8]) {
     match *operands {
         [] => bytes.fill(0),

@@ -1,11 +1,12 @@
 //! What a verb may hold (`--max-memory`), and the refusal of more before the work begins.
 
-use std::sync::OnceLock;
+use std::{path::Path, sync::OnceLock};
 
 use crate::{
     event::{Event, Packet},
-    memory::{Budget, Need},
+    memory::{Budget, Bytes, Need},
     reference::Limit,
+    save::free_space,
     scene::{OpenOptions, Scene},
 };
 
@@ -33,6 +34,23 @@ pub fn budget() -> Budget {
 /// Refuses what would hold more than may be held; `help` says what would make it less.
 pub fn check(need: &Need, what: &str, help: &str) -> miette::Result<()> {
     Ok(need.within(budget(), what, help)?)
+}
+
+/// Refuses a file for which its disk has no room; `help` says what would make it smaller.
+pub fn check_disk(path: &Path, bytes: u128, what: &str, help: &str) -> miette::Result<()> {
+    let Some(free) = free_space(path)
+        .map(u128::from)
+        .filter(|free| bytes > *free)
+    else {
+        return Ok(());
+    };
+    Err(miette::miette!(
+        help = format!("{help}, or write them where there is more room"),
+        "{what} would take {} in {}, where {} are free",
+        Bytes(bytes),
+        path.display(),
+        Bytes(free)
+    ))
 }
 
 /// How a scene is opened: within what may be held.
@@ -109,7 +127,7 @@ impl Growth {
         Err(miette::miette!(
             help = "take fewer frames, or allow more with --max-memory SIZE",
             "{what}: there is no room for more events: {held}; {} are left for them",
-            crate::memory::Bytes(Packet::bytes(self.most as u64))
+            Bytes(Packet::bytes(self.most as u64))
         ))
     }
 }

@@ -18,16 +18,11 @@ pub struct Changes {
     #[arg(long, value_name = "KERNELS")]
     kernel: Option<Named>,
     /// This threshold in place of the file's, for ON and OFF
-    #[arg(
-        long,
-        allow_negative_numbers = true,
-        value_name = "THRESHOLD",
-        conflicts_with = "rate"
-    )]
+    #[arg(long, value_name = "THRESHOLD", conflicts_with = "rate")]
     threshold: Option<f64>,
     /// Thresholds for so many events per pixel and second, all kinds together: the file's, all
     /// times the same number
-    #[arg(long, allow_negative_numbers = true, value_name = "EVENTS")]
+    #[arg(long, value_name = "EVENTS")]
     rate: Option<f64>,
 }
 
@@ -66,7 +61,7 @@ impl Changes {
             if !(threshold > 0.0 && threshold.is_finite()) {
                 return Err(miette!(
                     help = "give a finite number above 0, in units of the response",
-                    "--threshold {threshold}"
+                    "--threshold {threshold} is no threshold"
                 ));
             }
             for own in sensor

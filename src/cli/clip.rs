@@ -14,7 +14,7 @@ pub(super) struct Clip {
     #[arg(long)]
     scene: Option<Named>,
     /// Frames per second, instead of what the scene says
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,

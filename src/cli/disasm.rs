@@ -5,7 +5,7 @@ use crate::program::vendor_text;
 
 /// What `disasm` is asked to do.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example: amacrine disasm programs/convolve/sobel.scamp > words.scamp")]
+#[command(after_help = "Example: amacrine disasm convolve/sobel > words.scamp")]
 pub struct Arguments {
     #[command(flatten)]
     source: Source,

@@ -6,7 +6,7 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::{
     compare::metric::Short,
-    compile::{DriveMemory, Effort},
+    compile::Effort,
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
     reference::MemoryRule,
@@ -54,21 +54,11 @@ pub struct Arguments {
     kernel: Vec<Named>,
     /// Events where kernel times light (0 to 255) moved by more than this: one number for all
     /// kernels, or one for each; a sensor file has its own
-    #[arg(
-        long,
-        allow_negative_numbers = true,
-        value_delimiter = ',',
-        value_name = "THRESHOLDS"
-    )]
+    #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
     /// Instead of thresholds: for each kernel the one at which the float sensor has so many events
     /// per pixel and second
-    #[arg(
-        long,
-        allow_negative_numbers = true,
-        value_name = "EVENTS",
-        conflicts_with = "threshold"
-    )]
+    #[arg(long, value_name = "EVENTS", conflicts_with = "threshold")]
     rate: Option<f64>,
     #[command(flatten)]
     clip: Clip,
@@ -261,11 +251,7 @@ fn ask(
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
     progress: &Progress,
 ) -> miette::Result<Answer> {
-    if let [question] = questions
-        && question
-            .memory
-            .is_none_or(|memory| memory == DriveMemory::Analogue)
-    {
+    if let Some(question) = feasibility::alone(questions) {
         let answer = feasibility::ask(question, open, |_| progress.tick())?;
         return Ok(Answer::One(Box::new(answer)));
     }

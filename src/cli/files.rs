@@ -442,9 +442,10 @@ pub(super) fn reads(path: &Path) -> miette::Result<()> {
 /// When one of them is read, or two are the same, or one cannot be written.
 pub(super) fn writes<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> miette::Result<()> {
     let mut files = files();
-    paths
-        .into_iter()
-        .try_for_each(|path| files.write(path.as_ref()))
+    paths.into_iter().try_for_each(|path| {
+        files.write(path.as_ref())?;
+        Ok(save::check_writable(path.as_ref())?)
+    })
 }
 
 /// Looks at all files that a command names, before anything is read.
@@ -479,7 +480,7 @@ pub(super) fn check(command: &Command, matches: &ArgMatches) -> miette::Result<(
     }
     let mut files = files();
     files.written.extend(standard());
-    for output in outputs {
+    for output in &outputs {
         match output.content {
             Content::Folder => {
                 if fs::metadata(&output.path).is_ok_and(|found| !found.is_dir()) {
@@ -512,6 +513,14 @@ pub(super) fn check(command: &Command, matches: &ArgMatches) -> miette::Result<(
         files.read(Path::new(&name.0))?;
         for folder in Device::folders_extended(Path::new(&name.0)) {
             files.read(&folder)?;
+        }
+    }
+    // Before the work, not behind it.
+    for output in outputs {
+        match output.content {
+            Content::Folder => save::check_folder_writable(&output.path)?,
+            Content::Converted => {}
+            _ => save::check_writable(&output.path)?,
         }
     }
     Ok(())

@@ -4,11 +4,15 @@ use std::path::Path;
 
 use miette::miette;
 
-use super::{files::Named, list::bundled};
+use super::{
+    files::Named,
+    list::{bundled, meant},
+};
 use crate::{
     bundled::Kind,
-    kernel::{Kernel, KernelFileError, NUMPY},
+    kernel::{Kernel, KernelFileError},
     limit::KERNELS,
+    npy,
     reference::Description,
     source,
     study::cells,
@@ -120,6 +124,7 @@ pub(super) fn read(name: &str) -> miette::Result<(Vec<Kernel>, usize)> {
         "give a kernel file (.toml, .npy) or one of {}",
         known.join(", ")
     );
+    let help = meant(Kind::Kernel, Path::new(name), &help);
     let bytes = source::bytes(Path::new(name), &help).map_err(|error| {
         miette!(
             help = error.help,
@@ -128,13 +133,13 @@ pub(super) fn read(name: &str) -> miette::Result<(Vec<Kernel>, usize)> {
         )
     })?;
     let says_array = Path::new(name).extension().is_some_and(|it| it == "npy");
-    if says_array && !bytes.starts_with(NUMPY) {
+    if says_array && !bytes.starts_with(npy::MAGIC) {
         return Err(miette!(
             help = "give a file that numpy.save has written, or a kernel file in TOML",
             "{name}: the name says a numpy array, but the content is something else"
         ));
     }
-    if !bytes.starts_with(NUMPY) {
+    if !bytes.starts_with(npy::MAGIC) {
         let kernel = Kernel::from_bytes(name, &bytes).map_err(|e| match e {
             KernelFileError::Wrong(faults) => faults.into(),
             other => miette!("{name}: {other}"),

@@ -131,15 +131,21 @@ pub fn line(observation: &Observation) -> String {
     if light.has_free_scale()
         && let Some((least, most)) = observation.extent()
     {
-        let frames = observation.frames();
         let _ = write!(
             line,
-            "; from {} to {} in all {frames} frames shown",
+            "; from {} to {} in the {} shown",
             brief(least),
-            brief(most)
+            brief(most),
+            frames(observation.frames())
         );
     }
     line + "\n"
+}
+
+/// How many frames.
+pub fn frames(count: u64) -> String {
+    let frames = if count == 1 { "frame" } else { "frames" };
+    format!("{count} {frames}")
 }
 
 /// A number in four digits, or in all of a whole one.

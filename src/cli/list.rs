@@ -69,6 +69,25 @@ pub(super) fn bundled(kind: Kind, path: &Path) -> Option<File> {
     bundled::find(kind, name)
 }
 
+/// What to give instead of a path that is not there: a name that is near, if any, and `otherwise`.
+pub(super) fn meant(kind: Kind, path: &Path, otherwise: &str) -> String {
+    match path.to_str().filter(|_| !path.exists()) {
+        Some(name) => bundled::meant(kind, name, otherwise),
+        None => otherwise.to_owned(),
+    }
+}
+
+/// Nothing of this kind has this name.
+pub(super) fn nothing(kind: Kind, name: &str) -> miette::Report {
+    let known: Vec<&str> = bundled::all(kind).map(|file| file.name).collect();
+    let known = format!("there are {}", known.join(", "));
+    miette!(
+        help = bundled::meant(kind, name, &known),
+        "there is no {name} in {}",
+        kind.folder()
+    )
+}
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -110,22 +129,19 @@ pub(super) fn show(of: &str, name: &str) -> miette::Result<()> {
 /// Prints the text of one; of chips, which are folders, that of its numbers.
 fn say(kind: Option<Kind>, name: &str) -> miette::Result<()> {
     let text = match kind {
-        Some(kind) => bundled::find(kind, name).map(|file| file.text),
-        None => Device::shipped_text(name),
+        Some(kind) => {
+            bundled::find(kind, name)
+                .ok_or_else(|| nothing(kind, name))?
+                .text
+        }
+        None => Device::shipped_text(name).ok_or_else(|| {
+            let known: Vec<&str> = Device::shipped().collect();
+            miette!(
+                help = format!("there are {}", known.join(", ")),
+                "there is no {name} in isa"
+            )
+        })?,
     };
-    let text = text.ok_or_else(|| {
-        let (known, folder): (Vec<&str>, _) = match kind {
-            Some(kind) => (
-                bundled::all(kind).map(|file| file.name).collect(),
-                kind.folder(),
-            ),
-            None => (Device::shipped().collect(), "isa"),
-        };
-        miette!(
-            help = format!("there are {}", known.join(", ")),
-            "there is no {name} in {folder}"
-        )
-    })?;
     super::say(text);
     Ok(())
 }

@@ -53,19 +53,22 @@ pub mod waterfall;
 mod window;
 mod without;
 
-use std::process::ExitCode;
+use std::{any::TypeId, process::ExitCode};
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use self::print::{complain, say};
-use crate::{catch_panic, memory::Budget};
+use crate::{catch_panic, memory::Budget, unit::Micros};
+
+/// Of an option of every verb, behind those of its own.
+const BEHIND: usize = 900;
 
 /// What real silicon does to the retina's computation.
 #[derive(Debug, Parser)]
 #[command(name = "amacrine", version, about, after_help = examples())]
 struct Arguments {
     /// The most memory to hold, such as 500M or 4G (powers of 1024); more is refused before the work [default: three quarters of the machine's]
-    #[arg(long, global = true, value_name = "SIZE")]
+    #[arg(long, global = true, value_name = "SIZE", display_order = BEHIND)]
     max_memory: Option<Budget>,
     #[command(subcommand)]
     verb: Option<Verb>,
@@ -159,7 +162,6 @@ pub fn main() -> ExitCode {
         }
     }));
     signals::watch();
-    let command = || Arguments::command();
     let matches = match command().try_get_matches() {
         Ok(matches) if matches.subcommand().is_some() => Ok(matches),
         Ok(_) => command().try_get_matches_from(["amacrine", "demo"]),
@@ -183,7 +185,21 @@ pub fn main() -> ExitCode {
 
 /// The whole command line.
 fn command() -> clap::Command {
-    Arguments::command()
+    fn negative(command: clap::Command) -> clap::Command {
+        command
+            .mut_args(|argument| {
+                // That a number below 0 is none is for whoever reads it to say.
+                let takes = argument.get_action().takes_values();
+                let time = argument.get_value_parser().type_id() == TypeId::of::<Micros>();
+                match (takes, time) {
+                    (false, _) => argument,
+                    (true, false) => argument.allow_negative_numbers(true),
+                    (true, true) => argument.allow_hyphen_values(true),
+                }
+            })
+            .mut_subcommands(negative)
+    }
+    negative(Arguments::command())
 }
 
 /// The first example of each verb.
@@ -210,7 +226,7 @@ fn verbs() -> String {
 
 #[cfg(test)]
 mod tests {
-    use std::{any::TypeId, path::PathBuf};
+    use std::path::PathBuf;
 
     use super::*;
 

@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use miette::miette;
 use serde_json::Value as Json;
 
-use super::{files, schema};
+use super::{files, list::nothing, schema};
 use crate::{
     bundled::{self, File, Kind},
     save::save,
@@ -51,6 +51,13 @@ const fn plain(kind: Kind) -> &'static str {
 /// or cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let name = Path::new(&arguments.name);
+    if name.file_name().is_none() || arguments.name.ends_with('/') {
+        return Err(miette!(
+            help = "give the path of what is to be begun, without the ending, such as `mine`",
+            "`{}` is no name of a file",
+            arguments.name
+        ));
+    }
     let written = match arguments.kind.bundled() {
         None => {
             if arguments.from.is_some() {
@@ -82,14 +89,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 /// The file, and its schema where editors know what to do with one.
 fn begun(kind: Kind, arguments: &Arguments, name: &Path) -> miette::Result<Vec<(PathBuf, String)>> {
     let from = arguments.from.as_deref().unwrap_or(plain(kind));
-    let file = bundled::find(kind, from).ok_or_else(|| {
-        let known: Vec<&str> = bundled::all(kind).map(|file| file.name).collect();
-        miette!(
-            help = format!("there are {}", known.join(", ")),
-            "there is no {from} in {}",
-            kind.folder()
-        )
-    })?;
+    let file = bundled::find(kind, from).ok_or_else(|| nothing(kind, from))?;
     let path = named(name, kind.extension());
     if kind == Kind::Program {
         return Ok(vec![(path, file.text.to_owned())]);

@@ -7,7 +7,7 @@ use miette::miette;
 use super::{
     complain,
     files::{Input, Named},
-    list::bundled,
+    list::{bundled, meant},
 };
 use crate::{
     bundled::Kind,
@@ -71,7 +71,8 @@ impl Source {
         }
         let file = self.program.display().to_string();
         let help = "give the path of a program, or a name that `amacrine list programs` prints";
-        let text = source::text(&self.program, help)?;
+        let help = meant(Kind::Program, &self.program, help);
+        let text = source::text(&self.program, &help)?;
         let mut includes = Includes::new();
         self.include(&text, &mut includes);
         Ok(Program::read_with(&file, &text, &includes))

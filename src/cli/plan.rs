@@ -30,7 +30,7 @@ use super::{
 /// What `plan` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example: amacrine plan --scene clips/vtest_256x256.apng --sensor sensors/dvs-v2e.toml --tolerance 1% --verify"
+    after_help = "Example: amacrine plan --scene bundled --sensor dvs-v2e --tolerance 1% --verify"
 )]
 pub struct Arguments {
     /// The scene, as for `amacrine run`
@@ -40,7 +40,7 @@ pub struct Arguments {
     #[arg(long)]
     sensor: Input,
     /// Frames per second, instead of what the scene says
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,

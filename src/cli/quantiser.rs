@@ -42,7 +42,7 @@ pub(super) fn quantiser(name: &str) -> Result<Quantiser, String> {
     name.parse().map_err(|error: QuantiserNameError| {
         let known = error
             .help()
-            .map_or(String::new(), |help| format!("; known are {help}"));
+            .map_or(String::new(), |help| format!("; {help}"));
         format!("{error}{known}")
     })
 }

@@ -42,7 +42,7 @@ use super::{
 /// What `run` is asked to do.
 #[derive(Clone, Debug, clap::Args)]
 #[command(
-    after_help = "Example: amacrine run --scene clips/vtest_256x256.apng --sensor sensors/rgc.toml --upsample 0.1 --events out/events.npy"
+    after_help = "Example: amacrine run --scene bundled --sensor rgc --upsample 0.1 --events out/events.npy"
 )]
 pub struct Arguments {
     /// A clip (.y4m, .mp4, .gif, .apng, a folder of .png), a .npy of shape (T,H,W), pattern:NAME?key=value, or bundled
@@ -54,7 +54,7 @@ pub struct Arguments {
     #[command(flatten)]
     changes: Changes,
     /// Frames per second, instead of what the scene says
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,
@@ -157,6 +157,20 @@ impl Arguments {
         }
     }
 
+    /// Refuses arrays for which their disks have no room, as far as it is known: frames that are put
+    /// in come besides.
+    fn check_disk(&self, frames: Option<u64>, channels: usize, size: Size) -> miette::Result<()> {
+        let planes = u128::from(frames.unwrap_or_default()) * channels as u128;
+        let bytes = planes * size.pixels() as u128 * 4;
+        let outputs = [(&self.counts, "counts"), (&self.voxels, "voxels")];
+        for (output, what) in outputs {
+            if let Some(path) = output.as_ref().filter(|path| !path.is_node()) {
+                budget::check_disk(path, bytes, what, "take fewer frames or a smaller scene")?;
+            }
+        }
+        Ok(())
+    }
+
     /// The plan that was asked for, and the scene, which may have been read for it.
     fn planned(
         &self,
@@ -190,6 +204,7 @@ fn watched(
     let sensor = description.clone();
     let end = end(&*scene);
     let shown = (scene.frames(), scene.fps());
+    arguments.check_disk(shown.0, sensor.channels.len(), scene.size())?;
     let scene = upsample::by_contrast(scene, arguments.upsample)?;
     let watched = watch(Run {
         arguments,
@@ -536,8 +551,12 @@ impl Watched {
                 arguments.without.told()
             ),
             format!(
-                "scene    {}, {}, {} frames in {:.6} s, {} frames/s{assumed}",
-                arguments.scene, self.size, self.frames, self.seconds, self.fps
+                "scene    {}, {}, {} in {:.6} s, {} frames/s{assumed}",
+                arguments.scene,
+                self.size,
+                light::frames(self.frames),
+                self.seconds,
+                self.fps
             ),
             light.trim_end().to_owned(),
             format!(

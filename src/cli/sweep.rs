@@ -17,7 +17,7 @@ use super::{
     content::Content,
     files::{Input, Output},
     light,
-    list::bundled,
+    list::{bundled, meant},
     progress::Progress,
 };
 use crate::bundled::Kind;
@@ -37,7 +37,7 @@ use crate::{limit::POINT_BYTES, memory::Need, source};
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine sweep studies/formats.toml --output out/formats\n  amacrine sweep studies/formats.toml --output out/shard-0 --shard 0/4\n  amacrine sweep studies/formats.toml --output out/formats --verify 5%\n  amacrine sweep studies/formats.toml format=f32,q8.8 array.domain=silicon --output out/other\n  amacrine sweep studies/formats.toml --space\n  amacrine sweep studies/formats.toml --point '{\"side\": \"reference\", \"format\": \"q8.8\"}'\n\nA folder that exists is gone on with: what is finished is not computed again. What is damaged is named, set aside and computed again. docs/sweeps.md lists every key and every column."
+    after_help = "Examples:\n  amacrine sweep formats --output out/formats\n  amacrine sweep formats --output out/shard-0 --shard 0/4\n  amacrine sweep formats --output out/formats --verify 5%\n  amacrine sweep formats format=f32,q8.8 array.domain=silicon --output out/other\n  amacrine sweep formats --space\n  amacrine sweep formats --point '{\"side\": \"reference\", \"format\": \"q8.8\"}'\n\nA folder that exists is gone on with: what is finished is not computed again. What is damaged is named, set aside and computed again. docs/sweeps.md lists every key and every column."
 )]
 pub struct Arguments {
     /// The study file, or a name that `amacrine list studies` prints
@@ -146,9 +146,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     check_parquet(arguments.parquet)?;
     let shown = path.display().to_string();
     let help = "give a study file, or a name that `amacrine list studies` prints";
-    let study = match bundled(Kind::Study, path) {
-        Some(file) => Study::parse_with(&file.path(), file.text, &arguments.sets)?,
-        None => Study::parse_with(&shown, &source::text(path, help)?, &arguments.sets)?,
+    let study = if let Some(file) = bundled(Kind::Study, path) {
+        Study::parse_with(&file.path(), file.text, &arguments.sets)?
+    } else {
+        let text = source::text(path, &meant(Kind::Study, path, help))?;
+        Study::parse_with(&shown, &text, &arguments.sets)?
     };
     let folder = path.parent().unwrap_or(Path::new(""));
     if arguments.space {

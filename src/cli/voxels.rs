@@ -19,7 +19,7 @@ use crate::{
             VoxelStream, Voxels, Windows,
         },
     },
-    memory::Need,
+    memory::{Bytes, Need},
     unit::Micros,
 };
 
@@ -114,6 +114,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         "take fewer bins, or windows that overlap less",
     )?;
     let shape = how.shape(size, channels);
+    arguments.check_disk(&how, &about, container, precision)?;
     let layers = Layers {
         shape: shape.to_vec(),
         precision,
@@ -202,6 +203,33 @@ impl Extent {
 }
 
 impl Arguments {
+    /// Refuses an array for which there is no room on its disk.
+    fn check_disk(
+        &self,
+        how: &Voxels,
+        about: &Extent,
+        container: Container,
+        precision: Precision,
+    ) -> miette::Result<()> {
+        let temporary = std::env::temp_dir().join("voxels");
+        let place: &std::path::Path = match container {
+            Container::Npy if self.output.is_node() => &temporary,
+            Container::Npy => &self.output,
+            // Whole before it is packed.
+            Container::Npz => &temporary,
+            // Packed chunk by chunk: nobody knows how small that gets.
+            Container::Hdf5 => return Ok(()),
+        };
+        let windows = how.windows.count(about.end);
+        let each = how.len(about.size, about.channels) as u128 * precision.bytes();
+        budget::check_disk(
+            place,
+            u128::from(windows) * each,
+            &format!("{windows} windows of {}", Bytes(each)),
+            "take longer windows, fewer of them (--every), fewer bins, or 16 bits (--half)",
+        )
+    }
+
     fn opening(&self) -> Opening {
         Opening {
             format: None,

@@ -49,7 +49,7 @@ pub struct Arguments {
     /// file, with its thresholds; several kernels are one program, of which each is told
     kernel: Named,
     /// Events where kernel times light (0 to 255) moved by more than this
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     threshold: Option<f64>,
     /// How the kernel comes into few values
     #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]

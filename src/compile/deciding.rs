@@ -14,13 +14,16 @@ use super::{
     decision::{Compared, Decided, Decision, Trials},
     error::CompileError,
     filter::Filter,
+    linear_form::LinearForm,
     plan::Plan,
     request::{Effort, Objective, Request},
+    rim::Rim,
     separable::compose,
+    solve::Problem,
     steady::{Reads, balanced, steadied, trimmed},
     survival::{Candidate, HALVINGS, HALVINGS_IN_ALL, Survival, halvings},
 };
-use crate::elementary;
+use crate::{elementary, isa::Figure};
 
 /// Shares of events within this are equal.
 const EQUAL_F1: f64 = 0.01;
@@ -67,7 +70,7 @@ impl Survival<'_> {
                 if in_range {
                     fitting.extend(self.halved(&plan, asked, range).0);
                 }
-                all.extend(self.scaled(&plan, asked, range, least));
+                all.extend(self.scaled(&plan, asked, range, (least, decision.compared)));
             }
         }
         all.extend(self.best(fitting));
@@ -118,10 +121,14 @@ impl Survival<'_> {
         plan: &Plan,
         (negated, inner): (bool, u32),
         range: (f64, f64),
-        least: f64,
+        (least, compared): (f64, Compared),
     ) -> Vec<Candidate> {
         let errors = self.request.store_errors();
         let registers = self.all.len();
+        let taps = self.goals.iter().flat_map(LinearForm::taps);
+        let reach = taps.map(|tap| tap.y.unsigned_abs().max(tap.x.unsigned_abs()));
+        let reach = usize::from(reach.max().unwrap_or(0));
+        let rim = Rim::new(reach, errors, self.request.device.value(Figure::Edge));
         let mut all = Vec::new();
         for outer in (u32::from(negated)..HALVINGS.min(HALVINGS_IN_ALL - inner)).step_by(2) {
             let bits = outer + inner;
@@ -133,17 +140,48 @@ impl Survival<'_> {
             };
             let problem = self.problem(bits, Effort { states: 0 });
             all.extend(self.tried(&problem, &whole, &Reads::new(), bits));
-            let reads = balanced(&whole, errors, registers);
-            let steady = steadied(&whole, &reads, registers);
-            if steady.is_some() {
-                all.extend(self.tried(&problem, &whole, &reads, bits));
-            }
-            if let Some(trimmed) = trimmed(steady.as_ref().unwrap_or(&whole), errors) {
-                all.extend(self.tried(&problem, &trimmed, &Reads::new(), bits));
+            match compared {
+                Compared::Drives => {
+                    let reads = balanced(&whole, errors, registers);
+                    all.extend(self.without_constants(&problem, &whole, &reads, bits));
+                }
+                Compared::Difference => {
+                    // What is left of halving would be moved across the border, too.
+                    let first = halvings(outer);
+                    let first = steadied(&first, &balanced(&first, errors, registers), registers)
+                        .unwrap_or(first);
+                    let level = trimmed(&first, errors).and_then(|first| compose(&first, plan));
+                    for whole in level.iter().chain([&whole]) {
+                        let reads = rim.levelled(whole, registers);
+                        all.extend(self.without_constants(&problem, whole, &reads, bits));
+                    }
+                }
             }
             if self.fits(&whole, bits, range) {
                 break;
             }
+        }
+        all
+    }
+
+    /// A plan in which these words read the constant, as it is and with what then is left in the result
+    /// taken out.
+    fn without_constants(
+        &self,
+        problem: &Problem,
+        whole: &Plan,
+        reads: &Reads,
+        bits: u32,
+    ) -> Vec<Candidate> {
+        let registers = self.all.len();
+        let steady = steadied(whole, reads, registers);
+        let mut all = Vec::new();
+        if steady.is_some() {
+            all.extend(self.tried(problem, whole, reads, bits));
+        }
+        let errors = self.request.store_errors();
+        if let Some(trimmed) = trimmed(steady.as_ref().unwrap_or(whole), errors) {
+            all.extend(self.tried(problem, &trimmed, &Reads::new(), bits));
         }
         all
     }

@@ -6,7 +6,8 @@
 //! it costs signal and gains nothing; a partial sum that saturates may decide wrongly. So the words
 //! are run, store by store as `isa/errors.rs` has it, on an array of a few thousand cells, from
 //! the photodiode through memory and filter to both comparisons, and the events are compared with
-//! those of the kernel itself.
+//! those of the kernel itself. Where a chip's constants do not drop out of what is compared, the array
+//! has a border, and what lies near it counts as often as on the chip.
 
 use std::sync::OnceLock;
 
@@ -88,6 +89,10 @@ pub(super) struct Trials {
     range: (f32, f32),
     /// NEWS.
     news: usize,
+    /// What registers hold off the array, LSB; of an array that wraps round, nothing.
+    edge: Option<f32>,
+    /// How often there are cells like each on the chip, beside those in the middle; 0 off the array.
+    weights: Vec<f64>,
     /// Of each kind of light.
     arrays: Vec<Vec<Array>>,
     noise: Cells,
@@ -170,7 +175,17 @@ impl Trials {
             }
         };
         let noise = Hash::new(0xDEC1).with(NOISE);
+        // A constant of the chip drops out of a difference of drives, at the border too.
+        let edge = match compared {
+            Compared::Difference => Some(device.value(Figure::Edge) as f32),
+            Compared::Drives => None,
+        };
         Self {
+            edge,
+            weights: match edge {
+                Some(_) => (0..CELLS).map(weight).collect(),
+                None => vec![1.0; CELLS],
+            },
             range: (
                 device.value(Figure::Lowest) as f32,
                 device.value(Figure::Highest) as f32,
@@ -191,9 +206,12 @@ impl Trials {
     pub(super) fn truth(&self, kernel: &Kernel, decision: Decision) -> Truth {
         let (rows, columns) = kernel.reach();
         let of = |array: &Array| {
-            let change: Vec<f64> = { array.light[1].iter().zip(&array.light[0]) }
+            let mut change: Vec<f64> = { array.light[1].iter().zip(&array.light[0]) }
                 .map(|(after, before)| f64::from(*after) - f64::from(*before))
                 .collect();
+            if self.edge.is_some() {
+                off_array(&mut change, 0.0);
+            }
             let mut drive = vec![0.0; CELLS];
             for ((y, x), weight) in kernel.weights().indexed_iter() {
                 if *weight == 0.0 {
@@ -265,34 +283,71 @@ impl Filtered<'_> {
         };
         let Decision { on, off, compared } = self.decision;
         let (on, off) = (set(on) as f32, set(off) as f32);
-        let (mut both, mut either) = (0usize, 0usize);
+        let (mut both, mut either) = (0.0, 0.0);
         for (number, (array, truth)) in arrays.iter().zip(truth).enumerate() {
             let mut run = Run {
                 trials: self.trials,
                 array,
                 how,
                 at: number * 7919,
-                cells: vec![vec![0.0; CELLS]; array.gain.len()],
+                cells: vec![vec![self.trials.edge.unwrap_or(0.0); CELLS]; array.gain.len()],
             };
             let drive = run.drive(&self.words, self.registers, compared);
-            for (drive, truth) in drive.iter().zip(truth) {
+            let cells = drive.iter().zip(truth).zip(&self.trials.weights);
+            for ((drive, truth), weight) in cells {
                 for (fires, is_true) in [(*drive > on, *truth > 0), (-drive > off, *truth < 0)] {
-                    both += 2 * usize::from(fires && is_true);
-                    either += usize::from(fires) + usize::from(is_true);
+                    both += weight * f64::from(2 * u8::from(fires && is_true));
+                    either += weight * f64::from(u8::from(fires) + u8::from(is_true));
                 }
             }
         }
-        if either == 0 {
-            1.0
-        } else {
-            both as f64 / either as f64
-        }
+        if either == 0.0 { 1.0 } else { both / either }
     }
 }
 
 /// A normal number.
 fn drawn(place: Hash) -> f32 {
     normal(place.nth(1).uniform(), place.nth(2).uniform()) as f32
+}
+
+/// Pixels from the border that are weighed apart: what most kernels reach.
+const RIM: usize = 3;
+
+/// Rows and columns of the chip.
+const CHIP: f64 = 256.0;
+
+/// How far a cell lies from the cells off the array, the outermost ones.
+fn from_border(cell: usize) -> Option<usize> {
+    let (y, x) = (cell / SIDE, cell % SIDE);
+    y.min(x).min(SIDE - 1 - y).min(SIDE - 1 - x).checked_sub(1)
+}
+
+/// How often there are cells like this on the chip, beside those in the middle.
+fn weight(cell: usize) -> f64 {
+    let Some(from) = from_border(cell) else {
+        return 0.0;
+    };
+    if from >= RIM {
+        return 1.0;
+    }
+    // The share of a ring that far from the border of an array.
+    let share = |side: f64| {
+        let middle = side - 2.0 * RIM as f64;
+        4.0 * (side - 2.0 * from as f64 - 1.0) / (middle * middle)
+    };
+    share(CHIP) / share(SIDE as f64 - 2.0)
+}
+
+/// Sets what lies off the array.
+fn off_array<T: Copy>(cells: &mut [T], to: T) {
+    let (first, rest) = cells.split_at_mut(SIDE);
+    let (rest, last) = rest.split_at_mut(rest.len() - SIDE);
+    first.fill(to);
+    last.fill(to);
+    for row in rest.chunks_mut(SIDE) {
+        row[0] = to;
+        row[SIDE - 1] = to;
+    }
 }
 
 /// The number of the cell that lies so many rows and columns from another; the array wraps round.
@@ -361,6 +416,9 @@ impl Run<'_> {
             for (cell, place) in &word.sources {
                 add_moved(&mut sum, &self.cells[*cell], *place);
             }
+            if let Some(edge) = self.trials.edge {
+                off_array(&mut sum, edge * word.sources.len() as f32);
+            }
             self.store(&sum, &word.targets);
         }
     }
@@ -385,6 +443,9 @@ impl Run<'_> {
                     };
                     own[to] = (-sum / count).clamp(range.0, range.1);
                 }
+                if let Some(edge) = self.trials.edge {
+                    off_array(own, edge);
+                }
                 continue;
             }
             let splits = targets.len() > 1;
@@ -407,6 +468,9 @@ impl Run<'_> {
                 };
                 let stored = isa::stored(current, gain[to], offset[to] + noise[i] + division);
                 own[to] = stored.clamp(low, high);
+            }
+            if let Some(edge) = self.trials.edge {
+                off_array(own, edge);
             }
         }
     }

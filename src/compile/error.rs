@@ -1,5 +1,8 @@
 //! Why there is no program.
 
+/// The largest threshold that `scamp5_in` sets, negated, in LSB.
+pub(super) const MOST_THRESHOLD: f64 = 128.0;
+
 /// Kernels that cannot be compiled as asked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum CompileError {
@@ -99,6 +102,16 @@ pub enum CompileError {
         least: f64,
         /// What was tried and works.
         advice: String,
+    },
+    /// A threshold that the chip's converter cannot set.
+    #[error(
+        "a threshold is {lsb:.0} LSB in the program, more than the {} that the host can set",
+        MOST_THRESHOLD
+    )]
+    #[diagnostic(help("take a lower threshold: {:.2e} times this one, or less", MOST_THRESHOLD / lsb))]
+    Threshold {
+        /// The threshold, LSB.
+        lsb: f64,
     },
     /// More words than the chip stores.
     #[error("the program has {words} instruction words, {} more than the {room} that {chip} holds", words - room)]

@@ -41,6 +41,7 @@ mod plan;
 mod plan_builder;
 mod register_levels;
 mod request;
+mod rim;
 mod route;
 mod scale;
 mod sensor;

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::{
     allocate::ordinary_registers,
     decision::{Compared, Decision},
-    error::CompileError,
+    error::{CompileError, MOST_THRESHOLD},
     event_readout::EventReadout,
     filter::Filter,
     need::{MEMORY_BITS, Need, advice},
@@ -135,7 +135,9 @@ impl SensorProgram {
         request: &Request<'_>,
     ) -> Result<Self, CompileError> {
         if memory == DriveMemory::Shared {
-            return shared_memory::program(kinds, title, request);
+            let program = shared_memory::program(kinds, title, request)?;
+            check_thresholds(kinds, &program.scales)?;
+            return Ok(program);
         }
         let device = request.device;
         let all = ordinary_registers(device);
@@ -188,6 +190,7 @@ impl SensorProgram {
         for (kind, own) in kinds.iter().zip(&steps) {
             own.check(kind, scale)?;
         }
+        check_thresholds(kinds, &vec![scale; count])?;
         let mut program = Self {
             text: String::new(),
             drives: all[..count].to_vec(),
@@ -293,6 +296,18 @@ pub(super) fn header(title: &str, device: &Device, kinds: &[CellKind]) -> String
         let _ = writeln!(text, "//! names = [{}]", names.join(", "));
     }
     text
+}
+
+/// Checks that the host can set the threshold of every kind.
+fn check_thresholds(kinds: &[CellKind], scales: &[f64]) -> Result<(), CompileError> {
+    for (kind, scale) in kinds.iter().zip(scales) {
+        let threshold = kind.on.max(kind.off);
+        if threshold * scale > MOST_THRESHOLD {
+            let lsb = threshold * scale;
+            return Err(CompileError::Threshold { lsb });
+        }
+    }
+    Ok(())
 }
 
 /// The constants of all thresholds, each in LSB of its kind's result, of this scale.

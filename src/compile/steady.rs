@@ -80,6 +80,9 @@ pub(super) fn balanced(plan: &Plan, errors: StoreErrors, registers: usize) -> Re
         .map(|(at, _)| at)
         .collect();
     let mut best = greedy(plan, errors);
+    if open.len() > MOST {
+        return best;
+    }
     let (mut least, mut last) = tried(&best);
     for _ in 0..ROUNDS {
         let singles: Vec<_> = { open.iter() }
@@ -167,6 +170,9 @@ const A_WORD: f64 = 0.5;
 
 /// What a constant on the way weighs beside one in the result.
 const ON_THE_WAY: f64 = 0.05;
+
+/// Words up to which a choice is bettered: each is tried against all, in each round.
+const MOST: usize = 600;
 
 /// Pairs of words that are tried in a round, and rounds.
 const PAIRS: usize = 40;

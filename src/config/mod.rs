@@ -31,7 +31,7 @@ pub use fault::{Fault, Faults, Located, Read, Severity, enough, thin};
 pub use file::File;
 pub use key::{Absent, Key, Table};
 pub use kind::{Kind, Spelling};
-pub use nearest::{nearest, suggestion, suggestion_or};
+pub use nearest::{asked, nearest, suggestion, suggestion_or};
 pub use place::{Lines, Place, line_column};
 pub use range::Range;
 pub use section::Section;

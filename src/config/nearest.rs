@@ -29,6 +29,11 @@ pub fn suggestion<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> O
     nearest(name, known).map(|near| format!("did you mean `{near}`?"))
 }
 
+/// "did you mean `x`? ", to stand before what else there is; nothing where nothing is near.
+pub fn asked<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    suggestion(name, known).map_or_else(String::new, |question| question + " ")
+}
+
 /// "did you mean `x`?", or what else can be done.
 pub fn suggestion_or<'a>(
     name: &str,

@@ -12,19 +12,13 @@
 
 use std::path::Path;
 
-use ndarray::{Array, ArrayView, Dimension, Ix2, Ix3};
-use ndarray_npy::{ViewElement, ViewNpyError, ViewNpyExt};
-
 use super::{Gaussian, Kernel, KernelError};
 use crate::{
     config::{Fault, Faults, File, Key, Kind, Range, Read, Section, Table},
     limit::KERNEL_SIDE,
+    npy,
     plane::Plane,
-    source,
 };
-
-/// How a `.npy` begins.
-pub const NUMPY: &[u8] = b"\x93NUMPY";
 
 /// A kernel file that cannot be used.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -150,7 +144,7 @@ impl Kernel {
     /// As [`Kernel::from_toml`] and [`Kernel::from_npy`], and when it is neither.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, KernelFileError> {
         let array = Path::new(name).extension().is_some_and(|e| e == "npy");
-        if array || bytes.starts_with(NUMPY) {
+        if array || bytes.starts_with(npy::MAGIC) {
             return Self::from_npy(bytes);
         }
         let text = std::str::from_utf8(bytes).map_err(|_| KernelFileError::NotText)?;
@@ -162,56 +156,34 @@ impl Kernel {
     /// # Errors
     /// When it is not such an array of floats or integers, or is not a kernel.
     pub fn from_npy(bytes: &[u8]) -> Result<Self, KernelFileError> {
-        let aligned = Aligned::new(bytes)?;
-        let readers: [Reader<Ix2>; 7] = [
-            |b| read::<f64, _>(b, |w| w),
-            |b| read::<f32, _>(b, f64::from),
-            |b| read::<i64, _>(b, |w| w as f64),
-            |b| read::<i32, _>(b, f64::from),
-            |b| read::<i16, _>(b, f64::from),
-            |b| read::<i8, _>(b, f64::from),
-            |b| read::<u8, _>(b, f64::from),
-        ];
-        let mut found = String::new();
-        for reader in readers {
-            match reader(&aligned) {
-                Ok(weights) => return Ok(Self::new(weights)?),
-                // Another reader may know this type of number.
-                Err(ViewNpyError::WrongDescriptor(of)) => {
-                    found = format!("its numbers are {of}; expected floats or integers");
-                }
-                Err(ViewNpyError::WrongNdim(_, axes)) => {
-                    found = format!("it has {axes} axes; expected two, rows and columns");
-                    break;
-                }
-                Err(e) => {
-                    found = e.to_string();
-                    break;
-                }
-            }
-        }
-        Err(KernelFileError::Array(found))
+        let array = weights(bytes).map_err(|error| KernelFileError::Array(error.to_string()))?;
+        let &[rows, columns] = array.shape.as_slice() else {
+            return Err(KernelFileError::Array(format!(
+                "it has {} axes; expected two, rows and columns",
+                array.shape.len()
+            )));
+        };
+        let weights = Plane::from_shape_vec((rows, columns), array.values);
+        Ok(Self::new(weights.map_err(|error| {
+            KernelFileError::Array(error.to_string())
+        })?)?)
     }
 
     /// Reads a `.npy` array of shape (kernels, rows, columns); `None` when it is none.
     #[must_use]
     pub fn planes_from_npy(bytes: &[u8]) -> Option<Vec<Plane<f64>>> {
-        let aligned = Aligned::new(bytes).ok()?;
-        let readers: [Reader<Ix3>; 7] = [
-            |b| read::<f64, _>(b, |w| w),
-            |b| read::<f32, _>(b, f64::from),
-            |b| read::<i64, _>(b, |w| w as f64),
-            |b| read::<i32, _>(b, f64::from),
-            |b| read::<i16, _>(b, f64::from),
-            |b| read::<i8, _>(b, f64::from),
-            |b| read::<u8, _>(b, f64::from),
-        ];
-        let stack = readers.iter().find_map(|reader| reader(&aligned).ok())?;
+        let array = weights(bytes).ok()?;
+        let &[_, rows, columns] = array.shape.as_slice() else {
+            return None;
+        };
         // No weights can be any number of kernels.
-        if stack.is_empty() {
+        if array.values.is_empty() {
             return Some(Vec::new());
         }
-        Some(stack.outer_iter().map(|plane| plane.to_owned()).collect())
+        let planes = array.values.chunks_exact(rows * columns);
+        planes
+            .map(|plane| Plane::from_shape_vec((rows, columns), plane.to_vec()).ok())
+            .collect()
     }
 
     /// Centre 1 and a surround of equal weights that sum to -1, `side` by `side`.
@@ -238,47 +210,13 @@ impl Kernel {
     }
 }
 
-/// More than the largest number that is read needs.
-const ALIGNMENT: usize = 64;
-
-/// The bytes of a `.npy` where numbers can be read in place.
-struct Aligned {
-    room: Vec<u8>,
-    start: usize,
-    length: usize,
-}
-
-impl Aligned {
-    fn new(bytes: &[u8]) -> Result<Self, KernelFileError> {
-        source::npy_header(bytes).map_err(KernelFileError::Array)?;
-        let length = bytes.len();
-        let mut room = vec![0; length + ALIGNMENT];
-        let start = room.as_ptr().align_offset(ALIGNMENT).min(ALIGNMENT);
-        room[start..start + length].copy_from_slice(bytes);
-        Ok(Self {
-            room,
-            start,
-            length,
-        })
+/// The numbers of an array; truth values are no weights.
+fn weights(bytes: &[u8]) -> Result<npy::Array, npy::ArrayError> {
+    let array = npy::Array::read(bytes)?;
+    if array.number.kind == npy::Kind::B1 {
+        return Err(npy::ArrayError::Type("truth values".to_owned()));
     }
-}
-
-impl std::ops::Deref for Aligned {
-    type Target = [u8];
-
-    fn deref(&self) -> &[u8] {
-        &self.room[self.start..self.start + self.length]
-    }
-}
-
-/// Reads weights of one type of number.
-type Reader<D> = fn(&[u8]) -> Result<Array<f64, D>, ViewNpyError>;
-
-fn read<T: ViewElement + Copy, D: Dimension>(
-    bytes: &[u8],
-    weight: impl Fn(T) -> f64,
-) -> Result<Array<f64, D>, ViewNpyError> {
-    Ok(ArrayView::<T, D>::view_npy(bytes)?.mapv(weight))
+    Ok(array)
 }
 
 /// Each Gaussian is cut at `int(6 sigma) + 1` (made odd) and normalised to sum 1 before its

@@ -34,7 +34,11 @@ const BLOCK: usize = 64;
 
 /// Removes the events of a row of trains that a dead time of `seconds` loses; `fired` has the time
 /// at which each cell last fired, in seconds.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 pub(crate) fn dead_time<R: Real>(
     interval: Interval,
     seconds: f64,
@@ -137,7 +141,11 @@ pub(super) fn awake(u: f64, scene: Option<&Train>, before: f64, r: f64) -> bool 
 /// The operations are in the order of the published definition, in double precision, so that
 /// the counts agree to the last event. Blocks of cells too near to their memory to fire take none
 /// of them.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+#[multiversion(targets(
+    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2",
+    "aarch64+neon"
+))]
 pub(crate) fn authors<R: Real>(
     interval: Interval,
     r: f64,

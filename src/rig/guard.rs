@@ -111,27 +111,25 @@ impl Warning {
     /// A sensor that never fired; `frames` where they are known.
     #[must_use]
     pub fn no_events(subject: &str, frames: Option<u64>) -> Self {
-        let (seen, why) = match frames {
+        let lower = "lower the threshold, give light on the scale of the sensor (0 to 255; --scale for an array), use a memory that steps, halve less often on a chip, or show a scene that moves";
+        let (seen, why, change) = match frames {
             Some(frames @ 0..=1) => (
                 format!("no event at all in {frames} frame"),
                 "events happen between frames, and there are not two",
+                "show a scene of two frames at least",
             ),
             Some(frames) => (
                 format!("no event at all in {frames} frames"),
                 "what its cells see never moves by a threshold: the light is small against it, or it does not change",
+                lower,
             ),
             None => (
                 "no event at all".to_owned(),
                 "what its cells saw never moved by a threshold",
+                lower,
             ),
         };
-        Self::new(
-            About::NoEvents,
-            subject,
-            seen,
-            why,
-            "lower the threshold, give light on the scale of the sensor (0 to 255; --scale for an array), use a memory that steps, halve less often on a chip, or show a scene that moves",
-        )
+        Self::new(About::NoEvents, subject, seen, why, change)
     }
 
     /// A sensor of which most cells fire in one frame.

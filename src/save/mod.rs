@@ -18,6 +18,7 @@ mod spool;
 mod stack;
 mod temporary;
 mod whole;
+mod writable;
 
 pub use atomic_file::{AtomicFile, reader_is_gone};
 pub use destination::{OutputKind, STDOUT, output_kind};
@@ -25,6 +26,7 @@ pub use error::SaveError;
 pub use folder::{make_folder, make_folder_durably};
 pub use litter::{is_temporary, sweep_up};
 pub use spool::Spool;
-pub use stack::{Element, Stack};
+pub use stack::Stack;
 pub use temporary::remove_all;
 pub use whole::{save, save_durably};
+pub use writable::{check_folder_writable, check_writable, free_space};

@@ -10,35 +10,13 @@ use std::{
 };
 
 use super::{AtomicFile, SaveError};
-use crate::plane::{Plane, Size};
+use crate::{
+    npy::{Element, framed},
+    plane::{Plane, Size},
+};
 
 /// Bytes kept for the header, a multiple of 64 as the format asks.
 const HEADER: usize = 128;
-
-/// A number that an array file can hold.
-pub trait Element: Copy {
-    /// Its name in the header.
-    const DESCRIPTION: &'static str;
-
-    /// Its bytes, little-endian.
-    fn bytes(self) -> [u8; 4];
-}
-
-impl Element for i32 {
-    const DESCRIPTION: &'static str = "<i4";
-
-    fn bytes(self) -> [u8; 4] {
-        self.to_le_bytes()
-    }
-}
-
-impl Element for f32 {
-    const DESCRIPTION: &'static str = "<f4";
-
-    fn bytes(self) -> [u8; 4] {
-        self.to_le_bytes()
-    }
-}
 
 /// A growing array of shape (layers, planes, height, width).
 #[derive(Debug)]
@@ -81,7 +59,7 @@ impl<T: Element> Stack<T> {
             assert_eq!(Size::of(&plane), self.size, "a plane of another size");
             planes += 1;
             for value in &plane {
-                let written = self.file.write_all(&value.bytes());
+                let written = self.file.write_all(value.bytes().as_ref());
                 written.map_err(|cause| self.file.failed(cause))?;
             }
         }
@@ -102,27 +80,19 @@ impl<T: Element> Stack<T> {
             layers,
             ..
         } = self;
-        let header = header(T::DESCRIPTION, [layers, planes, size.height, size.width]);
+        let shape = [layers, planes, size.height, size.width];
+        let header = dictionary(T::DESCRIPTION, shape);
         let finish = |file: &mut AtomicFile| -> io::Result<()> {
             file.seek(SeekFrom::Start(0))?;
-            file.write_all(&header)
+            file.write_all(&framed(&header, HEADER)?)
         };
         finish(&mut file).map_err(|cause| file.failed(cause))?;
         file.keep()
     }
 }
 
-fn header(description: &str, shape: [usize; 4]) -> Vec<u8> {
-    let [a, b, c, d] = shape;
-    let text = format!(
-        "{{'descr': '{description}', 'fortran_order': False, 'shape': ({a}, {b}, {c}, {d}), }}"
-    );
-    let mut header = b"\x93NUMPY\x01\x00".to_vec();
-    header.extend(((HEADER - 10) as u16).to_le_bytes());
-    header.extend(text.as_bytes());
-    header.resize(HEADER - 1, b' ');
-    header.push(b'\n');
-    header
+fn dictionary(description: &str, [a, b, c, d]: [usize; 4]) -> String {
+    format!("{{'descr': '{description}', 'fortran_order': False, 'shape': ({a}, {b}, {c}, {d}), }}")
 }
 
 #[cfg(test)]
@@ -146,7 +116,8 @@ mod tests {
         let read: Array4<i32> = ndarray_npy::read_npy(&path).unwrap();
         assert_eq!(read.shape(), [5, 2, 2, 3]);
         assert_eq!(read[[4, 1, 1, 2]], 415);
-        // The largest shape still leaves room in the header.
-        assert_eq!(header("<f4", [usize::MAX; 4]).len(), HEADER);
+        // Layers without end, of the most planes of the largest size, leave room in the header.
+        let text = dictionary("<f4", [usize::MAX, 16, 65_536, 65_536]);
+        assert_eq!(framed(&text, HEADER).unwrap().len(), HEADER);
     }
 }

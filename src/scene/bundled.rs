@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{OpenOptions, Scene, SceneError, animation, rate};
+use super::{OpenOptions, Scene, SceneError, animation, check_rate};
 
 /// People walking past a still camera: a crop of `vtest.avi`, which comes with `OpenCV`, as
 /// gray 8-bit video of 256x256 at 10 frames/s.
@@ -23,9 +23,7 @@ pub fn bundled() -> Result<Box<dyn Scene>, SceneError> {
 pub fn bundled_with(options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
     const CLIP: &[u8] = include_bytes!("../../clips/vtest_256x256.apng");
     let name = Path::new("clips/vtest_256x256.apng");
-    if let Some(fps) = options.fps.filter(|fps| !rate::usable(*fps)) {
-        return Err(SceneError::BadRate { fps });
-    }
+    options.fps.map(check_rate).transpose()?;
     // It is small, and in memory anyway.
     let options = &OpenOptions {
         memory: None,

@@ -2,6 +2,7 @@
 
 use std::{io, path::PathBuf};
 
+use super::rate::{MOST_FPS, Shown};
 use crate::{memory::TooMuch, plane::Size};
 
 /// Why a scene cannot be read.
@@ -221,8 +222,8 @@ pub enum SceneError {
     },
 
     /// A frame rate that is no rate.
-    #[error("{fps} frames per second is no rate")]
-    #[diagnostic(help("give a finite number above 0, such as --fps 240"))]
+    #[error("{} frames per second is no rate", Shown(*fps))]
+    #[diagnostic(help("give a number above 0, and at most {}, such as --fps 240", MOST_FPS))]
     BadRate {
         /// What was asked.
         fps: f64,
@@ -344,17 +345,19 @@ pub enum SceneError {
 
     /// No pattern of that name.
     #[error("pattern:{got}: there is no pattern {got:?}")]
-    #[diagnostic(help("known: {known}"))]
+    #[diagnostic(help("{near}known: {known}"))]
     UnknownPattern {
         /// The name given.
         got: String,
         /// All names.
         known: String,
+        /// Which of them was meant, if one is near: a question.
+        near: String,
     },
 
     /// No parameter of that name.
     #[error("pattern:{pattern}: there is no parameter {got:?}")]
-    #[diagnostic(help("known, with their defaults: {known}"))]
+    #[diagnostic(help("{near}known, with their defaults: {known}"))]
     UnknownParameter {
         /// Which pattern.
         pattern: String,
@@ -362,6 +365,8 @@ pub enum SceneError {
         got: String,
         /// All keys with their defaults.
         known: String,
+        /// Which of them was meant, if one is near: a question.
+        near: String,
     },
 
     /// A parameter with a value that it cannot have.

@@ -59,4 +59,4 @@ pub use image::{Coded, Codes, Image, Levels};
 pub use observed::{Observation, Observed};
 pub use open::open;
 pub use options::OpenOptions;
-pub use rate::ASSUMED_FPS;
+pub use rate::{ASSUMED_FPS, check_rate};

@@ -1,10 +1,9 @@
 //! `.npy` arrays of shape `(frames, height, width)`: numbers as given.
 //!
-//! The numbers are read frame by frame; `ndarray-npy`, which reads whole arrays, would hold
-//! the clip in memory. Format: `numpy.lib.format`, versions 1 to 3.
+//! The numbers are read frame by frame; a whole array would hold the clip in memory.
 
 use std::{
-    io::{self, Read},
+    io::Read,
     path::{Path, PathBuf},
 };
 
@@ -12,13 +11,10 @@ use super::{
     Frame, Image, Levels, OpenOptions, Scene, SceneError, decoded::Source, light,
     light::MemoryLimit, rate::Rate,
 };
-use crate::plane::Size;
-
-/// The first bytes of every file.
-pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
-
-/// The longest header that is read; `numpy` itself stops at 10 000.
-const LONGEST_HEADER: u64 = 65_535;
+use crate::{
+    npy::{Header, HeaderError, Kind, Number, Value},
+    plane::Size,
+};
 
 /// A stream of frames in an `.npy` file.
 pub(super) struct Npy<R> {
@@ -45,7 +41,7 @@ pub(super) fn open(
         .filter(std::fs::Metadata::is_file)
         .map(|data| data.len());
     let npy = Npy::new(path, stream, length, options)?;
-    let source = npy.number.source();
+    let source = samples(npy.number);
     Ok((npy, source))
 }
 
@@ -57,14 +53,10 @@ impl<R: Read + Send> Npy<R> {
         length: Option<u64>,
         options: OpenOptions,
     ) -> Result<Self, SceneError> {
-        let (text, before) = header(path, &mut stream)?;
-        let header = Header::parse(&text).map_err(|(field, want)| SceneError::Header {
-            path: path.into(),
-            field,
-            got: format!("{:?}", text.trim_end()),
-            want,
-        })?;
-        let number = Number::named(&header.descr).ok_or_else(|| SceneError::NumberType {
+        let (header, before) = header(path, &mut stream)?;
+        // Truth values are no light.
+        let number = Number::named(&header.descr).filter(|number| number.kind != Kind::B1);
+        let number = number.ok_or_else(|| SceneError::NumberType {
             path: path.into(),
             got: header.descr.clone(),
         })?;
@@ -211,240 +203,32 @@ fn held(number: Number, size: Size) -> u128 {
     (2 * number.bytes() as u128 + light::PIXEL_BYTES_HELD) * size.pixels() as u128
 }
 
-/// The type of the array's numbers.
-#[derive(Clone, Copy, Debug)]
-struct Number {
-    kind: Kind,
-    big_end_first: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    F2,
-    F4,
-    F8,
-    U1,
-    U2,
-    U4,
-    U8,
-    I1,
-    I2,
-    I4,
-    I8,
-}
-
-/// A number that was read.
-enum Value {
-    Real(f64),
-    /// A whole number that no `f64` equals.
-    Inexact(i128),
-}
-
-impl Number {
-    /// The type that a `descr` such as `<f8` names.
-    fn named(descr: &str) -> Option<Self> {
-        let (big_end_first, name) = match descr.as_bytes().first()? {
-            b'<' | b'|' => (false, &descr[1..]),
-            b'>' => (true, &descr[1..]),
-            b'=' => (cfg!(target_endian = "big"), &descr[1..]),
-            _ => return None,
-        };
-        let kind = match name {
-            "f2" => Kind::F2,
-            "f4" => Kind::F4,
-            "f8" => Kind::F8,
-            "u1" => Kind::U1,
-            "u2" => Kind::U2,
-            "u4" => Kind::U4,
-            "u8" => Kind::U8,
-            "i1" => Kind::I1,
-            "i2" => Kind::I2,
-            "i4" => Kind::I4,
-            "i8" => Kind::I8,
-            _ => return None,
-        };
-        Some(Self {
-            kind,
-            big_end_first,
-        })
-    }
-
-    /// What such numbers are as samples; those with a sign have no range.
-    fn source(self) -> Source {
-        match self.kind {
-            Kind::F2 | Kind::F4 | Kind::F8 => Source::floats(),
-            Kind::U1 => Source::integers(Some(8)),
-            Kind::U2 => Source::integers(Some(16)),
-            _ => Source::integers(None),
-        }
-    }
-
-    fn bytes(self) -> usize {
-        match self.kind {
-            Kind::U1 | Kind::I1 => 1,
-            Kind::F2 | Kind::U2 | Kind::I2 => 2,
-            Kind::F4 | Kind::U4 | Kind::I4 => 4,
-            Kind::F8 | Kind::U8 | Kind::I8 => 8,
-        }
-    }
-
-    fn read(self, bytes: &[u8]) -> Value {
-        let fold = |all: u64, byte: &u8| all << 8 | u64::from(*byte);
-        let bits = if self.big_end_first {
-            bytes.iter().fold(0, fold)
-        } else {
-            bytes.iter().rev().fold(0, fold)
-        };
-        match self.kind {
-            Kind::F2 => Value::Real(half::f16::from_bits(bits as u16).to_f64()),
-            Kind::F4 => Value::Real(f32::from_bits(bits as u32).into()),
-            Kind::F8 => Value::Real(f64::from_bits(bits)),
-            Kind::U1 | Kind::U2 | Kind::U4 | Kind::U8 => exact(bits.into()),
-            Kind::I1 => exact((bits as i8).into()),
-            Kind::I2 => exact((bits as i16).into()),
-            Kind::I4 => exact((bits as i32).into()),
-            Kind::I8 => exact((bits as i64).into()),
-        }
+/// What numbers are as samples; those with a sign have no range.
+fn samples(number: Number) -> Source {
+    match number.kind {
+        Kind::F2 | Kind::F4 | Kind::F8 => Source::floats(),
+        Kind::U1 => Source::integers(Some(8)),
+        Kind::U2 => Source::integers(Some(16)),
+        _ => Source::integers(None),
     }
 }
 
-fn exact(value: i128) -> Value {
-    let real = value as f64;
-    if real as i128 == value {
-        Value::Real(real)
-    } else {
-        Value::Inexact(value)
-    }
-}
-
-/// The text of the header, and how many bytes come before the numbers.
-fn header(path: &Path, stream: &mut impl Read) -> Result<(String, u64), SceneError> {
-    let bad = |field, got: &[u8], want| SceneError::Header {
-        path: path.into(),
-        field,
-        got: format!("\"{}\"", got.escape_ascii()),
-        want,
-    };
-    let mut take = |n: u64| -> Result<Vec<u8>, SceneError> {
-        let mut bytes = Vec::new();
-        let read: io::Result<usize> = stream.take(n).read_to_end(&mut bytes);
-        read.map_err(|cause| SceneError::unreadable(path, cause))?;
-        Ok(bytes)
-    };
-    let start = take(8)?;
-    if start.is_empty() {
-        return Err(SceneError::Empty {
-            path: path.into(),
+/// Reads the header, and how many bytes come before the numbers.
+fn header(path: &Path, stream: &mut impl Read) -> Result<(Header, u64), SceneError> {
+    let path = path.to_owned();
+    Header::read(stream).map_err(|error| match error {
+        HeaderError::System(cause) => SceneError::unreadable(&path, cause),
+        HeaderError::Empty => SceneError::Empty {
+            path,
             missing: "header",
-        });
-    }
-    let wide = match start.strip_prefix(MAGIC) {
-        Some([1, 0]) => 2,
-        Some([2 | 3, 0]) => 4,
-        Some(version) => return Err(bad("version", version, "1.0, 2.0 or 3.0")),
-        None => return Err(bad("magic", &start, "\\x93NUMPY and a version")),
-    };
-    let length = take(wide)?;
-    if (length.len() as u64) < wide {
-        return Err(bad("length", &length, "the length of the header"));
-    }
-    let says = length
-        .iter()
-        .rev()
-        .fold(0, |all, byte| all << 8 | u64::from(*byte));
-    if says > LONGEST_HEADER {
-        return Err(bad("length", &length, "at most 65535 bytes"));
-    }
-    let text = take(says)?;
-    if (text.len() as u64) < says {
-        return Err(bad(
-            "text",
-            &text,
-            "a whole header; the file ends inside it",
-        ));
-    }
-    match String::from_utf8(text) {
-        Ok(text) => Ok((text, 8 + wide + says)),
-        Err(error) => Err(bad("text", error.as_bytes(), "text")),
-    }
-}
-
-/// What the header says.
-#[derive(Debug, PartialEq)]
-struct Header {
-    descr: String,
-    fortran: bool,
-    shape: Vec<u64>,
-}
-
-/// A field that is wrong, and what was expected instead.
-type Wrong = (&'static str, &'static str);
-
-impl Header {
-    /// Reads the Python dictionary of the header: strings, booleans, and one tuple.
-    fn parse(text: &str) -> Result<Self, Wrong> {
-        const DICTIONARY: Wrong = ("text", "{'descr': …, 'fortran_order': …, 'shape': …}");
-        const DESCR: Wrong = ("descr", "a plain type in quotes, such as '<f8'");
-        const ORDER: Wrong = ("fortran_order", "True or False");
-        const SHAPE: Wrong = ("shape", "whole numbers in brackets, such as (10, 64, 64)");
-        let (mut descr, mut fortran, mut shape) = (None, None, None);
-        let mut rest = text
-            .trim()
-            .strip_prefix('{')
-            .ok_or(DICTIONARY)?
-            .trim_start();
-        while !rest.starts_with('}') {
-            let (key, after) = quoted(rest).ok_or(DICTIONARY)?;
-            rest = after
-                .trim_start()
-                .strip_prefix(':')
-                .ok_or(DICTIONARY)?
-                .trim_start();
-            match key {
-                "descr" => {
-                    let (word, after) = quoted(rest).ok_or(DESCR)?;
-                    descr = Some(word.to_owned());
-                    rest = after;
-                }
-                "fortran_order" => {
-                    let word = ["True", "False"].into_iter().find(|w| rest.starts_with(w));
-                    let word = word.ok_or(ORDER)?;
-                    fortran = Some(word == "True");
-                    rest = &rest[word.len()..];
-                }
-                "shape" => {
-                    let inside = rest.strip_prefix('(').ok_or(SHAPE)?;
-                    let (inside, after) = inside.split_once(')').ok_or(SHAPE)?;
-                    let words = inside.split(',').map(str::trim);
-                    let axes: Result<_, _> =
-                        words.filter(|w| !w.is_empty()).map(str::parse).collect();
-                    shape = Some(axes.map_err(|_| SHAPE)?);
-                    rest = after;
-                }
-                _ => return Err(DICTIONARY),
-            }
-            rest = rest.trim_start();
-            if let Some(after) = rest.strip_prefix(',') {
-                rest = after.trim_start();
-            } else if !rest.starts_with('}') {
-                return Err(DICTIONARY);
-            }
-        }
-        if !rest[1..].trim().is_empty() {
-            return Err(DICTIONARY);
-        }
-        Ok(Self {
-            descr: descr.ok_or(DESCR)?,
-            fortran: fortran.ok_or(ORDER)?,
-            shape: shape.ok_or(SHAPE)?,
-        })
-    }
-}
-
-/// A quoted string at the start of `text`, and what follows it.
-fn quoted(text: &str) -> Option<(&str, &str)> {
-    let quote = text.chars().next().filter(|c| matches!(c, '\'' | '"'))?;
-    text[1..].split_once(quote)
+        },
+        HeaderError::Field { field, got, want } => SceneError::Header {
+            path,
+            field,
+            got,
+            want,
+        },
+    })
 }
 
 #[cfg(test)]

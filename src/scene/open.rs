@@ -4,7 +4,7 @@ use std::{io::Read, path::Path};
 
 use super::{
     animation, decoded::Source, error::SceneError, folder, frame::Scene, light, mp4, npy,
-    options::OpenOptions, pattern::Pattern, rate, still, y4m,
+    options::OpenOptions, pattern::Pattern, rate::check_rate, still, y4m,
 };
 
 /// Opens the scene that `spec` names: a file, a folder, or `pattern:NAME?key=value&key=value`.
@@ -27,9 +27,7 @@ use super::{
 /// ```
 pub fn open(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
     let asked = options.fps;
-    if let Some(fps) = asked.filter(|fps| !rate::usable(*fps)) {
-        return Err(SceneError::BadRate { fps });
-    }
+    asked.map(check_rate).transpose()?;
     if let Some(pattern) = spec.strip_prefix("pattern:") {
         options.coding.check_drawn(spec)?;
         return Ok(Box::new(Pattern::with_options(pattern, *options)?));
@@ -112,7 +110,7 @@ impl FileKind {
     fn begins(self, start: &[u8]) -> bool {
         match self {
             Self::Y4m => start.starts_with(y4m::MAGIC),
-            Self::Npy => start.starts_with(npy::MAGIC),
+            Self::Npy => start.starts_with(crate::npy::MAGIC),
             Self::Gif => start.starts_with(b"GIF8"),
             Self::Png => start.starts_with(b"\x89PNG"),
             Self::Pnm => {

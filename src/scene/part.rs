@@ -1,7 +1,7 @@
 //! Scenes made of another scene: its first frames, those after them, or its frames at another
 //! rate.
 
-use super::{Frame, Light, Scene, SceneError};
+use super::{Frame, Light, Scene, SceneError, check_rate};
 use crate::plane::Size;
 
 /// The first frames of a scene.
@@ -120,11 +120,8 @@ impl<S: Scene> Retimed<S> {
     /// # Errors
     /// When the rate is not a finite number above 0.
     pub fn new(source: S, fps: f64) -> Result<Self, SceneError> {
-        if fps.is_finite() && fps > 0.0 {
-            Ok(Self { source, fps })
-        } else {
-            Err(SceneError::BadRate { fps })
-        }
+        check_rate(fps)?;
+        Ok(Self { source, fps })
     }
 }
 

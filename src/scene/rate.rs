@@ -1,6 +1,6 @@
 //! Frame rates, and whether they are given or assumed.
 
-use std::path::Path;
+use std::{fmt, path::Path};
 
 use super::SceneError;
 
@@ -45,7 +45,37 @@ impl Rate {
     }
 }
 
+/// The most frames per second: a thousand within a microsecond, between which events are not told
+/// apart.
+pub(super) const MOST_FPS: f64 = 1e9;
+
 /// Whether a number can be a frame rate.
-pub(super) fn usable(fps: f64) -> bool {
-    fps.is_finite() && fps > 0.0
+fn usable(fps: f64) -> bool {
+    fps > 0.0 && fps <= MOST_FPS
+}
+
+/// Refuses a number of frames per second that is no rate.
+///
+/// # Errors
+/// [`SceneError::BadRate`].
+pub fn check_rate(fps: f64) -> Result<(), SceneError> {
+    if usable(fps) {
+        Ok(())
+    } else {
+        Err(SceneError::BadRate { fps })
+    }
+}
+
+/// A number that is no rate, without hundreds of digits.
+pub(super) struct Shown(pub f64);
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        if size > MOST_FPS || (size > 0.0 && size < 1e-6) {
+            write!(f, "{:e}", self.0)
+        } else {
+            self.0.fmt(f)
+        }
+    }
 }

@@ -7,7 +7,7 @@
 
 use ndarray::Zip;
 
-use super::{Frame, Light, Scene, SceneError};
+use super::{Frame, Light, Scene, SceneError, check_rate};
 use crate::plane::Size;
 
 /// Moments closer than this are one: half of what events tell apart, in seconds.
@@ -31,9 +31,7 @@ impl<S: Scene> Resampled<S> {
     /// # Errors
     /// When the rate is not a finite number above 0.
     pub fn new(source: S, fps: f64) -> Result<Self, SceneError> {
-        if !(fps.is_finite() && fps > 0.0) {
-            return Err(SceneError::BadRate { fps });
-        }
+        check_rate(fps)?;
         Ok(Self {
             source,
             fps,

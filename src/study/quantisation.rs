@@ -180,13 +180,31 @@ pub fn ask(
     Ok(ask_keeping(question, open, seen)?.0)
 }
 
-/// As [`ask`], with the packets of the float sensors: the reference's, and those of the ladder
-/// that all were judged by, in the order of [`equivalent::RUNGS`].
+/// What has run for an answer.
+pub(super) struct Kept {
+    /// The packets of the float sensors: the reference's, and those of the ladder that all were
+    /// judged by, in the order of [`equivalent::RUNGS`].
+    pub floats: Vec<Packet>,
+    /// For each row its program; none where there is none.
+    pub ran: Vec<Option<Ran>>,
+}
+
+/// A program that has run.
+pub(super) struct Ran {
+    /// The program.
+    pub compiled: Compiled,
+    /// It in exact arithmetic, and as silicon, after the last frame.
+    pub chips: [Box<dyn Array + Send>; 2],
+    /// What these said.
+    pub packets: [Packet; 2],
+}
+
+/// As [`ask`], with what has run for it.
 pub(super) fn ask_keeping(
     question: &Question<'_>,
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
     mut seen: impl FnMut(&Frame),
-) -> Result<(Answer, Vec<Packet>), QuantisationError> {
+) -> Result<(Answer, Kept), QuantisationError> {
     let mut scene = open()?;
     let (size, fps) = (scene.size(), scene.fps());
     let design = question.design();
@@ -248,19 +266,35 @@ pub(super) fn ask_keeping(
         &mut pairs,
         &mut seen,
     )?;
+    let reference_events = truth.events.len() as u64;
+    let mut said = packets.split_off(floats.len()).into_iter();
     let mut judged = judged.into_iter();
-    let rows = { built.into_iter() }
-        .map(|one| one.judged(&mut judged))
-        .collect::<Result<_, _>>()?;
+    let (mut rows, mut ran) = (Vec::new(), Vec::new());
+    for one in built {
+        let (row, chips) = one.judged(&mut judged)?;
+        let one = chips.map(|Chips { compiled, both, .. }| {
+            let packets = [said.next()?, said.next()?];
+            Some(Ran {
+                compiled,
+                chips: both,
+                packets,
+            })
+        });
+        rows.push(row);
+        ran.push(one.flatten());
+    }
     let answer = Answer {
-        reference_events: truth.events.len() as u64,
+        reference_events,
         fps,
         window_us: question.within,
         rows,
         warnings: guard.warnings(),
     };
-    packets.truncate(floats.len());
-    Ok((answer, packets))
+    let kept = Kept {
+        floats: packets,
+        ran,
+    };
+    Ok((answer, kept))
 }
 
 /// The memory of all sensors: a chip has one shot a frame, and its memory snaps.
@@ -275,11 +309,16 @@ struct Built {
 }
 
 impl Built {
-    /// The row of it, with the next two judgements: in exact arithmetic, and as silicon.
-    fn judged(self, all: &mut impl Iterator<Item = Likeness>) -> Result<Row, QuantisationError> {
-        let (headline, outcome) = match self.program {
-            Err(why) => (None, Outcome::Refused(why)),
-            Ok(Chips { cost, .. }) => {
+    /// The row of it, with the next two judgements: in exact arithmetic, and as silicon. Also what
+    /// has run.
+    fn judged(
+        self,
+        all: &mut impl Iterator<Item = Likeness>,
+    ) -> Result<(Row, Option<Chips>), QuantisationError> {
+        let (headline, outcome, chips) = match self.program {
+            Err(why) => (None, Outcome::Refused(why), None),
+            Ok(chips) => {
+                let cost = &chips.cost;
                 let mut next = || all.next().ok_or(QuantisationError::Packet(self.to.clone()));
                 let (exact, silicon) = (next()?, next()?);
                 let on_chip = OnChip {
@@ -291,19 +330,22 @@ impl Built {
                     exact,
                     silicon,
                 };
-                (Some(silicon.into()), Outcome::OnChip(Box::new(on_chip)))
+                let outcome = Outcome::OnChip(Box::new(on_chip));
+                (Some(silicon.into()), outcome, Some(chips))
             }
         };
-        Ok(Row {
+        let row = Row {
             to: self.to,
             relative_error: self.relative_error,
             headline,
             outcome,
-        })
+        };
+        Ok((row, chips))
     }
 }
 
 struct Chips {
+    compiled: Compiled,
     cost: Costs,
     /// In exact arithmetic, and as silicon.
     both: [Box<dyn Array + Send>; 2],
@@ -351,16 +393,17 @@ impl Question<'_> {
         built.program = match design.in_levels(&quantised).compile("quantised") {
             Err(error) if error.is_refusal() => Err(error.to_string()),
             Err(error) => return Err(error),
-            Ok(compiled) => Ok(self.chips(&compiled, size)?),
+            Ok(compiled) => Ok(self.chips(compiled, size)?),
         };
         Ok(built)
     }
 
-    fn chips(&self, compiled: &Compiled, size: Size) -> Result<Chips, DesignError> {
-        let settings = || compiled.settings();
-        let chip = |arithmetic| compiled.chip(arithmetic, size, settings());
+    fn chips(&self, compiled: Compiled, size: Size) -> Result<Chips, DesignError> {
+        let settings = compiled.settings();
+        let chip = |arithmetic| compiled.chip(arithmetic, size, settings);
         let exact = Arithmetic::Number(Format::F64);
         let silicon = Arithmetic::Silicon { seed: self.seed };
+        let both = [chip(exact)?, chip(silicon)?];
         let filter = &compiled.program.filter;
         Ok(Chips {
             cost: Costs {
@@ -370,8 +413,9 @@ impl Question<'_> {
                 registers: compiled.registers(),
                 prescale_bits: filter.prescale,
             },
-            both: [chip(exact)?, chip(silicon)?],
-            ends: [exact, silicon].map(|domain| domain.ends(self.device, &settings())),
+            both,
+            ends: [exact, silicon].map(|domain| domain.ends(self.device, &settings)),
+            compiled,
         })
     }
 }

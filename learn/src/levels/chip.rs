@@ -1,4 +1,7 @@
 //! What the chip makes of kernels.
+//!
+//! Which program is the best for a kernel hangs on the threshold that its drive is compared with, so
+//! a kernel is compiled for a threshold; those within a quarter of an octave share a program.
 
 use std::{
     collections::HashMap,
@@ -7,7 +10,8 @@ use std::{
 
 use amacrine::{
     compile::{CellKind, DriveMemory, Effort, FilterNoise, Request, SensorProgram, Signal},
-    isa::Device,
+    elementary,
+    isa::{Device, Figure},
     kernel::Kernel,
 };
 
@@ -15,6 +19,13 @@ use super::{error::LevelsError, project::Projected};
 
 /// The light in the middle of the range, LSB: noise is that of a pixel which sees it.
 const MIDDLE: f64 = 64.0;
+
+/// Thresholds in an octave for which a kernel is compiled anew.
+const CLASSES: f64 = 4.0;
+
+/// The least and the largest threshold that a program is sought for.
+const LEAST: f64 = 0.5;
+const MOST: f64 = 255.0;
 
 /// A chip, and what was compiled for it: a kernel is compiled once.
 #[derive(Debug)]
@@ -28,7 +39,7 @@ pub struct Chip {
 /// Kernels as the chip computes them.
 #[derive(Clone, Debug)]
 pub struct OnChip {
-    /// The program; its thresholds are placeholders of one LSB: see [`OnChip::program`].
+    /// The program; its thresholds are placeholders: see [`OnChip::program`].
     sensor: SensorProgram,
     /// The kernels that it was made of.
     pub kernels: Vec<Kernel>,
@@ -44,6 +55,14 @@ pub struct OnChip {
     /// What the filter adds to each drive, LSB. Its fixed part is in the drive and in the memory of
     /// it alike.
     pub noise: Vec<FilterNoise>,
+}
+
+/// What the memory of a drive leaves between cells, as a standard deviation in LSB: it is written by
+/// two stores, through NEWS, and each cell's offset is its own. It shifts what is compared with the
+/// thresholds; a filter's own mismatch is in the drive and in the memory of it alike.
+#[must_use]
+pub fn memory_spread(device: &Device) -> f64 {
+    std::f64::consts::SQRT_2 * device.value(Figure::OffsetMismatch)
 }
 
 impl Chip {
@@ -73,11 +92,17 @@ impl Chip {
             .len()
     }
 
-    /// The filter of these kernels, one for each kind, as a sensor's program has it.
+    /// The filter of these kernels, one for each kind, as a sensor's program has it: the one that
+    /// decides best where drives are compared with about this `threshold`, told for kernels of length
+    /// 1 ([`Projected::unit`]) and light from 0 to 255.
     ///
     /// # Errors
     /// When there are too few registers or too many words.
-    pub fn compile(&self, kinds: &[Projected]) -> Result<Arc<OnChip>, LevelsError> {
+    pub fn compile(&self, kinds: &[Projected], threshold: f64) -> Result<Arc<OnChip>, LevelsError> {
+        // The program is a function of what is in the key, not of who asked first.
+        let octaves = elementary::log2(threshold.clamp(LEAST, MOST));
+        let class = (octaves * CLASSES).round();
+        let threshold = elementary::pow(2.0, class / CLASSES);
         let key: Vec<i64> = { kinds.iter() }
             .flat_map(|kind| {
                 let (height, width) = kind.levels.dim();
@@ -87,6 +112,7 @@ impl Chip {
                     .chain(levels)
                     .collect::<Vec<_>>()
             })
+            .chain([class as i64])
             .collect();
         let known = self
             .compiled
@@ -97,10 +123,7 @@ impl Chip {
         if let Some(known) = known {
             return Ok(known);
         }
-        let kernels: Vec<Kernel> = { kinds.iter() }
-            .map(|kind| kind.kernel().map(|(kernel, _)| kernel))
-            .collect::<Result<_, _>>()?;
-        let made = Arc::new(self.make(kernels)?);
+        let made = Arc::new(self.make(kinds, threshold)?);
         let mut compiled = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(Arc::clone(compiled.entry(key).or_insert(made)))
     }
@@ -113,19 +136,23 @@ impl Chip {
         })
     }
 
-    fn make(&self, kernels: Vec<Kernel>) -> Result<OnChip, LevelsError> {
+    fn make(&self, kinds: &[Projected], threshold: f64) -> Result<OnChip, LevelsError> {
+        let mut cells = Vec::new();
+        let mut kernels = Vec::new();
+        for kind in kinds {
+            let (kernel, power) = kind.kernel()?;
+            let own = threshold * kind.norm() / power;
+            kernels.push(kernel.clone());
+            cells.push(CellKind {
+                name: None,
+                kernel,
+                on: own,
+                off: own,
+            });
+        }
         let request = self.request(&kernels)?;
         let input = request.input;
-        // Thresholds do not change the filter.
-        let kinds: Vec<CellKind> = { kernels.iter() }
-            .map(|kernel| CellKind {
-                name: None,
-                kernel: kernel.clone(),
-                on: 255.0,
-                off: 255.0,
-            })
-            .collect();
-        let sensor = SensorProgram::new(&kinds, DriveMemory::Analogue, "learned", &request)?;
+        let sensor = SensorProgram::new(&cells, DriveMemory::Analogue, "learned", &request)?;
         let noise = sensor
             .filter
             .noise(&self.device, input, MIDDLE, &sensor.drives);

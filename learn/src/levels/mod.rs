@@ -13,7 +13,7 @@ mod orbits;
 mod project;
 mod search;
 
-pub use chip::{Chip, OnChip};
+pub use chip::{Chip, OnChip, memory_spread};
 pub use error::LevelsError;
 pub use list::Levels;
 pub use orbits::Symmetry;

@@ -28,18 +28,18 @@ pub struct Found {
 /// Looks among kernels that differ from `start` by one step of one level (of one orbit, and of a
 /// second one where the sum is 0) for one that scores less; from the best of them again, until none
 /// is better or `most` were judged. Those nearest to `latent` are judged first; those that do not
-/// compile are passed over.
+/// compile are passed over. All are compiled for one threshold: [`Chip::compile`].
 ///
 /// # Errors
 /// When `start` cannot be compiled, or as [`Levels::project`].
 pub fn search(
     levels: &Levels,
     (start, latent): (&Projected, &Plane<f64>),
-    chip: &Chip,
+    (chip, threshold): (&Chip, f64),
     most: usize,
     mut score: impl FnMut(&Projected, &OnChip) -> f64,
 ) -> Result<Found, LevelsError> {
-    let made = chip.compile(std::slice::from_ref(start))?;
+    let made = chip.compile(std::slice::from_ref(start), threshold)?;
     let mut best = Found {
         score: score(start, &made),
         kernel: start.clone(),
@@ -61,7 +61,7 @@ pub fn search(
             }
             seen.push(kernel.levels.clone());
             judged += 1;
-            let Ok(made) = chip.compile(std::slice::from_ref(&kernel)) else {
+            let Ok(made) = chip.compile(std::slice::from_ref(&kernel), threshold) else {
                 continue;
             };
             let own = score(&kernel, &made);

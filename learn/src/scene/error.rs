@@ -27,7 +27,10 @@ pub enum SceneError {
     },
     /// Too few photographs.
     #[error("{}: {count} photographs, at least {FEWEST} are needed", path.display())]
-    #[diagnostic(help("some of them are held out, and no clip of those is trained with"))]
+    #[diagnostic(help(
+        "add {} more: a fifth is held out for the verdict, the rest is trained with",
+        FEWEST.saturating_sub(*count)
+    ))]
     Few {
         /// The folder.
         path: PathBuf,

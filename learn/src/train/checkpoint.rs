@@ -91,7 +91,7 @@ impl State {
     }
 
     fn from_bytes(bytes: &[u8], identity: &str, counts: [usize; 2]) -> Result<Self, String> {
-        let damaged = || "a damaged checkpoint".to_owned();
+        let damaged = || "a damaged checkpoint; without it this arm begins anew".to_owned();
         let rest = bytes.strip_prefix(FIRST_LINE.as_bytes()).ok_or_else(|| {
             let line = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
             let line = String::from_utf8_lossy(&line[..line.len().min(60)]);
@@ -109,11 +109,11 @@ impl State {
         }
         let end = rest.iter().position(|b| *b == b'\n').ok_or_else(damaged)?;
         let header: Header = serde_json::from_slice(&rest[..end]).map_err(|_| damaged())?;
-        if header.identity != identity || header.counts != counts {
-            return Err(format!(
-                "a checkpoint of something else: {}, and this is {identity}",
-                header.identity
-            ));
+        if header.identity != identity {
+            return Err(other(&header.identity, identity));
+        }
+        if header.counts != counts {
+            return Err(damaged());
         }
         let mut values = &rest[end + 1..rest.len() - 32];
         let mut single = || floats(&mut values, counts[0], f32::from_le_bytes);
@@ -155,6 +155,18 @@ impl State {
             history: header.history,
         })
     }
+}
+
+/// What tells a checkpoint from what it is to be: both are `task digest, arm-target-seed`.
+pub(super) fn other(theirs: &str, own: &str) -> String {
+    let [(their_task, their_arm), (task, arm)] =
+        [theirs, own].map(|identity| identity.split_once(", ").unwrap_or((identity, "")));
+    if their_task == task {
+        return format!("made for {their_arm} (arm, target, seed), and this is {arm}");
+    }
+    format!(
+        "made with another task file, other photographs or another version: its digest is {their_task}, and that of this run {task}"
+    )
 }
 
 /// The next so many numbers of so many bytes each.

@@ -22,5 +22,5 @@ mod trainee;
 pub use batch::{Batch, Loss};
 pub use error::{PINNED, TrainError};
 pub use export::sensor_text;
-pub use run::{Job, Run};
+pub use run::{Job, Progress, Run};
 pub use trainee::{State, Trainee, name};

@@ -1,10 +1,11 @@
 //! The same kernel on the chip: in few values, in exact arithmetic, on silicon.
 //!
 //! The decoder is the arm's own, as it was trained; and, where the task says so, the same trained on
-//! with what the form makes of training clips. Thresholds meet the target in the float model of the
-//! chip's sensor (memory `filtered-snap`), and are rounded to whole steps of the chip.
+//! with what the form makes of training clips. A form's threshold is the whole number of LSB that comes
+//! nearest to the target, as it would be set on a chip: in the float model of the chip's sensor (memory
+//! `filtered-snap`), which the exact program shares, and on silicon.
 
-use std::path::Path;
+use std::{path::Path, sync::Arc};
 
 use amacrine::{
     array::Arithmetic,
@@ -29,6 +30,7 @@ use rayon::prelude::*;
 
 use crate::{
     arm::{Applied, Start},
+    levels::{Chip, LevelsError, OnChip, Projected},
     record::{Decoder, Form, Row},
     scene::Clips,
 };
@@ -40,11 +42,14 @@ use super::{
     trainee::{Reason, Trainee},
 };
 
-/// States that the search for a program looks at.
-const EFFORT: Effort = Effort { states: 40_000 };
+/// What programs are called.
+const TITLE: &str = "learned";
 
 /// Held-out clips that are shown to the chip.
 const CLIPS: u64 = 32;
+
+/// The largest threshold that a converter sets, LSB.
+const HIGHEST: u32 = 127;
 
 /// Held-out clips, and those of training.
 #[derive(Clone, Copy)]
@@ -55,22 +60,35 @@ pub(super) struct Sources<'a> {
 
 /// A kernel as it is built.
 struct Built<'a> {
-    design: Design<'a>,
-    program: Compiled,
+    chip: &'a Chip,
+    made: Arc<OnChip>,
     seed: u64,
 }
 
 impl Built<'_> {
-    /// What a form of it makes of some clips, each seen by a chip of its own.
+    /// A threshold of so many LSB, in units of kernel times light.
+    fn threshold(&self, lsb: u32) -> f64 {
+        f64::from(lsb) / self.made.scale
+    }
+
+    /// The text of the program with a threshold of so many LSB.
+    fn text(&self, lsb: u32) -> String {
+        let both = [self.threshold(lsb); 2];
+        self.made.program(&[both], TITLE, self.chip)
+    }
+
+    /// What a form of it makes of some clips, each seen by a chip of its own, with a threshold of so
+    /// many LSB.
     fn packets(
         &self,
-        form: Form,
+        (form, lsb): (Form, u32),
         clips: &[Vec<Frame>],
         (first, size): (u64, Size),
     ) -> Result<Vec<Packet>, DesignError> {
-        let Self {
-            design, program, ..
-        } = self;
+        let sensor = self.made.sensor().clone();
+        let device = self.chip.device();
+        let program = Compiled::from_text(TITLE, sensor, &self.text(lsb), device)?;
+        let design = self.design(self.threshold(lsb));
         let chip = |arithmetic| {
             let chip = program.chip(arithmetic, size, program.settings())?;
             Ok::<Box<dyn Sensor>, DesignError>(Box::new(program.all_events(chip)))
@@ -91,10 +109,68 @@ impl Built<'_> {
         };
         clips.par_iter().enumerate().map(one).collect()
     }
+
+    /// The cell in the float model.
+    fn design(&self, threshold: f64) -> Design<'_> {
+        Design {
+            kernel: &self.made.kernels[0],
+            threshold,
+            device: self.chip.device(),
+            effort: Effort::default(),
+            seed: self.seed,
+        }
+    }
+
+    /// The whole number of LSB with which a form comes nearest to `target` events a pixel and pair, as
+    /// a threshold is set on a chip; and what it then makes. `first` is where to look first.
+    fn at_rate(
+        &self,
+        form: Form,
+        (target, first): (f64, u32),
+        (clips, size): (&[Vec<Frame>], Size),
+    ) -> Result<(u32, Vec<Packet>), DesignError> {
+        let pairs: usize = clips.iter().map(|frames| frames.len() - 1).sum();
+        let cells = (pairs * size.pixels()) as f64;
+        let told = |lsb: u32| {
+            let packets = self.packets((form, lsb), clips, (0, size))?;
+            let events: usize = packets.iter().map(|packet| packet.events.len()).sum();
+            // One event in place of none keeps logarithms finite.
+            let off = amacrine::elementary::ln(events.max(1) as f64 / cells / target);
+            Ok::<_, DesignError>((lsb, off, packets))
+        };
+        let mut best = told(first.clamp(1, HIGHEST))?;
+        let up = best.1 > 0.0;
+        let mut stride = (best.0 / 4).max(1);
+        // Past the target, then back in steps of one half.
+        let (mut low, mut high) = if up {
+            (best.0, HIGHEST + 1)
+        } else {
+            (0, best.0)
+        };
+        while high - low > 1 {
+            let passed = if up { high <= HIGHEST } else { low > 0 };
+            let next = match (passed, up) {
+                (true, _) => low + (high - low) / 2,
+                (false, true) => (low + stride).min(HIGHEST),
+                (false, false) => high.saturating_sub(stride).max(1),
+            };
+            stride = (next / 4).max(1);
+            let own = told(next)?;
+            if own.1 > 0.0 {
+                low = next;
+            } else {
+                high = next;
+            }
+            if own.1.abs() < best.1.abs() {
+                best = own;
+            }
+        }
+        Ok((best.0, best.2))
+    }
 }
 
 impl Trainee<'_> {
-    /// Rows of the compiled kernel, and its program in a folder; none where a chip has no such sensor:
+    /// Rows of the compiled kernel, and its program in a folder where one is given; none where a chip has no such sensor:
     /// several kinds, patterns, a logarithm, a refractory period.
     ///
     /// # Errors
@@ -103,7 +179,7 @@ impl Trainee<'_> {
         &self,
         applied: &Applied,
         rated: &Rated,
-        (clips, place): (Sources<'_>, &Path),
+        (clips, place): (Sources<'_>, Option<&Path>),
     ) -> Result<Vec<Row>, TrainError> {
         let cells = self.arm.cells();
         // Resistors are not a program.
@@ -126,76 +202,66 @@ impl Trainee<'_> {
         applied: &Applied,
         unit: &Kernel,
         rated: &Rated,
-        (clips, place): (Sources<'_>, &Path),
+        (clips, place): (Sources<'_>, Option<&Path>),
     ) -> Result<Vec<Row>, TrainError> {
         let wrong = |cause: DesignError| TrainError::Design {
             arm: self.arm.name.clone(),
             cause,
         };
-        let device = Device::scamp5();
+        let levels = |cause| TrainError::Levels {
+            arm: self.arm.name.clone(),
+            step: self.state.step,
+            cause,
+        };
         let own = rated.description.channels[0].thresholds[0].on * 255.0;
-        let levels: Plane<f64> = if let Some([levels]) = applied.levels.as_deref() {
-            levels.clone()
+        let few = if let [few] = applied.few() {
+            few.clone()
         } else {
             let quantised = Quantiser::TERNARY.quantise(unit, Sum::Free, self.seed);
             let quantised = quantised.map_err(|cause| wrong(cause.into()))?;
-            quantised.levels.weights().clone()
+            Projected {
+                levels: quantised.levels.weights().clone(),
+                scale: quantised.scale,
+            }
         };
-        let most = levels
-            .iter()
-            .fold(1.0, |most: f64, level| most.max(level.abs()));
-        let mut power = 1.0;
-        while power < most {
-            power *= 2.0;
-        }
-        let levels = levels / power;
-        let norm = levels.iter().map(|w| w * w).sum::<f64>().sqrt();
-        let kernel = Kernel::new(levels).map_err(|cause| TrainError::Levels {
-            arm: self.arm.name.clone(),
-            step: self.state.step,
-            cause: cause.into(),
-        })?;
-        let mut design = Design {
-            kernel: &kernel,
-            threshold: own * norm,
-            device: &device,
-            effort: EFFORT,
-            seed: self.seed,
-        };
+        let (kernel, power) = few.kernel().map_err(levels)?;
         let count = CLIPS.min(self.task.test.0);
         let batch = Batch::new(clips.held_out, 0..count);
         let size = batch.size();
         let light = batch.light(self.task.sensor.light_noise, self.draw(Reason::Test, 1));
         let seen: Vec<Vec<Frame>> = self.frames(&light, size);
-        let description = design
-            .description(MemoryRule::FilteredSnap)
-            .map_err(wrong)?;
+        // The threshold that meets the target with the chip's memory.
+        let chip = Chip::new(Device::scamp5(), Effort::default(), self.seed);
+        let unit = few.norm() / power;
+        let description = Design {
+            kernel: &kernel,
+            threshold: own * unit,
+            device: chip.device(),
+            effort: Effort::default(),
+            seed: self.seed,
+        }
+        .description(MemoryRule::FilteredSnap)
+        .map_err(wrong)?;
         let lit = Light::new(&light, self.times(), size);
         let rating = lit.and_then(|lit| rate_threshold(&description, lit, 0, self.target));
-        design.threshold = rating
-            .map_err(|cause| TrainError::Gradient {
-                arm: self.arm.name.clone(),
-                step: self.state.step,
-                cause,
-            })?
-            .description
-            .channels[0]
-            .thresholds[0]
-            .on;
-        // Once to know the chip's step, once with a whole number of them.
-        let first = design.compile("learned").map_err(wrong)?;
-        let scale = first.program.scale;
-        design.threshold = (design.threshold * scale).round().max(1.0) / scale;
-        let program = design.compile("learned").map_err(wrong)?;
-        let text = &program.program.text;
-        save::save(&place.join("program.scamp"), |out| {
-            out.write_all(text.as_bytes())
+        let rating = rating.map_err(|cause| TrainError::Gradient {
+            arm: self.arm.name.clone(),
+            step: self.state.step,
+            cause,
         })?;
+        let threshold = rating.description.channels[0].thresholds[0].on;
+        let made = match chip.compile(&[few], threshold / unit) {
+            Ok(made) => made,
+            // What the chip refuses has no rows of it.
+            Err(LevelsError::Compile(_)) => return Ok(Vec::new()),
+            Err(cause) => return Err(levels(cause)),
+        };
         let built = Built {
-            design,
-            program,
+            chip: &chip,
+            made,
             seed: self.seed,
         };
+        let first = (threshold * built.made.scale).round() as u32;
         let mut rows = Vec::new();
         let shown = self.task.retrain.map(|(steps, count)| {
             let batch = Batch::new(clips.training, 0..count);
@@ -205,15 +271,31 @@ impl Trainee<'_> {
         });
         // Exact programs mostly make the float model's events: what is learned from them is the same.
         let mut learned: Option<(Told, Self)> = None;
+        let mut lsb = first;
         for form in [Form::Quantised, Form::Exact, Form::Silicon] {
-            let packets = built.packets(form, &seen, (0, size)).map_err(wrong)?;
+            // In exact arithmetic it is the threshold of the float model.
+            let packets = if form == Form::Exact {
+                if let Some(place) = place {
+                    let text = built.text(lsb);
+                    let path = place.join("program.scamp");
+                    save::save(&path, |out| out.write_all(text.as_bytes()))?;
+                }
+                built.packets((form, lsb), &seen, (0, size))
+            } else {
+                let found = built.at_rate(form, (self.target, lsb), (&seen, size));
+                found.map(|(found, packets)| {
+                    lsb = found;
+                    packets
+                })
+            };
+            let packets = packets.map_err(wrong)?;
             let told = self.told(&packets, size);
             rows.extend(self.rows((&batch, 0), Some(&told), (form, Decoder::Own)));
             let Some((steps, shown, frames)) = &shown else {
                 continue;
             };
             // Other chips than those it is judged on.
-            let packets = built.packets(form, frames, (CLIPS, shown.size()));
+            let packets = built.packets((form, lsb), frames, (CLIPS, shown.size()));
             let emitted = self.told(&packets.map_err(wrong)?, shown.size());
             let known = learned.take().filter(|(told, _)| *told == emitted);
             let (emitted, other) = if let Some(known) = known {

@@ -55,13 +55,14 @@ impl Trainee<'_> {
         let batch = Batch::new(clips, 0..JUDGED * self.task.batch as u64);
         let light = batch.light(self.task.sensor.light_noise, self.draw(Reason::Test, 0));
         let [word, lost] = self.task.price;
+        let threshold = self.state.threshold * 255.0;
         let score = |kernel: &Projected, made: &OnChip| {
             let judged = self.worth(kernel, (&batch, &light));
             let loss = judged.map_or(f64::INFINITY, |(_, loss)| loss);
             loss + word * made.words as f64 + lost * (1.0 - made.correlation)
         };
         // What the chip refuses is trained on as it is.
-        let Ok(found) = search(levels, (kernel, latent), &chip, MOST, score) else {
+        let Ok(found) = search(levels, (kernel, latent), (&chip, threshold), MOST, score) else {
             return Ok(());
         };
         if found.kernel.levels == kernel.levels {

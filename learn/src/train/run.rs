@@ -3,6 +3,7 @@
 use std::{
     fmt::Write as _,
     path::{Path, PathBuf},
+    sync::atomic::{AtomicBool, AtomicUsize, Ordering},
 };
 
 use amacrine::{
@@ -47,6 +48,17 @@ pub struct Run<'a> {
     folder: PathBuf,
     training: Clips,
     held_out: Clips,
+}
+
+/// How far a job is.
+#[derive(Debug)]
+pub enum Progress<'a> {
+    /// It begins.
+    Begun,
+    /// It has made a step.
+    Step(&'a State),
+    /// It has ended.
+    Ended(Result<(), TrainError>),
 }
 
 /// What is left of a finished arm.
@@ -163,11 +175,7 @@ impl<'a> Run<'a> {
         }
         Err(TrainError::Checkpoint {
             path,
-            what: format!(
-                "of something else: {}, and this is {}",
-                finished.identity,
-                self.identity(job)
-            ),
+            what: checkpoint::other(&finished.identity, &self.identity(job)),
         })
     }
 
@@ -177,6 +185,58 @@ impl<'a> Run<'a> {
     /// # Errors
     /// When training stops, or a file cannot be written.
     pub fn train(&self, job: &Job<'a>, seen: &mut dyn FnMut(&State)) -> Result<(), TrainError> {
+        self.train_until(job, seen, &AtomicBool::new(false))
+    }
+
+    /// Trains and judges jobs, so many at a time, each on one thread where that is more than one;
+    /// `seen` is called with a job's number. An arm that cannot be trained leaves others to go on; what
+    /// else goes wrong stops all after their next step.
+    pub fn train_all(
+        &self,
+        jobs: &[Job<'a>],
+        together: usize,
+        seen: &(dyn Fn(usize, Progress<'_>) + Sync),
+    ) {
+        let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let work = || {
+            while !stop.load(Ordering::Relaxed) {
+                let n = next.fetch_add(1, Ordering::Relaxed);
+                let Some(job) = jobs.get(n) else { break };
+                seen(n, Progress::Begun);
+                let done =
+                    self.train_until(job, &mut |state| seen(n, Progress::Step(state)), &stop);
+                if done.as_ref().is_err_and(|error| !error.is_of_the_arm()) {
+                    stop.store(true, Ordering::Relaxed);
+                }
+                match done {
+                    Ok(()) if stop.load(Ordering::Relaxed) => {}
+                    done => seen(n, Progress::Ended(done)),
+                }
+            }
+        };
+        let together = together.min(jobs.len());
+        if together < 2 {
+            return work();
+        }
+        std::thread::scope(|scope| {
+            for _ in 0..together {
+                scope.spawn(
+                    || match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
+                        Ok(pool) => pool.install(work),
+                        // Without a thread of its own it shares those that there are.
+                        Err(_) => work(),
+                    },
+                );
+            }
+        });
+    }
+
+    fn train_until(
+        &self,
+        job: &Job<'a>,
+        seen: &mut dyn FnMut(&State),
+        stop: &AtomicBool,
+    ) -> Result<(), TrainError> {
         if self.finished(job)?.is_some() {
             return Ok(());
         }
@@ -212,32 +272,11 @@ impl<'a> Run<'a> {
             if step == steps || step.is_multiple_of(self.task.checkpoint) {
                 trainee.state.save(&path, &identity)?;
             }
-        }
-        let rated = trainee.rated(&self.held_out)?;
-        let sensor = rated.as_ref().map(|rated| &rated.description);
-        let mut rows = trainee.judged(sensor, &self.held_out)?;
-        if let (Some(rated), Some(applied)) = (&rated, trainee.applied()?) {
-            let kernels = applied.kernels.iter().zip(
-                applied
-                    .levels
-                    .iter()
-                    .flatten()
-                    .map(Some)
-                    .chain(std::iter::repeat(None)),
-            );
-            for (k, (kernel, levels)) in kernels.enumerate() {
-                let weights = levels.unwrap_or_else(|| kernel.weights());
-                export::kernel(&place.join(format!("kernel-{k}.npy")), weights)?;
+            if stop.load(Ordering::Relaxed) {
+                return Ok(());
             }
-            let sources = Sources {
-                held_out: &self.held_out,
-                training: &self.training,
-            };
-            let source = format!("amacrine-learn, {identity}, {} steps", trainee.state.step);
-            let sensor = trainee.as_built(&rated.description);
-            export::sensor(&place.join("sensor.toml"), &sensor, &source)?;
-            rows.extend(trainee.on_chip(&applied, rated, (sources, &place))?);
         }
+        let rows = self.judge(&trainee, Some((&place, &identity)))?;
         let finished = Finished {
             identity,
             rows,
@@ -246,6 +285,45 @@ impl<'a> Run<'a> {
         let text = serde_json::to_vec(&finished).unwrap_or_default();
         save::save_durably(&place.join(FINISHED), |out| out.write_all(&text))?;
         Ok(())
+    }
+
+    /// The rows of an arm as it is; kernels, sensor and program go into the folder that is given, with
+    /// what they are of.
+    ///
+    /// # Errors
+    /// When a sensor fails, or a file cannot be written.
+    pub fn judge(
+        &self,
+        trainee: &Trainee<'a>,
+        into: Option<(&Path, &str)>,
+    ) -> Result<Vec<Row>, TrainError> {
+        let rated = trainee.rated(&self.held_out)?;
+        let sensor = rated.as_ref().map(|rated| &rated.description);
+        let mut rows = trainee.judged(sensor, &self.held_out)?;
+        let (Some(rated), Some(applied)) = (&rated, trainee.applied()?) else {
+            return Ok(rows);
+        };
+        if let Some((place, identity)) = into {
+            let whole = applied.levels.iter().flatten().map(Some);
+            let kernels = applied
+                .kernels
+                .iter()
+                .zip(whole.chain(std::iter::repeat(None)));
+            for (k, (kernel, levels)) in kernels.enumerate() {
+                let weights = levels.unwrap_or_else(|| kernel.weights());
+                export::kernel(&place.join(format!("kernel-{k}.npy")), weights)?;
+            }
+            let source = format!("amacrine-learn, {identity}, {} steps", trainee.state.step);
+            let sensor = trainee.as_built(&rated.description);
+            export::sensor(&place.join("sensor.toml"), &sensor, &source)?;
+        }
+        let sources = Sources {
+            held_out: &self.held_out,
+            training: &self.training,
+        };
+        let place = into.map(|(place, _)| place);
+        rows.extend(trainee.on_chip(&applied, rated, (sources, place))?);
+        Ok(rows)
     }
 
     /// What has been measured so far, written to `learn.json`.

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 
 use crate::{
     arm::{Applied, Arm, Cells, Shape},
-    levels::Chip,
+    levels::{Chip, memory_spread},
     network::{Adam, Maps, Network},
     record::KernelAt,
     scene::Clips,
@@ -58,8 +58,10 @@ const LEFT: f64 = 0.01;
 /// Snapshots of the kernels in a run.
 const SNAPSHOTS: u64 = 20;
 
-/// States that a search for a program looks at.
-const EFFORT: Effort = Effort { states: 10_000 };
+/// States that a search for a program on the way looks at, for each step of the run: about a
+/// twentieth of its time in all. And the fewest.
+const STATES_A_STEP: u64 = 20;
+const FEWEST_STATES: u64 = 10_000;
 
 /// Batches that the first thresholds are set by.
 const FIRST: u64 = 4;
@@ -105,6 +107,8 @@ pub struct Trainee<'a> {
     times: Vec<f64>,
     /// What was compiled on the way.
     pub(super) chip: Option<Arc<Chip>>,
+    /// What memories on the chip differ by, LSB: [`memory_spread`].
+    spread: f64,
     /// Where it is.
     pub state: State,
 }
@@ -156,6 +160,7 @@ impl<'a> Trainee<'a> {
             network,
             shape,
             chip: None,
+            spread: memory_spread(&Device::scamp5()),
             times: task.scenes.times(),
         }
     }
@@ -341,7 +346,12 @@ impl<'a> Trainee<'a> {
             } else {
                 self.state.threshold
             };
-            let sensor = self.sensor(&applied.kernels, threshold);
+            let mut sensor = self.sensor(&applied.kernels, threshold);
+            for channel in &mut sensor.channels {
+                for own in &mut channel.thresholds {
+                    own.sigma = amacrine::elementary::hypot(own.sigma, self.spread * whole);
+                }
+            }
             let made = Model::<f32>::new(sensor, batch.size(), mismatch);
             let made = made.map_err(|cause| self.gradient_error(cause))?;
             let seen = made.forward(self.light(&light, &batch)?);
@@ -580,12 +590,17 @@ impl<'a> Trainee<'a> {
             return;
         }
         let [kernel] = applied.few() else { return };
-        let chip = self
-            .chip
-            .get_or_insert_with(|| Arc::new(Chip::new(Device::scamp5(), EFFORT, self.seed)));
-        let made = kernel
-            .kernel()
-            .and_then(|(_, power)| Ok((chip.compile(std::slice::from_ref(kernel))?, power)));
+        let most = Effort::default().states;
+        let states = (STATES_A_STEP * self.task.steps).clamp(FEWEST_STATES, most);
+        let chip = self.chip.get_or_insert_with(|| {
+            let effort = Effort { states };
+            Arc::new(Chip::new(Device::scamp5(), effort, self.seed))
+        });
+        let threshold = self.state.threshold * 255.0;
+        let made = kernel.kernel().and_then(|(_, power)| {
+            let kernel = std::slice::from_ref(kernel);
+            Ok((chip.compile(kernel, threshold)?, power))
+        });
         if let Ok((made, power)) = made {
             let unit = kernel.norm() / power * 255.0;
             self.state.chip = [made.light_noise(0), 1.0 / (made.scale * unit)];

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 
 use super::{Named, Search, Shown, device, kernel, quantisers, scan, within};
 use crate::{
-    chip::{effort, quantiser, sum},
+    chip::{effort, memory_named, quantiser, sum},
     error::{raised, refused},
     pool,
 };
@@ -23,14 +23,15 @@ pub fn feasibility(
     py: Python<'_>,
     of: Vec<Named>,
     thresholds: Vec<f64>,
-    levels: (Option<&str>, Vec<String>),
+    levels: (Option<&str>, Vec<String>, Option<&str>),
     search: Search<'_>,
     scene: Shown<'_>,
     times: (Option<u64>, Option<u64>),
     link: ([f64; 2], bool),
     chips: u64,
 ) -> PyResult<(String, String)> {
-    let (to, candidates) = levels;
+    let (to, candidates, memory) = levels;
+    let memory = memory.map(memory_named).transpose()?;
     let (sum_to, chip, seconds, seed) = search;
     let (within_us, exposure_us) = times;
     let (link, overlapped) = link;
@@ -58,7 +59,7 @@ pub fn feasibility(
                     candidates: &candidates,
                     sum,
                     device: &device,
-                    memory: None,
+                    memory,
                     exposure: exposure_us.map(Micros),
                     order: if overlapped {
                         ReadoutOrder::Overlapped
@@ -77,7 +78,7 @@ pub fn feasibility(
             })
             .collect::<Result<_, Report>>()?;
         let open = || source.open();
-        if let [question] = &questions[..] {
+        if let Some(question) = feasible::alone(&questions) {
             let (answer, snapshot) = feasible::ask(question, &open, |_| ())?;
             return Ok((
                 serde_json::to_string(&answer),

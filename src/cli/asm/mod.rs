@@ -15,9 +15,7 @@ use crate::{
 
 /// What `asm` is asked to do.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Example: amacrine asm programs/rgc/centre_surround.scamp --chip scamp5-wide"
-)]
+#[command(after_help = "Example: amacrine asm rgc/centre_surround --chip scamp5-wide")]
 pub struct Arguments {
     #[command(flatten)]
     source: Source,

@@ -41,7 +41,7 @@ use crate::{
 #[derive(Debug, clap::Args)]
 #[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 #[command(
-    after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile kernels/csdvs-3.toml --threshold 16 -o csdvs.scamp\n  amacrine compile rgc-5x5 --to ternary --threshold 128 --events-per-frame 300 -o rgc.scamp\n  amacrine compile four.npy --to int-5 --threshold 128 --memory shared -o four.scamp\n  amacrine compile --sensor sensors/rgc-4-on-chip.toml --to ternary -o four.scamp"
+    after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile csdvs-3 --threshold 16 -o csdvs.scamp\n  amacrine compile rgc-5x5 --to ternary --threshold 128 --events-per-frame 300 -o rgc.scamp\n  amacrine compile four.npy --to int-5 --threshold 128 --memory shared -o four.scamp\n  amacrine compile --sensor rgc-4-on-chip --to ternary -o four.scamp"
 )]
 pub struct Arguments {
     /// Kernels: files (.toml, .npy of shape (k,k) or (K,k,k)) or names of built-in ones
@@ -76,7 +76,7 @@ pub struct Arguments {
     #[arg(long, value_name = "SENSOR.toml", conflicts_with_all = ["kernels", "threshold"])]
     sensor: Option<files::Input>,
     /// Events where kernel times light (0 to 255) moved by more than this
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     threshold: Option<f64>,
     /// What the program remembers: the drive of each kind in `analogue` registers or in `bits:N`
     /// one-bit registers, or in one analogue register the pixel at the last event of any kind,

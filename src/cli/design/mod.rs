@@ -47,21 +47,11 @@ pub struct Arguments {
     kernels: Vec<Named>,
     /// Events per pixel and second, all kinds together, each an equal share: the thresholds are
     /// found
-    #[arg(
-        long,
-        allow_negative_numbers = true,
-        value_name = "EVENTS",
-        conflicts_with = "threshold"
-    )]
+    #[arg(long, value_name = "EVENTS", conflicts_with = "threshold")]
     rate: Option<f64>,
     /// Thresholds instead, in kernel times light (0 to 255): one for all kernels, or one for each;
     /// a sensor file has its own
-    #[arg(
-        long,
-        allow_negative_numbers = true,
-        value_delimiter = ',',
-        value_name = "THRESHOLDS"
-    )]
+    #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
     #[command(flatten)]
     clip: Clip,

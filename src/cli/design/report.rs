@@ -8,7 +8,6 @@ use super::{
 };
 use crate::{
     compare::window,
-    compile::DriveMemory,
     scene::Observation,
     study::{
         feasibility::{self, readout::ReadoutOrder},
@@ -55,9 +54,7 @@ pub(super) fn page(
         .collect();
     let unseen = Observation::new();
     let open = || arguments.clip.open(&unseen);
-    if let [question] = &questions[..]
-        && candidate.remembers == DriveMemory::Analogue
-    {
+    if let Some(question) = feasibility::alone(&questions) {
         let (answer, snapshot) = feasibility::ask(question, &open, |_| ())?;
         return Ok(report::page(&answer, &snapshot));
     }

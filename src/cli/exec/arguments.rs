@@ -35,7 +35,7 @@ pub struct Arguments {
     #[arg(long)]
     pub(super) frames: Option<u64>,
     /// Frames per second, instead of what the scene says
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     pub(super) fps: Option<f64>,
     #[arg(long, help = format!("The arithmetic: {}", Arithmetic::names()))]
     pub(super) domain: Option<String>,
@@ -43,7 +43,7 @@ pub struct Arguments {
     #[arg(long, value_enum)]
     pub(super) clip: Option<Switch>,
     /// What registers off the array hold
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     pub(super) edge: Option<f64>,
     /// What PIX rises by for one unit of light
     #[arg(long)]

@@ -6,10 +6,10 @@ use crate::mesh::{MeshError, Sheet};
 #[derive(Debug, clap::Args)]
 pub(super) struct Constants {
     /// Space constant in pixels, 0 or more: λ² is transverse over lateral resistance
-    #[arg(long, value_name = "L", allow_negative_numbers = true)]
+    #[arg(long, value_name = "L")]
     pub lambda: f64,
     /// Another space constant down the columns
-    #[arg(long, value_name = "L", allow_negative_numbers = true)]
+    #[arg(long, value_name = "L")]
     pub lambda_y: Option<f64>,
 }
 

@@ -1,10 +1,8 @@
 //! `amacrine mesh step`: the surround of a scene over time.
 
-use std::{io, ops::ControlFlow};
+use std::ops::ControlFlow;
 
 use miette::{WrapErr, miette};
-use ndarray::Array3;
-use ndarray_npy::WriteNpyExt;
 
 use super::{constants::Constants, output::Show};
 use crate::{
@@ -17,6 +15,7 @@ use crate::{
     },
     memory::Need,
     mesh::{Between, Euler, Flow, MeshError, Sheet},
+    npy,
     photoreceptor::Response,
     plane::{Plane, Size},
     rig,
@@ -42,7 +41,7 @@ pub struct Arguments {
     #[command(flatten)]
     samples: Samples,
     /// Frames a second, instead of what the scene says
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     fps: Option<f64>,
     /// From light to signal, as in a sensor file
     #[arg(long, default_value = "\"identity\"", value_parser = response)]
@@ -151,11 +150,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         sheet_now = Some((frame.seconds, moved));
         Ok::<_, miette::Report>(ControlFlow::Continue(()))
     })?;
-    let shape = (frames as usize, size.height, size.width);
-    let stack = Array3::from_shape_vec(shape, written).map_err(|e| miette!("{e}"))?;
+    let shape = [frames as usize, size.height, size.width];
     save(&arguments.output, |out| {
-        let written = stack.write_npy(out);
-        written.map_err(|e| io::Error::other(e.to_string()))
+        npy::write(out, &shape, written.iter().copied())
     })?;
     let steps = match &sheet_now {
         Some((_, Moved::V2e(euler))) => format!(", {} Euler steps", euler.steps()),

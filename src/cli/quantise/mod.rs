@@ -64,7 +64,7 @@ pub struct Arguments {
     picture: Option<Output>,
     /// Compile each for the chip and run it against the float kernel: events where kernel times
     /// light (0 to 255) moved by more than this
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     threshold: Option<f64>,
     #[command(flatten)]
     clip: Clip,
@@ -85,7 +85,7 @@ pub struct Arguments {
 /// The end of its help.
 fn after_help() -> String {
     format!(
-        "Examples:\n  amacrine quantise rgc-5x5 --to ternary --sum zero\n  amacrine quantise learned.npy --to ternary,po2-3,int-5,csd-40,q3.4\n  amacrine quantise sensors/rgc-4-on-chip.toml --to ternary,int-5\n\nSeveral kernels are each quantised, and with a threshold run in one program.\nQuantisers: {}.\nA kernel becomes scale x levels; on a chip, divide the thresholds by the scale and run the levels.",
+        "Examples:\n  amacrine quantise rgc-5x5 --to ternary --sum zero\n  amacrine quantise learned.npy --to ternary,po2-3,int-5,csd-40,q3.4\n  amacrine quantise rgc-4-on-chip --to ternary,int-5\n\nSeveral kernels are each quantised, and with a threshold run in one program.\nQuantisers: {}.\nA kernel becomes scale x levels; on a chip, divide the thresholds by the scale and run the levels.",
         quantise::known()
     )
 }

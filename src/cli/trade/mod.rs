@@ -33,7 +33,7 @@ use crate::{
 #[derive(Debug, clap::Args)]
 #[command(
     group = clap::ArgGroup::new("what").required(true).args(["sensor", "program"]),
-    after_help = "Examples:\n  amacrine trade --scene clips/vtest_256x256.apng --sensor sensors/rgc.toml -o trade.svg\n  amacrine trade --scene clips/vtest_256x256.apng --program programs/dvs/snap.scamp -o trade.svg\n  amacrine trade --scene clips/vtest_256x256.apng --sensor sensors/csdvs.toml --upsample 0.2 --verify\n\nEach model runs on the same sample of tiles beside the full one. docs/fidelity.md says what the\nlimit of a change means, and what a sample cannot see."
+    after_help = "Examples:\n  amacrine trade --scene bundled --sensor rgc -o trade.svg\n  amacrine trade --scene bundled --program dvs/snap -o trade.svg\n  amacrine trade --scene bundled --sensor csdvs --upsample 0.2 --verify\n\nEach model runs on the same sample of tiles beside the full one. docs/fidelity.md says what the\nlimit of a change means, and what a sample cannot see."
 )]
 pub struct Arguments {
     /// The scene, as for `amacrine run`
@@ -57,7 +57,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "sensor", value_parser = clap::value_parser!(u64).range(3..))]
     frames: Option<u64>,
     /// Frames per second, instead of what the scene says
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long)]
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,
@@ -153,9 +153,9 @@ impl Arguments {
         if kept.len() < 3 {
             return Err(miette!(
                 help = "give a scene of at least three frames",
-                "{} has {} frames: nothing can be measured",
+                "{} has {}: nothing can be measured",
                 self.scene,
-                kept.len()
+                super::light::frames(kept.len() as u64)
             ));
         }
         Ok(Scened {

@@ -60,7 +60,10 @@ pub fn magic(chunks: &mut Chunks, line: &[u8], format: Format) -> Result<(), Sto
     if chunks.ahead(line.len())?.starts_with(line) {
         return Ok(());
     }
-    let why = format!("does not start with `{}`", String::from_utf8_lossy(line));
+    let why = format!(
+        "does not start with `{}`",
+        String::from_utf8_lossy(line).trim_end()
+    );
     Err(chunks.stop(Fault::Layout { format, why }))
 }
 

@@ -22,7 +22,10 @@ use super::{
     head::Head,
     source::{BLOCK, Out, Sink, Source},
 };
-use crate::event::Event;
+use crate::{
+    event::Event,
+    npy::{MAGIC, framed},
+};
 
 /// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
@@ -43,14 +46,6 @@ pub(super) const ENTRY: Entry = Entry {
     }),
     ..Entry::PLAIN
 };
-
-const MAGIC: &[u8] = b"\x93NUMPY";
-
-/// Length of magic, version and header length (version 1), in bytes.
-const PREFIX: usize = 10;
-
-/// Data starts at a multiple of this.
-const ALIGN: usize = 64;
 
 /// numpy itself refuses headers above ten thousand bytes.
 const LONGEST_HEADER: usize = 1 << 16;
@@ -93,20 +88,11 @@ impl Writing {
 pub(super) fn written_header(record: &str, events: u64, comment: &str) -> io::Result<Vec<u8>> {
     // As many digits as there are, so that the header can be written again at the end.
     let digits = u64::MAX.to_string().len() - events.to_string().len();
-    let mut header = format!(
+    let header = format!(
         "{{'descr': {record}, 'fortran_order': False, 'shape': ({events},), }}{:digits$}{comment}",
         ""
     );
-    while !(PREFIX + header.len() + 1).is_multiple_of(ALIGN) {
-        header.push(' ');
-    }
-    header.push('\n');
-    let length = u16::try_from(header.len()).map_err(io::Error::other)?;
-    let mut bytes = MAGIC.to_vec();
-    bytes.extend([1, 0]);
-    bytes.extend(length.to_le_bytes());
-    bytes.extend(header.into_bytes());
-    Ok(bytes)
+    framed(&header, 0)
 }
 
 impl Sink for Writing {

@@ -23,7 +23,7 @@ use serde::Serialize;
 
 use super::{Arbiter, Frame, Ideal, Readout, Requests, RowOrder, Scan, WhenFull, scan::Order};
 use crate::{
-    config::{Faults, File, Key, Kind, Node, Read, Section, Spelling, Table},
+    config::{Faults, File, Key, Kind, Node, Read, Section, Spelling, Table, asked},
     limit::QUEUE,
     unit::{Evidence, Micros, Picos},
 };
@@ -186,7 +186,11 @@ pub enum ReadoutError {
     Text(#[from] Faults),
     /// No such readout.
     #[error("there is no readout `{name}`")]
-    #[diagnostic(help("known are {}; or give the path of a .toml file", shipped().join(", ")))]
+    #[diagnostic(help(
+        "{}known are {}; or give the path of a .toml file",
+        asked(name, shipped()),
+        shipped().join(", ")
+    ))]
     Unknown {
         /// What was asked for.
         name: String,

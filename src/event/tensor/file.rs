@@ -11,6 +11,7 @@ use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 use super::hdf5::Chunks;
 use crate::{
     event::file::Steady,
+    npy::framed,
     save::{AtomicFile, SaveError},
 };
 
@@ -22,6 +23,17 @@ pub enum Precision {
     Single,
     /// In 16 bits.
     Half,
+}
+
+impl Precision {
+    /// Bytes of a number.
+    #[must_use]
+    pub const fn bytes(self) -> u128 {
+        match self {
+            Self::Single => 4,
+            Self::Half => 2,
+        }
+    }
 }
 
 /// In what the layers are written.
@@ -136,7 +148,7 @@ impl Body {
     }
 
     fn finish(self, out: &mut AtomicFile, layers: &Layers, count: u64) -> io::Result<()> {
-        let header = header(layers, count);
+        let header = header(layers, count)?;
         match self {
             Self::Npy => {
                 out.seek(SeekFrom::Start(0))?;
@@ -173,8 +185,7 @@ fn bytes(layer: &[f32], precision: Precision) -> Vec<u8> {
     }
 }
 
-/// NPY format 1.0, NEP 1.
-fn header(layers: &Layers, count: u64) -> Vec<u8> {
+fn header(layers: &Layers, count: u64) -> io::Result<Vec<u8>> {
     let word = match layers.precision {
         Precision::Single => "<f4",
         Precision::Half => "<f2",
@@ -184,12 +195,7 @@ fn header(layers: &Layers, count: u64) -> Vec<u8> {
         "{{'descr': '{word}', 'fortran_order': False, 'shape': ({count}, {}), }}",
         shape.join(", ")
     );
-    let mut header = b"\x93NUMPY\x01\x00".to_vec();
-    header.extend(((HEADER - 10) as u16).to_le_bytes());
-    header.extend(text.as_bytes());
-    header.resize(HEADER - 1, b' ');
-    header.push(b'\n');
-    header
+    framed(&text, HEADER)
 }
 
 fn archive(out: &mut Steady<'_>, array: &mut std::fs::File, kinds: &[String]) -> io::Result<()> {
@@ -204,33 +210,28 @@ fn archive(out: &mut Steady<'_>, array: &mut std::fs::File, kinds: &[String]) ->
     io::copy(array, &mut zip)?;
     if !kinds.is_empty() {
         zip.start_file("kinds.npy", options)?;
-        zip.write_all(&texts(kinds))?;
+        zip.write_all(&texts(kinds)?)?;
     }
     zip.finish()?;
     Ok(())
 }
 
 /// Texts as an array of numpy's unicode strings.
-fn texts(texts: &[String]) -> Vec<u8> {
+fn texts(texts: &[String]) -> io::Result<Vec<u8>> {
     let longest = texts.iter().map(|text| text.chars().count()).max();
     let longest = longest.unwrap_or(1).max(1);
     let text = format!(
         "{{'descr': '<U{longest}', 'fortran_order': False, 'shape': ({},), }}",
         texts.len()
     );
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    let length = (10 + text.len() + 1).next_multiple_of(64) - 10;
-    bytes.extend((length as u16).to_le_bytes());
-    bytes.extend(text.as_bytes());
-    bytes.resize(10 + length - 1, b' ');
-    bytes.push(b'\n');
+    let mut bytes = framed(&text, 0)?;
     for text in texts {
         let letters = text.chars().map(u32::from).chain(std::iter::repeat(0));
         for letter in letters.take(longest) {
             bytes.extend(letter.to_le_bytes());
         }
     }
-    bytes
+    Ok(bytes)
 }
 
 #[cfg(test)]

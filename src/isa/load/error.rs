@@ -8,13 +8,15 @@ pub enum LoadError {
     /// No such chip.
     #[error("there is no chip `{name}`")]
     #[diagnostic(help(
-        "give the name of a shipped chip ({shipped}) or a folder that holds a device.toml"
+        "{near}give the name of a shipped chip ({shipped}) or a folder that holds a device.toml"
     ))]
     Unknown {
         /// What was asked for.
         name: String,
         /// What there is.
         shipped: String,
+        /// Which of them was meant, if one is near: a question.
+        near: String,
     },
     /// A file cannot be read.
     #[error(transparent)]

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::{
-    config::{Fault, Faults, suggestion_or},
+    config::{Fault, Faults, asked, suggestion_or},
     isa::Device,
     source,
 };
@@ -153,5 +153,6 @@ pub(super) fn unknown(name: &str) -> LoadError {
     LoadError::Unknown {
         name: name.to_owned(),
         shipped: Device::shipped().collect::<Vec<_>>().join(", "),
+        near: asked(name, Device::shipped()),
     }
 }

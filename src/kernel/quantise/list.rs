@@ -9,6 +9,7 @@ use super::{
     entry::{Entry, Parameters, Quantiser, Rounding, whole},
     fixed, levels,
 };
+use crate::config::asked;
 
 /// All quantisers, in the order in which they are listed.
 pub const ENTRIES: &[&Entry] = &[
@@ -49,10 +50,20 @@ pub fn known() -> String {
     each.collect::<Vec<_>>().join(", ")
 }
 
+/// A question, where a name is like none and yet near to one.
+fn meant(name: &str, why: &str) -> String {
+    let forms = ENTRIES.iter().map(|entry| entry.form);
+    if why.is_empty() {
+        asked(name, forms)
+    } else {
+        String::new()
+    }
+}
+
 /// A name that is no quantiser's.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("`{name}` is no quantiser{why}")]
-#[diagnostic(help("{}", known()))]
+#[diagnostic(help("{}known are {}", meant(name, why), known()))]
 pub struct QuantiserNameError {
     /// What was given.
     pub name: String,

@@ -3,7 +3,8 @@
 use crate::{
     config::{Node, Place, Read},
     elementary,
-    kernel::{Kernel, KernelError, KernelFileError, NUMPY},
+    kernel::{Kernel, KernelError, KernelFileError},
+    npy,
     plane::Plane,
 };
 
@@ -72,7 +73,7 @@ impl Reader<'_> {
         };
         // What cannot be read is told of where one kernel is looked for.
         let bytes = (self.read)(name).unwrap_or_default();
-        if !bytes.starts_with(NUMPY) || Kernel::from_npy(&bytes).is_ok() {
+        if !bytes.starts_with(npy::MAGIC) || Kernel::from_npy(&bytes).is_ok() {
             return Ok(None);
         }
         let Some(planes) = Kernel::planes_from_npy(&bytes) else {

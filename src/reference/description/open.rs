@@ -47,10 +47,12 @@ impl Description {
             let read = |_: &str| Err(io::ErrorKind::NotFound.into());
             return Ok(Self::parse(&file.path(), file.text, &read)?);
         }
-        let text = source::text(
-            path,
-            "give a sensor file, or a name that `amacrine list sensors` prints",
-        )?;
+        let help = "give a sensor file, or a name that `amacrine list sensors` prints";
+        let help = name.map_or_else(
+            || help.to_owned(),
+            |name| bundled::meant(Kind::Sensor, name, help),
+        );
+        let text = source::text(path, &help)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let read = |name: &str| read(&folder.join(name));
         Ok(Self::parse(&path.display().to_string(), &text, &read)?)

@@ -14,37 +14,46 @@ pub(super) const ENOUGH: usize = 1 << 12;
 /// Events in a microsecond, on average, from which on several threads sort.
 const DENSE: usize = 4;
 
-/// So many events, and where they go, stay in a core's own cache while they are sorted.
-const CACHED: usize = 1 << 16;
+/// So many events, and where they go, stay in a core's own cache while they are sorted. Tests see
+/// with fewer what many become.
+const CACHED: usize = if cfg!(test) { 1 << 14 } else { 1 << 18 };
 
-/// Slices are this long on average: short, as events may come in bursts.
-const SLICE: usize = CACHED / 4;
+/// Slices are this long on average: one is sorted and passed on while it is in that cache.
+const SLICE: usize = CACHED / 8;
 
 /// At most so many slices: each is written to at a place of its own.
 const SLICES: usize = 512;
+
+/// Neighbouring bands whose events go into slices together have about so many: when they are read
+/// again they are in that cache.
+const GROUP: usize = CACHED / 4;
 
 /// The events of all bands, and the buffers in which they are sorted.
 #[derive(Clone, Debug, Default)]
 pub struct Buffers {
     pub(super) parts: Vec<Part>,
-    /// The events of neighbouring bands by slice of time, a group for each thread.
+    /// The events of neighbouring bands by slice of time.
     groups: Vec<Sliced>,
-    /// The sorted events of all bands; the buffer is longer.
+    /// Sorted events; the buffer is longer.
     sorted: Vec<PackedEvent>,
     /// The places of the next events of each microsecond.
     next: Vec<u32>,
 }
 
 impl Buffers {
-    /// Sorts the events of all bands, which lie within so many microseconds.
-    pub(super) fn sorted(&mut self, microseconds: usize) -> &[PackedEvent] {
-        let total = self.parts.iter().map(|part| part.packed().len()).sum();
-        if self.sorted.len() < total {
-            self.sorted.resize(total, PackedEvent::default());
-        }
-        let all = &mut self.sorted[..total];
-        let runs = self.parts.iter().map(Part::packed);
+    /// Passes on the events of all bands, which lie within so many microseconds, in order: all at
+    /// once, or a stretch of time after the other.
+    pub(super) fn in_order(&mut self, microseconds: usize, mut to: impl FnMut(&[PackedEvent])) {
+        let Self {
+            parts,
+            groups,
+            sorted,
+            next,
+        } = self;
+        let total = parts.iter().map(|part| part.packed().len()).sum();
+        let runs = parts.iter().map(Part::packed);
         if microseconds > 4 * total {
+            let all = of_length(sorted, total);
             let mut rest = &mut *all;
             for run in runs {
                 let (out, after) = rest.split_at_mut(run.len());
@@ -52,7 +61,7 @@ impl Buffers {
                 rest = after;
             }
             all.sort_by_key(|packed| packed.since());
-            return all;
+            return to(all);
         }
         let threads = if total < ENOUGH || total < DENSE * microseconds {
             1
@@ -60,25 +69,35 @@ impl Buffers {
             rayon::current_num_threads()
         };
         if threads == 1 && total <= CACHED {
-            sort(runs, 0, microseconds, &mut self.next, all);
-            return all;
+            let all = of_length(sorted, total);
+            sort(runs, 0, microseconds, next, all);
+            return to(all);
         }
-        // Each thread puts its bands' events into slices of time; then each slice is sorted.
+        // The events of each group of bands go into slices of time; then each slice is sorted.
         let wanted = (total / SLICE).clamp(4 * threads, SLICES);
         let shift = microseconds.div_ceil(wanted).next_power_of_two().ilog2();
         let slices = microseconds.div_ceil(1 << shift);
-        let group = self.parts.len().div_ceil(threads);
-        self.groups
-            .resize_with(self.parts.len().div_ceil(group), Sliced::default);
-        let parts = self.parts.par_chunks(group).zip(&mut self.groups);
+        let wanted = (total / GROUP).max(threads);
+        let together = parts.len().div_ceil(wanted);
+        groups.resize_with(parts.len().div_ceil(together), Sliced::default);
+        let parts = parts.par_chunks(together).zip(&mut *groups);
         parts.for_each(|(parts, group)| group.sort(parts, slices, shift));
-        let groups = &self.groups;
+        let groups = &*groups;
         let runs = |slice| groups.iter().map(move |group: &Sliced| group.slice(slice));
+        let lengths = (0..slices).map(|slice| runs(slice).map(<[PackedEvent]>::len).sum());
+        if threads == 1 {
+            for (slice, length) in lengths.enumerate() {
+                let out = of_length(sorted, length);
+                sort(runs(slice), slice << shift, 1 << shift, next, out);
+                to(out);
+            }
+            return;
+        }
+        let all = of_length(sorted, total);
         let mut rest = &mut *all;
         let mut jobs = Vec::with_capacity(slices);
-        for slice in 0..slices {
-            let len = runs(slice).map(<[PackedEvent]>::len).sum();
-            let (out, after) = rest.split_at_mut(len);
+        for (slice, length) in lengths.enumerate() {
+            let (out, after) = rest.split_at_mut(length);
             rest = after;
             jobs.push((slice, out));
         }
@@ -86,6 +105,14 @@ impl Buffers {
             .for_each_init(Vec::new, |next, (slice, out)| {
                 sort(runs(slice), slice << shift, 1 << shift, next, out);
             });
-        all
+        to(all);
     }
+}
+
+/// So many events of a buffer, which grows where it is shorter.
+fn of_length(buffer: &mut Vec<PackedEvent>, length: usize) -> &mut [PackedEvent] {
+    if buffer.len() < length {
+        buffer.resize(length, PackedEvent::default());
+    }
+    &mut buffer[..length]
 }

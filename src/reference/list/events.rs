@@ -26,8 +26,8 @@ use super::{
 ///
 /// Each band of rows packs its events into 8 bytes each as they come. They are sorted by a counting
 /// sort, which is stable: what happens in the same microsecond stays in the order in which it came.
-/// It sorts all at once, or, where there are many, by several threads, each those of its own bands,
-/// and then merges them.
+/// It sorts all at once, or, where there are more than a core's cache takes or several threads, in
+/// slices of time.
 #[derive(Debug)]
 pub struct EventList<'a> {
     packet: &'a mut Packet,
@@ -112,13 +112,15 @@ impl<'a> EventList<'a> {
             events[start..].sort_by_key(|event| event.t);
             return;
         }
-        let packed = self.buffers.sorted(quantiser.microseconds());
-        if rayon::current_num_threads() == 1 || packed.len() < ENOUGH {
-            quantiser.emit(packed, events);
-        } else {
-            let packed = packed.par_iter().with_min_len(ENOUGH);
-            events.par_extend(packed.map(|packed| quantiser.event(*packed)));
-        }
+        let one_by_one = rayon::current_num_threads() == 1;
+        self.buffers.in_order(quantiser.microseconds(), |packed| {
+            if one_by_one || packed.len() < ENOUGH {
+                quantiser.emit(packed, events);
+            } else {
+                let packed = packed.par_iter().with_min_len(ENOUGH);
+                events.par_extend(packed.map(|packed| quantiser.event(*packed)));
+            }
+        });
     }
 }
 

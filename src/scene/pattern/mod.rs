@@ -25,7 +25,7 @@ use parameters::Parameters;
 use super::{
     Frame, OpenOptions, Scene, SceneError,
     light::{self, MemoryLimit},
-    rate::{self, Rate},
+    rate::{Rate, check_rate},
 };
 use crate::plane::{Plane, Size};
 
@@ -70,9 +70,7 @@ impl Pattern {
     /// The same with the options that every scene takes.
     pub(super) fn with_options(text: &str, options: OpenOptions) -> Result<Self, SceneError> {
         let (fps, room) = (options.fps, MemoryLimit::new(options));
-        if let Some(fps) = fps.filter(|fps| !rate::usable(*fps)) {
-            return Err(SceneError::BadRate { fps });
-        }
+        fps.map(check_rate).transpose()?;
         let (name, rest) = text.split_once('?').unwrap_or((text, ""));
         let mut given = Parameters::parse(name, rest)?;
         let image = match given

@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, ops::RangeInclusive};
 
-use crate::scene::SceneError;
+use crate::{config::asked, scene::SceneError};
 
 /// The patterns: name, and what it is with the parameters that are its own.
 pub const PATTERNS: [(&str, &str); 12] = [
@@ -55,6 +55,7 @@ impl Parameters {
             return Err(SceneError::UnknownPattern {
                 got: pattern.into(),
                 known: names.join(", "),
+                near: asked(pattern, names),
             });
         }
         let wrong = |key: &str, got: &str, want: &str| SceneError::Parameter {
@@ -146,8 +147,12 @@ impl Parameters {
             None => Ok(()),
             Some(got) => Err(SceneError::UnknownParameter {
                 pattern: self.pattern,
-                got,
+                near: asked(
+                    &got,
+                    self.known.iter().filter_map(|it| it.split('=').next()),
+                ),
                 known: self.known.join(", "),
+                got,
             }),
         }
     }

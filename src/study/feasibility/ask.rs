@@ -5,7 +5,7 @@ use super::{
     Question, SceneSummary, Snapshot, Streams,
     chip::OnChip,
     chips::{OverChips, Trial},
-    choice::{Few, Table},
+    choice::Few,
     named::FigureSummary,
     power::{Link, Load, Power},
     runs::{MEMORY, Runs},
@@ -54,29 +54,26 @@ pub fn ask(
     let design = question.design();
     design.description(MEMORY)?;
     let mut few = question.first(&design)?;
-    let Table {
-        rows: table,
-        floats,
-    } = question.table(open, &mut seen)?;
+    let mut table = question.table(open, &mut seen)?;
     if question.to.is_none()
-        && let Some(best) = Question::best(&table)
+        && let Some(best) = Question::best(&table.rows)
     {
         few = Few::new(best, question, &design)?;
     }
     let Few { to, quantised } = few;
-    let compiled = match design.in_levels(&quantised).compile(question.name) {
-        Ok(compiled) => Ok(compiled),
-        Err(error) if error.is_refusal() => Err(error.to_string()),
-        Err(error) => return Err(error.into()),
-    };
+    let (ran, judged) = (table.take(to), table.judged(to));
+    let (table, floats) = (table.rows, table.floats);
+    let compiled = { ran.as_ref() }.map(|ran| ran.compiled.clone());
+    let compiled = compiled.map_err(String::clone);
     let program = compiled.as_ref().ok();
 
     let mut scene = open()?;
     let ladder = question.ladder(&floats, &*scene)?;
     let float = ladder.reference().clone();
-    let (runs, frames) = question.watch(&design, float, program, &mut *scene, &mut seen)?;
+    let (runs, frames) = question.watch(&design, float, ran.ok(), &mut *scene, &mut seen)?;
     let scene = SceneSummary::new(question.scene, &*scene, frames, &runs.float);
-    let streams = runs.streams(question, &design, &ladder, &mut *open()?, &mut seen)?;
+    let by = (&design, &ladder);
+    let streams = runs.streams(question, by, judged, &mut *open()?, &mut seen)?;
     let over_chips = match (program, &runs.silicon) {
         (Some(program), Some(nominal)) => Trial {
             question,
@@ -92,25 +89,23 @@ pub fn ask(
         _ => OverChips::without_program(question.chips),
     };
     let (waterfall, over_rates) = match program {
-        Some(_) => question.waterfall(&design, to, open, &mut seen)?,
+        Some(program) => {
+            let found = (quantised.clone(), program.clone());
+            question.waterfall((&design, to), found, open, &mut seen)?
+        }
         None => (None, None),
     };
     let snapshot = Snapshot::new(&runs.float, runs.silicon.as_ref(), &mut *open()?)?;
     let busy = { runs.silicon.as_ref() }
         .map_or_else(Demand::default, |packet| Demand::new(packet, frames));
-    let on_chip = |compiled: &Compiled| {
-        let threshold = question.threshold / quantised.scale * compiled.program.scale;
-        let time = time::time(question, compiled, &busy, (scene.height, scene.fps))?;
-        Ok::<_, FeasibilityError>(OnChip::new(
-            &compiled.program,
-            &compiled.code,
-            question.device,
-            threshold,
-            time,
-        ))
-    };
     let fit = match &compiled {
-        Ok(compiled) => Fit::OnChip(Box::new(on_chip(compiled)?)),
+        Ok(compiled) => {
+            let threshold = question.threshold / quantised.scale * compiled.program.scale;
+            let time = time::time(question, compiled, &busy, (scene.height, scene.fps))?;
+            let (program, code) = (&compiled.program, &compiled.code);
+            let chip = OnChip::new(program, code, question.device, threshold, time);
+            Fit::OnChip(Box::new(chip))
+        }
         Err(why) => Fit::Refused(why.clone()),
     };
     let link = question.link_of(&streams, &scene);
@@ -206,19 +201,20 @@ impl Question<'_> {
     /// none.
     fn waterfall(
         &self,
-        design: &Design<'_>,
-        to: Quantiser,
+        (design, to): (&Design<'_>, Quantiser),
+        (quantised, compiled): (Quantised, Compiled),
         open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
         seen: &mut dyn FnMut(&Frame),
     ) -> Result<(Option<Waterfall>, Option<Rates>), FeasibilityError> {
-        let fall = Fall::new(waterfall::Question {
+        let asked = waterfall::Question {
             design: *design,
             to,
             sum: self.sum,
             arithmetic: Arithmetic::Silicon { seed: self.seed },
             readout: self.readout,
             within: self.within,
-        })?;
+        };
+        let fall = Fall::of_program(asked, quantised, compiled);
         let mut scene = open()?;
         // A window that is not the headline's was asked for, at every rate.
         let is_usual = self.within == window::headline(scene.fps());

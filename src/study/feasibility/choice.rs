@@ -7,7 +7,8 @@ use crate::{
     scene::{Frame, Scene, SceneError},
     study::{
         design::{Design, DesignError},
-        quantisation::{self, Outcome, Row},
+        equivalent::Likeness,
+        quantisation::{self, Outcome, Ran, Row},
     },
 };
 
@@ -23,6 +24,31 @@ pub(super) struct Table {
     pub rows: Vec<(Quantiser, Row)>,
     /// What the float sensors said that all were judged by: the reference, and the ladder's.
     pub floats: Vec<Packet>,
+    /// The program of each row that has one, and what it said.
+    ran: Vec<Option<Ran>>,
+}
+
+impl Table {
+    /// The program of these few values, which has run; or why there is none.
+    pub fn take(&mut self, to: Quantiser) -> Result<Ran, String> {
+        let none = || format!("{to} was not tried");
+        let at = self.rows.iter().position(|(own, _)| *own == to);
+        let at = at.ok_or_else(none)?;
+        match (self.ran[at].take(), &self.rows[at].1.outcome) {
+            (Some(ran), _) => Ok(ran),
+            (None, Outcome::Refused(why)) => Err(why.clone()),
+            (None, Outcome::OnChip(_)) => Err(none()),
+        }
+    }
+
+    /// How well it was judged to do, in exact arithmetic and as silicon.
+    pub fn judged(&self, to: Quantiser) -> Option<[Likeness; 2]> {
+        let row = self.rows.iter().find(|(own, _)| *own == to);
+        match &row?.1.outcome {
+            Outcome::OnChip(chip) => Some([chip.exact, chip.silicon]),
+            Outcome::Refused(_) => None,
+        }
+    }
 }
 
 impl Question<'_> {
@@ -49,6 +75,9 @@ impl Question<'_> {
     ) -> Result<Table, FeasibilityError> {
         let mut all = self.candidates.to_vec();
         all.extend(self.to.filter(|to| !all.contains(to)));
+        if all.is_empty() {
+            all.push(Quantiser::TERNARY);
+        }
         let table = quantisation::Question {
             kernel: self.kernel,
             threshold: self.threshold,
@@ -59,10 +88,11 @@ impl Question<'_> {
             seed: self.seed,
             within: self.within,
         };
-        let (answer, floats) = quantisation::ask_keeping(&table, open, seen)?;
+        let (answer, kept) = quantisation::ask_keeping(&table, open, seen)?;
         Ok(Table {
             rows: all.into_iter().zip(answer.rows).collect(),
-            floats,
+            floats: kept.floats,
+            ran: kept.ran,
         })
     }
 

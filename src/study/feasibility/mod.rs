@@ -39,7 +39,7 @@ pub use choice::CANDIDATES;
 pub use error::FeasibilityError;
 pub use estimate::Estimate;
 pub use explain::explain;
-pub use question::Question;
+pub use question::{Question, alone};
 pub use several::{Several, ask_several};
 pub use shared::{Shared, SharedFit, SharedKind, SharedProgram};
 pub use snapshot::Snapshot;

@@ -53,3 +53,16 @@ pub struct Question<'a> {
     /// The command that asks all this.
     pub command: &'a str,
 }
+
+/// The question that a program of its own answers, where only one is asked: a program that
+/// remembers otherwise than in analogue registers is that of several kernels, if there is but one.
+#[must_use]
+pub fn alone<'a, 'b>(questions: &'b [Question<'a>]) -> Option<&'b Question<'a>> {
+    match questions {
+        [one] => one
+            .memory
+            .is_none_or(|memory| memory == DriveMemory::Analogue)
+            .then_some(one),
+        _ => None,
+    }
+}

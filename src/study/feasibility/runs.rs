@@ -2,7 +2,7 @@
 
 use super::{FeasibilityError, Question, Stream, Streams, stream::Window};
 use crate::{
-    array::{Arithmetic, Array},
+    array::Arithmetic,
     event::Packet,
     kernel::Kernel,
     number::Format,
@@ -13,10 +13,10 @@ use crate::{
         guard::{Guard, Warning},
     },
     scene::{Frame, Scene},
-    sensor::Sensor,
     study::{
-        design::{Compiled, Design},
+        design::Design,
         equivalent::{self, Ladder, Likeness},
+        quantisation::Ran,
         saturation,
     },
     unit::Micros,
@@ -26,13 +26,12 @@ use crate::{
 pub(super) const MEMORY: MemoryRule = MemoryRule::FilteredSnap;
 
 impl Question<'_> {
-    /// Shows the scene to a plain DVS and to the program's chips; what the float sensor said of
-    /// it is known.
+    /// Shows the scene to a plain DVS; what the float sensor and the program said of it is known.
     pub(super) fn watch(
         &self,
         design: &Design<'_>,
         float: Packet,
-        program: Option<&Compiled>,
+        program: Option<Ran>,
         scene: &mut dyn Scene,
         seen: &mut dyn FnMut(&Frame),
     ) -> Result<(Runs, u64), FeasibilityError> {
@@ -43,32 +42,27 @@ impl Question<'_> {
             ..*design
         };
         let mut dvs = plain.reference(size, MEMORY, Format::F64)?;
-        let mut chips: Vec<Box<dyn Array + Send>> = Vec::new();
-        if let Some(program) = program {
-            let silicon = Arithmetic::Silicon { seed: self.seed };
-            for arithmetic in [Arithmetic::Number(Format::F64), silicon] {
-                chips.push(program.chip(arithmetic, size, program.settings())?);
-            }
-        }
-        let mut sensors: Vec<&mut (dyn Sensor + Send)> = vec![&mut dvs];
-        sensors.extend(
-            chips
-                .iter_mut()
-                .map(|chip| chip as &mut (dyn Sensor + Send)),
-        );
         let (mut frames, mut guard) = (0, Guard::new());
-        let packets = rig::watch(scene, &mut sensors, |frame| {
+        let packets = rig::watch(scene, &mut [&mut *dvs], |frame| {
             frames += 1;
             guard.frame(frame);
             seen(frame);
         })?;
-        let mut packets = packets.into_iter();
-        let mut next = || packets.next();
+        let (program, said) = match program {
+            Some(Ran {
+                compiled,
+                chips: [_, silicon],
+                packets,
+            }) => (Some((compiled, silicon)), packets.map(Some)),
+            None => (None, [None, None]),
+        };
+        let [exact, silicon] = said;
+        let dvs = packets.into_iter().next();
         let mut runs = Runs {
             float,
-            dvs: next().unwrap_or_else(|| Packet::new(size, 1)),
-            exact: next(),
-            silicon: next(),
+            dvs: dvs.unwrap_or_else(|| Packet::new(size, 1)),
+            exact,
+            silicon,
             warnings: Vec::new(),
         };
         let judged = [
@@ -82,10 +76,10 @@ impl Question<'_> {
                 guard.packet(subject, packet);
             }
         }
-        if let Some((chip, program)) = chips.last().zip(program) {
+        if let Some((program, chip)) = program {
             let silicon = Arithmetic::Silicon { seed: self.seed };
             let ends = silicon.ends(self.device, &program.settings());
-            saturation::warn(&mut guard, "the program on the chip", &**chip, ends);
+            saturation::warn(&mut guard, "the program on the chip", &*chip, ends);
         }
         runs.warnings = guard.warnings();
         Ok((runs, frames))
@@ -108,13 +102,14 @@ pub(super) struct Runs {
 }
 
 impl Runs {
-    /// All packets in numbers, judged by the ladder and tuned to equal events; the scene is
-    /// shown once more for that.
+    /// All packets in numbers, the plain DVS's judged by the ladder and tuned to equal events, for
+    /// which the scene is shown once more; the program's are `judged`, in exact arithmetic and as
+    /// silicon.
     pub fn streams(
         &self,
         question: &Question<'_>,
-        design: &Design<'_>,
-        ladder: &Ladder,
+        (design, ladder): (&Design<'_>, &Ladder),
+        judged: Option<[Likeness; 2]>,
         scene: &mut dyn Scene,
         seen: &mut dyn FnMut(&Frame),
     ) -> Result<Streams, FeasibilityError> {
@@ -123,27 +118,22 @@ impl Runs {
             frame: Micros::from_seconds(1.0 / scene.fps()),
             seed: question.seed,
         };
-        let packets = [Some(&self.dvs), self.exact.as_ref(), self.silicon.as_ref()];
-        let packets: Vec<&Packet> = packets.into_iter().flatten().collect();
-        let mut judged: Vec<Likeness> = Vec::new();
-        for packet in &packets {
-            judged.push(ladder.judge(packet)?);
-        }
-        let mut pairs: Vec<_> = packets.iter().copied().zip(&mut judged).collect();
+        let mut dvs = ladder.judge(&self.dvs)?;
+        let mut pairs = [(&self.dvs, &mut dvs)];
         equivalent::tune(ladder, design, MEMORY, scene, &mut pairs, seen)?;
-        let mut judged = packets.into_iter().zip(judged);
-        let mut next = || {
-            let (packet, likeness) = judged.next()?;
-            Some(Stream::new(packet, Some((&self.float, likeness)), &window))
+        let stream =
+            |packet: &Packet, likeness| Stream::new(packet, Some((&self.float, likeness)), &window);
+        let [exact, silicon] = judged.map_or([None; 2], |judged| judged.map(Some));
+        let of_program = |packet: &Option<Packet>, likeness: Option<Likeness>| {
+            let both = packet.as_ref().zip(likeness);
+            both.map(|(packet, likeness)| stream(packet, likeness))
+                .transpose()
         };
         Ok(Streams {
             float: Stream::new(&self.float, None, &window)?,
-            dvs: match next() {
-                Some(dvs) => dvs?,
-                None => Stream::new(&self.dvs, None, &window)?,
-            },
-            exact: next().transpose()?,
-            silicon: next().transpose()?,
+            dvs: stream(&self.dvs, dvs)?,
+            exact: of_program(&self.exact, exact)?,
+            silicon: of_program(&self.silicon, silicon)?,
         })
     }
 }

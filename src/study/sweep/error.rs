@@ -48,9 +48,18 @@ pub enum StoreError {
         /// Which folder.
         folder: PathBuf,
     },
+    /// No folder.
+    #[error("there is no folder {}", folder.display())]
+    #[diagnostic(help("give a folder that `amacrine sweep` or `amacrine merge` has written"))]
+    Missing {
+        /// Which folder.
+        folder: PathBuf,
+    },
     /// A folder that holds something else.
     #[error("{} is not a folder of results: it has no sweep.json", folder.display())]
-    #[diagnostic(help("give an --output that does not exist yet, or one of an earlier sweep"))]
+    #[diagnostic(help(
+        "give one that `amacrine sweep` has written, or as --output one that does not exist yet"
+    ))]
     Foreign {
         /// Which folder.
         folder: PathBuf,

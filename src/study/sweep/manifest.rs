@@ -95,8 +95,9 @@ impl Manifest {
                 });
             }
             Err(Unusable::Absent) => {
-                let cause = io::ErrorKind::NotFound.into();
-                return Err(StoreError::Unreadable { path, cause });
+                return Err(StoreError::Missing {
+                    folder: folder.to_owned(),
+                });
             }
             Err(Unusable::System(cause)) => return Err(StoreError::Unreadable { path, cause }),
             Err(Unusable::Kind(found)) => return Err(StoreError::Kind { path, found }),

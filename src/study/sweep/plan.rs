@@ -28,6 +28,7 @@ use super::{
     table,
 };
 use crate::{
+    bundled,
     config::{Fault, Faults, Place},
     isa::Device,
     kernel::Kernel,
@@ -291,9 +292,13 @@ impl<'a> Opened<'a> {
     fn kernel_file(&self, point: &Point, name: &str) -> Result<Kernel, Faults> {
         let path = self.folder.join(name);
         let known: Vec<_> = Kernel::builtin_names().collect();
-        let help = format!(
-            "give a kernel file (.toml, .npy) beside the study or one of {}",
-            known.join(", ")
+        let help = bundled::meant(
+            bundled::Kind::Kernel,
+            name,
+            &format!(
+                "give a kernel file (.toml, .npy) beside the study or one of {}",
+                known.join(", ")
+            ),
         );
         let bytes = source::bytes(&path, &help).map_err(|error| {
             let what = format!("cannot read the kernel {}: {}", path.display(), error.cause);

@@ -32,12 +32,17 @@ impl<'a> Kinds<'a> {
     /// One kind in a program of its own.
     pub(super) fn alone(design: Design<'a>, quantised: Quantised) -> Result<Self, WaterfallError> {
         let compiled = design.in_levels(&quantised).compile("levels")?;
-        Ok(Self {
+        Ok(Self::of_program(design, quantised, compiled))
+    }
+
+    /// One kind in a program that was found.
+    pub(super) fn of_program(design: Design<'a>, quantised: Quantised, compiled: Compiled) -> Self {
+        Self {
             compiled,
             memory: DriveMemory::Analogue,
             designs: vec![design],
             quantised: vec![quantised],
-        })
+        }
     }
 
     /// All of them in one program, with the first memory that the chip holds them in.

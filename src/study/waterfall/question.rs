@@ -8,7 +8,7 @@ use crate::{
     compare::CompareError,
     compile::DriveMemory,
     event::{Packet, readout::Readout},
-    kernel::quantise::{Quantiser, Sum},
+    kernel::quantise::{Quantised, Quantiser, Sum},
     reference::MemoryRule,
     rig::RigError,
     scene::SceneError,
@@ -74,6 +74,20 @@ impl<'a> Fall<'a> {
             kinds: Arc::new(Kinds::alone(design, quantised)?),
             kind: 0,
         })
+    }
+
+    /// Of a kernel in few values and its program, which the design in these levels compiles to.
+    pub(in crate::study) fn of_program(
+        question: Question<'a>,
+        quantised: Quantised,
+        compiled: Compiled,
+    ) -> Self {
+        let kinds = Kinds::of_program(question.design, quantised, compiled);
+        Self {
+            question,
+            kinds: Arc::new(kinds),
+            kind: 0,
+        }
     }
 
     /// Kinds of one program, each a fall of its own: quantises their kernels and compiles them
