@@ -25,12 +25,11 @@ pub enum RigError {
     Scene(#[from] SceneError),
     /// A sensor could not go on.
     #[error("sensor {name}: {cause}")]
+    #[diagnostic(help("{}", cause.help().map_or_else(String::new, |help| help.to_string())))]
     Sensor {
         /// Which.
         name: String,
         /// Why.
-        #[source]
-        #[diagnostic_source]
         cause: SensorError,
     },
 }

@@ -56,8 +56,8 @@ pub struct Arguments {
     /// kernels, or one for each; a sensor file has its own
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
-    /// Instead of thresholds: for each kernel the one at which the float sensor has so many events
-    /// per pixel and second
+    /// Instead of thresholds: events per pixel and second, all kernels together, each an equal
+    /// share: the thresholds are found
     #[arg(long, value_name = "EVENTS", conflicts_with = "threshold")]
     rate: Option<f64>,
     #[command(flatten)]
@@ -336,7 +336,7 @@ impl Arguments {
         if let Some(asked) = self.rate {
             let own = kinds.kernels.iter();
             return own
-                .map(|kernel| self.rated(kernel, asked, device))
+                .map(|kernel| self.rated(kernel, asked / kernels as f64, device))
                 .collect();
         }
         match (&self.threshold[..], &kinds.thresholds) {

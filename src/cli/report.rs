@@ -11,12 +11,7 @@ use super::{
 };
 use crate::{
     picture::front::{Dot, FrontShow, fronts},
-    study::sweep::{
-        Report,
-        key::Side,
-        report::{COSTS, Group},
-        store,
-    },
+    study::sweep::{Report, key::Side, report::Group, store, study::COSTS},
 };
 
 /// What `report` is asked to do.

@@ -21,7 +21,7 @@ use crate::{
         together,
         waterfall::{
             Choice as Rated, Fall, Question, Rate, Rates, Share, Shares, Waterfall, WaterfallError,
-            steps_together,
+            check_crossings, steps_together,
         },
     },
 };
@@ -285,6 +285,7 @@ impl Arguments {
             within: self.window.within,
         };
         let mut answer = || {
+            check_crossings(designs, &mut *open()?)?;
             let falls = match designs {
                 [_] => vec![Fall::new(question)?],
                 several => Fall::together(several, question)?,

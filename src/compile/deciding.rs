@@ -11,7 +11,8 @@
 use rayon::prelude::*;
 
 use super::{
-    decision::{Compared, Decided, Decision, Trials},
+    decided::Decided,
+    decision::{Compared, Decision, Trials},
     error::CompileError,
     filter::Filter,
     linear_form::LinearForm,

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::SLOTS;
+/// Readout slots that a compiled program asks for in each scan: as many as the chip has.
+pub const SLOTS: u32 = 4000;
 
 /// How a compiled program reads its events out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

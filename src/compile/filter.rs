@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::{
-    decision::Decided,
+    decided::Decided,
     linear_form::LinearForm,
     plan::StoreErrors,
     solve::{FINE, Solved, fine},

@@ -18,10 +18,13 @@
 //!
 //! Left out: decay (a filter takes microseconds), the border, and products of deviations.
 
-use super::filter::Filter;
+use super::{
+    filter::Filter,
+    wired::{Wired, wired},
+};
 use crate::{
     elementary::{exp, hypot},
-    isa::{self, Analog, Device, Direction, Errors, Primitive, Source, Target},
+    isa::{self, Analog, Device, Errors, Primitive},
     kernel::Kernel,
     plane::Plane,
 };
@@ -148,42 +151,6 @@ struct Stored {
     kept: f64,
     /// Variance of what limiting adds.
     distortion: f64,
-}
-
-/// The words of a filter as cells and places.
-pub(super) struct Wired {
-    pub(super) targets: Vec<(usize, (i32, i32))>,
-    pub(super) sources: Vec<(usize, (i32, i32))>,
-}
-
-fn place(direction: Direction) -> (i32, i32) {
-    let (y, x) = direction.step();
-    (y as i32, x as i32)
-}
-
-/// The bus words of a filter, of which other words are none.
-pub(super) fn wired(words: &[Primitive], device: &Device) -> Vec<Wired> {
-    let news = usize::from(device.news().0);
-    let mut all = Vec::new();
-    for word in words {
-        let Primitive::Bus { targets, sources } = word else {
-            continue;
-        };
-        let target = |target: &Target| match target {
-            Target::Register(register) => (usize::from(register.0), (0, 0)),
-            Target::Neighbour(direction) => (news, place(*direction)),
-        };
-        let source = |source: &Source| match source {
-            Source::Register(register) => Some((usize::from(register.0), (0, 0))),
-            Source::Neighbour(direction) => Some((news, place(*direction))),
-            Source::Pix | Source::In => None,
-        };
-        all.push(Wired {
-            targets: targets.iter().map(target).collect(),
-            sources: sources.iter().filter_map(source).collect(),
-        });
-    }
-    all
 }
 
 /// How far from its pixel the inputs lie that a register may hold. The fields hold twice that,

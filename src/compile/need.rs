@@ -14,9 +14,10 @@
 
 use super::{
     allocate::ordinary_registers,
+    cell_kind::{CellKind, DriveMemory},
     error::CompileError,
     request::{Effort, Objective, Request},
-    sensor::{CellKind, DriveMemory, SensorProgram},
+    sensor::SensorProgram,
     shared_memory::AT_A_TIME,
     walk,
 };

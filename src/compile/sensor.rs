@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::{
     allocate::ordinary_registers,
+    cell_kind::{CellKind, DriveMemory, constants, header, number, thresholds},
     decision::{Compared, Decision},
     error::{CompileError, MOST_THRESHOLD},
     event_readout::EventReadout,
@@ -14,42 +15,9 @@ use super::{
 };
 use crate::{
     elementary,
-    event::kind_names,
     isa::{Analog, Device, Figure},
     kernel::Kernel,
 };
-
-/// Readout slots that a compiled program asks for in each scan: as many as the chip has.
-pub const SLOTS: u32 = 4000;
-
-/// One kind of cell.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CellKind {
-    /// What it is called.
-    pub name: Option<String>,
-    /// Its kernel, of dyadic weights.
-    pub kernel: Kernel,
-    /// The ON threshold: an event happens when kernel times light (0 to 255) has risen by more
-    /// than this since the last event.
-    pub on: f64,
-    /// The OFF threshold, likewise for a fall.
-    pub off: f64,
-}
-
-/// What a program remembers of the last events, and where.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum DriveMemory {
-    /// The drive of each kind, in an analogue register of its own (`filtered-snap`).
-    #[default]
-    Analogue,
-    /// The pixel at the last event of any kind, in one analogue register for all (`raw-snap` with
-    /// `shared = true`).
-    Shared,
-    /// The drive of each kind, in so many one-bit registers: the range of the drive in
-    /// equal steps, each remembered as its middle. They do not decay, and leave analogue registers
-    /// free; thresholds must be half a step at least.
-    Bits(u8),
-}
 
 /// The one-bit registers that memories may take. R0 and R12 serve logic; R5, R6 and R11 the
 /// program.
@@ -257,47 +225,6 @@ pub(super) fn largest_light(device: &Device) -> f64 {
     light.clamp(1.0, CAPTURE.1)
 }
 
-/// The number of a kind in names, where there are several.
-pub(super) fn number(kinds: &[CellKind], i: usize) -> String {
-    if kinds.len() > 1 {
-        i.to_string()
-    } else {
-        String::new()
-    }
-}
-
-/// The names of a kind's ON and OFF thresholds.
-pub(super) fn constants(kinds: &[CellKind], i: usize) -> (String, String) {
-    let number = number(kinds, i);
-    if kinds[i].on == kinds[i].off {
-        let both = format!("threshold{number}");
-        return (both.clone(), both);
-    }
-    (
-        format!("on_threshold{number}"),
-        format!("off_threshold{number}"),
-    )
-}
-
-/// The settings at the head of a program.
-pub(super) fn header(title: &str, device: &Device, kinds: &[CellKind]) -> String {
-    let mut text = format!(
-        "//! title = {title:?}\n//! chip = {:?}\n//! image = \"pattern:disc?width=64&height=48\"\n//! frames = 8\n//! channels = {}\n",
-        device.name(),
-        kinds.len()
-    );
-    let names = kind_names(kinds.iter().map(|kind| kind.name.as_deref()));
-    if !names.is_empty() {
-        // A text of JSON is one of TOML, and stays on its line.
-        let names = names
-            .into_iter()
-            .map(|name| serde_json::Value::from(name).to_string());
-        let names: Vec<String> = names.collect();
-        let _ = writeln!(text, "//! names = [{}]", names.join(", "));
-    }
-    text
-}
-
 /// Checks that the host can set the threshold of every kind.
 fn check_thresholds(kinds: &[CellKind], scales: &[f64]) -> Result<(), CompileError> {
     for (kind, scale) in kinds.iter().zip(scales) {
@@ -308,19 +235,6 @@ fn check_thresholds(kinds: &[CellKind], scales: &[f64]) -> Result<(), CompileErr
         }
     }
     Ok(())
-}
-
-/// The constants of all thresholds, each in LSB of its kind's result, of this scale.
-pub(super) fn thresholds(kinds: &[CellKind], scales: &[f64]) -> String {
-    let mut text = String::new();
-    for (i, (kind, scale)) in kinds.iter().zip(scales).enumerate() {
-        let (on, off) = constants(kinds, i);
-        let _ = writeln!(text, "const {on} = {:?};", kind.on * scale);
-        if off != on {
-            let _ = writeln!(text, "const {off} = {:?};", kind.off * scale);
-        }
-    }
-    text
 }
 
 /// How many of `free` analogue registers hold memories of `count` kinds.

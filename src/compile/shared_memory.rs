@@ -18,16 +18,14 @@ use std::fmt::Write as _;
 
 use super::{
     allocate::ordinary_registers,
+    cell_kind::{CellKind, DriveMemory, constants, header, number, thresholds},
     decision::{Compared, Decision},
     error::CompileError,
     event_readout::EventReadout,
     filter::Filter,
     need::Need,
     request::{Effort, Objective, Request},
-    sensor::{
-        self, CellKind, DriveMemory, SensorProgram, constants, header, largest_light, number,
-        thresholds,
-    },
+    sensor::{self, SensorProgram, largest_light},
 };
 use crate::isa::{Analog, Device, Figure};
 

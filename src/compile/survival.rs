@@ -11,7 +11,7 @@
 
 use super::{
     allocate::allocate,
-    decision::Decided,
+    decided::Decided,
     error::CompileError,
     filter::Filter,
     forecast::{Forecast, Signal, forecasts, worst},

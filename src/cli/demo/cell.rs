@@ -11,7 +11,7 @@ use crate::{
     study::design::{Compiled, Design},
 };
 
-use super::{CHOSEN, DOMAINS, FEWER, KERNEL, SHOWN, THRESHOLD};
+use super::choice::{CHOSEN, DOMAINS, FEWER, KERNEL, SHOWN, THRESHOLD};
 
 /// A cell: a float sensor, and the programs that stand for it on the chip.
 pub(super) struct Cell {

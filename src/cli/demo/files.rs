@@ -10,8 +10,8 @@ use crate::{
 };
 
 use super::{
-    CHOSEN, DOMAINS,
     cell::is_shown,
+    choice::{CHOSEN, DOMAINS},
     showing::{Row, Showing},
 };
 

@@ -6,7 +6,9 @@ use crate::event::address;
 
 use super::{
     super::light,
-    CHOSEN, Demo, KERNEL, THRESHOLD, most_frames,
+    Demo,
+    choice::{CHOSEN, KERNEL, THRESHOLD},
+    most_frames,
     showing::{Row, Showing},
 };
 

@@ -2,6 +2,7 @@
 //! at two frame rates.
 
 mod cell;
+mod choice;
 mod files;
 mod json;
 mod showing;
@@ -21,31 +22,8 @@ use super::{
     progress::Progress,
 };
 
-/// The kernel of the demo.
-const KERNEL: &str = "rgc-5x5";
-
-/// The few values that the chip can carry it in: what `feasibility` chooses of its candidates
-/// for this kernel and clip. `tests/demo.rs` makes the choice again.
-const CHOSEN: &str = "int-5";
-
-/// Fewer values, for comparison.
-const FEWER: &str = "ternary";
-
-/// An event where kernel times light (0 to 255) moved by more than this.
-const THRESHOLD: f64 = 128.0;
-
 /// Frames for each of the clip's, where the chip looks more often.
 const TIMES: u32 = 5;
-
-/// What the array computes in, and what that is.
-const DOMAINS: [(&str, &str); 3] = [
-    ("exact", "without any error"),
-    ("q8.8", "in 16-bit fixed point"),
-    ("silicon", "with the errors of one modelled chip"),
-];
-
-/// Which of them the pictures show.
-const SHOWN: &str = "silicon";
 
 /// What `demo` is asked to do.
 #[derive(Debug, clap::Args)]

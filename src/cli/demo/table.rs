@@ -4,7 +4,9 @@ use crate::{compare::metric::Short, compile::SLOTS, study::equivalent::rate};
 
 use super::{
     super::light,
-    CHOSEN, DOMAINS, Demo, FEWER, KERNEL, SHOWN, THRESHOLD, TIMES, most_frames,
+    Demo, TIMES,
+    choice::{CHOSEN, DOMAINS, FEWER, KERNEL, SHOWN, THRESHOLD},
+    most_frames,
     showing::{Judged, Row, Showing},
 };
 

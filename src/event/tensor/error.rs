@@ -1,11 +1,14 @@
 //! What no tensor can be made of.
 
+/// The most bins of a window.
+pub const MOST_BINS: usize = 1000;
+
 /// Why there are no voxels, surfaces or frames of this kind.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum TensorError {
     /// A number of bins that is none.
     #[error("{bins} bins in a window")]
-    #[diagnostic(help("give 1 to {}", super::voxels::MOST_BINS))]
+    #[diagnostic(help("give 1 to {}", MOST_BINS))]
     Bins {
         /// How many.
         bins: usize,

@@ -10,7 +10,7 @@ use std::str::FromStr;
 use rayon::prelude::*;
 
 use super::{
-    error::{TensorError, named},
+    error::{MOST_BINS, TensorError, named},
     normalise::Normalise,
     sides::Sides,
     sorted,
@@ -20,9 +20,6 @@ use crate::{
     event::{Event, Packet},
     plane::Size,
 };
-
-/// The most bins of a window.
-pub const MOST_BINS: usize = 1000;
 
 /// How an event is shared between bins.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

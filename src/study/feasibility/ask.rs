@@ -39,8 +39,8 @@ const RIDGE: f64 = 1e-4;
 /// Chips over which the waterfall over frame rate is taken, at most.
 const RATE_CHIPS: u64 = 10;
 
-/// Asks the question of a scene that can be opened again: it is watched twice for the table and
-/// twice for the sensors, for the waterfall, by the drawn chips some at a time, and up to the
+/// Asks the question of a scene that can be opened again: it is watched once for the number of
+/// crossings, twice for the table and twice for the sensors, for the waterfall, by the drawn chips some at a time, and up to the
 /// moment of the pictures. `seen` is called after each frame of all but the last.
 ///
 /// # Errors
@@ -53,6 +53,7 @@ pub fn ask(
 ) -> Result<(Feasibility, Snapshot), FeasibilityError> {
     let design = question.design();
     design.description(MEMORY)?;
+    waterfall::check_crossings(&[design], &mut *open()?)?;
     let mut few = question.first(&design)?;
     let mut table = question.table(open, &mut seen)?;
     if question.to.is_none()

@@ -13,9 +13,8 @@ use super::{
     plan::{Opened, Plan},
     point::Point,
     read,
-    report::COSTS,
     shared::Shared,
-    study::Study,
+    study::{COSTS, Study},
     table::Row,
     value::{Value, Values},
 };

@@ -3,18 +3,15 @@
 
 use serde_json::json;
 
-use super::{plan::Entry, refusal::Refusal, sensor, shared::Shared, study::Settings, table::Row};
+use super::{
+    level_program::LevelProgram, plan::Entry, refusal::Refusal, sensor, shared::Shared,
+    study::Settings, table::Row,
+};
 use crate::{
     array::{self, Arithmetic},
-    compile::{CellKind, DriveMemory, Effort},
-    kernel::{
-        Kernel,
-        quantise::{Quantiser, Sum},
-    },
     number::Format,
     plane::Size,
     reference::{Description, MemoryRule},
-    rig::guard::Warning,
     sensor::Sensor,
     study::design::Compiled,
 };
@@ -143,7 +140,9 @@ pub(super) fn array_of(
         word("sum"),
         word("memory"),
     );
-    let made = shared.program(&key, || compiled(settings, entry, rounding, (on, off)));
+    let made = shared.program(&key, || {
+        LevelProgram::new(settings, entry, rounding, (on, off))
+    });
     let LevelProgram {
         compiled,
         quantisation_error,
@@ -183,66 +182,4 @@ pub(super) fn array_of(
         ..compiled.settings()
     };
     Ok(Programmed { compiled, settings })
-}
-
-/// The program of a kernel in few values.
-#[derive(Clone, Debug)]
-pub(super) struct LevelProgram {
-    compiled: Compiled,
-    quantisation_error: f64,
-    /// What the levels have lost of its shape, by the names of the warnings.
-    erased: Vec<&'static str>,
-}
-
-/// Makes it.
-fn compiled(
-    settings: &Settings,
-    entry: &Entry,
-    seed: u64,
-    (on, off): (f64, f64),
-) -> Result<LevelProgram, Refusal> {
-    let kernel = &entry.kernel;
-    let point = &entry.point;
-    let device = entry
-        .chip
-        .as_ref()
-        .ok_or_else(|| Refusal::Cannot("there is no chip".to_owned()))?;
-    let name = point.word("quantise").unwrap_or("none");
-    let (levels, scale, quantisation_error, erased) = if name == "none" {
-        (Kernel::clone(kernel), 1.0, 0.0, Vec::new())
-    } else {
-        let to: Quantiser = name.parse()?;
-        let sum = match point.word("sum") {
-            Some("zero") => Sum::Zero,
-            Some("free") => Sum::Free,
-            _ => Sum::Kept,
-        };
-        let quantised = to.quantise(kernel, sum, seed)?.within_one();
-        let error = quantised.relative_error(kernel);
-        let erased = { quantised.erasures(kernel).into_iter() }
-            .map(|erasure| Warning::erased(name, erasure).about.name())
-            .collect();
-        (quantised.levels, quantised.scale, error, erased)
-    };
-    let kind = CellKind {
-        name: None,
-        kernel: levels,
-        on: on / scale,
-        off: off / scale,
-    };
-    let memory = point
-        .word("memory")
-        .and_then(|word| word.strip_prefix("bits:"));
-    let memory = memory.and_then(|bits| bits.parse().ok());
-    let memory = memory.map_or(DriveMemory::Analogue, DriveMemory::Bits);
-    let title = format!("{} as {name}", point.word("kernel").unwrap_or_default());
-    let effort = Effort {
-        states: settings.effort,
-    };
-    let compiled = Compiled::new(&title, (&[kind], memory), device, (effort, 0))?;
-    Ok(LevelProgram {
-        compiled,
-        quantisation_error,
-        erased,
-    })
 }

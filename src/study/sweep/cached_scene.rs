@@ -279,3 +279,11 @@ pub(super) fn hex(bytes: &[u8]) -> String {
         text
     })
 }
+
+/// The drive of sheets over a scene.
+#[derive(Debug)]
+pub(super) struct Drive {
+    pub scene: Arc<CachedScene>,
+    /// Seconds of computing it.
+    pub seconds: f64,
+}

@@ -3,7 +3,11 @@
 
 use std::sync::Arc;
 
-use super::{cached_scene::CachedScene, limits::Limits, measure::Stop, shared::Shared};
+use super::{
+    cached_scene::{CachedScene, Drive},
+    limits::{Limits, Stop},
+    shared::Shared,
+};
 use crate::{
     number::Format,
     reference::{Description, SheetDrive},
@@ -12,14 +16,6 @@ use crate::{
 
 /// The most memory that the drive of a scene may take, bytes.
 const HELD: usize = 128 << 20;
-
-/// The drive of sheets over a scene.
-#[derive(Debug)]
-pub(super) struct Drive {
-    pub scene: Arc<CachedScene>,
-    /// Seconds of computing it.
-    pub seconds: f64,
-}
 
 /// Cells that are shown the drive of sheets.
 pub(super) struct Driven {

@@ -5,7 +5,7 @@
 use std::fmt;
 
 use super::refusal::Refusal;
-use crate::{event::Event, plane::Size};
+use crate::{event::Event, plane::Size, scene::SceneError, sensor::SensorError};
 
 /// Seconds since some moment.
 pub type Clock<'a> = &'a (dyn Fn() -> f64 + Sync);
@@ -82,4 +82,18 @@ impl Limits<'_> {
 /// Upper bound on the memory of a point, bytes.
 fn need(size: Size, events: usize) -> u128 {
     size.height as u128 * size.width as u128 * PIXEL + events as u128 * EVENT
+}
+
+/// Why a scene or a sensor stopped.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub(super) enum Stop {
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Sensor(#[from] SensorError),
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Exhausted(#[from] Exhausted),
 }

@@ -6,13 +6,12 @@ use serde_json::json;
 
 use super::{
     build::{Float, array, float},
-    cached_scene::CachedScene,
-    drive::driven,
     fidelity,
     key::Side,
-    limits::{Exhausted, Limits},
+    limits::Limits,
     plan::{Entry, Plan},
     refusal::Refusal,
+    seen::{Seen, watch},
     shared::Shared,
     study::Settings,
     table::{self, Row},
@@ -20,14 +19,10 @@ use super::{
 };
 use crate::{
     compare::{metric::Measured, voxel::Bins, window::Point},
-    event::{Packet, Polarity, address},
+    event::{Polarity, address},
     number::Format,
     plane::Size,
     reference::Description,
-    rig::guard::{Guard, Warning},
-    scene::SceneError,
-    sensor::{Sensor, SensorError},
-    study::design,
 };
 
 /// Bins of the voxel grids.
@@ -119,37 +114,6 @@ fn run(
     measured(settings, entry, shared, limits, (&mut seen, row))
 }
 
-/// A sensor, and what it is shown.
-pub(super) struct Seen {
-    pub sensor: Box<dyn Sensor + Send>,
-    /// The scene, or the drive of resistor sheets.
-    pub scene: Arc<CachedScene>,
-    /// Seconds that the drive took.
-    pub seconds: f64,
-}
-
-impl Seen {
-    /// A float sensor; behind resistor sheets its cells, which are shown their drive.
-    pub fn float(
-        entry: &Entry,
-        (description, seed, format): (&Description, u64, Format),
-        shared: &Shared,
-        limits: Limits<'_>,
-    ) -> Result<Self, Refusal> {
-        let size = entry.scene.size;
-        let driven = driven(&entry.scene, (description, seed, format), shared, limits);
-        let (description, scene, seconds) = match driven {
-            Some(driven) => (driven.description, driven.scene, driven.seconds),
-            None => (description.clone(), Arc::clone(&entry.scene), 0.0),
-        };
-        Ok(Self {
-            sensor: design::float(description, size, seed, format)?,
-            scene,
-            seconds,
-        })
-    }
-}
-
 /// Fills in the figures of a sensor on the scene of a point.
 fn measured(
     settings: &Settings,
@@ -159,7 +123,11 @@ fn measured(
     (seen, row): (&mut Seen, &mut Row),
 ) -> Result<(), Refusal> {
     let (packet, seconds, warnings) = watch(seen, limits)?;
-    let made = shared.truth(&entry.task, || Truth::new(settings, entry, shared, limits));
+    let watched = |description: &Description| {
+        let seen = Seen::float(entry, (description, 0, Format::F64), shared, limits);
+        Ok(watch(&mut seen?, limits)?.0)
+    };
+    let made = shared.truth(&entry.task, || Truth::new(settings, entry, &watched));
     let truth = match made.get() {
         Some(Ok(truth)) => truth,
         Some(Err(refusal)) => return Err(refusal.clone()),
@@ -193,7 +161,7 @@ fn measured(
     put("floor", json!(headline.floor));
     put("error", json!(1.0 - headline.kept));
     if settings.threshold_equivalent {
-        let percent = truth.equivalent(headline.f1, entry, shared, limits)?;
+        let percent = truth.equivalent(headline.f1, &watched)?;
         put("threshold_equivalent_percent", json!(percent));
     }
     let measured = Measured::new(&pair, Bins::over(&pair, BINS), ladder.redraws());
@@ -204,48 +172,4 @@ fn measured(
     put("frames_per_s", json!(frames / seconds));
     put("events_per_s", json!(packet.events.len() as f64 / seconds));
     Ok(())
-}
-
-/// Shows a sensor what it sees; the packet, the seconds that the sensor took, and what there is to warn of.
-pub(super) fn watch(
-    Seen {
-        sensor,
-        scene,
-        seconds,
-    }: &mut Seen,
-    limits: Limits<'_>,
-) -> Result<(Packet, f64, Vec<Warning>), Refusal> {
-    let begin = (limits.clock)();
-    let mut packet = Packet::new(sensor.size(), sensor.channels());
-    let (mut spent, mut guard) = (*seconds, Guard::new());
-    let played = scene.play(|frame| {
-        let start = (limits.clock)();
-        sensor.watch(frame, &mut packet)?;
-        guard.frame(frame);
-        let now = (limits.clock)();
-        spent += now - start;
-        limits.hold(now - begin, scene.size, packet.events.len())?;
-        Ok::<(), Stop>(())
-    });
-    match played {
-        Err(Stop::Exhausted(exhausted)) => return Err(exhausted.given_up()),
-        played => played?,
-    }
-    guard.packet(sensor.name(), &packet);
-    // A clock may be too coarse for a small scene.
-    Ok((packet, f64::max(spent, 1e-9), guard.warnings()))
-}
-
-/// Why a scene or a sensor stopped.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-pub(super) enum Stop {
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Scene(#[from] SceneError),
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Sensor(#[from] SensorError),
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Exhausted(#[from] Exhausted),
 }

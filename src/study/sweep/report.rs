@@ -37,9 +37,6 @@ const SENSOR: [&str; 18] = [
     "schedule",
 ];
 
-/// The columns that error may be weighed against.
-pub const COSTS: [&str; 4] = ["seconds_per_frame", "bits", "words", "state_memory_bytes"];
-
 /// The answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
@@ -108,7 +105,7 @@ pub struct Refused {
 }
 
 impl Report {
-    /// Weighs error against a cost, a column of [`COSTS`]. `pool` compares all sensors,
+    /// Weighs error against a cost, a column of [`COSTS`](super::study::COSTS). `pool` compares all sensors,
     /// whatever their tasks.
     #[must_use]
     pub fn new(manifest: &Manifest, rows: &[Row], cost: &str, pool: bool) -> Self {

@@ -7,9 +7,19 @@
 use super::{
     grid::{self, Axes, MOST_POINTS},
     point::Point,
-    search::Search,
 };
 use crate::rng::{GOLDEN, Hash};
+
+/// How points are searched for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Search {
+    /// The share of the candidates that are computed on the whole scene.
+    pub finish: f64,
+    /// The column that error is weighed against.
+    pub cost: &'static str,
+    /// Draws the parts of the scene, and the candidates where there are too many.
+    pub seed: u64,
+}
 
 /// How points are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

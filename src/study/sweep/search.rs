@@ -23,22 +23,12 @@ use super::{
     measure::measure,
     plan::{Entry, Plan},
     run::Run,
+    sample::Search,
     store::Store,
     study::Settings,
     survivors::survivors,
 };
 use crate::{rng::Hash, scene::SceneError, study::front::Cost};
-
-/// How points are searched for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Search {
-    /// The share of the candidates that are computed on the whole scene.
-    pub finish: f64,
-    /// The column that error is weighed against.
-    pub cost: &'static str,
-    /// Draws the parts of the scene, and the candidates where there are too many.
-    pub seed: u64,
-}
 
 /// What a rung did.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

@@ -6,7 +6,9 @@ use std::{
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 
-use super::{build::LevelProgram, drive::Drive, refusal::Refusal, table::Row, truth::Truth};
+use super::{
+    cached_scene::Drive, level_program::LevelProgram, refusal::Refusal, table::Row, truth::Truth,
+};
 
 /// A memo of what several points need.
 #[derive(Debug, Default)]

@@ -5,9 +5,7 @@ use super::{
     overrides::{Override, overridden},
     point::Point,
     read::SEE,
-    report::COSTS,
-    sample::{Method, Sample},
-    search::Search,
+    sample::{Method, Sample, Search},
 };
 pub use crate::compare::metric::IN_STUDIES as METRICS;
 use crate::{
@@ -19,6 +17,9 @@ use crate::{
     },
     unit::Micros,
 };
+
+/// The columns that error may be weighed against.
+pub const COSTS: [&str; 4] = ["seconds_per_frame", "bits", "words", "state_memory_bytes"];
 
 /// A study, read and checked; nothing that it names has been opened.
 #[derive(Clone, Debug)]

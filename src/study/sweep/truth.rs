@@ -5,24 +5,18 @@
 
 use std::sync::OnceLock;
 
-use super::{
-    limits::Limits,
-    measure::{Seen, watch},
-    plan::Entry,
-    refusal::Refusal,
-    sensor,
-    shared::Shared,
-    study::Settings,
-};
+use super::{plan::Entry, refusal::Refusal, sensor, study::Settings};
 use crate::{
     event::Packet,
-    number::Format,
     reference::Description,
     study::equivalent::{self, Ladder},
 };
 
 /// Seed of the redraws: a floor is that of the task, whatever the point.
 const REDRAWS: u64 = 0;
+
+/// Shows the scene of the task to a float sensor in f64.
+pub(super) type Watched<'a> = &'a dyn Fn(&Description) -> Result<Packet, Refusal>;
 
 /// What points of one task are measured against.
 #[derive(Debug)]
@@ -39,16 +33,11 @@ impl Truth {
     ///
     /// # Errors
     /// Why there is none.
-    pub fn new(
-        settings: &Settings,
-        entry: &Entry,
-        shared: &Shared,
-        limits: Limits<'_>,
-    ) -> Result<Self, Refusal> {
+    pub fn new(settings: &Settings, entry: &Entry, watched: Watched<'_>) -> Result<Self, Refusal> {
         let make = || -> Result<Self, Refusal> {
             let ideal = sensor::ideal(&entry.point, &entry.kernel, settings.against)?;
             let fps = entry.scene.fps;
-            let packet = watched(&ideal, entry, shared, limits)?;
+            let packet = watched(&ideal)?;
             Ok(Self {
                 ladder: Ladder::bare(packet, settings.headline(fps), fps, REDRAWS)?,
                 rungs: { equivalent::higher() }
@@ -69,13 +58,7 @@ impl Truth {
     ///
     /// # Errors
     /// Why a rung cannot watch the scene.
-    pub fn equivalent(
-        &self,
-        f1: f64,
-        entry: &Entry,
-        shared: &Shared,
-        limits: Limits<'_>,
-    ) -> Result<f64, Refusal> {
+    pub fn equivalent(&self, f1: f64, watched: Watched<'_>) -> Result<f64, Refusal> {
         // What is not off at all needs no rung.
         if f1 >= 1.0 {
             return Ok(0.0);
@@ -83,7 +66,7 @@ impl Truth {
         let rungs = self.rungs.iter().map(|(part, known)| {
             let f1 = known.get_or_init(|| {
                 let other = equivalent::at_part(&self.ideal, *part);
-                let packet = watched(&other, entry, shared, limits).map_err(of_the_f64_sensor)?;
+                let packet = watched(&other).map_err(of_the_f64_sensor)?;
                 Ok(self.ladder.f1(&packet)?)
             });
             f1.clone().map(|f1| (*part, f1))
@@ -91,16 +74,6 @@ impl Truth {
         let (percent, _) = equivalent::equivalent(f1, rungs)?;
         Ok(percent)
     }
-}
-
-fn watched(
-    description: &Description,
-    entry: &Entry,
-    shared: &Shared,
-    limits: Limits<'_>,
-) -> Result<Packet, Refusal> {
-    let mut seen = Seen::float(entry, (description, 0, Format::F64), shared, limits)?;
-    Ok(watch(&mut seen, limits)?.0)
 }
 
 fn of_the_f64_sensor(refusal: Refusal) -> Refusal {

@@ -20,6 +20,7 @@
 
 mod cause;
 mod chart;
+mod crossings;
 mod game;
 mod noise;
 mod program;
@@ -32,6 +33,7 @@ mod steps;
 mod stretch;
 
 pub use cause::Cause;
+pub use crossings::check_crossings;
 pub use noise::{Noise, NoiseAtRate};
 pub use question::{Fall, Question, WaterfallError};
 pub use rates::{Choice, How, Rate, Rates, Share};

@@ -12,6 +12,7 @@ use crate::{
     reference::MemoryRule,
     rig::RigError,
     scene::SceneError,
+    sensor::SensorError,
     study::design::{Compiled, Design, DesignError},
     unit::Micros,
 };
@@ -156,6 +157,10 @@ pub enum WaterfallError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Rig(#[from] RigError),
+    /// A float sensor cannot be made or go on.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Sensor(#[from] SensorError),
     /// The packets have nothing in common.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -191,6 +196,21 @@ pub enum WaterfallError {
     Silent {
         /// The threshold.
         threshold: f64,
+    },
+    /// More events than can be followed.
+    #[error(
+        "the threshold {threshold} is crossed {each:.1} times per pixel and pair of frames: more than {most} events"
+    )]
+    #[diagnostic(help(
+        "raise the threshold, or ask for fewer events (--rate): light of 8 bits moves in steps of 1, which cross a threshold far below them again and again"
+    ))]
+    Crossings {
+        /// The threshold.
+        threshold: f64,
+        /// Events per pixel and pair of frames so far.
+        each: f64,
+        /// How many events there may be.
+        most: u64,
     },
     /// Fewer packets than sensors.
     #[error("a packet is missing")]

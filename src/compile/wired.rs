@@ -1,0 +1,39 @@
+//! Bus words as the cells that they store and read, and where these lie.
+
+use crate::isa::{Device, Direction, Primitive, Source, Target};
+
+/// The words of a filter as cells and places.
+pub(super) struct Wired {
+    pub(super) targets: Vec<(usize, (i32, i32))>,
+    pub(super) sources: Vec<(usize, (i32, i32))>,
+}
+
+fn place(direction: Direction) -> (i32, i32) {
+    let (y, x) = direction.step();
+    (y as i32, x as i32)
+}
+
+/// The bus words of a filter, of which other words are none.
+pub(super) fn wired(words: &[Primitive], device: &Device) -> Vec<Wired> {
+    let news = usize::from(device.news().0);
+    let mut all = Vec::new();
+    for word in words {
+        let Primitive::Bus { targets, sources } = word else {
+            continue;
+        };
+        let target = |target: &Target| match target {
+            Target::Register(register) => (usize::from(register.0), (0, 0)),
+            Target::Neighbour(direction) => (news, place(*direction)),
+        };
+        let source = |source: &Source| match source {
+            Source::Register(register) => Some((usize::from(register.0), (0, 0))),
+            Source::Neighbour(direction) => Some((news, place(*direction))),
+            Source::Pix | Source::In => None,
+        };
+        all.push(Wired {
+            targets: targets.iter().map(target).collect(),
+            sources: sources.iter().filter_map(source).collect(),
+        });
+    }
+    all
+}

@@ -1,0 +1,81 @@
+//! A sensor of a point, and what it is shown.
+
+use std::sync::Arc;
+
+use super::{
+    cached_scene::CachedScene,
+    drive::driven,
+    limits::{Limits, Stop},
+    plan::Entry,
+    refusal::Refusal,
+    shared::Shared,
+};
+use crate::{
+    event::Packet,
+    number::Format,
+    reference::Description,
+    rig::guard::{Guard, Warning},
+    sensor::Sensor,
+    study::design,
+};
+
+/// A sensor, and what it is shown.
+pub(super) struct Seen {
+    pub sensor: Box<dyn Sensor + Send>,
+    /// The scene, or the drive of resistor sheets.
+    pub scene: Arc<CachedScene>,
+    /// Seconds that the drive took.
+    pub seconds: f64,
+}
+
+impl Seen {
+    /// A float sensor; behind resistor sheets its cells, which are shown their drive.
+    pub fn float(
+        entry: &Entry,
+        (description, seed, format): (&Description, u64, Format),
+        shared: &Shared,
+        limits: Limits<'_>,
+    ) -> Result<Self, Refusal> {
+        let size = entry.scene.size;
+        let driven = driven(&entry.scene, (description, seed, format), shared, limits);
+        let (description, scene, seconds) = match driven {
+            Some(driven) => (driven.description, driven.scene, driven.seconds),
+            None => (description.clone(), Arc::clone(&entry.scene), 0.0),
+        };
+        Ok(Self {
+            sensor: design::float(description, size, seed, format)?,
+            scene,
+            seconds,
+        })
+    }
+}
+
+/// Shows a sensor what it sees; the packet, the seconds that the sensor took, and what there is to warn of.
+pub(super) fn watch(
+    Seen {
+        sensor,
+        scene,
+        seconds,
+    }: &mut Seen,
+    limits: Limits<'_>,
+) -> Result<(Packet, f64, Vec<Warning>), Refusal> {
+    let begin = (limits.clock)();
+    let mut packet = Packet::new(sensor.size(), sensor.channels());
+    let (mut spent, mut guard) = (*seconds, Guard::new());
+    let played = scene.play(|frame| {
+        let start = (limits.clock)();
+        sensor.watch(frame, &mut packet)?;
+        guard.frame(frame);
+        let now = (limits.clock)();
+        spent += now - start;
+        limits.hold(now - begin, scene.size, packet.events.len())?;
+        Ok::<(), Stop>(())
+    });
+    match played {
+        Err(Stop::Exhausted(exhausted)) => return Err(exhausted.given_up()),
+        played => played?,
+    }
+    guard.packet(sensor.name(), &packet);
+    // A clock may be too coarse for a small scene.
+    Ok((packet, f64::max(spent, 1e-9), guard.warnings()))
+}
