@@ -40,8 +40,8 @@ const RIDGE: f64 = 1e-4;
 const RATE_CHIPS: u64 = 10;
 
 /// Asks the question of a scene that can be opened again: it is watched once for the number of
-/// crossings, twice for the table and twice for the sensors, for the waterfall, by the drawn chips some at a time, and up to the
-/// moment of the pictures. `seen` is called after each frame of all but the last.
+/// crossings, twice for the table and twice for the sensors, for the waterfall, by the drawn chips
+/// some at a time, and up to the moment of the pictures. `seen` is called after each frame of all but the last.
 ///
 /// # Errors
 /// When the threshold is not positive, the kernel is all 0 or not to be had in the values that
@@ -49,11 +49,20 @@ const RATE_CHIPS: u64 = 10;
 pub fn ask(
     question: &Question<'_>,
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    seen: impl FnMut(&Frame),
+) -> Result<(Feasibility, Snapshot), FeasibilityError> {
+    waterfall::check_crossings(&[question.design()], &mut *open()?)?;
+    answered(question, open, seen)
+}
+
+/// The same of a threshold that is known to be crossed seldom enough.
+pub(super) fn answered(
+    question: &Question<'_>,
+    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
     mut seen: impl FnMut(&Frame),
 ) -> Result<(Feasibility, Snapshot), FeasibilityError> {
     let design = question.design();
     design.description(MEMORY)?;
-    waterfall::check_crossings(&[design], &mut *open()?)?;
     let mut few = question.first(&design)?;
     let mut table = question.table(open, &mut seen)?;
     if question.to.is_none()

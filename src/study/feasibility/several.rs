@@ -1,7 +1,10 @@
 //! Several kernels on one chip: each on its own, and all of them in one program.
 
-use super::{Feasibility, FeasibilityError, Question, Shared, Snapshot, ask};
-use crate::scene::{Frame, Scene, SceneError};
+use super::{Feasibility, FeasibilityError, Question, Shared, Snapshot, ask::answered};
+use crate::{
+    scene::{Frame, Scene, SceneError},
+    study::waterfall::check_crossings,
+};
 
 /// The answer for several kernels.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -22,7 +25,7 @@ pub struct Several {
 /// window. `seen` is called after each frame that is watched for them.
 ///
 /// # Errors
-/// As [`ask`]; nothing is said of no question.
+/// As [`ask`](super::ask); nothing is said of no question.
 pub fn ask_several(
     questions: &[Question<'_>],
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
@@ -31,9 +34,11 @@ pub fn ask_several(
     let Some(first) = questions.first() else {
         return Ok(None);
     };
+    let designs: Vec<_> = questions.iter().map(Question::design).collect();
+    check_crossings(&designs, &mut *open()?)?;
     let (mut kernels, mut snapshots) = (Vec::new(), Vec::new());
     for question in questions {
-        let (answer, snapshot) = ask(question, open, &mut seen)?;
+        let (answer, snapshot) = answered(question, open, &mut seen)?;
         kernels.push(answer);
         snapshots.push(snapshot);
     }
