@@ -121,9 +121,18 @@ impl<C: Clone> State<C> {
     pub(super) fn fade(&mut self, register: Digital, holds: impl Fn(usize) -> bool) {
         let (height, width) = self.layout.size.shape();
         let bits = self.digital_mut(register);
-        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-            if bits.get(y, x) && !holds(y * width + x) {
-                bits.set(y, x, false);
+        for y in 0..height {
+            let words = bits.row_mut(y).iter_mut();
+            for (word, x) in words.zip((y * width..).step_by(64)) {
+                // Registers that are not in use are 0 all over.
+                let mut left = *word;
+                while left != 0 {
+                    let bit = left.trailing_zeros();
+                    if !holds(x + bit as usize) {
+                        *word &= !(1 << bit);
+                    }
+                    left &= left - 1;
+                }
             }
         }
     }

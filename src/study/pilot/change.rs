@@ -30,11 +30,17 @@ impl Change {
     /// # Errors
     /// When the packets are not of one size.
     pub fn between(full: &Packet, plain: &Packet, within: Micros) -> Result<Self, CompareError> {
-        let matched = matching::matched(&Pair::new(full, plain)?, within);
-        let events = full.events.len() as u64;
-        let (missing, extra) = (events - matched, plain.events.len() as u64 - matched);
+        Ok(Self::of_pair(&Pair::new(full, plain)?, within))
+    }
+
+    /// The same of a pair: the full model, and a plainer one.
+    #[must_use]
+    pub fn of_pair(pair: &Pair, within: Micros) -> Self {
+        let matched = matching::matched(pair, within);
+        let [events, plain] = pair.events();
+        let (missing, extra) = (events - matched, plain - matched);
         let alone = (missing + extra) as f64;
-        Ok(Self {
+        Self {
             events,
             missing,
             extra,
@@ -43,7 +49,7 @@ impl Change {
             } else {
                 0.0
             },
-        })
+        }
     }
 }
 
@@ -57,13 +63,19 @@ pub fn of_tiles(
     (full, plain): (&Packet, &Packet),
     within: Micros,
 ) -> Result<Vec<Tile>, CompareError> {
+    let pair = Pair::new(full, plain)?;
+    Ok(of_pair(mosaic, probabilities, &pair, within))
+}
+
+/// The same of a pair: the full model, and a plainer one.
+#[must_use]
+pub fn of_pair(mosaic: &Mosaic, probabilities: &[f64], pair: &Pair, within: Micros) -> Vec<Tile> {
     let mut tiles: Vec<Tile> = { probabilities.iter() }
         .map(|probability| Tile {
             probability: *probability,
             ..Tile::default()
         })
         .collect();
-    let pair = Pair::new(full, plain)?;
     // Both signs of a cell are one history.
     let mut histories: HashMap<(usize, u16, u16, u8), u64> = HashMap::new();
     for (cell, reference, judged) in pair.cells() {
@@ -85,5 +97,5 @@ pub fn of_tiles(
             tile.squares += events * events;
         }
     }
-    Ok(tiles)
+    tiles
 }

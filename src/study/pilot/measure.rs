@@ -1,6 +1,9 @@
 //! The measurement: candidates against the full model on the tiles that can be afforded.
 
+use std::cell::OnceCell;
+
 use crate::{
+    compare::Sorted,
     event::Packet,
     mosaic::Mosaic,
     plane::Size,
@@ -255,6 +258,7 @@ impl<F: Family> Pilot<'_, F> {
         let whole = expected(reference);
         answer.expected = Some([whole, whole]);
         let mut each = self.whole_scene(reference);
+        let full = Sorted::new(&reference.packet).ok();
         let going = answer
             .offers
             .iter_mut()
@@ -262,7 +266,7 @@ impl<F: Family> Pilot<'_, F> {
         for (offer, ran) in going.zip(others) {
             let seconds = expected(ran);
             offer.seconds = Some([seconds, whole]);
-            let much = || self.changes_much(reference, ran);
+            let much = || self.changes_much(full.as_ref()?, ran);
             if let Some(why) = ran.given_up.clone().or_else(much) {
                 offer.why = why;
             } else if whole - seconds < WORTH * whole {
@@ -347,6 +351,8 @@ impl<F: Family> Pilot<'_, F> {
             mosaic: &mosaic,
             probabilities: drawn.iter().map(|one| one.probability).collect(),
             reference,
+            full: Sorted::new(&reference.packet)
+                .map_err(|error| End::Because(error.to_string()))?,
             risk: RISK / models.len() as f64,
         };
         let going = answer
@@ -417,11 +423,14 @@ impl<F: Family> Pilot<'_, F> {
         }
         let whole = self.whole_scene(reference);
         let by_time = self.measure.tiles.is_none();
+        // Sorted once for all candidates.
+        let full = OnceCell::new();
         for ran in others.iter_mut().filter(|ran| ran.given_up.is_none()) {
             if by_time && whole - self.whole_scene(ran) < WORTH * whole {
                 ran.given_up = Some(SAVES_LITTLE.to_owned());
             } else if (by_time || self.measure.limits_only)
-                && let Some(why) = self.changes_much(reference, ran)
+                && let Some(full) = full.get_or_init(|| Sorted::new(&reference.packet).ok())
+                && let Some(why) = self.changes_much(full, ran)
             {
                 ran.given_up = Some(why);
             }
@@ -429,8 +438,9 @@ impl<F: Family> Pilot<'_, F> {
     }
 
     /// Whether so much changes already that more of the scene need not be seen.
-    fn changes_much(&self, full: &Ran<F::Model>, plain: &Ran<F::Model>) -> Option<String> {
-        let change = Change::between(&full.packet, &plain.packet, self.measure.within).ok()?;
+    fn changes_much(&self, full: &Sorted, plain: &Ran<F::Model>) -> Option<String> {
+        let pair = full.judge(&plain.packet).ok()?;
+        let change = Change::of_pair(&pair, self.measure.within);
         let is_much = change.share > 5.0 * self.measure.tolerance;
         let told = || {
             format!(
@@ -450,6 +460,8 @@ struct Judge<'a, F: Family> {
     mosaic: &'a Mosaic,
     probabilities: Vec<f64>,
     reference: &'a Ran<F::Model>,
+    /// Its events.
+    full: Sorted,
     risk: f64,
 }
 
@@ -466,18 +478,20 @@ impl<F: Family> Judge<'_, F> {
             offer.why.clone_from(why);
             return;
         }
-        let packets = (&self.reference.packet, &ran.packet);
-        let tiles = change::of_tiles(self.mosaic, &self.probabilities, packets, measure.within);
-        match tiles {
+        match self.full.judge(&ran.packet) {
             Err(error) => offer.why = error.to_string(),
-            Ok(tiles) => {
+            Ok(pair) => {
+                let within = measure.within;
+                let tiles = change::of_pair(self.mosaic, &self.probabilities, &pair, within);
                 let unseen = trial.family.unseen(&ran.model, look);
                 let change = Estimate::new(&tiles, unseen, self.risk);
                 offer.change = Some(change);
                 offer.why = said(change, measure.tolerance);
             }
         }
-        let seconds = self.pilot.on_the_whole(&ran.model).unwrap_or_else(|| {
+        // Who wants limits only asks for no times.
+        let timed = (!measure.limits_only).then(|| self.pilot.on_the_whole(&ran.model));
+        let seconds = timed.flatten().unwrap_or_else(|| {
             whole * self.pilot.whole_scene(ran) / self.pilot.whole_scene(self.reference)
         });
         offer.seconds = Some([seconds, whole]);

@@ -268,10 +268,9 @@ impl<F: Family> Begun<'_, F> {
         let timing = (self.survey.clock)() - start;
         let within = self.survey.within;
         let packets = (&self.full.packet, &ran.packet);
-        let tiles = change::of_tiles(&self.mosaic, &self.probabilities, packets, within)
-            .map_err(|error| error.to_string())?;
-        let unseen = self.trial.family.unseen(&ran.model, &self.look);
         let pair = Pair::new(packets.0, packets.1).map_err(|error| error.to_string())?;
+        let tiles = change::of_pair(&self.mosaic, &self.probabilities, &pair, within);
+        let unseen = self.trial.family.unseen(&ran.model, &self.look);
         let headline = self.headline();
         Ok(Known {
             change: Estimate::new(&tiles, unseen, RISK / self.models.max(1) as f64),
