@@ -29,7 +29,10 @@ use super::{
         thresholds,
     },
 };
-use crate::isa::{Analog, Device, Figure};
+use crate::{
+    isa::{Analog, Device, Figure},
+    order::Order,
+};
 
 /// The one-bit registers of each kind that waits for its readout, ON and OFF.
 const EVENTS: [[&str; 2]; AT_A_TIME] = [
@@ -162,7 +165,7 @@ fn filters(
         filters as u64 + around
     };
     let mut longest: Vec<usize> = (0..own.len()).collect();
-    longest.sort_by_key(|i| std::cmp::Reverse(own[*i].words.len()));
+    longest.order_by_key(|i| std::cmp::Reverse(own[*i].words.len()));
     for i in longest {
         if words(&own) <= room || request.objective == Objective::Words {
             break;
