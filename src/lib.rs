@@ -27,6 +27,7 @@ pub mod limit;
 pub mod memory;
 pub mod mosaic;
 pub mod npy;
+mod order;
 mod parallel;
 pub mod plane;
 pub mod rng;

@@ -3,6 +3,8 @@
 //! A [`Need`] is a sum of named parts, each bytes; a [`Budget`] says how many there may be. What
 //! does not fit is refused with the sum, so that it is seen which part is too large.
 
+use crate::order::Order;
+
 use std::{fmt, fs, path::Path, str::FromStr};
 
 /// Bytes where the system does not say what it has: 4 GiB.
@@ -210,7 +212,7 @@ impl fmt::Display for Need {
     /// The parts, the largest first.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut parts: Vec<_> = self.parts.iter().collect();
-        parts.sort_by_key(|(_, bytes)| std::cmp::Reverse(*bytes));
+        parts.order_by_key(|(_, bytes)| std::cmp::Reverse(*bytes));
         for (n, (part, bytes)) in parts.into_iter().enumerate() {
             let comma = if n > 0 { ", " } else { "" };
             write!(f, "{comma}{part} {}", Bytes(*bytes))?;

@@ -8,6 +8,7 @@ use super::{
 use crate::{
     event::Packet,
     isa::{Analog, Device},
+    order::Order,
     plane::{Plane, Size},
     program::{Code, Computes},
     unit::Micros,
@@ -118,7 +119,7 @@ pub fn check(
                 Input::Register(register) => Some(device.analog_name(*register)),
             })
             .collect();
-        others.sort();
+        others.order_by(Ord::cmp);
         others.dedup();
         if !others.is_empty() {
             return Err(ClaimError::Others {

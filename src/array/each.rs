@@ -70,15 +70,37 @@ fn over<T: Copy + Default, U, const N: usize>(
 
 /// Two stores at once, of one operand or of two, where `own` says that one of them is what the
 /// cell held before; and of one more on the second bus.
+///
+/// Without `wide` vectors it is one loop for all of them.
 #[inline(always)]
 pub(super) fn each_twice<T: Copy + Default>(
     operands: &[&[T]],
     own: bool,
     extra: Option<&[T]>,
     cells: &mut [T],
+    wide: bool,
     one: &(impl Fn(T) -> T, impl Fn(T, T) -> T),
     two: &(impl Fn(T, T) -> T, impl Fn(T, T, T) -> T),
 ) {
+    if !wide {
+        for i in 0..cells.len() {
+            let (held, c) = (own.then_some(cells[i]), extra.map(|extra| extra[i]));
+            let first = operands.first().map(|operand| operand[i]);
+            let (a, b) = match (first, held) {
+                (Some(a), Some(held)) => (a, Some(held)),
+                (Some(a), None) => (a, operands.get(1).map(|operand| operand[i])),
+                (None, Some(held)) => (held, None),
+                (None, None) => return,
+            };
+            cells[i] = match (b, c) {
+                (None, None) => one.0(a),
+                (None, Some(c)) => one.1(a, c),
+                (Some(b), None) => two.0(a, b),
+                (Some(b), Some(c)) => two.1(a, b, c),
+            };
+        }
+        return;
+    }
     match (operands, own, extra) {
         (&[a], false, None) => each([a], cells, |[a]| one.0(a)),
         (&[a], false, Some(c)) => each([a, c], cells, |[a, c]| one.1(a, c)),
@@ -206,4 +228,36 @@ fn block<'a, T, const N: usize, const B: usize>(
         block[n] = &whole[n][k];
     }
     block
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_loop_for_all_is_as_a_loop_for_each() {
+        let plane = |k: i16| (0..300).map(|i| k * i % 101).collect::<Vec<i16>>();
+        let (a, b, c) = (&plane(37)[..], &plane(53)[..], &plane(71)[..]);
+        let one = (|a: i16| 3 * a, |a: i16, c: i16| 5 * a - c);
+        let two = (
+            |a: i16, b: i16| 7 * a + b,
+            |a: i16, b: i16, c: i16| a - 2 * b + 9 * c,
+        );
+        for (operands, own) in [
+            (&[a][..], false),
+            (&[a, b], false),
+            (&[], true),
+            (&[a], true),
+        ] {
+            for extra in [None, Some(c)] {
+                let made = [false, true].map(|wide| {
+                    let mut cells = b.to_vec();
+                    each_twice(operands, own, extra, &mut cells, wide, &one, &two);
+                    cells
+                });
+                assert_eq!(made[0], made[1], "{} {own} {extra:?}", operands.len());
+                assert_ne!(made[0], b);
+            }
+        }
+    }
 }

@@ -3,7 +3,7 @@
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
-use multiversion::multiversion;
+use multiversion::{multiversion, target::target_cfg_f};
 
 use super::{
     Ageing, Domain, Place, RowOps, Share,
@@ -157,8 +157,10 @@ impl<T: Width> RowOps for Fixed<T> {
     "aarch64+neon"
 ))]
 fn saturated_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
+    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
     match (operands, by) {
         ([], _) => cells.fill(T::ZERO),
+        _ if !wide => summed(operands, cells, saturated_part(by)),
         (&[a], 1) => each([a], cells, saturated_sum),
         (&[a], 2) => each([a], cells, saturated_half),
         (&[a, b], 1) => each([a, b], cells, saturated_sum),
@@ -184,7 +186,9 @@ fn wrapped_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
     "aarch64+neon"
 ))]
 fn saturated_some<T: Width>(operands: &[&[T]], words: &[u64], cells: &mut [T]) -> bool {
+    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
     match *operands {
+        _ if !wide => return false,
         [a] => some([a], words, cells, saturated_sum),
         [a, b] => some([a, b], words, cells, saturated_sum),
         _ => return false,
@@ -205,6 +209,7 @@ fn saturated_pair<T: Width>(
     extra: Option<&[T]>,
     cells: &mut [T],
 ) {
+    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
     if by == 1 {
         let one = (back, back_less);
         each_twice(
@@ -212,6 +217,7 @@ fn saturated_pair<T: Width>(
             own,
             extra,
             cells,
+            wide,
             &one,
             &(twice_sum, twice_sum_less),
         );
@@ -222,6 +228,7 @@ fn saturated_pair<T: Width>(
             own,
             extra,
             cells,
+            wide,
             &one,
             &(half_sum, half_sum_less),
         );
@@ -235,7 +242,9 @@ fn saturated_pair<T: Width>(
     "aarch64+neon"
 ))]
 fn positives<T: Width>(operands: &[&[T]], bytes: &mut [u8]) {
+    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
     match *operands {
+        _ if !wide => summed(operands, bytes, positive_wide::<T>),
         [a] => each([a], bytes, positive),
         [a, b] => each([a, b], bytes, positive),
         [a, b, c] => each([a, b, c], bytes, positive),
@@ -250,7 +259,9 @@ fn positives<T: Width>(operands: &[&[T]], bytes: &mut [u8]) {
     "aarch64+neon"
 ))]
 fn positive_words<T: Width>(operands: &[&[T]], words: &mut [u64]) -> bool {
+    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
     match *operands {
+        _ if !wide => return false,
         [a] => above([a], words, signed),
         [a, b] => above([a, b], words, signed),
         [a, b, c] => above([a, b, c], words, signed),

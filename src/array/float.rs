@@ -3,7 +3,7 @@
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
-use multiversion::multiversion;
+use multiversion::{multiversion, target::target_cfg_f};
 
 use super::{
     Ageing, Domain, Place, RowOps, Share,
@@ -93,12 +93,15 @@ fn summed<N: Number, U>(
     "aarch64+neon"
 ))]
 fn row<N: Number>(number: N, operands: &[&[N::Held]], by: u32, cells: &mut [N::Held]) {
+    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
     let by = (by, N::Real::from_i32(by as i32));
     // Times a half is divided by two, to the bit.
     let part = N::Real::ONE / by.1;
     match *operands {
         [] => cells.fill(N::ZERO),
-        _ if !by.0.is_power_of_two() => summed(number, operands, cells, divided(number, by.1)),
+        _ if !wide || !by.0.is_power_of_two() => {
+            summed(number, operands, cells, divided(number, by.1));
+        }
         [a] => each([a], cells, storing(number, part)),
         [a, b] => each([a, b], cells, storing(number, part)),
         [a, b, c] => each([a, b, c], cells, storing(number, part)),
@@ -123,7 +126,8 @@ fn pair<N: Number>(
     let part = N::Real::ONE / N::Real::from_i32(by as i32);
     let one = (one(number, part), one_more(number, part));
     let two = (two(number, part), two_more(number, part));
-    each_twice(operands, own, extra, cells, &one, &two);
+    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
+    each_twice(operands, own, extra, cells, wide, &one, &two);
 }
 
 // What the second of two stores leaves, the first of one operand or of two: without another on the
@@ -156,8 +160,10 @@ fn two_more<N: Number>(number: N, part: N::Real) -> impl Fn(N::Held, N::Held, N:
     "aarch64+neon"
 ))]
 fn positives<N: Number>(number: N, operands: &[&[N::Held]], bytes: &mut [u8]) {
+    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
     match *operands {
         [] => bytes.fill(0),
+        _ if !wide => summed(number, operands, bytes, above_zero),
         [a] => each([a], bytes, positive(number)),
         [a, b] => each([a, b], bytes, positive(number)),
         [a, b, c] => each([a, b, c], bytes, positive(number)),

@@ -159,18 +159,17 @@ const BLOCK: usize = 256;
 ))]
 fn store_run(run: &Run<'_>, operands: &[&[f32]], cells: &mut [f32]) {
     let n = cells.len();
+    // The sums first: one loop for what is long, and not one for each number of operands.
     match *operands {
         [a] => {
-            let a = &a[..n];
-            run.store::<BLOCK>(|i, _| 0.0 + a[i], cells);
+            for (sum, a) in cells.iter_mut().zip(&a[..n]) {
+                *sum = 0.0 + a;
+            }
         }
         [a, b] => {
-            let (a, b) = (&a[..n], &b[..n]);
-            run.store::<BLOCK>(|i, _| 0.0 + a[i] + b[i], cells);
-        }
-        [a, b, c] => {
-            let (a, b, c) = (&a[..n], &b[..n], &c[..n]);
-            run.store::<BLOCK>(|i, _| 0.0 + a[i] + b[i] + c[i], cells);
+            for (sum, (a, b)) in cells.iter_mut().zip(a[..n].iter().zip(&b[..n])) {
+                *sum = 0.0 + a + b;
+            }
         }
         _ => {
             cells.fill(0.0);
@@ -179,9 +178,9 @@ fn store_run(run: &Run<'_>, operands: &[&[f32]], cells: &mut [f32]) {
                     *sum += operand;
                 }
             }
-            run.store::<BLOCK>(|_, sum| sum, cells);
         }
     }
+    run.store::<BLOCK>(|_, sum| sum, cells);
 }
 
 impl Run<'_> {

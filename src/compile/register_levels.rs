@@ -13,7 +13,7 @@ use super::{
     filter::Filter,
     request::{Effort, Objective, Request},
 };
-use crate::isa::Analog;
+use crate::{isa::Analog, order::Order};
 
 /// The registers of the narrowest shipped chip: the search that has the whole effort.
 const USUAL: usize = 6;
@@ -34,7 +34,7 @@ impl Request<'_> {
         let mut all = ordinary_registers(self.device);
         all.retain(|register| !self.keep.contains(register));
         // Those that cannot be chosen come first.
-        all.sort_by_key(|r| *r != self.input && !self.into.contains(r));
+        all.order_by_key(|r| *r != self.input && !self.into.contains(r));
         let pinned = |r: &&Analog| **r == self.input || self.into.contains(*r);
         let fewest = all.iter().filter(pinned).count().max(1);
         let usual = all.len().min(USUAL);

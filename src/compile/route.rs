@@ -1,6 +1,8 @@
 //! The tour of a walk over the places of a kernel: a travelling salesman problem, solved by 2-opt
 //! from several start tours.
 
+use crate::order::Order;
+
 use super::digit::Place;
 
 /// An order in which to visit `visits`, starting at `from` if the walk has begun, and ending at the
@@ -41,13 +43,13 @@ fn start_tours(places: &[Place]) -> Vec<Vec<Place>> {
             (y, if flips & 4 == 0 { x } else { -x })
         };
         let mut lines = places.to_vec();
-        lines.sort_by_key(|place| {
+        lines.order_by_key(|place| {
             let (y, x) = turned(*place);
             (y, if y.rem_euclid(2) == 0 { x } else { -x })
         });
         all.push(lines);
         let mut spiral = places.to_vec();
-        spiral.sort_by_key(|place| {
+        spiral.order_by_key(|place| {
             let (y, x) = turned(*place);
             let ring = y.abs().max(x.abs());
             // Continue around the next ring, beginning beside the end of the ring outside it.

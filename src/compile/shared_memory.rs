@@ -27,7 +27,10 @@ use super::{
     request::{Effort, Objective, Request},
     sensor::{self, SensorProgram, largest_light},
 };
-use crate::isa::{Analog, Device, Figure};
+use crate::{
+    isa::{Analog, Device, Figure},
+    order::Order,
+};
 
 /// The one-bit registers of each kind that waits for its readout, ON and OFF.
 const EVENTS: [[&str; 2]; AT_A_TIME] = [
@@ -160,7 +163,7 @@ fn filters(
         filters as u64 + around
     };
     let mut longest: Vec<usize> = (0..own.len()).collect();
-    longest.sort_by_key(|i| std::cmp::Reverse(own[*i].words.len()));
+    longest.order_by_key(|i| std::cmp::Reverse(own[*i].words.len()));
     for i in longest {
         if words(&own) <= room || request.objective == Objective::Words {
             break;

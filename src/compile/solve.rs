@@ -15,7 +15,10 @@ use super::{
     tour::{NODES, Room, tours},
     walk::walks,
 };
-use crate::rng::{GOLDEN, Hash};
+use crate::{
+    order::Order,
+    rng::{GOLDEN, Hash},
+};
 
 /// Goals, and the resources for them.
 #[derive(Clone, Debug)]
@@ -341,7 +344,7 @@ impl Problem {
     /// The goal over the input comes last.
     fn order(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.goals.len()).collect();
-        order.sort_by_key(|goal| self.registers.into[*goal] == self.registers.input);
+        order.order_by_key(|goal| self.registers.into[*goal] == self.registers.input);
         order
     }
 
@@ -401,7 +404,7 @@ impl Problem {
     ) -> Option<Plan> {
         let least = |mut plans: Vec<Plan>, unit: i64| {
             plans.retain(|plan| plan.pressure(input_is_kept) <= registers);
-            plans.sort_by_key(|plan| plan.words.len());
+            plans.order_by_key(|plan| plan.words.len());
             let holds = |plan: &&Plan| {
                 let trace = plan.trace(unit * FINE);
                 trace.is_some_and(|trace| self.holds(plan, &trace, unit))

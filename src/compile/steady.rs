@@ -5,6 +5,8 @@
 //! the vendor's macros reach by storing twice. It costs one word and a register as long as it is
 //! held; where registers are short, it is made anew.
 
+use crate::order::Order;
+
 use super::{
     beam::SOURCES,
     plan::{Plan, Store, StoreErrors, Word},
@@ -95,7 +97,7 @@ pub(super) fn balanced(plan: &Plan, errors: StoreErrors, registers: usize) -> Re
                 pairs.push(((with_a + with_b - last).abs(), vec![a[0], b[0]]));
             }
         }
-        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        pairs.order_by(|a, b| a.0.total_cmp(&b.0));
         pairs.truncate(PAIRS);
         let pairs = pairs.into_iter().map(|(_, at)| {
             let tried = tried(&changed(&best, &at));

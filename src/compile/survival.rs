@@ -22,7 +22,7 @@ use super::{
     solve::{FINE, Problem, Solved, slack},
     steady::{Reads, greedy, room, steadied},
 };
-use crate::isa::Analog;
+use crate::{isa::Analog, order::Order};
 
 /// Plans that are looked at closely.
 const CLOSELY: usize = 6;
@@ -128,7 +128,7 @@ impl Survival<'_> {
             all.retain(|c| c.solved.border);
         }
         all.extend(self.best(all.clone()));
-        all.sort_by_key(|c| (c.words(), -c.quality()));
+        all.order_by_key(|c| (c.words(), -c.quality()));
         let mut front: Vec<Candidate> = Vec::new();
         for candidate in all {
             let better = |last: &Candidate| last.quality() < candidate.quality();
@@ -351,7 +351,7 @@ impl Survival<'_> {
         for cap in [shortest + slack(shortest), 2 * shortest + 8, usize::MAX] {
             let mut own: Vec<Candidate> =
                 all.iter().filter(|c| c.words() <= cap).cloned().collect();
-            own.sort_by_key(|c| (-c.quality(), c.words()));
+            own.order_by_key(|c| (-c.quality(), c.words()));
             own.truncate(CLOSELY);
             let mut left = TRIES;
             let improved = own
@@ -444,7 +444,7 @@ pub(super) fn halvings(bits: u32) -> Plan {
 
 /// The shorter plans, each once.
 fn short(mut all: Vec<Solved>) -> Vec<Solved> {
-    all.sort_by_key(|solved| (!solved.border, solved.allocated.words.len()));
+    all.order_by_key(|solved| (!solved.border, solved.allocated.words.len()));
     all.dedup_by(|a, b| a.plan == b.plan);
     let fewest = all.iter().map(|s| s.allocated.words.len()).min();
     let most = fewest.map_or(0, |words| 2 * words + 8);

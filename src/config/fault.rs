@@ -6,7 +6,7 @@ use std::{fmt, sync::Arc};
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use super::place::{Place, line_column};
-use crate::limit::FAULTS;
+use crate::{limit::FAULTS, order::Order};
 
 /// Whether a text can still be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,13 +111,13 @@ impl Faults {
     #[must_use]
     pub fn new(file: &str, text: &str, mut faults: Vec<Fault>) -> Self {
         let more = faults.len() > FAULTS;
-        faults.sort_by_key(|fault| (fault.place.start, fault.place.end));
+        faults.order_by_key(|fault| (fault.place.start, fault.place.end));
         faults.dedup();
         if faults.len() > FAULTS {
             // No warning takes the place of an error.
-            faults.sort_by_key(|fault| fault.severity != Severity::Error);
+            faults.order_by_key(|fault| fault.severity != Severity::Error);
             faults.truncate(FAULTS);
-            faults.sort_by_key(|fault| (fault.place.start, fault.place.end));
+            faults.order_by_key(|fault| (fault.place.start, fault.place.end));
         }
         let source = Arc::new(NamedSource::new(file, text.to_owned()));
         let locate = |fault: Fault| {

@@ -8,7 +8,7 @@ use super::{
     ink::{self, Ink},
     text::{LINE, Weight},
 };
-use crate::elementary;
+use crate::{elementary, order::Order};
 
 /// One sensor, a dot of the chart.
 #[derive(Clone, Debug, PartialEq)]
@@ -139,7 +139,7 @@ fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
     let plot = Plot::new(show, top);
     axes(drawing, plot.area, plot.x, plot.y);
     let mut front: Vec<&Dot> = show.dots.iter().filter(|dot| !dot.dominated).collect();
-    front.sort_by(|a, b| {
+    front.order_by(|a, b| {
         let by_cost = a.cost.total_cmp(&b.cost);
         by_cost.then(b.error.total_cmp(&a.error))
     });

@@ -8,7 +8,7 @@ use super::{
     ink::{self, Ink},
     text::{LINE, Weight},
 };
-use crate::elementary;
+use crate::{elementary, order::Order};
 
 /// What a chart of lines is made of.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,7 +102,7 @@ pub fn lines(show: &LinesShow<'_>) -> Drawing {
         .map(|(n, one)| (last(one), colour(n), one.name.as_str()))
         .chain({ show.levels.iter() }.map(|(name, level)| (*level, ink::MATCHED, name.as_str())))
         .collect();
-    named.sort_by(|a, b| b.0.total_cmp(&a.0));
+    named.order_by(|a, b| b.0.total_cmp(&a.0));
     for (n, (_, ink, name)) in (0..).zip(named) {
         let y = top + f64::from(n) * line;
         page.square((area.right() + 20.0, y + line / 2.0), 5.0, ink);

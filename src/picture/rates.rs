@@ -8,7 +8,7 @@ use super::{
     ink::{self, Ink},
     text::{LINE, Weight},
 };
-use crate::elementary;
+use crate::{elementary, order::Order};
 
 /// What a waterfall over frame rate is shown by. Shares are parts of 1, one for each rate.
 #[derive(Clone, Debug)]
@@ -230,7 +230,7 @@ fn stacked(page: &mut Drawing, area: Area, show: &RatesShow<'_>, seen: &[&RatesC
 /// What the biggest causes take, with bars from where to where most chips lie.
 fn spreads(page: &mut Drawing, area: Area, show: &RatesShow<'_>, seen: &[&RatesCause<'_>]) {
     let mut biggest = seen.to_vec();
-    biggest.sort_by(|a, b| b.most().total_cmp(&a.most()));
+    biggest.order_by(|a, b| b.most().total_cmp(&a.most()));
     biggest.truncate(BIGGEST);
     let all = || {
         let spreads = biggest.iter().flat_map(|c| c.spreads.iter().flatten());
@@ -271,7 +271,7 @@ fn spreads(page: &mut Drawing, area: Area, show: &RatesShow<'_>, seen: &[&RatesC
         }
     }
     let line = f64::from(LINE);
-    names.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    names.order_by(|(a, _), (b, _)| a.total_cmp(b));
     let mut free = area.y - line;
     for (i, (at, cause)) in names.iter().enumerate() {
         // Room for those that are still to come.

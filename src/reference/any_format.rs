@@ -4,10 +4,17 @@
 //! Python package do, does not compile the model again.
 
 use super::{
-    counts::Counts, description::Description, firing::Firing, list::EventList, report::Report,
-    sensor::Reference, tally::Tally, voxel::VoxelGrid,
+    counts::Counts,
+    description::Description,
+    firing::Firing,
+    list::{EventList, Limit},
+    report::Report,
+    sensor::Reference,
+    tally::Tally,
+    voxel::VoxelGrid,
 };
 use crate::{
+    mosaic::Mosaic,
     number::{Format, Number, Visitor},
     plane::Size,
     scene::Frame,
@@ -39,6 +46,9 @@ pub trait AnyReference: Sensor + Send {
 
     /// What it has to say of the run, as [`Reference::report`].
     fn report(&self) -> Report;
+
+    /// Sets the bound on event lists that [`Sensor::watch`] keeps.
+    fn set_limit(&mut self, limit: Limit);
 }
 
 impl<N: Number> AnyReference for Reference<N> {
@@ -55,6 +65,10 @@ impl<N: Number> AnyReference for Reference<N> {
 
     fn report(&self) -> Report {
         Self::report(self)
+    }
+
+    fn set_limit(&mut self, limit: Limit) {
+        self.limit = limit;
     }
 }
 
@@ -78,6 +92,27 @@ impl Reference {
             }
         }
         format.visit(Make(description, size, seed))
+    }
+
+    /// [`Reference::on_tiles`] in this format.
+    ///
+    /// # Errors
+    /// As [`Reference::new`].
+    pub fn on_tiles_in_format(
+        format: Format,
+        description: Description,
+        mosaic: &Mosaic,
+        seed: u64,
+    ) -> Result<Box<dyn AnyReference>, SensorError> {
+        struct Make<'a>(Description, &'a Mosaic, u64);
+        impl Visitor for Make<'_> {
+            type Output = Result<Box<dyn AnyReference>, SensorError>;
+            fn visit<N: Number>(self, number: N) -> Self::Output {
+                let made = Reference::on_tiles(number, self.0, self.1, self.2)?;
+                Ok(Box::new(made))
+            }
+        }
+        format.visit(Make(description, mosaic, seed))
     }
 
     /// [`Reference::bytes`] in this format.

@@ -16,6 +16,7 @@ use crate::{
 };
 
 use super::{
+    any_format::{AnyReference, Sinks},
     band::{Band, IntervalInput, Plan},
     description::{Description, MemoryRule},
     list::{Buffers, EventList, Limit},
@@ -44,7 +45,7 @@ pub const fn bands_of(size: Size) -> usize {
 pub struct Reference<N: Number = F64> {
     plan: Plan<N>,
     size: Size,
-    limit: Limit,
+    pub(super) limit: Limit,
     photoreceptors: Photoreceptors<N>,
     low_pass: Option<LowPass>,
     sheets: Option<Sheets>,
@@ -421,7 +422,12 @@ impl<N: Number> Sensor for Reference<N> {
         }
         let buffers = std::mem::take(&mut self.buffers);
         let mut list = EventList::with_buffers(packet, self.limit, buffers);
-        let watched = self.watch_into(frame, &mut list);
+        // Through that door: no loops of its own for lists alone.
+        let sinks = Sinks {
+            list: Some(&mut list),
+            ..Sinks::default()
+        };
+        let watched = self.watch_into_sinks(frame, sinks);
         self.buffers = list.into_buffers();
         watched?;
         packet.span.1 = Micros::from_seconds(frame.seconds);

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use multiversion::multiversion;
+use multiversion::{multiversion, target::target_cfg_f};
 
 use crate::number::{Number, Real};
 
@@ -53,17 +53,12 @@ impl<N: Number> Stepped<N> {
                 .as_mut()
                 .map_or(&mut [], |off| &mut off[range.clone()]),
         };
-        let run = match (times, seen.leak.is_empty(), steps.off.is_empty()) {
-            (false, true, true) => step::<N, false, false, false>,
-            (false, true, false) => step::<N, false, false, true>,
-            (false, false, true) => step::<N, false, true, false>,
-            (false, false, false) => step::<N, false, true, true>,
-            (true, true, true) => step::<N, true, false, false>,
-            (true, true, false) => step::<N, true, false, true>,
-            (true, false, true) => step::<N, true, true, false>,
-            (true, false, false) => step::<N, true, true, true>,
+        let parts = Parts {
+            times,
+            leak: !seen.leak.is_empty(),
+            off: !steps.off.is_empty(),
         };
-        let small = run(number, steps, before, seen, row, scratch);
+        let small = step(number, steps, before, seen, row, scratch, parts);
         let net = &mut self.net[range];
         let counted = if small {
             count::<N::Real, true>(scratch, &mut row.counts, net)
@@ -84,15 +79,68 @@ struct Steps<'a, N: Number> {
     off: &'a mut [f64],
 }
 
+/// What a step has besides counts and memories.
+#[derive(Clone, Copy)]
+struct Parts {
+    /// When thresholds were crossed.
+    times: bool,
+    leak: bool,
+    /// Counts of OFF steps of their own.
+    off: bool,
+}
+
 /// Computes into `whole` how many thresholds each cell crossed; returns whether all are small.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
+fn step<N: Number>(
     number: &N,
     steps: Steps<'_, N>,
     before: &mut [N::Held],
     seen: &Seen<'_, N>,
     row: &mut TrainRow<N::Real>,
     whole: &mut [N::Real],
+    parts: Parts,
+) -> bool {
+    // Only where vectors are wide is there a loop for each.
+    if target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2"))) {
+        return step_with(number, steps, before, seen, row, whole, parts);
+    }
+    macro_rules! with {
+        ($times:literal, $leak:literal, $off:literal) => {{
+            let parts = Parts {
+                times: $times,
+                leak: $leak,
+                off: $off,
+            };
+            step_with(number, steps, before, seen, row, whole, parts)
+        }};
+    }
+    match (parts.times, parts.leak, parts.off) {
+        (false, false, false) => with!(false, false, false),
+        (false, false, true) => with!(false, false, true),
+        (false, true, false) => with!(false, true, false),
+        (false, true, true) => with!(false, true, true),
+        (true, false, false) => with!(true, false, false),
+        (true, false, true) => with!(true, false, true),
+        (true, true, false) => with!(true, true, false),
+        (true, true, true) => with!(true, true, true),
+    }
+}
+
+/// The same; where `parts` is known it is a loop of those parts alone.
+#[allow(clippy::inline_always, clippy::needless_pass_by_value)]
+#[inline(always)]
+fn step_with<N: Number>(
+    number: &N,
+    steps: Steps<'_, N>,
+    before: &mut [N::Held],
+    seen: &Seen<'_, N>,
+    row: &mut TrainRow<N::Real>,
+    whole: &mut [N::Real],
+    Parts {
+        times,
+        leak: leaks,
+        off: counts_off,
+    }: Parts,
 ) -> bool {
     let cells = seen.drive.len();
     // All slices have one length, so that the loop has no bounds checks.
@@ -103,8 +151,8 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
         &steps.net[..cells],
         &mut before[..cells],
     );
-    let leak = &seen.leak[..if LEAK { cells } else { 0 }];
-    let off_steps = &mut steps.off[..if OFF { cells } else { 0 }];
+    let leak = &seen.leak[..if leaks { cells } else { 0 }];
+    let off_steps = &mut steps.off[..if counts_off { cells } else { 0 }];
     let whole = &mut whole[..cells];
     let (first, spacing) = (&mut row.first[..cells], &mut row.spacing[..cells]);
     let fallen = (
@@ -114,29 +162,29 @@ fn step<N: Number, const TIMES: bool, const LEAK: bool, const OFF: bool>(
     let mut most = N::Real::ZERO;
     for x in 0..cells {
         // Without a count of OFF steps the two thresholds are equal.
-        let (on, off) = (on[x], if OFF { off[x] } else { on[x] });
+        let (on, off) = (on[x], if counts_off { off[x] } else { on[x] });
         let mut memory = memory::at(number, base[x], net[x], on);
-        if OFF {
+        if counts_off {
             memory = memory::less_off(number, memory, off_steps[x], on, off);
         }
         let mut to = number.real(number.sub(drive[x], memory));
-        if LEAK {
+        if leaks {
             to = to + leak[x] * fallen.1;
         }
         let per_on = per_on[x];
-        let count = fire::whole(to, per_on, if OFF { per_off[x] } else { per_on });
+        let count = fire::whole(to, per_on, if counts_off { per_off[x] } else { per_on });
         most = most.max_nonnegative(count);
         let count = count.mul_sign(to);
-        if TIMES {
+        if times {
             let mut from = number.real(number.sub(before[x], memory));
-            if LEAK {
+            if leaks {
                 from = from + leak[x] * fallen.0;
             }
             (first[x], spacing[x]) = fire::place(from, to, on, off);
         }
         before[x] = drive[x];
         whole[x] = count;
-        if OFF {
+        if counts_off {
             let count = count.to_f64();
             off_steps[x] -= if count < 0.0 { count } else { 0.0 };
         }

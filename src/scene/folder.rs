@@ -15,7 +15,7 @@ use super::{
     rate::Rate,
     still,
 };
-use crate::{limit::PICTURES, plane::Size};
+use crate::{limit::PICTURES, order::Order, plane::Size};
 
 /// Extensions of the pictures that are read.
 pub(super) const ENDINGS: [&str; 4] = ["png", "pgm", "ppm", "pnm"];
@@ -59,7 +59,7 @@ pub(super) fn open(
         }
         pictures.extend(entry.file_name().map(OsStr::to_owned));
     }
-    pictures.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
+    pictures.order_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
     let room = MemoryLimit::new(options);
     let mut left = VecDeque::from(pictures);
     let count = left.len() as u64;
@@ -187,7 +187,7 @@ mod tests {
             "f009x",
             "f99999999999999999999",
         ];
-        names.sort_by(|a, b| natural(a, b));
+        names.order_by(|a, b| natural(a, b));
         assert_eq!(
             names,
             [

@@ -23,6 +23,7 @@ use crate::{
         Kernel,
         quantise::{Quantiser, Sum},
     },
+    order::Order,
     plane::Size,
     program::{
         Cost, Expectation, ExpectedWords, Program, Step,
@@ -578,7 +579,7 @@ impl Exploration {
 
     /// Finds the front and its knee.
     fn choose(&mut self) {
-        self.candidates.sort_by(|a, b| b.kept.total_cmp(&a.kept));
+        self.candidates.order_by(|a, b| b.kept.total_cmp(&a.kept));
         let beaten: Vec<bool> = { self.candidates.iter() }
             .map(|one| self.candidates.iter().any(|other| other.beats(one)))
             .collect();

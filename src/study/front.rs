@@ -1,5 +1,7 @@
 //! Pareto fronts: what is not dominated in two costs.
 
+use crate::order::Order;
+
 /// Two costs of one thing; the smaller the better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
@@ -23,7 +25,7 @@ impl Cost {
 pub fn dominators(costs: &[Cost]) -> Vec<Option<usize>> {
     let mut order: Vec<usize> = (0..costs.len()).collect();
     let place = |i: &usize| costs.get(*i).map_or((0.0, 0.0), |cost| (cost.x, cost.y));
-    order.sort_by(|a, b| {
+    order.order_by(|a, b| {
         let ((ax, ay), (bx, by)) = (place(a), place(b));
         ax.total_cmp(&bx).then(ay.total_cmp(&by))
     });

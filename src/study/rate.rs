@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::{
     elementary,
-    reference::{Channel, Description, Reference, Tally},
+    reference::{AnyReference, Channel, Description, Reference, Sinks, Tally},
     rig,
     scene::{Scene, SceneError},
     sensor::SensorError,
@@ -214,7 +214,13 @@ fn rates(
         first.get_or_insert(frame.seconds);
         last = frame.seconds;
         let watched = sensors.par_iter_mut();
-        watched.try_for_each(|(sensor, tally)| sensor.watch_into(&frame, tally))?;
+        watched.try_for_each(|(sensor, tally)| {
+            let sinks = Sinks {
+                tally: Some(tally),
+                ..Sinks::default()
+            };
+            sensor.watch_into_sinks(&frame, sinks)
+        })?;
         Ok::<_, RateError>(ControlFlow::Continue(()))
     })?;
     let seconds = last - first.unwrap_or(last);

@@ -44,13 +44,7 @@ pub(super) fn store<D: RowOps>(
         let inside = inner.contains(&y);
         let end = if inside && joined { inner.end } else { y + 1 };
         let rows = (y..end, inside);
-        match bus_inputs.len() {
-            0 => run::<D, 0>(domain, view, bus_inputs, store, cells, clip, rows, room),
-            1 => run::<D, 1>(domain, view, bus_inputs, store, cells, clip, rows, room),
-            2 => run::<D, 2>(domain, view, bus_inputs, store, cells, clip, rows, room),
-            3 => run::<D, 3>(domain, view, bus_inputs, store, cells, clip, rows, room),
-            _ => run::<D, BUS_INPUTS>(domain, view, bus_inputs, store, cells, clip, rows, room),
-        }
+        run(domain, view, bus_inputs, store, cells, clip, rows, room);
         y = end;
     }
     if edges > 0 {
@@ -123,7 +117,7 @@ fn interior<D: RowOps, const N: usize>(
 /// Rows as one run, inside the border or one that is not.
 #[allow(clippy::too_many_arguments)]
 #[inline]
-fn run<D: RowOps, const N: usize>(
+fn run<D: RowOps>(
     domain: &D,
     view: &View<'_, '_, D::Cell>,
     bus_inputs: &[BusInput],
@@ -134,16 +128,18 @@ fn run<D: RowOps, const N: usize>(
     room: &mut [D::Cell],
 ) {
     let (down, right) = store.beside;
-    let mut bus_inputs: [BusInput; N] = *bus_inputs.as_array().unwrap_or(&[BusInput::NONE; N]);
+    let (mut own, wires) = ([BusInput::NONE; BUS_INPUTS], bus_inputs.len());
+    own[..wires].copy_from_slice(bus_inputs);
     if !inside {
-        bus_inputs = view.beyond(&bus_inputs, rows.start.wrapping_add_signed(-down));
+        own = view.beyond(&own, rows.start.wrapping_add_signed(-down));
     }
+    let bus_inputs = &own[..wires];
     let Stretch { left, at, n } = if store.whole && inside {
-        view.stretch(&bus_inputs, store.beside, store.border, &rows)
+        view.stretch(bus_inputs, store.beside, store.border, &rows)
     } else {
         view.between(store.border, &rows)
     };
-    let starts = view.starts(&bus_inputs, at, store.beside);
+    let starts = view.starts(&own, at, store.beside);
     let driver = rows.start.wrapping_add_signed(-down);
     // Off the array FLAG is 1.
     let mut runs = if store.whole || driver >= view.size.height {
@@ -154,7 +150,11 @@ fn run<D: RowOps, const N: usize>(
     };
     while let Some(Run { from, to, all }) = runs.next() {
         let n = to - from;
-        let sources = &view.sources(&bus_inputs, &starts, from, n);
+        let mut sources: [&[D::Cell]; BUS_INPUTS] = [&[]; BUS_INPUTS];
+        for ((source, bus_input), start) in sources.iter_mut().zip(bus_inputs).zip(starts) {
+            *source = view.source(*bus_input, start.wrapping_add(from), n);
+        }
+        let sources = &sources[..wires];
         let old = &mut cells[at + from..][..n];
         let undivided = store.share.by == 1 && !clip;
         if !all && undivided && domain.store_some(sources, runs.words(), old) {

@@ -151,12 +151,18 @@ impl<'a, C> View<'_, 'a, C> {
     ) -> [&[C]; N] {
         let mut sources: [&[C]; N] = [&[]; N];
         for ((source, bus_input), start) in sources.iter_mut().zip(bus_inputs).zip(starts) {
-            *source = match self.planes.get(bus_input.plane) {
-                Some(plane) => &plane[start.wrapping_add(after)..][..n],
-                None => &self.constants.inputs[bus_input.plane - self.planes.len()][..n],
-            };
+            *source = self.source(*bus_input, start.wrapping_add(after), n);
         }
         sources
+    }
+
+    /// `n` cells from `at` on that come along one.
+    #[inline]
+    pub(super) fn source(&self, bus_input: BusInput, at: usize, n: usize) -> &[C] {
+        match self.planes.get(bus_input.plane) {
+            Some(plane) => &plane[at..][..n],
+            None => &self.constants.inputs[bus_input.plane - self.planes.len()][..n],
+        }
     }
 
     /// The words of FLAG of some rows.

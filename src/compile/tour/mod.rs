@@ -25,7 +25,7 @@ use super::{
     linear_form::LinearForm,
     plan::Plan,
 };
-use crate::isa::Direction;
+use crate::{isa::Direction, order::Order};
 
 /// The most copies of the input, itself among them.
 const MOST_COPIES: usize = 5;
@@ -90,7 +90,7 @@ pub(super) fn tours(
     let mut width = NARROW;
     let mut left = tries.len();
     for round in 0..ROUNDS {
-        tries.sort_by_key(|one| one.words);
+        tries.order_by_key(|one| one.words);
         tries.truncate(left);
         let mut at = 0;
         // In turns of a fixed size, so that what is searched does not depend on the threads.
@@ -118,7 +118,7 @@ pub(super) fn tours(
         left = KEPT >> (2 * round);
         width *= WIDER;
     }
-    tries.sort_by_key(|one| one.words);
+    tries.order_by_key(|one| one.words);
     let mut plans = Vec::new();
     for copies in (1..=most).rev() {
         let own = tries

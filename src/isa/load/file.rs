@@ -4,7 +4,10 @@ use super::{
     super::{Clock, Evidence, HostKind, Interval, Kind, Quantity},
     keys::{self, DEVICE, PRIMITIVES, QUANTITY},
 };
-use crate::config::{Fault, Faults, Node, Place, Read, Section};
+use crate::{
+    config::{Fault, Faults, Node, Place, Read, Section},
+    order::Order,
+};
 
 /// A value and its place in the file.
 #[derive(Clone, Debug)]
@@ -130,7 +133,7 @@ fn registers(part: &Section<'_>) -> Read<RegistersFile> {
     let mut aliases: Vec<_> = aliases
         .map(|(alias, name)| (alias.text.to_owned(), placed(name)))
         .collect();
-    aliases.sort_by(|a, b| a.0.cmp(&b.0));
+    aliases.order_by(|a, b| a.0.cmp(&b.0));
     Ok(RegistersFile {
         analogue: names("analogue"),
         news: part.get("news").map(placed),

@@ -1,9 +1,12 @@
 //! The scratch registers that a macro destroys.
 
-use crate::isa::{
-    Callable, Device, Kind,
-    signature::Mode,
-    text::{Argument, Expression, Term},
+use crate::{
+    isa::{
+        Callable, Device, Kind,
+        signature::Mode,
+        text::{Argument, Expression, Term},
+    },
+    order::Order,
 };
 
 use super::{
@@ -17,7 +20,7 @@ impl Macro {
     pub fn scratch(&self, device: &Device) -> Vec<String> {
         let mut names = Vec::new();
         self.collect_scratch(device, &mut names, &mut Vec::new());
-        names.sort();
+        names.order_by(Ord::cmp);
         names.dedup();
         names
     }

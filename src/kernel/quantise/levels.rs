@@ -7,7 +7,10 @@
 //! optimum.
 
 use super::{Chosen, Entry, Parameters, QuantiseError, Quantiser, Sum, error::affordable, total};
-use crate::limit::{QUANTISER_STEPS, QUANTISER_TABLE};
+use crate::{
+    limit::{QUANTISER_STEPS, QUANTISER_TABLE},
+    order::Order,
+};
 
 /// `binary`
 pub static BINARY: Entry = Entry {
@@ -191,7 +194,7 @@ fn rule_of_07(quantiser: Quantiser, weights: &[f64], sum: Sum) -> Result<Chosen,
 /// is tried out.
 fn balanced(weights: &[f64]) -> Chosen {
     let mut order: Vec<usize> = (0..weights.len()).collect();
-    order.sort_by(|a, b| weights[*b].total_cmp(&weights[*a]));
+    order.order_by(|a, b| weights[*b].total_cmp(&weights[*a]));
     let (mut best, mut apart) = ((0.0, 0), 0.0);
     for k in 1..=weights.len() / 2 {
         apart += weights[order[k - 1]] - weights[order[weights.len() - k]];
@@ -222,7 +225,7 @@ fn split(weights: &[f64]) -> Chosen {
             .map(|w| w * sign)
             .filter(|w| *w > 0.0)
             .collect();
-        own.sort_by(|a, b| b.total_cmp(a));
+        own.order_by(|a, b| b.total_cmp(a));
         let mut best = (0.0, f64::INFINITY, 0.0);
         let mut sum = 0.0;
         for (k, w) in (1..).zip(&own) {

@@ -14,6 +14,7 @@ use crate::{
     compare::CompareError,
     event::Packet,
     isa::{Device, Evidence, Figure},
+    order::Order,
     program::readout::{Demand, Scans},
     rig,
     scene::{Frame, Scene, SceneError, part::First},
@@ -465,7 +466,7 @@ impl Trial<'_> {
             });
         }
         let by = |turn: &Turn| (turn.swing(), turn.swing_of_rate());
-        turns.sort_by(|a, b| {
+        turns.order_by(|a, b| {
             let (a, b) = (by(a), by(b));
             b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1))
         });

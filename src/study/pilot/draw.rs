@@ -6,7 +6,7 @@
 //! with a probability in proportion to its size. A tile that alone fills a stratum is taken for
 //! certain. What moves most is always seen.
 
-use crate::rng::Hash;
+use crate::{order::Order, rng::Hash};
 
 /// A tile of the draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub fn draw(activity: &[f64], certain: &[usize], count: usize, seed: u64) -> Vec
     let size = |tile: usize| activity.get(tile).copied().unwrap_or(0.0) + FLOOR * mean;
     // In order of size; equal ones in an order of chance.
     let key = |tile: &usize| (size(*tile), hash(*tile).bits());
-    tiles.sort_by(|a, b| {
+    tiles.order_by(|a, b| {
         let ((a, x), (b, y)) = (key(a), key(b));
         b.total_cmp(&a).then(x.cmp(&y))
     });

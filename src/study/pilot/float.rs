@@ -3,7 +3,7 @@
 use crate::{
     kernel::Kernel,
     mosaic::{Mosaic, Outside},
-    number::{Format, Number, Visitor},
+    number::Format,
     photoreceptor::Curve,
     plane::Size,
     reference::{Border, Description, MemoryRule, Reference, bands_of},
@@ -115,16 +115,14 @@ impl Family for Floats<'_> {
         model: &Choice,
         mosaic: &Mosaic,
     ) -> Result<Box<dyn Sensor + Send>, SensorError> {
-        struct Make<'a>(Description, &'a Mosaic, u64);
-        impl Visitor for Make<'_> {
-            type Output = Result<Box<dyn Sensor + Send>, SensorError>;
-            fn visit<N: Number>(self, number: N) -> Self::Output {
-                let made = Reference::on_tiles(number, self.0, self.1, self.2)?;
-                Ok(Box::new(made))
-            }
-        }
         let description = model.plainer(self.description);
-        model.format.visit(Make(description, mosaic, self.seed))
+        let (format, seed) = (model.format, self.seed);
+        Ok(Reference::on_tiles_in_format(
+            format,
+            description,
+            mosaic,
+            seed,
+        )?)
     }
 
     fn whole(&self, model: &Choice, size: Size) -> Result<Box<dyn Sensor + Send>, SensorError> {

@@ -5,12 +5,10 @@ use std::ops::ControlFlow;
 use crate::{
     event::Packet,
     mosaic::Mosaic,
-    number::{Number, Visitor},
     plane::{At, Size},
     reference::{Limit, Reference},
     rig,
     scene::{Frame, Scene, upsample},
-    sensor::Sensor,
 };
 
 use super::{
@@ -58,7 +56,7 @@ impl<'a> Model<'a> {
     ///
     /// # Errors
     /// When the scene or the sensor cannot go on.
-    pub fn run(&self, scene: impl Scene, seen: impl FnMut()) -> Result<Packet, PlanError> {
+    pub fn run(&self, scene: impl Scene, mut seen: impl FnMut()) -> Result<Packet, PlanError> {
         let keeps = |effect: Effect| !self.choice.leaves_out(effect);
         let contrast = self
             .question
@@ -66,6 +64,17 @@ impl<'a> Model<'a> {
             .filter(|_| keeps(Effect::InsertedFrames));
         let whole = scene.size();
         let mut scene = upsample::by_contrast(scene, contrast)?;
+        self.shown(whole, &mut *scene, &mut seen)
+    }
+
+    /// The same of a scene with its inserted frames, compiled once.
+    fn shown(
+        &self,
+        whole: Size,
+        scene: &mut dyn Scene,
+        seen: &mut dyn FnMut(),
+    ) -> Result<Packet, PlanError> {
+        let keeps = |effect: Effect| !self.choice.leaves_out(effect);
         let window = self.window.clone().filter(|_| !keeps(Effect::Surroundings));
         let mosaic = window.map(|(rows, columns)| {
             let at = At {
@@ -75,12 +84,7 @@ impl<'a> Model<'a> {
             let tile = Size::new(rows.len(), columns.len());
             Mosaic::new(whole, tile, 0, vec![at], 1)
         });
-        let mut packet = self.choice.format.visit(Watch {
-            model: self,
-            mosaic: mosaic.as_ref(),
-            scene: &mut *scene,
-            seen,
-        })?;
+        let mut packet = self.watched(mosaic.as_ref(), scene, seen)?;
         if let Some(at) = mosaic.as_ref().and_then(|mosaic| mosaic.tiles().first()) {
             for event in &mut packet.events {
                 event.x += at.x as u16;
@@ -93,37 +97,31 @@ impl<'a> Model<'a> {
             None => packet,
         })
     }
-}
 
-/// A model that watches, in whatever format.
-struct Watch<'a, F> {
-    model: &'a Model<'a>,
-    mosaic: Option<&'a Mosaic>,
-    scene: &'a mut (dyn Scene + 'a),
-    seen: F,
-}
-
-impl<F: FnMut()> Visitor for Watch<'_, F> {
-    type Output = Result<Packet, PlanError>;
-
-    fn visit<N: Number>(mut self, number: N) -> Self::Output {
+    /// Of a mosaic of one tile, or of the whole.
+    fn watched(
+        &self,
+        mosaic: Option<&Mosaic>,
+        scene: &mut dyn Scene,
+        seen: &mut dyn FnMut(),
+    ) -> Result<Packet, PlanError> {
         let Question {
             description, seed, ..
-        } = *self.model.question;
-        let plain = self.model.choice.plainer(description);
-        let sensor = match self.mosaic {
-            Some(mosaic) => Reference::on_tiles(number, plain, mosaic, seed)?,
-            None => Reference::with_number(number, plain, self.scene.size(), seed)?,
+        } = *self.question;
+        let (format, plain) = (self.choice.format, self.choice.plainer(description));
+        let mut sensor = match mosaic {
+            Some(mosaic) => Reference::on_tiles_in_format(format, plain, mosaic, seed)?,
+            None => Reference::in_format(format, plain, scene.size(), seed)?,
         };
-        let mut sensor = sensor.with_limit(self.model.limit);
+        sensor.set_limit(self.limit);
         let mut packet = Packet::new(sensor.size(), sensor.channels());
-        rig::play(self.scene, |frame| {
-            let frame = match self.mosaic {
+        rig::play(scene, |frame| {
+            let frame = match mosaic {
                 Some(mosaic) => cut(&frame, mosaic),
                 None => frame,
             };
             sensor.watch(&frame, &mut packet)?;
-            (self.seen)();
+            seen();
             Ok::<_, PlanError>(ControlFlow::Continue(()))
         })?;
         Ok(packet)

@@ -3,6 +3,8 @@
 
 use maud::{Markup, html};
 
+use crate::order::Order;
+
 use super::{number, part::wide};
 
 /// A headline, and what moves it.
@@ -46,7 +48,7 @@ const WIDTH: f64 = 100.0;
 pub(super) fn chart(tornado: &Tornado<'_>) -> Markup {
     let mut bars: Vec<&Bar<'_>> = tornado.bars.iter().collect();
     let swing = |bar: &Bar<'_>| bar.swing(tornado.nominal);
-    bars.sort_by(|a, b| swing(b).total_cmp(&swing(a)));
+    bars.order_by(|a, b| swing(b).total_cmp(&swing(a)));
     let all = || {
         bars.iter()
             .flat_map(|bar| bar.ends)

@@ -8,6 +8,8 @@ use std::{
 
 pub use super::difference::Disagreement;
 
+use crate::order::Order;
+
 use super::{
     difference::differences,
     error::{Kept, StoreError},
@@ -117,7 +119,7 @@ fn joined<'a>(manifest: &Manifest, read: &'a [(&'a Path, Held)]) -> Kept<Joined<
     for disagreement in &mut disagreements {
         disagreement.point = indices.get(&*disagreement.id).copied().unwrap_or_default();
     }
-    disagreements.sort_by(|a, b| (a.point, &a.column).cmp(&(b.point, &b.column)));
+    disagreements.order_by(|a, b| (a.point, &a.column).cmp(&(b.point, &b.column)));
     let points: BTreeSet<usize> = disagreements.iter().map(|d| d.point).collect();
     Err(StoreError::Disagree {
         points: points.len(),

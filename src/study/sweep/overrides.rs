@@ -12,7 +12,10 @@ use super::{
     key::{KEYS, Side},
     study::SETTINGS,
 };
-use crate::config::{Document, Fault, Faults, Node, Place, suggestion_or};
+use crate::{
+    config::{Document, Fault, Faults, Node, Place, suggestion_or},
+    order::Order,
+};
 
 /// A key and what it is set to.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -117,7 +120,7 @@ pub fn overridden(file: &str, text: &str, overrides: &[Override]) -> Result<Stri
         let edits = one.edits(document.root(), &text);
         let mut edits = edits.map_err(|fault| Faults::one(&one.text, &one.text, fault))?;
         drop(document);
-        edits.sort_by_key(|(place, _)| std::cmp::Reverse(place.start));
+        edits.order_by_key(|(place, _)| std::cmp::Reverse(place.start));
         for (place, new) in edits {
             text.replace_range(place.start..place.end, &new);
         }

@@ -13,7 +13,10 @@ use super::{
     record::is_failed,
     table::{self, Row},
 };
-use crate::study::front::{Cost, dominators};
+use crate::{
+    order::Order,
+    study::front::{Cost, dominators},
+};
 
 /// The columns that make a sensor.
 const SENSOR: [&str; 18] = [
@@ -154,7 +157,7 @@ impl Report {
             .into_iter()
             .map(|(tasks, sensors)| judged(tasks.len(), sensors))
             .collect();
-        groups.sort_by_key(|group| std::cmp::Reverse(group.sensors.len()));
+        groups.order_by_key(|group| std::cmp::Reverse(group.sensors.len()));
         Self {
             title: manifest.title.clone(),
             cost: cost.to_owned(),
@@ -236,7 +239,7 @@ fn standing(name: &str, key: &[String], rows: &[&Row], cost: &str) -> Option<Sta
 
 /// Marks each sensor with the one that dominates it.
 fn judged(tasks: usize, mut sensors: Vec<Standing>) -> Group {
-    sensors.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.error.total_cmp(&b.error)));
+    sensors.order_by(|a, b| a.cost.total_cmp(&b.cost).then(a.error.total_cmp(&b.error)));
     let costs: Vec<Cost> = sensors
         .iter()
         .map(|s| Cost {

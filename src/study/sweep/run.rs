@@ -24,7 +24,7 @@ use super::{
     store::Store,
     table::{self, Row},
 };
-use crate::catch_panic;
+use crate::{catch_panic, order::Order};
 
 /// One part of a study, for one of several machines: the points whose number leaves `index`
 /// when it is divided by `of`.
@@ -194,7 +194,7 @@ impl Run<'_> {
             }
         })?;
         did.failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
-        did.failed.sort_by_key(|failed| failed.point);
+        did.failed.order_by_key(|failed| failed.point);
         Ok(did)
     }
 
@@ -257,7 +257,7 @@ fn task_by_task(work: &mut [(usize, &Entry)]) {
     for (at, (_, entry)) in work.iter().enumerate() {
         first.entry(entry.task.clone()).or_insert(at);
     }
-    work.sort_by_key(|(_, entry)| first.get(&entry.task).copied());
+    work.order_by_key(|(_, entry)| first.get(&entry.task).copied());
 }
 
 /// Does work in a pool of one thread, so that what would spread over the cores does not.

@@ -6,7 +6,10 @@
 //! NSGA-II, 2002): the first is what nothing dominates, the second what nothing dominates without
 //! the first. Points that are equal add nothing to each other: of them one goes on before the rest.
 
-use crate::study::front::{Cost, dominators};
+use crate::{
+    order::Order,
+    study::front::{Cost, dominators},
+};
 
 /// The area that points dominate up to a corner; points beyond it count nothing.
 #[must_use]
@@ -15,7 +18,7 @@ pub fn hypervolume(points: &[Cost], corner: Cost) -> f64 {
         .filter(|point| point.x < corner.x && point.y < corner.y)
         .copied()
         .collect();
-    inside.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    inside.order_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let (mut area, mut lowest) = (0.0, corner.y);
     for point in inside {
         if point.y < lowest {
@@ -31,7 +34,7 @@ pub fn hypervolume(points: &[Cost], corner: Cost) -> f64 {
 pub fn survivors(points: &[Cost], quota: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     let at = |i: usize| points.get(i).copied().unwrap_or(Cost { x: 0.0, y: 0.0 });
-    order.sort_by(|a, b| {
+    order.order_by(|a, b| {
         let (a, b) = (at(*a), at(*b));
         a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y))
     });
@@ -64,7 +67,7 @@ pub fn survivors(points: &[Cost], quota: usize) -> Vec<usize> {
             };
             adds.push((own, *i));
         }
-        adds.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        adds.order_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         chosen.extend(adds.into_iter().map(|(_, i)| i));
         left = rest;
     }

@@ -10,6 +10,8 @@ use serde::Serialize;
 use serde_json::Value as Json;
 use sha2::{Digest, Sha256};
 
+use crate::order::Order;
+
 use super::{
     difference::differences,
     error::{Kept, StoreError},
@@ -167,7 +169,7 @@ impl Run<'_> {
             Ok(())
         })?;
         let mut differences = found.into_inner().unwrap_or_else(PoisonError::into_inner);
-        differences.sort_by_key(|difference| difference.point);
+        differences.order_by_key(|difference| difference.point);
         Ok(Verified {
             compared,
             finished,

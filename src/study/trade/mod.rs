@@ -16,6 +16,8 @@ use std::fmt;
 
 use serde::Serialize;
 
+use crate::order::Order;
+
 use super::{
     front::{Cost, dominators},
     pilot::{
@@ -281,7 +283,7 @@ impl<M> Trade<M> {
     fn judge(&mut self) {
         let seconds = |point: &Point<M>| point.seconds().unwrap_or(f64::INFINITY);
         self.points
-            .sort_by(|a, b| seconds(a).total_cmp(&seconds(b)));
+            .order_by(|a, b| seconds(a).total_cmp(&seconds(b)));
         let placed = self.points.iter().enumerate();
         let placed: Vec<(usize, Cost)> = placed
             .filter_map(|(i, point)| Some((i, point.cost()?)))

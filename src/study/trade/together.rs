@@ -1,7 +1,7 @@
 //! What is left out together: first what changes least, then one thing more at a time.
 
 use super::Point;
-use crate::study::pilot::family::Family;
+use crate::{order::Order, study::pilot::family::Family};
 
 /// What changes more by itself is not left out with others.
 const MUCH: f64 = 1.0;
@@ -23,7 +23,7 @@ pub fn together<F: Family>(
         .filter(|point| point.model != full && error(point) <= MUCH)
         .partition(|point| alternative(&point.model));
     // Equal ones stay in the order of their list.
-    effects.sort_by(|a, b| error(a).total_cmp(&error(b)));
+    effects.order_by(|a, b| error(a).total_cmp(&error(b)));
     let seconds = |point: &Point<F::Model>| point.seconds().unwrap_or(f64::INFINITY);
     let whole = points.iter().find(|point| point.model == full).map(seconds);
     let best = { formats.into_iter() }
