@@ -196,18 +196,23 @@ impl<'a> Trainee<'a> {
         cells.levels.is_some() && self.state.step as f64 >= from
     }
 
+    /// What is learned of the kernels, as it is now: the state's, which may come from a checkpoint.
+    fn shape(&self) -> Option<Shape> {
+        let mut shape = self.shape.clone()?;
+        if self.arm.cells().is_some_and(|cells| cells.learned) {
+            shape.parameters.clone_from(&self.state.kernel.0);
+        }
+        Some(shape)
+    }
+
     /// The kernels as they are applied now.
     ///
     /// # Errors
     /// When few values leave nothing of one.
     pub fn applied(&self) -> Result<Option<Applied>, TrainError> {
-        let (Some(shape), Some(cells)) = (&self.shape, self.arm.cells()) else {
+        let (Some(shape), Some(cells)) = (self.shape(), self.arm.cells()) else {
             return Ok(None);
         };
-        let mut shape = shape.clone();
-        if cells.learned {
-            shape.parameters.clone_from(&self.state.kernel.0);
-        }
         let applied = shape.apply(self.few(cells));
         applied.map(Some).map_err(|cause| TrainError::Levels {
             arm: self.arm.name.clone(),
@@ -266,12 +271,7 @@ impl<'a> Trainee<'a> {
     #[must_use]
     pub fn as_built(&self, sensor: &Description) -> Description {
         let mut sensor = sensor.clone();
-        let shape = self.shape.clone().map(|mut shape| {
-            if self.arm.cells().is_some_and(|cells| cells.learned) {
-                shape.parameters.clone_from(&self.state.kernel.0);
-            }
-            shape
-        });
+        let shape = self.shape();
         let mesh = shape.as_ref().and_then(Shape::surrounds);
         if let (Some(mesh), Ok(alone)) = (mesh, Kernel::new(Plane::ones((1, 1)))) {
             for channel in &mut sensor.channels {
@@ -530,7 +530,7 @@ impl<'a> Trainee<'a> {
         } else if let Some(reduced) = ConstantRate::new(model.description(), &loss, &events) {
             asked = reduced.kernels.into_iter().flatten().collect();
         }
-        let Some(shape) = &self.shape else {
+        let Some(shape) = self.shape() else {
             return Ok((Vec::new(), 0.0));
         };
         let pulled = shape.pull(applied, &asked);
