@@ -49,11 +49,11 @@ pub fn named(name: &str) -> Option<Arm> {
         "rgc" => Some(free()),
         "rgc-rounded" => Some(Cells {
             levels: Levels::parse("ternary"),
-            rounded_from: 0.5,
             ..free()
         }),
         "ternary" | "int-5" => Some(Cells {
             levels: Levels::parse(name),
+            drawn: true,
             ..free()
         }),
         // What resistors between pixels carry: the pixel, less its surround.
@@ -92,7 +92,7 @@ const fn free() -> Cells {
         kinds: 1,
         pattern: false,
         levels: None,
-        rounded_from: 0.0,
+        drawn: false,
         log: false,
     }
 }

@@ -44,10 +44,10 @@ pub struct Cells {
     pub kinds: usize,
     /// Whether four kernels alternate in a 2x2 pattern.
     pub pattern: bool,
-    /// The few values that weights take.
+    /// The few values that weights have after half of the steps.
     pub levels: Option<Levels>,
-    /// The part of the steps before weights take them: 0 from the first step on.
-    pub rounded_from: f64,
+    /// Whether weights are drawn towards them from the first step on; else they are free until then.
+    pub drawn: bool,
     /// A logarithmic response in place of the task's.
     pub log: bool,
 }

@@ -73,10 +73,8 @@ impl Trainee<'_> {
         };
         self.state.threshold = threshold;
         let parameters: Vec<f64> = found.kernel.unit().iter().copied().collect();
-        self.state.kernel = (parameters.clone(), Adam::new(parameters.len()));
-        if let Some(shape) = &mut self.shape {
-            shape.parameters = parameters;
-        }
+        let adam = Adam::new(parameters.len());
+        self.state.kernel = (parameters, adam);
         if let Some(applied) = self.applied()? {
             self.compile(&applied);
         }

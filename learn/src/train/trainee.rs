@@ -21,8 +21,8 @@ use amacrine::{
 use rayon::prelude::*;
 
 use crate::{
-    arm::{Applied, Arm, Cells, Shape},
-    levels::{Chip, memory_spread},
+    arm::{Applied, Arm, Shape},
+    levels::{Chip, LevelsError, memory_spread},
     network::{Adam, Maps, Network},
     record::KernelAt,
     scene::Clips,
@@ -54,6 +54,13 @@ const MOST: f64 = 5.0;
 
 /// Of the first rate of learning, what is left at the end.
 const LEFT: f64 = 0.01;
+
+/// Of a run, the part after which weights of few values hold still.
+const HELD: f64 = 0.5;
+
+/// How far a weight that the loss always moves the same way may stand off its level, of a kernel's
+/// length: at the first step, and when weights begin to hold still.
+const GIVE: [f64; 2] = [1.0, 0.01];
 
 /// Snapshots of the kernels in a run.
 const SNAPSHOTS: u64 = 20;
@@ -103,7 +110,8 @@ pub struct Trainee<'a> {
     /// The seed.
     pub seed: u64,
     pub(super) network: Network<f32>,
-    pub(super) shape: Option<Shape>,
+    /// The kernels as they began: see [`Trainee::shape`].
+    begun: Option<Shape>,
     times: Vec<f64>,
     /// What was compiled on the way.
     pub(super) chip: Option<Arc<Chip>>,
@@ -158,7 +166,7 @@ impl<'a> Trainee<'a> {
             target,
             seed,
             network,
-            shape,
+            begun: shape,
             chip: None,
             spread: memory_spread(&Device::scamp5()),
             times: task.scenes.times(),
@@ -190,15 +198,34 @@ impl<'a> Trainee<'a> {
         }
     }
 
-    /// Whether weights take few values at this step.
-    fn few(&self, cells: &Cells) -> bool {
-        let from = cells.rounded_from * self.task.steps as f64;
-        cells.levels.is_some() && self.state.step as f64 >= from
+    /// Whether weights have few values at this step, and hold still.
+    fn held(&self) -> bool {
+        let few = self.arm.cells().is_some_and(|cells| cells.levels.is_some());
+        few && self.part() >= HELD
+    }
+
+    /// Of the steps, the part that is done.
+    fn part(&self) -> f64 {
+        self.state.step as f64 / self.task.steps as f64
+    }
+
+    /// After a step of this rate, how far weights go of the way to their levels.
+    ///
+    /// Where `give` is what a weight may stand off its level, a step of the loss and `rate / give` of
+    /// that way back are as long.
+    fn drawn(&self, rate: f64) -> f64 {
+        let [first, last] = GIVE.map(amacrine::elementary::ln);
+        let give = amacrine::elementary::exp(first + (last - first) * self.part() / HELD);
+        if self.arm.cells().is_some_and(|cells| cells.drawn) {
+            (rate / give).min(1.0)
+        } else {
+            0.0
+        }
     }
 
     /// What is learned of the kernels, as it is now: the state's, which may come from a checkpoint.
     fn shape(&self) -> Option<Shape> {
-        let mut shape = self.shape.clone()?;
+        let mut shape = self.begun.clone()?;
         if self.arm.cells().is_some_and(|cells| cells.learned) {
             shape.parameters.clone_from(&self.state.kernel.0);
         }
@@ -213,12 +240,22 @@ impl<'a> Trainee<'a> {
         let (Some(shape), Some(cells)) = (self.shape(), self.arm.cells()) else {
             return Ok(None);
         };
-        let applied = shape.apply(self.few(cells));
-        applied.map(Some).map_err(|cause| TrainError::Levels {
+        debug_assert!(cells.learned || cells.levels.is_none());
+        let applied = shape.apply(self.held());
+        applied.map(Some).map_err(|cause| self.levels_error(cause))
+    }
+
+    fn levels_error(&self, cause: LevelsError) -> TrainError {
+        TrainError::Levels {
             arm: self.arm.name.clone(),
             step: self.state.step,
             cause,
-        })
+        }
+    }
+
+    /// Whether memories snap, as the chip's do: once it is in the loop.
+    fn snaps(&self) -> bool {
+        self.state.chip[1] > 0.0
     }
 
     /// The sensor with these kernels and this threshold.
@@ -254,7 +291,11 @@ impl<'a> Trainee<'a> {
         Description {
             name: self.name(),
             response,
-            memory: MemoryRule::FilteredStep,
+            memory: if self.snaps() {
+                MemoryRule::FilteredSnap
+            } else {
+                MemoryRule::FilteredStep
+            },
             shared: false,
             polarity: PolarityRule::Filtered,
             border: Border::Replicate,
@@ -320,8 +361,7 @@ impl<'a> Trainee<'a> {
 
     /// What is left of the rates of learning: half a cosine.
     fn left(&self) -> f64 {
-        let part = self.state.step as f64 / self.task.steps as f64;
-        let cosine = amacrine::elementary::cos(std::f64::consts::PI * part.min(1.0));
+        let cosine = amacrine::elementary::cos(std::f64::consts::PI * self.part().min(1.0));
         LEFT + (1.0 - LEFT) * 0.5 * (1.0 + cosine)
     }
 
@@ -375,7 +415,7 @@ impl<'a> Trainee<'a> {
             let voxels = seen.map_or(&[][..], |seen| seen.voxels());
             return Err(self.not_finite(&light, voxels, loss.mean));
         }
-        let learned = self.arm.cells().is_some_and(|cells| cells.learned);
+        let learned = self.arm.cells().is_some_and(|cells| cells.learned) && !self.held();
         let back: Vec<_> = { kept.par_iter().zip(loss.asked) }
             .map(|(seen, asked)| {
                 let mut gradient = vec![0.0; weights.len()];
@@ -407,12 +447,11 @@ impl<'a> Trainee<'a> {
         let left = self.left();
         let (weights, adam) = &mut self.state.network;
         adam.step(weights, &gradient, self.task.rates.0 * left);
-        if let (Some((kernel, by_threshold)), Some(shape)) = (moved, &mut self.shape) {
+        if let Some((kernel, by_threshold)) = moved {
+            let rate = self.task.rates.1 * left;
             let (parameters, adam) = &mut self.state.kernel;
-            adam.step(parameters, &kernel, self.task.rates.1 * left);
-            shape.parameters.clone_from(parameters);
-            shape.settle();
-            parameters.clone_from(&shape.parameters);
+            adam.step(parameters, &kernel, rate);
+            self.settle(self.drawn(rate))?;
             if self.task.sparsity.is_some() {
                 // The price of events moves the threshold as well.
                 let way = by_threshold.signum() * self.task.rates.1 * left;
@@ -422,12 +461,34 @@ impl<'a> Trainee<'a> {
         self.follow(loss.mean, rate)?;
         self.state.step += 1;
         self.keep(applied.as_ref());
+        if learned && self.held() {
+            // Their last step: they are levels from here on.
+            self.settle(1.0)?;
+            if let Some(applied) = self.applied()? {
+                self.compile(&applied);
+            }
+        }
         if self.search_due()
             && let Some(applied) = self.applied()?
         {
             self.compile(&applied);
             self.exchange(&applied, clips)?;
         }
+        Ok(())
+    }
+
+    /// Leaves kernels at length 1 after a step, and this part of the way nearer to their levels.
+    fn settle(&mut self, drawn: f64) -> Result<(), TrainError> {
+        let Some(mut shape) = self.shape() else {
+            return Ok(());
+        };
+        shape.settle();
+        if drawn > 0.0 {
+            shape
+                .draw(drawn)
+                .map_err(|cause| self.levels_error(cause))?;
+        }
+        self.state.kernel.0 = shape.parameters;
         Ok(())
     }
 
@@ -580,13 +641,13 @@ impl<'a> Trainee<'a> {
         self.state.history.push(at);
     }
 
-    /// Takes the chip into the loop, from a third of the steps on, where weights have few values.
+    /// Takes the chip into the loop, where weights have few values and hold still.
     ///
     /// What the chip refuses is trained on without it; the report then has no rows of the chip.
     pub(super) fn compile(&mut self, applied: &Applied) {
         let cells = self.arm.cells();
         let alone = cells.is_some_and(|cells| cells.kinds == 1 && !cells.pattern && !cells.log);
-        if !alone || self.task.chip.is_none() || 3 * self.state.step < self.task.steps {
+        if !alone || self.task.chip.is_none() || self.task.sensor.refractory_us > 0.0 {
             return;
         }
         let [kernel] = applied.few() else { return };
