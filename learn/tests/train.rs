@@ -193,6 +193,17 @@ fn levels_hold_still_while_the_network_learns() {
     }
 }
 
+/// Where events have a price, thresholds are learned, and go on when kernels hold still.
+#[test]
+fn a_price_of_events_moves_thresholds_to_the_end() {
+    let text = text("interpolation", "\"ternary\"");
+    let states = gone(&format!("{text}[sparsity]\nweight = 1e-4\n"), 12);
+    for two in states.windows(2) {
+        assert_ne!(two[0].threshold, two[1].threshold, "{}", two[1].step);
+    }
+    assert_eq!(states[6].kernel, states[11].kernel);
+}
+
 /// A kernel of few values learns as a free one does. Levels that swing, and a latent kernel that
 /// wanders off while they do not follow, cost a third of it.
 #[test]

@@ -237,10 +237,9 @@ impl<'a> Trainee<'a> {
     /// # Errors
     /// When few values leave nothing of one.
     pub fn applied(&self) -> Result<Option<Applied>, TrainError> {
-        let (Some(shape), Some(cells)) = (self.shape(), self.arm.cells()) else {
+        let Some(shape) = self.shape() else {
             return Ok(None);
         };
-        debug_assert!(cells.learned || cells.levels.is_none());
         let applied = shape.apply(self.held());
         applied.map(Some).map_err(|cause| self.levels_error(cause))
     }
@@ -415,7 +414,10 @@ impl<'a> Trainee<'a> {
             let voxels = seen.map_or(&[][..], |seen| seen.voxels());
             return Err(self.not_finite(&light, voxels, loss.mean));
         }
-        let learned = self.arm.cells().is_some_and(|cells| cells.learned) && !self.held();
+        let learned = self.arm.cells().is_some_and(|cells| cells.learned);
+        let learning = learned && !self.held();
+        // Where events have a price, thresholds are learned with the kernel, and go on when it is held.
+        let learned = learning || learned && self.task.sparsity.is_some();
         let back: Vec<_> = { kept.par_iter().zip(loss.asked) }
             .map(|(seen, asked)| {
                 let mut gradient = vec![0.0; weights.len()];
@@ -449,9 +451,11 @@ impl<'a> Trainee<'a> {
         adam.step(weights, &gradient, self.task.rates.0 * left);
         if let Some((kernel, by_threshold)) = moved {
             let rate = self.task.rates.1 * left;
-            let (parameters, adam) = &mut self.state.kernel;
-            adam.step(parameters, &kernel, rate);
-            self.settle(self.drawn(rate))?;
+            if learning {
+                let (parameters, adam) = &mut self.state.kernel;
+                adam.step(parameters, &kernel, rate);
+                self.settle(self.drawn(rate))?;
+            }
             if self.task.sparsity.is_some() {
                 // The price of events moves the threshold as well.
                 let way = by_threshold.signum() * self.task.rates.1 * left;
@@ -461,7 +465,7 @@ impl<'a> Trainee<'a> {
         self.follow(loss.mean, rate)?;
         self.state.step += 1;
         self.keep(applied.as_ref());
-        if learned && self.held() {
+        if learning && self.held() {
             // Their last step: they are levels from here on.
             self.settle(1.0)?;
             if let Some(applied) = self.applied()? {
@@ -551,11 +555,16 @@ impl<'a> Trainee<'a> {
         applied: &Applied,
     ) -> Result<(Vec<f64>, f64), TrainError> {
         let wrong = |cause| self.gradient_error(cause);
+        let rule = if self.snaps() {
+            Rule::Reset
+        } else {
+            Rule::Mean
+        };
         let ask = Ask {
             voxels: Some(voxels),
             ..Ask::default()
         };
-        let loss = model.backward(seen, &ask, Rule::Mean).map_err(wrong)?;
+        let loss = model.backward(seen, &ask, rule).map_err(wrong)?;
         let slope = if self.task.sparsity.is_some() {
             Slope::Fired
         } else {
@@ -566,7 +575,7 @@ impl<'a> Trainee<'a> {
             slope,
             ..Ask::default()
         };
-        let events = model.backward(seen, &ask, Rule::Mean).map_err(wrong)?;
+        let events = model.backward(seen, &ask, rule).map_err(wrong)?;
         let planes = |gradient: &Gradient<f32>| -> Vec<Plane<f64>> {
             gradient
                 .channels
