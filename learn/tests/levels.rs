@@ -10,7 +10,7 @@ use amacrine::{
     rng::Hash,
 };
 use amacrine_learn::{
-    arm::{self, Shape},
+    arm::{self, Few, Shape},
     levels::{Chip, Levels, LevelsError, Projected, Symmetry, search},
     scene::{Clips, Photographs},
     task::Task,
@@ -168,7 +168,10 @@ fn drawn_weights_arrive_at_their_levels() {
         ("int-5", 4),
     ] {
         let mut cells = arm::named("ternary").unwrap().cells().unwrap().clone();
-        cells.levels = Some(levels(name));
+        cells.few = Some(Few {
+            levels: levels(name),
+            drawn: true,
+        });
         let mut shape = Shape::new(&cells, 1);
         shape.parameters = drawn(seed, 5).into_iter().collect();
         shape.settle();

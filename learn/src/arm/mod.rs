@@ -45,11 +45,19 @@ pub struct Cells {
     /// Whether four kernels alternate in a 2x2 pattern.
     pub pattern: bool,
     /// The few values that weights have after half of the steps.
-    pub levels: Option<Levels>,
-    /// Whether weights are drawn towards them from the first step on; else they are free until then.
-    pub drawn: bool,
+    pub few: Option<Few>,
     /// A logarithmic response in place of the task's.
     pub log: bool,
+}
+
+/// Few values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Few {
+    /// Which.
+    pub levels: Levels,
+    /// Whether weights are drawn towards them from the first step on; else they are free until they
+    /// have them.
+    pub drawn: bool,
 }
 
 /// What kernels begin as.

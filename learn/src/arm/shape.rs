@@ -113,7 +113,7 @@ impl Shape {
         let mut shape = Self {
             form,
             parameters,
-            levels: cells.levels.clone(),
+            levels: cells.few.as_ref().map(|few| few.levels.clone()),
         };
         shape.settle();
         shape

@@ -46,7 +46,7 @@ impl Trainee<'_> {
     /// # Errors
     /// When nothing is left of a kernel.
     pub(super) fn exchange(&mut self, applied: &Applied, clips: &Clips) -> Result<(), TrainError> {
-        let levels = self.arm.cells().and_then(|cells| cells.levels.as_ref());
+        let levels = self.few().map(|few| &few.levels);
         let ([kernel], [latent], Some(levels), Some(chip)) =
             (applied.few(), applied.latent(), levels, self.chip.clone())
         else {

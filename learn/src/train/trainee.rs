@@ -21,7 +21,7 @@ use amacrine::{
 use rayon::prelude::*;
 
 use crate::{
-    arm::{Applied, Arm, Shape},
+    arm::{Applied, Arm, Few, Shape},
     levels::{Chip, LevelsError, memory_spread},
     network::{Adam, Maps, Network},
     record::KernelAt,
@@ -198,10 +198,14 @@ impl<'a> Trainee<'a> {
         }
     }
 
+    /// The few values that weights come to have.
+    pub(super) fn few(&self) -> Option<&Few> {
+        self.arm.cells().and_then(|cells| cells.few.as_ref())
+    }
+
     /// Whether weights have few values at this step, and hold still.
     fn held(&self) -> bool {
-        let few = self.arm.cells().is_some_and(|cells| cells.levels.is_some());
-        few && self.part() >= HELD
+        self.few().is_some() && self.part() >= HELD
     }
 
     /// Of the steps, the part that is done.
@@ -216,7 +220,7 @@ impl<'a> Trainee<'a> {
     fn drawn(&self, rate: f64) -> f64 {
         let [first, last] = GIVE.map(amacrine::elementary::ln);
         let give = amacrine::elementary::exp(first + (last - first) * self.part() / HELD);
-        if self.arm.cells().is_some_and(|cells| cells.drawn) {
+        if self.few().is_some_and(|few| few.drawn) {
             (rate / give).min(1.0)
         } else {
             0.0
@@ -465,6 +469,11 @@ impl<'a> Trainee<'a> {
         self.follow(loss.mean, rate)?;
         self.state.step += 1;
         self.keep(applied.as_ref());
+        self.turn(learning, clips)
+    }
+
+    /// What is due between two steps: to hold still, to look for what is worth more.
+    fn turn(&mut self, learning: bool, clips: &Clips) -> Result<(), TrainError> {
         if learning && self.held() {
             // Their last step: they are levels from here on.
             self.settle(1.0)?;
