@@ -243,7 +243,7 @@ fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>]) -> Result<()> {
     let mut total = Duration::ZERO;
     let mut most: usize = 0;
     // What has few levels is judged longest: its program is sought longest.
-    let few = |job: &&Job<'_>| job.arm.cells().map(|cells| cells.levels.is_some());
+    let few = |job: &&Job<'_>| job.arm.cells().map(|cells| cells.few.is_some());
     let judged = jobs.iter().max_by_key(few).map(|job| job.arm.name.as_str());
     let mut judge = Duration::ZERO;
     for arm in &task.arms {

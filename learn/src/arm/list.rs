@@ -1,6 +1,6 @@
 //! The arms that a task may name.
 
-use super::{Arm, Cells, Sight, Start};
+use super::{Arm, Cells, Few, Sight, Start};
 use crate::levels::Levels;
 
 /// Their names, in the order in which they are told.
@@ -48,12 +48,11 @@ pub fn named(name: &str) -> Option<Arm> {
         }),
         "rgc" => Some(free()),
         "rgc-rounded" => Some(Cells {
-            levels: Levels::parse("ternary"),
-            rounded_from: 0.5,
+            few: few("ternary", false),
             ..free()
         }),
         "ternary" | "int-5" => Some(Cells {
-            levels: Levels::parse(name),
+            few: few(name, true),
             ..free()
         }),
         // What resistors between pixels carry: the pixel, less its surround.
@@ -84,6 +83,10 @@ pub fn named(name: &str) -> Option<Arm> {
     })
 }
 
+fn few(name: &str, drawn: bool) -> Option<Few> {
+    Levels::parse(name).map(|levels| Few { levels, drawn })
+}
+
 /// A learned kernel of any weights, that of an event camera at first.
 const fn free() -> Cells {
     Cells {
@@ -91,8 +94,7 @@ const fn free() -> Cells {
         learned: true,
         kinds: 1,
         pattern: false,
-        levels: None,
-        rounded_from: 0.0,
+        few: None,
         log: false,
     }
 }

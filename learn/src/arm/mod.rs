@@ -44,12 +44,20 @@ pub struct Cells {
     pub kinds: usize,
     /// Whether four kernels alternate in a 2x2 pattern.
     pub pattern: bool,
-    /// The few values that weights take.
-    pub levels: Option<Levels>,
-    /// The part of the steps before weights take them: 0 from the first step on.
-    pub rounded_from: f64,
+    /// The few values that weights have after half of the steps.
+    pub few: Option<Few>,
     /// A logarithmic response in place of the task's.
     pub log: bool,
+}
+
+/// Few values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Few {
+    /// Which.
+    pub levels: Levels,
+    /// Whether weights are drawn towards them from the first step on; else they are free until they
+    /// have them.
+    pub drawn: bool,
 }
 
 /// What kernels begin as.

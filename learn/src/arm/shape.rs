@@ -91,8 +91,7 @@ impl Shape {
             }
             Start::Delta(side) => {
                 let kernels = cells.kinds * if cells.pattern { 4 } else { 1 };
-                let alone = kernels == 1 && cells.levels.is_none();
-                let apart = if alone { 0.0 } else { APART };
+                let apart = if kernels == 1 { 0.0 } else { APART };
                 let weight = |n: usize| {
                     let place = n % (side * side);
                     let centre = if place == side * side / 2 { 1.0 } else { 0.0 };
@@ -114,7 +113,7 @@ impl Shape {
         let mut shape = Self {
             form,
             parameters,
-            levels: cells.levels.clone(),
+            levels: cells.few.as_ref().map(|few| few.levels.clone()),
         };
         shape.settle();
         shape
@@ -147,6 +146,26 @@ impl Shape {
             }
             Form::Given(_) => {}
         }
+    }
+
+    /// Draws each kernel this part of the way to the nearest one in few values, where it has some.
+    ///
+    /// # Errors
+    /// When few values leave nothing of a kernel.
+    pub fn draw(&mut self, part: f64) -> Result<(), LevelsError> {
+        let (Form::Weights { side, .. }, Some(levels)) = (&self.form, &self.levels) else {
+            return Ok(());
+        };
+        let side = *side;
+        for kernel in self.parameters.chunks_mut(side * side) {
+            let plane = Plane::from_shape_fn((side, side), |(y, x)| kernel[y * side + x]);
+            let near = levels.project(&plane)?;
+            for (weight, level) in kernel.iter_mut().zip(&near.levels) {
+                *weight += part * (level * near.scale - *weight);
+            }
+        }
+        self.settle();
+        Ok(())
     }
 
     /// The space constant and the gain of a mesh.
@@ -224,21 +243,12 @@ impl Shape {
         })
     }
 
-    /// The gradient of the parameters from that of the kernels.
+    /// The gradient of the parameters from that of the kernels, where they are of any weights.
     #[must_use]
     pub fn pull(&self, applied: &Applied, asked: &[Plane<f64>]) -> Vec<f64> {
-        let planes = applied.levels.as_ref().unwrap_or(&applied.latent);
-        let mut asked: Vec<_> = planes
-            .iter()
-            .zip(asked)
+        let asked: Vec<_> = { applied.latent.iter().zip(asked) }
             .map(|(p, g)| unscaled(p, g))
             .collect();
-        if let Some(levels) = &self.levels {
-            let parts = applied.latent.iter().zip(&applied.projected);
-            for (asked, (latent, projected)) in asked.iter_mut().zip(parts) {
-                *asked = levels.pull(latent, projected, asked);
-            }
-        }
         match &self.form {
             Form::Given(_) => Vec::new(),
             Form::Weights { .. } => asked.into_iter().flatten().collect(),

@@ -1,10 +1,9 @@
-//! Kernels of few values: what the chip can compute, and how a gradient passes through it.
+//! Kernels of few values: what the chip can compute.
 //!
-//! Training holds a kernel of any weights, the latent one. [`Levels::project`] gives the nearest
-//! kernel in few values, which the forward pass uses; [`Levels::pull`] takes the loss's
-//! gradient of that one to the latent one (straight-through). One scale is free, since thresholds
-//! absorb it. [`Chip::compile`] says what the chip makes of it: words, halvings, noise, the least
-//! threshold; [`search()`] looks among neighbours for one that is worth more there.
+//! Training holds a kernel of any weights, the latent one, and draws it towards the nearest one in few
+//! values, [`Levels::project`], until it is that. One scale is free, since thresholds absorb it.
+//! [`Chip::compile`] says what the chip makes of it: words, halvings, noise, the least threshold;
+//! [`search()`] looks among neighbours for one that is worth more there.
 
 mod chip;
 mod error;

@@ -1,4 +1,4 @@
-//! The nearest kernel in few values, and the way back.
+//! The nearest kernel in few values.
 
 use amacrine::{
     kernel::{
@@ -16,9 +16,6 @@ use super::{
 
 /// Turns of the search for a scale where the sum is held to 0; each is nearer than the last.
 const TURNS: usize = 50;
-
-/// How far beyond the largest level, in levels, a latent weight still feels the loss.
-const BEYOND: f64 = 0.5;
 
 /// A kernel in few values.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,34 +84,6 @@ impl Levels {
             scale: scale.max(f64::MIN_POSITIVE),
         })
     }
-
-    /// From the loss's gradient of the levels to that of the latent kernel: straight through where
-    /// a latent weight lies within half a level of the levels' range; without its mean over these
-    /// places where the sum is 0; the same within a symmetry. The latent kernel is to be brought
-    /// back to norm 1 after each step, else it grows and its levels freeze.
-    #[must_use]
-    pub fn pull(
-        &self,
-        latent: &Plane<f64>,
-        projected: &Projected,
-        gradient: &Plane<f64>,
-    ) -> Plane<f64> {
-        let shape = latent.dim();
-        let Ok(orbits) = Orbits::new(self.symmetry, shape) else {
-            return Plane::zeros(shape);
-        };
-        let most = (f64::from(self.largest()) + BEYOND) * projected.scale;
-        let even = orbits.plane(&orbits.means(latent), shape);
-        let felt = even.mapv(|w| w.abs() <= most);
-        let mut pulled = orbits.plane(&orbits.means(gradient), shape) / projected.scale;
-        let places = felt.iter().filter(|own| **own).count().max(1) as f64;
-        let sum: f64 = { pulled.iter().zip(&felt) }
-            .map(|(g, own)| if *own { *g } else { 0.0 })
-            .sum();
-        let mean = if self.zero_sum { sum / places } else { 0.0 };
-        pulled.zip_mut_with(&felt, |g, own| *g = if *own { *g - mean } else { 0.0 });
-        pulled
-    }
 }
 
 impl Projected {
@@ -130,21 +99,27 @@ impl Projected {
         (&self.levels * &self.levels).sum().sqrt()
     }
 
-    /// The kernel for the compiler: levels of at most 1, by a power of two; and that power.
+    /// The kernel for the compiler: levels without a common factor, and of at most 1 by a power of two;
+    /// and what they were divided by in all. A point of light at level 15 is one at level 1.
     ///
     /// # Errors
     /// Never, unless the levels were changed.
     pub fn kernel(&self) -> Result<(Kernel, f64), LevelsError> {
-        let largest = self
-            .levels
-            .iter()
-            .fold(1.0, |most: f64, l| most.max(l.abs()));
-        let mut power = 1.0;
-        while power < largest {
+        let whole = self.levels.iter().map(|level| level.abs() as u64);
+        let factor = whole.fold(0, common).max(1) as f64;
+        let largest =
+            { self.levels.iter() }.fold(1.0, |most: f64, level| most.max(level.abs() / factor));
+        let mut power = factor;
+        while power < largest * factor {
             power *= 2.0;
         }
         Ok((Kernel::new(&self.levels / power)?, power))
     }
+}
+
+/// The largest common factor.
+const fn common(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { common(b, a % b) }
 }
 
 /// One weight for each orbit.

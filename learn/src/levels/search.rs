@@ -27,7 +27,8 @@ pub struct Found {
 
 /// Looks among kernels that differ from `start` by one step of one level (of one orbit, and of a
 /// second one where the sum is 0) for one that scores less; from the best of them again, until none
-/// is better or `most` were judged. Those nearest to `latent` are judged first; those that do not
+/// is better or `most` were judged. Those nearest to `latent` are judged first, one whose levels are less in
+/// all and one of the others in turn; those that do not
 /// compile are passed over. All are compiled for one threshold: [`Chip::compile`].
 ///
 /// # Errors
@@ -92,7 +93,7 @@ pub fn search(
     }
 }
 
-/// All neighbours, the nearest to the latent kernel first.
+/// All neighbours, one of less and one of more in turn, the nearest to the latent kernel first.
 fn neighbours(
     levels: &Levels,
     kernel: &Projected,
@@ -142,5 +143,15 @@ fn neighbours(
         }
     }
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(found.into_iter().map(|(_, kernel)| kernel).collect())
+    // A larger level costs a kernel less than a smaller one, so that the nearest are nearly all larger.
+    let size = |levels: &Plane<f64>| levels.iter().map(|level| level.abs()).sum::<f64>();
+    let all = size(&kernel.levels);
+    let (less, more): (Vec<_>, Vec<_>) = { found.into_iter().map(|(_, kernel)| kernel) }
+        .partition(|kernel| size(&kernel.levels) < all);
+    let turns = less.len().max(more.len());
+    let (mut less, mut more) = (less.into_iter(), more.into_iter());
+    Ok((0..turns)
+        .flat_map(|_| [less.next(), more.next()])
+        .flatten()
+        .collect())
 }

@@ -79,7 +79,7 @@ pub(super) const TASK: Table = Table::new(&[
         "chip",
         Kind::Choice(&["scamp5", "none"]),
         "\"scamp5\"",
-        "the chip in the loop: its noise and its whole thresholds, for kernels of few values",
+        "the chip in the loop: its noise, its whole thresholds and its memory, for kernels of few values",
     ),
     Key::optional(
         "price",

@@ -1,7 +1,7 @@
 //! Checkpoints: all that a run needs to go on as if it had not been stopped.
 //!
 //! ```text
-//! amacrine-learn checkpoint 1     the version
+//! amacrine-learn checkpoint 2     the version
 //! {"identity": …, "step": …, …}   what it is of, and the small numbers
 //! …                               weights and moments, little-endian, f32 and then f64
 //! …                               SHA-256 of all before it
@@ -17,7 +17,7 @@ use crate::{network::Adam, record::KernelAt};
 
 use super::{error::TrainError, trainee::State};
 
-const FIRST_LINE: &str = "amacrine-learn checkpoint 1\n";
+const FIRST_LINE: &str = "amacrine-learn checkpoint 2\n";
 
 #[derive(Serialize, Deserialize)]
 struct Header {

@@ -46,7 +46,7 @@ impl Trainee<'_> {
     /// # Errors
     /// When nothing is left of a kernel.
     pub(super) fn exchange(&mut self, applied: &Applied, clips: &Clips) -> Result<(), TrainError> {
-        let levels = self.arm.cells().and_then(|cells| cells.levels.as_ref());
+        let levels = self.few().map(|few| &few.levels);
         let ([kernel], [latent], Some(levels), Some(chip)) =
             (applied.few(), applied.latent(), levels, self.chip.clone())
         else {
@@ -56,10 +56,15 @@ impl Trainee<'_> {
         let light = batch.light(self.task.sensor.light_noise, self.draw(Reason::Test, 0));
         let [word, lost] = self.task.price;
         let threshold = self.state.threshold * 255.0;
-        let score = |kernel: &Projected, made: &OnChip| {
-            let judged = self.worth(kernel, (&batch, &light));
-            let loss = judged.map_or(f64::INFINITY, |(_, loss)| loss);
-            loss + word * made.words as f64 + lost * (1.0 - made.correlation)
+        // Each at the threshold that it is trained on with: its program hangs on that.
+        let score = |kernel: &Projected, _: &OnChip| {
+            let Some((own, loss)) = self.worth(kernel, (&batch, &light)) else {
+                return f64::INFINITY;
+            };
+            let made = chip.compile(std::slice::from_ref(kernel), own * 255.0);
+            made.map_or(f64::INFINITY, |made| {
+                loss + word * made.words as f64 + lost * (1.0 - made.correlation)
+            })
         };
         // What the chip refuses is trained on as it is.
         let Ok(found) = search(levels, (kernel, latent), (&chip, threshold), MOST, score) else {
@@ -73,10 +78,8 @@ impl Trainee<'_> {
         };
         self.state.threshold = threshold;
         let parameters: Vec<f64> = found.kernel.unit().iter().copied().collect();
-        self.state.kernel = (parameters.clone(), Adam::new(parameters.len()));
-        if let Some(shape) = &mut self.shape {
-            shape.parameters = parameters;
-        }
+        let adam = Adam::new(parameters.len());
+        self.state.kernel = (parameters, adam);
         if let Some(applied) = self.applied()? {
             self.compile(&applied);
         }

@@ -21,8 +21,8 @@ use amacrine::{
 use rayon::prelude::*;
 
 use crate::{
-    arm::{Applied, Arm, Cells, Shape},
-    levels::{Chip, memory_spread},
+    arm::{Applied, Arm, Few, Shape},
+    levels::{Chip, LevelsError, memory_spread},
     network::{Adam, Maps, Network},
     record::KernelAt,
     scene::Clips,
@@ -54,6 +54,13 @@ const MOST: f64 = 5.0;
 
 /// Of the first rate of learning, what is left at the end.
 const LEFT: f64 = 0.01;
+
+/// Of a run, the part after which weights of few values hold still.
+const HELD: f64 = 0.5;
+
+/// How far a weight that the loss always moves the same way may stand off its level, of a kernel's
+/// length: at the first step, and when weights begin to hold still.
+const GIVE: [f64; 2] = [1.0, 0.01];
 
 /// Snapshots of the kernels in a run.
 const SNAPSHOTS: u64 = 20;
@@ -103,7 +110,8 @@ pub struct Trainee<'a> {
     /// The seed.
     pub seed: u64,
     pub(super) network: Network<f32>,
-    pub(super) shape: Option<Shape>,
+    /// The kernels as they began: see [`Trainee::shape`].
+    begun: Option<Shape>,
     times: Vec<f64>,
     /// What was compiled on the way.
     pub(super) chip: Option<Arc<Chip>>,
@@ -158,7 +166,7 @@ impl<'a> Trainee<'a> {
             target,
             seed,
             network,
-            shape,
+            begun: shape,
             chip: None,
             spread: memory_spread(&Device::scamp5()),
             times: task.scenes.times(),
@@ -190,10 +198,42 @@ impl<'a> Trainee<'a> {
         }
     }
 
-    /// Whether weights take few values at this step.
-    fn few(&self, cells: &Cells) -> bool {
-        let from = cells.rounded_from * self.task.steps as f64;
-        cells.levels.is_some() && self.state.step as f64 >= from
+    /// The few values that weights come to have.
+    pub(super) fn few(&self) -> Option<&Few> {
+        self.arm.cells().and_then(|cells| cells.few.as_ref())
+    }
+
+    /// Whether weights have few values at this step, and hold still.
+    fn held(&self) -> bool {
+        self.few().is_some() && self.part() >= HELD
+    }
+
+    /// Of the steps, the part that is done.
+    fn part(&self) -> f64 {
+        self.state.step as f64 / self.task.steps as f64
+    }
+
+    /// After a step of this rate, how far weights go of the way to their levels.
+    ///
+    /// Where `give` is what a weight may stand off its level, a step of the loss and `rate / give` of
+    /// that way back are as long.
+    fn drawn(&self, rate: f64) -> f64 {
+        let [first, last] = GIVE.map(amacrine::elementary::ln);
+        let give = amacrine::elementary::exp(first + (last - first) * self.part() / HELD);
+        if self.few().is_some_and(|few| few.drawn) {
+            (rate / give).min(1.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// What is learned of the kernels, as it is now: the state's, which may come from a checkpoint.
+    fn shape(&self) -> Option<Shape> {
+        let mut shape = self.begun.clone()?;
+        if self.arm.cells().is_some_and(|cells| cells.learned) {
+            shape.parameters.clone_from(&self.state.kernel.0);
+        }
+        Some(shape)
     }
 
     /// The kernels as they are applied now.
@@ -201,19 +241,24 @@ impl<'a> Trainee<'a> {
     /// # Errors
     /// When few values leave nothing of one.
     pub fn applied(&self) -> Result<Option<Applied>, TrainError> {
-        let (Some(shape), Some(cells)) = (&self.shape, self.arm.cells()) else {
+        let Some(shape) = self.shape() else {
             return Ok(None);
         };
-        let mut shape = shape.clone();
-        if cells.learned {
-            shape.parameters.clone_from(&self.state.kernel.0);
-        }
-        let applied = shape.apply(self.few(cells));
-        applied.map(Some).map_err(|cause| TrainError::Levels {
+        let applied = shape.apply(self.held());
+        applied.map(Some).map_err(|cause| self.levels_error(cause))
+    }
+
+    fn levels_error(&self, cause: LevelsError) -> TrainError {
+        TrainError::Levels {
             arm: self.arm.name.clone(),
             step: self.state.step,
             cause,
-        })
+        }
+    }
+
+    /// Whether memories snap, as the chip's do: once it is in the loop.
+    fn snaps(&self) -> bool {
+        self.state.chip[1] > 0.0
     }
 
     /// The sensor with these kernels and this threshold.
@@ -249,7 +294,11 @@ impl<'a> Trainee<'a> {
         Description {
             name: self.name(),
             response,
-            memory: MemoryRule::FilteredStep,
+            memory: if self.snaps() {
+                MemoryRule::FilteredSnap
+            } else {
+                MemoryRule::FilteredStep
+            },
             shared: false,
             polarity: PolarityRule::Filtered,
             border: Border::Replicate,
@@ -266,12 +315,7 @@ impl<'a> Trainee<'a> {
     #[must_use]
     pub fn as_built(&self, sensor: &Description) -> Description {
         let mut sensor = sensor.clone();
-        let shape = self.shape.clone().map(|mut shape| {
-            if self.arm.cells().is_some_and(|cells| cells.learned) {
-                shape.parameters.clone_from(&self.state.kernel.0);
-            }
-            shape
-        });
+        let shape = self.shape();
         let mesh = shape.as_ref().and_then(Shape::surrounds);
         if let (Some(mesh), Ok(alone)) = (mesh, Kernel::new(Plane::ones((1, 1)))) {
             for channel in &mut sensor.channels {
@@ -320,8 +364,7 @@ impl<'a> Trainee<'a> {
 
     /// What is left of the rates of learning: half a cosine.
     fn left(&self) -> f64 {
-        let part = self.state.step as f64 / self.task.steps as f64;
-        let cosine = amacrine::elementary::cos(std::f64::consts::PI * part.min(1.0));
+        let cosine = amacrine::elementary::cos(std::f64::consts::PI * self.part().min(1.0));
         LEFT + (1.0 - LEFT) * 0.5 * (1.0 + cosine)
     }
 
@@ -376,6 +419,9 @@ impl<'a> Trainee<'a> {
             return Err(self.not_finite(&light, voxels, loss.mean));
         }
         let learned = self.arm.cells().is_some_and(|cells| cells.learned);
+        let learning = learned && !self.held();
+        // Where events have a price, thresholds are learned with the kernel, and go on when it is held.
+        let learned = learning || learned && self.task.sparsity.is_some();
         let back: Vec<_> = { kept.par_iter().zip(loss.asked) }
             .map(|(seen, asked)| {
                 let mut gradient = vec![0.0; weights.len()];
@@ -407,12 +453,13 @@ impl<'a> Trainee<'a> {
         let left = self.left();
         let (weights, adam) = &mut self.state.network;
         adam.step(weights, &gradient, self.task.rates.0 * left);
-        if let (Some((kernel, by_threshold)), Some(shape)) = (moved, &mut self.shape) {
-            let (parameters, adam) = &mut self.state.kernel;
-            adam.step(parameters, &kernel, self.task.rates.1 * left);
-            shape.parameters.clone_from(parameters);
-            shape.settle();
-            parameters.clone_from(&shape.parameters);
+        if let Some((kernel, by_threshold)) = moved {
+            let rate = self.task.rates.1 * left;
+            if learning {
+                let (parameters, adam) = &mut self.state.kernel;
+                adam.step(parameters, &kernel, rate);
+                self.settle(self.drawn(rate))?;
+            }
             if self.task.sparsity.is_some() {
                 // The price of events moves the threshold as well.
                 let way = by_threshold.signum() * self.task.rates.1 * left;
@@ -422,12 +469,39 @@ impl<'a> Trainee<'a> {
         self.follow(loss.mean, rate)?;
         self.state.step += 1;
         self.keep(applied.as_ref());
+        self.turn(learning, clips)
+    }
+
+    /// What is due between two steps: to hold still, to look for what is worth more.
+    fn turn(&mut self, learning: bool, clips: &Clips) -> Result<(), TrainError> {
+        if learning && self.held() {
+            // Their last step: they are levels from here on.
+            self.settle(1.0)?;
+            if let Some(applied) = self.applied()? {
+                self.compile(&applied);
+            }
+        }
         if self.search_due()
             && let Some(applied) = self.applied()?
         {
             self.compile(&applied);
             self.exchange(&applied, clips)?;
         }
+        Ok(())
+    }
+
+    /// Leaves kernels at length 1 after a step, and this part of the way nearer to their levels.
+    fn settle(&mut self, drawn: f64) -> Result<(), TrainError> {
+        let Some(mut shape) = self.shape() else {
+            return Ok(());
+        };
+        shape.settle();
+        if drawn > 0.0 {
+            shape
+                .draw(drawn)
+                .map_err(|cause| self.levels_error(cause))?;
+        }
+        self.state.kernel.0 = shape.parameters;
         Ok(())
     }
 
@@ -490,11 +564,16 @@ impl<'a> Trainee<'a> {
         applied: &Applied,
     ) -> Result<(Vec<f64>, f64), TrainError> {
         let wrong = |cause| self.gradient_error(cause);
+        let rule = if self.snaps() {
+            Rule::Reset
+        } else {
+            Rule::Mean
+        };
         let ask = Ask {
             voxels: Some(voxels),
             ..Ask::default()
         };
-        let loss = model.backward(seen, &ask, Rule::Mean).map_err(wrong)?;
+        let loss = model.backward(seen, &ask, rule).map_err(wrong)?;
         let slope = if self.task.sparsity.is_some() {
             Slope::Fired
         } else {
@@ -505,7 +584,7 @@ impl<'a> Trainee<'a> {
             slope,
             ..Ask::default()
         };
-        let events = model.backward(seen, &ask, Rule::Mean).map_err(wrong)?;
+        let events = model.backward(seen, &ask, rule).map_err(wrong)?;
         let planes = |gradient: &Gradient<f32>| -> Vec<Plane<f64>> {
             gradient
                 .channels
@@ -530,7 +609,7 @@ impl<'a> Trainee<'a> {
         } else if let Some(reduced) = ConstantRate::new(model.description(), &loss, &events) {
             asked = reduced.kernels.into_iter().flatten().collect();
         }
-        let Some(shape) = &self.shape else {
+        let Some(shape) = self.shape() else {
             return Ok((Vec::new(), 0.0));
         };
         let pulled = shape.pull(applied, &asked);
@@ -580,13 +659,13 @@ impl<'a> Trainee<'a> {
         self.state.history.push(at);
     }
 
-    /// Takes the chip into the loop, from a third of the steps on, where weights have few values.
+    /// Takes the chip into the loop, where weights have few values and hold still.
     ///
     /// What the chip refuses is trained on without it; the report then has no rows of the chip.
     pub(super) fn compile(&mut self, applied: &Applied) {
         let cells = self.arm.cells();
         let alone = cells.is_some_and(|cells| cells.kinds == 1 && !cells.pattern && !cells.log);
-        if !alone || self.task.chip.is_none() || 3 * self.state.step < self.task.steps {
+        if !alone || self.task.chip.is_none() || self.task.sensor.refractory_us > 0.0 {
             return;
         }
         let [kernel] = applied.few() else { return };
