@@ -4,8 +4,8 @@
 use std::ops::ControlFlow;
 
 use crate::{
-    number::F64,
-    reference::{Limit, MemoryRule, Reference, Tally},
+    number::Format,
+    reference::{Limit, MemoryRule, Reference, Sinks, Tally},
     rig,
     scene::Scene,
     study::design::Design,
@@ -26,14 +26,18 @@ pub fn check_crossings(
     let mut sensors = Vec::new();
     for design in designs {
         let description = design.description(MemoryRule::FilteredStep)?;
-        let sensor = Reference::<F64>::new(description, size, design.seed);
+        let sensor = Reference::in_format(Format::F64, description, size, design.seed);
         sensors.push((design, sensor?, Tally::new(1)));
     }
     let most = Limit::default().events as u64;
     let mut pairs = 0.0;
     rig::play(scene, |frame| {
         for (design, sensor, tally) in &mut sensors {
-            sensor.watch_into(&frame, tally)?;
+            let sinks = Sinks {
+                tally: Some(&mut *tally),
+                ..Sinks::default()
+            };
+            sensor.watch_into_sinks(&frame, sinks)?;
             if tally.total() > most {
                 return Err(WaterfallError::Crossings {
                     threshold: design.threshold,
