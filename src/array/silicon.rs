@@ -7,7 +7,7 @@
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
-use multiversion::multiversion;
+use multiversion::{multiversion, target::target_cfg_f};
 
 use super::{Ageing, Domain, Layout, Place, RowOps, Share};
 use crate::{
@@ -158,18 +158,20 @@ const BLOCK: usize = 256;
     "aarch64+neon"
 ))]
 fn store_run(run: &Run<'_>, operands: &[&[f32]], cells: &mut [f32]) {
+    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
     let n = cells.len();
-    // The sums first: one loop for what is long, and not one for each number of operands.
     match *operands {
-        [a] => {
-            for (sum, a) in cells.iter_mut().zip(&a[..n]) {
-                *sum = 0.0 + a;
-            }
+        [a] if wide => {
+            let a = &a[..n];
+            run.store::<BLOCK>(|i, _| 0.0 + a[i], cells);
         }
-        [a, b] => {
-            for (sum, (a, b)) in cells.iter_mut().zip(a[..n].iter().zip(&b[..n])) {
-                *sum = 0.0 + a + b;
-            }
+        [a, b] if wide => {
+            let (a, b) = (&a[..n], &b[..n]);
+            run.store::<BLOCK>(|i, _| 0.0 + a[i] + b[i], cells);
+        }
+        [a, b, c] if wide => {
+            let (a, b, c) = (&a[..n], &b[..n], &c[..n]);
+            run.store::<BLOCK>(|i, _| 0.0 + a[i] + b[i] + c[i], cells);
         }
         _ => {
             cells.fill(0.0);
@@ -178,9 +180,9 @@ fn store_run(run: &Run<'_>, operands: &[&[f32]], cells: &mut [f32]) {
                     *sum += operand;
                 }
             }
+            run.store::<BLOCK>(|_, sum| sum, cells);
         }
     }
-    run.store::<BLOCK>(|_, sum| sum, cells);
 }
 
 impl Run<'_> {
