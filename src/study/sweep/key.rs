@@ -351,7 +351,7 @@ pub const KEYS: &[Key] = &[
         sides: ARRAY,
         kind: Kind::Spelled(spelled::<Arithmetic>),
         default: Absent::Is("\"exact\""),
-        what: "arithmetic of the array: exact, f32, f16, bf16, qM.N, silicon. The program is the same for all of them: what `compile` makes for these thresholds, the most events kept on the chip (`docs/silicon.md`)",
+        what: "arithmetic of the array: exact, f32, f16, bf16, qM.N, silicon",
     },
     Key {
         name: "schedule",
