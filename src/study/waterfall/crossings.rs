@@ -8,13 +8,17 @@ use crate::{
     reference::{Limit, MemoryRule, Reference, Sinks, Tally},
     rig,
     scene::Scene,
-    study::design::Design,
+    study::{
+        design::Design,
+        equivalent::{self, RUNGS},
+    },
 };
 
 use super::WaterfallError;
 
-/// Shows the scene to the float sensor of each design at the times of its crossings, and says no
-/// where one has more events than a list of them holds. No event is kept.
+/// Shows the scene to the float sensor of each design at the times of its crossings, with the
+/// lowest threshold of its ladder, and says no where one has more events than a list of them holds.
+/// No event is kept.
 ///
 /// # Errors
 /// [`WaterfallError::Crossings`]; when scene or sensor cannot go on.
@@ -26,6 +30,7 @@ pub fn check_crossings(
     let mut sensors = Vec::new();
     for design in designs {
         let description = design.description(MemoryRule::FilteredStep)?;
+        let description = equivalent::at_part(&description, RUNGS[0]);
         let sensor = Reference::in_format(Format::F64, description, size, design.seed);
         sensors.push((design, sensor?, Tally::new(1)));
     }
@@ -41,6 +46,7 @@ pub fn check_crossings(
             if tally.total() > most {
                 return Err(WaterfallError::Crossings {
                     threshold: design.threshold,
+                    part: RUNGS[0],
                     each: tally.total() as f64 / (pairs * size.pixels() as f64),
                     most,
                 });

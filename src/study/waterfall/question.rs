@@ -199,7 +199,7 @@ pub enum WaterfallError {
     },
     /// More events than can be followed.
     #[error(
-        "the threshold {threshold} is crossed {each:.1} times per pixel and pair of frames: more than {most} events"
+        "the threshold {threshold} is too low: {part} of it, the lowest of those that it is told beside, is crossed {each:.1} times per pixel and pair of frames, which makes more than {most} events"
     )]
     #[diagnostic(help(
         "raise the threshold, or ask for fewer events (--rate): light of 8 bits moves in steps of 1, which cross a threshold far below them again and again"
@@ -207,6 +207,8 @@ pub enum WaterfallError {
     Crossings {
         /// The threshold.
         threshold: f64,
+        /// The lowest of its ladder, as a part of it.
+        part: f64,
         /// Events per pixel and pair of frames so far.
         each: f64,
         /// How many events there may be.
