@@ -1,5 +1,5 @@
 //! Proves that samples become the light that people mean: range and transfer from the file or as
-//! asked, the scale of an array; that cuts are found, and that each guard speaks and only then.
+//! asked, the scale of an array; that cuts and repeated frames are found, and that each guard speaks and only then.
 //! Against: the standards' formulas, arrays of the same light, clips that ffmpeg made.
 
 use std::{fs, io, path::Path};
@@ -480,6 +480,44 @@ fn a_cut_is_found_where_it_is_and_nowhere_else() {
         let scene = open(pattern, &OpenOptions::default()).unwrap();
         assert_eq!(observed(scene).cuts(), [], "{pattern}");
     }
+}
+
+#[test]
+fn a_clip_that_repeats_frames_says_so() {
+    let size = Size::new(8, 8);
+    // A line that moves by a column a picture; each picture is shown so many times.
+    let clip = |shown: &[usize]| {
+        let picture = |at: usize| (0..64).map(|n| u8::from(n % 8 == at % 8) * 200).collect();
+        let frames = shown.iter().enumerate();
+        let frames = frames.flat_map(|(at, times)| vec![picture(at); *times]);
+        let bytes = y4m(size, "Cmono", &frames.collect::<Vec<Vec<u8>>>());
+        let (_folder, path) = file("clip.y4m", &bytes);
+        observed(open(&path, &OpenOptions::default()).unwrap())
+    };
+    let found = |observation: &Observation| {
+        let found = observation.repeated();
+        found.map(|found| (found.frames, found.of))
+    };
+    let twice = clip(&[2; 10]);
+    assert_eq!(found(&twice), Some((9, 20)));
+    let warnings = Warning::of_scene(&twice, 255.0);
+    let [warning] = warnings.as_slice() else {
+        panic!("{warnings:?}");
+    };
+    assert_eq!(warning.about, About::Repeats);
+    let text = warning.to_string();
+    assert!(text.contains("9 of 20 frames"), "{text}");
+    assert!(text.contains("the 11 others at 55 % of the rate"), "{text}");
+    // Now and then is no other rate, and a scene may stand still for long.
+    let rarely = clip(&[1, 1, 1, 1, 1, 2, 1, 1, 1, 1, 1]);
+    assert_eq!(found(&rarely), Some((1, 12)));
+    assert!(Warning::of_scene(&rarely, 255.0).is_empty());
+    assert_eq!(found(&clip(&[9, 1, 1, 1, 9, 1, 1, 9])), None);
+    for scene in ["pattern:bar?speed=20", "pattern:disc?speed=1"] {
+        let scene = open(scene, &OpenOptions::default()).unwrap();
+        assert_eq!(observed(scene).repeated(), None);
+    }
+    assert_eq!(observed(bundled().unwrap()).repeated(), None);
 }
 
 #[test]

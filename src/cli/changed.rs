@@ -3,7 +3,7 @@
 
 use miette::{WrapErr, miette};
 
-use super::{files::Named, kernels};
+use super::{event_rate::event_rate, files::Named, kernels};
 use crate::{
     reference::{Channel, Description},
     scene::{Scene, SceneError},
@@ -22,7 +22,7 @@ pub struct Changes {
     threshold: Option<f64>,
     /// Thresholds for so many events per pixel and second, all kinds together: the file's, all
     /// times the same number
-    #[arg(long, value_name = "EVENTS")]
+    #[arg(long, value_name = "EVENTS", value_parser = event_rate)]
     rate: Option<f64>,
 }
 

@@ -31,6 +31,7 @@ use super::{
     clip::Clip,
     compile::Remembered,
     content::Content,
+    event_rate::event_rate,
     files::{Named, Output},
     kernels::Kinds,
     light::{self, Shown},
@@ -58,7 +59,7 @@ pub struct Arguments {
     threshold: Vec<f64>,
     /// Instead of thresholds: events per pixel and second, all kernels together, each an equal
     /// share: the thresholds are found
-    #[arg(long, value_name = "EVENTS", conflicts_with = "threshold")]
+    #[arg(long, value_name = "EVENTS", value_parser = event_rate, conflicts_with = "threshold")]
     rate: Option<f64>,
     #[command(flatten)]
     clip: Clip,

@@ -14,6 +14,7 @@ pub mod design;
 pub mod disasm;
 mod effort;
 mod event_output;
+mod event_rate;
 pub mod exec;
 pub mod feasibility;
 mod fidelity;

@@ -67,11 +67,11 @@ impl Survival<'_> {
                 (false, 0) if in_range => 2 * EIGHTHS,
                 _ => EIGHTHS,
             };
-            for plan in self.searched(asked, eighths, &mut seen)? {
+            for plan in self.searched(asked, eighths, &mut seen)?.iter() {
                 if in_range {
-                    fitting.extend(self.halved(&plan, asked, range).0);
+                    fitting.extend(self.halved(plan, asked, range).0);
                 }
-                all.extend(self.scaled(&plan, asked, range, (least, decision.compared)));
+                all.extend(self.scaled(plan, asked, range, (least, decision.compared)));
             }
         }
         all.extend(self.best(fitting));

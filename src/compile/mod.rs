@@ -32,6 +32,7 @@ mod error;
 mod event_readout;
 mod filter;
 mod forecast;
+mod found;
 mod goals;
 pub mod leaves;
 mod linear_form;

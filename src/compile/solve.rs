@@ -21,7 +21,7 @@ use crate::{
 };
 
 /// Goals, and the resources for them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Problem {
     pub(super) goals: Vec<LinearForm>,
     /// The input, in units of which every weight is a whole number.
@@ -41,7 +41,7 @@ pub(super) struct Problem {
 }
 
 /// The range of an input, and the errors of the chip.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Limits {
     /// The lowest and highest input, LSB.
     pub(super) input: (f64, f64),

@@ -9,12 +9,15 @@
 //! Where it is known with what one result is compared, the plan is taken that decides best on the chip
 //! ([`deciding`](super::deciding)).
 
+use std::sync::Arc;
+
 use super::{
     allocate::allocate,
     decided::Decided,
     error::CompileError,
     filter::Filter,
     forecast::{Forecast, Signal, forecasts, worst},
+    found::{Found, found},
     linear_form::LinearForm,
     plan::{Plan, Store, Word},
     request::{Effort, Objective, Request},
@@ -181,19 +184,19 @@ impl Survival<'_> {
     fn within(&self, range: (f64, f64)) -> Result<(Vec<Candidate>, u64), CompileError> {
         let (mut out, mut seen) = (Vec::new(), 0);
         let mut odd = false;
-        for plan in self.searched((false, 0), 4, &mut seen)? {
-            let (found, less) = self.halved(&plan, (false, 0), range);
+        for plan in self.searched((false, 0), 4, &mut seen)?.iter() {
+            let (found, less) = self.halved(plan, (false, 0), range);
             out.extend(found);
             odd |= less;
         }
         if odd {
-            for plan in self.searched((true, 0), 3, &mut seen)? {
-                out.extend(self.halved(&plan, (true, 0), range).0);
+            for plan in self.searched((true, 0), 3, &mut seen)?.iter() {
+                out.extend(self.halved(plan, (true, 0), range).0);
             }
         }
         if let Some(inner) = self.inner() {
-            for plan in self.searched((false, inner), 2, &mut seen)? {
-                out.extend(self.halved(&plan, (false, inner), range).0);
+            for plan in self.searched((false, inner), 2, &mut seen)?.iter() {
+                out.extend(self.halved(plan, (false, inner), range).0);
             }
         }
         Ok((out, seen))
@@ -215,7 +218,7 @@ impl Survival<'_> {
         (negated, inner): (bool, u32),
         eighths: u64,
         seen: &mut u64,
-    ) -> Result<Vec<Plan>, CompileError> {
+    ) -> Result<Arc<[Plan]>, CompileError> {
         let effort = Effort {
             states: self.effort.states / 8 * eighths,
         };
@@ -223,10 +226,16 @@ impl Survival<'_> {
         if negated {
             problem.goals = self.goals.iter().map(|goal| goal.times(-1)).collect();
         }
-        let (best, all) = problem.solve_all();
-        let best = best.ok_or_else(|| Request::too_few(self.goals.len(), self.all.len()))?;
-        *seen += best.seen;
-        Ok(short(all).into_iter().map(|solved| solved.plan).collect())
+        let found = found(problem, |problem| {
+            let (best, all) = problem.solve_all();
+            Some(Found {
+                seen: best?.seen,
+                plans: short(all).into_iter().map(|solved| solved.plan).collect(),
+            })
+        });
+        let found = found.ok_or_else(|| Request::too_few(self.goals.len(), self.all.len()))?;
+        *seen += found.seen;
+        Ok(found.plans)
     }
 
     /// The search for the goals, `bits` times halved.

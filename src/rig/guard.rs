@@ -1,8 +1,8 @@
 //! Guards: what in a run makes its figures mean something else than they seem to.
 //!
 //! A sensor that never fires, one of which most cells fire at once, a readout whose slots are
-//! full, registers at the end of their range, light on another scale, a cut. Each guard says
-//! what was seen, why that probably is, and what to change.
+//! full, registers at the end of their range, light on another scale, a cut, frames that repeat.
+//! Each guard says what was seen, why that probably is, and what to change.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use crate::{
     event::{Event, Packet},
     kernel::quantise::Erasure,
     plane::Size,
-    scene::{Cut, Frame, Light, Observation},
+    scene::{Cut, Frame, Light, Observation, Repeated},
     unit::Micros,
 };
 
@@ -30,6 +30,8 @@ pub enum About {
     Scale,
     /// The clip shows another picture from one frame to the next.
     Cut,
+    /// Frames of the clip are the one before once more.
+    Repeats,
     /// Nearly everything matches by accident within the window.
     Window,
     /// A kernel in few values has lost its surround.
@@ -49,6 +51,7 @@ impl About {
             Self::Saturation => "saturation",
             Self::Scale => "scale",
             Self::Cut => "cut",
+            Self::Repeats => "repeats",
             Self::Window => "window",
             Self::Surround => "surround",
             Self::Lopsided => "lopsided",
@@ -288,13 +291,33 @@ impl Warning {
         ))
     }
 
+    /// A clip of which every tenth frame or more repeats the one before.
+    #[must_use]
+    pub fn repeats(repeated: Repeated) -> Option<Self> {
+        let Repeated { frames, of } = repeated;
+        let new = of - frames;
+        (10 * frames >= of).then(|| {
+            Self::new(
+                About::Repeats,
+                "the scene",
+                format!("{frames} of {of} frames are the frame before once more"),
+                "the file has a higher frame rate than the camera had: what moves stands still and then jumps, and events come in bursts",
+                format!(
+                    "leave them out and show the {new} others at {:.0} % of the rate (ffmpeg -i CLIP -vf mpdecimate -fps_mode passthrough FRAMES/%06d.png, then --fps)",
+                    100.0 * new as f64 / of as f64
+                ),
+            )
+        })
+    }
+
     /// What a scene warns of, for a sensor that takes light from 0 to `white`.
     #[must_use]
     pub fn of_scene(observation: &Observation, white: f64) -> Vec<Self> {
         let light = observation.light();
         let scale = light.and_then(|light| Self::scale(&light, observation.extent(), white));
         let cuts = Self::cuts(&observation.cuts());
-        scale.into_iter().chain(cuts).collect()
+        let repeats = observation.repeated().and_then(Self::repeats);
+        scale.into_iter().chain(cuts).chain(repeats).collect()
     }
 }
 

@@ -30,7 +30,7 @@ pub struct Coded {
 }
 
 /// Codes, row by row; copies share them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Codes {
     /// Of 8 bits.
     Bytes(Arc<Vec<u8>>),

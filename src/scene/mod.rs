@@ -40,6 +40,7 @@ mod observed;
 mod open;
 mod options;
 mod rate;
+mod repeats;
 mod still;
 mod y4m;
 
@@ -60,3 +61,4 @@ pub use observed::{Observation, Observed};
 pub use open::open;
 pub use options::OpenOptions;
 pub use rate::{ASSUMED_FPS, check_rate};
+pub use repeats::Repeated;

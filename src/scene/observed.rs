@@ -1,10 +1,11 @@
-//! What was seen of a scene while it was watched: the extent of its light, and its cuts.
+//! What was seen of a scene while it was watched: the extent of its light, its cuts, and frames that repeat.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{
     Frame, Light, Samples, Scene, SceneError,
     cut::{Cut, Cuts},
+    repeats::{Repeated, Repeats},
 };
 use crate::plane::Size;
 
@@ -19,6 +20,7 @@ struct Seen {
     frames: u64,
     extent: Option<(f64, f64)>,
     cuts: Cuts,
+    repeats: Repeats,
 }
 
 impl Observation {
@@ -55,6 +57,12 @@ impl Observation {
     pub fn cuts(&self) -> Vec<Cut> {
         self.seen().cuts.found()
     }
+
+    /// Frames that repeat the one before; a pattern has none.
+    #[must_use]
+    pub fn repeated(&self) -> Option<Repeated> {
+        self.seen().repeats.found()
+    }
 }
 
 impl Seen {
@@ -69,6 +77,7 @@ impl Seen {
         self.extent = Some(ends.map_or((low, high), |(a, b)| (low.min(a), high.max(b))));
         if self.light.is_none_or(|l| l.samples != Samples::Drawn) {
             self.cuts.see(&frame.light, frame.seconds);
+            self.repeats.see(&frame.light);
         }
     }
 }

@@ -13,6 +13,7 @@ use super::{
     clip::Clip,
     compile::Remembered,
     content::Content,
+    event_rate::event_rate,
     files::{self, Named, Output},
     kernels::Kinds,
     light,
@@ -47,7 +48,7 @@ pub struct Arguments {
     kernels: Vec<Named>,
     /// Events per pixel and second, all kinds together, each an equal share: the thresholds are
     /// found
-    #[arg(long, value_name = "EVENTS", conflicts_with = "threshold")]
+    #[arg(long, value_name = "EVENTS", value_parser = event_rate, conflicts_with = "threshold")]
     rate: Option<f64>,
     /// Thresholds instead, in kernel times light (0 to 255): one for all kernels, or one for each;
     /// a sensor file has its own

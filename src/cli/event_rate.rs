@@ -1,0 +1,24 @@
+//! `--rate`: events per pixel and second, with their unit or without.
+
+/// The number of `2` and of `2/px/s`.
+pub(super) fn event_rate(text: &str) -> Result<f64, String> {
+    let number = text.strip_suffix("/px/s").unwrap_or(text).trim_end();
+    let expected = |_| "expected events per pixel and second, such as 2 or 2/px/s".to_owned();
+    number.parse().map_err(expected)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::event_rate;
+
+    #[test]
+    fn the_unit_may_follow() {
+        for text in ["2.5", "2.5/px/s", "2.5 /px/s"] {
+            assert_eq!(event_rate(text), Ok(2.5), "{text}");
+        }
+        for text in ["", "/px/s", "2/s", "2Hz", "two"] {
+            let said = event_rate(text).unwrap_err();
+            assert!(said.contains("2/px/s"), "{text}: {said}");
+        }
+    }
+}
