@@ -66,7 +66,7 @@ pub struct Arguments {
     seed: u64,
     #[arg(long, default_value = "f64", help = format!("The number format of signals, weights and memory: {}", Format::names()))]
     format: Format,
-    #[arg(long, help = format!("Write the events; the extension names the format ({})", crate::event::file::Format::names()), value_parser = Content::Events)]
+    #[arg(short = 'o', long, help = format!("Write the events; the extension names the format ({})", crate::event::file::Format::names()), value_parser = Content::Events)]
     events: Option<Output>,
     #[command(flatten)]
     readout: readout::Choice,

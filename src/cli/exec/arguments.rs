@@ -61,7 +61,7 @@ pub struct Arguments {
     /// On how many threads at most
     #[arg(long, value_parser = threads)]
     pub(super) threads: Option<usize>,
-    #[arg(long, help = format!("Write the events that were read out; the extension names the format ({})", Format::names()), value_parser = Content::Events)]
+    #[arg(short = 'o', long, help = format!("Write the events that were read out; the extension names the format ({})", Format::names()), value_parser = Content::Events)]
     pub(super) events: Option<Output>,
     /// Write every register into this folder, as .npy and .png
     #[arg(long, value_parser = Content::Folder)]
