@@ -16,7 +16,7 @@ use amacrine::{
     plane::Size,
     reference::MemoryRule,
     rig,
-    scene::{Frame, Scene, SceneError, bundled, part::First, resample::Resampled},
+    scene::{Frame, Outline, Scene, SceneError, bundled, part::First, resample::Resampled},
     sensor::Sensor,
     study::design::Design,
     unit::Micros,
@@ -29,16 +29,11 @@ struct Middle(Box<dyn Scene>);
 const SIDE: usize = 128;
 
 impl Scene for Middle {
-    fn size(&self) -> Size {
-        Size::new(SIDE, SIDE)
-    }
-
-    fn fps(&self) -> f64 {
-        self.0.fps()
-    }
-
-    fn frames(&self) -> Option<u64> {
-        self.0.frames()
+    fn outline(&self) -> Outline {
+        Outline {
+            frames: self.0.frames(),
+            ..Outline::new(Size::new(SIDE, SIDE), self.0.fps())
+        }
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {

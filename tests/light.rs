@@ -13,8 +13,8 @@ use amacrine::{
         guard::{About, Crowd, Guard, Warning},
     },
     scene::{
-        Coding, Frame, Observation, Observed, OpenOptions, Origin, Range, Scene, SceneError,
-        Transfer, bundled, bundled_with, open,
+        Coding, Frame, Observation, Observed, OpenOptions, Origin, Outline, Range, Scene,
+        SceneError, Transfer, bundled, bundled_with, open,
     },
     sensor::Sensor,
     unit::Micros,
@@ -127,7 +127,10 @@ fn the_range_of_a_y4m_is_the_files_the_callers_or_that_of_its_kind() {
         ("C420paldv XCOLORRANGE=LIMITED", true, Origin::File),
     ] {
         let (_folder, path) = file("a.y4m", &y4m(size, fields, &[CODED.to_vec()]));
-        let light = open(&path, &OpenOptions::default()).unwrap().coding();
+        let light = open(&path, &OpenOptions::default())
+            .unwrap()
+            .outline()
+            .coding;
         assert_eq!(light.range_from, from, "{fields}");
         let want = if is_limited { &stretched } else { &coded };
         assert_eq!(&first(&path, &OpenOptions::default()), want, "{fields}");
@@ -254,7 +257,7 @@ fn gamma_is_undone_in_a_file() {
 #[test]
 fn the_bundled_clip_is_full_range_and_takes_the_options() {
     let plain = bundled().unwrap();
-    let light = plain.coding();
+    let light = plain.outline().coding;
     assert_eq!(
         (light.range, light.transfer, light.scale),
         (Some(Range::Full), Transfer::AsCoded, 1.0)
@@ -291,7 +294,7 @@ fn an_mp4_of_ffmpeg_has_the_light_of_its_source() {
     let walk = frames(open(&data("walk.y4m"), &OpenOptions::default()).unwrap());
     for name in ["baseline.mp4", "bframes.mp4"] {
         let scene = open(&data(name), &OpenOptions::default()).unwrap();
-        let light = scene.coding();
+        let light = scene.outline().coding;
         assert_eq!(
             (light.range, light.range_from),
             (Some(Range::Limited), Origin::Assumed)
@@ -328,7 +331,7 @@ fn an_mp4_says_its_range_and_transfer() {
         for (number, transfer) in [(1, Transfer::Bt709), (13, Transfer::Srgb)] {
             let (_folder, path) = file("a.mp4", &tagged(is_full, number));
             let scene = open(&path, &OpenOptions::default()).unwrap();
-            let light = scene.coding();
+            let light = scene.outline().coding;
             assert_eq!(
                 (light.range, light.range_from, light.stated_transfer),
                 (Some(range), Origin::File, Some(transfer))
@@ -338,7 +341,7 @@ fn an_mp4_says_its_range_and_transfer() {
             assert_eq!(as_coded, frames(open(&plain, &asked(range)).unwrap()));
             // What the file says is undone where that is asked for.
             let undone = open(&path, &coding(None, None, None)).unwrap();
-            assert_eq!(undone.coding().transfer, transfer);
+            assert_eq!(undone.outline().coding.transfer, transfer);
             let want = as_coded[3].mapv(|v| transfer.light(v));
             assert_eq!(frames(undone)[3], want);
         }
@@ -363,15 +366,14 @@ impl Clip {
 }
 
 impl Scene for Clip {
-    fn size(&self) -> Size {
-        self.size
+    fn outline(&self) -> Outline {
+        Outline {
+            // As of a file: patterns have no cuts.
+            coding: bundled().unwrap().outline().coding,
+            ..Outline::new(self.size, 10.0)
+        }
     }
-    fn fps(&self) -> f64 {
-        10.0
-    }
-    fn frames(&self) -> Option<u64> {
-        None
-    }
+
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         let index = self.next;
         self.next += 1;
@@ -380,10 +382,6 @@ impl Scene for Clip {
             seconds: index as f64 / 10.0,
             light: light.into(),
         }))
-    }
-    fn coding(&self) -> amacrine::scene::Light {
-        // As of a file: patterns have no cuts.
-        bundled().unwrap().coding()
     }
 }
 
@@ -499,15 +497,15 @@ fn a_clip_that_repeats_frames_says_so() {
         found.map(|found| (found.frames, found.of))
     };
     let twice = clip(&[2; 10]);
-    assert_eq!(found(&twice), Some((9, 20)));
+    assert_eq!(found(&twice), Some((10, 20)));
     let warnings = Warning::of_scene(&twice, 255.0);
     let [warning] = warnings.as_slice() else {
         panic!("{warnings:?}");
     };
     assert_eq!(warning.about, About::Repeats);
     let text = warning.to_string();
-    assert!(text.contains("9 of 20 frames"), "{text}");
-    assert!(text.contains("the 11 others at 55 % of the rate"), "{text}");
+    assert!(text.contains("10 of 20 frames"), "{text}");
+    assert!(text.contains("the 10 others at 50 % of the rate"), "{text}");
     // Now and then is no other rate, and a scene may stand still for long.
     let rarely = clip(&[1, 1, 1, 1, 1, 2, 1, 1, 1, 1, 1]);
     assert_eq!(found(&rarely), Some((1, 12)));

@@ -68,7 +68,7 @@ fn every_lossless_kind_gives_the_same_light() {
         let scene = open(&data(name), &OpenOptions::default()).unwrap();
         assert_eq!(scene.size(), Size::new(32, 48), "{name}");
         assert!((scene.fps() - fps).abs() < 1e-9, "{name}: {}", scene.fps());
-        assert_eq!(scene.fps_is_assumed(), assumed, "{name}");
+        assert_eq!(scene.outline().fps_is_assumed, assumed, "{name}");
         assert_eq!(scene.frames(), Some(12), "{name}");
         let frames = read(scene).unwrap();
         for (frame, light) in frames.iter().zip(&walk) {
@@ -131,7 +131,7 @@ fn the_caller_rate_comes_first() {
     ] {
         let scene = open(&data(name), &options).unwrap();
         assert_eq!(
-            (scene.fps(), scene.fps_is_assumed()),
+            (scene.fps(), scene.outline().fps_is_assumed),
             (33.0, false),
             "{name}"
         );

@@ -16,7 +16,7 @@ use amacrine::{
     plane::{Plane, Size},
     reference::{Counts, Description, MemoryRule, Noise, Reference, RefractoryRule},
     scene::{
-        Frame, OpenOptions, Scene, SceneError, bundled, open,
+        Frame, OpenOptions, Outline, Scene, SceneError, bundled, open,
         upsample::{Bound, Upsampled, Upsampling},
     },
     sensor::Sensor,
@@ -71,16 +71,11 @@ struct Corner {
 }
 
 impl Scene for Corner {
-    fn size(&self) -> Size {
-        Size::new(64, 64)
-    }
-
-    fn fps(&self) -> f64 {
-        self.clip.fps()
-    }
-
-    fn frames(&self) -> Option<u64> {
-        Some(self.left as u64)
+    fn outline(&self) -> Outline {
+        Outline {
+            frames: Some(self.left as u64),
+            ..Outline::new(Size::new(64, 64), self.clip.fps())
+        }
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {

@@ -6,7 +6,7 @@ use amacrine::{
     memory::Budget,
     plane::{Plane, Size},
     scene::{
-        Coding, Frame, OpenOptions, Scene, SceneError, bundled_with,
+        Coding, Frame, OpenOptions, Outline, Scene, SceneError, bundled_with,
         kept::{Kept, Pixels},
         open,
     },
@@ -118,16 +118,11 @@ impl Source {
 }
 
 impl Scene for Given {
-    fn size(&self) -> Size {
-        self.size
-    }
-
-    fn fps(&self) -> f64 {
-        self.fps
-    }
-
-    fn frames(&self) -> Option<u64> {
-        Some(self.frames as u64)
+    fn outline(&self) -> Outline {
+        Outline {
+            frames: Some(self.frames as u64),
+            ..Outline::new(self.size, self.fps)
+        }
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {

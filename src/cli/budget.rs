@@ -64,7 +64,7 @@ pub fn opening(fps: Option<f64>) -> OpenOptions {
 
 /// What a scene holds.
 pub fn of_scene(scene: &dyn Scene) -> Need {
-    Need::new().and("frames of the scene", scene.bytes())
+    Need::new().and("frames of the scene", scene.outline().bytes)
 }
 
 /// Refuses a scene for which there is no room beside so many sensors that watch it.

@@ -389,7 +389,7 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
         size,
         frames,
         fps: scene.fps(),
-        fps_is_assumed: scene.fps_is_assumed(),
+        fps_is_assumed: scene.outline().fps_is_assumed,
         seconds: last - first,
         warnings: guard.warnings(&tally, &packet),
         tally,

@@ -12,7 +12,7 @@ use std::{
 };
 
 use super::{
-    Frame, OpenOptions, Scene, SceneError,
+    Frame, OpenOptions, Outline, Scene, SceneError,
     canvas::{Area, Canvas, Delay, Disposal, Patch},
     decoded::Source,
     gray::{self, Depth, Layout},
@@ -212,18 +212,14 @@ fn even_rate(path: &Path, delays: &[Delay], unit: f64) -> Result<Option<f64>, Sc
 }
 
 impl Scene for Animation {
-    fn size(&self) -> Size {
-        self.size
+    fn outline(&self) -> Outline {
+        Outline {
+            frames: Some(self.count),
+            bytes: HELD * self.size.pixels() as u128,
+            ..self.rate.outline(self.size)
+        }
     }
-    fn fps(&self) -> f64 {
-        self.rate.fps
-    }
-    fn fps_is_assumed(&self) -> bool {
-        self.rate.assumed
-    }
-    fn frames(&self) -> Option<u64> {
-        Some(self.count)
-    }
+
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         let index = self.next;
         let damaged = |cause| SceneError::Picture {
@@ -246,9 +242,6 @@ impl Scene for Animation {
             seconds: self.rate.seconds(index),
             light,
         }))
-    }
-    fn bytes(&self) -> u128 {
-        HELD * self.size.pixels() as u128
     }
 }
 

@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use super::{
-    Frame, Image, Levels, Light, OpenOptions, Range, Samples, Scene, SceneError, Transfer,
+    Frame, Image, Levels, Light, OpenOptions, Outline, Range, Samples, Scene, SceneError, Transfer,
     coding::Origin,
 };
-use crate::plane::Size;
 
 /// What a reader says about its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -187,29 +186,18 @@ impl<S> Decoded<S> {
 }
 
 impl<S: Scene> Scene for Decoded<S> {
-    fn size(&self) -> Size {
-        self.scene.size()
+    fn outline(&self) -> Outline {
+        Outline {
+            coding: self.light,
+            ..self.scene.outline()
+        }
     }
-    fn fps(&self) -> f64 {
-        self.scene.fps()
-    }
-    fn fps_is_assumed(&self) -> bool {
-        self.scene.fps_is_assumed()
-    }
-    fn frames(&self) -> Option<u64> {
-        self.scene.frames()
-    }
+
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         let mut next = self.scene.next_frame()?;
         if let Some(frame) = &mut next {
             self.decode(&mut frame.light);
         }
         Ok(next)
-    }
-    fn bytes(&self) -> u128 {
-        self.scene.bytes()
-    }
-    fn coding(&self) -> Light {
-        self.light
     }
 }

@@ -9,7 +9,7 @@ use std::{
 };
 
 use super::{
-    Frame, OpenOptions, Scene, SceneError,
+    Frame, OpenOptions, Outline, Scene, SceneError,
     decoded::Source,
     light::{self, MemoryLimit},
     rate::Rate,
@@ -88,18 +88,17 @@ pub(super) fn open(
 }
 
 impl Scene for Folder {
-    fn size(&self) -> Size {
-        self.size
+    fn outline(&self) -> Outline {
+        // Names are kept: some tens of bytes each.
+        let names = 96 * u128::from(self.count);
+        let pixel = still::MOST_CODED + light::PIXEL_BYTES_HELD;
+        Outline {
+            frames: Some(self.count),
+            bytes: names + pixel * self.size.pixels() as u128,
+            ..self.rate.outline(self.size)
+        }
     }
-    fn fps(&self) -> f64 {
-        self.rate.fps
-    }
-    fn fps_is_assumed(&self) -> bool {
-        self.rate.assumed
-    }
-    fn frames(&self) -> Option<u64> {
-        Some(self.count)
-    }
+
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         if let Some(first) = self.first.take() {
             return Ok(Some(first));
@@ -124,11 +123,6 @@ impl Scene for Folder {
             seconds: self.rate.seconds(index),
             light,
         }))
-    }
-    fn bytes(&self) -> u128 {
-        // Names are kept: some tens of bytes each.
-        let names = 96 * u128::from(self.count);
-        names + (still::MOST_CODED + light::PIXEL_BYTES_HELD) * self.size.pixels() as u128
     }
 }
 

@@ -11,26 +11,49 @@ pub struct Frame {
     /// When it was taken, in seconds.
     pub seconds: f64,
     /// Light, `[y, x]`, held as its samples are: 0 to 255 for video and pictures, as given for `.npy`;
-    /// [`Scene::coding`] says what was undone.
+    /// [`Outline::coding`] says what was undone.
     pub light: Image,
+}
+
+/// What is known of a scene before its frames are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outline {
+    /// Size of every frame.
+    pub size: Size,
+    /// Frames of the source per second.
+    pub fps: f64,
+    /// Whether that is [`ASSUMED_FPS`](super::ASSUMED_FPS), because neither the source nor the caller
+    /// said one. Whoever shows results should then say so.
+    pub fps_is_assumed: bool,
+    /// How many frames there are, where that is known beforehand.
+    pub frames: Option<u64>,
+    /// How its samples became light, and who said so.
+    pub coding: Light,
+    /// The most bytes that the source holds while frames are taken from it, the frame that it gives
+    /// included.
+    pub bytes: u128,
+}
+
+impl Outline {
+    /// Of light that is drawn, at a rate that was said, of nobody knows how many frames, of which one
+    /// is held at a time.
+    #[must_use]
+    pub const fn new(size: Size, fps: f64) -> Self {
+        Self {
+            size,
+            fps,
+            fps_is_assumed: false,
+            frames: None,
+            coding: Light::DRAWN,
+            bytes: light::PIXEL_BYTES_HELD * size.pixels() as u128,
+        }
+    }
 }
 
 /// A source of frames, all of one size.
 pub trait Scene: Send {
-    /// Size of every frame.
-    fn size(&self) -> Size;
-
-    /// Frames of the source per second.
-    fn fps(&self) -> f64;
-
-    /// Whether [`fps`](Self::fps) is [`ASSUMED_FPS`](super::ASSUMED_FPS), because neither the source nor the
-    /// caller said one. Whoever shows results should then say so.
-    fn fps_is_assumed(&self) -> bool {
-        false
-    }
-
-    /// How many frames there are, where that is known beforehand.
-    fn frames(&self) -> Option<u64>;
+    /// What is known of it before its frames are taken.
+    fn outline(&self) -> Outline;
 
     /// The next frame; `None` at the end.
     ///
@@ -38,38 +61,28 @@ pub trait Scene: Send {
     /// When the source cannot be read, or a frame is damaged, of another size, or not finite.
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError>;
 
-    /// How its samples became light, and who said so.
-    fn coding(&self) -> Light {
-        Light::DRAWN
+    /// Size of every frame.
+    fn size(&self) -> Size {
+        self.outline().size
     }
 
-    /// The most bytes that the source holds while frames are taken from it, the frame that it gives
-    /// included.
-    fn bytes(&self) -> u128 {
-        light::PIXEL_BYTES_HELD * self.size().pixels() as u128
+    /// Frames of the source per second.
+    fn fps(&self) -> f64 {
+        self.outline().fps
+    }
+
+    /// How many frames there are, where that is known beforehand.
+    fn frames(&self) -> Option<u64> {
+        self.outline().frames
     }
 }
 
 impl<S: Scene + ?Sized> Scene for Box<S> {
-    fn size(&self) -> Size {
-        (**self).size()
+    fn outline(&self) -> Outline {
+        (**self).outline()
     }
-    fn fps(&self) -> f64 {
-        (**self).fps()
-    }
-    fn fps_is_assumed(&self) -> bool {
-        (**self).fps_is_assumed()
-    }
-    fn frames(&self) -> Option<u64> {
-        (**self).frames()
-    }
+
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         (**self).next_frame()
-    }
-    fn coding(&self) -> Light {
-        (**self).coding()
-    }
-    fn bytes(&self) -> u128 {
-        (**self).bytes()
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Frame, Scene, SceneError};
+use super::{Frame, Outline, Scene, SceneError};
 use crate::plane::Size;
 
 /// Frames in memory, as a scene.
@@ -43,16 +43,11 @@ impl Held {
 }
 
 impl Scene for Held {
-    fn size(&self) -> Size {
-        self.size
-    }
-
-    fn fps(&self) -> f64 {
-        self.fps
-    }
-
-    fn frames(&self) -> Option<u64> {
-        Some(self.frames.len() as u64)
+    fn outline(&self) -> Outline {
+        Outline {
+            frames: Some(self.frames.len() as u64),
+            ..Outline::new(self.size, self.fps)
+        }
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {

@@ -2,17 +2,15 @@
 
 use std::sync::Arc;
 
-use super::{Codes, Frame, Image, Levels, Light, Scene, SceneError, light};
+use super::{Codes, Frame, Image, Levels, Outline, Scene, SceneError, light};
 use crate::plane::{Plane, Size};
 
 /// A scene in memory: a byte a pixel where light is 0, 1, … 255, as in 8-bit video.
 #[derive(Clone, Debug)]
 pub struct Kept {
     frames: Arc<Vec<One>>,
-    size: Size,
-    fps: f64,
-    fps_is_assumed: bool,
-    coding: Light,
+    /// Of the scene that was read.
+    outline: Outline,
 }
 
 #[derive(Clone, Debug)]
@@ -117,10 +115,7 @@ impl Kept {
         }
         Ok(Some(Self {
             frames: frames.into(),
-            size,
-            fps: scene.fps(),
-            fps_is_assumed: scene.fps_is_assumed(),
-            coding: scene.coding(),
+            outline: scene.outline(),
         }))
     }
 
@@ -139,7 +134,17 @@ impl Kept {
     /// Size of every frame.
     #[must_use]
     pub const fn size(&self) -> Size {
-        self.size
+        self.outline.size
+    }
+
+    /// Of its frames, and of the one that is given.
+    fn outline(&self) -> Outline {
+        let kept: usize = self.frames.iter().map(|one| one.pixels.bytes()).sum();
+        Outline {
+            frames: Some(self.len() as u64),
+            bytes: kept as u128 + light::PIXEL_BYTES * self.size().pixels() as u128,
+            ..self.outline
+        }
     }
 
     /// The number of a frame in its scene, its time and its light.
@@ -161,7 +166,7 @@ impl Kept {
     #[must_use]
     pub fn image(&self, n: usize) -> Option<Image> {
         let one = self.frames.get(n)?;
-        Some(one.pixels.clone().into_image(self.size))
+        Some(one.pixels.clone().into_image(self.size()))
     }
 
     /// The light of a frame as numbers.
@@ -182,29 +187,14 @@ impl Kept {
     /// As [`scene`](Self::scene), where nobody else will look: frames are given away, not copied.
     #[must_use]
     pub fn into_scene(self) -> Box<dyn Scene> {
-        let Self {
-            frames,
-            size,
-            fps,
-            fps_is_assumed,
-            coding,
-        } = self;
+        let Self { frames, outline } = self;
         match Arc::try_unwrap(frames) {
             Ok(frames) => Box::new(Once {
                 left: frames.into_iter(),
-                size,
-                fps,
-                fps_is_assumed,
-                coding,
+                outline,
             }),
             Err(frames) => Box::new(Again {
-                kept: Self {
-                    frames,
-                    size,
-                    fps,
-                    fps_is_assumed,
-                    coding,
-                },
+                kept: Self { frames, outline },
                 given: 0,
             }),
         }
@@ -215,45 +205,26 @@ impl Kept {
 #[derive(Debug)]
 struct Once {
     left: std::vec::IntoIter<One>,
-    size: Size,
-    fps: f64,
-    fps_is_assumed: bool,
-    coding: Light,
+    outline: Outline,
 }
 
 impl Scene for Once {
-    fn size(&self) -> Size {
-        self.size
-    }
-
-    fn fps(&self) -> f64 {
-        self.fps
-    }
-
-    fn fps_is_assumed(&self) -> bool {
-        self.fps_is_assumed
-    }
-
-    fn frames(&self) -> Option<u64> {
-        Some(self.left.len() as u64)
+    fn outline(&self) -> Outline {
+        let left = self.left.as_slice().iter();
+        let left: usize = left.map(|one| one.pixels.bytes()).sum();
+        Outline {
+            frames: Some(self.left.len() as u64),
+            bytes: left as u128 + light::PIXEL_BYTES * self.outline.size.pixels() as u128,
+            ..self.outline
+        }
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         Ok(self.left.next().map(|one| Frame {
             index: one.index,
             seconds: one.seconds,
-            light: one.pixels.into_image(self.size),
+            light: one.pixels.into_image(self.outline.size),
         }))
-    }
-
-    fn coding(&self) -> Light {
-        self.coding
-    }
-
-    fn bytes(&self) -> u128 {
-        let left = self.left.as_slice().iter();
-        let left: usize = left.map(|one| one.pixels.bytes()).sum();
-        left as u128 + light::PIXEL_BYTES * self.size.pixels() as u128
     }
 }
 
@@ -265,20 +236,8 @@ pub struct Again {
 }
 
 impl Scene for Again {
-    fn size(&self) -> Size {
-        self.kept.size
-    }
-
-    fn fps(&self) -> f64 {
-        self.kept.fps
-    }
-
-    fn fps_is_assumed(&self) -> bool {
-        self.kept.fps_is_assumed
-    }
-
-    fn frames(&self) -> Option<u64> {
-        Some(self.kept.len() as u64)
+    fn outline(&self) -> Outline {
+        self.kept.outline()
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
@@ -292,16 +251,6 @@ impl Scene for Again {
             seconds,
             light,
         }))
-    }
-
-    fn coding(&self) -> Light {
-        self.kept.coding
-    }
-
-    /// What is kept, and the frame that is given.
-    fn bytes(&self) -> u128 {
-        let kept: usize = self.kept.frames.iter().map(|one| one.pixels.bytes()).sum();
-        kept as u128 + light::PIXEL_BYTES * self.kept.size.pixels() as u128
     }
 }
 

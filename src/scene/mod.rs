@@ -55,7 +55,7 @@ pub use bundled::{bundled, bundled_with};
 pub use coding::{Coding, Light, Origin, Range, Samples, Transfer};
 pub use cut::Cut;
 pub use error::SceneError;
-pub use frame::{Frame, Scene};
+pub use frame::{Frame, Outline, Scene};
 pub use image::{Coded, Codes, Image, Levels};
 pub use observed::{Observation, Observed};
 pub use open::open;

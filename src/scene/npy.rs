@@ -8,7 +8,7 @@ use std::{
 };
 
 use super::{
-    Frame, Image, Levels, OpenOptions, Scene, SceneError, decoded::Source, light,
+    Frame, Image, Levels, OpenOptions, Outline, Scene, SceneError, decoded::Source, light,
     light::MemoryLimit, rate::Rate,
 };
 use crate::{
@@ -136,18 +136,14 @@ impl<R: Read + Send> Npy<R> {
 }
 
 impl<R: Read + Send> Scene for Npy<R> {
-    fn size(&self) -> Size {
-        self.size
+    fn outline(&self) -> Outline {
+        Outline {
+            frames: Some(self.frames),
+            bytes: held(self.number, self.size),
+            ..self.rate.outline(self.size)
+        }
     }
-    fn fps(&self) -> f64 {
-        self.rate.fps
-    }
-    fn fps_is_assumed(&self) -> bool {
-        self.rate.assumed
-    }
-    fn frames(&self) -> Option<u64> {
-        Some(self.frames)
-    }
+
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         if self.next == self.frames {
             return Ok(None);
@@ -192,9 +188,6 @@ impl<R: Read + Send> Scene for Npy<R> {
             seconds: self.rate.seconds(index),
             light,
         }))
-    }
-    fn bytes(&self) -> u128 {
-        held(self.number, self.size)
     }
 }
 

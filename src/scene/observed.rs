@@ -3,11 +3,10 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{
-    Frame, Light, Samples, Scene, SceneError,
+    Frame, Light, Outline, Samples, Scene, SceneError,
     cut::{Cut, Cuts},
     repeats::{Repeated, Repeats},
 };
-use crate::plane::Size;
 
 /// What was seen of a scene. Clones share it, so that it can be asked while somebody else has
 /// the scene, and filled by several passes: a frame counts once.
@@ -92,7 +91,7 @@ pub struct Observed<S> {
 impl<S: Scene> Observed<S> {
     /// Notes in `observation` what is seen.
     pub fn new(scene: S, observation: &Observation) -> Self {
-        observation.seen().light = Some(scene.coding());
+        observation.seen().light = Some(scene.outline().coding);
         Self {
             scene,
             observation: observation.clone(),
@@ -101,29 +100,15 @@ impl<S: Scene> Observed<S> {
 }
 
 impl<S: Scene> Scene for Observed<S> {
-    fn size(&self) -> Size {
-        self.scene.size()
+    fn outline(&self) -> Outline {
+        self.scene.outline()
     }
-    fn fps(&self) -> f64 {
-        self.scene.fps()
-    }
-    fn fps_is_assumed(&self) -> bool {
-        self.scene.fps_is_assumed()
-    }
-    fn frames(&self) -> Option<u64> {
-        self.scene.frames()
-    }
+
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         let next = self.scene.next_frame()?;
         if let Some(frame) = &next {
             self.observation.seen().see(frame);
         }
         Ok(next)
-    }
-    fn bytes(&self) -> u128 {
-        self.scene.bytes()
-    }
-    fn coding(&self) -> Light {
-        self.scene.coding()
     }
 }

@@ -1,8 +1,7 @@
 //! Scenes made of another scene: its first frames, those after them, or its frames at another
 //! rate.
 
-use super::{Frame, Light, Scene, SceneError, check_rate};
-use crate::plane::Size;
+use super::{Frame, Outline, Scene, SceneError, check_rate};
 
 /// The first frames of a scene.
 #[derive(Debug)]
@@ -22,20 +21,12 @@ impl<S: Scene> First<S> {
 }
 
 impl<S: Scene> Scene for First<S> {
-    fn size(&self) -> Size {
-        self.source.size()
-    }
-
-    fn fps(&self) -> f64 {
-        self.source.fps()
-    }
-
-    fn fps_is_assumed(&self) -> bool {
-        self.source.fps_is_assumed()
-    }
-
-    fn frames(&self) -> Option<u64> {
-        self.source.frames().map(|frames| frames.min(self.left))
+    fn outline(&self) -> Outline {
+        let source = self.source.outline();
+        Outline {
+            frames: source.frames.map(|frames| frames.min(self.left)),
+            ..source
+        }
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
@@ -44,10 +35,6 @@ impl<S: Scene> Scene for First<S> {
         }
         self.left -= 1;
         self.source.next_frame()
-    }
-
-    fn coding(&self) -> Light {
-        self.source.coding()
     }
 }
 
@@ -71,25 +58,14 @@ impl<S: Scene> After<S> {
 }
 
 impl<S: Scene> Scene for After<S> {
-    fn size(&self) -> Size {
-        self.source.size()
-    }
-
-    fn fps(&self) -> f64 {
-        self.source.fps()
-    }
-
-    fn fps_is_assumed(&self) -> bool {
-        self.source.fps_is_assumed()
-    }
-
-    fn frames(&self) -> Option<u64> {
-        let frames = self.source.frames()?;
-        Some(frames.saturating_sub(self.skipped))
-    }
-
-    fn bytes(&self) -> u128 {
-        self.source.bytes()
+    fn outline(&self) -> Outline {
+        let source = self.source.outline();
+        Outline {
+            frames: source
+                .frames
+                .map(|frames| frames.saturating_sub(self.skipped)),
+            ..source
+        }
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
@@ -100,10 +76,6 @@ impl<S: Scene> Scene for After<S> {
             }
         }
         self.source.next_frame()
-    }
-
-    fn coding(&self) -> Light {
-        self.source.coding()
     }
 }
 
@@ -126,16 +98,12 @@ impl<S: Scene> Retimed<S> {
 }
 
 impl<S: Scene> Scene for Retimed<S> {
-    fn size(&self) -> Size {
-        self.source.size()
-    }
-
-    fn fps(&self) -> f64 {
-        self.fps
-    }
-
-    fn frames(&self) -> Option<u64> {
-        self.source.frames()
+    fn outline(&self) -> Outline {
+        Outline {
+            fps: self.fps,
+            fps_is_assumed: false,
+            ..self.source.outline()
+        }
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
@@ -144,9 +112,5 @@ impl<S: Scene> Scene for Retimed<S> {
             seconds: frame.index as f64 / self.fps,
             ..frame
         }))
-    }
-
-    fn coding(&self) -> Light {
-        self.source.coding()
     }
 }

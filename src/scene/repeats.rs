@@ -23,10 +23,13 @@ pub struct Repeated {
 #[derive(Debug, Default)]
 pub(super) struct Repeats {
     before: Option<Codes>,
-    /// Frames since the last change; none before the first one.
-    run: Option<u64>,
     seen: u64,
-    repeated: u64,
+    /// Frames that repeat the one before since the last change.
+    run: u64,
+    /// The run before the first change, once there was one.
+    first: Option<u64>,
+    /// In short runs between two changes.
+    between: u64,
 }
 
 impl Repeats {
@@ -37,23 +40,34 @@ impl Repeats {
         };
         self.seen += 1;
         let codes = coded.codes().clone();
-        let is_repeated = self.before.as_ref().is_some_and(|before| *before == codes);
-        if is_repeated {
-            self.run = self.run.map(|run| run + 1);
-        } else if self.before.is_some() {
-            let run = self.run.replace(0).unwrap_or(0);
-            self.repeated += if run > LONGEST { 0 } else { run };
+        let Some(before) = self.before.replace(codes) else {
+            return;
+        };
+        if self.before.as_ref() == Some(&before) {
+            self.run += 1;
+            return;
         }
-        self.before = Some(codes);
+        let run = std::mem::take(&mut self.run);
+        if self.first.is_some() {
+            self.between += short(run);
+        } else {
+            self.first = Some(run);
+        }
     }
 
-    /// What was found; none where no frame is repeated.
+    /// What was found; none where no frame is repeated between two changes.
     pub fn found(&self) -> Option<Repeated> {
-        (self.repeated > 0).then_some(Repeated {
-            frames: self.repeated,
+        let ends = short(self.first.unwrap_or(0)) + short(self.run);
+        (self.between > 0).then_some(Repeated {
+            frames: self.between + ends,
             of: self.seen,
         })
     }
+}
+
+/// A run, unless it is long.
+const fn short(run: u64) -> u64 {
+    if run > LONGEST { 0 } else { run }
 }
 
 #[cfg(test)]
@@ -75,7 +89,8 @@ mod tests {
     #[test]
     fn short_runs_between_changes_are_counted() {
         assert_eq!(found(&[1, 2, 3, 4]), None);
-        assert_eq!(found(&[1, 2, 2, 3, 3, 4, 4]), Some((2, 7)));
+        assert_eq!(found(&[1, 2, 2, 3, 3, 4, 4]), Some((3, 7)));
+        assert_eq!(found(&[1, 1, 2, 2, 3]), Some((2, 5)));
         // What stands still before it moves, for long, or at the end, repeats nothing.
         assert_eq!(found(&[1, 1, 1, 2, 3]), None);
         assert_eq!(found(&[1, 2, 2, 2, 2, 2, 2, 3, 4]), None);

@@ -7,8 +7,7 @@
 
 use ndarray::Zip;
 
-use super::{Frame, Light, Scene, SceneError, check_rate};
-use crate::plane::Size;
+use super::{Frame, Outline, Scene, SceneError, check_rate};
 
 /// Moments closer than this are one: half of what events tell apart, in seconds.
 const SAME: f64 = 5e-7;
@@ -53,31 +52,22 @@ impl<S: Scene> Resampled<S> {
 }
 
 impl<S: Scene> Scene for Resampled<S> {
-    fn size(&self) -> Size {
-        self.source.size()
-    }
-
-    fn fps(&self) -> f64 {
-        self.fps
-    }
-
-    /// Known where the source knows how many it has.
-    fn frames(&self) -> Option<u64> {
-        let Some(intervals) = self.source.frames()?.checked_sub(1) else {
-            return Some(0);
-        };
-        let seconds = intervals as f64 / self.source.fps();
-        // `as` saturates.
-        Some(((seconds + SAME) * self.fps) as u64 + 1)
-    }
-
-    fn coding(&self) -> Light {
-        self.source.coding()
-    }
-
-    /// The frames on both sides, and the one that is given.
-    fn bytes(&self) -> u128 {
-        self.source.bytes() + 3 * super::light::PIXEL_BYTES * self.size().pixels() as u128
+    fn outline(&self) -> Outline {
+        let source = self.source.outline();
+        // How many there are is known where the source knows; `as` saturates.
+        let frames = source.frames.map(|frames| match frames.checked_sub(1) {
+            Some(intervals) => ((intervals as f64 / source.fps + SAME) * self.fps) as u64 + 1,
+            None => 0,
+        });
+        // The frames on both sides, and the one that is given.
+        let held = 3 * super::light::PIXEL_BYTES * source.size.pixels() as u128;
+        Outline {
+            fps: self.fps,
+            fps_is_assumed: false,
+            frames,
+            bytes: source.bytes + held,
+            ..source
+        }
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
@@ -122,7 +112,10 @@ impl<S: Scene> Scene for Resampled<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{plane::Plane, scene::held::Held};
+    use crate::{
+        plane::{Plane, Size},
+        scene::held::Held,
+    };
 
     /// One pixel of light 0, 10, 20, … at 10 frames a second.
     fn ramp(frames: u32) -> Held {

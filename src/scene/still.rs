@@ -9,7 +9,7 @@ use std::{
 use image::{ImageDecoder, ImageFormat, ImageReader};
 
 use super::{
-    Frame, Image, Levels, OpenOptions, Scene, SceneError,
+    Frame, Image, Levels, OpenOptions, Outline, Scene, SceneError,
     decoded::Source,
     gray::{self, Depth, Layout},
     light::{self, MemoryLimit},
@@ -39,27 +39,20 @@ pub(super) fn open(
 }
 
 impl Scene for Still {
-    fn size(&self) -> Size {
-        self.size
+    fn outline(&self) -> Outline {
+        Outline {
+            frames: Some(1),
+            bytes: (MOST_CODED + light::PIXEL_BYTES) * self.size.pixels() as u128,
+            ..self.rate.outline(self.size)
+        }
     }
-    fn fps(&self) -> f64 {
-        self.rate.fps
-    }
-    fn fps_is_assumed(&self) -> bool {
-        self.rate.assumed
-    }
-    fn frames(&self) -> Option<u64> {
-        Some(1)
-    }
+
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         Ok(self.light.take().map(|light| Frame {
             index: 0,
             seconds: 0.0,
             light,
         }))
-    }
-    fn bytes(&self) -> u128 {
-        (MOST_CODED + light::PIXEL_BYTES) * self.size.pixels() as u128
     }
 }
 

@@ -8,11 +8,8 @@
 
 use ndarray::Zip;
 
-use super::{Frame, Image, Light, Scene, SceneError, light};
-use crate::{
-    elementary,
-    plane::{Plane, Size},
-};
+use super::{Frame, Image, Outline, Scene, SceneError, light};
+use crate::{elementary, plane::Plane};
 
 /// By how much a pixel may move in one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,32 +159,17 @@ impl<S: Scene> Upsampled<S> {
 }
 
 impl<S: Scene> Scene for Upsampled<S> {
-    fn size(&self) -> Size {
-        self.source.size()
-    }
-
-    /// Frames of the source per second.
-    fn fps(&self) -> f64 {
-        self.source.fps()
-    }
-
-    fn fps_is_assumed(&self) -> bool {
-        self.source.fps_is_assumed()
-    }
-
-    fn coding(&self) -> Light {
-        self.source.coding()
-    }
-
-    /// Not known beforehand; [`source`](Upsampled::source) knows how many it has.
-    fn frames(&self) -> Option<u64> {
-        None
-    }
-
-    /// Those of the source, the frames on both sides, the one in between as it is made and as
-    /// it is given, and one that has just been passed.
-    fn bytes(&self) -> u128 {
-        self.source.bytes() + 5 * light::PIXEL_BYTES * self.size().pixels() as u128
+    fn outline(&self) -> Outline {
+        let source = self.source.outline();
+        // The frames on both sides, the one in between as it is made and as it is given, and one
+        // that has just been passed.
+        let held = 5 * light::PIXEL_BYTES * source.size.pixels() as u128;
+        Outline {
+            // Not known beforehand; the [`source`](Upsampled::source) knows how many it has.
+            frames: None,
+            bytes: source.bytes + held,
+            ..source
+        }
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
@@ -393,20 +375,17 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::unit::Micros;
+    use crate::{plane::Size, unit::Micros};
 
     /// Frames in memory.
     struct Clip(Vec<Plane<f64>>, usize);
 
     impl Scene for Clip {
-        fn size(&self) -> Size {
-            Size::of(&self.0[0])
-        }
-        fn fps(&self) -> f64 {
-            10.0
-        }
-        fn frames(&self) -> Option<u64> {
-            Some(self.0.len() as u64)
+        fn outline(&self) -> Outline {
+            Outline {
+                frames: Some(self.0.len() as u64),
+                ..Outline::new(Size::of(&self.0[0]), 10.0)
+            }
         }
         fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
             let index = self.1;

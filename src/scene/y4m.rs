@@ -11,7 +11,7 @@ use std::{
 };
 
 use super::{
-    Frame, Image, Levels, OpenOptions, Range, Scene, SceneError, decoded::Source, light,
+    Frame, Image, Levels, OpenOptions, Outline, Range, Scene, SceneError, decoded::Source, light,
     light::MemoryLimit, rate::Rate,
 };
 use crate::plane::Size;
@@ -136,15 +136,13 @@ impl<R: BufRead + Send> Y4m<R> {
 }
 
 impl<R: BufRead + Send> Scene for Y4m<R> {
-    fn size(&self) -> Size {
-        self.size
+    fn outline(&self) -> Outline {
+        Outline {
+            frames: self.frames,
+            ..Outline::new(self.size, self.rate.fps)
+        }
     }
-    fn fps(&self) -> f64 {
-        self.rate.fps
-    }
-    fn frames(&self) -> Option<u64> {
-        self.frames
-    }
+
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         let index = self.next;
         let no_frame = |got: String| SceneError::NoFrame {
@@ -199,9 +197,6 @@ impl<R: BufRead + Send> Scene for Y4m<R> {
             seconds: self.rate.seconds(index),
             light,
         }))
-    }
-    fn bytes(&self) -> u128 {
-        held(self.samples, self.size)
     }
 }
 

@@ -85,7 +85,10 @@ impl<'a> Bench<'a> {
             size,
             observation,
             said: Said::default(),
-            frames: light.scene.as_ref().map_or(0, Scene::bytes),
+            frames: light
+                .scene
+                .as_ref()
+                .map_or(0, |scene| scene.outline().bytes),
             arithmetic: arithmetic(arguments, program)?,
             settings: settings(arguments, program, device)?,
             machine: None,

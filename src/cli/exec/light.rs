@@ -9,7 +9,7 @@ use crate::{
     limit::FRAMES,
     plane::{Plane, Size},
     program::Program,
-    scene::{ASSUMED_FPS, Frame, Image, Observation, Scene, SceneError},
+    scene::{ASSUMED_FPS, Frame, Image, Observation, Outline, Scene, SceneError},
 };
 
 /// The light, as it is asked for.
@@ -131,16 +131,11 @@ impl Lasting {
 }
 
 impl Scene for Lasting {
-    fn size(&self) -> Size {
-        self.size
-    }
-
-    fn fps(&self) -> f64 {
-        self.light.fps
-    }
-
-    fn frames(&self) -> Option<u64> {
-        self.light.frames
+    fn outline(&self) -> Outline {
+        Outline {
+            frames: self.light.frames,
+            ..Outline::new(self.size, self.light.fps)
+        }
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {

@@ -168,7 +168,7 @@ impl Arguments {
     /// Refuses what there is no room for: the scene, the models on it, and events.
     fn check(kept: &Kept, sensor: u128) -> miette::Result<()> {
         let need = Need::new()
-            .and("frames of the scene", kept.scene().bytes())
+            .and("frames of the scene", kept.scene().outline().bytes)
             .and("two models", 2 * sensor);
         let what = format!("a trade on {}", kept.size());
         budget::check(&need, &what, "take a smaller scene")

@@ -25,7 +25,7 @@ use crate::{
     scene::{
         decoded::Source,
         error::SceneError,
-        frame::{Frame, Scene},
+        frame::{Frame, Outline, Scene},
         image::{Image, Levels},
         light::{self, MemoryLimit},
         options::OpenOptions,
@@ -225,18 +225,15 @@ impl H264 {
 }
 
 impl Scene for H264 {
-    fn size(&self) -> Size {
-        self.size
+    fn outline(&self) -> Outline {
+        let light = light::PIXEL_BYTES_HELD * self.size.pixels() as u128;
+        Outline {
+            frames: Some(self.count),
+            bytes: self.held + light + self.samples.len() as u128 * size_of::<Sample>() as u128,
+            ..self.rate.outline(self.size)
+        }
     }
-    fn fps(&self) -> f64 {
-        self.rate.fps
-    }
-    fn fps_is_assumed(&self) -> bool {
-        self.rate.assumed
-    }
-    fn frames(&self) -> Option<u64> {
-        Some(self.count)
-    }
+
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         self.fill()?;
         let index = self.next;
@@ -263,10 +260,6 @@ impl Scene for H264 {
             seconds: self.rate.seconds(index),
             light,
         }))
-    }
-    fn bytes(&self) -> u128 {
-        let light = light::PIXEL_BYTES_HELD * self.size.pixels() as u128;
-        self.held + light + self.samples.len() as u128 * size_of::<Sample>() as u128
     }
 }
 

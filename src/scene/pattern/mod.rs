@@ -23,7 +23,7 @@ use motif::Motif;
 use parameters::Parameters;
 
 use super::{
-    Frame, OpenOptions, Scene, SceneError,
+    Frame, OpenOptions, Outline, Scene, SceneError,
     light::{self, MemoryLimit},
     rate::{Rate, check_rate},
 };
@@ -137,15 +137,14 @@ impl Pattern {
 }
 
 impl Scene for Pattern {
-    fn size(&self) -> Size {
-        self.size
+    fn outline(&self) -> Outline {
+        Outline {
+            frames: Some(self.frames),
+            bytes: self.held,
+            ..Outline::new(self.size, self.rate.fps)
+        }
     }
-    fn fps(&self) -> f64 {
-        self.rate.fps
-    }
-    fn frames(&self) -> Option<u64> {
-        Some(self.frames)
-    }
+
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         if self.next == self.frames {
             return Ok(None);
@@ -158,9 +157,6 @@ impl Scene for Pattern {
             seconds,
             light: self.light(seconds).into(),
         }))
-    }
-    fn bytes(&self) -> u128 {
-        self.held
     }
 }
 

@@ -32,7 +32,7 @@ impl SceneSummary {
             frames,
             seconds: Micros(to.0.saturating_sub(from.0)).seconds(),
             fps: scene.fps(),
-            fps_is_assumed: scene.fps_is_assumed(),
+            fps_is_assumed: scene.outline().fps_is_assumed,
         }
     }
 }
