@@ -216,7 +216,7 @@ impl Scene for Animation {
         Outline {
             frames: Some(self.count),
             bytes: HELD * self.size.pixels() as u128,
-            ..self.rate.outline(self.size)
+            ..Outline::at(self.rate, self.size)
         }
     }
 

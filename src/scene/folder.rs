@@ -95,7 +95,7 @@ impl Scene for Folder {
         Outline {
             frames: Some(self.count),
             bytes: names + pixel * self.size.pixels() as u128,
-            ..self.rate.outline(self.size)
+            ..Outline::at(self.rate, self.size)
         }
     }
 

@@ -1,6 +1,6 @@
 //! A frame, and the trait of all sources of frames.
 
-use super::{coding::Light, error::SceneError, image::Image, light};
+use super::{coding::Light, error::SceneError, image::Image, light, rate::Rate};
 use crate::plane::Size;
 
 /// One picture of a scene.
@@ -46,6 +46,14 @@ impl Outline {
             frames: None,
             coding: Light::DRAWN,
             bytes: light::PIXEL_BYTES_HELD * size.pixels() as u128,
+        }
+    }
+
+    /// The same, at a rate that may be assumed.
+    pub(super) const fn at(rate: Rate, size: Size) -> Self {
+        Self {
+            fps_is_assumed: rate.assumed,
+            ..Self::new(size, rate.fps)
         }
     }
 }

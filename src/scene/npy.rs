@@ -140,7 +140,7 @@ impl<R: Read + Send> Scene for Npy<R> {
         Outline {
             frames: Some(self.frames),
             bytes: held(self.number, self.size),
-            ..self.rate.outline(self.size)
+            ..Outline::at(self.rate, self.size)
         }
     }
 

@@ -2,8 +2,7 @@
 
 use std::{fmt, path::Path};
 
-use super::{Outline, SceneError};
-use crate::plane::Size;
+use super::SceneError;
 
 /// Frames per second where nobody says (`.npy`, folders, stills): the rate of the clips on
 /// which the RGC sensor's authors trained (`GoPro`, 240 frames/s; quoted).
@@ -37,14 +36,6 @@ impl Rate {
                 assumed: false,
             }),
             None => Err(SceneError::NoRate { path: path.into() }),
-        }
-    }
-
-    /// Of a scene at this rate, with what is assumed of any.
-    pub fn outline(self, size: Size) -> Outline {
-        Outline {
-            fps_is_assumed: self.assumed,
-            ..Outline::new(size, self.fps)
         }
     }
 

@@ -43,7 +43,7 @@ impl Scene for Still {
         Outline {
             frames: Some(1),
             bytes: (MOST_CODED + light::PIXEL_BYTES) * self.size.pixels() as u128,
-            ..self.rate.outline(self.size)
+            ..Outline::at(self.rate, self.size)
         }
     }
 

@@ -230,7 +230,7 @@ impl Scene for H264 {
         Outline {
             frames: Some(self.count),
             bytes: self.held + light + self.samples.len() as u128 * size_of::<Sample>() as u128,
-            ..self.rate.outline(self.size)
+            ..Outline::at(self.rate, self.size)
         }
     }
 
