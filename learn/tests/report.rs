@@ -117,6 +117,39 @@ fn record() -> Record {
 }
 
 #[test]
+fn seeds_that_have_not_run_to_the_end_are_left_out() {
+    let whole = Report::new(record());
+    let mut more = record();
+    // Another seed, with which one arm has run, and much better.
+    let begun = more.rows.iter().filter(|row| row.arm == "dvs");
+    let begun = begun.map(|row| Row {
+        seed: 99,
+        psnr: row.psnr.map(|psnr| psnr + 5.0),
+        ..row.clone()
+    });
+    let begun: Vec<Row> = begun.collect();
+    more.rows.extend(begun.clone());
+    let report = Report::new(more);
+    assert_eq!(report.record(), whole.record());
+    let table = report.table();
+    let first = table.lines().next().unwrap();
+    assert!(
+        first.ends_with("; seed 99 is left out, with which not all has run"),
+        "{first}"
+    );
+    assert!(!whole.table().contains("left out"));
+    // Where no seed has all, each counts as far as it went.
+    let rows = begun
+        .into_iter()
+        .chain(record().rows.into_iter().filter(|row| row.arm != "dvs"));
+    let none = Report::new(Record {
+        rows: rows.collect(),
+        ..record()
+    });
+    assert!(!none.table().contains("left out"));
+}
+
+#[test]
 fn differences_are_those_at_equal_bits() {
     let report = Report::new(record());
     assert_eq!(report.arms(), ["dvs", "rgc", "same", "none"]);

@@ -13,7 +13,10 @@ mod page;
 mod surround;
 mod table;
 
-use std::path::Path;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 pub use chip::{Kept, Stage};
 pub use curve::{Curve, Point};
@@ -22,7 +25,7 @@ pub use error::ReportError;
 pub use metric::Metric;
 pub use surround::Surround;
 
-use crate::record::{Decoder, Form, Record, VERSION};
+use crate::record::{Decoder, Form, Record, Row, VERSION};
 
 /// The file of a run that is read.
 pub const FILE: &str = "learn.json";
@@ -36,6 +39,8 @@ pub struct Report {
     record: Record,
     /// Arms in the order in which they were run.
     arms: Vec<String>,
+    /// Seeds with which not all has run.
+    left_out: Vec<u64>,
 }
 
 impl Report {
@@ -65,16 +70,24 @@ impl Report {
         Ok(Self::new(record))
     }
 
-    /// Of a record that is at hand.
+    /// Of a record that is at hand. A seed with which some arm and target has not run yet is left out,
+    /// where another has run with all: means over unequal seeds are no comparison.
     #[must_use]
-    pub fn new(record: Record) -> Self {
+    pub fn new(mut record: Record) -> Self {
+        let left_out = incomplete(&record.rows);
+        record.rows.retain(|row| !left_out.contains(&row.seed));
+        record.kernels.retain(|at| !left_out.contains(&at.seed));
         let mut arms: Vec<String> = Vec::new();
         for row in &record.rows {
             if !arms.contains(&row.arm) {
                 arms.push(row.arm.clone());
             }
         }
-        Self { record, arms }
+        Self {
+            record,
+            arms,
+            left_out,
+        }
     }
 
     /// The record.
@@ -146,4 +159,26 @@ impl Report {
             .map(String::as_str)
             .collect()
     }
+}
+
+/// Seeds that lack an arm and target that another seed has; none where all do.
+fn incomplete(rows: &[Row]) -> Vec<u64> {
+    let runs: BTreeSet<(&str, u64)> = rows.iter().map(run).collect();
+    let mut seeds: BTreeMap<u64, BTreeSet<(&str, u64)>> = BTreeMap::new();
+    for row in rows {
+        seeds.entry(row.seed).or_default().insert(run(row));
+    }
+    let all = seeds.len();
+    let lacking = seeds.iter().filter(|(_, own)| own.len() < runs.len());
+    let lacking: Vec<u64> = lacking.map(|(seed, _)| *seed).collect();
+    if lacking.len() == all {
+        Vec::new()
+    } else {
+        lacking
+    }
+}
+
+/// What is run with each seed.
+fn run(row: &Row) -> (&str, u64) {
+    (&row.arm, row.target.to_bits())
 }

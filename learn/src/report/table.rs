@@ -105,8 +105,17 @@ impl Report {
             all.dedup();
             all.len()
         };
+        let left_out: Vec<String> = self.left_out.iter().map(u64::to_string).collect();
+        let left_out = match left_out.as_slice() {
+            [] => String::new(),
+            [seed] => format!("; seed {seed} is left out, with which not all has run"),
+            seeds => {
+                let seeds = seeds.join(", ");
+                format!("; seeds {seeds} are left out, with which not all has run")
+            }
+        };
         format!(
-            "{}, {}: {} arms, {} seeds, {} steps of {} clips of {}x{}; judged on {} clips of {} held-out photographs",
+            "{}, {}: {} arms, {} seeds, {} steps of {} clips of {}x{}; judged on {} clips of {} held-out photographs{left_out}",
             record.task,
             record.goal,
             self.arms.len(),
