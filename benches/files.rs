@@ -31,6 +31,9 @@ try:
     for _ in range(5):
         start = time.perf_counter()
         scope['events'] = eval(line, scope, {'path': path})
+        # An archive is read when its arrays are asked for.
+        if hasattr(scope['events'], 'files'):
+            scope['events'] = [scope['events'][name] for name in scope['events'].files]
         seconds.append(time.perf_counter() - start)
     print(sorted(seconds)[2])
 except ImportError:
