@@ -51,6 +51,15 @@ fn a_rate_is_reached() {
     assert_eq!(said["rate"]["asked"], 12.0);
     assert_eq!(said["rate"]["thresholds"].as_array().unwrap().len(), 4);
     assert!(good(folder, &asked).contains("asked for: threshold"));
+    // With its unit, and the events by the short name of their option.
+    let unit = [
+        "run", "--scene", SCENE, "--sensor", "rgc-4", "--rate", "12/px/s",
+    ];
+    assert_eq!(json(folder, &unit), said);
+    good(folder, &[&asked[..], &["--events", "long.npy"]].concat());
+    good(folder, &[&unit[..], &["-o", "short.npy"]].concat());
+    let [long, short] = ["long.npy", "short.npy"].map(|name| fs::read(folder.join(name)).unwrap());
+    assert_eq!(long, short);
 }
 
 #[test]
@@ -64,6 +73,7 @@ fn what_cannot_be_is_said() {
         &with(&["--rate", "1e9"]),
         &["--rate", "at any threshold"],
     );
+    refused(folder, &with(&["--rate", "2/s"]), &["2/px/s"]);
     refused(
         folder,
         &with(&["--threshold", "0"]),

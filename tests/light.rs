@@ -1,5 +1,6 @@
 //! Proves that samples become the light that people mean: range and transfer from the file or as
-//! asked, the scale of an array; that cuts and repeated frames are found, and that each guard speaks and only then.
+//! asked, the scale of an array; that cuts and repeated frames are found, and that each guard
+//! speaks and only then.
 //! Against: the standards' formulas, arrays of the same light, clips that ffmpeg made.
 
 use std::{fs, io, path::Path};

@@ -9,7 +9,7 @@ use crate::plane::{Plane, Size};
 #[derive(Clone, Debug)]
 pub struct Kept {
     frames: Arc<Vec<One>>,
-    /// Of the scene that was read.
+    /// Of the scene that was read, with its frames and what they take; and of the one that is given.
     outline: Outline,
 }
 
@@ -114,8 +114,12 @@ impl Kept {
             });
         }
         Ok(Some(Self {
+            outline: Outline {
+                frames: Some(frames.len() as u64),
+                bytes: bytes as u128 + light::PIXEL_BYTES * size.pixels() as u128,
+                ..scene.outline()
+            },
             frames: frames.into(),
-            outline: scene.outline(),
         }))
     }
 
@@ -135,16 +139,6 @@ impl Kept {
     #[must_use]
     pub const fn size(&self) -> Size {
         self.outline.size
-    }
-
-    /// Of its frames, and of the one that is given.
-    fn outline(&self) -> Outline {
-        let kept: usize = self.frames.iter().map(|one| one.pixels.bytes()).sum();
-        Outline {
-            frames: Some(self.len() as u64),
-            bytes: kept as u128 + light::PIXEL_BYTES * self.size().pixels() as u128,
-            ..self.outline
-        }
     }
 
     /// The number of a frame in its scene, its time and its light.
@@ -210,11 +204,8 @@ struct Once {
 
 impl Scene for Once {
     fn outline(&self) -> Outline {
-        let left = self.left.as_slice().iter();
-        let left: usize = left.map(|one| one.pixels.bytes()).sum();
         Outline {
             frames: Some(self.left.len() as u64),
-            bytes: left as u128 + light::PIXEL_BYTES * self.outline.size.pixels() as u128,
             ..self.outline
         }
     }
@@ -237,7 +228,7 @@ pub struct Again {
 
 impl Scene for Again {
     fn outline(&self) -> Outline {
-        self.kept.outline()
+        self.kept.outline
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {

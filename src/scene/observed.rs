@@ -1,4 +1,5 @@
-//! What was seen of a scene while it was watched: the extent of its light, its cuts, and frames that repeat.
+//! What was seen of a scene while it was watched: the extent of its light, its cuts, and frames
+//! that repeat.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
