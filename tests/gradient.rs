@@ -689,6 +689,45 @@ fn threads_change_no_bit() {
     assert_eq!(run(5), one);
 }
 
+/// Results in memory that held another sensor's, of another size, are those in fresh memory.
+#[test]
+fn memory_is_used_again() {
+    let sizes = [Size::new(70, 24), Size::new(40, 31), Size::new(9, 90)];
+    let mut again = Forward::<f32>::default();
+    for (n, which) in SENSORS
+        .into_iter()
+        .cycle()
+        .take(3 * SENSORS.len())
+        .enumerate()
+    {
+        let text = sensor(which, "\"identity\"", 1 + n % 3);
+        let (size, clips) = (sizes[n % 3], 1 + n % 2);
+        let (model, seen, voxels) = batch::<f32>(&text, size, clips);
+        let (light, times) = (pan::<f32>(clips, 6, size, 1.0), times(6));
+        let light = Clips::new(&light, &times, size).unwrap();
+        for _ in 0..2 {
+            model.forward_into(light, &mut again).unwrap();
+            let bits = |seen: &Forward<f32>| {
+                let voxels = seen.voxels().iter().map(|v| v.to_bits());
+                (seen.shape(), voxels.collect::<Vec<_>>())
+            };
+            assert_eq!(bits(&again), bits(&seen), "{}", which.0);
+            assert_eq!(again.counts(), seen.counts(), "{}", which.0);
+            let ask = Ask {
+                voxels: Some(&voxels),
+                ..Ask::default()
+            };
+            let back = |seen| flat(&model.backward(seen, &ask, model.rule()).unwrap());
+            assert_eq!(back(&again), back(&seen), "{}", which.0);
+        }
+        if n % 4 == 3 {
+            let other = Clips::new(&[0.0; 8], &[0.0, 1.0], Size::new(2, 2)).unwrap();
+            assert!(model.forward_into(other, &mut again).is_err());
+            assert!(again.voxels().is_empty() && again.bytes() == 0);
+        }
+    }
+}
+
 #[test]
 fn a_batch_is_its_clips() {
     let (text, size) = (sensor(SENSORS[7], "\"identity\"", 2), Size::new(40, 24));

@@ -99,7 +99,7 @@ fn train(asked: &RunArguments) -> Result<()> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
         pool.build_global().into_diagnostic()?;
     }
-    let (mut task, text) = Task::open(&asked.task)?;
+    let mut task = Task::open(&asked.task)?;
     if let Some(photos) = &asked.photos {
         task.scenes.photographs = Some(photos.clone());
         task.scenes.video = None;
@@ -119,7 +119,7 @@ fn train(asked: &RunArguments) -> Result<()> {
             ));
         }
     }
-    let run = Run::new((&task, &text), &asked.output, asked.resume || asked.dry_run)?;
+    let run = Run::new(&task, &asked.output, asked.resume || asked.dry_run)?;
     let jobs = run.jobs().into_iter();
     let jobs: Vec<Job<'_>> = jobs
         .filter(|job| asked.arm.is_empty() || asked.arm.contains(&job.arm.name))

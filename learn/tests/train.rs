@@ -244,7 +244,7 @@ fn a_step_is_a_function_of_the_state() {
 
 fn run(folder: &Path, text: &str, resume: bool) -> Record {
     let task = task(text);
-    let run = Run::new((&task, text), folder, resume).unwrap();
+    let run = Run::new(&task, folder, resume).unwrap();
     for job in run.jobs() {
         run.train(&job, &mut |_| {}).unwrap();
     }
@@ -278,7 +278,7 @@ fn ten_stops_end_as_none() {
     let stopped = folder.path().join("stopped");
     let task = task(&text);
     for stop in 1..=10 {
-        let run = Run::new((&task, &text), &stopped, true).unwrap();
+        let run = Run::new(&task, &stopped, true).unwrap();
         let mut steps = 0;
         let ended = catch_unwind(AssertUnwindSafe(|| {
             for job in run.jobs() {
@@ -293,7 +293,7 @@ fn ten_stops_end_as_none() {
         drop(ended);
     }
     // The rest side by side.
-    let last = Run::new((&task, &text), &stopped, true).unwrap();
+    let last = Run::new(&task, &stopped, true).unwrap();
     let ended = AtomicUsize::new(0);
     last.train_all(&last.jobs(), 2, &|_, progress| {
         if let Progress::Ended(done) = progress {
@@ -310,11 +310,28 @@ fn ten_stops_end_as_none() {
         assert!(a == b, "{name} differs");
     }
     // A folder with a run in it is not begun anew.
-    let begun = Run::new((&task, &text), &stopped, false);
+    let begun = Run::new(&task, &stopped, false);
     assert!(matches!(begun, Err(TrainError::Begun { .. })));
+    // Arms, targets and seeds may be added: what is done stays.
+    let more = text.replace("\"none\", ", "\"none\", \"dvs\", ");
+    let more = self::task(&format!(
+        "# more\n{}",
+        more.replace("seeds = [1]", "seeds = [1, 2]")
+    ));
+    let run = Run::new(&more, &stopped, true).unwrap();
+    assert_eq!(run.jobs().len(), 6);
+    for job in run.jobs() {
+        let mut steps = 0;
+        run.train(&job, &mut |_| steps += 1).unwrap();
+        assert_eq!(
+            steps == 0,
+            job.seed == 1 && job.arm.name != "dvs",
+            "{job:?}"
+        );
+    }
     // Nor is it gone on with by another task.
-    let other = text.replace("steps = 12", "steps = 13");
-    let run = Run::new((&task, &other), &stopped, true).unwrap();
+    let other = self::task(&text.replace("steps = 12", "steps = 13"));
+    let run = Run::new(&other, &stopped, true).unwrap();
     let refused = run.train(&run.jobs()[1], &mut |_| {}).unwrap_err();
     assert!(
         refused.to_string().contains("made with another task file"),
@@ -327,7 +344,7 @@ fn ten_stops_end_as_none() {
         "{refused}"
     );
     // What is damaged or of another version is not taken either.
-    let run = Run::new((&task, &text), &stopped, true).unwrap();
+    let run = Run::new(&task, &stopped, true).unwrap();
     let path = stopped.join("arms/ternary-0.05-1/checkpoint");
     let whole = fs::read(&path).unwrap();
     let mut damaged = whole.clone();

@@ -1,5 +1,7 @@
 //! The float model backwards: light and parameters in, voxels and counts out, and back.
 
+use std::sync::{LazyLock, Mutex, PoisonError};
+
 use amacrine::{
     gradient::{Ask, Clips, Float, Forward, GradientError, Model, Rule, Slope},
     kernel::Kernel,
@@ -19,10 +21,37 @@ use crate::{
     sensor::Sensor,
 };
 
+/// A format with room for one batch: what the last result held, so that a step of training needs no
+/// fresh memory.
+trait Spare: Float {
+    fn spare() -> &'static Mutex<Forward<Self>>;
+}
+
+impl Spare for f32 {
+    fn spare() -> &'static Mutex<Forward<Self>> {
+        static ROOM: LazyLock<Mutex<Forward<f32>>> = LazyLock::new(Mutex::default);
+        &ROOM
+    }
+}
+
+impl Spare for f64 {
+    fn spare() -> &'static Mutex<Forward<Self>> {
+        static ROOM: LazyLock<Mutex<Forward<f64>>> = LazyLock::new(Mutex::default);
+        &ROOM
+    }
+}
+
 /// What a sensor made of a batch of clips, and the sensor.
-struct Pass<R: Float> {
+struct Pass<R: Spare> {
     model: Model<R>,
     seen: Forward<R>,
+}
+
+impl<R: Spare> Drop for Pass<R> {
+    fn drop(&mut self) {
+        let mut room = R::spare().lock().unwrap_or_else(PoisonError::into_inner);
+        std::mem::swap(&mut *room, &mut self.seen);
+    }
 }
 
 enum Either {
@@ -93,7 +122,7 @@ fn learned(description: &Description, (kernels, limits): &Learned<'_>) -> PyResu
     Ok(description)
 }
 
-fn pass<R: Float>(
+fn pass<R: Spare>(
     description: Description,
     light: &[R],
     (times, size): (&[f64], Size),
@@ -103,7 +132,9 @@ fn pass<R: Float>(
     if let Some(shift) = phase {
         model = model.with_phase(seed, shift);
     }
-    let seen = model.forward(Clips::new(light, times, size)?)?;
+    let room = R::spare().lock();
+    let mut seen = std::mem::take(&mut *room.unwrap_or_else(PoisonError::into_inner));
+    model.forward_into(Clips::new(light, times, size)?, &mut seen)?;
     Ok(Box::new(Pass { model, seen }))
 }
 
@@ -182,7 +213,7 @@ fn slope(name: &str) -> PyResult<Slope> {
     }
 }
 
-impl<R: Float + Element> Pass<R> {
+impl<R: Spare + Element> Pass<R> {
     fn voxels<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
         PyArray1::from_slice(py, self.seen.voxels()).into_any()
     }

@@ -20,7 +20,7 @@ use crate::{
 use super::{
     error::GradientError,
     float::Float,
-    forward::Tape,
+    forward::{Tape, room},
     model::{Kind, Model},
     piece::Piece,
 };
@@ -108,17 +108,19 @@ impl<'a, R: Float> ForwardPass<'a, R> {
     pub(super) fn run(
         mut self,
         times: &[f64],
-        mut voxels: Vec<&mut [R]>,
-        mut counts: Vec<&mut [i32]>,
-    ) -> Result<Tape<R>, GradientError> {
+        (mut voxels, mut counts): (Vec<&mut [R]>, Vec<&mut [i32]>),
+        tape: &mut Tape<R>,
+    ) -> Result<(), GradientError> {
         let (model, channels, width) = (self.model, self.model.channels(), self.drive.len());
         let part = self.piece.rows.len() * width;
         let all = (times.len() - 1) * channels * part;
         let timed = model.silence() > 0.0;
-        let mut tape = Tape {
-            distance: vec![R::ZERO; all],
-            timing: vec![R::ZERO; if timed { all } else { 0 }],
-        };
+        // All of it is written below; of the voxels, each bin by the pair before it.
+        room(&mut tape.distance, all, R::ZERO);
+        room(&mut tape.timing, if timed { all } else { 0 }, R::ZERO);
+        for first in &mut voxels[..channels] {
+            first.fill(R::ZERO);
+        }
         for (pair, time) in times.windows(2).enumerate() {
             let interval = Interval {
                 index: pair as u64,
@@ -152,7 +154,7 @@ impl<'a, R: Float> ForwardPass<'a, R> {
                 }
             }
         }
-        Ok(tape)
+        Ok(())
     }
 
     /// Advances a row of cells through a pair, and leaves their trains.
@@ -266,7 +268,7 @@ fn awake<R: Real>(
     }
 }
 
-/// Adds what a row of trains gives to its two bins.
+/// Adds what a row of trains gives to its earlier bin, and begins the later one with it.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
 fn give<R: Real>(trains: &TrainRow<R>, earlier: &mut [R], later: &mut [R]) {
     let cells = earlier.len();
@@ -279,6 +281,6 @@ fn give<R: Real>(trains: &TrainRow<R>, earlier: &mut [R], later: &mut [R]) {
         let count = R::from_i32(counts[x]);
         let share = count * first + spacing * (count * (count.abs() - R::ONE) * R::from_f64(0.5));
         earlier[x] = earlier[x] + (count - share);
-        later[x] = later[x] + share;
+        later[x] = R::ZERO + share;
     }
 }

@@ -13,6 +13,7 @@ use super::{
     clips::Clips,
     error::GradientError,
     float::Float,
+    forward::Forward,
     model::Model,
 };
 
@@ -101,7 +102,8 @@ pub fn rate_threshold<R: Float>(
     seed: u64,
     target: f64,
 ) -> Result<Rated, GradientError> {
-    let rated = |log: f64| {
+    let mut seen = Forward::default();
+    let mut rated = |log: f64| {
         let scale = elementary::exp(log);
         let mut description = description.clone();
         for channel in &mut description.channels {
@@ -112,7 +114,8 @@ pub fn rate_threshold<R: Float>(
             }
         }
         let model = Model::new(description, clips.size(), seed)?;
-        let rate = model.forward(clips)?.rate();
+        model.forward_into(clips, &mut seen)?;
+        let rate = seen.rate();
         let description = model.description;
         Ok::<_, GradientError>((
             log,

@@ -52,6 +52,16 @@ impl<H: Copy> Padded<H> {
         }
     }
 
+    /// Whether it has this room.
+    pub(crate) fn is_for(&self, size: Size, rows: &Range<usize>, rim: (usize, usize)) -> bool {
+        (self.size, &self.rows, self.rim) == (size, rows, rim)
+    }
+
+    /// The size of the planes.
+    pub(crate) const fn size(&self) -> Size {
+        self.size
+    }
+
     /// Index of row `y`.
     fn start(&self, y: usize) -> usize {
         (y + self.rim.0 - self.rows.start) * self.stride

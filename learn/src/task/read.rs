@@ -54,7 +54,7 @@ impl Task {
     ///
     /// # Errors
     /// When it cannot be read, or is not a task.
-    pub fn open(path: &Path) -> Result<(Self, String), TaskError> {
+    pub fn open(path: &Path) -> Result<Self, TaskError> {
         let file = path.display().to_string();
         let text = std::fs::read_to_string(path);
         let text = text.map_err(|cause| TaskError::Unreadable {
@@ -65,7 +65,7 @@ impl Task {
         if let (Some(folder), Some(beside)) = (&mut task.scenes.photographs, path.parent()) {
             *folder = beside.join(&*folder);
         }
-        Ok((task, text))
+        Ok(task)
     }
 
     /// The task of a text; `file` is told in messages.

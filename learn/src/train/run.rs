@@ -43,8 +43,8 @@ pub struct Job<'a> {
 #[derive(Debug)]
 pub struct Run<'a> {
     task: &'a Task,
-    /// What tasks and photographs are told apart by.
-    identity: String,
+    /// What photographs are told apart by.
+    seen: Vec<u8>,
     folder: PathBuf,
     training: Clips,
     held_out: Clips,
@@ -74,16 +74,12 @@ const TRAINING: u64 = 1;
 const HELD_OUT: u64 = 2;
 
 impl<'a> Run<'a> {
-    /// A run of a task in a folder, which is made; `text` is the task's.
+    /// A run of a task in a folder, which is made.
     ///
     /// # Errors
     /// When there are no photographs, or the folder cannot be made, or holds something and `resume` is
     /// not said.
-    pub fn new(
-        (task, text): (&'a Task, &str),
-        folder: &Path,
-        resume: bool,
-    ) -> Result<Self, TrainError> {
+    pub fn new(task: &'a Task, folder: &Path, resume: bool) -> Result<Self, TrainError> {
         let (training, held_out, seen) = clips(task)?;
         let begun =
             checkpoint::exists(&folder.join(ARMS)).map_err(|cause| TrainError::Unreadable {
@@ -95,18 +91,10 @@ impl<'a> Run<'a> {
                 path: folder.to_owned(),
             });
         }
-        let mut sum = Sha256::new();
-        sum.update(env!("CARGO_PKG_VERSION"));
-        sum.update(text);
-        sum.update(seen);
-        let digest = sum.finalize();
-        let mut identity = String::new();
-        for byte in digest.iter().take(8) {
-            let _ = write!(identity, "{byte:02x}");
-        }
+        let seen = Sha256::digest(seen).to_vec();
         Ok(Self {
             task,
-            identity: format!("{} {identity}", task.name),
+            seen,
             folder: folder.to_owned(),
             training,
             held_out,
@@ -153,9 +141,25 @@ impl<'a> Run<'a> {
         self.folder.join(ARMS).join(name)
     }
 
+    /// What decides the bytes of an arm: this version, the task without what it says of other arms
+    /// and without comments, and what is seen. Arms, targets and seeds may be added to a run later.
     fn identity(&self, job: &Job<'_>) -> String {
+        let mut task = self.task.clone();
+        task.arms = vec![job.arm.clone()];
+        task.targets.clear();
+        task.seeds.clear();
+        // Their content is in `seen`.
+        task.scenes.photographs = None;
+        let mut sum = Sha256::new();
+        sum.update(env!("CARGO_PKG_VERSION"));
+        sum.update(format!("{task:?}"));
+        sum.update(&self.seen);
+        let mut digest = String::new();
+        for byte in sum.finalize().iter().take(8) {
+            let _ = write!(digest, "{byte:02x}");
+        }
         let name = super::name(job.arm, job.target, job.seed);
-        format!("{}, {name}", self.identity)
+        format!("{} {digest}, {name}", self.task.name)
     }
 
     fn finished(&self, job: &Job<'_>) -> Result<Option<Finished>, TrainError> {
