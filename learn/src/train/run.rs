@@ -145,7 +145,8 @@ impl<'a> Run<'a> {
     /// and without comments, and what is seen. Arms, targets and seeds may be added to a run later.
     fn identity(&self, job: &Job<'_>) -> String {
         let mut task = self.task.clone();
-        task.arms = vec![job.arm.clone()];
+        // The job's own are in its name.
+        task.arms.clear();
         task.targets.clear();
         task.seeds.clear();
         // Their content is in `seen`.
