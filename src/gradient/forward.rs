@@ -122,7 +122,7 @@ impl<R: Float> Model<R> {
     }
 
     /// The same, in the memory of an earlier result, which need not be of this model: fresh memory
-    /// takes up to a third of the time. After an error nothing is in it.
+    /// has to be cleared by the system. After an error nothing is in it.
     ///
     /// # Errors
     /// Those of [`forward`](Self::forward).

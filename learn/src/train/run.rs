@@ -43,8 +43,8 @@ pub struct Job<'a> {
 #[derive(Debug)]
 pub struct Run<'a> {
     task: &'a Task,
-    /// What photographs are told apart by.
-    seen: Vec<u8>,
+    /// What tasks and photographs are told apart by.
+    identity: String,
     folder: PathBuf,
     training: Clips,
     held_out: Clips,
@@ -91,10 +91,24 @@ impl<'a> Run<'a> {
                 path: folder.to_owned(),
             });
         }
-        let seen = Sha256::digest(seen).to_vec();
+        // Without comments, and without the arms, targets and seeds, which may be added to later:
+        // a job's own are in its name. What the photographs are is in `seen`.
+        let mut rest = task.clone();
+        rest.arms.clear();
+        rest.targets.clear();
+        rest.seeds.clear();
+        rest.scenes.photographs = None;
+        let mut sum = Sha256::new();
+        sum.update(env!("CARGO_PKG_VERSION"));
+        sum.update(format!("{rest:?}"));
+        sum.update(seen);
+        let mut identity = String::new();
+        for byte in sum.finalize().iter().take(8) {
+            let _ = write!(identity, "{byte:02x}");
+        }
         Ok(Self {
             task,
-            seen,
+            identity: format!("{} {identity}", task.name),
             folder: folder.to_owned(),
             training,
             held_out,
@@ -141,26 +155,9 @@ impl<'a> Run<'a> {
         self.folder.join(ARMS).join(name)
     }
 
-    /// What decides the bytes of an arm: this version, the task without what it says of other arms
-    /// and without comments, and what is seen. Arms, targets and seeds may be added to a run later.
     fn identity(&self, job: &Job<'_>) -> String {
-        let mut task = self.task.clone();
-        // The job's own are in its name.
-        task.arms.clear();
-        task.targets.clear();
-        task.seeds.clear();
-        // Their content is in `seen`.
-        task.scenes.photographs = None;
-        let mut sum = Sha256::new();
-        sum.update(env!("CARGO_PKG_VERSION"));
-        sum.update(format!("{task:?}"));
-        sum.update(&self.seen);
-        let mut digest = String::new();
-        for byte in sum.finalize().iter().take(8) {
-            let _ = write!(digest, "{byte:02x}");
-        }
         let name = super::name(job.arm, job.target, job.seed);
-        format!("{} {digest}, {name}", self.task.name)
+        format!("{}, {name}", self.identity)
     }
 
     fn finished(&self, job: &Job<'_>) -> Result<Option<Finished>, TrainError> {
