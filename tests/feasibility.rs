@@ -256,7 +256,7 @@ fn the_command_on_the_page_gives_the_page_again() {
     let words: Vec<&str> = command.split(' ').skip(1).collect();
     fs::remove_file(folder.path().join("report.html")).unwrap();
     amacrine(folder.path(), &words)
-        .env("RAYON_NUM_THREADS", "1")
+        .args(["--threads", "1"])
         .assert()
         .success();
     let again = fs::read_to_string(folder.path().join("report.html")).unwrap();

@@ -195,12 +195,12 @@ fn amacrine(by_way_of: &[&str], command: &str, folder: &Path) -> Vec<u8> {
     out.stdout
 }
 
-/// A line for each file of each case: its hash, which case, which file.
-fn hashes(by_way_of: &[&str]) -> String {
+/// A line for each file of each case, run with one option more: its hash, which case, which file.
+fn hashes(by_way_of: &[&str], option: &str) -> String {
     let folder = inputs();
     let mut lines = String::new();
     for (name, command, files) in CASES {
-        let printed = amacrine(by_way_of, command, folder.path());
+        let printed = amacrine(by_way_of, &format!("{command}{option}"), folder.path());
         for file in *files {
             let bytes = match *file {
                 "stdout" => printed.clone(),
@@ -246,7 +246,7 @@ fn check(found: &str) {
 
 #[test]
 fn the_manifest_holds_here() {
-    let found = expected(&hashes(&[]));
+    let found = expected(&hashes(&[], ""));
     if std::env::var_os("AMACRINE_BLESS").is_some() {
         fs::write(manifest(), &found).unwrap();
     }
@@ -254,14 +254,16 @@ fn the_manifest_holds_here() {
 }
 
 #[test]
-fn one_thread_writes_the_same() {
-    check(&expected(&hashes(&["env", "RAYON_NUM_THREADS=1"])));
+fn other_numbers_of_threads_write_the_same() {
+    for option in [" --threads=1", " --threads=3"] {
+        check(&expected(&hashes(&[], option)));
+    }
 }
 
 #[test]
 #[ignore = "needs qemu-x86_64 (Debian's qemu-user); .ci/run has it"]
 fn the_manifest_holds_without_avx_and_fma() {
-    check(&expected(&hashes(&EMULATED)));
+    check(&expected(&hashes(&EMULATED, "")));
 }
 
 /// A CPU of 2003: no SSE3 beyond the first, no AVX, no fused multiply-add.

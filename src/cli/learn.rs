@@ -9,7 +9,7 @@ use std::{
 
 use miette::{IntoDiagnostic, WrapErr, miette};
 
-use super::print::Ended;
+use super::{print::Ended, threads};
 
 /// What `learn` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -40,7 +40,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "there is no `{NAME}`, neither beside this program nor on the PATH"
         )
     })?;
-    let status = Command::new(&program)
+    let mut command = Command::new(&program);
+    if let Some(threads) = threads::asked() {
+        // Given before what is handed over it is an option of every verb.
+        command.arg(format!("--threads={threads}"));
+    }
+    let status = command
         .args(&arguments.handed_over)
         .status()
         .into_diagnostic()

@@ -47,6 +47,7 @@ pub mod schema;
 pub mod show;
 mod signals;
 pub mod sweep;
+mod threads;
 mod timed;
 pub mod trade;
 pub mod voxels;
@@ -71,6 +72,9 @@ struct Arguments {
     /// The most memory to hold, such as 500M or 4G (powers of 1024); more is refused before the work [default: three quarters of the machine's]
     #[arg(long, global = true, value_name = "SIZE", display_order = BEHIND)]
     max_memory: Option<Budget>,
+    /// Work on so many threads; what comes out does not depend on it [default: one for each core]
+    #[arg(long, global = true, value_name = "N", value_parser = threads::number, display_order = BEHIND)]
+    threads: Option<usize>,
     #[command(subcommand)]
     verb: Option<Verb>,
 }
@@ -177,7 +181,11 @@ pub fn main() -> ExitCode {
         Err(error) => return print::usage(&error),
     };
     budget::allow(arguments.max_memory);
-    let run = || files::check(&command(), &matches).and_then(|()| run(arguments));
+    let run = || {
+        threads::start(arguments.threads)?;
+        files::check(&command(), &matches)?;
+        run(arguments)
+    };
     match print::until_ended(run) {
         Ok(()) => ExitCode::SUCCESS,
         Err(report) => print::failed(&report),

@@ -11,7 +11,7 @@ use super::super::{
     opened::Source,
     without::Terms,
 };
-use crate::{array::Arithmetic, event::file::Format, isa::Figure, limit::THREADS};
+use crate::{array::Arithmetic, event::file::Format, isa::Figure};
 
 /// What `exec` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -58,9 +58,6 @@ pub struct Arguments {
     pub(super) fidelity: Fidelity,
     #[command(flatten)]
     pub(super) without: Terms,
-    /// On how many threads at most
-    #[arg(long, value_parser = threads)]
-    pub(super) threads: Option<usize>,
     #[arg(short = 'o', long, help = format!("Write the events that were read out; the extension names the format ({})", Format::names()), value_parser = Content::Events)]
     pub(super) events: Option<Output>,
     /// Write every register into this folder, as .npy and .png
@@ -123,13 +120,4 @@ fn assignment(text: &str) -> Result<Assignment, String> {
         return Ok(Assignment::Register(name.to_owned(), value.into()));
     }
     figure(name, value).map(|(figure, number)| Assignment::Figure(figure, number))
-}
-
-/// A number of threads, for the command line.
-fn threads(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(number) if number <= THREADS => Ok(number),
-        Ok(_) => Err(format!("{THREADS} threads at most")),
-        Err(_) => Err("give a whole number".to_owned()),
-    }
 }

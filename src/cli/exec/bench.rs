@@ -317,8 +317,7 @@ fn settings(arguments: &Arguments, program: &Program, device: &Device) -> miette
         }
         name => name.as_deref().map(str::parse).transpose()?,
     };
-    let threads = arguments.threads.unwrap_or_else(rayon::current_num_threads);
-    settings.threads = Some(threads.min(THREADS));
+    settings.threads = Some(rayon::current_num_threads().min(THREADS));
     Ok(settings)
 }
 

@@ -2,14 +2,17 @@
 
 use rayon::prelude::*;
 
+use crate::{event::Event, unit::Micros};
+
 use super::{
     packed_event::PackedEvent,
     part::Part,
     sorted::{Sliced, sort},
+    time_quantiser::TimeQuantiser,
 };
 
 /// With fewer events one thread is faster than several.
-pub(super) const ENOUGH: usize = 1 << 12;
+const ENOUGH: usize = 1 << 12;
 
 /// Events in a microsecond, on average, from which on several threads sort.
 const DENSE: usize = 4;
@@ -41,15 +44,16 @@ pub struct Buffers {
 }
 
 impl Buffers {
-    /// Passes on the events of all bands, which lie within so many microseconds, in order: all at
-    /// once, or a stretch of time after the other.
-    pub(super) fn in_order(&mut self, microseconds: usize, mut to: impl FnMut(&[PackedEvent])) {
+    /// Appends the events of all bands in order of time: all at once, or a slice of time after the
+    /// other, or all slices on several threads.
+    pub(super) fn in_order(&mut self, quantiser: TimeQuantiser, events: &mut Vec<Event>) {
         let Self {
             parts,
             groups,
             sorted,
             next,
         } = self;
+        let microseconds = quantiser.microseconds();
         let total = parts.iter().map(|part| part.packed().len()).sum();
         let runs = parts.iter().map(Part::packed);
         if microseconds > 4 * total {
@@ -61,7 +65,7 @@ impl Buffers {
                 rest = after;
             }
             all.sort_by_key(|packed| packed.since());
-            return to(all);
+            return quantiser.emit(all, events);
         }
         let threads = if total < ENOUGH || total < DENSE * microseconds {
             1
@@ -70,11 +74,11 @@ impl Buffers {
         };
         if threads == 1 && total <= CACHED {
             let all = of_length(sorted, total);
-            sort(runs, 0, microseconds, next, all);
-            return to(all);
+            sort(runs, 0, microseconds, next, all, |packed| packed);
+            return quantiser.emit(all, events);
         }
         // The events of each group of bands go into slices of time; then each slice is sorted.
-        let wanted = (total / SLICE).clamp(4 * threads, SLICES);
+        let wanted = (total / SLICE).clamp(8 * threads, SLICES);
         let shift = microseconds.div_ceil(wanted).next_power_of_two().ilog2();
         let slices = microseconds.div_ceil(1 << shift);
         let wanted = (total / GROUP).max(threads);
@@ -88,24 +92,25 @@ impl Buffers {
         if threads == 1 {
             for (slice, length) in lengths.enumerate() {
                 let out = of_length(sorted, length);
-                sort(runs(slice), slice << shift, 1 << shift, next, out);
-                to(out);
+                sort(runs(slice), slice << shift, 1 << shift, next, out, |packed| packed);
+                quantiser.emit(out, events);
             }
             return;
         }
-        let all = of_length(sorted, total);
-        let mut rest = &mut *all;
+        let start = events.len();
+        events.resize(start + total, PackedEvent::default().at(Micros(0)));
+        let mut rest = &mut events[start..];
         let mut jobs = Vec::with_capacity(slices);
         for (slice, length) in lengths.enumerate() {
             let (out, after) = rest.split_at_mut(length);
             rest = after;
             jobs.push((slice, out));
         }
+        let event = |packed| quantiser.event(packed);
         jobs.into_par_iter()
             .for_each_init(Vec::new, |next, (slice, out)| {
-                sort(runs(slice), slice << shift, 1 << shift, next, out);
+                sort(runs(slice), slice << shift, 1 << shift, next, out, event);
             });
-        to(all);
     }
 }
 

@@ -3,8 +3,6 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use crate::{
     event::{Event, Packet},
     number::Real,
@@ -13,7 +11,7 @@ use crate::{
 };
 
 use super::{
-    buffers::{Buffers, ENOUGH},
+    buffers::Buffers,
     limit::{Limit, WhenFull},
     part::Part,
     time_quantiser::TimeQuantiser,
@@ -112,15 +110,7 @@ impl<'a> EventList<'a> {
             events[start..].sort_by_key(|event| event.t);
             return;
         }
-        let one_by_one = rayon::current_num_threads() == 1;
-        self.buffers.in_order(quantiser.microseconds(), |packed| {
-            if one_by_one || packed.len() < ENOUGH {
-                quantiser.emit(packed, events);
-            } else {
-                let packed = packed.par_iter().with_min_len(ENOUGH);
-                events.par_extend(packed.map(|packed| quantiser.event(*packed)));
-            }
-        });
+        self.buffers.in_order(quantiser, events);
     }
 }
 

@@ -2,14 +2,16 @@
 
 use super::{packed_event::PackedEvent, part::Part};
 
-/// Sorts the events of some runs, whose times lie in `since..since + microseconds`, into `out`;
-/// those of one microsecond stay in the order in which they came. `next` is a buffer.
-pub(super) fn sort<'a>(
+/// Sorts the events of some runs, whose times lie in `since..since + microseconds`, and writes what
+/// `to` makes of each to `out`; those of one microsecond stay in the order in which they came.
+/// `next` is a buffer.
+pub(super) fn sort<'a, T>(
     runs: impl Iterator<Item = &'a [PackedEvent]> + Clone,
     since: usize,
     microseconds: usize,
     next: &mut Vec<u32>,
-    out: &mut [PackedEvent],
+    out: &mut [T],
+    to: impl Fn(PackedEvent) -> T,
 ) {
     next.clear();
     next.resize(microseconds, 0);
@@ -20,7 +22,7 @@ pub(super) fn sort<'a>(
     // Each event moves the place of the next one of its microsecond.
     for packed in runs.flatten() {
         let place = &mut next[packed.since() as usize - since];
-        out[*place as usize] = *packed;
+        out[*place as usize] = to(*packed);
         *place += 1;
     }
 }
