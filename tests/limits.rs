@@ -19,8 +19,9 @@ use amacrine::limit::{self, FILES, TABLE};
 /// program itself, its threads and its allocator take a part without using it.
 const MEMORY: u64 = 480_000;
 
-/// A program without optimisation on a machine that does other things too takes longer.
-const TIME: Duration = Duration::from_secs(if cfg!(debug_assertions) { 20 } else { 5 });
+/// Whoever waits so long takes it for hung. Far above what anything takes, so that a busy machine is
+/// no failure.
+const TIME: Duration = Duration::from_secs(60);
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -156,6 +156,8 @@ pub struct Rated {
     pub thresholds: Vec<f64>,
     /// Events of the float sensor per pixel and second, all kinds together.
     pub rate: f64,
+    /// The same of each kind.
+    pub rates: Vec<f64>,
 }
 
 /// All candidates, and what they were judged on.
@@ -294,9 +296,15 @@ pub fn explore(
         let shown = together::judge(&programs, &description, within, &mut *scene, &mut seen)?;
         all.frames = shown.frames;
         let seconds = shown.frames.saturating_sub(1) as f64 / fps;
+        let mut events = vec![0_u64; thresholds.len()];
+        for event in &shown.float.events {
+            events[usize::from(event.channel)] += 1;
+        }
+        let per = |events: u64| events as f64 / (size.pixels() as f64 * seconds).max(1e-9);
         all.rated.push(Rated {
             memory: if shared(first) { "pixel" } else { "drives" },
-            rate: shown.float.events.len() as f64 / (size.pixels() as f64 * seconds).max(1e-9),
+            rate: per(shown.float.events.len() as u64),
+            rates: events.iter().map(|own| per(*own)).collect(),
             thresholds: thresholds.clone(),
         });
         let sensor = question.sensor(description);
@@ -397,13 +405,19 @@ impl Question<'_> {
         let Aim::Rate(rate) = self.aim else {
             return Ok(apart.to_vec());
         };
-        let mut factor = 1.0;
-        if memory == DriveMemory::Shared {
-            // An event of any kind renews the memory of the pixel, which all look at.
-            let shared = together::description(memory, &self.designs(apart))?;
-            factor = rate::factor(&shared, rate, self.seed, open)?.factor;
+        if memory != DriveMemory::Shared {
+            return Ok(apart.iter().map(|it| four_digits(*it)).collect());
         }
-        Ok(apart.iter().map(|it| four_digits(it * factor)).collect())
+        // An event of any kind renews the memory of the pixel, which all look at: first the shares
+        // are made equal, then their sum is the rate.
+        let shared = together::description(memory, &self.designs(apart))?;
+        let shares = rate::balanced(&shared, rate, self.seed, open)?;
+        let level =
+            { apart.iter().zip(&shares) }.map(|(threshold, share)| threshold * share.factor);
+        let level: Vec<f64> = level.collect();
+        let shared = together::description(memory, &self.designs(&level))?;
+        let factor = rate::factor(&shared, rate, self.seed, open)?.factor;
+        Ok(level.iter().map(|it| four_digits(it * factor)).collect())
     }
 
     /// All kernels in few values in one program; or why there is none.

@@ -31,10 +31,12 @@ pub(super) fn text(
             text,
             "rate     {:.4} events per pixel and second{}, with a memory of the {}: threshold {}",
             rated.rate,
-            if rated.thresholds.len() > 1 {
-                ", all kinds together"
+            if rated.rates.len() > 1 {
+                let each = rated.rates.iter().map(|rate| format!("{rate:.3}"));
+                let each: Vec<String> = each.collect();
+                format!(", all kinds together ({})", each.join(", "))
             } else {
-                ""
+                String::new()
             },
             rated.memory,
             thresholds.join(", ")
