@@ -107,7 +107,9 @@ impl Source {
             return Ok(Program::parse(&program.file, &program.text)?.syntax);
         }
         let opened = self.open(&[])?;
-        Ok(opened.program.canonical(&opened.device, &self.overrides())?)
+        Ok(opened
+            .program
+            .canonical(&opened.device, &self.overrides())?)
     }
 
     /// Reads the program and expands it on its chip, some of whose numbers may be others.

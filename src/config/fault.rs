@@ -112,8 +112,7 @@ impl Faults {
     pub fn new(file: &str, text: &str, mut faults: Vec<Fault>) -> Self {
         let more = faults.len() > FAULTS;
         faults.order_by_key(|fault| (fault.place.start, fault.place.end));
-        // Places are equal to each other: the same message elsewhere is told there too.
-        faults.dedup_by_key(|fault| (fault.place.start, fault.place.end, fault.message.clone()));
+        faults.dedup();
         if faults.len() > FAULTS {
             // No warning takes the place of an error.
             faults.order_by_key(|fault| fault.severity != Severity::Error);

@@ -136,7 +136,9 @@ impl Machine<'_> {
         let line = self.line(acting.place);
         self.error(
             place,
-            format!("`{name}.{member}` runs words of the array, and members of classes are not run"),
+            format!(
+                "`{name}.{member}` runs words of the array, and members of classes are not run"
+            ),
             "this call",
             &format!("make `{member}`, in {line}, a function outside of the class, and call that"),
         );
@@ -148,9 +150,10 @@ impl Machine<'_> {
         self.kernel.is_none()
             && function.parameters.is_empty()
             && function.body.iter().any(|it| look::changes(self, it))
-            && !function.body.iter().any(|it| {
-                look::begins_kernel(self, it) || look::asks_host(self, it)
-            })
+            && !function
+                .body
+                .iter()
+                .any(|it| look::begins_kernel(self, it) || look::asks_host(self, it))
     }
 
     /// The function of this name that takes so many arguments: of the namespace that is written
@@ -401,7 +404,11 @@ impl Machine<'_> {
 
     /// A slider that is set beyond its ends, which the GUI would not do.
     fn slider_range(&mut self, name: &str, set: &Value, given: &[Expr], place: Place) {
-        let mut ends = given.iter().skip(1).take(2).map(|it| self.value(it).number());
+        let mut ends = given
+            .iter()
+            .skip(1)
+            .take(2)
+            .map(|it| self.value(it).number());
         let (Some(Some(low)), Some(Some(high))) = (ends.next(), ends.next()) else {
             return;
         };

@@ -68,7 +68,9 @@ impl Machine<'_> {
             place,
             format!("`{name}` is stated in several namespaces"),
             "which of them is not known",
-            &format!("write the namespace before it: `space::{name}`, or `::{name}` for that of the file"),
+            &format!(
+                "write the namespace before it: `space::{name}`, or `::{name}` for that of the file"
+            ),
         );
     }
 

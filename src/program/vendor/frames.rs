@@ -160,7 +160,8 @@ impl Machine<'_> {
             }
         };
         // Waiting ends the turn: the first turn is a frame like the others.
-        let ends = steady.len() == 2 && matches!(first, [all, none] if !all.is_empty() && none.is_empty());
+        let ends =
+            steady.len() == 2 && matches!(first, [all, none] if !all.is_empty() && none.is_empty());
         if once.last() == Some(&frame) {
             let rest = &once[..once.len() - 1];
             // What it captures before the loop belongs to a moment of its own; what else it does

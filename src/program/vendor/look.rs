@@ -95,10 +95,8 @@ impl Callees {
     fn held(&mut self, machine: &Machine<'_>, value: &Value) {
         match value {
             Value::Lambda(function) => self.functions.push(Rc::clone(function)),
-            Value::Symbol(name) => {
-                if !self.named(machine, name) {
-                    self.names.push(last(name).into());
-                }
+            Value::Symbol(name) if !self.named(machine, name) => {
+                self.names.push(last(name).into());
             }
             Value::List(all) => all.iter().for_each(|it| self.held(machine, it)),
             _ => {}
@@ -151,7 +149,9 @@ fn scan(
                 ..
             }) => {
                 for declared in all {
-                    if let Some(ExprNode::Lambda(function)) = declared.value.as_ref().map(|it| &it.node) {
+                    if let Some(ExprNode::Lambda(function)) =
+                        declared.value.as_ref().map(|it| &it.node)
+                    {
                         let known = locals.entry(declared.name.clone()).or_default();
                         known.push(Rc::clone(function));
                     }
@@ -230,9 +230,7 @@ fn assigned(machine: &Machine<'_>, it: &Stmt) -> Vec<Word> {
     let mut names = Vec::new();
     let list = |name: &Word| {
         let slot = machine.find(name);
-        slot.is_some_and(|slot| {
-            matches!(machine.slots[slot], Value::List(_) | Value::Pointer(..))
-        })
+        slot.is_some_and(|slot| matches!(machine.slots[slot], Value::List(_) | Value::Pointer(..)))
     };
     let mut part = |part: &Part<'_>| {
         let Part::Expr(value) = part else { return };

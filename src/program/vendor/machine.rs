@@ -180,7 +180,9 @@ impl<'a> Machine<'a> {
             Some(_) if foreign(name) => return None,
             Some(_) => {
                 let spaces = self.spaces().map(|space| format!("{space}::{name}"));
-                let found = spaces.chain([name.to_owned()]).find_map(|it| file.get(&*it));
+                let found = spaces
+                    .chain([name.to_owned()])
+                    .find_map(|it| file.get(&*it));
                 // A class or an enumeration, whose names are the file's.
                 return found.copied().or_else(|| self.find(last(name)));
             }
@@ -206,7 +208,10 @@ impl<'a> Machine<'a> {
         let plain = last(name);
         let file = self.scopes.first().into_iter().flatten();
         let file = file.filter(|(it, _)| last(it) == plain);
-        self.find(name).into_iter().chain(file.map(|it| *it.1)).collect()
+        self.find(name)
+            .into_iter()
+            .chain(file.map(|it| *it.1))
+            .collect()
     }
 
     pub(super) fn make(&mut self, name: &Word, value: Value) -> Slot {

@@ -156,7 +156,7 @@ impl<'a> Parser<'a> {
         }
         Err(Fault::error(
             self.place(),
-            format!("more than {CHAIN} operators or `else if`s one behind the other"),
+            format!("more than {CHAIN} operators, calls or `else if`s one behind the other"),
             "too many",
         )
         .help("take it apart: give names to parts of it, or use a loop"))
@@ -320,7 +320,8 @@ impl<'a> Parser<'a> {
                 self.statement_node()
             }
             _ if self.is_constructor() => {
-                while self.sees("::") || self.sees("~") || self.peek(1).is_some_and(|t| t.is("::")) {
+                while self.sees("::") || self.sees("~") || self.peek(1).is_some_and(|t| t.is("::"))
+                {
                     self.at += 1;
                 }
                 let class = self.word(0);
@@ -646,7 +647,9 @@ impl<'a> Parser<'a> {
             return;
         }
         while !self.word(0).is_empty()
-            || ["->", "::", "*", "&", "<", ">"].iter().any(|mark| self.sees(mark))
+            || ["->", "::", "*", "&", "<", ">"]
+                .iter()
+                .any(|mark| self.sees(mark))
         {
             self.at += 1;
         }

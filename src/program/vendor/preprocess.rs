@@ -336,7 +336,10 @@ impl Preprocessor<'_> {
     fn expand(&mut self, tokens: &[Token], active: &mut Vec<Arc<str>>, at: Option<Place>) {
         if self.depth == 4 * NESTING {
             let place = at.or_else(|| Some(tokens.first()?.place));
-            let message = format!("more than {} levels of macros inside each other", 4 * NESTING);
+            let message = format!(
+                "more than {} levels of macros inside each other",
+                4 * NESTING
+            );
             self.stop(place.unwrap_or_default(), message);
             return;
         }

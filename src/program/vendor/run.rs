@@ -119,7 +119,10 @@ impl Machine<'_> {
             if function.body.iter().any(|it| look::changes(self, it)) {
                 self.error(
                     function.place,
-                    format!("`{}` runs words of the array where no call of it is written", function.name),
+                    format!(
+                        "`{}` runs words of the array where no call of it is written",
+                        function.name
+                    ),
                     "a constructor, a destructor or an operator",
                     "make it a function outside of the class, and call that",
                 );
