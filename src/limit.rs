@@ -22,6 +22,12 @@ pub const FAULTS: usize = 64;
 /// Parentheses and blocks inside each other, in programs and macros.
 pub const NESTING: usize = 32;
 
+/// Tokens that a text of vendor C++ becomes, those of its macros included.
+pub const VENDOR_TOKENS: usize = 1 << 20;
+
+/// Operators and calls one behind the other in a value of vendor C++, or `else if`s of one `if`.
+pub const CHAIN: usize = 1024;
+
 /// Rows or columns of a kernel.
 pub const KERNEL_SIDE: usize = 127;
 
@@ -164,6 +170,10 @@ table! {
         "nobody mends more at once", "more are not shown";
     NESTING, "blocks, or parentheses, inside each other", "levels",
         "nobody reads more", "levels inside each other";
+    VENDOR_TOKENS, "what vendor C++ becomes before it is parsed: tokens, those of its macros included", "tokens",
+        "four for each of the words that a program can become", "more than 1048576 tokens";
+    CHAIN, "operators and calls in one value of vendor C++, `else if`s of one `if`", "operators",
+        "nobody reads more", "one behind the other";
     KERNEL_SIDE, "rows or columns of a kernel", "px",
         "Gaussians of the largest sigma, 20 px, have 121", "a side of a kernel is at most";
     KERNELS, "kernels of one file", "kernels",

@@ -193,6 +193,14 @@ fn case(name: &str, value: usize, beyond: bool) -> Option<Case> {
             Case::program(lines).wrong_anyway()
         }
         "NESTING" => Case::program(format!("{}nop();{}", "repeat 1 {".repeat(n), "}".repeat(n))),
+        "VENDOR_TOKENS" => Case::new(&["asm", "p.cpp"])
+            .file("p.cpp", ";\n".repeat(n))
+            .wrong_anyway(),
+        "CHAIN" => {
+            // The call is one.
+            let sum = "+0\n".repeat(n - 1);
+            Case::new(&["asm", "p.cpp"]).file("p.cpp", format!("scamp5_in(A, 1 {sum});"))
+        }
         "KERNEL_SIDE" => {
             // The next odd side.
             let side = value + 2 * usize::from(beyond);

@@ -55,10 +55,8 @@ fn interval(text: &str) -> Result<Interval, String> {
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.format {
-        let program = arguments.source.read()?;
         // What cannot be read cannot be printed either.
-        let program = Program::parse(&program.file, &program.text)?;
-        super::say(&program.syntax.to_string());
+        super::say(&arguments.source.canonical()?.to_string());
         return Ok(());
     }
     let opened = arguments.source.open(&[])?;

@@ -6,9 +6,9 @@ use super::{
     evaluate::base_name,
     host::{self, Role},
     look,
-    machine::{Flow, Machine, term},
-    tree::{Expr, ExprNode, Function, Word},
-    value::Value,
+    machine::{Flow, Machine, foreign, term},
+    tree::{Expr, ExprNode, Function, last, qualifier},
+    value::{Value, unassigned},
 };
 use crate::{
     config::{Fault, Place},
@@ -29,7 +29,7 @@ impl Machine<'_> {
                 },
             ],
             true,
-        ) = (given, self.target(callee, false).is_some())
+        ) = (given, self.takes_kernel(callee))
         {
             // A kernel that is stated here: it runs when it is launched.
             let value = Value::Lambda(Rc::clone(function));
@@ -43,53 +43,106 @@ impl Machine<'_> {
                 return self.enter(&function, given, place, false);
             }
             // A function of an object: of a clock, a generator, a list.
-            ExprNode::Member(of, member) => return self.method(of, member, given),
+            ExprNode::Member(of, member) => return self.method(of, member, given, place),
             _ => {
                 let value = self.value(callee);
-                return self.called(value, given, place);
+                return self.called(callee, value, given, place);
             }
         };
         if self.find(&name).is_some() {
-            let value = self.held(&name);
-            return self.called(value, given, place);
+            let value = self.value(callee);
+            return self.called(callee, value, given, place);
         }
-        if let Some(function) = self.overload(&name, given.len()) {
+        self.call_named(&name, given, place)
+    }
+
+    /// Whether a lambda that this is called with is a kernel that it holds from then on.
+    fn takes_kernel(&mut self, callee: &Expr) -> bool {
+        let Some((slot, path)) = self.target(callee, false) else {
+            return false;
+        };
+        match self.at(slot, &path) {
+            Value::Lambda(function) => function.parameters.is_empty(),
+            Value::Symbol(name) => !self.functions.contains_key(last(&name)),
+            _ => true,
+        }
+    }
+
+    /// A call of a function of the file, of the library or of the chip.
+    fn call_named(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
+        if let Some(function) = self.overload(name, given.len(), place) {
             return self.enter(&function, given, place, true);
         }
-        match host::role(&name, given.len()) {
-            Role::Kernel => self.kernel_mark(&name, place),
+        let name = last(name);
+        match host::role(name, given.len()) {
+            Role::Kernel => self.kernel_mark(name, place),
             Role::Sync => {
-                self.in_kernel(&name, place);
+                self.in_kernel(name, place);
                 self.sync();
                 Value::Whole(1)
             }
-            Role::Number => self.number(&name, given, place),
-            Role::Library => self.library(&name, given),
-            Role::Show => self.show(&name, given, place),
-            Role::Read | Role::Chip => self.chip(&name, given, place),
+            Role::Number => self.number(name, given, place),
+            Role::Library => self.library(name, given, place),
+            Role::Show => self.show(name, given, place),
+            Role::Read | Role::Chip => self.chip(name, given, place),
         }
     }
 
-    fn held(&mut self, name: &Word) -> Value {
-        let name = ExprNode::Name(name.clone());
-        self.value(&Expr {
-            node: name,
-            place: Place::default(),
-        })
-    }
-
-    fn called(&mut self, value: Value, given: &[Expr], place: Place) -> Value {
+    fn called(&mut self, callee: &Expr, value: Value, given: &[Expr], place: Place) -> Value {
         match value {
             Value::Lambda(function) if self.is_kernel(&function) => self.launch(&function),
             Value::Lambda(function) => self.enter(&function, given, place, false),
-            Value::Unknown(why) => Value::Unknown(why),
+            // A function by another name.
+            Value::Symbol(name) => self.call_named(&name, given, place),
+            Value::Unknown(why) if why != unassigned(&base_name(callee)) => {
+                let message = format!("what this call runs, {why} decides");
+                self.unknown(place, message, Some(callee));
+                Value::Unknown(why)
+            }
+            // An object of a library: a generator of numbers.
             _ => {
-                for it in given {
-                    self.value(it);
-                }
+                self.outside(&base_name(callee), given, place);
                 Value::Unknown("what a call gives back".into())
             }
         }
+    }
+
+    /// Arguments of something that is not stated here: it may be given numbers, no registers.
+    fn outside(&mut self, name: &str, given: &[Expr], place: Place) -> Vec<Value> {
+        let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
+        let register = values.iter().find_map(|it| match it {
+            Value::Symbol(register) => self.device.value_of(register).map(|_| register.clone()),
+            _ => None,
+        });
+        if let Some(register) = register {
+            self.error(
+                place,
+                format!("what `{name}` does with `{register}` is not known"),
+                "this call",
+                "state it as a function of this file that takes registers, and call that",
+            );
+        }
+        values
+    }
+
+    /// A member of a class of the file is called: classes are not run, so that it must leave the
+    /// array alone.
+    fn leaves_array(&mut self, name: &str, member: &str, place: Place) -> bool {
+        let all = look::members(self, member);
+        let acts = |it: &Rc<Function>| it.body.iter().any(|it| look::changes(self, it));
+        let Some(acting) = all.into_iter().find(acts) else {
+            return true;
+        };
+        let line = self.line(acting.place);
+        self.error(
+            place,
+            format!(
+                "`{name}.{member}` runs words of the array, and members of classes are not run"
+            ),
+            "this call",
+            &format!("make `{member}`, in {line}, a function outside of the class, and call that"),
+        );
+        false
     }
 
     /// Whether a function is the body of a kernel: it asks words, and begins no kernel itself.
@@ -97,12 +150,49 @@ impl Machine<'_> {
         self.kernel.is_none()
             && function.parameters.is_empty()
             && function.body.iter().any(|it| look::changes(self, it))
-            && !function.body.iter().any(look::begins_kernel)
+            && !function
+                .body
+                .iter()
+                .any(|it| look::begins_kernel(self, it) || look::asks_host(self, it))
     }
 
-    /// The function of this name that takes so many arguments.
-    fn overload(&self, name: &str, given: usize) -> Option<Rc<Function>> {
-        let all = self.functions.get(name)?;
+    /// The function of this name that takes so many arguments: of the namespace that is written
+    /// before it, else of the one that is worked in, else the only one.
+    fn overload(&mut self, name: &str, given: usize, place: Place) -> Option<Rc<Function>> {
+        let fitting = self.fitting(last(name), given);
+        let stated = qualifier(name);
+        let (first, rest) = match (fitting.split_first(), stated) {
+            (None, _) => return None,
+            _ if foreign(name) => return None,
+            (Some(found), _) => found,
+        };
+        let of = |space: &str| fitting.iter().find(|it| *it.space == *space).cloned();
+        let mut spaces: Vec<String> = Vec::new();
+        if let Some(stated) = stated {
+            let inner = self.spaces().map(|space| format!("{space}::{stated}"));
+            spaces.extend(inner.filter(|_| !stated.is_empty()));
+            spaces.push(stated.trim_start_matches("::").to_owned());
+        } else {
+            spaces.extend(self.spaces().map(str::to_owned));
+            spaces.push(String::new());
+        }
+        if let Some(found) = spaces.iter().find_map(|space| of(space)) {
+            return Some(found);
+        }
+        if stated == Some("") {
+            return None;
+        }
+        if rest.iter().any(|it| it.space != first.space) {
+            let first = Rc::clone(first);
+            self.several(last(name), place);
+            return Some(first);
+        }
+        Some(Rc::clone(first))
+    }
+
+    /// The functions of this name that take so many arguments, the last one first.
+    fn fitting(&self, name: &str, given: usize) -> Vec<Rc<Function>> {
+        let all = self.functions.get(name).into_iter().flatten();
         let fits = |it: &&Rc<Function>| {
             let parameters = 0..it.parameters.len();
             let least = parameters
@@ -110,7 +200,7 @@ impl Machine<'_> {
                 .count();
             (least..=it.parameters.len()).contains(&given)
         };
-        all.iter().rev().find(fits).cloned()
+        all.rev().filter(fits).cloned().collect()
     }
 
     /// The default of a parameter, stated with the function or where it is announced.
@@ -121,7 +211,7 @@ impl Machine<'_> {
             let mut alike = announced.filter(|it| {
                 let kinds =
                     |it: &Function| it.parameters.iter().map(|p| p.kind).collect::<Vec<_>>();
-                kinds(it) == kinds(function)
+                it.space == function.space && kinds(it) == kinds(function)
             });
             alike.find_map(|it| it.parameters[index].default.clone())
         })
@@ -172,8 +262,10 @@ impl Machine<'_> {
             scope.insert(parameter.name.clone(), slot);
         }
         let (base, maybe) = (self.base, self.maybe.clone());
+        let space = self.space.clone();
         if own {
             self.base = self.scopes.len();
+            self.space = function.space.clone();
         }
         self.scopes.push(scope);
         self.depth += 1;
@@ -181,6 +273,7 @@ impl Machine<'_> {
         self.depth -= 1;
         self.scopes.pop();
         self.base = base;
+        self.space = space;
         // Whether it returned early is its own affair, but for what it gives back.
         let unsure = std::mem::replace(&mut self.maybe, maybe.clone());
         match (flow, unsure) {
@@ -247,7 +340,7 @@ impl Machine<'_> {
     }
 
     /// The GUI and the box. Sliders and switches are settings, with their defaults.
-    fn library(&mut self, name: &str, given: &[Expr]) -> Value {
+    fn library(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
         let naming = self.naming.take();
         let slider = match name {
             "vs_gui_add_slider" | "vs_gui_add_slider_latched" => Some((3, 4)),
@@ -263,6 +356,9 @@ impl Machine<'_> {
                 (None, None) => String::new(),
             };
             let set = self.set(&name);
+            if let (3, Some(set)) = (at, &set) {
+                self.slider_range(&name, set, given, place);
+            }
             let value = set.or(default).unwrap_or(Value::Whole(0));
             if let (false, Some(number)) = (name.is_empty(), value.number()) {
                 self.constants.insert(name, number);
@@ -306,14 +402,43 @@ impl Machine<'_> {
         }
     }
 
-    fn method(&mut self, of: &Expr, member: &str, given: &[Expr]) -> Value {
+    /// A slider that is set beyond its ends, which the GUI would not do.
+    fn slider_range(&mut self, name: &str, set: &Value, given: &[Expr], place: Place) {
+        let mut ends = given
+            .iter()
+            .skip(1)
+            .take(2)
+            .map(|it| self.value(it).number());
+        let (Some(Some(low)), Some(Some(high))) = (ends.next(), ends.next()) else {
+            return;
+        };
+        let Some(value) = set.number().filter(|it| !(low..=high).contains(it)) else {
+            return;
+        };
+        self.fault(
+            Fault::warning(
+                place,
+                format!("`{name}` is set to {value}, and its slider goes from {low} to {high}"),
+                "this slider",
+            )
+            .help(format!("give `{name}` a value from {low} to {high}")),
+        );
+    }
+
+    fn method(&mut self, of: &Expr, member: &str, given: &[Expr], place: Place) -> Value {
         let name = base_name(of);
-        let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
         let slot = self.find(&name);
         let list = slot.and_then(|slot| match &self.slots[slot] {
             Value::List(all) => Some((slot, all.len())),
             _ => None,
         });
+        if list.is_none() {
+            if self.leaves_array(&name, member, place) {
+                self.outside(&format!("{name}.{member}"), given, place);
+            }
+            return Value::Unknown(format!("`{name}.{member}`").into());
+        }
+        let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
         match (member, list) {
             ("size", Some((_, length))) => Value::Whole(length as i64),
             ("data" | "begin", Some((slot, _))) => Value::Pointer(slot, Vec::new(), name.into()),
@@ -414,7 +539,7 @@ impl Machine<'_> {
             super::chip::neighbours(self, &values, &directions, place);
             return Value::Whole(0);
         }
-        if host::role(&name, values.len()) == Role::Read {
+        if self.is_host(&name) {
             self.in_kernel(&name, place);
         }
         let mut terms = Vec::new();

@@ -3,8 +3,9 @@
 use std::{rc::Rc, sync::Arc};
 
 use super::{
-    machine::{Flow, Machine},
-    tree::{Expr, ExprNode},
+    look,
+    machine::{Flow, Machine, foreign},
+    tree::{Expr, ExprNode, last},
     value::{Slot, Value},
 };
 use crate::config::{Place, suggestion};
@@ -16,7 +17,7 @@ impl Machine<'_> {
             ExprNode::Whole(value) => Value::Whole(*value),
             ExprNode::Real(value) => Value::Real(*value),
             ExprNode::Text(text) => Value::Text(text.clone()),
-            ExprNode::Name(name) => self.named_value(name),
+            ExprNode::Name(name) => self.named_value(name, it.place),
             ExprNode::Call(callee, given) => self.call(callee, given, it.place),
             ExprNode::Member(of, name) => self.member(of, name),
             ExprNode::Index(..) => match self.target(it, true) {
@@ -31,7 +32,7 @@ impl Machine<'_> {
                 self.assign(of, after.clone());
                 if *prefix { after } else { before }
             }
-            ExprNode::Binary(mark, left, right) => self.binary(mark, left, right, it.place),
+            ExprNode::Binary(..) => self.chain(it),
             ExprNode::Assign(mark, to, value) => {
                 let mut value = self.value(value);
                 if let Some(mark) = mark {
@@ -45,7 +46,11 @@ impl Machine<'_> {
             ExprNode::Choose(condition, yes, no) => match self.value(condition).truth() {
                 Ok(true) => self.value(yes),
                 Ok(false) => self.value(no),
-                Err(why) => Value::Unknown(why),
+                Err(why) => {
+                    let (yes, no) = (look::statement(yes), look::statement(no));
+                    self.either(condition, &[&yes, &no], &why);
+                    Value::Unknown(why)
+                }
             },
             ExprNode::Braces(all) => Value::List(all.iter().map(|it| self.value(it)).collect()),
             ExprNode::Lambda(function) => Value::Lambda(Rc::clone(function)),
@@ -57,13 +62,32 @@ impl Machine<'_> {
         }
     }
 
-    fn named_value(&mut self, name: &super::tree::Word) -> Value {
+    /// A name that more than one namespace has.
+    pub(super) fn several(&mut self, name: &str, place: Place) {
+        self.error(
+            place,
+            format!("`{name}` is stated in several namespaces"),
+            "which of them is not known",
+            &format!(
+                "write the namespace before it: `space::{name}`, or `::{name}` for that of the file"
+            ),
+        );
+    }
+
+    fn named_value(&mut self, name: &super::tree::Word, place: Place) -> Value {
         let Some(slot) = self.find(name) else {
-            return Value::Symbol(name.clone());
+            let plain = last(name);
+            if self.ambiguous.contains(plain) {
+                self.several(plain, place);
+                return Value::Whole(0);
+            }
+            // A function keeps its namespace.
+            let own = self.functions.contains_key(plain) && !foreign(name);
+            return Value::Symbol(if own { name.clone() } else { plain.into() });
         };
         match &self.slots[slot] {
             Value::List(_) => Value::Pointer(slot, Vec::new(), name.clone()),
-            Value::Unknown(_) => match self.set(name) {
+            Value::Unknown(_) => match self.set(last(name)) {
                 Some(value) => value,
                 None => self.slots[slot].clone(),
             },
@@ -83,15 +107,38 @@ impl Machine<'_> {
         })
     }
 
-    fn binary(&mut self, mark: &str, left: &Expr, right: &Expr, place: Place) -> Value {
-        let a = self.value(left);
+    /// A chain of operators, from its left end: without a call for each.
+    fn chain(&mut self, it: &Expr) -> Value {
+        let (mut first, mut links) = (it, Vec::new());
+        while let ExprNode::Binary(mark, left, right) = &first.node {
+            links.push((*mark, &**left, &**right, first.place));
+            first = left;
+        }
+        let mut value = self.value(first);
+        while let Some((mark, left, right, place)) = links.pop() {
+            value = self.binary(mark, value, left, right, place);
+        }
+        value
+    }
+
+    fn binary(&mut self, mark: &str, a: Value, left: &Expr, right: &Expr, place: Place) -> Value {
         // What the left side decides.
         match (mark, a.truth()) {
             ("&&", Ok(false)) => return Value::flag(false),
             ("||", Ok(true)) if a.number().is_some() => return Value::flag(true),
             _ => {}
         }
+        if let (Value::Unknown(why), "&&" | "||") = (&a, mark) {
+            let part = look::statement(right);
+            if look::changes(self, &part) {
+                self.either(left, &[&part], why);
+                return a;
+            }
+        }
         let b = self.value(right);
+        if let (Value::Unknown(why), "&&" | "||") = (&a, mark) {
+            look::forget(self, &look::statement(right), why);
+        }
         match (mark, &a, &b) {
             (",", ..) => return b,
             // What the right side decides alone.
@@ -238,6 +285,7 @@ impl Machine<'_> {
                     self.slots[slot] = value;
                 }
                 None => {
+                    let name = last(name);
                     if self.device.value_of(name).is_some() {
                         self.error(
                             to.place,
@@ -268,7 +316,7 @@ impl Machine<'_> {
 /// The name that an expression begins with.
 pub(super) fn base_name(it: &Expr) -> String {
     match &it.node {
-        ExprNode::Name(name) => name.to_string(),
+        ExprNode::Name(name) => last(name).to_owned(),
         ExprNode::Member(of, _)
         | ExprNode::Index(of, _)
         | ExprNode::Unary(_, of)

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     config::{Fault, Place, enough},
-    limit::NESTING,
+    limit::{CHAIN, NESTING},
 };
 
 /// Parses all of a text.
@@ -19,6 +19,8 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
         at: 0,
         end,
         depth: 0,
+        links: 0,
+        space: String::new(),
         faults: Vec::new(),
     };
     let statements = parser.statements(false);
@@ -30,6 +32,11 @@ pub(super) struct Parser<'a> {
     pub at: usize,
     end: usize,
     depth: usize,
+    /// How many operators and `else if`s stand one behind the other, at most: what walks the
+    /// tree goes so deep.
+    pub links: usize,
+    /// The namespace.
+    space: String,
     faults: Vec<Fault>,
 }
 
@@ -141,10 +148,27 @@ impl<'a> Parser<'a> {
         result
     }
 
+    /// One more operator or `else if` behind others.
+    pub(super) fn link(&mut self) -> Parsed<()> {
+        self.links += 1;
+        if self.links <= CHAIN {
+            return Ok(());
+        }
+        Err(Fault::error(
+            self.place(),
+            format!("more than {CHAIN} operators, calls or `else if`s one behind the other"),
+            "too many",
+        )
+        .help("take it apart: give names to parts of it, or use a loop"))
+    }
+
     /// Statements up to the end, or up to the brace that closes a block.
     pub(super) fn statements(&mut self, block: bool) -> Vec<Stmt> {
         let mut all = Vec::new();
+        let (links, mut most) = (self.links, self.links);
         while self.peek(0).is_some() && !enough(&self.faults) {
+            most = most.max(self.links);
+            self.links = links;
             if self.sees("}") {
                 if block {
                     break;
@@ -170,6 +194,7 @@ impl<'a> Parser<'a> {
                 }
             }
         }
+        self.links = most.max(self.links);
         all
     }
 
@@ -276,23 +301,16 @@ impl<'a> Parser<'a> {
                 self.angles();
                 self.statement_node()
             }
-            "namespace" => {
-                while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
-                    self.at += 1;
-                }
-                if self.take(";") {
-                    return Ok(StmtNode::Nothing);
-                }
-                Ok(StmtNode::Block(self.block()?))
-            }
+            "namespace" => self.namespace(),
             "enum" => self.enumeration(),
             "class" | "struct" | "union" if self.is_definition() => {
+                let class = self.word(1).to_owned();
                 while self.peek(0).is_some() && !self.sees("{") {
                     self.at += 1;
                 }
-                self.skip_group();
+                let members = self.members(&class);
                 self.skip_past(";");
-                Ok(StmtNode::Nothing)
+                Ok(StmtNode::Class(members))
             }
             "extern" if matches!(self.peek(1).map(|t| &t.kind), Some(TokenKind::Text(_))) => {
                 self.at += 2;
@@ -302,11 +320,13 @@ impl<'a> Parser<'a> {
                 self.statement_node()
             }
             _ if self.is_constructor() => {
-                while self.peek(0).is_some() && !self.sees("{") {
+                while self.sees("::") || self.sees("~") || self.peek(1).is_some_and(|t| t.is("::"))
+                {
                     self.at += 1;
                 }
-                self.skip_group();
-                Ok(StmtNode::Nothing)
+                let class = self.word(0);
+                let member = self.member(class);
+                Ok(StmtNode::Class(member.into_iter().collect()))
             }
             "init" | "frame" | "repeat" if self.peek(1).is_some_and(|t| t.is("{")) => {
                 Err(Fault::error(
@@ -326,6 +346,23 @@ impl<'a> Parser<'a> {
                 }
             }
         }
+    }
+
+    fn namespace(&mut self) -> Parsed<StmtNode> {
+        self.at += 1;
+        let mut names = Vec::new();
+        while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
+            names.extend(Some(self.word(0)).filter(|it| !it.is_empty()));
+            self.at += 1;
+        }
+        if self.take(";") {
+            return Ok(StmtNode::Nothing);
+        }
+        let outer = self.space.clone();
+        self.space = within(&outer, &names);
+        let body = self.block();
+        let space = std::mem::replace(&mut self.space, outer);
+        Ok(StmtNode::Namespace(space.into(), body?))
     }
 
     fn jump(&mut self, node: StmtNode) -> Parsed<StmtNode> {
@@ -356,16 +393,38 @@ impl<'a> Parser<'a> {
     }
 
     fn if_statement(&mut self) -> Parsed<StmtNode> {
-        self.at += 1;
-        self.take_word("constexpr");
-        let condition = self.parenthesised()?;
-        let yes = self.boxed()?;
-        let no = if self.take_word("else") {
-            Some(self.boxed()?)
-        } else {
-            None
-        };
-        Ok(StmtNode::If(condition, yes, no))
+        // `else if` is no deeper than the `if` before it.
+        let (mut parts, mut otherwise) = (Vec::new(), None);
+        let (links, mut most) = (self.links, self.links);
+        loop {
+            let start = self.place();
+            self.at += 1;
+            self.take_word("constexpr");
+            self.links = links + parts.len();
+            self.link()?;
+            let condition = self.parenthesised()?;
+            parts.push((start, condition, self.boxed()?));
+            most = most.max(self.links);
+            if !self.take_word("else") {
+                break;
+            }
+            if self.word(0) != "if" {
+                self.links = links + parts.len();
+                otherwise = Some(self.boxed()?);
+                break;
+            }
+        }
+        self.links = most.max(self.links);
+        let end = self.before();
+        while let Some((start, condition, yes)) = parts.pop() {
+            let node = StmtNode::If(condition, yes, otherwise.take());
+            if parts.is_empty() {
+                return Ok(node);
+            }
+            let place = start.to(end);
+            otherwise = Some(Box::new(Stmt { node, place }));
+        }
+        Ok(StmtNode::Nothing)
     }
 
     fn for_statement(&mut self) -> Parsed<StmtNode> {
@@ -493,6 +552,110 @@ impl<'a> Parser<'a> {
             .iter()
             .find(|t| t.is("{") || t.is(";") || t.is("(") || t.is("="));
         mark.is_some_and(|t| t.is("{"))
+    }
+
+    /// The functions with bodies between the braces of a class.
+    fn members(&mut self, class: &str) -> Vec<Rc<Function>> {
+        let start = self.at;
+        self.skip_group();
+        let end = std::mem::replace(&mut self.at, start);
+        let mut all = Vec::new();
+        while self.at < end {
+            if !self.word(0).is_empty()
+                && let Some(member) = self.member(class)
+            {
+                all.push(member);
+            } else {
+                self.at += 1;
+            }
+        }
+        self.at = end;
+        all
+    }
+
+    /// A function of a class, if the place is at its name and it has a body. Classes are not run:
+    /// what does not parse in the body is no fault as long as nobody calls it.
+    fn member(&mut self, class: &str) -> Option<Rc<Function>> {
+        let (start, place) = (self.at, self.place());
+        let name = self.peek(0)?.name()?.clone();
+        self.at += 1;
+        if &*name == "operator" {
+            while self.peek(0).is_some_and(|t| !t.is("(") && !t.is(";")) {
+                self.at += 1;
+            }
+        }
+        let called = self.sees("(") && !RESERVED.contains(&&*name);
+        while self.sees("(") {
+            self.skip_group();
+        }
+        self.skip_to_body();
+        if !called || !self.sees("{") {
+            self.at = start;
+            return None;
+        }
+        let body = self.member_body(&name);
+        let hidden = *name == *class || &*name == "operator";
+        Some(Rc::new(Function {
+            name,
+            space: "".into(),
+            parameters: Vec::new(),
+            body,
+            hidden,
+            qualified: false,
+            place,
+        }))
+    }
+
+    /// A body in braces; one that does not parse calls something unknown.
+    fn member_body(&mut self, name: &Word) -> Vec<Stmt> {
+        let (start, place, faults) = (self.at, self.place(), self.faults.len());
+        self.skip_group();
+        let end = std::mem::replace(&mut self.at, start);
+        let body = self.block().unwrap_or_default();
+        let understood = self.faults.len() == faults && self.at == end;
+        self.faults.truncate(faults);
+        self.at = end;
+        if understood {
+            return body;
+        }
+        let callee = ExprNode::Name(format!("the body of {name}").into());
+        let callee = Expr {
+            node: callee,
+            place,
+        };
+        let node = ExprNode::Call(Box::new(callee), Vec::new());
+        vec![Stmt {
+            node: StmtNode::Expr(Expr { node, place }),
+            place,
+        }]
+    }
+
+    /// From behind the parameters of a function of a class to its body, if it has one: over
+    /// `const`, `-> type`, and what a constructor sets.
+    fn skip_to_body(&mut self) {
+        if self.take(":") {
+            while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
+                while !self.word(0).is_empty() || self.sees("::") {
+                    self.at += 1;
+                    self.angles();
+                }
+                self.skip_group();
+                if !self.take(",") {
+                    return;
+                }
+            }
+            return;
+        }
+        while !self.word(0).is_empty()
+            || ["->", "::", "*", "&", "<", ">"]
+                .iter()
+                .any(|mark| self.sees(mark))
+        {
+            self.at += 1;
+        }
+        if self.sees(":") {
+            self.skip_to_body();
+        }
     }
 
     fn skip_past(&mut self, mark: &str) {
@@ -644,13 +807,18 @@ impl<'a> Parser<'a> {
     /// A declaration, if one stands here.
     fn declaration(&mut self) -> Parsed<Option<StmtNode>> {
         let start = self.at;
+        if let Some(node) = self.function_pointer()? {
+            return Ok(Some(node));
+        }
         let Some(first) = self.declared_type() else {
             return Ok(None);
         };
         let mut name_place = self.place();
         let mut name = self.name("the name of what is declared")?;
         // A function of a class.
+        let mut qualified = Vec::new();
         while self.sees("::") && !self.word(1).is_empty() {
+            qualified.push(self.word_before());
             self.at += 1;
             name_place = self.place();
             name = self.name("a name")?;
@@ -671,7 +839,7 @@ impl<'a> Parser<'a> {
             return Ok(None);
         }
         if self.sees("(")
-            && let Some(node) = self.function(&name, name_place)?
+            && let Some(node) = self.function(&name, name_place, &qualified)?
         {
             return Ok(Some(node));
         }
@@ -715,6 +883,56 @@ impl<'a> Parser<'a> {
         Ok(Some(StmtNode::Declare(all)))
     }
 
+    /// The name in `(*name)(…)`, behind the type that the function gives back: a pointer to a
+    /// function, or an array of them.
+    fn pointer_name(&mut self) -> Option<(Word, bool)> {
+        let start = self.at;
+        let open = self.take("(") && self.take("*");
+        let name = self.peek(0).and_then(Token::name).cloned();
+        self.at += 1;
+        let array = self.sees("[");
+        if array {
+            self.skip_group();
+        }
+        if let Some(name) = name
+            && open
+            && self.take(")")
+            && self.sees("(")
+        {
+            self.skip_group();
+            return Some((name, array));
+        }
+        self.at = start;
+        None
+    }
+
+    /// `type (*name)(types) = function;`, if that stands here.
+    fn function_pointer(&mut self) -> Parsed<Option<StmtNode>> {
+        let (start, place) = (self.at, self.place());
+        let typed = !RESERVED.contains(&self.word(0)) && self.read_type().is_some();
+        let Some((name, array)) = typed.then(|| self.pointer_name()).flatten() else {
+            self.at = start;
+            return Ok(None);
+        };
+        let value = if self.take("=") {
+            Some(self.assignment()?)
+        } else {
+            None
+        };
+        let declared = Declared {
+            name,
+            kind: Kind::Any,
+            lengths: if array { vec![None] } else { Vec::new() },
+            value,
+            reference: false,
+            constant: false,
+            lasting: false,
+            place: place.to(self.before()),
+        };
+        self.end_statement()?;
+        Ok(Some(StmtNode::Declare(vec![declared])))
+    }
+
     /// `name(value)`: a value for numbers, something of its own for objects.
     fn constructed(&mut self, of: &str) -> Parsed<Option<Expr>> {
         let place = self.place();
@@ -740,7 +958,14 @@ impl<'a> Parser<'a> {
     }
 
     /// A function with its body, or a prototype, if one of them stands here.
-    fn function(&mut self, name: &Word, place: Place) -> Parsed<Option<StmtNode>> {
+    fn function(
+        &mut self,
+        name: &Word,
+        place: Place,
+        qualified: &[&str],
+    ) -> Parsed<Option<StmtNode>> {
+        let space: Word = within(&self.space, qualified).into();
+        let qualified = !qualified.is_empty();
         let start = self.at;
         self.skip_group();
         while QUALIFIERS.contains(&self.word(0)) || self.word(0) == "override" {
@@ -759,8 +984,11 @@ impl<'a> Parser<'a> {
         if self.take(";") {
             return Ok(Some(StmtNode::Prototype(Rc::new(Function {
                 name: name.clone(),
+                space,
                 parameters,
                 body: Vec::new(),
+                hidden: false,
+                qualified,
                 place,
             }))));
         }
@@ -770,8 +998,11 @@ impl<'a> Parser<'a> {
         let body = self.block()?;
         Ok(Some(StmtNode::Function(Rc::new(Function {
             name: name.clone(),
+            space,
             parameters,
             body,
+            hidden: false,
+            qualified,
             place,
         }))))
     }
@@ -791,7 +1022,7 @@ impl<'a> Parser<'a> {
         empty || named
     }
 
-    fn word_before(&self) -> &str {
+    fn word_before(&self) -> &'a str {
         let before = self.at.checked_sub(1).and_then(|at| self.tokens.get(at));
         before.and_then(Token::name).map_or("", |n| n)
     }
@@ -807,12 +1038,14 @@ impl<'a> Parser<'a> {
             let Some(it) = self.read_type() else {
                 return Err(unexpected(self.peek(0), self.place(), "a type", HELP));
             };
-            let name = match self.peek(0).and_then(Token::name) {
-                Some(name) => {
+            let pointer = self.pointer_name();
+            let name = match (pointer, self.peek(0).and_then(Token::name)) {
+                (Some((name, _)), _) => name,
+                (None, Some(name)) => {
                     self.at += 1;
                     name.clone()
                 }
-                None => "".into(),
+                (None, None) => "".into(),
             };
             let mut array = false;
             while self.take("[") {
@@ -853,6 +1086,13 @@ impl<'a> Parser<'a> {
     pub(super) fn assignment(&mut self) -> Parsed<Expr> {
         self.deeper(expression::assignment)
     }
+}
+
+/// A namespace inside of another.
+fn within(outer: &str, names: &[&str]) -> String {
+    let outer = Some(outer).filter(|it| !it.is_empty());
+    let all: Vec<&str> = outer.into_iter().chain(names.iter().copied()).collect();
+    all.join("::")
 }
 
 /// What a number of this type becomes.
