@@ -435,7 +435,8 @@ fn summary_of_several(several: &Several) -> String {
         "in one program", "to", "kept", "as threshold", "alone"
     );
     for kind in &together.kinds {
-        let number = |kept: Option<f64>| kept.map_or("-".to_owned(), |kept| equivalent::kept(kept, 3));
+        let number =
+            |kept: Option<f64>| kept.map_or("-".to_owned(), |kept| equivalent::kept(kept, 3));
         let _ = writeln!(
             text,
             "{:<22} {:>10} {:>10} {:>14} {:>10}",

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     bundled::Kind,
-    kernel::{Kernel, KernelFileError, SHAPES, wrong_number},
+    kernel::{FEWER, Kernel, KernelFileError, SHAPES, wrong_number},
     limit::KERNELS,
     npy,
     reference::Description,
@@ -96,11 +96,7 @@ pub(super) fn check_number(kernels: usize) -> miette::Result<()> {
     if kernels <= KERNELS {
         return Ok(());
     }
-    Err(miette!(
-        help = "a sensor, and a program, have a kind of cell for each: give fewer kernels",
-        "{}",
-        wrong_number(kernels)
-    ))
+    Err(miette!(help = FEWER, "{}", wrong_number(kernels)))
 }
 
 /// Whether a file is a sensor: its kinds stand under `[[channel]]`; or there is none, and a sensor
@@ -168,7 +164,7 @@ pub(super) fn read(name: &str) -> miette::Result<(Vec<Kernel>, usize)> {
     };
     if planes.is_empty() || planes.len() > KERNELS {
         return Err(miette!(
-            help = SHAPES,
+            help = FEWER,
             "{name}: {}",
             wrong_number(planes.len())
         ));

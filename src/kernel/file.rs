@@ -23,6 +23,9 @@ use crate::{
 /// What an array of kernels is.
 pub const SHAPES: &str = "give an array of shape (k,k), (K,k,k) or (K,1,k,k), k odd, of finite floats or integers; numpy.pad adds rows and columns of zeros";
 
+/// What to give instead of too many kernels.
+pub const FEWER: &str = "give fewer kernels: a sensor, and a program, have a kind of cell for each";
+
 /// That there are so many kernels, where there may not be.
 #[must_use]
 pub fn wrong_number(kernels: usize) -> String {

@@ -204,7 +204,10 @@ mod tests {
         assert_eq!(texts(-3.0, 3.0, 3, Scale::Plain), ["-2", "0", "2"]);
         assert_eq!(texts(-3.0, 3.0, 3, Scale::Mirrored), ["2", "0", "2"]);
         // A step of 5 lies beyond both ends.
-        assert_eq!(texts(-4.9, 4.9, 2, Scale::Mirrored), ["4", "2", "0", "2", "4"]);
+        assert_eq!(
+            texts(-4.9, 4.9, 2, Scale::Mirrored),
+            ["4", "2", "0", "2", "4"]
+        );
         assert_eq!(texts(0.13, 0.19, 1, Scale::Plain), ["0.15"]);
         assert_eq!(
             texts(2.0, 6.3, 9, Scale::Decades),

@@ -3,7 +3,7 @@
 use crate::{
     config::{Node, Place, Read},
     elementary,
-    kernel::{Kernel, KernelError, KernelFileError, SHAPES, wrong_number},
+    kernel::{FEWER, Kernel, KernelError, KernelFileError, SHAPES, wrong_number},
     npy,
     plane::Plane,
 };
@@ -83,7 +83,7 @@ impl Reader<'_> {
             return Err(wrong(
                 node.place(),
                 format!("kernel file {name}: {}", wrong_number(planes.len())),
-                SHAPES,
+                FEWER,
             ));
         }
         let kernels = (0..).zip(planes).map(|(i, plane)| {
