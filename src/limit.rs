@@ -31,8 +31,8 @@ pub const CHAIN: usize = 1024;
 /// Rows or columns of a kernel.
 pub const KERNEL_SIDE: usize = 127;
 
-/// Kernels of one file.
-pub const KERNELS: usize = 32;
+/// Kernels of one command, and kinds of cells of a sensor.
+pub const KERNELS: usize = 16;
 
 /// Size of the largest weight of a kernel that is quantised, compiled or fitted: at least.
 pub const LEAST_WEIGHT: f64 = 1e-30;
@@ -176,8 +176,8 @@ table! {
         "nobody reads more", "one behind the other";
     KERNEL_SIDE, "rows or columns of a kernel", "px",
         "Gaussians of the largest sigma, 20 px, have 121", "a side of a kernel is at most";
-    KERNELS, "kernels of one file", "kernels",
-        "twice the kinds of cells that a sensor has", "kernels at most";
+    KERNELS, "kernels of one file or command, kinds of cells of a sensor", "kernels",
+        "as many as the paper's largest sensor has", "kernels at most";
     LEAST_WEIGHT, "the largest weight of a kernel that is quantised, compiled or fitted: least", "",
         "its square is still a number", "is too small";
     MOST_WEIGHT, "the largest weight of a kernel that is quantised, compiled or fitted: most", "",
