@@ -425,7 +425,7 @@ fn arrays_of_kernels_have_one_shape_and_one_limit() {
     let at = folder.path();
     let write = |name: &str, shape: &[usize]| {
         let all = ndarray::ArrayD::<f64>::from_shape_fn(shape, |at| {
-            let last = at.ndim() - 1;
+            let last = shape.len() - 1;
             if at[last] == 1 && at[last - 1] == 1 {
                 1.0
             } else {
