@@ -88,7 +88,9 @@ pub(super) fn forget(machine: &mut Machine<'_>, it: &Stmt, why: &Arc<str>) {
             continue;
         };
         match machine.slots[slot].clone() {
-            Value::Pointer(slot, path, _) => machine.forget(slot, &path, why),
+            Value::Pointer(slot, path, _) | Value::Reference(slot, path) => {
+                machine.forget(slot, &path, why);
+            }
             Value::Symbol(_) | Value::Lambda(_) => {}
             _ => machine.forget(slot, &[], why),
         }
@@ -242,10 +244,15 @@ fn walk(it: &Stmt, own: bool, act: &mut dyn FnMut(Part<'_>)) {
         }
         StmtNode::Declare(all) => {
             for declared in all {
-                declared.value.iter().for_each(|it| values(it, act));
+                let lengths = declared.lengths.iter().flatten();
+                lengths
+                    .chain(&declared.value)
+                    .for_each(|it| values(it, act));
             }
         }
-        StmtNode::Expr(value) | StmtNode::Return(Some(value)) => values(value, act),
+        StmtNode::Expr(value) | StmtNode::Return(Some(value)) | StmtNode::Case(Some(value)) => {
+            values(value, act);
+        }
         StmtNode::If(condition, yes, no) => {
             values(condition, act);
             walk(yes, own, act);
@@ -270,12 +277,13 @@ fn walk(it: &Stmt, own: bool, act: &mut dyn FnMut(Part<'_>)) {
                 walk(body, own, act);
             }
         }
-        StmtNode::Case(_)
+        StmtNode::Case(None)
         | StmtNode::Break
         | StmtNode::Continue
         | StmtNode::Return(None)
         | StmtNode::Function(_)
         | StmtNode::Prototype(_)
+        | StmtNode::Struct(_)
         | StmtNode::Nothing => {}
     }
 }
@@ -291,7 +299,10 @@ fn values(it: &Expr, act: &mut dyn FnMut(Part<'_>)) {
         ExprNode::Member(of, _)
         | ExprNode::Unary(_, of)
         | ExprNode::Step(of, ..)
-        | ExprNode::Convert(_, of) => values(of, act),
+        | ExprNode::Convert(_, of)
+        | ExprNode::SizeOf(of)
+        | ExprNode::Template(_, of) => values(of, act),
+        ExprNode::New(declared) => declared.value.iter().for_each(|it| values(it, act)),
         ExprNode::Index(a, b) | ExprNode::Binary(_, a, b) | ExprNode::Assign(_, a, b) => {
             values(a, act);
             values(b, act);
@@ -302,6 +313,7 @@ fn values(it: &Expr, act: &mut dyn FnMut(Part<'_>)) {
         // Callbacks run when somebody moves a slider, not here.
         ExprNode::Lambda(_)
         | ExprNode::Whole(_)
+        | ExprNode::Wide(..)
         | ExprNode::Real(_)
         | ExprNode::Text(_)
         | ExprNode::Name(_) => {}
@@ -315,4 +327,22 @@ pub(super) fn calls_function(it: &super::tree::Function, name: &str) -> bool {
         calls(statement, &mut |called, _| found |= called == name);
     }
     found && *it.name != *name
+}
+
+/// The names that a lambda uses, and those inside it.
+pub(super) fn names(function: &super::tree::Function) -> BTreeSet<Word> {
+    let mut found = BTreeSet::new();
+    for statement in &function.body {
+        walk(statement, false, &mut |part| {
+            let Part::Expr(value) = part else { return };
+            match &value.node {
+                ExprNode::Name(name) => {
+                    found.insert(name.clone());
+                }
+                ExprNode::Lambda(inner) => found.extend(names(inner)),
+                _ => {}
+            }
+        });
+    }
+    found
 }
