@@ -327,6 +327,10 @@ fn initialisers_have_the_forms_of_cpp() {
          std::array<std::array<int, 2>, 2> m{{{1, 2}, {3, 4}}}; scamp5_in(A, m[1][0]);",
         &[4, 9, 7, 4, 3],
     );
+    numbers(
+        "int c[2][2][2] = {{{1, 2}, {3, 4}}}; scamp5_in(A, c[0][1][0]); scamp5_in(A, c[1][0][0]);",
+        &[3, 0],
+    );
     refused_for("int a[2] = {1, 2, 3}; nop();", "1 values too many");
     refused_for("int a = {1, 2}; nop();", "2 values for one variable");
     // An array is no number.

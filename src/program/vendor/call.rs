@@ -56,7 +56,7 @@ impl Machine<'_> {
         }
         let all = self.candidates(&name, given.len());
         if !all.is_empty() {
-            let given = given.iter().map(|it| self.argument(it)).collect();
+            let given: Vec<_> = given.iter().map(|it| self.argument(it)).collect();
             let Some(function) = self.overload(&name, &all, &given, place) else {
                 return Value::Whole(0);
             };
@@ -133,7 +133,7 @@ impl Machine<'_> {
         &mut self,
         name: &str,
         all: &[Rc<Function>],
-        given: &Vec<Argument>,
+        given: &[Argument],
         place: Place,
     ) -> Option<Rc<Function>> {
         if let [one] = all {

@@ -177,6 +177,7 @@ impl Machine<'_> {
         let leaf = Leaf {
             kind: self.resolved(it.kind),
             layout: layout.as_ref(),
+            library: it.library,
         };
         shape::shaped(value, &lengths, leaf).unwrap_or_else(|message| {
             self.error(

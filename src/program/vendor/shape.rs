@@ -13,6 +13,8 @@ use super::{
 pub(super) struct Leaf<'a> {
     pub kind: Kind,
     pub layout: Option<&'a Rc<Layout>>,
+    /// Whether the array is one of the language's library.
+    pub library: bool,
 }
 
 /// A value in an array of these lengths. `Err` says what does not fit.
@@ -25,14 +27,21 @@ pub(super) fn shaped(
         return single(value, leaf);
     }
     match value {
-        Value::List(mut all) => {
+        Value::List(all) => {
             // `std::array` has braces of its own.
-            if let [Value::List(inner)] = &all[..] {
+            let doubled = |all: &[Value]| {
+                let [Value::List(inner)] = all else {
+                    return false;
+                };
                 let lists = inner.iter().all(|it| matches!(it, Value::List(_)));
                 let plain = lengths.len() == 1 && leaf.layout.is_none();
-                if plain || lists && !inner.is_empty() {
-                    all = inner.clone();
-                }
+                plain || leaf.library && lists && !inner.is_empty()
+            };
+            let mut all = all;
+            if doubled(&all)
+                && let Some(Value::List(inner)) = all.pop()
+            {
+                all = inner;
             }
             let mut rest = all.into();
             let made = array(&mut rest, lengths, leaf)?;
@@ -109,6 +118,7 @@ fn members(layout: &Rc<Layout>, rest: &mut VecDeque<Value>) -> Result<Value, Str
         let leaf = Leaf {
             kind: member.kind,
             layout: member.layout.as_ref(),
+            library: false,
         };
         let braces = matches!(rest.front(), Some(Value::List(_)));
         all.push(match (rest.is_empty(), &member.default) {

@@ -241,9 +241,9 @@ fn whole_number(text: &str, radix: u32, decimal: bool) -> Option<Kind> {
     let long = suffix.contains(['l', 'z']);
     let value = u64::from_str_radix(digits, radix).ok()?;
     let signed = i64::try_from(value).ok();
-    let width = if !unsigned && !long && value <= i32::MAX as u64 {
+    let width = if !unsigned && !long && i32::try_from(value).is_ok() {
         return Some(Kind::Whole(signed?));
-    } else if !long && (unsigned || !decimal) && value <= u64::from(u32::MAX) {
+    } else if !long && (unsigned || !decimal) && u32::try_from(value).is_ok() {
         Width::Unsigned
     } else if !unsigned && signed.is_some() {
         Width::Long

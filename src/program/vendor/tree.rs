@@ -134,6 +134,7 @@ pub(super) enum StmtNode {
 }
 
 /// A variable that is declared.
+#[allow(clippy::struct_excessive_bools)] // What was said, each on its own.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Declared {
     pub name: Word,
