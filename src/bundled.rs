@@ -9,6 +9,8 @@
 //! assert_eq!(bundled::find(Kind::Program, "snap"), bundled::find(Kind::Program, "dvs/snap"));
 //! ```
 
+use std::path::Path;
+
 use crate::config::nearest;
 
 /// A kind of file that comes with the program.
@@ -102,10 +104,14 @@ pub fn find(kind: Kind, name: &str) -> Option<File> {
     alike.next().is_none().then_some(found)
 }
 
-/// The name that was meant, if one of this kind is near, and what else can be given: for messages
+/// The file that was meant, if it is there with its ending, or the name, if one of this kind is near, and what else can be given: for messages
 /// about a name that is not there.
 #[must_use]
 pub fn meant(kind: Kind, name: &str, otherwise: &str) -> String {
+    let beside = format!("{name}.{}", kind.extension());
+    if Path::new(&beside).is_file() {
+        return format!("there is {beside}: give its whole name; else {otherwise}");
+    }
     let last = |file: File| file.name.rsplit('/').next().unwrap_or(file.name);
     let near = nearest(name, all(kind).map(|file| file.name));
     // A last part will do where only one file has it.

@@ -22,11 +22,17 @@ pub const FAULTS: usize = 64;
 /// Parentheses and blocks inside each other, in programs and macros.
 pub const NESTING: usize = 32;
 
+/// Tokens that a text of vendor C++ becomes, those of its macros included.
+pub const VENDOR_TOKENS: usize = 1 << 20;
+
+/// Operators and calls one behind the other in a value of vendor C++, or `else if`s of one `if`.
+pub const CHAIN: usize = 1024;
+
 /// Rows or columns of a kernel.
 pub const KERNEL_SIDE: usize = 127;
 
-/// Kernels of one file.
-pub const KERNELS: usize = 32;
+/// Kernels of one command, and kinds of cells of a sensor.
+pub const KERNELS: usize = 16;
 
 /// Size of the largest weight of a kernel that is quantised, compiled or fitted: at least.
 pub const LEAST_WEIGHT: f64 = 1e-30;
@@ -164,10 +170,14 @@ table! {
         "nobody mends more at once", "more are not shown";
     NESTING, "blocks, or parentheses, inside each other", "levels",
         "nobody reads more", "levels inside each other";
+    VENDOR_TOKENS, "what vendor C++ becomes before it is parsed: tokens, those of its macros included", "tokens",
+        "four for each of the words that a program can become", "more than 1048576 tokens";
+    CHAIN, "operators and calls in one value of vendor C++, `else if`s of one `if`", "operators",
+        "nobody reads more", "one behind the other";
     KERNEL_SIDE, "rows or columns of a kernel", "px",
         "Gaussians of the largest sigma, 20 px, have 121", "a side of a kernel is at most";
-    KERNELS, "kernels of one file", "kernels",
-        "twice the kinds of cells that a sensor has", "kernels at most";
+    KERNELS, "kernels of one file or command, kinds of cells of a sensor", "kernels",
+        "as many as the paper's largest sensor has", "kernels at most";
     LEAST_WEIGHT, "the largest weight of a kernel that is quantised, compiled or fitted: least", "",
         "its square is still a number", "is too small";
     MOST_WEIGHT, "the largest weight of a kernel that is quantised, compiled or fitted: most", "",

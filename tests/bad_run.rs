@@ -150,6 +150,14 @@ fn options() {
         &["contrast is -0.1"],
     );
     says(
+        &refused(SCENE, SENSOR, &["--upsample", "1e-9"]),
+        &["larger contrast per step (`--upsample`"],
+    );
+    says(
+        &refused(SCENE, SENSOR, &["--max-events", "10"]),
+        &["--max-events 10 without --events", "add --events FILE"],
+    );
+    says(
         &refused(SCENE, SENSOR, &["--when-full", "wait"]),
         &["wait", "stop", "drop"],
     );
@@ -174,6 +182,13 @@ fn outputs() {
         &["xyz", "csv"],
     );
     says(&refused(SCENE, SENSOR, &["--events", "e"]), &["csv"]);
+    says(
+        &refused(SCENE, SENSOR, &["--events", "e.aedat"]),
+        &[
+            "such as `.aedat2`",
+            "`amacrine convert` also takes --format",
+        ],
+    );
     says(
         &refused(SCENE, SENSOR, &["--counts", "c.csv"]),
         &["c.csv", ".npy"],

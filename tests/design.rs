@@ -195,7 +195,7 @@ fn what_cannot_be_designed_is_said() {
         &["--rate", "1e9"],
         &["at any threshold", "give a rate between them"],
     );
-    ask(&["--threshold", "1,2"], &["2 thresholds for 1 kernels"]);
+    ask(&["--threshold", "1,2"], &["2 thresholds for 1 kernel"]);
     ask(&["--threshold", "8", "--pick", "9"], &["--pick 9", "rows"]);
     ask(
         &["--threshold", "8", "--memory", "bits:1"],
@@ -302,7 +302,7 @@ fn kinds_of_one_file_keep_their_names() {
     refused(
         folder,
         &run,
-        &["sensor.toml:5:", "1 thresholds for 4 kernels"],
+        &["sensor.toml:5:", "1 threshold for 4 kernels"],
     );
     sensor("name = [\"a\"]\nthreshold = { on = 9, off = 9 }\n");
     refused(folder, &run, &["1 names for 4 kernels"]);
@@ -415,4 +415,122 @@ fn a_recording_for_viewers() {
             .any(|part| part == text.as_bytes())
     };
     assert!(has("/events/2_vertical_edges") && has("/image/0_change"));
+}
+
+/// What PyTorch has is taken as it is; more kernels than a sensor has kinds are refused at once,
+/// everywhere with the same words.
+#[test]
+fn arrays_of_kernels_have_one_shape_and_one_limit() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let write = |name: &str, shape: &[usize]| {
+        let all = ndarray::ArrayD::<f64>::from_shape_fn(shape, |at| {
+            let last = shape.len() - 1;
+            if at[last] == 1 && at[last - 1] == 1 {
+                1.0
+            } else {
+                -0.125
+            }
+        });
+        all.write_npy(fs::File::create(at.join(name)).unwrap())
+            .unwrap();
+    };
+    write("torch.npy", &[2, 1, 3, 3]);
+    write("flat.npy", &[2, 3, 3]);
+    write("inputs.npy", &[2, 2, 3, 3]);
+    write("many.npy", &[17, 3, 3]);
+    write("nine.npy", &[9, 3, 3]);
+    write("even.npy", &[4, 4]);
+    let scene = "pattern:bar?width=24&height=24&frames=5";
+    let run = ["run", "--scene", scene, "--sensor", "rgc", "--kernel"];
+    let ran = |kernel: &str| json(at, &[&run[..], &[kernel]].concat())["events"].clone();
+    assert_eq!(ran("torch.npy"), ran("flat.npy"));
+    let text = good(at, &[&run[..], &["flat.npy,csdvs-3"]].concat());
+    assert!(text.contains("(3 channels"), "{text}");
+    let wrong = "shape (2,2,3,3)";
+    let shapes = "(k,k), (K,k,k) or (K,1,k,k)";
+    refused(at, &[&run[..], &["inputs.npy"]].concat(), &[wrong, shapes]);
+    let limit = "1 to 16 kernels at most";
+    refused(at, &[&run[..], &["many.npy"]].concat(), &[limit]);
+    refused(at, &[&run[..], &["nine.npy,nine.npy"]].concat(), &[limit]);
+    refused(at, &["design", "many.npy", "--rate", "2"], &[limit]);
+    let sensor = |kernel: &str| {
+        format!(
+            "response = {{ linear = 255 }}\nmemory = \"filtered-step\"\n[[channel]]\nkernel = \"{kernel}\"\nthreshold = {{ on = 0.2, off = 0.2 }}\n"
+        )
+    };
+    for (kernel, words) in [
+        ("many.npy", limit),
+        ("inputs.npy", shapes),
+        ("even.npy", "numpy.pad"),
+    ] {
+        fs::write(at.join("s.toml"), sensor(kernel)).unwrap();
+        refused(
+            at,
+            &["run", "--scene", scene, "--sensor", "s.toml"],
+            &[words],
+        );
+    }
+    fs::write(at.join("s.toml"), sensor("torch.npy")).unwrap();
+    good(at, &["run", "--scene", scene, "--sensor", "s.toml"]);
+    refused(
+        at,
+        &["run", "--scene", scene, "--sensor", "flat.npy"],
+        &["--kernel"],
+    );
+    refused(
+        at,
+        &["design", "flat.npy", "--rate", "1e6", "--scene", scene],
+        &[
+            "1000000 events per pixel",
+            "are 500000 of each of 2",
+            "flat.npy[0]",
+        ],
+    );
+    fs::write(
+        at.join("study.toml"),
+        format!("scene = \"{scene}\"\nkernel = \"flat.npy\"\nthreshold = 20\n[[side]]\nside = \"reference\"\n"),
+    )
+    .unwrap();
+    refused(
+        at,
+        &["sweep", "study.toml"],
+        &["one kernel a file", "numpy.save"],
+    );
+}
+
+/// Within a window that covers the clip accident scores as much as any program.
+#[test]
+fn a_window_that_covers_the_clip_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    clip(at);
+    kernels(at);
+    let short = ["--scene", "clip.npy", "--fps", "1000", "--to", "ternary"];
+    let quantised = json(
+        at,
+        &[&["quantise", "four.npy", "--threshold", "40"][..], &short].concat(),
+    );
+    let about = |said: &serde_json::Value| {
+        let all = said["warnings"].as_array().unwrap();
+        all.iter().any(|warning| warning["about"] == "window")
+    };
+    assert!(about(&quantised), "{quantised}");
+    let quick = ["--effort", "0.05", "--threshold", "40"];
+    let arguments = [&["design", "csdvs-3"][..], &short, &quick].concat();
+    let designed = json(at, &arguments);
+    assert!(about(&designed), "{designed}");
+    let keeps = designed["candidates"][0]["kept"].as_f64().unwrap();
+    assert_eq!(designed["knee"].is_null(), keeps <= 0.0);
+    fs::write(
+        at.join("study.toml"),
+        "scene = \"clip.npy\"\nfps = 1000\nkernel = \"csdvs-3\"\nthreshold = 20\n[[side]]\nside = \"reference\"\nformat = \"q8.8\"\n",
+    )
+    .unwrap();
+    let swept = json(at, &["sweep", "study.toml", "-o", "out"]);
+    assert!(about(&swept), "{swept}");
+    let report = json(at, &["report", "out"]);
+    assert!(about(&report), "{report}");
+    let row = fs::read_to_string(at.join("out/results.jsonl")).unwrap();
+    assert!(row.contains("window\""), "{row}");
 }

@@ -798,7 +798,7 @@ fn bad_input_is_one_message_and_no_page() {
         (with(4, "nan"), &["threshold", "positive"]),
         (
             with(4, "40,50"),
-            &["2 thresholds for 1 kernels", "one for each"],
+            &["2 thresholds for 1 kernel", "one for each"],
         ),
         (with(2, "k.toml,nowhere.toml"), &["nowhere.toml", "rgc-5x5"]),
         (with(6, "gone.mp4"), &["gone.mp4"]),

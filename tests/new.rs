@@ -47,6 +47,20 @@ fn each_kind_begins_with_a_file_that_works() {
         &["new", "sensor", "deep/in/four.toml", "--from", "rgc-4"],
     );
     assert!(folder.join("deep/in/sensor.schema.json").exists());
+    // Each says its own name, and is told of where the ending is left out.
+    let has = |file: &str, line: &str| {
+        let text = fs::read_to_string(folder.join(file)).unwrap();
+        assert!(text.lines().any(|own| own == line), "{text}");
+    };
+    has("my-chip/device.toml", "name = \"my-chip\"");
+    has("my-study.toml", "title = \"my-study\"");
+    has("my-sensor.toml", "name = \"my-sensor\"");
+    has("my-sensor.toml", "name = \"centre-on\"");
+    refused(
+        folder,
+        &["run", "--scene", scene, "--sensor", "my-sensor"],
+        &["there is my-sensor.toml"],
+    );
 }
 
 #[test]

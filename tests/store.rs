@@ -227,7 +227,7 @@ fn damage_of_every_kind_is_listed_at_once_and_computed_again() {
         .success();
     let text = String::from_utf8_lossy(&text.get_output().stdout).into_owned();
     assert!(
-        text.contains("damaged  1 files of points, set aside in out/damaged"),
+        text.contains("damaged  1 file of points, set aside in out/damaged"),
         "{text}"
     );
     assert!(

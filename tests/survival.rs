@@ -128,6 +128,64 @@ fn a_front_goes_up_with_words() {
     assert!(correlation(&chosen) > correlation(&shortest) + 0.2);
 }
 
+/// What the other objectives find is never shorter: halvings inside a plan may take fewer words than
+/// all of them in front of it.
+#[test]
+fn the_fewest_words_are_the_fewest() {
+    let device = Device::scamp5();
+    let rows = |rows: &[&[f64]]| {
+        Kernel::from_rows(&rows.iter().map(|row| row.to_vec()).collect::<Vec<_>>()).unwrap()
+    };
+    let six_bits = rows(&[&[12.0, -10.0, 0.0], &[14.0, 11.0, 6.0], &[4.0, -14.0, 7.0]]);
+    let ternary = rows(&[
+        &[-1.0, -1.0, 1.0, 1.0, -1.0],
+        &[0.0, 1.0, -1.0, 1.0, -1.0],
+        &[0.0, 1.0, -1.0, 0.0, -1.0],
+        &[1.0, -1.0, 1.0, 0.0, 0.0],
+        &[0.0, 0.0, 0.0, 0.0, 1.0],
+    ]);
+    for (kernel, range) in [(six_bits, Some((-64.0, 63.0))), (ternary, None)] {
+        let kernels = [kernel];
+        let words = |objective| {
+            let mut request = Request::new(&kernels, &device).unwrap();
+            request.range = range;
+            request.objective = objective;
+            let filter = request.filter().unwrap();
+            assert!(range.is_none() || filter.holds);
+            filter.words.len()
+        };
+        let fewest = words(Objective::Words);
+        for objective in [Objective::Silicon, Objective::Exact] {
+            let other = words(objective);
+            assert!(fewest <= other, "{fewest} words, {other} for {objective:?}");
+        }
+    }
+}
+
+/// A threshold that the halvings leave nothing of makes any change fire: a program that keeps it is
+/// taken where there is one.
+#[test]
+fn halvings_leave_a_threshold() {
+    let device = Device::scamp5();
+    let kernels = [Kernel::from_rows(&[
+        vec![12.0, -10.0, 0.0],
+        vec![14.0, 11.0, 6.0],
+        vec![4.0, -14.0, 7.0],
+    ])
+    .unwrap()];
+    let kinds = [CellKind {
+        name: None,
+        kernel: kernels[0].clone(),
+        on: 300.0,
+        off: 300.0,
+    }];
+    let mut request = Request::new(&kernels, &device).unwrap();
+    request.objective = Objective::Exact;
+    let sensor = SensorProgram::new(&kinds, DriveMemory::Analogue, "a", &request).unwrap();
+    let left = 150.0 * sensor.filter.scale();
+    assert!(left >= 1.0, "{left} LSB of the threshold");
+}
+
 #[test]
 fn more_registers_never_cost_words() {
     let wide: Device = Device::find("scamp5-wide").unwrap();

@@ -11,7 +11,9 @@ use amacrine::{
     config::Faults,
     isa::Device,
     kernel::Kernel,
-    program::{Action, Code, Expansion, Includes, Overrides, Program, Step, cpp, included, stored},
+    program::{
+        Action, Code, Expansion, Host, Includes, Overrides, Program, Step, cpp, included, stored,
+    },
 };
 use common::{good, json, refused};
 
@@ -805,9 +807,22 @@ fn included_files_lie_beside_and_say_where_they_are_wrong() {
 }
 
 /// Programs that are written as C++ and read back.
+/// What the chip's converter sets.
+fn in_whole_lsb(steps: &mut [Step]) {
+    for step in steps {
+        match &mut step.action {
+            Action::Host(Host::LoadIn { value }) => *value = value.round_ties_even(),
+            Action::Repeat { body, .. } => in_whole_lsb(body),
+            _ => {}
+        }
+    }
+}
+
 fn back(program: &Program, device: &Device) {
     let text = cpp(program, device).unwrap();
-    let before = program.expand(device, &Overrides::new()).unwrap().code;
+    let mut before = program.expand(device, &Overrides::new()).unwrap().code;
+    in_whole_lsb(&mut before.init);
+    in_whole_lsb(&mut before.frame);
     let after = Program::read("p.cpp", &text).expand(device, &Overrides::new());
     let after = after
         .unwrap_or_else(|faults| panic!("{faults:?}\n{text}"))
@@ -859,10 +874,7 @@ fn every_bundled_kernel_reads_back_from_cpp() {
         );
         if let Ok(sensor) = SensorProgram::new(&kinds, DriveMemory::Analogue, name, &request) {
             let program = Program::parse(name, &sensor.text).unwrap();
-            // A threshold that is no whole LSB is none that the vendor's function takes.
-            if cpp(&program, &device).is_ok() {
-                back(&program, &device);
-            }
+            back(&program, &device);
         }
         seen += 1;
     }
@@ -932,10 +944,395 @@ fn compile_writes_cpp() {
     assert!(compile(&["--as", "cpp"]).contains("scamp5_kernel_begin();"));
     let words = |file: &str| good(folder.path(), &["disasm", file]);
     assert_eq!(words("p.cpp"), words("p.scamp"));
+    // Thresholds that are no whole LSB are written as the converter sets them.
+    let line = "compile rgc-5x5 --to ternary --threshold 128 --effort 0.01 -o q.cpp";
+    good(folder.path(), &line.split(' ').collect::<Vec<_>>());
+    let text = fs::read_to_string(folder.path().join("q.cpp")).unwrap();
+    let mut inputs = text
+        .lines()
+        .filter(|line| line.contains("LSB; the converter"));
+    assert!(inputs.next().is_some(), "{text}");
     fs::write(
         folder.path().join("bad.cpp"),
         "int main() { mov(A, B) neg(A, A); blub(A); }",
     )
     .unwrap();
     refused(folder.path(), &["asm", "bad.cpp"], &["expected `;`"]);
+}
+
+/// Inside of `main` and a loop over the frames: what is told, with its line from 1 on.
+#[track_caller]
+fn told(before: &str, inside: &str, line: u32, message: &str, help: &str) {
+    let text = format!(
+        "{} int main() {{ while (1) {{ vs_frame_loop_control(); int s = scamp5_global_sum_16(A);\n{inside}\n}} }}",
+        before.replace('\n', " ")
+    );
+    let faults = expand(&text, &[]).expect_err(&text).faults;
+    let found = faults.iter().any(|it| {
+        it.line == line + 1
+            && it.fault.message.contains(message)
+            && it.fault.help.as_deref().unwrap_or_default().contains(help)
+    });
+    assert!(found, "{text}\n{faults:#?}");
+}
+
+#[test]
+fn no_kernel_hides_from_what_only_the_run_knows() {
+    let kernel = "scamp5_kernel_begin(); res(A); scamp5_kernel_end();";
+    let functions = format!("void ka() {{ {kernel} }} void kb() {{ {kernel} }}");
+    let whether = "whether this kernel runs, what `scamp5_global_sum_16` reads";
+    for inside in [
+        format!("auto k = [&] {{ {kernel} }};\nif (s > 100) k();"),
+        format!("auto k = [&](int n) {{ {kernel} }}; auto l = [&] {{ k(1); }};\nif (s > 100) l();"),
+        format!("\nif (s > 100) [&] {{ {kernel} }}();"),
+        "\ns > 100 ? ka() : kb();".to_owned(),
+        "\nint n = s > 100 && (ka(), 1);".to_owned(),
+        "auto p = ka;\nif (s > 100) p();".to_owned(),
+        "auto call = [&](auto f) { f(); };\nif (s > 100) call(ka);".to_owned(),
+    ] {
+        told(&functions, &inside, 2, whether, "--const s=VALUE");
+    }
+    let often = "how often this loop runs";
+    told(
+        &functions,
+        &format!("auto k = [&](int n) {{ {kernel} }};\nwhile (scamp5_global_or(R5)) k(1);"),
+        2,
+        often,
+        "",
+    );
+    told(
+        &functions,
+        "for (int i = 0; i < s; ka()) { i++; }",
+        1,
+        often,
+        "--const s=VALUE",
+    );
+    told(
+        &functions,
+        "auto p = s > 100 ? ka : kb;\np();",
+        2,
+        "what this call runs, what",
+        "--const p=VALUE",
+    );
+    // What changes nothing in the array may depend on it.
+    same(
+        "int s = scamp5_global_sum_16(A); auto show = [&] { vs_post_text(\"x\"); };\n\
+         if (s) show(); if (s) { auto own = [&] { s = 3; }; own(); } int n = s ? 1 : 2;\n\
+         std::mt19937 make; int r = make();",
+        "scamp5_global_sum_16(A);",
+    );
+}
+
+#[test]
+fn what_a_branch_may_have_changed_is_not_known() {
+    for inside in [
+        "int n = 0; auto up = [&] { n++; }; if (s) up();",
+        "int n = 0; if (s) up(n);",
+        "int n = 0; s && n++;",
+        "int n = 0; s ? n++ : 0;",
+        "int n = 0; auto p = up; if (s) p(n);",
+    ] {
+        told(
+            "void up(int &n) { n++; }",
+            &format!("{inside}\nscamp5_in(A, n);"),
+            2,
+            "`scamp5_in` takes a value of which",
+            "--const n=VALUE",
+        );
+    }
+}
+
+#[test]
+fn functions_have_other_names() {
+    whole(
+        "typedef void (*fn)(areg_t);\nvoid g(areg_t a) { mov(a, B); }\nvoid h(areg_t a) { neg(a, B); }\n\
+         void twice(void (*f)(areg_t), areg_t a) { f(a); (*f)(a); }\n\
+         int main() { auto p = g; p(A); (*p)(C); fn t[] = {g, h}; t[1](A); auto q = &h; q(D);\n\
+         auto apply = [&](fn f, areg_t r) { f(r); }; apply(g, E); void (*z)(areg_t) = h; z(A);\n\
+         void (*all[])(areg_t) = {g, h}; all[0](D); twice(g, F);\n\
+         auto again = [&](auto f) { f(); f(); }; again([&] { res(F); }); }",
+        "mov(A, B); mov(C, B); neg(A, B); neg(D, B); mov(E, B); neg(A, B); mov(D, B);\n\
+         mov(F, B); mov(F, B); res(F); res(F);",
+    );
+    // A lambda that calls kernels, or the host, is no kernel itself.
+    same(
+        "auto f = [&] { scamp5_kernel_begin(); mov(A, B); scamp5_kernel_end(); }; auto g = [&] { f(); scamp5_in(C, 3); }; g();",
+        "mov(A, B); scamp5_in(C, 3);",
+    );
+}
+
+#[test]
+fn members_of_classes_do_not_run_kernels_unseen() {
+    let class = "struct Filter { int n; Filter() : n{3} { n++; } void run(areg_t a) const { scamp5_kernel_begin(); mov(a, B); scamp5_kernel_end(); }\n\
+                 int get() { return n; } void later(); void all() { run(A); } };\n\
+                 void Filter::later() { res(A); }";
+    let message = |member: &str| format!("`f.{member}` runs words of the array");
+    told(
+        class,
+        "Filter f;\nf.run(A);",
+        2,
+        &message("run"),
+        "outside of the class",
+    );
+    told(
+        class,
+        "Filter f;\nf.later();",
+        2,
+        &message("later"),
+        "outside of the class",
+    );
+    told(
+        class,
+        "Filter f;\nf.all();",
+        2,
+        &message("all"),
+        "outside of the class",
+    );
+    told(
+        class,
+        "Filter f;\nif (s) f.run(A);",
+        2,
+        "whether this kernel runs",
+        "",
+    );
+    told(
+        "",
+        "other.run(A);",
+        1,
+        "what `other.run` does with `A` is not known",
+        "function",
+    );
+    told(
+        "class G { G(int n) { res(C); } };",
+        "",
+        0,
+        "`G` runs words of the array where no call",
+        "outside of the class",
+    );
+    told(
+        "class G { G(int n); }; G::G(int n) { res(C); }",
+        "",
+        0,
+        "`G` runs words of the array where no call",
+        "outside of the class",
+    );
+    whole(
+        &format!(
+            "{class}\nvs_stopwatch timer; int main() {{ Filter f; int n = f.get(); timer.reset(); mov(A, B); }}"
+        ),
+        "mov(A, B);",
+    );
+}
+
+#[test]
+fn each_frame_is_one_or_is_refused() {
+    let frames = |text: &str, init: &str, frame: &str| {
+        whole(text, &format!("init {{ {init} }} frame {{ {frame} }}"));
+    };
+    let refuses = |text: &str, message: &str, help: &str| {
+        let faults = expand(text, &[]).expect_err(text).faults;
+        let found = faults.iter().any(|it| {
+            it.line == 2
+                && it.fault.message.contains(message)
+                && it.fault.help.as_deref().unwrap_or_default().contains(help)
+        });
+        assert!(found, "{text}\n{faults:#?}");
+    };
+    // A calibration of four frames before the loop.
+    let calibrate = |times: usize| {
+        format!(
+            "int main() {{ for (int i = 0; i < {times}; i++) {{ vs_frame_loop_control();\n\
+             scamp5_kernel_begin(); get_image(A, F); add(D, D, A); scamp5_kernel_end(); }}\n\
+             while (1) {{ vs_frame_loop_control(); get_image(A, F); sub(E, A, D); }} }}"
+        )
+    };
+    refuses(
+        &calibrate(4),
+        "4 frames are captured before the steady loop",
+        "exec --dump",
+    );
+    frames(
+        &calibrate(1),
+        "get_image(A, F); add(D, D, A);",
+        "get_image(A, F); sub(E, A, D);",
+    );
+    // One before the loop, and one in its first turn alone.
+    refuses(
+        "int main() { bool first = true; get_image(B); while (1) { vs_frame_loop_control();\n\
+         get_image(A); if (first) { mov(C, A); first = false; } } }",
+        "2 frames are captured before the steady loop",
+        "capture once before the loop",
+    );
+    // What the first turn alone does is not left out behind a frame before the loop.
+    frames(
+        "int main() { bool first = true; vs_frame_loop_control(); CLR(R5); while (1) { vs_frame_loop_control();\n\
+         get_image(A); if (first) { mov(C, A); first = false; } } }",
+        "CLR(R5); get_image(A); mov(C, A);",
+        "get_image(A);",
+    );
+    // A loop over the frames that ends.
+    refuses(
+        "int main() { for (int f = 0; f < 3; f++) { vs_frame_loop_control();\n\
+         scamp5_get_image(A, B); scamp5_in(C, f); } }",
+        "3 frames that do not do the same",
+        "while (1)",
+    );
+    let text = "int main() { for (int f = 0; f < 3; f++) { vs_frame_loop_control(); get_image(A); mov(B, A); } }";
+    whole(text, "get_image(A); mov(B, A);");
+    let warnings = expand(text, &[]).unwrap().warnings;
+    assert!(
+        warnings
+            .iter()
+            .any(|it| it.message.contains("ends after 3 frames"))
+    );
+    // Waiting in the middle of a turn.
+    frames(
+        "int main() { while (1) { scamp5_get_image(A, F); vs_wait_frame_trigger(); scamp5_kernel_begin(); neg(B, A); scamp5_kernel_end(); } }",
+        "scamp5_get_image(A, F);",
+        "neg(B, A); scamp5_get_image(A, F);",
+    );
+}
+
+#[test]
+fn macros_and_chains_have_limits() {
+    let doubling = (1..40).fold("#define L0 1\n".to_owned(), |text, i| {
+        format!("{text}#define L{i} L{0}+L{0}\n", i - 1)
+    });
+    let chain = (1..1000).fold("#define M0 1\n".to_owned(), |text, i| {
+        format!("{text}#define M{i} M{}\n", i - 1)
+    });
+    for (text, message) in [
+        (
+            format!("{doubling}scamp5_in(A, L39);"),
+            "more than 1048576 tokens",
+        ),
+        (
+            format!("{doubling}scamp5_in(A, L12);"),
+            "one behind the other",
+        ),
+        (
+            format!("{chain}scamp5_in(A, M999);"),
+            "levels of macros inside each other",
+        ),
+        (
+            format!(
+                "#define D(x) x x\n{}nop();{}",
+                "D(".repeat(100),
+                ")".repeat(100)
+            ),
+            "more than 1048576 tokens",
+        ),
+        (
+            format!("scamp5_in(A, a{});", "[0]".repeat(5000)),
+            "one behind the other",
+        ),
+    ] {
+        let faults = expand(&text, &[]).unwrap_err().faults;
+        assert!(
+            faults[0].fault.message.contains(message),
+            "{message}: {faults:#?}"
+        );
+    }
+    // An `else if` is no deeper than its `if`.
+    let branches = (0..400).fold("if (0) { }".to_owned(), |text, i| {
+        format!("{text} else if (x == {i}) {{ scamp5_in(A, {i} % 100); }}")
+    });
+    same(&format!("int x = 333; {branches}"), "scamp5_in(A, 33);");
+}
+
+#[test]
+fn namespaces_have_names_of_their_own() {
+    whole(
+        "namespace a { const int N = 1; int f() { return N; } namespace in { int g() { return N + f(); } } }\n\
+         namespace b { const int N = 2; int f() { return N; } }\n\
+         int x = 3; const int only = 9; namespace c { const int own = 4; int x = 8; }\n\
+         int main() { int x = 5; scamp5_in(A, a::N); scamp5_in(A, b::N); scamp5_in(A, a::f()); scamp5_in(A, b::f());\n\
+         scamp5_in(A, ::x); scamp5_in(A, x); scamp5_in(A, c::x); scamp5_in(A, own + ::only); scamp5_in(A, a::in::g()); }",
+        "scamp5_in(A, 1); scamp5_in(A, 2); scamp5_in(A, 1); scamp5_in(A, 2);\n\
+         scamp5_in(A, 3); scamp5_in(A, 5); scamp5_in(A, 8); scamp5_in(A, 13); scamp5_in(A, 2);",
+    );
+    // The vendor's names are in a namespace too.
+    whole(
+        "namespace u { void mov(areg_t a, areg_t b) { SCAMP5_PE::mov(b, a); } }\n\
+         int main() { u::mov(A, B); SCAMP5_PE::mov(A, SCAMP5_PE::B); }",
+        "mov(B, A); mov(A, B);",
+    );
+    let spaces = "namespace a { const int N = 1; void f() { nop(); } } namespace b { const int N = 2; void f() { all(); } }";
+    told(
+        spaces,
+        "scamp5_in(A, N);",
+        1,
+        "`N` is stated in several namespaces",
+        "`space::N`",
+    );
+    told(
+        spaces,
+        "f();",
+        1,
+        "`f` is stated in several namespaces",
+        "`space::f`",
+    );
+}
+
+#[test]
+fn the_host_does_nothing_inside_a_kernel() {
+    let text = format!(
+        "int main() {{ while (1) {{ vs_frame_loop_control(); {BEGIN}\nscamp5_in(C, 5);\nscamp5_shift(A, 1, 0);\n\
+         scamp5_load_rect(R5, 1, 1, 3, 3);\nscamp5_global_or(R5);\nscamp5_output_image(A, 0);\nmov(A, B); {END} }} }}"
+    );
+    let warnings = expand(&text, &[]).unwrap().warnings;
+    for name in ["in", "shift", "load_rect", "global_or", "output_image"] {
+        let message = format!("`scamp5_{name}` inside a kernel");
+        assert!(
+            warnings.iter().any(|it| it.message == message),
+            "{name}: {warnings:#?}"
+        );
+    }
+    assert_eq!(warnings.len(), 5, "{warnings:#?}");
+}
+
+#[test]
+fn settings_are_those_of_every_verb() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "slider.cpp",
+        "int main() { int t = 12; vs_gui_add_slider(\"t\", 0, 99, t, &t); while (1) { vs_frame_loop_control(); scamp5_in(A, t); } }",
+    );
+    write(
+        "average.cpp",
+        "int main() { while (1) { vs_frame_loop_control(); int avg = scamp5_global_sum_16(A); scamp5_in(A, avg); } }",
+    );
+    let asm = |more: &[&str]| good(folder.path(), &[&["asm"], more].concat());
+    assert_eq!(asm(&["slider.cpp", "--format"]), "scamp5_in(A, 12);\n");
+    assert_eq!(
+        asm(&["slider.cpp", "--format", "--const", "t=50"]),
+        "scamp5_in(A, 50);\n"
+    );
+    assert!(asm(&["average.cpp", "--format", "--const", "avg=40"]).contains("scamp5_in(A, 40);"));
+    refused(
+        folder.path(),
+        &["asm", "average.cpp", "--format"],
+        &["--const avg=VALUE"],
+    );
+    refused(
+        folder.path(),
+        &["asm", "slider.cpp", "--format", "--const", "u=1"],
+        &["no constant `u`"],
+    );
+    // A slider has ends.
+    let text = fs::read_to_string(folder.path().join("slider.cpp")).unwrap();
+    let warned = |t: f64| {
+        let warnings = expand(&text, &[("t", t)]).unwrap().warnings;
+        warnings
+            .iter()
+            .any(|it| it.message == "`t` is set to 120, and its slider goes from 0 to 99")
+    };
+    assert!(warned(120.0) && !warned(99.0));
+    // A register is none of the constants.
+    refused(
+        folder.path(),
+        &["exec", "slider.cpp", "--set", "A=5"],
+        &["`A` is a name of the chip", "--set A=FILE.npy"],
+    );
 }

@@ -5,6 +5,7 @@ use miette::{WrapErr, miette};
 
 use super::{event_rate::event_rate, files::Named, kernels};
 use crate::{
+    kernel::Kernel,
     reference::{Channel, Description},
     scene::{Scene, SceneError},
     study::rate,
@@ -13,10 +14,10 @@ use crate::{
 /// What is other than in the sensor file.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Changes {
-    /// These kernels in place of the file's, a kind of cell for each: a file (.toml, .npy of shape
-    /// (k,k) or (K,k,k)) or a built-in
-    #[arg(long, value_name = "KERNELS")]
-    kernel: Option<Named>,
+    /// These kernels in place of the file's, a kind of cell for each: files (.toml, .npy of shape
+    /// (k,k), (K,k,k) or (K,1,k,k)) or built-in ones
+    #[arg(long, value_delimiter = ',', value_name = "KERNELS")]
+    kernel: Vec<Named>,
     /// This threshold in place of the file's, for ON and OFF
     #[arg(long, value_name = "THRESHOLD", conflicts_with = "rate")]
     threshold: Option<f64>,
@@ -37,8 +38,8 @@ impl Changes {
         seed: u64,
         open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
     ) -> miette::Result<(Description, Option<String>)> {
-        if let Some(name) = &self.kernel {
-            let (kernels, _) = kernels::read(name)?;
+        if !self.kernel.is_empty() {
+            let kernels = self.kernels()?;
             let Some(first) = sensor.channels.first().cloned() else {
                 return Ok((sensor, None));
             };
@@ -46,7 +47,8 @@ impl Changes {
                 return Err(miette!(
                     help =
                         "give a sensor file whose first kind has a kernel of its own, such as rgc",
-                    "--kernel {name}: the first kind of the sensor has a mesh or a pattern in place of a kernel"
+                    "--kernel {}: the first kind of the sensor has a mesh or a pattern in place of a kernel",
+                    named(&self.kernel)
                 ));
             }
             let several = kernels.len() > 1;
@@ -87,12 +89,28 @@ impl Changes {
         Ok((sensor, Some(line)))
     }
 
+    /// The kernels of all files, one after the other.
+    fn kernels(&self) -> miette::Result<Vec<Kernel>> {
+        let mut all = Vec::new();
+        for name in &self.kernel {
+            all.extend(kernels::read(name)?.0);
+        }
+        kernels::check_number(all.len())?;
+        Ok(all)
+    }
+
     /// The rate that was asked for, and the thresholds for it.
     pub(super) fn json(&self, sensor: &Description) -> Option<serde_json::Value> {
         let thresholds: Vec<f64> = thresholds(sensor).collect();
         let asked = self.rate?;
         Some(serde_json::json!({"asked": asked, "thresholds": thresholds}))
     }
+}
+
+/// As they were given.
+fn named(kernels: &[Named]) -> String {
+    let names: Vec<&str> = kernels.iter().map(|name| &**name).collect();
+    names.join(",")
 }
 
 /// The thresholds of ON events.

@@ -16,7 +16,7 @@ use crate::{
     study::{
         self,
         design::Design,
-        equivalent::{RUNGS, rate},
+        equivalent::{self, RUNGS, rate},
         feasibility::{
             self, Feasibility, Fit, Question, Several, Snapshot, Stream, chips::OverChips,
             readout::ReadoutOrder,
@@ -49,7 +49,7 @@ use super::{
     after_help = "Examples:\n  amacrine feasibility --kernel rgc-5x5 --threshold 128 -o report.html\n  amacrine feasibility --kernel learned.npy --threshold 40 --to int-5 --scene clip.mp4 --chip isa/mine -o report.html\n  amacrine feasibility --kernel csdvs-3,sobel-x --threshold 40,100 -o report.html\n\nSeveral kernels: each on its own, and all of them in one program. The page is one file: no network, no script; docs/feasibility.md says how each of its numbers is found."
 )]
 pub struct Arguments {
-    /// A kernel file (.toml, .npy of shape (k,k) or (K,k,k)), the name of a built-in, or a sensor
+    /// A kernel file (.toml, .npy of shape (k,k), (K,k,k) or (K,1,k,k)), the name of a built-in, or a sensor
     /// file; or several of them, which are to share a chip
     #[arg(long, required = true, value_delimiter = ',', value_name = "KERNELS")]
     kernel: Vec<Named>,
@@ -350,8 +350,9 @@ impl Arguments {
             (each, _) if each.len() == kernels => Ok(each.to_vec()),
             (other, _) => Err(miette!(
                 help = "give one --threshold for all kernels, or one for each, in their order",
-                "{} thresholds for {kernels} kernels",
-                other.len()
+                "{} for {}",
+                light::counted(other.len(), "threshold"),
+                light::counted(kernels, "kernel")
             )),
         }
     }
@@ -434,7 +435,8 @@ fn summary_of_several(several: &Several) -> String {
         "in one program", "to", "kept", "as threshold", "alone"
     );
     for kind in &together.kinds {
-        let number = |kept: Option<f64>| kept.map_or("-".to_owned(), |kept| format!("{kept:.3}"));
+        let number =
+            |kept: Option<f64>| kept.map_or("-".to_owned(), |kept| equivalent::kept(kept, 3));
         let _ = writeln!(
             text,
             "{:<22} {:>10} {:>10} {:>14} {:>10}",

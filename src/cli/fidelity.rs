@@ -12,7 +12,7 @@ use crate::{
     scene::{Scene, SceneError, kept::Kept},
     study::pilot::{
         Estimate, Offer, Plan, Question,
-        plan::{self, BUDGET, KEPT},
+        plan::{self, BUDGET, Free, KEPT},
     },
     unit::Micros,
 };
@@ -207,11 +207,14 @@ pub fn line(offer: &Offer<impl Sized>, measured: Option<String>) -> String {
 /// What the plan runs, and why it may.
 #[must_use]
 pub fn chosen(plan: &Plan, tolerance: f64) -> String {
-    told(
-        (&plan.choice.to_string(), &plan.why),
-        plan.change,
-        tolerance,
-    )
+    let ruled = |free: &Free| plan.choice.leaves_out(free.what);
+    let only_rules = plan.offers.iter().all(|offer| !offer.left_out);
+    let why = if only_rules && plan.free.iter().any(ruled) {
+        format!("all of that is free; beyond it, {}", plan.why)
+    } else {
+        plan.why.clone()
+    };
+    told((&plan.choice.to_string(), &why), plan.change, tolerance)
 }
 
 /// The same of any choice: what it is, why, and what it changes.

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     bundled::Kind,
-    kernel::{Kernel, KernelFileError},
+    kernel::{FEWER, Kernel, KernelFileError, SHAPES, wrong_number},
     limit::KERNELS,
     npy,
     reference::Description,
@@ -67,6 +67,7 @@ impl Kinds {
             all.thresholds =
                 { all.thresholds.take().zip(own.thresholds) }.map(|(all, own)| [all, own].concat());
         }
+        check_number(all.kernels.len())?;
         Ok(all)
     }
 
@@ -90,6 +91,14 @@ impl Kinds {
     }
 }
 
+/// Refuses more kernels, of all files together, than a sensor has kinds of cells.
+pub(super) fn check_number(kernels: usize) -> miette::Result<()> {
+    if kernels <= KERNELS {
+        return Ok(());
+    }
+    Err(miette!(help = FEWER, "{}", wrong_number(kernels)))
+}
+
 /// Whether a file is a sensor: its kinds stand under `[[channel]]`; or there is none, and a sensor
 /// of this name comes with the program.
 fn is_sensor(name: &str) -> bool {
@@ -107,9 +116,6 @@ fn is_sensor(name: &str) -> bool {
     text.lines()
         .any(|line| line.trim_start().starts_with("[[channel]]"))
 }
-
-/// What an array of kernels is.
-const ARRAY: &str = "give an array of shape (k,k) or (K,k,k), k odd, of finite floats or integers; numpy.pad adds rows and columns of zeros";
 
 /// The kernels of a file or of a name, and how many axes they came with.
 ///
@@ -142,7 +148,10 @@ pub(super) fn read(name: &str) -> miette::Result<(Vec<Kernel>, usize)> {
     if !bytes.starts_with(npy::MAGIC) {
         let kernel = Kernel::from_bytes(name, &bytes).map_err(|e| match e {
             KernelFileError::Wrong(faults) => faults.into(),
-            other => miette!("{name}: {other}"),
+            other => miette!(
+                help = "a kernel is a file in TOML, or a .npy as numpy.save writes it; a scene goes after --scene",
+                "{name}: {other}"
+            ),
         })?;
         return Ok((vec![workable(kernel, name)?], 2));
     }
@@ -151,18 +160,18 @@ pub(super) fn read(name: &str) -> miette::Result<(Vec<Kernel>, usize)> {
         Err(error) => error,
     };
     let Some(planes) = Kernel::planes_from_npy(&bytes) else {
-        return Err(miette!(help = ARRAY, "{name}: {flat}"));
+        return Err(miette!(help = SHAPES, "{name}: {flat}"));
     };
     if planes.is_empty() || planes.len() > KERNELS {
         return Err(miette!(
-            help = ARRAY,
-            "{name}: {} kernels; 1 to {KERNELS} kernels at most",
-            planes.len()
+            help = FEWER,
+            "{name}: {}",
+            wrong_number(planes.len())
         ));
     }
     let kernels = (0..).zip(planes).map(|(i, plane)| {
         let kernel =
-            Kernel::new(plane).map_err(|e| miette!(help = ARRAY, "{name}, kernel {i}: {e}"))?;
+            Kernel::new(plane).map_err(|e| miette!(help = SHAPES, "{name}, kernel {i}: {e}"))?;
         workable(kernel, &format!("{name}, kernel {i}"))
     });
     Ok((kernels.collect::<miette::Result<_>>()?, 3))

@@ -144,8 +144,13 @@ pub fn line(observation: &Observation) -> String {
 
 /// How many frames.
 pub fn frames(count: u64) -> String {
-    let frames = if count == 1 { "frame" } else { "frames" };
-    format!("{count} {frames}")
+    counted(count as usize, "frame")
+}
+
+/// How many of a thing whose plural ends in s.
+pub fn counted(number: usize, thing: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {thing}{plural}")
 }
 
 /// A number in four digits, or in all of a whole one.

@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
                     "a new chip is not copied from another: it extends it"
                 ));
             }
-            vec![(name.join("device.toml"), CHIP.to_owned())]
+            vec![(name.join("device.toml"), titled(CHIP, "name", name))]
         }
         Some(kind) => begun(kind, arguments, name)?,
     };
@@ -99,7 +99,9 @@ fn begun(kind: Kind, arguments: &Arguments, name: &Path) -> miette::Result<Vec<(
     let word = word.as_ref().map_or("file", |value| value.get_name());
     let beside = format!("{word}.schema.json");
     let schema = schema::schema_for(arguments.kind);
-    let text = format!("#:schema ./{beside}\n{}", with_keys(&file, &schema));
+    let title = if kind == Kind::Study { "title" } else { "name" };
+    let text = titled(&with_keys(&file, &schema), title, &path);
+    let text = format!("#:schema ./{beside}\n{text}");
     let mut written = vec![(path, text)];
     let beside = name.with_file_name(beside);
     // All of a kind have the same: one that is there was written by a version of its own.
@@ -107,6 +109,24 @@ fn begun(kind: Kind, arguments: &Arguments, name: &Path) -> miette::Result<Vec<(
         written.push((beside, format!("{schema:#}\n")));
     }
     Ok(written)
+}
+
+/// A text whose first line of this key says what the file or folder is called.
+fn titled(text: &str, key: &str, path: &Path) -> String {
+    let key = format!("{key} = ");
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let own = toml::Value::from(stem.into_owned());
+    let mut is_said = false;
+    let lines = text.split_inclusive('\n').map(|line| {
+        // Keys behind a table are the table's.
+        if is_said || line.starts_with('[') || !line.starts_with(&key) {
+            is_said |= line.starts_with('[');
+            return line.to_owned();
+        }
+        is_said = true;
+        format!("{key}{own}\n")
+    });
+    lines.collect()
 }
 
 /// A path with an ending, if it has not got it.

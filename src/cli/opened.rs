@@ -13,7 +13,7 @@ use crate::{
     bundled::Kind,
     isa::{Device, Figure},
     limit::FAULTS,
-    program::{Expansion, Includes, Overrides, Program, included},
+    program::{Expansion, Includes, Overrides, Program, Syntax, included},
     source,
 };
 
@@ -97,6 +97,19 @@ impl Source {
             includes.insert(name, text.as_str().into());
             self.include(&text, includes);
         }
+    }
+
+    /// The program in canonical form, on its chip, with the constants that are set.
+    /// Vendor C++ is run for that; its warnings are shown.
+    pub fn canonical(&self) -> miette::Result<Syntax> {
+        let program = self.read()?;
+        if !program.is_vendor() {
+            return Ok(Program::parse(&program.file, &program.text)?.syntax);
+        }
+        let opened = self.open(&[])?;
+        Ok(opened
+            .program
+            .canonical(&opened.device, &self.overrides())?)
     }
 
     /// Reads the program and expands it on its chip, some of whose numbers may be others.

@@ -8,6 +8,7 @@ use serde_json::json;
 use super::{
     content::Content,
     files::{Input, Output},
+    light,
 };
 use crate::{
     picture::front::{Dot, FrontShow, fronts},
@@ -47,6 +48,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             arguments.folder.display()
         ));
     }
+    light::warn(tables.warning.as_slice());
     let report = Report::new(&manifest, &rows, &arguments.cost, arguments.pool);
     if let Some(path) = &arguments.output {
         path.draw(&fronts(&shows(&report)))?;
@@ -54,6 +56,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.json {
         let mut said = json!(report);
         if let Some(said) = said.as_object_mut() {
+            said.insert("warnings".to_owned(), json!(tables.warning.as_slice()));
             said.insert("computed_by".to_owned(), json!(tables.computed_by));
         }
         super::say(&format!("{said}\n"));
@@ -68,6 +71,16 @@ fn shown(cost: &str, value: f64) -> String {
     match cost {
         "seconds_per_frame" => format!("{:.3} ms", value * 1e3),
         _ => format!("{value:.0}"),
+    }
+}
+
+/// An error in six characters. Where accident scores nearly 1 it can be far above 1: of that only
+/// so much is told, so that columns stay apart.
+fn error(error: f64) -> String {
+    if error < 9.999_95 {
+        format!("{error:.4}")
+    } else {
+        format!("{:>6}", ">10")
     }
 }
 
@@ -134,10 +147,10 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             };
             let _ = writeln!(
                 text,
-                "  {:<width$}  {:.4}  {:.4}  {threshold:>9}  {:>14}  {:>10.0}  {words:>5}  {front}",
+                "  {:<width$}  {}  {}  {threshold:>9}  {:>14}  {:>10.0}  {words:>5}  {front}",
                 sensor.name,
-                sensor.error,
-                sensor.worst_error,
+                error(sensor.error),
+                error(sensor.worst_error),
                 shown(&report.cost, sensor.cost),
                 sensor.bits,
             );

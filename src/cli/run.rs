@@ -112,6 +112,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "--readout without --events: counts and voxels are of what the cells fired"
         ));
     }
+    if let Some(most) = arguments.max_events.filter(|_| arguments.events.is_none()) {
+        return Err(miette!(
+            help = "add --events FILE, or leave --max-events out",
+            "--max-events {most} without --events: it bounds the list of events, and there is none"
+        ));
+    }
     let observation = Observation::new();
     let samples = &arguments.samples;
     let open = || samples.open(Some(&arguments.scene), arguments.fps, &observation);

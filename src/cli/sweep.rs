@@ -205,6 +205,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let did = run.complete(&store, begin, || progress.tick())?;
     progress.finish();
     let tables = store.write_tables(arguments.parquet)?;
+    light::warn(tables.warning.as_slice());
     let said = Said {
         plan: &plan,
         output: &output,
@@ -401,6 +402,7 @@ impl Said<'_> {
             "damaged": self.did.damaged,
             "missing": self.tables.missing.len(),
             "computed_by": self.tables.computed_by,
+            "warnings": self.tables.warning.as_slice(),
             "search": self.did.search,
             "jobs": self.jobs,
             "seconds": self.seconds,
@@ -425,16 +427,19 @@ impl Said<'_> {
         }
         let _ = writeln!(
             text,
-            "computed {} in {:.1} s on {} threads, {} were there already",
-            self.did.computed, self.seconds, self.jobs, self.did.found
+            "computed {} in {:.1} s on {}, {} were there already",
+            self.did.computed,
+            self.seconds,
+            light::counted(self.jobs, "thread"),
+            self.did.found
         );
         let output = self.output.display();
         let damaged = &self.did.damaged;
         if !damaged.is_empty() {
             let _ = writeln!(
                 text,
-                "damaged  {} files of points, set aside in {output}/damaged:{}",
-                damaged.len(),
+                "damaged  {} of points, set aside in {output}/damaged:{}",
+                light::counted(damaged.len(), "file"),
                 listed(
                     damaged
                         .iter()

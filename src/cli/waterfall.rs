@@ -45,7 +45,7 @@ use super::{
     after_help = "Examples:\n  amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 -o waterfall.svg\n  amacrine waterfall csdvs-3 --threshold 20 --rates 10,40,130 --chips 20\n  amacrine waterfall csdvs-3 --threshold 20 --to int-5 --scene clip.mp4 --json\n  amacrine waterfall dog --threshold 20 --to ternary --format q8.8 --steps\n\ndocs/waterfall.md says what each cause is, how it is told from the others, and which sensors\nare run."
 )]
 pub struct Arguments {
-    /// A kernel file (.toml, .npy of shape (k,k) or (K,k,k)), the name of a built-in, or a sensor
+    /// A kernel file (.toml, .npy of shape (k,k), (K,k,k) or (K,1,k,k)), the name of a built-in, or a sensor
     /// file, with its thresholds; several kernels are one program, of which each is told
     kernel: Named,
     /// Events where kernel times light (0 to 255) moved by more than this

@@ -26,7 +26,7 @@ pub enum CompareError {
         judged: Size,
     },
     /// Different numbers of kinds of cells.
-    #[error("the reference has {reference} channels, the judged packet {judged}")]
+    #[error("the reference has {reference} channel{}, the judged packet {judged}", if *reference == 1 { "" } else { "s" })]
     #[diagnostic(help("compare packets of the same kinds of cells"))]
     Channels {
         /// Channels of the reference.

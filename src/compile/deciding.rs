@@ -75,9 +75,7 @@ impl Survival<'_> {
             }
         }
         all.extend(self.best(fitting));
-        if request.border && all.iter().any(|c| c.solved.border) {
-            all.retain(|c| c.solved.border);
-        }
+        self.keep_usable(&mut all);
         let (Some(result), Some(kernel)) = (request.into.first(), request.kernels.first()) else {
             return Err(Request::too_few(1, self.all.len()));
         };
@@ -115,8 +113,8 @@ impl Survival<'_> {
         Ok(Some(self.built(best, seen)))
     }
 
-    /// A plan behind each number of halvings, up to the first with which nothing saturates or the
-    /// threshold is lost.
+    /// A plan behind each number of halvings, up to the first with which nothing saturates and the
+    /// threshold can be set, or the threshold is lost.
     fn scaled(
         &self,
         plan: &Plan,
@@ -158,7 +156,7 @@ impl Survival<'_> {
                     }
                 }
             }
-            if self.fits(&whole, bits, range) {
+            if !self.request.is_beyond_converter(bits) && self.fits(&whole, bits, range) {
                 break;
             }
         }

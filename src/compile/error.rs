@@ -108,7 +108,7 @@ pub enum CompileError {
         "a threshold is {lsb:.0} LSB in the program, more than the {} that the host can set",
         MOST_THRESHOLD
     )]
-    #[diagnostic(help("take a lower threshold: {:.2e} times this one, or less", MOST_THRESHOLD / lsb))]
+    #[diagnostic(help("take a lower threshold: {:.3} times this one, or less", (MOST_THRESHOLD / lsb * 1000.0).floor() / 1000.0))]
     Threshold {
         /// The threshold, LSB.
         lsb: f64,

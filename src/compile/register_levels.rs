@@ -21,9 +21,9 @@ const USUAL: usize = 6;
 /// The most registers that a search is given.
 const MOST: usize = 12;
 
-/// What fewer words come after: whether it is right at the border where that is asked, and whether
-/// nothing saturates.
-type Key = (bool, bool, usize, u32);
+/// What fewer words come after: whether it is right at the border where that is asked, whether
+/// nothing saturates, and whether its threshold can be set.
+pub(super) type Key = (bool, bool, bool, usize, u32);
 
 impl Request<'_> {
     /// Searches for the filter.
@@ -103,19 +103,20 @@ impl Request<'_> {
         Effort { states }
     }
 
-    fn key(&self, filter: &Filter) -> Key {
+    pub(super) fn key(&self, filter: &Filter) -> Key {
         (
             self.border && !filter.border,
             !filter.holds,
+            !self.sets_threshold(filter.prescale),
             filter.words.len(),
             filter.prescale,
         )
     }
 
     /// Whether no program can be preferred to this one.
-    fn is_least(&self, filter: &Filter) -> bool {
-        let (is_short_of_border, is_beyond_range, words, bits) = self.key(filter);
-        let is_sound = !is_short_of_border && !is_beyond_range && bits == 0;
+    pub(super) fn is_least(&self, filter: &Filter) -> bool {
+        let (is_short_of_border, is_beyond_range, is_unset, words, bits) = self.key(filter);
+        let is_sound = !is_short_of_border && !is_beyond_range && !is_unset && bits == 0;
         is_sound && words <= usize::from(LowerBound::new(self.kernels).words)
     }
 }

@@ -4,7 +4,7 @@
 use super::{
     allocate::{RegisterFile, ordinary_registers},
     decision::Decision,
-    error::CompileError,
+    error::{CompileError, MOST_THRESHOLD},
     filter::Filter,
     goals::goals,
     linear_form::LinearForm,
@@ -151,7 +151,7 @@ impl<'a> Request<'a> {
     pub(super) fn filter_in(&self, all: &[Analog], effort: Effort) -> Result<Filter, CompileError> {
         let (goals, unit) = goals(self.kernels)?;
         match self.objective {
-            Objective::Words => self.shortest(&goals, unit, (all, effort)),
+            Objective::Words => self.fewest(&goals, unit, (all, effort)),
             Objective::Silicon | Objective::Events | Objective::Exact => Survival {
                 request: self,
                 goals: &goals,
@@ -163,7 +163,58 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// The filter of the fewest words.
+    /// Whether the chip's converter can set the thresholds behind so many halvings: it has whole LSB,
+    /// so that a low one becomes 0 and any change fires, and a range.
+    pub(super) fn sets_threshold(&self, bits: u32) -> bool {
+        let sets = |least: f64| (least * 2f64.powi(-(bits as i32))).round_ties_even() >= 1.0;
+        let least = self.decision.map(|decision| decision.on.min(decision.off));
+        least.is_none_or(sets) && !self.is_beyond_converter(bits)
+    }
+
+    /// Whether a threshold is higher than the converter goes.
+    pub(super) fn is_beyond_converter(&self, bits: u32) -> bool {
+        self.decision.is_some_and(|decision| {
+            decision.on.max(decision.off) * 2f64.powi(-(bits as i32)) > MOST_THRESHOLD
+        })
+    }
+
+    /// The filter of the fewest words that any search finds: with halvings in a plan there may be
+    /// fewer than with all of them in front of it.
+    fn fewest(
+        &self,
+        goals: &[LinearForm],
+        unit: i64,
+        (all, effort): (&[Analog], Effort),
+    ) -> Result<Filter, CompileError> {
+        let front = self.shortest(goals, unit, (all, effort));
+        if front.as_ref().is_ok_and(|filter| self.is_least(filter)) {
+            return front;
+        }
+        let request = &Self {
+            objective: Objective::Exact,
+            ..self.clone()
+        };
+        let other = Survival {
+            request,
+            goals,
+            unit,
+            all,
+            effort,
+        };
+        let Ok(Some(other)) = other.shortest() else {
+            return front;
+        };
+        let Ok(front) = front else { return Ok(other) };
+        let states = front.states + other.states;
+        let fewest = if self.key(&other) < self.key(&front) {
+            other
+        } else {
+            front
+        };
+        Ok(Filter { states, ..fewest })
+    }
+
+    /// The filter of the fewest words, with all halvings in front of it.
     pub(super) fn shortest(
         &self,
         goals: &[LinearForm],

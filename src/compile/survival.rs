@@ -110,6 +110,14 @@ impl Survival<'_> {
                 .request
                 .shortest(self.goals, self.unit, (self.all, self.effort));
         };
+        if !self.request.sets_threshold(best.bits) {
+            // The plan of the fewest words may need fewer halvings.
+            let file = (self.all, self.effort);
+            let other = self.request.shortest(self.goals, self.unit, file)?;
+            if self.request.sets_threshold(other.prescale) {
+                return Ok(other);
+            }
+        }
         if best.correlation() < NOTHING && self.goals.iter().any(|goal| !goal.is_zero()) {
             let first = best.forecasts.first().copied().unwrap_or_default();
             return Err(CompileError::Nothing {
@@ -121,15 +129,35 @@ impl Survival<'_> {
         Ok(self.built(best, seen))
     }
 
+    /// The shortest of the candidates.
+    pub(super) fn shortest(&self) -> Result<Option<Filter>, CompileError> {
+        let (mut all, seen) = match self.request.range {
+            None => self.anywhere()?,
+            Some(range) => self.within(range)?,
+        };
+        self.keep_usable(&mut all);
+        let shortest = all.into_iter().min_by_key(|c| (c.words(), -c.quality()));
+        Ok(shortest.map(|candidate| self.built(candidate, seen)))
+    }
+
+    /// Keeps the candidates that are right at the border, if that is asked, and those whose threshold
+    /// can be set, where there are such.
+    pub(super) fn keep_usable(&self, all: &mut Vec<Candidate>) {
+        if self.request.border && all.iter().any(|c| c.solved.border) {
+            all.retain(|c| c.solved.border);
+        }
+        if all.iter().any(|c| self.request.sets_threshold(c.bits)) {
+            all.retain(|c| self.request.sets_threshold(c.bits));
+        }
+    }
+
     /// Filters none of which is worse in words and in signal than another.
     pub(super) fn front(&self) -> Result<Vec<Filter>, CompileError> {
         let (mut all, seen) = match self.request.range {
             None => self.anywhere()?,
             Some(range) => self.within(range)?,
         };
-        if self.request.border && all.iter().any(|c| c.solved.border) {
-            all.retain(|c| c.solved.border);
-        }
+        self.keep_usable(&mut all);
         all.extend(self.best(all.clone()));
         all.order_by_key(|c| (c.words(), -c.quality()));
         let mut front: Vec<Candidate> = Vec::new();
@@ -262,7 +290,10 @@ impl Survival<'_> {
             let steady = steadied(&whole, &reads, registers);
             let mut all = vec![(Reads::new(), whole.clone())];
             all.extend(steady.map(|steady| (reads, steady)));
-            all.retain(|(_, plan)| self.fits(plan, inner + bits, range));
+            let bits = inner + bits;
+            all.retain(|(_, plan)| {
+                !self.request.is_beyond_converter(bits) && self.fits(plan, bits, range)
+            });
             Some((whole, all))
         };
         let most = HALVINGS.min(HALVINGS_IN_ALL - inner);
@@ -353,9 +384,7 @@ impl Survival<'_> {
 
     /// The best of the candidates, after each of the most promising was improved word by word.
     pub(super) fn best(&self, mut all: Vec<Candidate>) -> Option<Candidate> {
-        if self.request.border && all.iter().any(|c| c.solved.border) {
-            all.retain(|c| c.solved.border);
-        }
+        self.keep_usable(&mut all);
         let shortest = all.iter().map(Candidate::words).min()?;
         for cap in [shortest + slack(shortest), 2 * shortest + 8, usize::MAX] {
             let mut own: Vec<Candidate> =

@@ -15,10 +15,22 @@ use std::path::Path;
 use super::{Gaussian, Kernel, KernelError};
 use crate::{
     config::{Fault, Faults, File, Key, Kind, Range, Read, Section, Table},
-    limit::KERNEL_SIDE,
+    limit::{KERNEL_SIDE, KERNELS},
     npy,
     plane::Plane,
 };
+
+/// What an array of kernels is.
+pub const SHAPES: &str = "give an array of shape (k,k), (K,k,k) or (K,1,k,k), k odd, of finite floats or integers; numpy.pad adds rows and columns of zeros";
+
+/// What to give instead of too many kernels.
+pub const FEWER: &str = "give fewer kernels: a sensor, and a program, have a kind of cell for each";
+
+/// That there are so many kernels, where there may not be.
+#[must_use]
+pub fn wrong_number(kernels: usize) -> String {
+    format!("{kernels} kernels; 1 to {KERNELS} kernels at most")
+}
 
 /// A kernel file that cannot be used.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -158,9 +170,11 @@ impl Kernel {
     pub fn from_npy(bytes: &[u8]) -> Result<Self, KernelFileError> {
         let array = weights(bytes).map_err(|error| KernelFileError::Array(error.to_string()))?;
         let &[rows, columns] = array.shape.as_slice() else {
+            let shape: Vec<String> = array.shape.iter().map(usize::to_string).collect();
             return Err(KernelFileError::Array(format!(
-                "it has {} axes; expected two, rows and columns",
-                array.shape.len()
+                "it has {} axes, of shape ({}); one kernel has two, rows and columns",
+                shape.len(),
+                shape.join(",")
             )));
         };
         let weights = Plane::from_shape_vec((rows, columns), array.values);
@@ -169,11 +183,12 @@ impl Kernel {
         })?)?)
     }
 
-    /// Reads a `.npy` array of shape (kernels, rows, columns); `None` when it is none.
+    /// Reads a `.npy` array of shape (kernels, rows, columns), or (kernels, 1, rows, columns) as
+    /// PyTorch has it; `None` when it is none.
     #[must_use]
     pub fn planes_from_npy(bytes: &[u8]) -> Option<Vec<Plane<f64>>> {
         let array = weights(bytes).ok()?;
-        let &[_, rows, columns] = array.shape.as_slice() else {
+        let (&[_, rows, columns] | &[_, 1, rows, columns]) = array.shape.as_slice() else {
             return None;
         };
         // No weights can be any number of kernels.
@@ -276,6 +291,17 @@ mod tests {
     }
 
     #[test]
+    fn several_kernels_come_with_or_without_an_axis_of_inputs() {
+        let flat = npy(&ndarray::ArrayD::<f64>::ones(vec![2, 3, 3]));
+        let torch = npy(&ndarray::ArrayD::<f64>::ones(vec![2, 1, 3, 3]));
+        let planes = Kernel::planes_from_npy(&torch).unwrap();
+        assert_eq!(planes.len(), 2);
+        assert_eq!(Some(planes), Kernel::planes_from_npy(&flat));
+        let inputs = npy(&ndarray::ArrayD::<f64>::ones(vec![2, 3, 3, 3]));
+        assert!(Kernel::planes_from_npy(&inputs).is_none());
+    }
+
+    #[test]
     fn bad_arrays_are_refused() {
         let message = |bytes: &[u8]| Kernel::from_npy(bytes).unwrap_err().to_string();
         let good = npy(&ndarray::arr2(&[[1.0; 3]; 3]).into_dyn());
@@ -284,7 +310,7 @@ mod tests {
             message(&good[..cut]);
         }
         let deep = npy(&ndarray::ArrayD::<f64>::zeros(vec![1, 1, 3, 3]));
-        assert!(message(&deep).contains("4 axes"));
+        assert!(message(&deep).contains("4 axes, of shape (1,1,3,3)"));
         let bools = npy(&ndarray::arr2(&[[true]]).into_dyn());
         assert!(message(&bools).contains("floats or integers"));
         let even = npy(&ndarray::arr2(&[[1.0; 2]; 3]).into_dyn());

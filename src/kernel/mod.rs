@@ -9,7 +9,7 @@ mod gaussian;
 pub mod quantise;
 mod zoo;
 
-pub use file::{FILE, KernelFileError, ROWS};
+pub use file::{FEWER, FILE, KernelFileError, ROWS, SHAPES, wrong_number};
 pub use gaussian::Gaussian;
 
 use crate::{

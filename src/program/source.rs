@@ -200,6 +200,24 @@ impl Program {
         Ok(expansion)
     }
 
+    /// The program in canonical form: vendor C++ as the statements that it becomes with these
+    /// constants.
+    ///
+    /// # Errors
+    /// All that is wrong with the text; with vendor C++, all that is wrong with the program.
+    pub fn canonical(&self, device: &Device, overrides: &Overrides) -> Result<Syntax, Faults> {
+        let Some(includes) = &self.includes else {
+            return Self::parse(&self.file, &self.text).map(|it| it.syntax);
+        };
+        self.expand(device, overrides)?;
+        let mut all = self.settings.constants.clone();
+        all.extend(overrides.clone());
+        Ok(Syntax {
+            items: vendor::read(&self.text, includes, &all, device).items,
+            ..self.syntax.clone()
+        })
+    }
+
     /// What the kinds are called whose events its code reads out; empty where it says no names, or
     /// reads no events.
     ///

@@ -66,7 +66,7 @@ impl About {
 }
 
 /// A guard that has something to say.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Warning {
     /// What it is about.
     pub about: About,

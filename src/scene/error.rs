@@ -334,7 +334,7 @@ pub enum SceneError {
     /// An mp4 that is damaged, or not H.264 in 8 bits.
     #[error("{path}: {what}")]
     #[diagnostic(help(
-        "mp4 is read with 8-bit H.264 video only; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m"
+        "mp4 is read with H.264 video of 8 bits and colour in 4:2:0 (yuv420p) only; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m"
     ))]
     Mp4 {
         /// The file or folder of the scene.
@@ -386,7 +386,7 @@ pub enum SceneError {
     /// Two frames too far apart to be bridged.
     #[error("more than {most} steps between source frames {pair} and {}", pair + 1)]
     #[diagnostic(help(
-        "give a larger contrast per step, a larger offset (it rules how dark pixels count), or more steps"
+        "give a larger contrast per step (`--upsample`, or `upsample` in a study), such as 0.1; in the library also a larger offset, or more steps"
     ))]
     TooManySteps {
         /// The first of the two frames.
@@ -398,7 +398,7 @@ pub enum SceneError {
     /// More frames than there may be in all.
     #[error("with those inserted up to source frame {frame} there are more than {most} frames")]
     #[diagnostic(help(
-        "give a larger contrast per step, a larger offset (it rules how dark pixels count), or a shorter clip"
+        "give a larger contrast per step (`--upsample`, or `upsample` in a study), such as 0.1, or a shorter clip; in the library also a larger offset"
     ))]
     Endless {
         /// The source frame that was to come next.

@@ -24,7 +24,7 @@ use crate::{
     number::Format,
     plane::Size,
     reference::{Description, MemoryRule},
-    rig::{self, RigError},
+    rig::{self, RigError, guard::Warning},
     scene::{Frame, Scene},
     sensor::Sensor,
     unit::Micros,
@@ -57,6 +57,20 @@ pub struct Likeness {
     /// The same against a float sensor that says as many events; none where no threshold of the
     /// ladder does.
     pub tuned: Option<Tuned>,
+}
+
+impl Likeness {
+    /// That accident scores as much as anything, where it does and there is something to keep;
+    /// `name` is whose events these are.
+    #[must_use]
+    pub fn warning(&self, name: &str) -> Option<Warning> {
+        self.event_ratio?;
+        let warning = Warning::window(self.window_us, self.floor)?;
+        Some(Warning {
+            subjects: vec![format!("what is kept of {name}")],
+            ..warning
+        })
+    }
 }
 
 /// A comparison with a float sensor of as many events.
@@ -450,6 +464,18 @@ pub fn percents(percent: f64, is_least: bool) -> String {
         format!("{least}{percent:.1} %")
     } else {
         format!("{least}{percent:.0} %")
+    }
+}
+
+/// What is kept, with so many decimals. Where accident scores nearly 1 it can be far below 0: of
+/// that only so much is told, so that columns stay apart.
+#[must_use]
+pub fn kept(kept: f64, decimals: usize) -> String {
+    const LEAST: f64 = -9.9;
+    if kept < LEAST {
+        format!("<{LEAST}")
+    } else {
+        format!("{kept:.decimals$}")
     }
 }
 

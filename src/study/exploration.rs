@@ -156,6 +156,8 @@ pub struct Rated {
     pub thresholds: Vec<f64>,
     /// Events of the float sensor per pixel and second, all kinds together.
     pub rate: f64,
+    /// The same of each kind.
+    pub rates: Vec<f64>,
 }
 
 /// All candidates, and what they were judged on.
@@ -167,7 +169,7 @@ pub struct Exploration {
     pub refused: Vec<Refused>,
     /// The thresholds.
     pub rated: Vec<Rated>,
-    /// Index of the knee among the candidates; none where there is no candidate.
+    /// Index of the knee among the candidates; none where no candidate keeps anything.
     pub knee: Option<usize>,
     /// Frames a second of the scene.
     pub fps: f64,
@@ -192,6 +194,25 @@ pub enum ExplorationError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Rate(#[from] RateError),
+    /// No threshold of a kernel gives its share of the rate.
+    #[error(
+        "{rate} events per pixel and second are {share} of each of {kernels} kernels: with {name} this scene gives {least:.3} to {most:.3} at any threshold"
+    )]
+    #[diagnostic(help("give a rate whose equal share lies between them"))]
+    Share {
+        /// The rate that was asked for.
+        rate: f64,
+        /// One kernel's part of it.
+        share: f64,
+        /// How many kernels.
+        kernels: usize,
+        /// Which of them does not have it.
+        name: String,
+        /// With thresholds 4096 times as high.
+        least: f64,
+        /// With thresholds of a 4096th.
+        most: f64,
+    },
     /// Scene or sensor cannot go on, or nothing can be compared.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -294,9 +315,15 @@ pub fn explore(
         let shown = together::judge(&programs, &description, within, &mut *scene, &mut seen)?;
         all.frames = shown.frames;
         let seconds = shown.frames.saturating_sub(1) as f64 / fps;
+        let mut events = vec![0_u64; thresholds.len()];
+        for event in &shown.float.events {
+            events[usize::from(event.channel)] += 1;
+        }
+        let per = |events: u64| events as f64 / (size.pixels() as f64 * seconds).max(1e-9);
         all.rated.push(Rated {
             memory: if shared(first) { "pixel" } else { "drives" },
-            rate: shown.float.events.len() as f64 / (size.pixels() as f64 * seconds).max(1e-9),
+            rate: per(shown.float.events.len() as u64),
+            rates: events.iter().map(|own| per(*own)).collect(),
             thresholds: thresholds.clone(),
         });
         let sensor = question.sensor(description);
@@ -382,8 +409,41 @@ impl Question<'_> {
         let start = self.designs(&vec![START; self.kernels.len()]);
         let apart = together::description(DriveMemory::Analogue, &start)?;
         let each = rate / self.kernels.len() as f64;
-        let found = rate::factors(&apart, each, self.seed, open)?;
+        let found = match rate::factors(&apart, each, self.seed, open) {
+            Err(error @ RateError::Unreachable { .. }) if self.kernels.len() > 1 => {
+                return Err(self.unreachable((rate, error), &start, open)?);
+            }
+            found => found?,
+        };
         Ok(found.iter().map(|it| START * it.factor).collect())
+    }
+
+    /// Which kernel does not reach its share of a rate.
+    fn unreachable(
+        &self,
+        (rate, error): (f64, RateError),
+        start: &[Design<'_>],
+        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    ) -> Result<ExplorationError, ExplorationError> {
+        let share = rate / start.len() as f64;
+        for (design, name) in start.iter().zip(self.names) {
+            let alone = together::description(DriveMemory::Analogue, &[*design])?;
+            match rate::factor(&alone, share, self.seed, open) {
+                Err(RateError::Unreachable { least, most, .. }) => {
+                    return Ok(ExplorationError::Share {
+                        rate,
+                        share,
+                        kernels: start.len(),
+                        name: name.clone(),
+                        least,
+                        most,
+                    });
+                }
+                Err(other) => return Err(other.into()),
+                Ok(_) => {}
+            }
+        }
+        Ok(error.into())
     }
 
     /// The thresholds of the float sensor that programs with this memory stand for, from those
@@ -397,13 +457,19 @@ impl Question<'_> {
         let Aim::Rate(rate) = self.aim else {
             return Ok(apart.to_vec());
         };
-        let mut factor = 1.0;
-        if memory == DriveMemory::Shared {
-            // An event of any kind renews the memory of the pixel, which all look at.
-            let shared = together::description(memory, &self.designs(apart))?;
-            factor = rate::factor(&shared, rate, self.seed, open)?.factor;
+        if memory != DriveMemory::Shared {
+            return Ok(apart.iter().map(|it| four_digits(*it)).collect());
         }
-        Ok(apart.iter().map(|it| four_digits(it * factor)).collect())
+        // An event of any kind renews the memory of the pixel, which all look at: first the shares
+        // are made equal, then their sum is the rate.
+        let shared = together::description(memory, &self.designs(apart))?;
+        let shares = rate::balanced(&shared, rate, self.seed, open)?;
+        let level =
+            { apart.iter().zip(&shares) }.map(|(threshold, share)| threshold * share.factor);
+        let level: Vec<f64> = level.collect();
+        let shared = together::description(memory, &self.designs(&level))?;
+        let factor = rate::factor(&shared, rate, self.seed, open)?.factor;
+        Ok(level.iter().map(|it| four_digits(it * factor)).collect())
     }
 
     /// All kernels in few values in one program; or why there is none.
@@ -594,8 +660,11 @@ impl Exploration {
             all.filter(move |(_, it)| it.on_front && (!any || follows(it)))
         };
         let most = able().map(|(_, it)| it.kept).fold(f64::MIN, f64::max);
-        // Nearly as much of less than nothing is nothing more.
-        let enough = most.min(most * NEARLY);
+        // Where nothing is kept, the shortest program is no better than any other.
+        if most <= 0.0 {
+            return;
+        }
+        let enough = most * NEARLY;
         let near = able().filter(|(_, it)| it.kept >= enough);
         self.knee = near.min_by_key(|(_, it)| it.words).map(|(at, _)| at);
     }

@@ -10,7 +10,7 @@ use super::opened::{Opened, Source};
 use crate::{
     array::range::Interval,
     isa::{Device, Figure},
-    program::{Cell, Cost, Entry, Expanded, Expansion, Program, stored, vendor_text},
+    program::{Cell, Cost, Entry, Expanded, Expansion, Program, for_each, stored, vendor_text},
 };
 
 /// What `asm` is asked to do.
@@ -55,10 +55,8 @@ fn interval(text: &str) -> Result<Interval, String> {
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.format {
-        let program = arguments.source.read()?;
         // What cannot be read cannot be printed either.
-        let program = Program::parse(&program.file, &program.text)?;
-        super::say(&program.syntax.to_string());
+        super::say(&arguments.source.canonical()?.to_string());
         return Ok(());
     }
     let opened = arguments.source.open(&[])?;
@@ -156,8 +154,17 @@ fn costs(expansion: &Expansion, device: &Device) -> Vec<(&'static str, Cost)> {
     list
 }
 
+/// The words in the kernel store; kernels of the host are not there.
 fn kept(expansion: &Expansion, device: &Device) -> u64 {
-    stored(&expansion.code.init, device).0 + stored(&expansion.code.frame, device).0
+    let mut words = 0;
+    let mut add = |statement: &Expanded| {
+        if !statement.host {
+            words += stored(&statement.steps, device).0;
+        }
+    };
+    for_each(&expansion.init, &mut add);
+    for_each(&expansion.frame, &mut add);
+    words
 }
 
 fn rows(lines: &mut Vec<String>, entries: &[Entry], device: &Device, level: usize) {

@@ -191,7 +191,7 @@ pub(super) fn table(curve: &[Flagged]) -> String {
         let _ = write!(text, "\n{name:<8}");
         for Flagged { point, .. } in &decades {
             let values = [point.f1, point.floor, point.kept];
-            let _ = write!(text, "{:>9.4}", values[row]);
+            let _ = write!(text, "{:>9}", equivalent::kept(values[row], 4));
         }
     }
     if decades.iter().any(|flagged| flagged.below_frame_interval) {

@@ -61,16 +61,16 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["sensor", "threshold"])]
     filter_only: bool,
     /// The registers of the results, with --filter-only
-    #[arg(long, value_delimiter = ',', requires = "filter_only")]
+    #[arg(long, value_delimiter = ',', requires = "filter_only", conflicts_with_all = ["sensor", "threshold"])]
     into: Vec<String>,
     /// Registers that stay as they are, with --filter-only
-    #[arg(long, value_delimiter = ',', requires = "filter_only")]
+    #[arg(long, value_delimiter = ',', requires = "filter_only", conflicts_with_all = ["sensor", "threshold"])]
     keep: Vec<String>,
     /// What the input can be, in LSB, with --filter-only: it is halved until nothing saturates
-    #[arg(long, value_name = "LO..HI", requires = "filter_only", value_parser = interval, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LO..HI", requires = "filter_only", conflicts_with_all = ["sensor", "threshold"], value_parser = interval, allow_hyphen_values = true)]
     input: Option<(f64, f64)>,
     /// With --filter-only: right up to the border, zeros beyond it, if that can be had
-    #[arg(long, requires = "filter_only")]
+    #[arg(long, requires = "filter_only", conflicts_with_all = ["sensor", "threshold"])]
     border: bool,
     /// A sensor file: its kernels and thresholds
     #[arg(long, value_name = "SENSOR.toml", conflicts_with_all = ["kernels", "threshold"])]
@@ -110,7 +110,7 @@ pub struct Arguments {
     objective: Aim,
     /// Print words against what comes out of the chip: no filter of the list has both fewer words
     /// and a better correlation than another
-    #[arg(long, requires = "filter_only", conflicts_with_all = ["output", "objective"])]
+    #[arg(long, requires = "filter_only", conflicts_with_all = ["output", "objective", "sensor", "threshold"])]
     front: bool,
     /// How long to search, in seconds of two cores of 2024
     #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]

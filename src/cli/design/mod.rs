@@ -26,7 +26,7 @@ use crate::{
     compile::Effort,
     isa::Device,
     kernel::quantise::Quantiser,
-    rig::guard::Warning,
+    rig::guard::{Guard, Warning},
     save::save,
     scene::Observation,
     study::{
@@ -42,7 +42,7 @@ use crate::{
     after_help = "Examples:\n  amacrine design rgc-5x5 --rate 2 -o centre\n  amacrine design four.npy --scene clip.mp4 --rate 4 -o four\n  amacrine design four.npy --scene clip.mp4 --rate 4 --to ternary,int-5 --pick 2 -o four\n  amacrine design rgc-4-on-chip\n\nEvery row of the table was compiled and has run on the model of the chip. Without -o nothing is written."
 )]
 pub struct Arguments {
-    /// Kernels, a kind of cell each: files (.toml, .npy of shape (k,k) or (K,k,k)), names of
+    /// Kernels, a kind of cell each: files (.toml, .npy of shape (k,k), (K,k,k) or (K,1,k,k)), names of
     /// built-in ones, or sensor files
     #[arg(required = true, value_name = "KERNELS")]
     kernels: Vec<Named>,
@@ -72,7 +72,7 @@ pub struct Arguments {
     #[command(flatten)]
     window: Window,
     /// Which row is written: its number, `best` for the one that keeps most, or `knee` for the
-    /// shortest program that keeps nearly as much
+    /// shortest program that keeps nearly as much (`best` where none keeps anything)
     #[arg(long, default_value = "knee", value_name = "N|knee|best")]
     pick: Pick,
     /// Chips that are drawn for the report, from what the public data allow
@@ -213,7 +213,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         }
     }
     progress.finish();
-    let warnings = Warning::of_scene(&observation, 255.0);
+    let mut warnings = Warning::of_scene(&observation, 255.0);
+    warnings.extend(by_accident(&found));
     light::warn(&warnings);
     let commands = written.as_ref().map(|written| arguments.commands(written));
     if arguments.json {
@@ -246,6 +247,16 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
+/// Kinds of which accident scores as much as any program.
+fn by_accident(found: &Exploration) -> Vec<Warning> {
+    let mut guard = Guard::new();
+    let kinds = found.candidates.iter().flat_map(|it| &it.kinds);
+    for warning in kinds.filter_map(|kind| kind.exact.warning(&kind.name)) {
+        guard.warn(warning);
+    }
+    guard.warnings()
+}
+
 impl Arguments {
     /// A threshold for each kernel, where no rate is asked for.
     fn thresholds(&self, kinds: &Kinds) -> miette::Result<Vec<f64>> {
@@ -261,8 +272,9 @@ impl Arguments {
             (None, each, _) if each.len() == kernels => Ok(each.to_vec()),
             (None, other, _) => Err(miette!(
                 help = "give one --threshold for all kernels, or one for each, in their order",
-                "{} thresholds for {kernels} kernels",
-                other.len()
+                "{} for {}",
+                light::counted(other.len(), "threshold"),
+                light::counted(kernels, "kernel")
             )),
         }
     }

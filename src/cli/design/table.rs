@@ -6,7 +6,7 @@ use super::{Arguments, Exploration};
 use crate::{
     compare::metric::Short,
     study::{
-        equivalent::rate,
+        equivalent::{kept, rate},
         exploration::{NEARLY, Refused},
     },
 };
@@ -31,10 +31,12 @@ pub(super) fn text(
             text,
             "rate     {:.4} events per pixel and second{}, with a memory of the {}: threshold {}",
             rated.rate,
-            if rated.thresholds.len() > 1 {
-                ", all kinds together"
+            if rated.rates.len() > 1 {
+                let each = rated.rates.iter().map(|rate| format!("{rate:.3}"));
+                let each: Vec<String> = each.collect();
+                format!(", all kinds together ({})", each.join(", "))
             } else {
-                ""
+                String::new()
             },
             rated.memory,
             thresholds.join(", ")
@@ -53,13 +55,13 @@ pub(super) fn text(
         };
         let _ = writeln!(
             text,
-            "{:>3}{} {:<8} {:<38} {:>6.3} {:>6.3} {:>6} {:>6} {:>9.0}  {:<8} {}",
+            "{:>3}{} {:<8} {:<38} {:>6} {:>6} {:>6} {:>6} {:>9.0}  {:<8} {}",
             i + 1,
             if i == picked { ">" } else { " " },
             candidate.to.to_string(),
             candidate.memory,
-            candidate.kept,
-            candidate.least_kept,
+            kept(candidate.kept, 3),
+            kept(candidate.least_kept, 3),
             candidate.words,
             candidate.stored_words,
             candidate.frames_s[0],
@@ -68,6 +70,9 @@ pub(super) fn text(
         );
     }
     text += &refusals(found);
+    if found.knee.is_none() {
+        text += "no knee: no row keeps more than accident does\n";
+    }
     let candidate = &found.candidates[picked];
     let _ = writeln!(
         text,
@@ -91,12 +96,12 @@ pub(super) fn text(
     for kind in &candidate.kinds {
         let _ = writeln!(
             text,
-            "         {:<width$} {:>10} {:>8.2} {:>7.3} {:>7.3} {:>9}",
+            "         {:<width$} {:>10} {:>8.2} {:>7} {:>7} {:>9}",
             kind.name,
             kind.threshold,
             kind.threshold_lsb,
-            kind.exact.kept,
-            kind.silicon.kept,
+            kept(kind.exact.kept, 3),
+            kept(kind.silicon.kept, 3),
             kind.silicon.equivalent()
         );
     }

@@ -44,7 +44,7 @@ use super::{
     after_help = after_help()
 )]
 pub struct Arguments {
-    /// A kernel file (.toml, .npy of shape (k,k) or (K,k,k)), the name of a built-in, or a sensor
+    /// A kernel file (.toml, .npy of shape (k,k), (K,k,k) or (K,1,k,k)), the name of a built-in, or a sensor
     /// file, with its thresholds
     kernel: Named,
     /// One quantiser, or several with commas between
@@ -332,7 +332,8 @@ fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
                     let ratio = score
                         .event_ratio
                         .map_or("-".to_owned(), |r| format!("{r:.3}"));
-                    format!("{:>6.3} {:>9} {ratio:>7}", score.kept, score.equivalent())
+                    let kept = equivalent::kept(score.kept, 3);
+                    format!("{kept:>6} {:>9} {ratio:>7}", score.equivalent())
                 };
                 writeln!(
                     text,
@@ -362,8 +363,8 @@ fn tuned_table(answer: &Answer) -> String {
         let told = |score: &Likeness| match &score.tuned {
             None => format!("{:>24}", "-"),
             Some(tuned) => format!(
-                "{:>6.3} {:>9} {:>+6.0}%",
-                tuned.kept,
+                "{:>6} {:>9} {:>+6.0}%",
+                equivalent::kept(tuned.kept, 3),
                 tuned.equivalent(),
                 tuned.threshold_percent
             ),

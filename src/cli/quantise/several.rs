@@ -188,6 +188,9 @@ fn together(
                         let (judged, _) = judged?;
                         for (name, kind) in kinds.names.iter().zip(&judged) {
                             guard.packet(&format!("{to} silicon, {name}"), &kind.packet);
+                            if let Some(warning) = kind.exact.warning(name) {
+                                guard.warn(warning);
+                            }
                         }
                         let cost = program.compiled.cost;
                         let code = &program.compiled.code;
@@ -301,7 +304,8 @@ fn program_table(arguments: &Arguments, programs: &[Program], kinds: usize) -> S
             let score = |score: &Likeness| {
                 let ratio = score.event_ratio;
                 let ratio = ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.3}"));
-                format!("{:>6.3} {:>6.3} {ratio:>7}", score.f1, score.kept)
+                let kept = equivalent::kept(score.kept, 3);
+                format!("{:>6.3} {kept:>6} {ratio:>7}", score.f1)
             };
             let _ = writeln!(
                 text,

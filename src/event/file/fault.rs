@@ -20,7 +20,8 @@ pub enum FileError {
     /// Several formats share the extension.
     #[error("{}: `.{extension}` files come in several formats: {names}", path.display())]
     #[diagnostic(help(
-        "end the name in one of these, such as `.evt3`, or say which with `--format`"
+        "end the name in one of these, such as `.{}`; `amacrine convert` also takes --format",
+        names.split(", ").next().unwrap_or_default()
     ))]
     Ambiguous {
         /// Which file.

@@ -54,11 +54,18 @@ impl Axis<'_> {
         if self.scale == Scale::Decades {
             step = step.max(1.0).round();
         }
-        let decimals = (-elementary::log10(step).floor()).max(0.0) as usize;
         // Ticks start and end within a thousandth of a step of the ends, so that rounding hides
         // none.
-        let first = (self.from / step - 1e-3).ceil() as i64;
-        let last = (self.to / step + 1e-3).floor() as i64;
+        let ends = |step: f64| {
+            let first = (self.from / step - 1e-3).ceil() as i64;
+            (first, (self.to / step + 1e-3).floor() as i64)
+        };
+        // A zero alone is no scale.
+        while self.scale != Scale::Decades && !reaches(ends(step)) {
+            step = smaller(step);
+        }
+        let (first, last) = ends(step);
+        let decimals = (-elementary::log10(step).floor()).max(0.0) as usize;
         (first..=last.min(first + 100))
             .map(|i| {
                 let value = i as f64 * step;
@@ -95,6 +102,16 @@ impl Axis<'_> {
         all.filter(|(value, _)| (self.from..=self.to).contains(value))
             .collect()
     }
+}
+
+/// Whether one of these is not 0.
+fn reaches((first, last): (i64, i64)) -> bool {
+    first <= last && (first, last) != (0, 0)
+}
+
+/// The next below a step of 1, 2, 5, 10, ….
+fn smaller(last: f64) -> f64 {
+    step(last / 2.5)
 }
 
 /// The least of 1, 2, 5, 10, … that is at least `least`.
@@ -186,6 +203,12 @@ mod tests {
         );
         assert_eq!(texts(-3.0, 3.0, 3, Scale::Plain), ["-2", "0", "2"]);
         assert_eq!(texts(-3.0, 3.0, 3, Scale::Mirrored), ["2", "0", "2"]);
+        // A step of 5 lies beyond both ends.
+        assert_eq!(
+            texts(-4.9, 4.9, 2, Scale::Mirrored),
+            ["4", "2", "0", "2", "4"]
+        );
+        assert_eq!(texts(0.13, 0.19, 1, Scale::Plain), ["0.15"]);
         assert_eq!(
             texts(2.0, 6.3, 9, Scale::Decades),
             ["100 us", "1 ms", "10 ms", "100 ms", "1 s"]

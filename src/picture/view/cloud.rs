@@ -59,7 +59,7 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
     edges(drawing, &space);
     labels(drawing, &space, packet);
     let note = if every > 1 {
-        format!("every {every}th event; blue ON, vermilion OFF")
+        format!("one event in {every}; blue ON, vermilion OFF")
     } else {
         "all events; blue ON, vermilion OFF".into()
     };

@@ -73,7 +73,16 @@ impl Lowering<'_> {
 
     /// Reports an override that no constant has, or that is not finite.
     fn check_override(&mut self, name: &str, value: f64) {
-        let (message, help) = if !self.constants.contains_key(name) {
+        let (message, help) = if let (Some(_), false) = (
+            self.device.value_of(name),
+            self.constants.contains_key(name),
+        ) {
+            let message = format!("`{name}` is a name of the chip, no constant to set to {value}");
+            let help = format!(
+                "a register takes a file: `exec --set {name}=FILE.npy`; or write `scamp5_in({name}, {value});` in the program"
+            );
+            (message, help)
+        } else if !self.constants.contains_key(name) {
             let known = || self.constants.keys().map(String::as_str);
             let help = suggestion(name, known()).unwrap_or_else(|| {
                 let all: Vec<&str> = known().collect();

@@ -6,9 +6,11 @@ use super::{
     evaluate::{Reach, base_name},
     host::{self, Role},
     look,
-    machine::{Flow, Machine, Spot, term},
-    tree::{Expr, ExprNode, Function, Kind, Parameter, TemplateArgument, Width, Word},
-    value::Value,
+    machine::{Flow, Machine, Spot, foreign, term},
+    tree::{
+        Expr, ExprNode, Function, Kind, Parameter, TemplateArgument, Width, Word, last, qualifier,
+    },
+    value::{Slot, Value, unassigned},
 };
 use crate::{
     config::{Fault, Place},
@@ -22,89 +24,149 @@ impl Machine<'_> {
     pub(super) fn call(&mut self, callee: &Expr, given: &[Expr], place: Place) -> Value {
         self.work(place);
         let angles = self.angles.take();
-        if let [
-            Expr {
-                node: ExprNode::Lambda(function),
-                ..
+        match &callee.node {
+            ExprNode::Name(name) => match self.named_spot(name) {
+                Some((slot, path)) => {
+                    self.call_reached(callee, &Reach::Spot(slot, path), given, place)
+                }
+                None => self.call_named(name, given, angles, place),
             },
-        ] = given
-            && let ExprNode::Name(name) = &callee.node
-            && let Some(slot) = self.find(name)
-            && !matches!(&self.slots[slot], Value::Lambda(it) if !it.parameters.is_empty())
-        {
-            // A kernel that is stated here: it runs when it is launched.
-            let value = Value::Lambda(self.closure(function));
-            self.put(slot, &[], value.clone());
-            return value;
-        }
-        let name = match &callee.node {
-            ExprNode::Name(name) => name.clone(),
             ExprNode::Lambda(function) => {
                 let function = self.closure(function);
-                return self.enter(&function, given, place);
+                self.enter(&function, given, place)
             }
             // A function of an object: of a clock, a generator, a list.
-            ExprNode::Member(of, member) => return self.method(of, member, given),
+            ExprNode::Member(of, member) => self.method(callee, (of, member), given, place),
             _ => {
-                let value = self.value(callee);
-                return self.called(value, given, place);
+                let reached = self.reach(callee);
+                self.call_reached(callee, &reached, given, place)
             }
-        };
-        if self.find(&name).is_some() {
-            let value = self.held(&name);
-            return self.called(value, given, place);
         }
-        let all = self.candidates(&name, given.len());
+    }
+
+    /// A call of what lies somewhere: it is a function, or a kernel that is stated here.
+    fn call_reached(
+        &mut self,
+        callee: &Expr,
+        reached: &Reach,
+        given: &[Expr],
+        place: Place,
+    ) -> Value {
+        if let (Reach::Spot(slot, path), [only]) = (reached, given)
+            && let ExprNode::Lambda(function) = &only.node
+            && self.takes_kernel(*slot, path)
+        {
+            // It runs when it is launched.
+            let value = Value::Lambda(self.closure(function));
+            self.put(*slot, path, value.clone());
+            return value;
+        }
+        let value = self.load(reached, callee);
+        self.called(callee, value, given, place)
+    }
+
+    /// Whether a lambda that this is called with is a kernel that it holds from then on.
+    fn takes_kernel(&self, slot: Slot, path: &[usize]) -> bool {
+        match self.peek(slot, path) {
+            Some(Value::Lambda(function)) => function.parameters.is_empty(),
+            Some(Value::Symbol(name)) => !self.functions.contains_key(last(name)),
+            Some(_) => true,
+            None => false,
+        }
+    }
+
+    /// A call of a function of the file, of the library or of the chip.
+    fn call_named(
+        &mut self,
+        name: &str,
+        given: &[Expr],
+        angles: Option<Vec<TemplateArgument>>,
+        place: Place,
+    ) -> Value {
+        let all = self.candidates(name, given.len(), place);
         if !all.is_empty() {
             let given: Vec<_> = given.iter().map(|it| self.argument(it)).collect();
-            let Some(function) = self.overload(&name, &all, &given, place) else {
+            let Some(function) = self.overload(last(name), &all, &given, place) else {
                 return Value::Whole(0);
             };
             return self.enter_with(&function, given, angles, place);
         }
-        if &*name == super::parse::FILLED {
-            return self.filled(given, place);
+        let name = last(name);
+        match (name, given) {
+            (super::parse::FILLED, _) => return self.filled(given, place),
+            ("static_assert", _) => return self.asserted(given, place),
+            ("swap", [a, b]) => return self.swapped(a, b),
+            _ => {}
         }
-        if &*name == "static_assert" {
-            return self.asserted(given, place);
-        }
-        if let ("swap", [a, b]) = (&*name, given) {
-            return self.swapped(a, b);
-        }
-        match host::role(&name, given.len()) {
-            Role::Kernel => self.kernel_mark(&name, place),
+        match host::role(name, given.len()) {
+            Role::Kernel => self.kernel_mark(name, place),
             Role::Sync => {
-                self.in_kernel(&name, place);
+                self.in_kernel(name, place);
                 self.sync();
                 Value::Whole(1)
             }
-            Role::Number => self.number(&name, given, place),
-            Role::Library => self.library(&name, given),
-            Role::Show => self.show(&name, given, place),
-            Role::Read | Role::Chip => self.chip(&name, given, place),
+            Role::Number => self.number(name, given, place),
+            Role::Library => self.library(name, given, place),
+            Role::Show => self.show(name, given, place),
+            Role::Read | Role::Chip => self.chip(name, given, place),
         }
     }
 
-    fn held(&mut self, name: &Word) -> Value {
-        let name = ExprNode::Name(name.clone());
-        self.value(&Expr {
-            node: name,
-            place: Place::default(),
-        })
-    }
-
-    fn called(&mut self, value: Value, given: &[Expr], place: Place) -> Value {
+    fn called(&mut self, callee: &Expr, value: Value, given: &[Expr], place: Place) -> Value {
         match value {
             Value::Lambda(function) if self.is_kernel(&function) => self.launch(&function),
             Value::Lambda(function) => self.enter(&function, given, place),
-            Value::Unknown(why) => Value::Unknown(why),
+            // A function by another name.
+            Value::Symbol(name) => self.call_named(&name, given, None, place),
+            Value::Unknown(why) if why != unassigned(&base_name(callee)) => {
+                let message = format!("what this call runs, {why} decides");
+                self.unknown(place, message, Some(callee));
+                Value::Unknown(why)
+            }
+            // An object of a library: a generator of numbers.
             _ => {
-                for it in given {
-                    self.value(it);
-                }
+                self.outside(&base_name(callee), given, place);
                 Value::Unknown("what a call gives back".into())
             }
         }
+    }
+
+    /// Arguments of something that is not stated here: it may be given numbers, no registers.
+    fn outside(&mut self, name: &str, given: &[Expr], place: Place) -> Vec<Value> {
+        let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
+        let register = values.iter().find_map(|it| match it {
+            Value::Symbol(register) => self.device.value_of(register).map(|_| register.clone()),
+            _ => None,
+        });
+        if let Some(register) = register {
+            self.error(
+                place,
+                format!("what `{name}` does with `{register}` is not known"),
+                "this call",
+                "state it as a function of this file that takes registers, and call that",
+            );
+        }
+        values
+    }
+
+    /// A member of a class of the file is called: classes are not run, so that it must leave the
+    /// array alone.
+    fn leaves_array(&mut self, name: &str, member: &str, place: Place) -> bool {
+        let all = look::members(self, member);
+        let acts = |it: &Rc<Function>| it.body.iter().any(|it| look::changes(self, it));
+        let Some(acting) = all.into_iter().find(acts) else {
+            return true;
+        };
+        let line = self.line(acting.place);
+        self.error(
+            place,
+            format!(
+                "`{name}.{member}` runs words of the array, and members of classes are not run"
+            ),
+            "this call",
+            &format!("make `{member}`, in {line}, a function outside of the class, and call that"),
+        );
+        false
     }
 
     /// Whether a function is the body of a kernel: it asks words, and begins no kernel itself.
@@ -112,11 +174,53 @@ impl Machine<'_> {
         self.kernel.is_none()
             && function.parameters.is_empty()
             && function.body.iter().any(|it| look::changes(self, it))
-            && !function.body.iter().any(look::begins_kernel)
+            && !function
+                .body
+                .iter()
+                .any(|it| look::begins_kernel(self, it) || look::asks_host(self, it))
+    }
+
+    /// The functions that a call by this name may mean, the last one first: those of the namespace
+    /// that is written before it, else of the one that is worked in, else those of the only one.
+    fn candidates(&mut self, name: &str, given: usize, place: Place) -> Vec<Rc<Function>> {
+        let mut fitting = self.fitting(last(name), given);
+        if foreign(name) || fitting.is_empty() {
+            return Vec::new();
+        }
+        let found = self.meant(qualifier(name));
+        let found = found
+            .iter()
+            .find(|space| fitting.iter().any(|it| *it.space == ***space));
+        if let Some(space) = found {
+            fitting.retain(|it| *it.space == **space);
+            return fitting;
+        }
+        if qualifier(name) == Some("") {
+            return Vec::new();
+        }
+        let first = fitting[0].space.clone();
+        if fitting.iter().any(|it| it.space != first) {
+            self.several(last(name), place);
+            fitting.retain(|it| it.space == first);
+        }
+        fitting
+    }
+
+    /// The namespaces that a name with this one before it may be of, the nearest first.
+    fn meant(&self, stated: Option<&str>) -> Vec<String> {
+        let Some(stated) = stated else {
+            let spaces = self.spaces().map(str::to_owned);
+            return spaces.chain([String::new()]).collect();
+        };
+        let inner = self.spaces().map(|space| format!("{space}::{stated}"));
+        let inner = inner.filter(|_| !stated.is_empty());
+        let outer = stated.trim_start_matches("::").to_owned();
+        inner.chain([outer]).collect()
     }
 
     /// The functions of this name that take so many arguments, the last one first.
-    fn candidates(&self, name: &str, given: usize) -> Vec<Rc<Function>> {
+    fn fitting(&self, name: &str, given: usize) -> Vec<Rc<Function>> {
+        let all = self.functions.get(name).into_iter().flatten();
         let fits = |it: &&Rc<Function>| {
             let parameters = 0..it.parameters.len();
             let least = parameters
@@ -124,8 +228,7 @@ impl Machine<'_> {
                 .count();
             (least..=it.parameters.len()).contains(&given)
         };
-        let all = self.functions.get(name).into_iter().flatten().rev();
-        all.filter(fits).cloned().collect()
+        all.rev().filter(fits).cloned().collect()
     }
 
     /// The function that fits these arguments best.
@@ -160,7 +263,7 @@ impl Machine<'_> {
             .iter()
             .find(|(costs, _)| found.iter().all(|(other, _)| better(costs, other)));
         let Some((costs, function)) = best else {
-            self.ambiguous(name, place);
+            self.unclear(name, place);
             return None;
         };
         let same = found.iter().filter(|(other, it)| {
@@ -169,13 +272,13 @@ impl Machine<'_> {
             other == costs && !Rc::ptr_eq(it, function) && kinds(it) != kinds(function)
         });
         if same.count() > 0 {
-            self.ambiguous(name, place);
+            self.unclear(name, place);
             return None;
         }
         Some(Rc::clone(function))
     }
 
-    fn ambiguous(&mut self, name: &str, place: Place) {
+    fn unclear(&mut self, name: &str, place: Place) {
         self.error(
             place,
             format!("which `{name}` is meant is ambiguous"),
@@ -333,7 +436,7 @@ impl Machine<'_> {
             let mut alike = announced.filter(|it| {
                 let kinds =
                     |it: &Function| it.parameters.iter().map(|p| p.kind).collect::<Vec<_>>();
-                kinds(it) == kinds(function)
+                it.space == function.space && kinds(it) == kinds(function)
             });
             alike.find_map(|it| it.parameters[index].default.clone())
         })
@@ -390,8 +493,9 @@ impl Machine<'_> {
                 (None, Some(default)) => {
                     // It sees the names of the file, not those of the caller.
                     let base = std::mem::replace(&mut self.base, self.scopes.len());
+                    let space = std::mem::replace(&mut self.space, function.space.clone());
                     let value = self.value(&default);
-                    self.base = base;
+                    (self.base, self.space) = (base, space);
                     self.taken(value, kind, parameter)
                 }
                 (None, None) => continue,
@@ -399,6 +503,7 @@ impl Machine<'_> {
             scope.insert(parameter.name.clone(), slot);
         }
         let (base, maybe) = (self.base, self.maybe.clone());
+        let space = std::mem::replace(&mut self.space, function.space.clone());
         self.base = self.scopes.len();
         self.scopes.push(scope);
         self.depth += 1;
@@ -406,6 +511,7 @@ impl Machine<'_> {
         self.depth -= 1;
         self.scopes.pop();
         self.base = base;
+        self.space = space;
         let returns = self.resolved(function.returns);
         self.types = outer;
         // Whether it returned early is its own affair, but for what it gives back.
@@ -541,7 +647,7 @@ impl Machine<'_> {
     }
 
     /// The GUI and the box. Sliders and switches are settings, with their defaults.
-    fn library(&mut self, name: &str, given: &[Expr]) -> Value {
+    fn library(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
         let naming = self.naming.take();
         let slider = match name {
             "vs_gui_add_slider" | "vs_gui_add_slider_latched" => Some((3, 4)),
@@ -557,6 +663,9 @@ impl Machine<'_> {
                 (None, None) => String::new(),
             };
             let set = self.set(&name);
+            if let (3, Some(set)) = (at, &set) {
+                self.slider_range(&name, set, given, place);
+            }
             let value = set.or(default).unwrap_or(Value::Whole(0));
             if let (false, Some(number)) = (name.is_empty(), value.number()) {
                 self.constants.insert(name, number);
@@ -600,28 +709,81 @@ impl Machine<'_> {
         }
     }
 
-    fn method(&mut self, of: &Expr, member: &str, given: &[Expr]) -> Value {
+    /// A slider that is set beyond its ends, which the GUI would not do.
+    fn slider_range(&mut self, name: &str, set: &Value, given: &[Expr], place: Place) {
+        let mut ends = given
+            .iter()
+            .skip(1)
+            .take(2)
+            .map(|it| self.value(it).number());
+        let (Some(Some(low)), Some(Some(high))) = (ends.next(), ends.next()) else {
+            return;
+        };
+        let Some(value) = set.number().filter(|it| !(low..=high).contains(it)) else {
+            return;
+        };
+        self.fault(
+            Fault::warning(
+                place,
+                format!("`{name}` is set to {value}, and its slider goes from {low} to {high}"),
+                "this slider",
+            )
+            .help(format!("give `{name}` a value from {low} to {high}")),
+        );
+    }
+
+    /// A call of `object.member`.
+    fn method(
+        &mut self,
+        callee: &Expr,
+        (of, member): (&Expr, &str),
+        given: &[Expr],
+        place: Place,
+    ) -> Value {
         let name = base_name(of);
+        let reached = self.reach(of);
+        let reached = self.through(reached);
+        let held = match &reached {
+            Reach::Spot(slot, path) => self.peek(*slot, path),
+            Reach::Value(value) => Some(value),
+            _ => None,
+        };
+        match (held, &reached) {
+            (Some(Value::List(_)), Reach::Spot(slot, path)) => {
+                let spot = (*slot, path.clone());
+                let found = self.list_method(spot, member, given);
+                found.unwrap_or_else(|| Value::Unknown(format!("`{name}.{member}`").into()))
+            }
+            (Some(Value::Record(layout, _)), _)
+                if layout.members.iter().any(|it| &*it.name == member) =>
+            {
+                let reached = self.member(reached, member);
+                self.call_reached(callee, &reached, given, place)
+            }
+            (held, _) => {
+                let record = matches!(held, Some(Value::Record(..)));
+                if self.leaves_array(&name, member, place) {
+                    self.outside(&format!("{name}.{member}"), given, place);
+                }
+                // What it does with the members of its object is not known.
+                if let (Reach::Spot(slot, path), true) = (&reached, record) {
+                    self.forget(*slot, path, &format!("what `{name}.{member}` does").into());
+                }
+                Value::Unknown(format!("`{name}.{member}`").into())
+            }
+        }
+    }
+
+    fn list_method(&mut self, spot: Spot, member: &str, given: &[Expr]) -> Option<Value> {
         let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
-        let spot = self.target(of);
-        if let Some((slot, path)) = &spot
-            && let Some(Value::List(all)) = self.peek(*slot, path)
-        {
-            if matches!(member, "size" | "length") {
-                return Value::Wide(all.len() as i64, Width::UnsignedLong);
-            }
-            let (all, spot) = (all.clone(), (*slot, path.clone()));
-            if let Some(value) = self.of_array(spot, all, member, values) {
-                return value;
-            }
+        let Some(Value::List(all)) = self.peek(spot.0, &spot.1) else {
+            return None;
+        };
+        if matches!(member, "size" | "length") {
+            return Some(Value::Wide(all.len() as i64, Width::UnsignedLong));
         }
-        // What it does with the members of its object is not known.
-        if let Some((slot, path)) = spot
-            && matches!(self.peek(slot, &path), Some(Value::Record(..)))
-        {
-            self.forget(slot, &path, &format!("what `{name}.{member}` does").into());
-        }
-        Value::Unknown(format!("`{name}.{member}`").into())
+        let all = all.clone();
+        self.of_array(spot, all, member, values)
     }
 
     /// A function of an array of the language's library.
@@ -737,7 +899,7 @@ impl Machine<'_> {
             super::chip::neighbours(self, &values, &directions, place);
             return Value::Whole(0);
         }
-        if host::role(&name, values.len()) == Role::Read {
+        if self.is_host(&name) {
             self.in_kernel(&name, place);
         }
         // Only what is read goes into memory; words that are not known are named for that.

@@ -3,8 +3,9 @@
 use std::{rc::Rc, sync::Arc};
 
 use super::{
-    machine::{Flow, Machine, Spot},
-    tree::{Declared, Expr, ExprNode, Function, Kind, Width},
+    look,
+    machine::{Flow, Machine, Spot, foreign},
+    tree::{Declared, Expr, ExprNode, Function, Kind, Width, last},
     value::{Slot, Value, moved},
 };
 use crate::config::{Place, suggestion};
@@ -17,7 +18,7 @@ impl Machine<'_> {
             ExprNode::Wide(value, width) => Value::Wide(*value, *width),
             ExprNode::Real(value) => Value::Real(*value),
             ExprNode::Text(text) => Value::Text(text.clone()),
-            ExprNode::Name(name) => self.named_value(name),
+            ExprNode::Name(name) => self.named_value(name, it.place),
             ExprNode::Call(callee, given) => self.call(callee, given, it.place),
             ExprNode::Member(..) | ExprNode::Index(..) | ExprNode::Unary("*", _) => {
                 let reached = self.reach(it);
@@ -32,7 +33,7 @@ impl Machine<'_> {
                 let after = self.store(&reached, after, of);
                 if *prefix { after } else { before }
             }
-            ExprNode::Binary(mark, left, right) => self.binary(mark, left, right, it.place),
+            ExprNode::Binary(..) => self.chain(it),
             ExprNode::Assign(mark, to, value) => {
                 let mut value = self.value(value);
                 // Where it lies is found once: that may have effects of its own.
@@ -47,7 +48,11 @@ impl Machine<'_> {
             ExprNode::Choose(condition, yes, no) => match self.value(condition).truth() {
                 Ok(true) => self.value(yes),
                 Ok(false) => self.value(no),
-                Err(why) => Value::Unknown(why),
+                Err(why) => {
+                    let (yes, no) = (look::statement(yes), look::statement(no));
+                    self.either(condition, &[&yes, &no], &why);
+                    Value::Unknown(why)
+                }
             },
             ExprNode::Braces(all) => Value::List(all.iter().map(|it| self.value(it)).collect()),
             ExprNode::Lambda(function) => Value::Lambda(self.closure(function)),
@@ -111,18 +116,37 @@ impl Machine<'_> {
         Value::Pointer(slot, Vec::new(), "buffer".into())
     }
 
-    fn named_value(&mut self, name: &super::tree::Word) -> Value {
+    /// A name that more than one namespace has.
+    pub(super) fn several(&mut self, name: &str, place: Place) {
+        self.error(
+            place,
+            format!("`{name}` is stated in several namespaces"),
+            "which of them is not known",
+            &format!(
+                "write the namespace before it: `space::{name}`, or `::{name}` for that of the file"
+            ),
+        );
+    }
+
+    fn named_value(&mut self, name: &super::tree::Word, place: Place) -> Value {
         let Some((slot, path)) = self.named_spot(name) else {
-            return Value::Symbol(name.clone());
+            let plain = last(name);
+            if self.ambiguous.contains(plain) {
+                self.several(plain, place);
+                return Value::Whole(0);
+            }
+            // A function keeps its namespace.
+            let own = self.functions.contains_key(plain) && !foreign(name);
+            return Value::Symbol(if own { name.clone() } else { plain.into() });
         };
-        match self.decayed(slot, &path, name) {
-            Value::Unknown(why) => self.set(name).unwrap_or(Value::Unknown(why)),
+        match self.decayed(slot, &path, last(name)) {
+            Value::Unknown(why) => self.set(last(name)).unwrap_or(Value::Unknown(why)),
             other => other,
         }
     }
 
     /// Where the value of a name lies.
-    fn named_spot(&self, name: &str) -> Option<Spot> {
+    pub(super) fn named_spot(&self, name: &str) -> Option<Spot> {
         let slot = self.find(name)?;
         match &self.slots[slot] {
             Value::Reference(slot, path) => Some((*slot, path.clone())),
@@ -156,15 +180,38 @@ impl Machine<'_> {
         })
     }
 
-    fn binary(&mut self, mark: &str, left: &Expr, right: &Expr, place: Place) -> Value {
-        let a = self.value(left);
+    /// A chain of operators, from its left end: without a call for each.
+    fn chain(&mut self, it: &Expr) -> Value {
+        let (mut first, mut links) = (it, Vec::new());
+        while let ExprNode::Binary(mark, left, right) = &first.node {
+            links.push((*mark, &**left, &**right, first.place));
+            first = left;
+        }
+        let mut value = self.value(first);
+        while let Some((mark, left, right, place)) = links.pop() {
+            value = self.binary(mark, value, left, right, place);
+        }
+        value
+    }
+
+    fn binary(&mut self, mark: &str, a: Value, left: &Expr, right: &Expr, place: Place) -> Value {
         // What the left side decides.
         match (mark, a.truth()) {
             ("&&", Ok(false)) => return Value::flag(false),
             ("||", Ok(true)) if a.number().is_some() => return Value::flag(true),
             _ => {}
         }
+        if let (Value::Unknown(why), "&&" | "||") = (&a, mark) {
+            let part = look::statement(right);
+            if look::changes(self, &part) {
+                self.either(left, &[&part], why);
+                return a;
+            }
+        }
         let b = self.value(right);
+        if let (Value::Unknown(why), "&&" | "||") = (&a, mark) {
+            look::forget(self, &look::statement(right), why);
+        }
         match (mark, &a, &b) {
             (",", ..) => return b,
             // What the right side decides alone.
@@ -225,12 +272,12 @@ impl Machine<'_> {
 
     fn unary(&mut self, mark: &str, of: &Expr, place: Place) -> Value {
         if mark == "&" {
-            return match self.target(of) {
-                Some((slot, path)) => {
+            return match self.reach(of) {
+                Reach::Spot(slot, path) => {
                     let name = base_name(of);
                     Value::Pointer(slot, path, name.into())
                 }
-                None => self.value(of),
+                reached => self.load(&reached, of),
             };
         }
         let value = self.value(of);
@@ -257,7 +304,7 @@ impl Machine<'_> {
         match &it.node {
             ExprNode::Name(name) => match self.named_spot(name) {
                 Some((slot, path)) => Reach::Spot(slot, path),
-                None => Reach::Value(Value::Symbol(name.clone())),
+                None => Reach::Value(self.named_value(name, it.place)),
             },
             ExprNode::Unary("*", of) => match self.value(of) {
                 Value::Pointer(slot, path, _) => {
@@ -343,7 +390,7 @@ impl Machine<'_> {
     }
 
     /// Where a pointer that lies somewhere leads; anything else stays where it is.
-    fn through(&self, base: Reach) -> Reach {
+    pub(super) fn through(&self, base: Reach) -> Reach {
         let value = match &base {
             Reach::Spot(slot, path) => self.peek(*slot, path),
             Reach::Value(value) => Some(value),
@@ -355,7 +402,7 @@ impl Machine<'_> {
         }
     }
 
-    fn member(&mut self, base: Reach, name: &str) -> Reach {
+    pub(super) fn member(&mut self, base: Reach, name: &str) -> Reach {
         let base = self.through(base);
         let value = match &base {
             Reach::Spot(slot, path) => self.at(*slot, path),
@@ -471,6 +518,8 @@ impl Machine<'_> {
             }
             // An object, or memory, of which nothing is known.
             Reach::Value(Value::Unknown(_)) => value,
+            // A name of several namespaces, as was told.
+            Reach::Value(Value::Whole(_)) if matches!(to.node, ExprNode::Name(_)) => value,
             Reach::Value(Value::Symbol(name)) => {
                 self.no_variable(&name.clone(), to);
                 value
@@ -527,17 +576,10 @@ impl Machine<'_> {
         }
     }
 
-    /// The variable, and the element of it, that an expression stands for.
-    pub(super) fn target(&mut self, it: &Expr) -> Option<Spot> {
-        match self.reach(it) {
-            Reach::Spot(slot, path) => Some((slot, path)),
-            _ => None,
-        }
-    }
-
     /// A lambda with what it takes along: copies, or the variables themselves.
     pub(super) fn closure(&mut self, function: &Rc<Function>) -> Rc<Function> {
         let mut made = (**function).clone();
+        made.space = self.space.clone();
         let captures = &function.captures;
         for capture in &captures.named {
             if let Some(value) = &capture.value {
@@ -610,7 +652,7 @@ fn leaves(value: &Value) -> Option<i64> {
 /// The name that an expression begins with.
 pub(super) fn base_name(it: &Expr) -> String {
     match &it.node {
-        ExprNode::Name(name) => name.to_string(),
+        ExprNode::Name(name) => last(name).to_owned(),
         ExprNode::Member(of, _)
         | ExprNode::Index(of, _)
         | ExprNode::Unary(_, of)

@@ -61,6 +61,7 @@ pub(super) fn unexpected(found: Option<&Token>, place: Place, expected: &str, he
 pub(super) fn comma(it: &mut Parser<'_>) -> Parsed<Expr> {
     let mut left = assignment(it)?;
     while it.take(",") {
+        it.link()?;
         let right = assignment(it)?;
         let place = left.place.to(right.place);
         let node = ExprNode::Binary(",", Box::new(left), Box::new(right));
@@ -88,8 +89,11 @@ pub(super) fn assignment(it: &mut Parser<'_>) -> Parsed<Expr> {
 fn braces(it: &mut Parser<'_>) -> Parsed<Expr> {
     let start = it.expect("{", HELP)?;
     let mut all = Vec::new();
+    let (links, mut most) = (it.links, it.links);
     while !it.take("}") {
+        it.links = links;
         all.push(it.assignment()?);
+        most = most.max(it.links);
         if !it.take(",") && !it.sees("}") {
             return Err(unexpected(
                 it.peek(0),
@@ -99,6 +103,7 @@ fn braces(it: &mut Parser<'_>) -> Parsed<Expr> {
             ));
         }
     }
+    it.links = most;
     Ok(Expr {
         node: ExprNode::Braces(all),
         place: start.to(it.before()),
@@ -130,6 +135,7 @@ fn binary(it: &mut Parser<'_>, level: usize) -> Parsed<Expr> {
     let mut left = binary(it, level + 1)?;
     while let Some(mark) = marks.iter().find(|mark| it.sees(mark)) {
         // On a line of its own an operator would go on with the one before, as in C++.
+        it.link()?;
         it.at += 1;
         let right = binary(it, level + 1)?;
         let place = left.place.to(right.place);
@@ -242,7 +248,9 @@ fn primary(it: &mut Parser<'_>) -> Parsed<Expr> {
         TokenKind::Mark("{") => return braces(it),
         TokenKind::Mark("::") => {
             it.at += 1;
-            return named(it);
+            let mut value = named(it)?;
+            of_file(&mut value);
+            return Ok(value);
         }
         TokenKind::Mark(_) => return Err(unexpected(Some(token), place, "a value", HELP)),
     };
@@ -250,7 +258,16 @@ fn primary(it: &mut Parser<'_>) -> Parsed<Expr> {
     Ok(Expr { node, place })
 }
 
-/// A name, without the spaces that it is in; `type(value)`; `static_cast<type>(value)`.
+/// `::name`, `::name<…>`: a name of the file.
+fn of_file(it: &mut Expr) {
+    match &mut it.node {
+        ExprNode::Name(name) => *name = format!("::{name}").into(),
+        ExprNode::Template(_, callee) => of_file(callee),
+        _ => {}
+    }
+}
+
+/// A name, with the spaces that are written before it; `type(value)`; `static_cast<type>(value)`.
 fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
     let place = it.place();
     let mut name = it.name(HELP)?;
@@ -266,11 +283,12 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
             place: place.to(it.before()),
         });
     }
-    let mut std = false;
+    let (mut std, mut full) = (false, name.to_string());
     while it.sees("::") && !it.word(1).is_empty() {
         std |= &*name == "std";
         it.at += 1;
         name = it.name(HELP)?;
+        full = format!("{full}::{name}");
     }
     if std {
         it.angles();
@@ -309,7 +327,7 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
     if it.templates.contains(&name) && it.sees("<") {
         let given = template_arguments(it)?;
         let callee = Expr {
-            node: ExprNode::Name(name),
+            node: ExprNode::Name(full.into()),
             place,
         };
         return Ok(Expr {
@@ -323,7 +341,7 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
             ExprNode::Convert(Kind::Flag, Box::new(Expr { node, place }))
         }
         "NULL" | "nullptr" => ExprNode::Whole(0),
-        _ => ExprNode::Name(name),
+        _ => ExprNode::Name(full.into()),
     };
     Ok(Expr {
         node,
@@ -426,8 +444,11 @@ fn lambda(it: &mut Parser<'_>) -> Parsed<Expr> {
     let place = place.to(it.before());
     let function = Function {
         name: "".into(),
+        space: "".into(),
         parameters,
         body,
+        hidden: false,
+        qualified: false,
         place,
         returns,
         template: Vec::new(),
@@ -474,13 +495,18 @@ fn postfix(it: &mut Parser<'_>, mut value: Expr) -> Parsed<Expr> {
         let node = if it.sees("(") {
             it.at += 1;
             let mut given = Vec::new();
+            it.link()?;
+            let (links, mut most) = (it.links, it.links);
             while !it.take(")") {
+                it.links = links;
                 given.push(it.assignment()?);
+                most = most.max(it.links);
                 if !it.take(",") && !it.sees(")") {
                     let help = "a call is `name(argument, argument)`";
                     return Err(unexpected(it.peek(0), it.place(), "`,` or `)`", help));
                 }
             }
+            it.links = most;
             match value.node {
                 ExprNode::Template(types, callee) => {
                     let place = start.to(it.before());
@@ -490,18 +516,22 @@ fn postfix(it: &mut Parser<'_>, mut value: Expr) -> Parsed<Expr> {
                 _ => ExprNode::Call(Box::new(value), given),
             }
         } else if it.sees("[") {
+            it.link()?;
             it.at += 1;
             let at = it.expression()?;
             it.expect("]", "an element is `name[index]`")?;
             ExprNode::Index(Box::new(value), Box::new(at))
         } else if it.sees(".") || it.sees("->") {
+            it.link()?;
             it.at += 1;
             let name = it.name("a member is `object.name`")?;
             ExprNode::Member(Box::new(value), name)
         } else if it.sees("++") && !it.peek(0).is_some_and(|t| t.first) {
+            it.link()?;
             it.at += 1;
             ExprNode::Step(Box::new(value), 1, false)
         } else if it.sees("--") && !it.peek(0).is_some_and(|t| t.first) {
+            it.link()?;
             it.at += 1;
             ExprNode::Step(Box::new(value), -1, false)
         } else {

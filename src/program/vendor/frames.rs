@@ -5,11 +5,11 @@ use std::sync::Arc;
 use super::{
     look,
     machine::{Flow, Machine},
-    tree::{Expr, ExprNode, Stmt, Word},
+    tree::{Expr, ExprNode, Stmt, Word, last},
     value::Value,
 };
 use crate::{
-    config::Fault,
+    config::{Fault, Place},
     program::syntax::{Item, Node},
 };
 
@@ -34,7 +34,6 @@ impl Machine<'_> {
         // What came before the first frame belongs to it, unless it took frames of its own.
         let before = std::mem::take(&mut self.items);
         let early = std::mem::take(&mut self.frames);
-        let synced = look::syncs(self, body);
         let start = self.snapshot();
         let mut first = self.turn(body, step);
         // Variables that go on changing are not known; the steady turn must do without them, or
@@ -72,7 +71,7 @@ impl Machine<'_> {
             steady = self.turn(body, step);
         }
         self.looped = true;
-        self.lay(before, &early, &first, &steady, synced, body);
+        self.lay(before, early, &first, &steady, body);
         Flow::End
     }
 
@@ -93,7 +92,7 @@ impl Machine<'_> {
     fn word(&self, slot: usize) -> Option<Word> {
         let scopes = self.scopes.iter().rev();
         let mut names = scopes.flat_map(|scope| scope.iter());
-        Some(names.find(|(_, it)| **it == slot)?.0.clone())
+        Some(last(names.find(|(_, it)| **it == slot)?.0).into())
     }
 
     /// The name of a variable that changes, as a reason.
@@ -121,22 +120,16 @@ impl Machine<'_> {
         all
     }
 
-    /// Lays the frames out: the first, and the steady one.
+    /// Lays the frames out: what is done once, as `init`, and the steady one. A frame is what is
+    /// asked between two waits.
     fn lay(
         &mut self,
         before: Vec<Item>,
-        early: &[Vec<Item>],
+        early: Vec<Vec<Item>>,
         first: &[Vec<Item>],
         steady: &[Vec<Item>],
-        synced: bool,
         body: &Stmt,
     ) {
-        let parts = |all: &[Vec<Item>]| match all {
-            // Before the frame is waited for, and after.
-            [a, b] => (a.clone(), b.clone()),
-            [a, rest @ ..] => (a.clone(), rest.concat()),
-            [] => (Vec::new(), Vec::new()),
-        };
         if steady.len() > 2 {
             self.fault(
                 Fault::error(
@@ -147,42 +140,125 @@ impl Machine<'_> {
                 .help("a program does the same in every frame: wait for one frame in a turn"),
             );
         }
-        let ((a0, b0), (a1, b1)) = (parts(first), parts(steady));
-        let cat = |parts: [&[Item]; 2]| parts.concat();
         let own = !early.is_empty();
-        let mut start = early.concat();
-        let frame = if synced {
-            cat([&b1, &a1])
-        } else {
-            cat([&a1, &b1])
-        };
-        if own {
-            // It took frames of its own before the loop.
-            start.extend(before);
-            if synced {
-                start.extend(a0);
-            } else {
-                start.extend(cat([&a0, &b0]));
-            }
-        } else if synced && a0.is_empty() && light(&before) && b0 == frame {
-            // What it captures before the loop belongs to a moment of its own.
-            start = before;
-        } else {
-            start = before;
-            if synced && !a0.is_empty() && b0.is_empty() {
-                start.extend(a0);
-            } else {
-                start.extend(a0);
-                start.extend(b0);
-                if synced {
-                    start.extend(a1);
+        let (frame, mut once) = match steady {
+            // Before the frame is waited for, and after.
+            [ahead, behind @ ..] if !behind.is_empty() => {
+                let mut once = early;
+                once.push([before, first[0].clone()].concat());
+                once.extend(first[1..].iter().cloned());
+                if let Some(last) = once.last_mut() {
+                    last.extend(ahead.iter().cloned());
                 }
+                ([behind.concat(), ahead.clone()].concat(), once)
+            }
+            _ => {
+                let mut once = early;
+                once.extend([before, first.concat()]);
+                (steady.concat(), once)
+            }
+        };
+        // Waiting ends the turn: the first turn is a frame like the others.
+        let ends =
+            steady.len() == 2 && matches!(first, [all, none] if !all.is_empty() && none.is_empty());
+        if once.last() == Some(&frame) {
+            let rest = &once[..once.len() - 1];
+            // What it captures before the loop belongs to a moment of its own; what else it does
+            // there belongs to the first frame.
+            if own || ends || rest.iter().any(|it| light(it)) {
+                once.pop();
             }
         }
+        self.one_capture(&once);
+        let start = once.concat();
         self.bare = start == frame;
         self.items = frame;
         self.frames = vec![start];
     }
+
+    /// What is done once is one frame, in which the light falls once.
+    fn one_capture(&mut self, once: &[Vec<Item>]) {
+        let mut captures = once.iter().filter_map(|it| capture(it));
+        let (Some(first), Some(second)) = (captures.next(), captures.next()) else {
+            return;
+        };
+        let count = 2 + captures.count();
+        let line = self.line(first);
+        self.fault(
+            Fault::error(
+                second,
+                format!("{count} frames are captured before the steady loop, and a program has one of its own there, `init`"),
+                format!("the first is captured in {line}"),
+            )
+            .help("capture once before the loop; or calibrate with a program of its own, keep what it leaves with `exec --dump`, and give it with `--set REGISTER=FILE.npy`"),
+        );
+    }
+
+    /// The frames of a program that ends: one, or one again and again.
+    pub(super) fn ended(&mut self, mut frames: Vec<Vec<Item>>) -> Vec<Item> {
+        let waited = frames.len() > 1;
+        if waited && frames.first().is_some_and(Vec::is_empty) {
+            frames.remove(0);
+        }
+        if frames.last().is_some_and(Vec::is_empty) {
+            frames.pop();
+        }
+        let [first, rest @ ..] = &frames[..] else {
+            return Vec::new();
+        };
+        let alike = rest.iter().all(|it| it == first);
+        let done = rest.iter().filter(|it| !it.is_empty()).count();
+        if alike && done > 0 {
+            self.fault(
+                Fault::warning(
+                    place_of(first),
+                    format!("this program ends after {} frames", frames.len()),
+                    "every frame does this",
+                )
+                .help("here it goes on: `exec --frames` says how often"),
+            );
+            return first.clone();
+        }
+        let captured = frames.iter().filter(|it| capture(it).is_some()).count();
+        if done > 1 || captured > 1 {
+            let second = frames[1..].iter().find(|it| !it.is_empty());
+            self.fault(
+                Fault::error(
+                    second.map_or_else(Place::default, |it| place_of(it)),
+                    format!("{} frames that do not do the same", 1 + done),
+                    "the second one",
+                )
+                .help("a program does the same in every frame: put what is done once before the first wait, and the rest into `while (1) { vs_frame_loop_control(); … }`"),
+            );
+        }
+        frames.concat()
+    }
+}
+
+/// Where something begins that is asked.
+fn place_of(items: &[Item]) -> Place {
+    let Some(first) = items.first() else {
+        return Place::default();
+    };
+    match &first.node {
+        Node::Kernel(body) | Node::Repeat { body, .. } if !body.is_empty() => place_of(body),
+        _ => first.place,
+    }
+}
+
+/// Where light is captured first.
+fn capture(items: &[Item]) -> Option<Place> {
+    items.iter().find_map(|it| match &it.node {
+        Node::Kernel(body) | Node::Repeat { body, .. } => capture(body),
+        Node::Statement(statement) => {
+            let words = ["get_image", "getpix", "scamp5_get_image"];
+            // `respix(y)` reads the reset level, no light.
+            let reads = words.contains(&statement.name.as_str())
+                || statement.arguments.iter().any(|it| it.to_string() == "PIX");
+            reads.then_some(it.place)
+        }
+        _ => None,
+    })
 }
 
 /// Whether a condition is written as one that always holds.

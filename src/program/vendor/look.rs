@@ -1,45 +1,234 @@
 //! What a part of the text could do, without running it: for branches of which only the run
 //! knows whether they are taken.
 
-use std::{collections::BTreeSet, sync::Arc};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    rc::Rc,
+    sync::Arc,
+};
 
 use super::{
     host::{self, Role},
-    machine::Machine,
-    tree::{Expr, ExprNode, Stmt, StmtNode, Word},
-    value::Value,
+    machine::{Machine, foreign},
+    tree::{Expr, ExprNode, Function, Stmt, StmtNode, TemplateArgument, Word, last},
+    value::{Slot, Value},
 };
 
 /// Whether it changes anything in the array.
 pub(super) fn changes(machine: &Machine<'_>, it: &Stmt) -> bool {
-    let mut seen = BTreeSet::new();
+    asks(machine, it, &|role| matches!(role, Role::Sync | Role::Chip))
+}
+
+/// A value as a statement.
+pub(super) fn statement(it: &Expr) -> Stmt {
+    Stmt {
+        node: StmtNode::Expr(it.clone()),
+        place: it.place,
+    }
+}
+
+/// Whether it calls something that has such a role, in the functions that it calls too.
+fn asks(machine: &Machine<'_>, it: &Stmt, which: &dyn Fn(Role) -> bool) -> bool {
     let mut found = false;
-    calls(it, &mut |name, given| {
-        found |= acts(machine, name, given, &mut seen);
+    reach(machine, it, &mut |_| {}, &mut |name, given| {
+        found |= which(host::role(name, given));
     });
     found
 }
 
-fn acts(machine: &Machine<'_>, name: &str, given: usize, seen: &mut BTreeSet<Word>) -> bool {
-    if let Some(functions) = machine.functions.get(name) {
-        if !seen.insert(name.into()) {
+/// What a call calls, as far as the text says it.
+#[derive(Default)]
+struct Callees {
+    functions: Vec<Rc<Function>>,
+    /// Names of the library or the chip.
+    names: Vec<Word>,
+}
+
+/// Lambdas that have a name in what is looked at, and no variable yet.
+type Locals = BTreeMap<Word, Vec<Rc<Function>>>;
+
+impl Callees {
+    fn of(machine: &Machine<'_>, locals: &Locals, callee: &Expr) -> Self {
+        let mut all = Self::default();
+        all.add(machine, locals, callee);
+        all
+    }
+
+    fn add(&mut self, machine: &Machine<'_>, locals: &Locals, callee: &Expr) {
+        match &callee.node {
+            ExprNode::Lambda(function) => self.functions.push(Rc::clone(function)),
+            ExprNode::Name(name) => {
+                let local = locals.get(name);
+                self.functions.extend(local.into_iter().flatten().cloned());
+                if let Some(slot) = machine.find(name) {
+                    self.found(machine, &machine.slots[slot]);
+                } else if !self.named(machine, name) && local.is_none() {
+                    self.names.push(last(name).into());
+                }
+            }
+            ExprNode::Member(of, name) => {
+                self.functions.extend(members(machine, name));
+                if let Some(slot) = base(of).and_then(|it| machine.find(&it)) {
+                    self.part(machine, &machine.slots[slot], name);
+                }
+            }
+            ExprNode::Index(of, _) | ExprNode::Unary(_, of) | ExprNode::Convert(_, of) => {
+                self.add(machine, locals, of);
+            }
+            ExprNode::Choose(_, yes, no) => {
+                self.add(machine, locals, yes);
+                self.add(machine, locals, no);
+            }
+            _ => {}
+        }
+    }
+
+    /// Functions of the file that have this name; whether there are any.
+    fn named(&mut self, machine: &Machine<'_>, name: &str) -> bool {
+        if foreign(name) {
             return false;
         }
-        let mut found = false;
-        for function in functions {
-            for statement in &function.body {
-                calls(statement, &mut |name, given| {
-                    found |= acts(machine, name, given, seen);
-                });
+        let name = last(name);
+        let known = [machine.functions.get(name), machine.members.get(name)];
+        let before = self.functions.len();
+        let all = known.into_iter().flatten().flatten();
+        self.functions.extend(all.cloned());
+        self.functions.len() > before
+    }
+
+    /// What a variable holds that can be called, or what it leads to.
+    fn found(&mut self, machine: &Machine<'_>, value: &Value) {
+        match value {
+            Value::Pointer(slot, ..) | Value::Reference(slot, _) => {
+                self.held(machine, &machine.slots[*slot]);
+            }
+            value => self.held(machine, value),
+        }
+    }
+
+    /// What the member of an object holds that can be called.
+    fn part(&mut self, machine: &Machine<'_>, value: &Value, name: &str) {
+        let value = match value {
+            Value::Pointer(slot, ..) | Value::Reference(slot, _) => &machine.slots[*slot],
+            value => value,
+        };
+        match value {
+            Value::List(all) => all.iter().for_each(|it| self.inner(machine, it, name)),
+            value => self.inner(machine, value, name),
+        }
+    }
+
+    fn inner(&mut self, machine: &Machine<'_>, value: &Value, name: &str) {
+        let Value::Record(layout, all) = value else {
+            return;
+        };
+        for (member, value) in layout.members.iter().zip(all) {
+            if &*member.name == name {
+                self.held(machine, value);
+            } else {
+                self.inner(machine, value, name);
             }
         }
-        return found;
     }
-    match host::role(name, given) {
-        Role::Library | Role::Number | Role::Show | Role::Read | Role::Kernel => false,
-        Role::Sync => true,
-        Role::Chip => machine.find(name).is_none(),
+
+    /// What a value is that can be called.
+    fn held(&mut self, machine: &Machine<'_>, value: &Value) {
+        match value {
+            Value::Lambda(function) => self.functions.push(Rc::clone(function)),
+            Value::Symbol(name) if !self.named(machine, name) => {
+                self.names.push(last(name).into());
+            }
+            Value::List(all) => all.iter().for_each(|it| self.held(machine, it)),
+            _ => {}
+        }
     }
+}
+
+/// Functions of classes that have this name.
+pub(super) fn members(machine: &Machine<'_>, name: &str) -> Vec<Rc<Function>> {
+    let inside = machine.members.get(name).into_iter().flatten();
+    let outside = machine.functions.get(name).into_iter().flatten();
+    let outside = outside.filter(|it| it.qualified);
+    inside.chain(outside).cloned().collect()
+}
+
+/// Every part of a statement and of the functions that it calls, which are given back, and every
+/// call of something that the file does not state, with the number of its arguments.
+fn reach(
+    machine: &Machine<'_>,
+    it: &Stmt,
+    part: &mut dyn FnMut(&Part<'_>),
+    leaf: &mut dyn FnMut(&str, usize),
+) -> Vec<Rc<Function>> {
+    let mut all = Vec::new();
+    let mut locals = Locals::new();
+    let mut seen = BTreeSet::new();
+    let mut queue: Vec<Rc<Function>> = Vec::new();
+    scan(machine, it, &mut locals, &mut queue, part, leaf);
+    while let Some(function) = queue.pop() {
+        if seen.insert(Rc::as_ptr(&function)) {
+            took(machine, &function, &mut locals);
+            for it in &function.body {
+                scan(machine, it, &mut locals, &mut queue, part, leaf);
+            }
+            all.push(function);
+        }
+    }
+    all
+}
+
+/// The lambdas that a lambda took along.
+fn took(machine: &Machine<'_>, function: &Function, locals: &mut Locals) {
+    for (name, slot) in &function.held {
+        if let Value::Lambda(inner) = &machine.slots[*slot] {
+            let known = locals.entry(name.clone()).or_default();
+            known.push(Rc::clone(inner));
+        }
+    }
+}
+
+fn scan(
+    machine: &Machine<'_>,
+    it: &Stmt,
+    locals: &mut Locals,
+    queue: &mut Vec<Rc<Function>>,
+    part: &mut dyn FnMut(&Part<'_>),
+    leaf: &mut dyn FnMut(&str, usize),
+) {
+    walk(it, false, &mut |it| {
+        part(&it);
+        match it {
+            Part::Stmt(Stmt {
+                node: StmtNode::Declare(all),
+                ..
+            }) => {
+                for declared in all {
+                    if let Some(ExprNode::Lambda(function)) =
+                        declared.value.as_ref().map(|it| &it.node)
+                    {
+                        let known = locals.entry(declared.name.clone()).or_default();
+                        known.push(Rc::clone(function));
+                    }
+                }
+            }
+            Part::Expr(Expr {
+                node: ExprNode::Call(callee, given),
+                ..
+            }) => {
+                let callees = Callees::of(machine, locals, callee);
+                for name in &callees.names {
+                    leaf(name, given.len());
+                }
+                if !callees.functions.is_empty() {
+                    // A function that is given to a function may be called there.
+                    let given = given.iter().map(|it| Callees::of(machine, locals, it));
+                    queue.extend(given.flat_map(|it| it.functions));
+                }
+                queue.extend(callees.functions);
+            }
+            _ => {}
+        }
+    });
 }
 
 /// The first variable of a value that only the run knows.
@@ -80,13 +269,12 @@ pub(super) fn leaves(it: &Stmt) -> bool {
 
 /// Forgets what it assigns.
 pub(super) fn forget(machine: &mut Machine<'_>, it: &Stmt, why: &Arc<str>) {
-    let mut names: Vec<Word> = Vec::new();
-    let mut seen = BTreeSet::new();
-    assigned(machine, it, &mut names, &mut seen);
-    for name in names {
-        let Some(slot) = machine.find(&name) else {
-            continue;
-        };
+    let (names, functions) = assigned(machine, it);
+    let mut slots: BTreeSet<Slot> = names.iter().flat_map(|it| machine.find_all(it)).collect();
+    // What a lambda took along, it assigns wherever it is called.
+    let held = functions.iter().flat_map(|it| &it.held);
+    slots.extend(held.filter(|it| names.contains(&it.0)).map(|it| it.1));
+    for slot in slots {
         match machine.slots[slot].clone() {
             Value::Pointer(slot, path, _) | Value::Reference(slot, path) => {
                 machine.forget(slot, &path, why);
@@ -97,40 +285,43 @@ pub(super) fn forget(machine: &mut Machine<'_>, it: &Stmt, why: &Arc<str>) {
     }
 }
 
-fn assigned(machine: &Machine<'_>, it: &Stmt, names: &mut Vec<Word>, seen: &mut BTreeSet<Word>) {
-    let mut called = Vec::new();
-    walk(it, false, &mut |part| {
+/// The names that it assigns to, and the functions that it calls.
+fn assigned(machine: &Machine<'_>, it: &Stmt) -> (Vec<Word>, Vec<Rc<Function>>) {
+    let mut names = Vec::new();
+    let list = |name: &Word| {
+        let slot = machine.find(name);
+        slot.is_some_and(|slot| {
+            let held = &machine.slots[slot];
+            matches!(
+                held,
+                Value::List(_) | Value::Pointer(..) | Value::Reference(..)
+            )
+        })
+    };
+    let mut part = |part: &Part<'_>| {
         let Part::Expr(value) = part else { return };
         match &value.node {
             ExprNode::Assign(_, to, _) | ExprNode::Step(to, ..) => names.extend(base(to)),
             ExprNode::Unary("&", of) => names.extend(base(of)),
             ExprNode::Call(callee, given) => {
                 // An array that is given may be written.
-                let arrays = given.iter().filter_map(base);
-                let list = |name: &Word| {
-                    let slot = machine.find(name);
-                    slot.is_some_and(|slot| {
-                        matches!(machine.slots[slot], Value::List(_) | Value::Pointer(..))
-                    })
-                };
-                names.extend(arrays.filter(list));
-                if let ExprNode::Name(name) = &callee.node {
-                    called.push(name.clone());
+                names.extend(given.iter().filter_map(base).filter(list));
+                // So may the object that a function belongs to.
+                if let ExprNode::Member(of, _) = &callee.node {
+                    names.extend(base(of));
+                }
+                let callees = Callees::of(machine, &Locals::new(), callee);
+                for function in callees.functions {
+                    let all = function.parameters.iter().zip(given);
+                    let references = all.filter(|(parameter, _)| parameter.reference);
+                    names.extend(references.filter_map(|(_, it)| base(it)));
                 }
             }
             _ => {}
         }
-    });
-    for name in called {
-        if !seen.insert(name.clone()) {
-            continue;
-        }
-        for function in machine.functions.get(&name).into_iter().flatten() {
-            for statement in &function.body {
-                assigned(machine, statement, names, seen);
-            }
-        }
-    }
+    };
+    let functions = reach(machine, it, &mut part, &mut |_, _| {});
+    (names, functions)
 }
 
 /// The variable that is meant by a target.
@@ -149,7 +340,7 @@ pub(super) fn show(machine: &mut Machine<'_>, it: &Stmt) {
         if let Part::Expr(value) = part
             && let ExprNode::Call(callee, given) = &value.node
             && let ExprNode::Name(name) = &callee.node
-            && host::role(name, given.len()) == Role::Show
+            && host::role(last(name), given.len()) == Role::Show
         {
             shown.push(value.clone());
         }
@@ -161,28 +352,7 @@ pub(super) fn show(machine: &mut Machine<'_>, it: &Stmt) {
 
 /// Whether frames begin in it.
 pub(super) fn syncs(machine: &Machine<'_>, it: &Stmt) -> bool {
-    let mut found = false;
-    let mut seen = BTreeSet::new();
-    calls(it, &mut |name, given| {
-        found |= begins(machine, name, given, &mut seen);
-    });
-    found
-}
-
-fn begins(machine: &Machine<'_>, name: &str, given: usize, seen: &mut BTreeSet<Word>) -> bool {
-    let Some(functions) = machine.functions.get(name) else {
-        return host::role(name, given) == Role::Sync;
-    };
-    if !seen.insert(name.into()) {
-        return false;
-    }
-    let mut found = false;
-    for statement in functions.iter().flat_map(|function| &function.body) {
-        calls(statement, &mut |name, given| {
-            found |= begins(machine, name, given, seen);
-        });
-    }
-    found
+    asks(machine, it, &|role| role == Role::Sync)
 }
 
 /// Whether it can leave a loop that has no condition.
@@ -201,10 +371,15 @@ pub(super) fn breaks(it: &Stmt) -> bool {
 }
 
 /// Whether a kernel begins in it.
-pub(super) fn begins_kernel(it: &Stmt) -> bool {
+pub(super) fn begins_kernel(machine: &Machine<'_>, it: &Stmt) -> bool {
+    asks(machine, it, &|role| role == Role::Kernel)
+}
+
+/// Whether it asks the host for something on the array, which no kernel can hold.
+pub(super) fn asks_host(machine: &Machine<'_>, it: &Stmt) -> bool {
     let mut found = false;
-    calls(it, &mut |name, given| {
-        found |= host::role(name, given) == Role::Kernel;
+    reach(machine, it, &mut |_| {}, &mut |name, _| {
+        found |= machine.is_host(name);
     });
     found
 }
@@ -220,7 +395,7 @@ fn calls(it: &Stmt, act: &mut dyn FnMut(&str, usize)) {
             && let ExprNode::Call(callee, given) = &value.node
             && let ExprNode::Name(name) = &callee.node
         {
-            act(name, given.len());
+            act(last(name), given.len());
         }
     });
 }
@@ -231,7 +406,9 @@ fn calls(it: &Stmt, act: &mut dyn FnMut(&str, usize)) {
 fn walk(it: &Stmt, own: bool, act: &mut dyn FnMut(Part<'_>)) {
     act(Part::Stmt(it));
     match &it.node {
-        StmtNode::Block(all) => all.iter().for_each(|it| walk(it, own, act)),
+        StmtNode::Block(all) | StmtNode::Namespace(_, all) => {
+            all.iter().for_each(|it| walk(it, own, act));
+        }
         StmtNode::Switch(on, all) => {
             values(on, act);
             if own {
@@ -284,6 +461,7 @@ fn walk(it: &Stmt, own: bool, act: &mut dyn FnMut(Part<'_>)) {
         | StmtNode::Function(_)
         | StmtNode::Prototype(_)
         | StmtNode::Struct(_)
+        | StmtNode::Class(_)
         | StmtNode::Nothing => {}
     }
 }
@@ -300,8 +478,15 @@ fn values(it: &Expr, act: &mut dyn FnMut(Part<'_>)) {
         | ExprNode::Unary(_, of)
         | ExprNode::Step(of, ..)
         | ExprNode::Convert(_, of)
-        | ExprNode::SizeOf(of)
-        | ExprNode::Template(_, of) => values(of, act),
+        | ExprNode::SizeOf(of) => values(of, act),
+        ExprNode::Template(given, of) => {
+            for it in given {
+                if let TemplateArgument::Value(value) = it {
+                    values(value, act);
+                }
+            }
+            values(of, act);
+        }
         ExprNode::New(declared) => declared.value.iter().for_each(|it| values(it, act)),
         ExprNode::Index(a, b) | ExprNode::Binary(_, a, b) | ExprNode::Assign(_, a, b) => {
             values(a, act);

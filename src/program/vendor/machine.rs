@@ -9,13 +9,13 @@ use std::{
 use super::{
     files::Files,
     look,
-    tree::{Expr, Function, Kind, TemplateArgument, Word},
+    tree::{Expr, Function, Kind, TemplateArgument, Word, last, qualifier},
     value::{Layout, Slot, Value},
 };
 use crate::{
     config::{Fault, Place, enough},
     isa::{
-        Device,
+        Callable, Device,
         text::{Argument, Expression, Statement, Term},
     },
     program::{
@@ -63,6 +63,8 @@ pub(super) struct Machine<'a> {
     /// What can be set from outside, with its value.
     pub constants: BTreeMap<String, f64>,
     pub functions: BTreeMap<Word, Vec<Rc<Function>>>,
+    /// Functions of classes.
+    pub members: BTreeMap<Word, Vec<Rc<Function>>>,
     /// Functions as they are announced, for their default arguments.
     pub prototypes: BTreeMap<Word, Vec<Rc<Function>>>,
     pub slots: Vec<Value>,
@@ -81,6 +83,10 @@ pub(super) struct Machine<'a> {
     /// Scopes of names; those below `base` belong to callers, but for the first, the file's.
     pub scopes: Vec<BTreeMap<Word, Slot>>,
     pub base: usize,
+    /// The namespace that is worked in.
+    pub space: Word,
+    /// Names of variables that are stated in several namespaces.
+    pub ambiguous: BTreeSet<Word>,
     /// Variables that are made once, by the place of their declaration.
     pub lasting: BTreeMap<usize, Slot>,
     /// What was asked of the array since the last frame began.
@@ -122,6 +128,7 @@ impl<'a> Machine<'a> {
             faults: Vec::new(),
             constants: BTreeMap::new(),
             functions: BTreeMap::new(),
+            members: BTreeMap::new(),
             prototypes: BTreeMap::new(),
             fixed: BTreeSet::new(),
             slots: Vec::new(),
@@ -132,6 +139,8 @@ impl<'a> Machine<'a> {
             angles: None,
             scopes: vec![BTreeMap::new()],
             base: 0,
+            space: "".into(),
+            ambiguous: BTreeSet::new(),
             lasting: BTreeMap::new(),
             items: Vec::new(),
             frames: Vec::new(),
@@ -183,9 +192,44 @@ impl<'a> Machine<'a> {
     // ---- names ------------------------------------------------------------------------------
 
     pub(super) fn find(&self, name: &str) -> Option<Slot> {
-        let own = self.scopes.get(self.base..).unwrap_or_default();
+        let file = self.scopes.first()?;
+        match qualifier(name) {
+            Some("") => return file.get(last(name)).copied(),
+            Some(_) if foreign(name) => return None,
+            Some(_) => {
+                let spaces = self.spaces().map(|space| format!("{space}::{name}"));
+                let found = spaces
+                    .chain([name.to_owned()])
+                    .find_map(|it| file.get(&*it));
+                // A class or an enumeration, whose names are the file's.
+                return found.copied().or_else(|| self.find(last(name)));
+            }
+            None => {}
+        }
+        let own = self.scopes.get(self.base.max(1)..).unwrap_or_default();
         let found = own.iter().rev().find_map(|scope| scope.get(name));
-        found.or_else(|| self.scopes.first()?.get(name)).copied()
+        let space = || {
+            let mut spaces = self.spaces().map(|space| format!("{space}::{name}"));
+            spaces.find_map(|it| file.get(&*it))
+        };
+        found.or_else(space).or_else(|| file.get(name)).copied()
+    }
+
+    /// The namespace that is worked in, and those around it.
+    pub(super) fn spaces(&self) -> impl Iterator<Item = &str> {
+        let first = Some(&*self.space).filter(|it| !it.is_empty());
+        std::iter::successors(first, |it| qualifier(it))
+    }
+
+    /// The variables that a name means here or in some function.
+    pub(super) fn find_all(&self, name: &str) -> BTreeSet<Slot> {
+        let plain = last(name);
+        let file = self.scopes.first().into_iter().flatten();
+        let file = file.filter(|(it, _)| last(it) == plain);
+        self.find(name)
+            .into_iter()
+            .chain(file.map(|it| *it.1))
+            .collect()
     }
 
     pub(super) fn make(&mut self, name: &Word, value: Value, kind: Kind) -> Slot {
@@ -239,6 +283,27 @@ impl<'a> Machine<'a> {
     }
 
     pub(super) fn bind(&mut self, name: &Word, slot: Slot) {
+        if let ([file], false) = (&mut self.scopes[..], self.space.is_empty()) {
+            file.insert(format!("{}::{name}", self.space).into(), slot);
+            // Others may mean it without its namespace, unless there are several.
+            if self.ambiguous.contains(name) {
+                return;
+            }
+            match file.get(name).copied() {
+                None => {
+                    file.insert(name.clone(), slot);
+                }
+                Some(known) => {
+                    let spaced = |it: &(&Word, &Slot)| *it.1 == known && qualifier(it.0).is_some();
+                    // One of the file itself keeps its name.
+                    if file.iter().any(|it| spaced(&it)) {
+                        file.remove(name);
+                        self.ambiguous.insert(name.clone());
+                    }
+                }
+            }
+            return;
+        }
         if let Some(scope) = self.scopes.last_mut() {
             scope.insert(name.clone(), slot);
         }
@@ -297,6 +362,16 @@ impl<'a> Machine<'a> {
         let value = self.at(slot, path);
         let value = blurred(value, why);
         self.put(slot, path, value);
+    }
+
+    /// Whether the host does this, outside of kernels.
+    pub(super) fn is_host(&self, name: &str) -> bool {
+        let all = self.device.callables(name);
+        all.iter().any(|it| match it {
+            Callable::Host(..) => true,
+            Callable::Macro(it) => it.host,
+            Callable::Primitive(..) => false,
+        })
     }
 
     // ---- the array --------------------------------------------------------------------------
@@ -367,7 +442,7 @@ impl<'a> Machine<'a> {
     /// A fault that something depends on what only the run knows.
     pub(super) fn unknown(&mut self, place: Place, message: String, of: Option<&Expr>) {
         let name = of.and_then(|it| look::unknown(self, it));
-        let name = name.unwrap_or_else(|| "NAME".into());
+        let name = name.as_deref().map_or("NAME", last);
         let help = format!(
             "a program is the same words in every frame: give the value with `--const {name}=VALUE`, or take this out"
         );
@@ -430,6 +505,12 @@ impl<'a> Machine<'a> {
             );
         }
     }
+}
+
+/// Whether a name is written as the vendor's or the language's own.
+pub(super) fn foreign(name: &str) -> bool {
+    let space = qualifier(name).unwrap_or_default();
+    matches!(space.trim_start_matches("::"), "std" | "SCAMP5_PE")
 }
 
 pub(super) const fn item(node: Node, place: Place) -> Item {

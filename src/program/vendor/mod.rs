@@ -183,8 +183,8 @@ fn run_file(machine: &mut Machine<'_>, statements: &[Stmt], broken: bool) -> Vec
     if machine.looped {
         return items;
     }
-    let mut all = frames.concat();
-    all.extend(items);
+    frames.push(items);
+    let all = machine.ended(frames);
     if all.is_empty() && machine.faults.is_empty() && !broken {
         machine.error(
             place,
@@ -202,17 +202,23 @@ fn state(machine: &mut Machine<'_>, statements: &[Stmt]) {
         match &statement.node {
             StmtNode::Function(function) => machine.state(function),
             StmtNode::Prototype(function) => machine.announce(function),
-            StmtNode::Block(inner) => state(machine, inner),
+            StmtNode::Class(members) => machine.state_members(members),
+            StmtNode::Block(inner) | StmtNode::Namespace(_, inner) => state(machine, inner),
             _ => {}
         }
     }
 }
 
-/// Runs what stands outside of functions; namespaces share the file's names.
+/// Runs what stands outside of functions.
 fn top_level(machine: &mut Machine<'_>, statements: &[Stmt]) {
     for statement in statements {
         match &statement.node {
             StmtNode::Block(inner) => top_level(machine, inner),
+            StmtNode::Namespace(space, inner) => {
+                let outer = std::mem::replace(&mut machine.space, space.clone());
+                top_level(machine, inner);
+                machine.space = outer;
+            }
             _ => {
                 machine.statements(std::slice::from_ref(statement));
             }

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     config::{Fault, Place, enough},
-    limit::NESTING,
+    limit::{CHAIN, NESTING},
 };
 
 /// Parses all of a text.
@@ -25,12 +25,15 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
         at: 0,
         end,
         depth: 0,
+        links: 0,
+        space: String::new(),
         faults: Vec::new(),
         pending: Vec::new(),
         aliases: BTreeMap::new(),
         templates: BTreeSet::new(),
         template: Vec::new(),
         half: false,
+        in_class: false,
     };
     let statements = parser.statements(false);
     (statements, parser.faults)
@@ -41,6 +44,11 @@ pub(super) struct Parser<'a> {
     pub at: usize,
     end: usize,
     depth: usize,
+    /// How many operators and `else if`s stand one behind the other, at most: what walks the
+    /// tree goes so deep.
+    pub links: usize,
+    /// The namespace.
+    space: String,
     faults: Vec<Fault>,
     /// Statements that come before the one that is read.
     pending: Vec<Stmt>,
@@ -52,6 +60,8 @@ pub(super) struct Parser<'a> {
     template: Vec<TemplateParameter>,
     /// Whether the first half of a `>>` closed something.
     half: bool,
+    /// Whether what is read belongs to a class itself.
+    in_class: bool,
 }
 
 pub(super) type Parsed<T> = Result<T, Fault>;
@@ -209,10 +219,27 @@ impl<'a> Parser<'a> {
         result
     }
 
+    /// One more operator or `else if` behind others.
+    pub(super) fn link(&mut self) -> Parsed<()> {
+        self.links += 1;
+        if self.links <= CHAIN {
+            return Ok(());
+        }
+        Err(Fault::error(
+            self.place(),
+            format!("more than {CHAIN} operators, calls or `else if`s one behind the other"),
+            "too many",
+        )
+        .help("take it apart: give names to parts of it, or use a loop"))
+    }
+
     /// Statements up to the end, or up to the brace that closes a block.
     pub(super) fn statements(&mut self, block: bool) -> Vec<Stmt> {
         let mut all = Vec::new();
+        let (links, mut most) = (self.links, self.links);
         while self.peek(0).is_some() && !enough(&self.faults) {
+            most = most.max(self.links);
+            self.links = links;
             if self.sees("}") {
                 if block {
                     break;
@@ -239,6 +266,7 @@ impl<'a> Parser<'a> {
                 }
             }
         }
+        self.links = most.max(self.links);
         all
     }
 
@@ -365,15 +393,7 @@ impl<'a> Parser<'a> {
                 self.template = outer;
                 node
             }
-            "namespace" => {
-                while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
-                    self.at += 1;
-                }
-                if self.take(";") {
-                    return Ok(StmtNode::Nothing);
-                }
-                Ok(StmtNode::Block(self.block()?))
-            }
+            "namespace" => self.namespace(),
             "enum" => self.enumeration(),
             "class" | "struct" | "union" if self.is_definition() => self.class(false),
             "extern" if matches!(self.peek(1).map(|t| &t.kind), Some(TokenKind::Text(_))) => {
@@ -384,11 +404,13 @@ impl<'a> Parser<'a> {
                 self.statement_node()
             }
             _ if self.is_constructor() => {
-                while self.peek(0).is_some() && !self.sees("{") {
+                while self.sees("::") || self.sees("~") || self.peek(1).is_some_and(|t| t.is("::"))
+                {
                     self.at += 1;
                 }
-                self.skip_group();
-                Ok(StmtNode::Nothing)
+                let class = self.word(0);
+                let member = self.member(class);
+                Ok(StmtNode::Class(member.into_iter().collect()))
             }
             "init" | "frame" | "repeat" if self.peek(1).is_some_and(|t| t.is("{")) => {
                 Err(Fault::error(
@@ -408,6 +430,23 @@ impl<'a> Parser<'a> {
                 }
             }
         }
+    }
+
+    fn namespace(&mut self) -> Parsed<StmtNode> {
+        self.at += 1;
+        let mut names = Vec::new();
+        while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
+            names.extend(Some(self.word(0)).filter(|it| !it.is_empty()));
+            self.at += 1;
+        }
+        if self.take(";") {
+            return Ok(StmtNode::Nothing);
+        }
+        let outer = self.space.clone();
+        self.space = within(&outer, &names);
+        let body = self.block();
+        let space = std::mem::replace(&mut self.space, outer);
+        Ok(StmtNode::Namespace(space.into(), body?))
     }
 
     fn jump(&mut self, node: StmtNode) -> Parsed<StmtNode> {
@@ -438,16 +477,49 @@ impl<'a> Parser<'a> {
     }
 
     fn if_statement(&mut self) -> Parsed<StmtNode> {
-        self.at += 1;
-        self.take_word("constexpr");
-        let (first, condition) = self.headed()?;
-        let yes = self.boxed()?;
-        let no = if self.take_word("else") {
-            Some(self.boxed()?)
-        } else {
-            None
-        };
-        Ok(self.behind(first, StmtNode::If(condition, yes, no)))
+        // `else if` is no deeper than the `if` before it, but where it declares something.
+        let depth = self.depth;
+        let node = self.if_chain();
+        self.depth = depth;
+        node
+    }
+
+    fn if_chain(&mut self) -> Parsed<StmtNode> {
+        let (mut parts, mut otherwise) = (Vec::new(), None);
+        let (links, mut most) = (self.links, self.links);
+        loop {
+            let start = self.place();
+            self.at += 1;
+            self.take_word("constexpr");
+            self.links = links + parts.len();
+            self.link()?;
+            let (first, condition) = self.headed()?;
+            if first.is_some() {
+                self.deeper(|_| Ok(()))?;
+                self.depth += 1;
+            }
+            parts.push((start, first, condition, self.boxed()?));
+            most = most.max(self.links);
+            if !self.take_word("else") {
+                break;
+            }
+            if self.word(0) != "if" {
+                self.links = links + parts.len();
+                otherwise = Some(self.boxed()?);
+                break;
+            }
+        }
+        self.links = most.max(self.links);
+        let end = self.before();
+        while let Some((start, first, condition, yes)) = parts.pop() {
+            let node = self.behind(first, StmtNode::If(condition, yes, otherwise.take()));
+            if parts.is_empty() {
+                return Ok(node);
+            }
+            let place = start.to(end);
+            otherwise = Some(Box::new(Stmt { node, place }));
+        }
+        Ok(StmtNode::Nothing)
     }
 
     /// A condition in parentheses, and what stands before it: `(first; condition)`, or a variable
@@ -671,62 +743,186 @@ impl<'a> Parser<'a> {
         while self.peek(0).is_some() && !self.sees("{") {
             self.at += 1;
         }
-        let (open, told) = (self.at, self.faults.len());
-        let members = if plain { self.members() } else { None };
-        if members.is_none() {
-            self.faults.truncate(told);
-            self.at = open;
-            self.skip_group();
-        }
+        let (data, functions) = self.class_body(&name, plain);
         if named_behind && let Some(behind) = self.peek(0).and_then(Token::name) {
             name = behind.clone();
         }
-        let node = members.map_or(StmtNode::Nothing, |members| {
+        let node = data.map_or(StmtNode::Nothing, |members| {
             StmtNode::Struct(Rc::new(Struct {
                 name: name.clone(),
                 members,
             }))
         });
+        let place = place.to(self.before());
+        let functions = Stmt {
+            node: StmtNode::Class(functions),
+            place,
+        };
         if named_behind || self.word(0).is_empty() {
             self.skip_past(";");
+            self.pending.push(functions);
             return Ok(node);
         }
         // Objects that are declared with their class.
-        let place = place.to(self.before());
-        self.pending.push(Stmt { node, place });
         let all = self.declarators(&Type {
             name,
             ..Type::default()
         })?;
         self.end_statement()?;
+        self.pending.extend([functions, Stmt { node, place }]);
         Ok(StmtNode::Declare(all))
     }
 
-    /// The members of a class, in braces; nothing where there is more than data and functions.
-    fn members(&mut self) -> Option<Vec<Declared>> {
-        self.at += 1;
-        let mut all = Vec::new();
-        while !self.take("}") {
-            if matches!(self.word(0), "public" | "private" | "protected") {
-                self.at += 2;
-                continue;
+    /// What stands between the braces of a class: its data, where nothing else matters when an
+    /// object is made, and its functions with bodies.
+    fn class_body(
+        &mut self,
+        class: &str,
+        plain: bool,
+    ) -> (Option<Vec<Declared>>, Vec<Rc<Function>>) {
+        let start = self.at;
+        self.skip_group();
+        let end = std::mem::replace(&mut self.at, start + 1);
+        let (mut data, mut functions) = (Vec::new(), Vec::new());
+        let mut plain = plain;
+        while plain && self.at + 1 < end {
+            match self.plain_member() {
+                Some(StmtNode::Declare(more)) => data.extend(more),
+                Some(StmtNode::Function(function)) => functions.push(function),
+                Some(_) => {}
+                None => plain = false,
             }
-            if self.word(0) == "static" || self.is_constructor() {
-                return None;
-            }
-            let told = self.faults.len();
-            match self.declaration() {
-                Ok(Some(StmtNode::Declare(more))) => all.extend(more),
-                Ok(Some(StmtNode::Function(_) | StmtNode::Prototype(_))) => {}
-                _ => return None,
-            }
-            if self.faults.len() > told {
-                return None;
-            }
-            self.take(";");
         }
-        let plain = all.iter().all(|it| !it.reference);
-        plain.then_some(all)
+        while self.at + 1 < end {
+            if !self.word(0).is_empty()
+                && let Some(member) = self.member(class)
+            {
+                functions.push(member);
+            } else {
+                self.at += 1;
+            }
+        }
+        self.at = end;
+        let plain = plain && data.iter().all(|it: &Declared| !it.reference);
+        (plain.then_some(data), functions)
+    }
+
+    /// A member of a class that is data or a plain function; nothing where it is more than that.
+    fn plain_member(&mut self) -> Option<StmtNode> {
+        if matches!(self.word(0), "public" | "private" | "protected") {
+            self.at += 2;
+            return Some(StmtNode::Nothing);
+        }
+        if self.take(";") {
+            return Some(StmtNode::Nothing);
+        }
+        let rest = self.tokens.get(self.at..).unwrap_or_default();
+        let mut head = rest.iter().take_while(|t| !t.is("{") && !t.is(";"));
+        let operator = head.any(|t| t.name().is_some_and(|it| &**it == "operator"));
+        if self.word(0) == "static" || operator {
+            return None;
+        }
+        let told = self.faults.len();
+        self.in_class = true;
+        let node = self.declaration();
+        self.in_class = false;
+        let clean = self.faults.len() == told;
+        self.faults.truncate(told);
+        match node {
+            Ok(Some(
+                node @ (StmtNode::Declare(_) | StmtNode::Function(_) | StmtNode::Prototype(_)),
+            )) if clean => Some(node),
+            _ => None,
+        }
+    }
+
+    /// A function of a class, if the place is at its name and it has a body. Classes are not run:
+    /// what does not parse in the body is no fault as long as nobody calls it.
+    fn member(&mut self, class: &str) -> Option<Rc<Function>> {
+        let (start, place) = (self.at, self.place());
+        let name = self.peek(0)?.name()?.clone();
+        self.at += 1;
+        if &*name == "operator" {
+            while self.peek(0).is_some_and(|t| !t.is("(") && !t.is(";")) {
+                self.at += 1;
+            }
+        }
+        let called = self.sees("(") && !RESERVED.contains(&&*name);
+        while self.sees("(") {
+            self.skip_group();
+        }
+        self.skip_to_body();
+        if !called || !self.sees("{") {
+            self.at = start;
+            return None;
+        }
+        let body = self.member_body(&name);
+        let hidden = *name == *class || &*name == "operator";
+        Some(Rc::new(Function {
+            name,
+            space: "".into(),
+            parameters: Vec::new(),
+            body,
+            hidden,
+            qualified: false,
+            place,
+            returns: Kind::Any,
+            template: Vec::new(),
+            captures: Captures::default(),
+            held: Vec::new(),
+        }))
+    }
+
+    /// A body in braces; one that does not parse calls something unknown.
+    fn member_body(&mut self, name: &Word) -> Vec<Stmt> {
+        let (start, place, faults) = (self.at, self.place(), self.faults.len());
+        self.skip_group();
+        let end = std::mem::replace(&mut self.at, start);
+        let body = self.block().unwrap_or_default();
+        let understood = self.faults.len() == faults && self.at == end;
+        self.faults.truncate(faults);
+        self.at = end;
+        if understood {
+            return body;
+        }
+        let callee = ExprNode::Name(format!("the body of {name}").into());
+        let callee = Expr {
+            node: callee,
+            place,
+        };
+        let node = ExprNode::Call(Box::new(callee), Vec::new());
+        vec![Stmt {
+            node: StmtNode::Expr(Expr { node, place }),
+            place,
+        }]
+    }
+
+    /// From behind the parameters of a function of a class to its body, if it has one: over
+    /// `const`, `-> type`, and what a constructor sets.
+    fn skip_to_body(&mut self) {
+        if self.take(":") {
+            while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
+                while !self.word(0).is_empty() || self.sees("::") {
+                    self.at += 1;
+                    self.angles();
+                }
+                self.skip_group();
+                if !self.take(",") {
+                    return;
+                }
+            }
+            return;
+        }
+        while !self.word(0).is_empty()
+            || ["->", "::", "*", "&", "<", ">"]
+                .iter()
+                .any(|mark| self.sees(mark))
+        {
+            self.at += 1;
+        }
+        if self.sees(":") {
+            self.skip_to_body();
+        }
     }
 
     /// What stands in `template <…>`.
@@ -992,13 +1188,18 @@ impl<'a> Parser<'a> {
     /// A declaration, if one stands here.
     fn declaration(&mut self) -> Parsed<Option<StmtNode>> {
         let start = self.at;
+        if let Some(node) = self.function_pointer()? {
+            return Ok(Some(node));
+        }
         let Some(first) = self.declared_type() else {
             return Ok(None);
         };
         let (mut name_at, mut name_place) = (self.at, self.place());
         let mut name = self.name("the name of what is declared")?;
         // A function of a class.
+        let mut qualified = Vec::new();
         while self.sees("::") && !self.word(1).is_empty() {
+            qualified.push(self.word_before());
             self.at += 1;
             (name_at, name_place) = (self.at, self.place());
             name = self.name("a name")?;
@@ -1019,7 +1220,7 @@ impl<'a> Parser<'a> {
             return Ok(None);
         }
         if self.sees("(")
-            && let Some(node) = self.function(&name, name_place, first.value_kind())?
+            && let Some(node) = self.function(&name, name_place, first.value_kind(), &qualified)?
         {
             return Ok(Some(node));
         }
@@ -1072,6 +1273,59 @@ impl<'a> Parser<'a> {
         }
     }
 
+    /// The name in `(*name)(…)`, behind the type that the function gives back: a pointer to a
+    /// function, or an array of them.
+    fn pointer_name(&mut self) -> Option<(Word, bool)> {
+        let start = self.at;
+        let open = self.take("(") && self.take("*");
+        let name = self.peek(0).and_then(Token::name).cloned();
+        self.at += 1;
+        let array = self.sees("[");
+        if array {
+            self.skip_group();
+        }
+        if let Some(name) = name
+            && open
+            && self.take(")")
+            && self.sees("(")
+        {
+            self.skip_group();
+            return Some((name, array));
+        }
+        self.at = start;
+        None
+    }
+
+    /// `type (*name)(types) = function;`, if that stands here.
+    fn function_pointer(&mut self) -> Parsed<Option<StmtNode>> {
+        let (start, place) = (self.at, self.place());
+        let typed = !RESERVED.contains(&self.word(0)) && self.read_type().is_some();
+        let Some((name, array)) = typed.then(|| self.pointer_name()).flatten() else {
+            self.at = start;
+            return Ok(None);
+        };
+        let value = if self.take("=") {
+            Some(self.assignment()?)
+        } else {
+            None
+        };
+        let declared = Declared {
+            name,
+            kind: Kind::Any,
+            of: "".into(),
+            lengths: if array { vec![None] } else { Vec::new() },
+            value,
+            reference: false,
+            pointer: true,
+            library: false,
+            constant: false,
+            lasting: false,
+            place: place.to(self.before()),
+        };
+        self.end_statement()?;
+        Ok(Some(StmtNode::Declare(vec![declared])))
+    }
+
     /// `name(value)`: a value for numbers, something of its own for objects.
     fn constructed(&mut self, it: &mut Declared) -> Parsed<()> {
         let place = self.place();
@@ -1111,7 +1365,15 @@ impl<'a> Parser<'a> {
     }
 
     /// A function with its body, or a prototype, if one of them stands here.
-    fn function(&mut self, name: &Word, place: Place, returns: Kind) -> Parsed<Option<StmtNode>> {
+    fn function(
+        &mut self,
+        name: &Word,
+        place: Place,
+        returns: Kind,
+        qualified: &[&str],
+    ) -> Parsed<Option<StmtNode>> {
+        let space: Word = within(&self.space, qualified).into();
+        let qualified = !qualified.is_empty();
         let start = self.at;
         self.skip_group();
         while QUALIFIERS.contains(&self.word(0)) || self.word(0) == "override" {
@@ -1132,8 +1394,11 @@ impl<'a> Parser<'a> {
         }
         let mut it = Function {
             name: name.clone(),
+            space,
             parameters,
             body: Vec::new(),
+            hidden: false,
+            qualified,
             place,
             returns,
             template: self.template.clone(),
@@ -1146,7 +1411,11 @@ impl<'a> Parser<'a> {
         while self.peek(0).is_some() && !self.sees("{") {
             self.at += 1;
         }
-        it.body = self.block()?;
+        it.body = if std::mem::take(&mut self.in_class) {
+            self.member_body(name)
+        } else {
+            self.block()?
+        };
         Ok(Some(StmtNode::Function(Rc::new(it))))
     }
 
@@ -1165,7 +1434,7 @@ impl<'a> Parser<'a> {
         empty || named
     }
 
-    fn word_before(&self) -> &str {
+    fn word_before(&self) -> &'a str {
         let before = self.at.checked_sub(1).and_then(|at| self.tokens.get(at));
         before.and_then(Token::name).map_or("", |n| n)
     }
@@ -1181,14 +1450,17 @@ impl<'a> Parser<'a> {
             let Some(it) = self.read_type() else {
                 return Err(unexpected(self.peek(0), self.place(), "a type", HELP));
             };
-            let name = match self.peek(0).and_then(Token::name) {
-                Some(name) => {
+            let function = self.pointer_name();
+            let called = function.is_some();
+            let mut array = function.as_ref().is_some_and(|it| it.1);
+            let name = match (function, self.peek(0).and_then(Token::name)) {
+                (Some((name, _)), _) => name,
+                (None, Some(name)) => {
                     self.at += 1;
                     name.clone()
                 }
-                None => "".into(),
+                (None, None) => "".into(),
             };
-            let mut array = false;
             while self.take("[") {
                 array = true;
                 while self.peek(0).is_some() && !self.take("]") {
@@ -1204,10 +1476,14 @@ impl<'a> Parser<'a> {
             if !single_void {
                 all.push(Parameter {
                     name,
-                    kind: if array { Kind::Any } else { it.value_kind() },
-                    of: it.name,
-                    reference: it.reference && !it.constant,
-                    pointer: it.pointer || array,
+                    kind: if array || called {
+                        Kind::Any
+                    } else {
+                        it.value_kind()
+                    },
+                    of: if called { "".into() } else { it.name },
+                    reference: it.reference && !it.constant && !called,
+                    pointer: it.pointer && !called || array,
                     default,
                 });
             }
@@ -1229,6 +1505,13 @@ impl<'a> Parser<'a> {
 
 /// The call that makes an array of a length, filled with a value.
 pub(super) const FILLED: &str = "a filled vector";
+
+/// A namespace inside of another.
+fn within(outer: &str, names: &[&str]) -> String {
+    let outer = Some(outer).filter(|it| !it.is_empty());
+    let all: Vec<&str> = outer.into_iter().chain(names.iter().copied()).collect();
+    all.join("::")
+}
 
 /// What a number of this type becomes.
 pub(super) fn kind_of(name: &str) -> Kind {

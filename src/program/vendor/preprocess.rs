@@ -11,14 +11,12 @@ use super::{
 };
 use crate::{
     config::{Fault, Place},
+    limit::{NESTING, VENDOR_TOKENS},
     program::Overrides,
 };
 
 /// Files inside each other.
 const DEPTH: usize = 16;
-
-/// Tokens that a text may become.
-const TOKENS: usize = 1 << 20;
 
 /// What a text becomes.
 pub(super) struct Preprocessed {
@@ -54,11 +52,14 @@ pub(super) fn preprocess(
         out: Vec::new(),
         faults: Vec::new(),
         numbers: BTreeMap::new(),
+        made: 0,
+        depth: 0,
         full: false,
     };
     it.text(text, 0, 0);
     Preprocessed {
-        tokens: it.out,
+        // A part of the text would only give faults of its own.
+        tokens: if it.full { Vec::new() } else { it.out },
         faults: it.faults,
         numbers: it.numbers,
     }
@@ -92,7 +93,11 @@ struct Preprocessor<'a> {
     out: Vec<Token>,
     faults: Vec<Fault>,
     numbers: BTreeMap<String, f64>,
-    /// Whether the limit was told.
+    /// Tokens that were looked at, those of macros again in each use.
+    made: usize,
+    /// Macros inside each other.
+    depth: usize,
+    /// Whether a limit was told.
     full: bool,
 }
 
@@ -103,6 +108,9 @@ impl Preprocessor<'_> {
         let mut groups: Vec<Group> = Vec::new();
         let mut rest = &all[..];
         while let Some(first) = rest.first() {
+            if self.full {
+                return;
+            }
             if first.is("#") && first.first {
                 let end = rest[1..].iter().position(|t| t.first);
                 let (line, after) = rest.split_at(end.map_or(rest.len(), |end| end + 1));
@@ -313,27 +321,52 @@ impl Preprocessor<'_> {
         self.text(&text, base, depth + 1);
     }
 
+    /// Tells of a limit, once: nothing more is read.
+    fn stop(&mut self, place: Place, message: String) {
+        if !self.full {
+            self.full = true;
+            self.faults.push(
+                Fault::error(place, message, "from here on")
+                    .help("macros that call each other grow fast; use functions and loops"),
+            );
+        }
+    }
+
     /// Appends tokens, macros expanded. `at` is the place of the outermost call.
     fn expand(&mut self, tokens: &[Token], active: &mut Vec<Arc<str>>, at: Option<Place>) {
+        if self.depth == 4 * NESTING {
+            let place = at.or_else(|| Some(tokens.first()?.place));
+            let message = format!(
+                "more than {} levels of macros inside each other",
+                4 * NESTING
+            );
+            self.stop(place.unwrap_or_default(), message);
+            return;
+        }
+        self.depth += 1;
+        self.expand_all(tokens, active, at);
+        self.depth -= 1;
+    }
+
+    fn expand_all(&mut self, tokens: &[Token], active: &mut Vec<Arc<str>>, at: Option<Place>) {
         let mut rest = tokens;
         while let Some((token, after)) = rest.split_first() {
             rest = after;
             let place = at.unwrap_or(token.place);
+            self.made += 1;
+            if self.made > VENDOR_TOKENS {
+                self.stop(place, format!("more than {VENDOR_TOKENS} tokens"));
+            }
+            if self.full {
+                return;
+            }
             let found = token.name().filter(|name| !active.contains(name));
             let found = found.and_then(|name| Some((name, self.macros.get(name)?.clone())));
             let Some((name, it)) = found else {
-                if self.out.len() < TOKENS {
-                    self.out.push(Token {
-                        place,
-                        ..token.clone()
-                    });
-                } else if !self.full {
-                    self.full = true;
-                    self.faults.push(
-                        Fault::error(place, format!("more than {TOKENS} tokens"), "from here on")
-                            .help("macros that call each other grow fast; use a loop"),
-                    );
-                }
+                self.out.push(Token {
+                    place,
+                    ..token.clone()
+                });
                 continue;
             };
             let mut body = it.body.clone();
@@ -454,6 +487,12 @@ impl Preprocessor<'_> {
                 }
             }
             body.extend(inner);
+            if body.len() > VENDOR_TOKENS {
+                self.stop(place, format!("more than {VENDOR_TOKENS} tokens"));
+            }
+            if self.full {
+                break;
+            }
         }
         body
     }

@@ -8,7 +8,7 @@ use super::{
     machine::{Flow, Machine, item},
     shape::{self, Leaf},
     tree::{Declared, Expr, Stmt, StmtNode},
-    value::{Layout, Member, Value},
+    value::{Layout, Member, Value, unassigned},
 };
 use crate::{
     config::Place,
@@ -41,7 +41,7 @@ impl Machine<'_> {
     fn statement(&mut self, it: &Stmt) -> Flow {
         self.work(it.place);
         match &it.node {
-            StmtNode::Block(inner) => return self.block(inner),
+            StmtNode::Block(inner) | StmtNode::Namespace(_, inner) => return self.block(inner),
             StmtNode::Declare(all) => {
                 for declared in all {
                     self.declare(declared);
@@ -81,6 +81,10 @@ impl Machine<'_> {
             }
             StmtNode::Function(function) => self.state(function),
             StmtNode::Struct(it) => self.class(it),
+            StmtNode::Class(members) => {
+                self.state_members(members);
+                self.check_members(members);
+            }
         }
         Flow::Next
     }
@@ -98,6 +102,34 @@ impl Machine<'_> {
         let known = self.functions.entry(function.name.clone()).or_default();
         if !known.contains(function) {
             known.push(std::rc::Rc::clone(function));
+        }
+    }
+
+    /// The functions of a class.
+    pub(super) fn state_members(&mut self, members: &[std::rc::Rc<super::tree::Function>]) {
+        for function in members {
+            let known = self.members.entry(function.name.clone()).or_default();
+            if !known.contains(function) {
+                known.push(std::rc::Rc::clone(function));
+            }
+        }
+    }
+
+    /// Objects are made and ended without a call that could be refused: what does that must leave
+    /// the array alone.
+    fn check_members(&mut self, members: &[std::rc::Rc<super::tree::Function>]) {
+        for function in members.iter().filter(|it| it.hidden) {
+            if function.body.iter().any(|it| look::changes(self, it)) {
+                self.error(
+                    function.place,
+                    format!(
+                        "`{}` runs words of the array where no call of it is written",
+                        function.name
+                    ),
+                    "a constructor, a destructor or an operator",
+                    "make it a function outside of the class, and call that",
+                );
+            }
         }
     }
 
@@ -141,7 +173,7 @@ impl Machine<'_> {
                 let empty = if self.scopes.len() == 1 || it.lasting {
                     Value::Whole(0)
                 } else {
-                    Value::Unknown(format!("`{name}`, to which nothing was assigned,").into())
+                    Value::Unknown(unassigned(name))
                 };
                 match self.layouts.get(&it.of) {
                     Some(layout) if !it.pointer => shape::fresh(layout, &empty),
@@ -244,20 +276,31 @@ impl Machine<'_> {
     }
 
     fn branch(&mut self, condition: &Expr, yes: &Stmt, no: Option<&Stmt>) -> Flow {
-        let value = self.condition(condition);
-        match value.truth() {
-            Ok(true) => self.scoped(yes),
-            Ok(false) => no.map_or(Flow::Next, |no| self.scoped(no)),
-            Err(why) => {
-                let parts: Vec<&Stmt> = [Some(yes), no].into_iter().flatten().collect();
-                self.either(condition, &parts, &why)
+        let (mut condition, mut yes, mut no) = (condition, yes, no);
+        loop {
+            let value = self.condition(condition);
+            match (value.truth(), no) {
+                (Ok(true), _) => return self.scoped(yes),
+                (Ok(false), None) => return Flow::Next,
+                (Ok(false), Some(other)) => {
+                    // `else if` is no deeper than the `if` before it.
+                    let StmtNode::If(next, then, otherwise) = &other.node else {
+                        return self.scoped(other);
+                    };
+                    self.work(other.place);
+                    (condition, yes, no) = (next, then, otherwise.as_deref());
+                }
+                (Err(why), no) => {
+                    let parts: Vec<&Stmt> = [Some(yes), no].into_iter().flatten().collect();
+                    return self.either(condition, &parts, &why);
+                }
             }
         }
     }
 
     /// Branches of which only the run knows which is taken. What they show is shown; what they
     /// compute is forgotten; that they change the array is a fault.
-    fn either(&mut self, on: &Expr, parts: &[&Stmt], why: &Arc<str>) -> Flow {
+    pub(super) fn either(&mut self, on: &Expr, parts: &[&Stmt], why: &Arc<str>) -> Flow {
         let changes = parts.iter().any(|part| look::changes(self, part));
         if changes {
             let message = format!("whether this kernel runs, {why} decides");
@@ -388,7 +431,7 @@ impl Machine<'_> {
                     match value.truth() {
                         Ok(holds) => holds,
                         Err(why) => {
-                            self.open_ended(it, condition, body, &why);
+                            self.open_ended(it, condition, step, body, &why);
                             false
                         }
                     }
@@ -428,14 +471,25 @@ impl Machine<'_> {
     }
 
     /// A loop of which only the run knows when it ends.
-    fn open_ended(&mut self, it: &Stmt, condition: &Expr, body: &Stmt, why: &Arc<str>) {
-        if look::changes(self, body) {
+    fn open_ended(
+        &mut self,
+        it: &Stmt,
+        condition: &Expr,
+        step: Option<&Expr>,
+        body: &Stmt,
+        why: &Arc<str>,
+    ) {
+        let step = step.map(look::statement);
+        let each = [Some(body), step.as_ref(), Some(&look::statement(condition))];
+        if each.iter().flatten().any(|it| look::changes(self, it)) {
             let message = format!("how often this loop runs, {why} decides");
             self.unknown(it.place, message, Some(condition));
         }
         look::forget(self, body, why);
         look::show(self, body);
-        look::forget(self, body, why);
+        for part in each.into_iter().flatten() {
+            look::forget(self, part, why);
+        }
     }
 
     /// Turns that asked the same of the array become one `repeat`, which is stored once.

@@ -7,6 +7,17 @@ use crate::config::Place;
 /// A name.
 pub(super) type Word = Arc<str>;
 
+/// A name without the namespaces and classes before it.
+pub(super) fn last(name: &str) -> &str {
+    name.rsplit("::").next().unwrap_or(name)
+}
+
+/// The namespaces or classes that are written before a name: empty for `::name`, nothing where
+/// there are none.
+pub(super) fn qualifier(name: &str) -> Option<&str> {
+    name.rsplit_once("::").map(|it| it.0)
+}
+
 /// A value as it is written.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Expr {
@@ -21,6 +32,7 @@ pub(super) enum ExprNode {
     Wide(i64, Width),
     Real(f64),
     Text(Word),
+    /// With the namespaces that are written before it.
     Name(Word),
     Call(Box<Expr>, Vec<Expr>),
     Member(Box<Expr>, Word),
@@ -109,6 +121,7 @@ pub(super) struct Stmt {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum StmtNode {
     Block(Vec<Stmt>),
+    Namespace(Word, Vec<Stmt>),
     Declare(Vec<Declared>),
     Expr(Expr),
     If(Expr, Box<Stmt>, Option<Box<Stmt>>),
@@ -129,7 +142,9 @@ pub(super) enum StmtNode {
     Prototype(Rc<Function>),
     /// `struct name { members };`
     Struct(Rc<Struct>),
-    /// Nothing that is of use here: `using`, classes.
+    /// The functions of a class.
+    Class(Vec<Rc<Function>>),
+    /// Nothing that is of use here: `using`, `typedef`.
     Nothing,
 }
 
@@ -165,8 +180,14 @@ pub(super) struct Struct {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Function {
     pub name: Word,
+    /// The namespace that it is in; empty for the file's own.
+    pub space: Word,
     pub parameters: Vec<Parameter>,
     pub body: Vec<Stmt>,
+    /// Whether it runs without a call by its name: a constructor, a destructor, an operator.
+    pub hidden: bool,
+    /// Whether it is stated as `name::name`, as functions of classes can be.
+    pub qualified: bool,
     pub place: Place,
     /// What the number that it gives back becomes.
     pub returns: Kind,

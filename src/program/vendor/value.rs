@@ -10,6 +10,11 @@ use super::{
 /// The index of a variable.
 pub(super) type Slot = usize;
 
+/// Why a variable to which nothing was assigned has no value.
+pub(super) fn unassigned(name: &str) -> Arc<str> {
+    format!("`{name}`, to which nothing was assigned,").into()
+}
+
 /// A value.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {

@@ -24,7 +24,8 @@ pub struct WriteError {
 }
 
 /// A program as vendor C++: `init` before the loop over the frames, `frame` in it, every
-/// constant in its place. Read back, it gives the same instructions.
+/// constant in its place. Read back, it gives the same instructions, with what `scamp5_in` sets in
+/// whole LSB, as the vendor's function takes it and the chip's converter has it.
 ///
 /// # Errors
 /// When a number is none that the vendor's functions take, or the program has faults.
@@ -204,12 +205,15 @@ impl Writer<'_> {
                 }
             });
         }
-        let whole = ["scamp5_in", "scamp5_load_in"].contains(&it.name.as_str());
-        if let (true, Some(value)) = (whole, given.iter().find(|it| it.contains('.'))) {
-            return Err(WriteError {
-                what: format!("`{}` takes whole LSB in C++, not {value}", it.name),
-                help: "give another threshold, or scale, so that it is whole; `scamp5_load_dac` has finer steps".to_owned(),
-            });
+        let mut remark = String::new();
+        if ["scamp5_in", "scamp5_load_in"].contains(&it.name.as_str()) {
+            for value in &mut given {
+                let Some((real, whole)) = whole(value) else {
+                    continue;
+                };
+                *value = whole;
+                remark = format!(" // {real} LSB; the converter has whole ones");
+            }
         }
         match it.name.as_str() {
             "scamp5_output_image" | "scamp5_output_areg" => {
@@ -231,7 +235,7 @@ impl Writer<'_> {
             "scamp5_scan_dreg" => self.buffer(given.get(1), 8192),
             _ => {}
         }
-        Ok(format!("{}({});", it.name, given.join(", ")))
+        Ok(format!("{}({});{remark}", it.name, given.join(", ")))
     }
 
     fn buffer(&mut self, name: Option<&String>, bytes: u64) {
@@ -274,4 +278,10 @@ fn no_number(it: &Expression) -> WriteError {
         what: format!("`{it}` is no number"),
         help: "constants are numbers".to_owned(),
     }
+}
+
+/// A number that is not whole, and the whole one that the chip's converter sets for it.
+fn whole(value: &str) -> Option<(f64, String)> {
+    let real: f64 = value.parse().ok()?;
+    (real.fract() != 0.0).then(|| (real, (real.round_ties_even() as i64).to_string()))
 }

@@ -229,6 +229,12 @@ fn names(given: Option<Node<'_>>, kinds: Option<usize>) -> Read<Vec<String>> {
     }
 }
 
+/// A number of things, in words.
+fn counted(number: usize, thing: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {thing}{plural}")
+}
+
 /// One threshold, or four for a pattern, or one for each of the kinds of a file.
 fn thresholds(node: Node<'_>, four: bool, kinds: Option<usize>) -> Read<Vec<Threshold>> {
     if let Some(kinds) = kinds {
@@ -237,7 +243,11 @@ fn thresholds(node: Node<'_>, four: bool, kinds: Option<usize>) -> Read<Vec<Thre
             Some(list) if list.len() == kinds => list.into_iter().map(Threshold::read).collect(),
             Some(list) => Err(wrong(
                 node.place(),
-                format!("{} thresholds for {kinds} kernels", list.len()),
+                format!(
+                    "{} for {}",
+                    counted(list.len(), "threshold"),
+                    counted(kinds, "kernel")
+                ),
                 "give one for all of them, or one for each",
             )),
         };

@@ -3,7 +3,7 @@
 use crate::{
     config::{Node, Place, Read},
     elementary,
-    kernel::{Kernel, KernelError, KernelFileError},
+    kernel::{FEWER, Kernel, KernelError, KernelFileError, SHAPES, wrong_number},
     npy,
     plane::Plane,
 };
@@ -63,7 +63,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The kernels of a file of several, a `.npy` of shape (K,k,k); none where it is one kernel.
+    /// The kernels of a file of several, a `.npy` of shape (K,k,k) or (K,1,k,k); none where it is one kernel.
     pub(super) fn stack(&self, node: Node<'_>) -> Read<Option<Vec<Kernel>>> {
         let name = node
             .as_text()
@@ -82,18 +82,14 @@ impl Reader<'_> {
         if planes.is_empty() || planes.len() > MOST_CHANNELS {
             return Err(wrong(
                 node.place(),
-                format!("kernel file {name}: {} kernels", planes.len()),
-                &format!("give an array of shape (K,k,k), K from 1 to {MOST_CHANNELS}"),
+                format!("kernel file {name}: {}", wrong_number(planes.len())),
+                FEWER,
             ));
         }
         let kernels = (0..).zip(planes).map(|(i, plane)| {
             Kernel::new(plane).map_err(|e| {
                 let what = format!("kernel file {name}, kernel {i}: {e}");
-                wrong(
-                    node.place(),
-                    what,
-                    "give kernels of odd sides and finite weights",
-                )
+                wrong(node.place(), what, SHAPES)
             })
         });
         kernels.collect::<Read<_>>().map(Some)
@@ -129,9 +125,7 @@ impl Reader<'_> {
         })?;
         Kernel::from_bytes(name, &bytes).map_err(|e| {
             let advice = match e {
-                KernelFileError::Array(_) => {
-                    "give a two-dimensional array of numbers; in numpy: np.save(file, kernel)"
-                }
+                KernelFileError::Array(_) | KernelFileError::Kernel(_) => SHAPES,
                 _ => "a kernel file is TOML with one of `weights`, `centre-surround` and `gaussians`, or a .npy array",
             };
             wrong(place, format!("kernel file {}", e.in_file(name)), advice)

@@ -9,8 +9,8 @@ use crate::{
 
 pub use surround::RULES;
 
-/// Kinds of cells that a pixel may have, as many as the paper's largest sensor.
-pub(super) const MOST_CHANNELS: usize = 16;
+/// Kinds of cells that a pixel may have.
+pub(super) const MOST_CHANNELS: usize = crate::limit::KERNELS;
 
 /// A sensor file.
 pub const FILE: File = File {
@@ -137,7 +137,7 @@ const CHANNEL: Table = Table {
             "kernel",
             Kind::Either {
                 ways: &[Kind::Text, kernel::ROWS, Kind::list(&ONE)],
-                expected: "rows of numbers, such as [[0, -1, 0], [-1, 4, -1], [0, -1, 0]], or the name of a built-in kernel or of a kernel file, of which a .npy of shape (K,k,k) is K kinds of cells (with pattern = \"2x2\": an array of four)",
+                expected: "rows of numbers, such as [[0, -1, 0], [-1, 4, -1], [0, -1, 0]], or the name of a built-in kernel or of a kernel file, of which a .npy of shape (K,k,k) or (K,1,k,k) is K kinds of cells (with pattern = \"2x2\": an array of four)",
             },
             "the receptive field",
         )

@@ -47,7 +47,11 @@ impl Description {
             let read = |_: &str| Err(io::ErrorKind::NotFound.into());
             return Ok(Self::parse(&file.path(), file.text, &read)?);
         }
-        let help = "give a sensor file, or a name that `amacrine list sensors` prints";
+        let help = if path.extension().is_some_and(|ending| ending == "npy") {
+            "give a sensor file, such as rgc; an array of kernels goes after --kernel, beside it"
+        } else {
+            "give a sensor file, or a name that `amacrine list sensors` prints"
+        };
         let help = name.map_or_else(
             || help.to_owned(),
             |name| bundled::meant(Kind::Sensor, name, help),

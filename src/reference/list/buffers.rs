@@ -92,7 +92,14 @@ impl Buffers {
         if threads == 1 {
             for (slice, length) in lengths.enumerate() {
                 let out = of_length(sorted, length);
-                sort(runs(slice), slice << shift, 1 << shift, next, out, |packed| packed);
+                sort(
+                    runs(slice),
+                    slice << shift,
+                    1 << shift,
+                    next,
+                    out,
+                    |packed| packed,
+                );
                 quantiser.emit(out, events);
             }
             return;

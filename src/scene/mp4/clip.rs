@@ -275,6 +275,12 @@ fn check_set(
     let Some(pictures) = Pictures::from_unit(unit) else {
         return Ok(());
     };
+    if let Some(chroma) = pictures.chroma.beyond_decoder() {
+        return Err(SceneError::Mp4 {
+            path: path.into(),
+            what: format!("its colour is coded in {chroma}, which the H.264 decoder does not read"),
+        });
+    }
     *colour = colour.or(pictures.colour);
     let side = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let size = light::checked_size(path, side(pictures.height), side(pictures.width))?;

@@ -8,6 +8,37 @@ use bitstream_io::{BigEndian, BitRead, BitReader};
 
 use super::colour::Colour;
 
+/// How colour is sampled beside luma (`chroma_format_idc`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Chroma {
+    /// 4:2:0, or none.
+    #[default]
+    Quarter,
+    /// 4:2:2.
+    Half,
+    /// 4:4:4.
+    Full,
+}
+
+impl Chroma {
+    const fn of(format: u64) -> Self {
+        match format {
+            2 => Self::Half,
+            3 => Self::Full,
+            _ => Self::Quarter,
+        }
+    }
+
+    /// Its name, where the decoder does not read it.
+    pub const fn beyond_decoder(self) -> Option<&'static str> {
+        match self {
+            Self::Quarter => None,
+            Self::Half => Some("4:2:2"),
+            Self::Full => Some("4:4:4"),
+        }
+    }
+}
+
 /// The pictures that a decoder must hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Pictures {
@@ -17,6 +48,8 @@ pub(super) struct Pictures {
     pub width: u64,
     /// Number of reference frames (`max_num_ref_frames`).
     pub references: u64,
+    /// How its colour is sampled.
+    pub chroma: Chroma,
     /// What the set says about range and transfer.
     pub colour: Colour,
 }
@@ -69,19 +102,21 @@ impl Bits<'_> {
         self.bits(16)?; // constraint flags, level_idc
         self.number()?; // seq_parameter_set_id
         // The high profiles have fields for chroma, bit depth and scaling lists.
+        let mut chroma = Chroma::default();
         if matches!(
             profile,
             100 | 110 | 122 | 244 | 44 | 83 | 86 | 118 | 128 | 134 | 135 | 138 | 139
         ) {
-            let chroma = self.number()?; // chroma_format_idc; 3 is 4:4:4
-            if chroma == 3 {
+            let format = self.number()?; // chroma_format_idc
+            chroma = Chroma::of(format);
+            if chroma == Chroma::Full {
                 self.bits(1)?; // separate_colour_plane_flag
             }
             self.number()?; // bit_depth_luma_minus8
             self.number()?; // bit_depth_chroma_minus8
             self.bits(1)?; // qpprime_y_zero_transform_bypass_flag
             if self.bits(1)? == 1 {
-                self.skip_scaling_lists(if chroma == 3 { 12 } else { 8 })?;
+                self.skip_scaling_lists(if chroma == Chroma::Full { 12 } else { 8 })?;
             }
         }
         self.number()?; // log2_max_frame_num_minus4
@@ -110,6 +145,7 @@ impl Bits<'_> {
             height: 16 * rows * fields,
             width: 16 * width,
             references,
+            chroma,
             // A set that ends here has said enough to be decoded.
             colour: self.colour(fields == 2).unwrap_or_default(),
         })
@@ -202,6 +238,7 @@ mod tests {
                 height: 32,
                 width: 48,
                 references,
+                chroma: Chroma::Quarter,
                 colour: Colour::default(),
             };
             assert_eq!(pictures, want);

@@ -32,7 +32,7 @@ pub(super) fn section(all: &Feasibility) -> Part {
                 "The chip adds, subtracts, halves and shifts; it does not multiply. The kernel became " strong { (chosen.to) }
                 @if chosen.asked_for { ", as asked for" } @else { ", which keeps most events on this scene of those in the table" }
                 ": levels and one scale, " (number::plain("/chosen/scale", chosen.scale))
-                ", by which the threshold is divided. Its relative error is " (number::fixed("/chosen/relative_error", chosen.relative_error, 4)) "."
+                ", by which the threshold is divided. None of these levels is above 1: they are those of " code { "amacrine quantise" } " divided by a power of two, and the scale is that one's times the same power, so a threshold is divided by one of the two scales, with its own levels. Its relative error is " (number::fixed("/chosen/relative_error", chosen.relative_error, 4)) "."
             }
             div.panels.kernels {
                 figure {

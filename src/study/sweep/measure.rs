@@ -23,6 +23,7 @@ use crate::{
     number::Format,
     plane::Size,
     reference::Description,
+    rig::guard::Warning,
 };
 
 /// Bins of the voxel grids.
@@ -122,7 +123,7 @@ fn measured(
     limits: Limits<'_>,
     (seen, row): (&mut Seen, &mut Row),
 ) -> Result<(), Refusal> {
-    let (packet, seconds, warnings) = watch(seen, limits)?;
+    let (packet, seconds, mut warnings) = watch(seen, limits)?;
     let watched = |description: &Description| {
         let seen = Seen::float(entry, (description, 0, Format::F64), shared, limits);
         Ok(watch(&mut seen?, limits)?.0)
@@ -135,6 +136,10 @@ fn measured(
     };
     let ladder = truth.ladder();
     let pair = ladder.pair(&packet)?;
+    let headline = Point::new(&pair, ladder.redraws(), ladder.window());
+    if !ladder.reference().events.is_empty() {
+        warnings.extend(Warning::window(headline.window_us, headline.floor));
+    }
     let frames = entry.scene.frames as f64;
     let on = packet
         .events
@@ -155,7 +160,6 @@ fn measured(
     }
     put("bits", json!(address::bits(&packet)));
     put("reference_events", json!(ladder.reference().events.len()));
-    let headline = Point::new(&pair, ladder.redraws(), ladder.window());
     put("window_us", json!(headline.window_us));
     put("kept", json!(headline.kept));
     put("floor", json!(headline.floor));

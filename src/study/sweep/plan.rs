@@ -37,6 +37,9 @@ use crate::{
     source,
 };
 
+/// How several kernels come into a study.
+const ONE: &str = "a study takes one kernel a file: numpy.save(\"k0.npy\", K[0]) for each of the array, and kernel = [\"k0.npy\", …]";
+
 /// Everything there is to compute.
 #[derive(Debug)]
 pub struct Plan {
@@ -306,7 +309,11 @@ impl<'a> Opened<'a> {
         })?;
         let shown = path.display().to_string();
         let kernel = Kernel::from_bytes(&shown, &bytes);
-        kernel.map_err(|e| self.wrong(point, "kernel", &e.in_file(&shown), None))
+        kernel.map_err(|e| {
+            let several = Kernel::planes_from_npy(&bytes).is_some();
+            let help = several.then(|| ONE.to_owned());
+            self.wrong(point, "kernel", &e.in_file(&shown), help)
+        })
     }
 
     /// The chip, and its data as text.

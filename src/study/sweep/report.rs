@@ -15,7 +15,9 @@ use super::{
 };
 use crate::{
     order::Order,
+    rig::guard::Warning,
     study::front::{Cost, dominators},
+    unit::Micros,
 };
 
 /// The columns that make a sensor.
@@ -105,6 +107,25 @@ pub struct Refused {
     pub points: usize,
     /// Why, of the first of them.
     pub reason: String,
+}
+
+/// That accident scores as much as anything at some points of these rows, told of the point where
+/// it scores most.
+#[must_use]
+pub fn by_accident(rows: &[Row]) -> Option<Warning> {
+    let warned = rows.iter().filter_map(|row| {
+        let number = |name: &str| row.get(name).and_then(serde_json::Value::as_f64);
+        let floor = number("floor").filter(|_| number("reference_events") > Some(0.0))?;
+        let window = Micros(number("window_us")? as u64);
+        Some((floor, Warning::window(window, floor)?))
+    });
+    let warned: Vec<_> = warned.collect();
+    let (points, of) = (warned.len(), rows.len());
+    let (_, warning) = warned.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(Warning {
+        subjects: vec![format!("what is kept at {points} of {of} points")],
+        ..warning
+    })
 }
 
 impl Report {

@@ -23,9 +23,13 @@ use super::{
     provenance::Provenance,
     record::{LONGEST, Record, Wrong},
     regular::{self, FILE, FOLDER, Unusable},
+    report::by_accident,
     table::{self, Row},
 };
-use crate::save::{is_temporary, make_folder_durably, save_durably, sweep_up};
+use crate::{
+    rig::guard::Warning,
+    save::{is_temporary, make_folder_durably, save_durably, sweep_up},
+};
 
 /// An open folder of results, held by this process alone.
 #[derive(Debug)]
@@ -59,6 +63,8 @@ pub struct Tables {
     pub missing: Vec<usize>,
     /// Who computed them.
     pub computed_by: Vec<ComputedBy>,
+    /// That accident scores as much as anything at some of the points.
+    pub warning: Option<Warning>,
 }
 
 /// Points that were computed by one build on one kind of processor.
@@ -285,6 +291,7 @@ fn believed(folder: &Path, manifest: &Manifest) -> Kept<(Vec<Row>, Tables)> {
     }
     let computed_by = computed_by.into_iter();
     let tables = Tables {
+        warning: by_accident(&rows),
         finished: rows.len() - failed,
         failed,
         missing,
