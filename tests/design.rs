@@ -417,7 +417,7 @@ fn a_recording_for_viewers() {
     assert!(has("/events/2_vertical_edges") && has("/image/0_change"));
 }
 
-/// What PyTorch has is taken as it is; more kernels than a sensor has kinds are refused at once,
+/// What `PyTorch` has is taken as it is; more kernels than a sensor has kinds are refused at once,
 /// everywhere with the same words.
 #[test]
 fn arrays_of_kernels_have_one_shape_and_one_limit() {
