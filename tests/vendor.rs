@@ -114,7 +114,7 @@ fn constants_and_arithmetic_are_those_of_cpp() {
     same("scamp5_in(A, 7.0 / 2 + 0.5);", "scamp5_in(A, 4);");
     same(
         "uint8_t b = 250; b += 10; scamp5_in(A, (int)b % 100);",
-        "scamp5_in(A, 60);",
+        "scamp5_in(A, 4);",
     );
     same(
         "scamp5_load_pattern(R5, 0, 0, 0b1100, 0x1F);",
@@ -144,6 +144,308 @@ fn constants_and_arithmetic_are_those_of_cpp() {
         "int v = 1; int &w = v; w = 6; int *p = &v; *p += 1; scamp5_in(A, v);",
         "scamp5_in(A, 7);",
     );
+}
+
+/// C++ that loads numbers into `A`, and the numbers.
+#[track_caller]
+fn numbers(inside: &str, all: &[i32]) {
+    numbers_with("", inside, all);
+}
+
+/// The same, with what stands before `main`.
+#[track_caller]
+fn numbers_with(before: &str, inside: &str, all: &[i32]) {
+    let text = format!("{before}\nint main() {{ {inside} }}");
+    let own: Vec<String> = all.iter().map(|n| format!("scamp5_in(A, {n});")).collect();
+    assert_eq!(cpp_code(&text), own_code(&own.join(" ")), "{text}");
+}
+
+/// The messages of C++ that is refused.
+#[track_caller]
+fn messages(text: &str) -> Vec<String> {
+    let faults = expand(text, &[]).expect_err(text).faults;
+    faults.into_iter().map(|it| it.fault.message).collect()
+}
+
+/// C++ inside of `main` that is refused, for one reason.
+#[track_caller]
+fn refused_for(inside: &str, reason: &str) {
+    let all = messages(&format!("int main() {{ {inside} }}"));
+    assert!(
+        matches!(&all[..], [one] if one.contains(reason)),
+        "{inside}: {all:?}"
+    );
+}
+
+#[test]
+fn a_variable_keeps_its_width() {
+    numbers(
+        "uint8_t b = 255; b++; scamp5_in(A, b); b--; scamp5_in(A, b == 255); b += 10; scamp5_in(A, b);",
+        &[0, 1, 9],
+    );
+    numbers(
+        "uint16_t x = 0; x--; scamp5_in(A, x == 65535); int8_t y = 127; y++; scamp5_in(A, y);",
+        &[1, -128],
+    );
+    numbers(
+        "uint8_t a[2] = {250, 1}; a[0] += 10; a[1] = 300; scamp5_in(A, a[0]); scamp5_in(A, a[1]);",
+        &[4, 44],
+    );
+    numbers(
+        "uint8_t b; int c = (b = 300); scamp5_in(A, c); bool f; f = 7; scamp5_in(A, f);",
+        &[44, 1],
+    );
+    numbers(
+        "unsigned y = 1; y -= 2; scamp5_in(A, y == 4294967295u); scamp5_in(A, (y - 2) / 2 > 5);",
+        &[1, 1],
+    );
+    numbers(
+        "scamp5_in(A, (1 << 31) < 0); scamp5_in(A, -1 < 1u); scamp5_in(A, 0xFFFFFFFF == -1);",
+        &[1, 0, 1],
+    );
+    numbers(
+        "long l = 1; l <<= 40; scamp5_in(A, l >> 38); uint64_t u = 0; u--; scamp5_in(A, u >> 60);",
+        &[4, 15],
+    );
+    numbers(
+        "int n = 0; for (uint8_t i = 3; i < 4; i--) n++; scamp5_in(A, n);",
+        &[4],
+    );
+    numbers(
+        "typedef uint8_t byte; using word = uint16_t; byte b = 250; b += 10; word w = 0; w--;\n\
+         scamp5_in(A, b); scamp5_in(A, w == 65535);",
+        &[4, 1],
+    );
+    numbers(
+        "unsigned char c = 256; unsigned short s = 65537; long double x = 2.5; unsigned long y = 3;\n\
+         scamp5_in(A, c); scamp5_in(A, s); scamp5_in(A, (int)x); scamp5_in(A, y);",
+        &[0, 1, 2, 3],
+    );
+    // So do parameters, and what a function gives back.
+    numbers_with(
+        "uint8_t r8(int x) { return x; }\nint half(float x) { return x / 2; }\nint p(uint8_t x = 300) { x -= 45; return x; }",
+        "scamp5_in(A, r8(300)); scamp5_in(A, half(5)); scamp5_in(A, p(256)  == 211); scamp5_in(A, p() == 255);",
+        &[44, 2, 1, 1],
+    );
+    refused_for("scamp5_in(A, 1 << 32);", "1 << 32 has no value");
+}
+
+#[test]
+fn a_target_is_found_once() {
+    numbers(
+        "int t[4] = {10, 20, 30, 40}; int i = 0; while (i < 4) t[i++] /= 10;\n\
+         for (int k = 0; k < 4; k++) scamp5_in(A, t[k]);",
+        &[1, 2, 3, 4],
+    );
+    numbers(
+        "int a[3] = {0, 0, 0}; int n = 0; auto next = [&]() { return n++; }; a[next()]++; a[n++] += 5;\n\
+         scamp5_in(A, a[0]); scamp5_in(A, a[1]); scamp5_in(A, n);",
+        &[1, 5, 2],
+    );
+    numbers_with(
+        "int all[2] = {1, 2}; int at = 0;\nint *cur() { return &all[at++]; }",
+        "*cur() += 10; *cur() *= 3; scamp5_in(A, all[0]); scamp5_in(A, all[1]); scamp5_in(A, at);",
+        &[11, 6, 2],
+    );
+    numbers("int i = 1; (++i) += 3; scamp5_in(A, i);", &[5]);
+}
+
+#[test]
+fn references_are_the_elements_themselves() {
+    numbers_with(
+        "void f(int &x) { x += 3; }\nvoid sw(int &a, int &b) { int t = a; a = b; b = t; }",
+        "int a[3] = {1, 2, 3}; f(a[1]); scamp5_in(A, a[1]); int &r = a[1]; r = 9; scamp5_in(A, a[1]);\n\
+         for (auto &x : a) x *= 2; scamp5_in(A, a[2]); for (auto x : a) x = 0; scamp5_in(A, a[2]);\n\
+         sw(a[0], a[2]); scamp5_in(A, a[0]); std::swap(a[0], a[2]); scamp5_in(A, a[0]);\n\
+         int p = 1, q = 2; std::swap(p, q); scamp5_in(A, p); scamp5_in(A, q);",
+        &[5, 9, 6, 6, 6, 2, 2, 1],
+    );
+    numbers(
+        "int m[2][2] = {1, 2, 3, 4}; for (auto &row : m) for (int &x : row) x++; scamp5_in(A, m[1][0]);",
+        &[4],
+    );
+}
+
+#[test]
+fn pointers_count_elements() {
+    numbers(
+        "int w[3] = {1, 2, 3}; int *t = w; int s = 0; for (int i = 0; i < 3; i++) s += *t++;\n\
+         scamp5_in(A, s); scamp5_in(A, w[0]); scamp5_in(A, t - w); *w = 8; scamp5_in(A, w[0]);",
+        &[6, 1, 3, 8],
+    );
+    numbers(
+        "int a[2][3] = {1, 2, 3, 4, 5, 6}; scamp5_in(A, *(*(a + 1) + 1)); int *q = a[1]; q[2] = 9;\n\
+         scamp5_in(A, a[1][2]); scamp5_in(A, *q);",
+        &[5, 9, 4],
+    );
+    numbers(
+        "int w[3] = {1, 2, 3}; int *e = w + 3; int n = 0; for (int *p = w; p != e; ++p) n += *p;\n\
+         scamp5_in(A, n); int *p = w, x = 5; p++; scamp5_in(A, *p + x);",
+        &[6, 7],
+    );
+    numbers(
+        "uint8_t *p = new uint8_t[8192]; p[3] = 300; scamp5_in(A, p[3]); delete[] p;",
+        &[44],
+    );
+}
+
+#[test]
+fn overloads_are_chosen_by_their_arguments() {
+    numbers_with(
+        "void clear(areg_t r) { scamp5_in(r, 1); }\nvoid clear(dreg_t r) { scamp5_in(A, 2); }\n\
+         void load(areg_t r, int v) { scamp5_in(r, 3); }\nvoid load(areg_t r, float v) { scamp5_in(r, 4); }\n\
+         void load(areg_t r, bool v) { scamp5_in(r, 5); }",
+        "clear(A); clear(R5); load(A, 1); load(A, 1.5f); load(A, 1 < 2); load(A, true); uint8_t b = 1; load(A, b);",
+        &[1, 2, 3, 4, 5, 5, 3],
+    );
+    let functions = "void f(int a, float b) { nop(); }\nvoid f(float a, int b) { nop(); }\n\
+                     void g(areg_t x) { nop(); }\nvoid g(areg_t x, int n) { nop(); }\nvoid g(int x) { nop(); }\n";
+    for (call, reason) in [
+        ("f(1, 2);", "which `f` is meant is ambiguous"),
+        ("g(R5);", "no `g` takes these arguments"),
+    ] {
+        let all = messages(&format!("{functions}int main() {{ {call} }}"));
+        assert!(matches!(&all[..], [one] if one == reason), "{all:?}");
+    }
+}
+
+#[test]
+fn initialisers_have_the_forms_of_cpp() {
+    numbers(
+        "int q{7}; int z(8); const int w = {9}; uint8_t e{}; auto k(3); scamp5_in(A, q); scamp5_in(A, z);\n\
+         scamp5_in(A, w); scamp5_in(A, e); scamp5_in(A, k); scamp5_in(A, unsigned(2)); scamp5_in(A, int{1});",
+        &[7, 8, 9, 0, 3, 2, 1],
+    );
+    same("areg_t r(B); areg_t q{C}; mov(r, q);", "mov(B, C);");
+    // Inner braces may be left out.
+    numbers(
+        "int a[2][3] = {1, 2, 3, 4, 5, 6}; scamp5_in(A, a[1][0]); int b[][2] = {1, 2, {3, 4}, 5};\n\
+         scamp5_in(A, b[1][1]); scamp5_in(A, b[2][0]); scamp5_in(A, b[2][1]);",
+        &[4, 4, 5, 0],
+    );
+    numbers(
+        "std::array<int, 3> w{{4, 5, 6}}; auto c = w; c[0] = 9; scamp5_in(A, w[0]); scamp5_in(A, c[0]);\n\
+         std::vector<int> z(3, 7); z.push_back(1); scamp5_in(A, z[2]); scamp5_in(A, z.size());\n\
+         std::array<std::array<int, 2>, 2> m{{{1, 2}, {3, 4}}}; scamp5_in(A, m[1][0]);",
+        &[4, 9, 7, 4, 3],
+    );
+    numbers(
+        "int c[2][2][2] = {{{1, 2}, {3, 4}}}; scamp5_in(A, c[0][1][0]); scamp5_in(A, c[1][0][0]);",
+        &[3, 0],
+    );
+    refused_for("int a[2] = {1, 2, 3}; nop();", "1 values too many");
+    refused_for("int a = {1, 2}; nop();", "2 values for one variable");
+    // An array is no number.
+    refused_for(
+        "int a[2] = {1, 2}; scamp5_in(A, a);",
+        "`scamp5_in` does not take `a`",
+    );
+    refused_for(
+        "scamp5_in(A, \"text\");",
+        "`scamp5_in` does not take a text",
+    );
+}
+
+#[test]
+fn objects_of_plain_classes() {
+    numbers_with(
+        "struct C { int t; uint8_t u[2]; };\nstruct S { int a; int b = 4; };\nvoid set(S &s) { s.a = 42; }\n\
+         int sum(S s) { s.a += 1; return s.a + s.b; }",
+        "C c; c.t = 5; c.u[1] = 300; scamp5_in(A, c.t); scamp5_in(A, c.u[1]); S s = {3, 5}; S d = s; d.a = 9;\n\
+         scamp5_in(A, s.a); S *p = &s; p->b = 7; scamp5_in(A, s.b); scamp5_in(A, sum(s)); scamp5_in(A, s.a);\n\
+         set(s); scamp5_in(A, s.a); S t[2] = {{1, 2}, {3}}; scamp5_in(A, t[1].b); s = {6, 7}; scamp5_in(A, s.a);\n\
+         struct { int x; int y; } one = {1, 2}; scamp5_in(A, one.y); typedef struct { int q; } T; T v; v.q = 8;\n\
+         scamp5_in(A, v.q);",
+        &[5, 44, 3, 7, 11, 3, 42, 4, 6, 2, 8],
+    );
+}
+
+#[test]
+fn lambdas_take_along_what_they_say() {
+    numbers(
+        "int x = 3; auto f = [x]() { return x; }; auto g = [&]() { return x; }; auto h = [=] { return x; };\n\
+         auto k = [y = x + 1] { return y; }; auto m = [=, &x] { return x; }; auto n = [x]() mutable { return x++; };\n\
+         x = 5; scamp5_in(A, f()); scamp5_in(A, g()); scamp5_in(A, h()); scamp5_in(A, k()); scamp5_in(A, m());\n\
+         n(); scamp5_in(A, n()); scamp5_in(A, x);",
+        &[3, 5, 3, 4, 5, 4, 5],
+    );
+    // It sees the names where it is made, not those where it is called.
+    numbers_with(
+        "template<class F> int twice(F f) { int t = 100; return f() + f(); }",
+        "int t = 4; auto f = [&]() -> uint8_t { return t + 256; }; scamp5_in(A, twice(f));",
+        &[8],
+    );
+}
+
+#[test]
+fn templates_of_numbers_and_types() {
+    numbers_with(
+        "template<typename T> T largest(T a, T b) { return a > b ? a : b; }\n\
+         template<typename T> int held(int v) { T x = v; return x; }\n\
+         template<int N, int M = N + 1> int next() { return M; }",
+        "scamp5_in(A, largest<int>(3.5, 7.5)); scamp5_in(A, largest(4, 2)); scamp5_in(A, held<uint8_t>(300));\n\
+         scamp5_in(A, next<2>()); scamp5_in(A, next<2, 9>());",
+        &[7, 4, 44, 3, 9],
+    );
+    whole(
+        "template<int N> void rep(areg_t r) { for (int i = 0; i < N; i++) mov(r, B); }\nint main() { rep<3>(A); }",
+        "repeat 3 { mov(A, B); }",
+    );
+}
+
+#[test]
+fn smaller_constructs() {
+    numbers(
+        "int w[5]; uint8_t v[7]; scamp5_in(A, sizeof(w) / sizeof(w[0])); scamp5_in(A, sizeof(int));\n\
+         scamp5_in(A, sizeof v); scamp5_in(A, sizeof(float) + sizeof(double)); uint16_t h; scamp5_in(A, sizeof(h));",
+        &[5, 4, 7, 12, 2],
+    );
+    numbers(
+        "static_assert(sizeof(int) == 4, \"int\"); scamp5_in(A, 1);",
+        &[1],
+    );
+    refused_for(
+        "static_assert(1 == 2, \"not so\"); nop();",
+        "`static_assert` does not hold: not so",
+    );
+    numbers(
+        "if (int x = 3) scamp5_in(A, x); if (int y = 4; y > 3) scamp5_in(A, y);\n\
+         switch (int s = 2; s) { case 2: scamp5_in(A, s); }",
+        &[3, 4, 2],
+    );
+    numbers(
+        "int m = 3; scamp5_in(A, (uint8_t)~m == 252); scamp5_in(A, (int)!m); scamp5_in(A, (int)+m);",
+        &[1, 0, 3],
+    );
+    numbers(
+        "scamp5_in(A, roundf(2.6f)); scamp5_in(A, std::clamp(9, 1, 5)); scamp5_in(A, (int)std::pow(2, 3));\n\
+         scamp5_in(A, trunc(4.2)); scamp5_in(A, lround(1.5)); scamp5_in(A, (int)(100 * sin(1.0)));\n\
+         scamp5_in(A, (int)(100 * atan2f(1, 1)));",
+        &[3, 5, 8, 4, 2, 84, 78],
+    );
+    numbers_with(
+        "#define TEXT(x) #x",
+        "scamp5_in(A, TEXT(a b)[1]); scamp5_in(A, TEXT(abc)[2]);",
+        &[32, 99],
+    );
+    for inside in [
+        "int a[3] = {1, 2, 3}; scamp5_in(A, a[5]);",
+        "int a[3] = {1, 2, 3}; a[3] = 2; nop();",
+        "int a[3] = {1, 2, 3}; a[-1]++; nop();",
+    ] {
+        refused_for(inside, "is out of bounds: `a`");
+    }
+    refused_for("none = 3; nop();", "`none` is not stated");
+    // One fault, not one of the body as well.
+    for inside in ["ADD(A);", "scamp5_in(A, ADD(1));"] {
+        let all = messages(&format!(
+            "#define ADD(x, n) add(x, x, n)\nint main() {{ {inside} nop(); }}"
+        ));
+        assert!(
+            matches!(&all[..], [one] if one == "`ADD` takes 2 arguments, not 1"),
+            "{all:?}"
+        );
+    }
 }
 
 #[test]

@@ -3,12 +3,14 @@
 use std::{collections::BTreeMap, rc::Rc, sync::Arc};
 
 use super::{
-    evaluate::base_name,
+    evaluate::{Reach, base_name},
     host::{self, Role},
     look,
-    machine::{Flow, Machine, foreign, term},
-    tree::{Expr, ExprNode, Function, last, qualifier},
-    value::{Value, unassigned},
+    machine::{Flow, Machine, Spot, foreign, term},
+    tree::{
+        Expr, ExprNode, Function, Kind, Parameter, TemplateArgument, Width, Word, last, qualifier,
+    },
+    value::{Slot, Value, unassigned},
 };
 use crate::{
     config::{Fault, Place},
@@ -21,59 +23,81 @@ const DEPTH: usize = 64;
 impl Machine<'_> {
     pub(super) fn call(&mut self, callee: &Expr, given: &[Expr], place: Place) -> Value {
         self.work(place);
-        if let (
-            [
-                Expr {
-                    node: ExprNode::Lambda(function),
-                    ..
-                },
-            ],
-            true,
-        ) = (given, self.takes_kernel(callee))
-        {
-            // A kernel that is stated here: it runs when it is launched.
-            let value = Value::Lambda(Rc::clone(function));
-            self.assign(callee, value.clone());
-            return value;
-        }
-        let name = match &callee.node {
-            ExprNode::Name(name) => name.clone(),
+        let angles = self.angles.take();
+        match &callee.node {
+            ExprNode::Name(name) => match self.named_spot(name) {
+                Some((slot, path)) => {
+                    self.call_reached(callee, &Reach::Spot(slot, path), given, place)
+                }
+                None => self.call_named(name, given, angles, place),
+            },
             ExprNode::Lambda(function) => {
-                let function = Rc::clone(function);
-                return self.enter(&function, given, place, false);
+                let function = self.closure(function);
+                self.enter(&function, given, place)
             }
             // A function of an object: of a clock, a generator, a list.
-            ExprNode::Member(of, member) => return self.method(of, member, given, place),
+            ExprNode::Member(of, member) => self.method(callee, (of, member), given, place),
             _ => {
-                let value = self.value(callee);
-                return self.called(callee, value, given, place);
+                let reached = self.reach(callee);
+                self.call_reached(callee, &reached, given, place)
             }
-        };
-        if self.find(&name).is_some() {
-            let value = self.value(callee);
-            return self.called(callee, value, given, place);
         }
-        self.call_named(&name, given, place)
+    }
+
+    /// A call of what lies somewhere: it is a function, or a kernel that is stated here.
+    fn call_reached(
+        &mut self,
+        callee: &Expr,
+        reached: &Reach,
+        given: &[Expr],
+        place: Place,
+    ) -> Value {
+        if let (Reach::Spot(slot, path), [only]) = (reached, given)
+            && let ExprNode::Lambda(function) = &only.node
+            && self.takes_kernel(*slot, path)
+        {
+            // It runs when it is launched.
+            let value = Value::Lambda(self.closure(function));
+            self.put(*slot, path, value.clone());
+            return value;
+        }
+        let value = self.load(reached, callee);
+        self.called(callee, value, given, place)
     }
 
     /// Whether a lambda that this is called with is a kernel that it holds from then on.
-    fn takes_kernel(&mut self, callee: &Expr) -> bool {
-        let Some((slot, path)) = self.target(callee, false) else {
-            return false;
-        };
-        match self.at(slot, &path) {
-            Value::Lambda(function) => function.parameters.is_empty(),
-            Value::Symbol(name) => !self.functions.contains_key(last(&name)),
-            _ => true,
+    fn takes_kernel(&self, slot: Slot, path: &[usize]) -> bool {
+        match self.peek(slot, path) {
+            Some(Value::Lambda(function)) => function.parameters.is_empty(),
+            Some(Value::Symbol(name)) => !self.functions.contains_key(last(name)),
+            Some(_) => true,
+            None => false,
         }
     }
 
     /// A call of a function of the file, of the library or of the chip.
-    fn call_named(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
-        if let Some(function) = self.overload(name, given.len(), place) {
-            return self.enter(&function, given, place, true);
+    fn call_named(
+        &mut self,
+        name: &str,
+        given: &[Expr],
+        angles: Option<Vec<TemplateArgument>>,
+        place: Place,
+    ) -> Value {
+        let all = self.candidates(name, given.len(), place);
+        if !all.is_empty() {
+            let given: Vec<_> = given.iter().map(|it| self.argument(it)).collect();
+            let Some(function) = self.overload(last(name), &all, &given, place) else {
+                return Value::Whole(0);
+            };
+            return self.enter_with(&function, given, angles, place);
         }
         let name = last(name);
+        match (name, given) {
+            (super::parse::FILLED, _) => return self.filled(given, place),
+            ("static_assert", _) => return self.asserted(given, place),
+            ("swap", [a, b]) => return self.swapped(a, b),
+            _ => {}
+        }
         match host::role(name, given.len()) {
             Role::Kernel => self.kernel_mark(name, place),
             Role::Sync => {
@@ -91,9 +115,9 @@ impl Machine<'_> {
     fn called(&mut self, callee: &Expr, value: Value, given: &[Expr], place: Place) -> Value {
         match value {
             Value::Lambda(function) if self.is_kernel(&function) => self.launch(&function),
-            Value::Lambda(function) => self.enter(&function, given, place, false),
+            Value::Lambda(function) => self.enter(&function, given, place),
             // A function by another name.
-            Value::Symbol(name) => self.call_named(&name, given, place),
+            Value::Symbol(name) => self.call_named(&name, given, None, place),
             Value::Unknown(why) if why != unassigned(&base_name(callee)) => {
                 let message = format!("what this call runs, {why} decides");
                 self.unknown(place, message, Some(callee));
@@ -156,38 +180,42 @@ impl Machine<'_> {
                 .any(|it| look::begins_kernel(self, it) || look::asks_host(self, it))
     }
 
-    /// The function of this name that takes so many arguments: of the namespace that is written
-    /// before it, else of the one that is worked in, else the only one.
-    fn overload(&mut self, name: &str, given: usize, place: Place) -> Option<Rc<Function>> {
-        let fitting = self.fitting(last(name), given);
-        let stated = qualifier(name);
-        let (first, rest) = match (fitting.split_first(), stated) {
-            (None, _) => return None,
-            _ if foreign(name) => return None,
-            (Some(found), _) => found,
-        };
-        let of = |space: &str| fitting.iter().find(|it| *it.space == *space).cloned();
-        let mut spaces: Vec<String> = Vec::new();
-        if let Some(stated) = stated {
-            let inner = self.spaces().map(|space| format!("{space}::{stated}"));
-            spaces.extend(inner.filter(|_| !stated.is_empty()));
-            spaces.push(stated.trim_start_matches("::").to_owned());
-        } else {
-            spaces.extend(self.spaces().map(str::to_owned));
-            spaces.push(String::new());
+    /// The functions that a call by this name may mean, the last one first: those of the namespace
+    /// that is written before it, else of the one that is worked in, else those of the only one.
+    fn candidates(&mut self, name: &str, given: usize, place: Place) -> Vec<Rc<Function>> {
+        let mut fitting = self.fitting(last(name), given);
+        if foreign(name) || fitting.is_empty() {
+            return Vec::new();
         }
-        if let Some(found) = spaces.iter().find_map(|space| of(space)) {
-            return Some(found);
+        let found = self.meant(qualifier(name));
+        let found = found
+            .iter()
+            .find(|space| fitting.iter().any(|it| *it.space == ***space));
+        if let Some(space) = found {
+            fitting.retain(|it| *it.space == **space);
+            return fitting;
         }
-        if stated == Some("") {
-            return None;
+        if qualifier(name) == Some("") {
+            return Vec::new();
         }
-        if rest.iter().any(|it| it.space != first.space) {
-            let first = Rc::clone(first);
+        let first = fitting[0].space.clone();
+        if fitting.iter().any(|it| it.space != first) {
             self.several(last(name), place);
-            return Some(first);
+            fitting.retain(|it| it.space == first);
         }
-        Some(Rc::clone(first))
+        fitting
+    }
+
+    /// The namespaces that a name with this one before it may be of, the nearest first.
+    fn meant(&self, stated: Option<&str>) -> Vec<String> {
+        let Some(stated) = stated else {
+            let spaces = self.spaces().map(str::to_owned);
+            return spaces.chain([String::new()]).collect();
+        };
+        let inner = self.spaces().map(|space| format!("{space}::{stated}"));
+        let inner = inner.filter(|_| !stated.is_empty());
+        let outer = stated.trim_start_matches("::").to_owned();
+        inner.chain([outer]).collect()
     }
 
     /// The functions of this name that take so many arguments, the last one first.
@@ -201,6 +229,203 @@ impl Machine<'_> {
             (least..=it.parameters.len()).contains(&given)
         };
         all.rev().filter(fits).cloned().collect()
+    }
+
+    /// The function that fits these arguments best.
+    fn overload(
+        &mut self,
+        name: &str,
+        all: &[Rc<Function>],
+        given: &[Argument],
+        place: Place,
+    ) -> Option<Rc<Function>> {
+        if let [one] = all {
+            return Some(Rc::clone(one));
+        }
+        let mut found: Vec<(Vec<u8>, &Rc<Function>)> = Vec::new();
+        for function in all {
+            let costs = given.iter().zip(&function.parameters);
+            let costs: Option<Vec<u8>> = costs.map(|(it, to)| self.cost(it, to)).collect();
+            found.extend(costs.map(|costs| (costs, function)));
+        }
+        if found.is_empty() {
+            self.error(
+                place,
+                format!("no `{name}` takes these arguments"),
+                "this call",
+                "the functions of this name take other registers, or other types",
+            );
+            return None;
+        }
+        // One is better where no argument fits it worse, and some fits it better.
+        let better = |a: &[u8], b: &[u8]| a.iter().zip(b).all(|(a, b)| a <= b);
+        let best = found
+            .iter()
+            .find(|(costs, _)| found.iter().all(|(other, _)| better(costs, other)));
+        let Some((costs, function)) = best else {
+            self.unclear(name, place);
+            return None;
+        };
+        let same = found.iter().filter(|(other, it)| {
+            let kinds =
+                |it: &Function| -> Vec<Kind> { it.parameters.iter().map(|p| p.kind).collect() };
+            other == costs && !Rc::ptr_eq(it, function) && kinds(it) != kinds(function)
+        });
+        if same.count() > 0 {
+            self.unclear(name, place);
+            return None;
+        }
+        Some(Rc::clone(function))
+    }
+
+    fn unclear(&mut self, name: &str, place: Place) {
+        self.error(
+            place,
+            format!("which `{name}` is meant is ambiguous"),
+            "several functions of this name fit",
+            "convert the arguments to the types of the one that is meant, such as `(int)x`",
+        );
+    }
+
+    /// How badly an argument fits a parameter; `None` where it does not.
+    fn cost(&self, it: &Argument, to: &Parameter) -> Option<u8> {
+        const EXACT: u8 = 0;
+        const PROMOTED: u8 = 1;
+        const CONVERTED: u8 = 2;
+        const ANY: u8 = 3;
+        let pointed = matches!(
+            it.value,
+            Value::Pointer(..) | Value::List(_) | Value::Text(_)
+        );
+        match (&it.value, to.kind) {
+            (Value::Symbol(name), Kind::Analog | Kind::Digital) => {
+                use crate::isa::{Bit, Source, Value as Known};
+                let analog = match self.device.value_of(name) {
+                    Some(Known::Source(Source::Register(_))) => true,
+                    Some(Known::Bit(Bit::Register(_))) => false,
+                    _ => return Some(ANY),
+                };
+                (analog == (to.kind == Kind::Analog)).then_some(EXACT)
+            }
+            (Value::Symbol(_), Kind::Any) => Some(CONVERTED),
+            (Value::Symbol(name), _) => self.device.value_of(name).is_none().then_some(ANY),
+            (Value::Record(layout, _), _) => {
+                let exact = if layout.name == to.of { EXACT } else { ANY };
+                (exact == EXACT || to.kind == Kind::Any && !self.layouts.contains_key(&to.of))
+                    .then_some(exact)
+            }
+            (Value::Unknown(_), kind) if it.kind == Kind::Any => {
+                (!matches!(kind, Kind::Analog | Kind::Digital)).then_some(CONVERTED)
+            }
+            _ if pointed => match (to.pointer, to.kind) {
+                (true, _) => Some(EXACT),
+                (false, Kind::Any | Kind::Parameter(_)) => Some(CONVERTED),
+                _ => None,
+            },
+            (_, Kind::Analog | Kind::Digital) => None,
+            _ if to.pointer => None,
+            (_, Kind::Parameter(_)) => Some(EXACT + u8::from(it.kind == Kind::Any)),
+            (_, Kind::Any) if self.layouts.contains_key(&to.of) => None,
+            (_, Kind::Any) => Some(ANY),
+            (_, kind) if kind == it.kind => Some(EXACT),
+            (_, kind) => Some(match (it.kind, kind) {
+                (Kind::Flag | Kind::Bits(8 | 16, _), Kind::INT)
+                | (Kind::Float | Kind::Real, Kind::Float | Kind::Real) => PROMOTED,
+                _ => CONVERTED,
+            }),
+        }
+    }
+
+    /// An argument, with where it lies, evaluated once.
+    fn argument(&mut self, it: &Expr) -> Argument {
+        let reached = self.reach(it);
+        let value = self.load(&reached, it);
+        let (spot, kind) = match reached {
+            Reach::Spot(slot, path) => {
+                let kind = self.kind_at(slot, &path);
+                (Some((slot, path)), kind)
+            }
+            _ => (None, self.written_kind(it)),
+        };
+        let kind = if kind == Kind::Any {
+            value.kind()
+        } else {
+            kind
+        };
+        Argument { value, spot, kind }
+    }
+
+    /// The type that an expression shows by how it is written.
+    fn written_kind(&self, it: &Expr) -> Kind {
+        match &it.node {
+            ExprNode::Convert(kind, _) => self.resolved(*kind),
+            ExprNode::Unary("!", _)
+            | ExprNode::Binary("<" | ">" | "<=" | ">=" | "==" | "!=" | "&&" | "||", ..) => {
+                Kind::Flag
+            }
+            _ => Kind::Any,
+        }
+    }
+
+    /// `static_assert(condition, "why")`
+    fn asserted(&mut self, given: &[Expr], place: Place) -> Value {
+        let holds = given.first().map(|it| self.value(it));
+        let why = match given.get(1).map(|it| &it.node) {
+            Some(ExprNode::Text(text)) => format!(": {text}"),
+            _ => String::new(),
+        };
+        match holds.as_ref().map(Value::number) {
+            Some(Some(value)) if value != 0.0 => {}
+            Some(Some(_)) => self.error(
+                place,
+                format!("`static_assert` does not hold{why}"),
+                "this condition is false",
+                "change what it is about",
+            ),
+            _ => self.error(
+                place,
+                "`static_assert` of something that is no constant".to_owned(),
+                "this condition",
+                "give it what is known beforehand, or take it out",
+            ),
+        }
+        Value::Whole(0)
+    }
+
+    /// `std::vector name(length, value)`
+    fn filled(&mut self, given: &[Expr], place: Place) -> Value {
+        let all: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
+        let (Some(value), Some(length)) = (all.get(1), all.first().and_then(Value::whole)) else {
+            return Value::Unknown("an array whose length only the run knows".into());
+        };
+        match usize::try_from(length) {
+            Ok(length) if length <= 1 << 20 => Value::List(vec![value.clone(); length]),
+            _ => {
+                self.error(
+                    place,
+                    format!("an array of {length} elements"),
+                    "this length",
+                    "give it a length up to 1048576",
+                );
+                Value::Whole(0)
+            }
+        }
+    }
+
+    /// `std::swap(a, b)`
+    fn swapped(&mut self, a: &Expr, b: &Expr) -> Value {
+        let (first, second) = (self.reach(a), self.reach(b));
+        let raw = |reached: &Reach| match reached {
+            Reach::Spot(slot, path) => Some(self.at(*slot, path)),
+            _ => None,
+        };
+        let (one, other) = match (raw(&first), raw(&second)) {
+            (Some(one), Some(other)) => (one, other),
+            _ => (self.load(&first, a), self.load(&second, b)),
+        };
+        self.store(&first, other, a);
+        self.store(&second, one, b);
+        Value::Whole(0)
     }
 
     /// The default of a parameter, stated with the function or where it is announced.
@@ -217,13 +442,19 @@ impl Machine<'_> {
         })
     }
 
-    /// Runs a function with these arguments. A lambda sees the names around it.
-    pub(super) fn enter(
+    /// Runs a function with these arguments. A lambda has with it what it uses of the names around
+    /// it.
+    pub(super) fn enter(&mut self, function: &Rc<Function>, given: &[Expr], place: Place) -> Value {
+        let given = given.iter().map(|it| self.argument(it)).collect();
+        self.enter_with(function, given, None, place)
+    }
+
+    fn enter_with(
         &mut self,
         function: &Rc<Function>,
-        given: &[Expr],
+        given: Vec<Argument>,
+        angles: Option<Vec<TemplateArgument>>,
         place: Place,
-        own: bool,
     ) -> Value {
         if self.depth == DEPTH {
             self.error(
@@ -234,39 +465,46 @@ impl Machine<'_> {
             );
             return Value::Whole(0);
         }
-        let mut scope = BTreeMap::new();
+        let mut scope: BTreeMap<Word, usize> = function.held.iter().cloned().collect();
+        let types = if function.template.is_empty() {
+            // A lambda inside a template has its types.
+            function.name.is_empty().then(|| self.types.clone())
+        } else {
+            Some(self.template(
+                function,
+                &given,
+                angles.unwrap_or_default(),
+                &mut scope,
+                place,
+            ))
+        };
+        let outer = std::mem::replace(&mut self.types, types.unwrap_or_default());
+        let mut given = given.into_iter();
         for (i, parameter) in function.parameters.iter().enumerate() {
-            let slot = match (given.get(i), self.default(function, i)) {
-                (Some(it), _) => {
-                    let place = if parameter.reference {
-                        self.target(it, false)
-                    } else {
-                        None
-                    };
-                    match place {
-                        Some((slot, path)) if path.is_empty() => slot,
-                        _ => {
-                            let value = self.value(it).converted(parameter.kind);
-                            self.slots.push(value);
-                            self.slots.len() - 1
-                        }
+            let kind = self.resolved(parameter.kind);
+            let slot = match (given.next(), self.default(function, i)) {
+                (Some(it), _) => match it.spot {
+                    Some((slot, path)) if parameter.reference && path.is_empty() => slot,
+                    Some((slot, path)) if parameter.reference => {
+                        self.hold(Value::Reference(slot, path), Kind::Any)
                     }
-                }
+                    _ => self.taken(it.value, kind, parameter),
+                },
                 (None, Some(default)) => {
+                    // It sees the names of the file, not those of the caller.
+                    let base = std::mem::replace(&mut self.base, self.scopes.len());
+                    let space = std::mem::replace(&mut self.space, function.space.clone());
                     let value = self.value(&default);
-                    self.slots.push(value);
-                    self.slots.len() - 1
+                    (self.base, self.space) = (base, space);
+                    self.taken(value, kind, parameter)
                 }
                 (None, None) => continue,
             };
             scope.insert(parameter.name.clone(), slot);
         }
         let (base, maybe) = (self.base, self.maybe.clone());
-        let space = self.space.clone();
-        if own {
-            self.base = self.scopes.len();
-            self.space = function.space.clone();
-        }
+        let space = std::mem::replace(&mut self.space, function.space.clone());
+        self.base = self.scopes.len();
         self.scopes.push(scope);
         self.depth += 1;
         let flow = self.statements(&function.body);
@@ -274,13 +512,85 @@ impl Machine<'_> {
         self.scopes.pop();
         self.base = base;
         self.space = space;
+        let returns = self.resolved(function.returns);
+        self.types = outer;
         // Whether it returned early is its own affair, but for what it gives back.
         let unsure = std::mem::replace(&mut self.maybe, maybe.clone());
         match (flow, unsure) {
             (_, Some(why)) if maybe.is_none() => Value::Unknown(why),
-            (Flow::Return(value), _) => value,
+            (Flow::Return(value), _) => value.converted(returns),
             _ => Value::Whole(0),
         }
+    }
+
+    /// The variable that a parameter is.
+    fn taken(&mut self, value: Value, kind: Kind, parameter: &Parameter) -> usize {
+        let value = match (self.layouts.get(&parameter.of), value) {
+            (Some(layout), Value::List(all)) if !parameter.pointer => {
+                super::shape::record(layout, all).unwrap_or_else(|why| Value::Unknown(why.into()))
+            }
+            (_, value) => super::shape::deep(value, kind),
+        };
+        let whole = matches!(value, Value::List(_));
+        let slot = self.hold(value, kind);
+        if whole {
+            self.copied.insert(slot);
+        }
+        slot
+    }
+
+    /// What the parameters of a template are: stated in `<…>`, taken from the arguments, or their
+    /// defaults. Values become variables, types are given back by position.
+    fn template(
+        &mut self,
+        function: &Function,
+        given: &[Argument],
+        angles: Vec<TemplateArgument>,
+        scope: &mut BTreeMap<Word, usize>,
+        place: Place,
+    ) -> Vec<Kind> {
+        let mut types = Vec::new();
+        let mut angles = angles.into_iter();
+        for (at, parameter) in function.template.iter().enumerate() {
+            let stated = angles.next();
+            let default = stated.is_none();
+            let stated = stated.or_else(|| parameter.default.clone());
+            let deduced = || {
+                let mut all = given.iter().zip(&function.parameters);
+                let it = all.find(|(_, to)| to.kind == Kind::Parameter(at))?.0;
+                Some(TemplateArgument::Type(it.kind))
+            };
+            let kind = match stated.or_else(deduced) {
+                Some(TemplateArgument::Type(kind)) => self.resolved(kind),
+                Some(TemplateArgument::Value(value)) if !parameter.is_type => {
+                    // A default knows the parameters before it.
+                    let around = if default {
+                        scope.clone()
+                    } else {
+                        BTreeMap::new()
+                    };
+                    self.scopes.push(around);
+                    let value = self.value(&value);
+                    self.scopes.pop();
+                    let slot = self.hold(value, Kind::Any);
+                    scope.insert(parameter.name.clone(), slot);
+                    Kind::Any
+                }
+                _ if parameter.is_type => Kind::Any,
+                _ => {
+                    let name = &function.name;
+                    self.error(
+                        place,
+                        format!("`{}` of the template `{name}` is not given", parameter.name),
+                        "this call",
+                        &format!("write `{name}<value>(…)`"),
+                    );
+                    Kind::Any
+                }
+            };
+            types.push(kind);
+        }
+        types
     }
 
     fn kernel_mark(&mut self, name: &str, place: Place) -> Value {
@@ -313,29 +623,26 @@ impl Machine<'_> {
             return Value::Unknown(Arc::clone(why));
         }
         let numbers: Vec<f64> = values.iter().filter_map(Value::number).collect();
-        let whole = values.iter().all(|it| matches!(it, Value::Whole(_)));
-        let result = match (name, &numbers[..]) {
-            ("abs" | "fabs", [x]) => x.abs(),
-            ("sqrt", [x]) => x.sqrt(),
-            ("floor", [x]) => x.floor(),
-            ("ceil", [x]) => x.ceil(),
-            ("round", [x]) => x.round(),
-            ("min" | "fmin", [x, y]) => x.min(*y),
-            ("max" | "fmax", [x, y]) => x.max(*y),
-            _ => {
-                self.error(
-                    place,
-                    format!("`{name}` of something that is no known number"),
-                    "this call",
-                    "give it numbers; other functions of the mathematical library are not known here: write the value",
-                );
-                return Value::Whole(0);
-            }
+        let whole = values
+            .iter()
+            .all(|it| matches!(it, Value::Whole(_) | Value::Wide(..)));
+        let Some(result) = host::number(name, &numbers) else {
+            self.error(
+                place,
+                format!("`{name}` of something that is no known number"),
+                "this call",
+                "give it numbers; other functions of the mathematical library are not known here: write the value",
+            );
+            return Value::Whole(0);
         };
-        if whole && matches!(name, "abs" | "min" | "max") {
-            Value::Whole(result as i64)
-        } else {
-            Value::Real(result)
+        match (name, &values[..]) {
+            ("abs" | "min" | "max" | "clamp", [first, ..]) if whole => {
+                Value::from_number(result).converted(first.kind())
+            }
+            ("lround" | "lroundf" | "llround", _) => {
+                Value::Real(result).converted(Kind::Bits(64, true))
+            }
+            _ => Value::Real(result),
         }
     }
 
@@ -388,7 +695,7 @@ impl Machine<'_> {
             }
             // A handle of a slider is its value here.
             "vs_gui_read_slider" => match given.first().map(|it| self.value(it)) {
-                Some(value @ (Value::Whole(_) | Value::Real(_))) => value,
+                Some(value @ (Value::Whole(_) | Value::Wide(..) | Value::Real(_))) => value,
                 Some(Value::Symbol(gain)) if &*gain == "VS_GUI_FRAME_GAIN" => {
                     let value = self.set("frame_gain").unwrap_or(Value::Whole(1));
                     self.constants
@@ -425,39 +732,92 @@ impl Machine<'_> {
         );
     }
 
-    fn method(&mut self, of: &Expr, member: &str, given: &[Expr], place: Place) -> Value {
+    /// A call of `object.member`.
+    fn method(
+        &mut self,
+        callee: &Expr,
+        (of, member): (&Expr, &str),
+        given: &[Expr],
+        place: Place,
+    ) -> Value {
         let name = base_name(of);
-        let slot = self.find(&name);
-        let list = slot.and_then(|slot| match &self.slots[slot] {
-            Value::List(all) => Some((slot, all.len())),
+        let reached = self.reach(of);
+        let reached = self.through(reached);
+        let held = match &reached {
+            Reach::Spot(slot, path) => self.peek(*slot, path),
+            Reach::Value(value) => Some(value),
             _ => None,
-        });
-        if list.is_none() {
-            if self.leaves_array(&name, member, place) {
-                self.outside(&format!("{name}.{member}"), given, place);
+        };
+        match (held, &reached) {
+            (Some(Value::List(_)), Reach::Spot(slot, path)) => {
+                let spot = (*slot, path.clone());
+                let found = self.list_method(spot, member, given);
+                found.unwrap_or_else(|| Value::Unknown(format!("`{name}.{member}`").into()))
             }
-            return Value::Unknown(format!("`{name}.{member}`").into());
+            (Some(Value::Record(layout, _)), _)
+                if layout.members.iter().any(|it| &*it.name == member) =>
+            {
+                let reached = self.member(reached, member);
+                self.call_reached(callee, &reached, given, place)
+            }
+            (held, _) => {
+                let record = matches!(held, Some(Value::Record(..)));
+                if self.leaves_array(&name, member, place) {
+                    self.outside(&format!("{name}.{member}"), given, place);
+                }
+                // What it does with the members of its object is not known.
+                if let (Reach::Spot(slot, path), true) = (&reached, record) {
+                    self.forget(*slot, path, &format!("what `{name}.{member}` does").into());
+                }
+                Value::Unknown(format!("`{name}.{member}`").into())
+            }
         }
+    }
+
+    fn list_method(&mut self, spot: Spot, member: &str, given: &[Expr]) -> Option<Value> {
         let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
-        match (member, list) {
-            ("size", Some((_, length))) => Value::Whole(length as i64),
-            ("data" | "begin", Some((slot, _))) => Value::Pointer(slot, Vec::new(), name.into()),
-            ("push_back", Some((slot, _))) => {
-                if let (Value::List(all), Some(value)) =
-                    (&mut self.slots[slot], values.into_iter().next())
-                {
-                    all.push(value);
-                }
-                Value::Whole(0)
-            }
-            ("fill", Some((slot, _))) => {
-                if let (Value::List(all), Some(value)) = (&mut self.slots[slot], values.first()) {
-                    all.fill(value.clone());
-                }
-                Value::Whole(0)
-            }
-            _ => Value::Unknown(format!("`{name}.{member}`").into()),
+        let Some(Value::List(all)) = self.peek(spot.0, &spot.1) else {
+            return None;
+        };
+        if matches!(member, "size" | "length") {
+            return Some(Value::Wide(all.len() as i64, Width::UnsignedLong));
         }
+        let all = all.clone();
+        self.of_array(spot, all, member, values)
+    }
+
+    /// A function of an array of the language's library.
+    fn of_array(
+        &mut self,
+        (slot, path): Spot,
+        mut all: Vec<Value>,
+        member: &str,
+        given: Vec<Value>,
+    ) -> Option<Value> {
+        let kind = self.kind_at(slot, &path);
+        let length = all.len();
+        let first = given.into_iter().next();
+        let to = |at: usize| Value::Pointer(slot, [&path[..], &[at]].concat(), "data".into());
+        match (member, first) {
+            ("empty", None) => return Some(Value::flag(all.is_empty())),
+            ("data" | "begin" | "cbegin", None) => return Some(to(0)),
+            ("end" | "cend", None) => return Some(to(length)),
+            ("front", None) => return all.first().cloned(),
+            ("back", None) => return all.last().cloned(),
+            ("at", Some(index)) => {
+                let index = usize::try_from(index.whole()?).ok()?;
+                return all.get(index).cloned();
+            }
+            ("push_back" | "emplace_back", Some(value)) => {
+                all.push(super::shape::deep(value, kind));
+            }
+            ("pop_back", None) => drop(all.pop()),
+            ("clear", None) => all.clear(),
+            ("fill", Some(value)) => all.fill(super::shape::deep(value, kind)),
+            _ => return None,
+        }
+        self.put(slot, &path, Value::List(all));
+        Some(Value::Whole(0))
     }
 
     /// A register is shown: as a picture of what it holds now.
@@ -542,9 +902,13 @@ impl Machine<'_> {
         if self.is_host(&name) {
             self.in_kernel(&name, place);
         }
+        // Only what is read goes into memory; words that are not known are named for that.
+        let buffers = host::role(&name, values.len()) == Role::Read
+            || self.device.callables(&name).is_empty();
         let mut terms = Vec::new();
         for (i, (value, _, buffer)) in values.iter().enumerate() {
             let term = match value {
+                Value::Pointer(..) | Value::Text(_) | Value::List(_) if !buffers => None,
                 Value::Pointer(slot, path, _) => {
                     let why = format!("what `{name}` reads in {}", self.line(place));
                     let (slot, path) = (*slot, path.clone());
@@ -580,10 +944,17 @@ impl Machine<'_> {
 
     fn launch(&mut self, function: &Rc<Function>) -> Value {
         self.begin_kernel(function.place, false);
-        let value = self.enter(function, &[], function.place, false);
+        let value = self.enter(function, &[], function.place);
         self.end_kernel(function.place);
         value
     }
+}
+
+/// What a function is given: its value, where that lies, its type.
+struct Argument {
+    value: Value,
+    spot: Option<Spot>,
+    kind: Kind,
 }
 
 /// Whether a function of the library writes what it is given the place of.

@@ -110,7 +110,7 @@ pub(super) fn rewritten(
     if matches!(renamed, "scamp5_scan_events") && given.len() > 2 {
         // C++ counts slots in whole numbers.
         for (value, ..) in given.iter_mut().skip(2) {
-            *value = value.clone().converted(super::tree::Kind::Whole);
+            *value = value.clone().converted(super::tree::Kind::INT);
         }
     }
     Some((variant(machine, renamed, place), given))

@@ -4,9 +4,9 @@ use std::{rc::Rc, sync::Arc};
 
 use super::{
     look,
-    machine::{Flow, Machine, foreign},
-    tree::{Expr, ExprNode, last},
-    value::{Slot, Value},
+    machine::{Flow, Machine, Spot, foreign},
+    tree::{Declared, Expr, ExprNode, Function, Kind, Width, last},
+    value::{Slot, Value, moved},
 };
 use crate::config::{Place, suggestion};
 
@@ -15,33 +15,35 @@ impl Machine<'_> {
     pub(super) fn value(&mut self, it: &Expr) -> Value {
         match &it.node {
             ExprNode::Whole(value) => Value::Whole(*value),
+            ExprNode::Wide(value, width) => Value::Wide(*value, *width),
             ExprNode::Real(value) => Value::Real(*value),
             ExprNode::Text(text) => Value::Text(text.clone()),
             ExprNode::Name(name) => self.named_value(name, it.place),
             ExprNode::Call(callee, given) => self.call(callee, given, it.place),
-            ExprNode::Member(of, name) => self.member(of, name),
-            ExprNode::Index(..) => match self.target(it, true) {
-                Some((slot, path)) => self.at(slot, &path),
-                None => Value::Unknown("an element that only the run knows".into()),
-            },
+            ExprNode::Member(..) | ExprNode::Index(..) | ExprNode::Unary("*", _) => {
+                let reached = self.reach(it);
+                self.load(&reached, it)
+            }
             ExprNode::Unary(mark, of) => self.unary(mark, of, it.place),
             ExprNode::Step(of, by, prefix) => {
-                let before = self.value(of);
+                let reached = self.reach(of);
+                let before = self.load(&reached, of);
                 let after = Value::binary("+", &before, &Value::Whole(*by));
                 let after = self.or_fault(after, it.place);
-                self.assign(of, after.clone());
+                let after = self.store(&reached, after, of);
                 if *prefix { after } else { before }
             }
             ExprNode::Binary(..) => self.chain(it),
             ExprNode::Assign(mark, to, value) => {
                 let mut value = self.value(value);
+                // Where it lies is found once: that may have effects of its own.
+                let reached = self.reach(to);
                 if let Some(mark) = mark {
-                    let before = self.value(to);
+                    let before = self.load(&reached, to);
                     let after = Value::binary(mark, &before, &value);
                     value = self.or_fault(after, it.place);
                 }
-                self.assign(to, value.clone());
-                value
+                self.store(&reached, value, to)
             }
             ExprNode::Choose(condition, yes, no) => match self.value(condition).truth() {
                 Ok(true) => self.value(yes),
@@ -53,13 +55,65 @@ impl Machine<'_> {
                 }
             },
             ExprNode::Braces(all) => Value::List(all.iter().map(|it| self.value(it)).collect()),
-            ExprNode::Lambda(function) => Value::Lambda(Rc::clone(function)),
+            ExprNode::Lambda(function) => Value::Lambda(self.closure(function)),
             ExprNode::Block(body) => match self.block(body) {
                 Flow::Return(value) => value,
                 _ => Value::Whole(0),
             },
-            ExprNode::Convert(kind, of) => self.value(of).converted(*kind),
+            ExprNode::Convert(kind, of) => {
+                let kind = self.resolved(*kind);
+                self.value(of).converted(kind)
+            }
+            ExprNode::SizeOf(of) => self.size_of(of),
+            ExprNode::New(declared) => self.allocated(declared),
+            ExprNode::Template(given, call) => {
+                self.angles = Some(given.clone());
+                let value = self.value(call);
+                self.angles = None;
+                value
+            }
         }
+    }
+
+    /// The bytes of a variable.
+    fn size_of(&mut self, of: &Expr) -> Value {
+        if let ExprNode::Convert(kind, _) = &of.node
+            && let Some(bytes) = self.resolved(*kind).bytes()
+        {
+            return Value::Wide(bytes, Width::UnsignedLong);
+        }
+        let Reach::Spot(slot, path) = self.reach(of) else {
+            let kind = self.value(of).kind();
+            return kind.bytes().map_or_else(
+                || Value::Unknown("`sizeof` of something whose type is not known".into()),
+                |bytes| Value::Wide(bytes, Width::UnsignedLong),
+            );
+        };
+        let value = self.at(slot, &path);
+        let mut kind = self.kind_at(slot, &path);
+        if kind == Kind::Any {
+            kind = value.kind();
+        }
+        match (leaves(&value), kind.bytes()) {
+            (Some(count), Some(bytes)) if !self.copied.contains(&slot) || !path.is_empty() => {
+                Value::Wide(count * bytes, Width::UnsignedLong)
+            }
+            _ => Value::Unknown(format!("`sizeof` of `{}`", base_name(of)).into()),
+        }
+    }
+
+    /// `new`: memory that has no name.
+    fn allocated(&mut self, it: &Declared) -> Value {
+        let value = it.value.as_ref().map(|value| self.value(value));
+        let empty = if it.lengths.is_empty() {
+            Value::Whole(0)
+        } else {
+            Value::List(Vec::new())
+        };
+        let value = self.shaped(it, value.unwrap_or(empty));
+        let kind = self.resolved(it.kind);
+        let slot = self.hold(value, kind);
+        Value::Pointer(slot, Vec::new(), "buffer".into())
     }
 
     /// A name that more than one namespace has.
@@ -75,7 +129,7 @@ impl Machine<'_> {
     }
 
     fn named_value(&mut self, name: &super::tree::Word, place: Place) -> Value {
-        let Some(slot) = self.find(name) else {
+        let Some((slot, path)) = self.named_spot(name) else {
             let plain = last(name);
             if self.ambiguous.contains(plain) {
                 self.several(plain, place);
@@ -85,13 +139,32 @@ impl Machine<'_> {
             let own = self.functions.contains_key(plain) && !foreign(name);
             return Value::Symbol(if own { name.clone() } else { plain.into() });
         };
+        match self.decayed(slot, &path, last(name)) {
+            Value::Unknown(why) => self.set(last(name)).unwrap_or(Value::Unknown(why)),
+            other => other,
+        }
+    }
+
+    /// Where the value of a name lies.
+    pub(super) fn named_spot(&self, name: &str) -> Option<Spot> {
+        let slot = self.find(name)?;
         match &self.slots[slot] {
-            Value::List(_) => Value::Pointer(slot, Vec::new(), name.clone()),
-            Value::Unknown(_) => match self.set(last(name)) {
-                Some(value) => value,
-                None => self.slots[slot].clone(),
-            },
-            other => other.clone(),
+            Value::Reference(slot, path) => Some((*slot, path.clone())),
+            _ => Some((slot, Vec::new())),
+        }
+    }
+
+    /// The value that lies somewhere; an array becomes a pointer to its first element.
+    fn decayed(&self, slot: Slot, path: &[usize], name: &str) -> Value {
+        match self.peek(slot, path) {
+            Some(Value::List(_)) if !self.copied.contains(&slot) => {
+                let mut path = path.to_vec();
+                if !path.is_empty() {
+                    path.push(0);
+                }
+                Value::Pointer(slot, path, name.into())
+            }
+            _ => self.at(slot, path),
         }
     }
 
@@ -199,23 +272,22 @@ impl Machine<'_> {
 
     fn unary(&mut self, mark: &str, of: &Expr, place: Place) -> Value {
         if mark == "&" {
-            return match self.target(of, false) {
-                Some((slot, path)) => {
+            return match self.reach(of) {
+                Reach::Spot(slot, path) => {
                     let name = base_name(of);
                     Value::Pointer(slot, path, name.into())
                 }
-                None => self.value(of),
+                reached => self.load(&reached, of),
             };
         }
         let value = self.value(of);
         match (mark, value) {
-            ("*", Value::Pointer(slot, path, _)) => self.at(slot, &path),
-            ("*" | "+", other) => other,
             (_, Value::Unknown(why)) => Value::Unknown(why),
             ("!", other) => Value::flag(!other.truth().unwrap_or(true)),
-            ("-", Value::Whole(value)) => Value::Whole(-value),
-            ("-", Value::Real(value)) => Value::Real(-value),
-            ("~", Value::Whole(value)) => Value::Whole(!value),
+            ("+", other) if other.number().is_none() => other,
+            (mark, value) if value.signed(mark).is_some() => {
+                value.signed(mark).unwrap_or(Value::Whole(0))
+            }
             (_, Value::Symbol(name)) => {
                 self.unstated(&name, place);
                 Value::Whole(0)
@@ -227,89 +299,353 @@ impl Machine<'_> {
         }
     }
 
-    fn member(&mut self, of: &Expr, name: &str) -> Value {
-        match self.value(of) {
-            // The words of a register, which are only ever compared.
-            Value::Symbol(register) => Value::Symbol(format!("{register}.{name}").into()),
-            value @ (Value::List(_) | Value::Pointer(..)) => value,
-            _ => Value::Unknown(format!("`{name}` of an object").into()),
-        }
-    }
-
-    /// The variable, and the element of it, that an expression stands for.
-    pub(super) fn target(&mut self, it: &Expr, reading: bool) -> Option<(Slot, Vec<usize>)> {
+    /// Where the value of an expression lies, with all that finding it does.
+    pub(super) fn reach(&mut self, it: &Expr) -> Reach {
         match &it.node {
-            ExprNode::Name(name) => {
-                let slot = self.find(name)?;
-                match &self.slots[slot] {
-                    Value::Pointer(slot, path, _) if reading => Some((*slot, path.clone())),
-                    _ => Some((slot, Vec::new())),
-                }
-            }
+            ExprNode::Name(name) => match self.named_spot(name) {
+                Some((slot, path)) => Reach::Spot(slot, path),
+                None => Reach::Value(self.named_value(name, it.place)),
+            },
             ExprNode::Unary("*", of) => match self.value(of) {
-                Value::Pointer(slot, path, _) => Some((slot, path)),
-                _ => None,
+                Value::Pointer(slot, path, _) => {
+                    let (slot, path) = self.pointed(slot, path);
+                    Reach::Spot(slot, path)
+                }
+                other => Reach::Value(other),
             },
             ExprNode::Index(of, at) => {
-                let (slot, mut path) = self.target(of, true)?;
+                let base = self.reach(of);
                 let index = self.value(at);
-                let index = usize::try_from(index.whole()?).ok()?;
-                // A pointer into an array counts from where it points.
-                let inside = path.last().copied();
-                let nested = matches!(self.at(slot, &path), Value::List(_));
-                match inside {
-                    Some(last) if !nested => {
-                        path.pop();
-                        path.push(last + index);
-                    }
-                    _ => path.push(index),
-                }
-                Some((slot, path))
+                self.element(base, &index)
             }
-            ExprNode::Member(of, _) | ExprNode::Convert(_, of) => self.target(of, reading),
-            _ => None,
+            ExprNode::Member(of, name) => {
+                let base = self.reach(of);
+                self.member(base, name)
+            }
+            ExprNode::Convert(Kind::Any, of) => self.reach(of),
+            ExprNode::Step(of, by, true) => {
+                let reached = self.reach(of);
+                let before = self.load(&reached, of);
+                let after = Value::binary("+", &before, &Value::Whole(*by));
+                let after = self.or_fault(after, it.place);
+                self.store(&reached, after, of);
+                reached
+            }
+            _ => Reach::Value(self.value(it)),
         }
     }
 
-    /// Stores a value.
-    pub(super) fn assign(&mut self, to: &Expr, value: Value) {
-        if let ExprNode::Name(name) = &to.node {
-            match self.find(name) {
-                Some(slot) if self.fixed.contains(&slot) => {}
-                Some(slot) => {
-                    // A variable keeps its type.
-                    let value = match (&self.slots[slot], value) {
-                        (Value::Whole(_), Value::Real(value)) => Value::Whole(value as i64),
-                        (_, value) => value,
-                    };
-                    self.slots[slot] = value;
+    /// Where a pointer leads.
+    fn pointed(&self, slot: Slot, mut path: Vec<usize>) -> Spot {
+        let array = matches!(self.slots[slot], Value::List(_));
+        if path.is_empty() && array && !self.copied.contains(&slot) {
+            path.push(0);
+        }
+        (slot, path)
+    }
+
+    fn element(&mut self, base: Reach, index: &Value) -> Reach {
+        let base = self.through(base);
+        let Some(at) = index.whole() else {
+            let why = match index {
+                Value::Unknown(why) => Arc::clone(why),
+                other => format!("the element {}", other.describe()).into(),
+            };
+            return match base {
+                Reach::Spot(slot, path) => Reach::Lost(slot, path, why),
+                _ => Reach::Value(Value::Unknown(why)),
+            };
+        };
+        match base {
+            Reach::Spot(slot, mut path) => {
+                let held = self.peek(slot, &path);
+                if let Some(Value::Text(text)) = held {
+                    return character(text, at);
                 }
-                None => {
-                    let name = last(name);
-                    if self.device.value_of(name).is_some() {
-                        self.error(
-                            to.place,
-                            format!("`{name}` is a register: C++ does not assign to it"),
-                            "here",
-                            &format!("write `mov({name}, x);`, or `scamp5_in({name}, value);`"),
-                        );
+                let nested = matches!(held, Some(Value::List(_)));
+                if !nested && path.is_empty() && at == 0 {
+                    return Reach::Spot(slot, path);
+                }
+                let known = usize::try_from(at);
+                if let (true, Ok(at)) = (nested, known) {
+                    path.push(at);
+                    return Reach::Spot(slot, path);
+                }
+                match moved(&path, at) {
+                    Some(path) if !nested => Reach::Spot(slot, path),
+                    _ => Reach::Beyond(at),
+                }
+            }
+            Reach::Value(Value::List(all)) => {
+                let found = usize::try_from(at).ok().and_then(|at| all.get(at).cloned());
+                found.map_or(Reach::Beyond(at), Reach::Value)
+            }
+            Reach::Value(Value::Text(text)) => character(&text, at),
+            Reach::Value(Value::Unknown(why)) => Reach::Value(Value::Unknown(why)),
+            Reach::Value(_) => {
+                Reach::Value(Value::Unknown("an element that only the run knows".into()))
+            }
+            lost => lost,
+        }
+    }
+
+    /// Where a pointer that lies somewhere leads; anything else stays where it is.
+    pub(super) fn through(&self, base: Reach) -> Reach {
+        let value = match &base {
+            Reach::Spot(slot, path) => self.peek(*slot, path),
+            Reach::Value(value) => Some(value),
+            _ => None,
+        };
+        match value {
+            Some(Value::Pointer(slot, path, _)) => Reach::Spot(*slot, path.clone()),
+            _ => base,
+        }
+    }
+
+    pub(super) fn member(&mut self, base: Reach, name: &str) -> Reach {
+        let base = self.through(base);
+        let value = match &base {
+            Reach::Spot(slot, path) => self.at(*slot, path),
+            Reach::Value(value) => value.clone(),
+            Reach::Lost(slot, path, why) => {
+                return Reach::Lost(*slot, path.clone(), Arc::clone(why));
+            }
+            Reach::Beyond(at) => return Reach::Beyond(*at),
+        };
+        let unknown = || Reach::Value(Value::Unknown(format!("`{name}` of an object").into()));
+        match value {
+            // The words of a register, which are only ever compared.
+            Value::Symbol(register) => {
+                Reach::Value(Value::Symbol(format!("{register}.{name}").into()))
+            }
+            Value::Record(layout, all) => {
+                let Some(at) = layout.members.iter().position(|it| &*it.name == name) else {
+                    return unknown();
+                };
+                match base {
+                    Reach::Spot(slot, mut path) => {
+                        path.push(at);
+                        Reach::Spot(slot, path)
                     }
+                    _ => Reach::Value(all[at].clone()),
                 }
             }
-            return;
+            // An array of an object that is not known, such as that of a frame.
+            Value::List(_) => base,
+            _ => unknown(),
         }
-        match self.target(to, true) {
-            Some((slot, path)) => self.put(slot, &path, value),
-            None => {
+    }
+
+    /// The value that lies where something was reached.
+    pub(super) fn load(&mut self, reached: &Reach, it: &Expr) -> Value {
+        match reached {
+            Reach::Spot(..) if self.beyond(reached, it) => Value::Whole(0),
+            Reach::Spot(slot, path) => {
+                let name = base_name(it);
+                match self.decayed(*slot, path, &name) {
+                    Value::Unknown(why) if matches!(it.node, ExprNode::Name(_)) => {
+                        self.set(&name).unwrap_or(Value::Unknown(why))
+                    }
+                    other => other,
+                }
+            }
+            Reach::Lost(_, _, why) => Value::Unknown(Arc::clone(why)),
+            Reach::Value(value) => value.clone(),
+            Reach::Beyond(_) => {
+                self.beyond(reached, it);
+                Value::Whole(0)
+            }
+        }
+    }
+
+    /// Tells of an element that an array does not have; whether it is one.
+    fn beyond(&mut self, reached: &Reach, it: &Expr) -> bool {
+        let (index, length) = match reached {
+            Reach::Beyond(index) => (*index, None),
+            Reach::Spot(slot, path) => {
+                let (Some(index), held) = (path.last(), path.len().saturating_sub(1)) else {
+                    return false;
+                };
+                match self.peek(*slot, &path[..held]) {
+                    // The length of an empty one is not known.
+                    Some(Value::List(all)) if *index >= all.len() && !all.is_empty() => {
+                        (*index as i64, Some(all.len()))
+                    }
+                    None | Some(Value::List(_) | Value::Record(..) | Value::Unknown(_)) => {
+                        return false;
+                    }
+                    _ if *index == 0 => return false,
+                    _ => (*index as i64, Some(1)),
+                }
+            }
+            _ => return false,
+        };
+        let name = base_name(it);
+        let has = match length {
+            Some(1) => format!("`{name}` has 1 element"),
+            Some(length) => format!("`{name}` has {length} elements"),
+            None => format!("`{name}` begins with element 0"),
+        };
+        self.error(
+            it.place,
+            format!("element {index} is out of bounds: {has}"),
+            "this element",
+            "elements count from 0 up to one less than the length",
+        );
+        true
+    }
+
+    /// Stores a value, as a variable of its type holds it, and gives that back.
+    pub(super) fn store(&mut self, reached: &Reach, value: Value, to: &Expr) -> Value {
+        match reached {
+            Reach::Spot(slot, path) => {
+                if self.beyond(reached, to) {
+                    return value;
+                }
+                let value = self.fitted(*slot, path, value);
+                self.put(*slot, path, value.clone());
+                value
+            }
+            Reach::Lost(slot, path, _) => {
                 // An element that is not known: any of them.
-                if let ExprNode::Index(of, _) = &to.node
-                    && let Some((slot, path)) = self.target(of, true)
-                {
-                    let why: Arc<str> = "which element was written".into();
-                    self.forget(slot, &path, &why);
-                }
+                let why: Arc<str> = "which element was written".into();
+                self.forget(*slot, path, &why);
+                value
+            }
+            Reach::Beyond(_) => {
+                self.beyond(reached, to);
+                value
+            }
+            // An object, or memory, of which nothing is known.
+            Reach::Value(Value::Unknown(_)) => value,
+            // A name of several namespaces, as was told.
+            Reach::Value(Value::Whole(_)) if matches!(to.node, ExprNode::Name(_)) => value,
+            Reach::Value(Value::Symbol(name)) => {
+                self.no_variable(&name.clone(), to);
+                value
+            }
+            Reach::Value(_) => {
+                self.error(
+                    to.place,
+                    "nothing can be assigned to this".to_owned(),
+                    "no variable",
+                    "assign to a variable, an element of an array, or a member of an object",
+                );
+                value
             }
         }
+    }
+
+    fn no_variable(&mut self, name: &str, to: &Expr) {
+        let base = name.split('.').next().unwrap_or(name);
+        if self.device.value_of(base).is_some() {
+            self.error(
+                to.place,
+                format!("`{name}` is a register: C++ does not assign to it"),
+                "here",
+                &format!("write `mov({name}, x);`, or `scamp5_in({name}, value);`"),
+            );
+        } else if !["VS_", "vs_", "SCAMP", "scamp"]
+            .iter()
+            .any(|begin| name.starts_with(begin))
+        {
+            self.error(
+                to.place,
+                format!("`{name}` is not stated"),
+                "a variable is needed here",
+                &format!("state it: `int {name} = …;`"),
+            );
+        }
+    }
+
+    /// A value as the variable that it goes to holds it.
+    fn fitted(&self, slot: Slot, path: &[usize], value: Value) -> Value {
+        let before = self.peek(slot, path);
+        let mut kind = self.kind_at(slot, path);
+        if kind == Kind::Any {
+            // `auto`: of the type that it began with.
+            kind = before.map_or(Kind::Any, Value::kind);
+        }
+        match (before, value) {
+            // An array of the language's library is copied whole.
+            (Some(Value::List(_)), Value::Pointer(from, path, _)) => self.at(from, &path),
+            (Some(Value::Record(layout, _)), Value::List(all)) => {
+                super::shape::record(layout, all).unwrap_or_else(|why| Value::Unknown(why.into()))
+            }
+            (_, value) => super::shape::deep(value, kind),
+        }
+    }
+
+    /// A lambda with what it takes along: copies, or the variables themselves.
+    pub(super) fn closure(&mut self, function: &Rc<Function>) -> Rc<Function> {
+        let mut made = (**function).clone();
+        made.space = self.space.clone();
+        let captures = &function.captures;
+        for capture in &captures.named {
+            if let Some(value) = &capture.value {
+                let value = self.value(value);
+                let slot = self.hold(value, Kind::Any);
+                made.held.push((capture.name.clone(), slot));
+            }
+        }
+        for name in super::look::names(function) {
+            let own = self.scopes.get(self.base.max(1)..).unwrap_or_default();
+            let found = own.iter().rev().find_map(|scope| scope.get(&name)).copied();
+            let named = captures.named.iter().find(|it| it.name == name);
+            let Some(slot) = found.filter(|_| named.is_none_or(|it| it.value.is_none())) else {
+                continue;
+            };
+            let copied = named.map_or(captures.copies, |it| !it.reference);
+            let slot = if copied { self.copy(slot) } else { slot };
+            made.held.push((name, slot));
+        }
+        Rc::new(made)
+    }
+
+    /// A variable with the value of another.
+    fn copy(&mut self, slot: Slot) -> Slot {
+        let (from, path) = match &self.slots[slot] {
+            Value::Reference(slot, path) => (*slot, path.clone()),
+            _ => (slot, Vec::new()),
+        };
+        let (value, kind) = (self.at(from, &path), self.kind_at(from, &path));
+        let whole = self.copied.contains(&from);
+        let copy = self.hold(value, kind);
+        if whole {
+            self.copied.insert(copy);
+        }
+        copy
+    }
+}
+
+/// Where an expression leads.
+pub(super) enum Reach {
+    Spot(Slot, Vec<usize>),
+    /// Some element of an array: why it is not known which.
+    Lost(Slot, Vec<usize>, Arc<str>),
+    /// An element that no array has.
+    Beyond(i64),
+    /// A value that lies nowhere.
+    Value(Value),
+}
+
+/// A character of a text, which ends with a 0.
+fn character(text: &str, at: i64) -> Reach {
+    let found = usize::try_from(at).ok();
+    let found = found.and_then(|at| text.bytes().chain([0]).nth(at));
+    found.map_or(Reach::Beyond(at), |code| {
+        Reach::Value(Value::Whole(i64::from(code as i8)))
+    })
+}
+
+/// How many numbers a value holds; `None` where it holds something else.
+fn leaves(value: &Value) -> Option<i64> {
+    match value {
+        // The length of an empty one is not known.
+        Value::List(all) if all.is_empty() => None,
+        Value::List(all) => all.iter().map(leaves).sum(),
+        Value::Whole(_) | Value::Wide(..) | Value::Real(_) | Value::Unknown(_) => Some(1),
+        _ => None,
     }
 }
 

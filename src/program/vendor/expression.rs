@@ -3,9 +3,9 @@
 use std::rc::Rc;
 
 use super::{
-    parse::{Parsed, Parser, kind_of},
+    parse::{Parsed, Parser},
     token::{Kind as TokenKind, Token},
-    tree::{Expr, ExprNode, Function, Kind},
+    tree::{Capture, Captures, Expr, ExprNode, Function, Kind, TemplateArgument},
 };
 use crate::config::{Fault, Place};
 
@@ -44,7 +44,7 @@ pub(super) fn unexpected(found: Option<&Token>, place: Place, expected: &str, he
     let what = match found.map(|t| &t.kind) {
         None => "the end of the file".to_owned(),
         Some(TokenKind::Name(name)) => format!("`{name}`"),
-        Some(TokenKind::Whole(value)) => format!("the number {value}"),
+        Some(TokenKind::Whole(value) | TokenKind::Wide(value, _)) => format!("the number {value}"),
         Some(TokenKind::Real(value)) => format!("the number {value}"),
         Some(TokenKind::Text(_)) => "text in quotes".to_owned(),
         Some(TokenKind::Mark(mark)) => format!("`{mark}`"),
@@ -123,6 +123,11 @@ fn choose(it: &mut Parser<'_>) -> Parsed<Expr> {
     Ok(Expr { node, place })
 }
 
+/// A value without comparisons, as it may stand in `<…>`.
+pub(super) fn sum(it: &mut Parser<'_>) -> Parsed<Expr> {
+    binary(it, 8)
+}
+
 fn binary(it: &mut Parser<'_>, level: usize) -> Parsed<Expr> {
     let Some(marks) = LEVELS.get(level) else {
         return it.deeper(unary);
@@ -171,12 +176,15 @@ fn unary(it: &mut Parser<'_>) -> Parsed<Expr> {
     postfix(it, value)
 }
 
+/// Marks that a converted value may begin with.
+const BEFORE: [&str; 9] = ["(", "-", "&", "~", "!", "*", "+", "++", "--"];
+
 /// `(type) value`, if it is that.
 fn cast(it: &mut Parser<'_>) -> Parsed<Option<Expr>> {
     let (at, start) = (it.at, it.place());
     it.at += 1;
     let first = it.word(0);
-    let known = kind_of(first) != Kind::Any || matches!(first, "const" | "unsigned" | "void");
+    let known = it.kind_named(first) != Kind::Any || matches!(first, "const" | "unsigned" | "void");
     if (known || !first.is_empty())
         && let Some(kind) = it.read_kind()
         && it.take(")")
@@ -184,7 +192,7 @@ fn cast(it: &mut Parser<'_>) -> Parsed<Option<Expr>> {
         let value = it.peek(0).is_some_and(|t| {
             !t.first
                 && (!matches!(t.kind, TokenKind::Mark(_))
-                    || (known && (t.is("(") || t.is("-") || t.is("&"))))
+                    || (known && BEFORE.iter().any(|mark| t.is(mark))))
         });
         if value {
             let of = Box::new(it.deeper(unary)?);
@@ -204,6 +212,7 @@ fn primary(it: &mut Parser<'_>) -> Parsed<Expr> {
     };
     let node = match &token.kind {
         TokenKind::Whole(value) => ExprNode::Whole(*value),
+        TokenKind::Wide(value, width) => ExprNode::Wide(*value, *width),
         TokenKind::Real(value) => ExprNode::Real(*value),
         TokenKind::Text(text) => {
             it.at += 1;
@@ -240,9 +249,7 @@ fn primary(it: &mut Parser<'_>) -> Parsed<Expr> {
         TokenKind::Mark("::") => {
             it.at += 1;
             let mut value = named(it)?;
-            if let ExprNode::Name(name) = &value.node {
-                value.node = ExprNode::Name(format!("::{name}").into());
-            }
+            of_file(&mut value);
             return Ok(value);
         }
         TokenKind::Mark(_) => return Err(unexpected(Some(token), place, "a value", HELP)),
@@ -251,7 +258,16 @@ fn primary(it: &mut Parser<'_>) -> Parsed<Expr> {
     Ok(Expr { node, place })
 }
 
-/// A name, without the spaces that it is in; `type(value)`; `static_cast<type>(value)`.
+/// `::name`, `::name<…>`: a name of the file.
+fn of_file(it: &mut Expr) {
+    match &mut it.node {
+        ExprNode::Name(name) => *name = format!("::{name}").into(),
+        ExprNode::Template(_, callee) => of_file(callee),
+        _ => {}
+    }
+}
+
+/// A name, with the spaces that are written before it; `type(value)`; `static_cast<type>(value)`.
 fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
     let place = it.place();
     let mut name = it.name(HELP)?;
@@ -277,8 +293,24 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
     if std {
         it.angles();
     }
-    let kind = kind_of(&name);
-    if kind != Kind::Any && it.sees("(") {
+    let kind = it.kind_named(&name);
+    if kind != Kind::Any && (it.sees("(") || it.sees("{")) {
+        if it.sees("{") {
+            let of = Box::new(braces(it)?);
+            let place = place.to(it.before());
+            let node = match of.node {
+                ExprNode::Braces(all) => all.into_iter().next(),
+                _ => None,
+            };
+            let zero = Expr {
+                node: ExprNode::Whole(0),
+                place,
+            };
+            return Ok(Expr {
+                node: ExprNode::Convert(kind, Box::new(node.unwrap_or(zero))),
+                place,
+            });
+        }
         it.at += 1;
         let of = Box::new(it.expression()?);
         it.expect(")", "close the parenthesis")?;
@@ -287,21 +319,28 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
             place: place.to(it.before()),
         });
     }
-    if &*name == "sizeof" && it.take("(") {
-        let mut depth = 1;
-        while depth > 0 {
-            let Some(token) = it.peek(0) else { break };
-            depth += i32::from(token.is("(")) - i32::from(token.is(")"));
-            it.at += 1;
-        }
+    match &*name {
+        "sizeof" => return size_of(it, place),
+        "new" => return allocation(it, place),
+        _ => {}
+    }
+    if it.templates.contains(&name) && it.sees("<") {
+        let given = template_arguments(it)?;
+        let callee = Expr {
+            node: ExprNode::Name(full.into()),
+            place,
+        };
         return Ok(Expr {
-            node: ExprNode::Name("sizeof".into()),
+            node: ExprNode::Template(given, Box::new(callee)),
             place: place.to(it.before()),
         });
     }
     let node = match &*name {
-        "true" => ExprNode::Whole(1),
-        "false" | "NULL" | "nullptr" => ExprNode::Whole(0),
+        "true" | "false" => {
+            let node = ExprNode::Whole(i64::from(&*name == "true"));
+            ExprNode::Convert(Kind::Flag, Box::new(Expr { node, place }))
+        }
+        "NULL" | "nullptr" => ExprNode::Whole(0),
         _ => ExprNode::Name(full.into()),
     };
     Ok(Expr {
@@ -310,23 +349,96 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
     })
 }
 
+/// `sizeof(type)`, `sizeof value`.
+fn size_of(it: &mut Parser<'_>, place: Place) -> Parsed<Expr> {
+    let start = it.at;
+    if it.take("(")
+        && (it.kind_named(it.word(0)) != Kind::Any
+            || matches!(it.word(0), "unsigned" | "signed" | "const"))
+        && let Some(found) = it.read_type()
+        && it.take(")")
+    {
+        let kind = if found.pointer {
+            Kind::Bits(64, false)
+        } else {
+            found.kind
+        };
+        let place = place.to(it.before());
+        let zero = Box::new(Expr {
+            node: ExprNode::Whole(0),
+            place,
+        });
+        let node = ExprNode::Convert(kind, zero);
+        return Ok(Expr {
+            node: ExprNode::SizeOf(Box::new(Expr { node, place })),
+            place,
+        });
+    }
+    it.at = start;
+    let of = Box::new(it.deeper(unary)?);
+    Ok(Expr {
+        place: place.to(of.place),
+        node: ExprNode::SizeOf(of),
+    })
+}
+
+/// `new type`, `new type[length]`, `new type(value)`.
+fn allocation(it: &mut Parser<'_>, place: Place) -> Parsed<Expr> {
+    const SHAPE: &str = "memory is asked for by `new type[length]`";
+    let Some(of) = it.read_type() else {
+        return Err(unexpected(it.peek(0), it.place(), "a type", SHAPE));
+    };
+    let mut declared = of.declares("buffer".into(), place);
+    if it.take("[") {
+        declared.lengths.insert(0, Some(it.expression()?));
+        it.expect("]", SHAPE)?;
+    }
+    if it.sees("{") {
+        declared.value = Some(braces(it)?);
+    } else if it.take("(") && !it.take(")") {
+        declared.value = Some(it.expression()?);
+        it.expect(")", SHAPE)?;
+    }
+    Ok(Expr {
+        node: ExprNode::New(Box::new(declared)),
+        place: place.to(it.before()),
+    })
+}
+
+/// What a template is given, in `<…>`.
+fn template_arguments(it: &mut Parser<'_>) -> Parsed<Vec<TemplateArgument>> {
+    it.at += 1;
+    let mut all = Vec::new();
+    while !it.close_angle() {
+        all.push(it.template_argument()?);
+        if !it.take(",") && !it.sees(">") && !it.sees(">>") {
+            let help = "a template is called by `name<value>(argument)`";
+            return Err(unexpected(it.peek(0), it.place(), "`,` or `>`", help));
+        }
+    }
+    Ok(all)
+}
+
 fn lambda(it: &mut Parser<'_>) -> Parsed<Expr> {
     const SHAPE: &str = "a lambda is `[&](type parameter) { … }`";
     let place = it.place();
     it.at += 1;
-    while it.peek(0).is_some() && !it.take("]") {
-        it.at += 1;
-    }
+    let captures = captures(it)?;
     let parameters = if it.take("(") {
         it.parameters()?
     } else {
         Vec::new()
     };
+    let mut returns = Kind::Any;
     while it.peek(0).is_some() && !it.sees("{") {
         if it.sees(";") {
             return Err(unexpected(it.peek(0), it.place(), "`{`", SHAPE));
         }
-        it.at += 1;
+        if it.take("->") {
+            returns = it.read_kind().unwrap_or(Kind::Any);
+        } else {
+            it.at += 1;
+        }
     }
     let body = it.block()?;
     let place = place.to(it.before());
@@ -338,11 +450,43 @@ fn lambda(it: &mut Parser<'_>) -> Parsed<Expr> {
         hidden: false,
         qualified: false,
         place,
+        returns,
+        template: Vec::new(),
+        captures,
+        held: Vec::new(),
     };
     Ok(Expr {
         node: ExprNode::Lambda(Rc::new(function)),
         place,
     })
+}
+
+/// What a lambda takes along, up to `]`.
+fn captures(it: &mut Parser<'_>) -> Parsed<Captures> {
+    let mut all = Captures::default();
+    while !it.take("]") {
+        let reference = it.take("&");
+        let copies = !reference && it.take("=");
+        all.copies |= copies;
+        if !copies && !it.word(0).is_empty() {
+            let name = it.name(HELP)?;
+            let value = if it.take("=") {
+                Some(it.assignment()?)
+            } else {
+                None
+            };
+            all.named.push(Capture {
+                name,
+                reference,
+                value,
+            });
+        } else if !copies && !reference && !it.take("*") {
+            let help = "a lambda takes along `[&]`, `[=]`, or names";
+            return Err(unexpected(it.peek(0), it.place(), "`]`", help));
+        }
+        it.take(",");
+    }
+    Ok(all)
 }
 
 fn postfix(it: &mut Parser<'_>, mut value: Expr) -> Parsed<Expr> {
@@ -363,7 +507,14 @@ fn postfix(it: &mut Parser<'_>, mut value: Expr) -> Parsed<Expr> {
                 }
             }
             it.links = most;
-            ExprNode::Call(Box::new(value), given)
+            match value.node {
+                ExprNode::Template(types, callee) => {
+                    let place = start.to(it.before());
+                    let node = ExprNode::Call(callee, given);
+                    ExprNode::Template(types, Box::new(Expr { node, place }))
+                }
+                _ => ExprNode::Call(Box::new(value), given),
+            }
         } else if it.sees("[") {
             it.link()?;
             it.at += 1;

@@ -19,8 +19,7 @@ const TURNS: usize = 24;
 impl Machine<'_> {
     /// Whether a loop is that over the frames.
     pub(super) fn endless(&mut self, condition: Option<&Expr>, body: &Stmt) -> bool {
-        let constant =
-            condition.is_none_or(|it| matches!(it.node, ExprNode::Whole(value) if value != 0));
+        let constant = condition.is_none_or(always);
         if constant {
             return !look::breaks(body) || look::syncs(self, body);
         }
@@ -44,7 +43,7 @@ impl Machine<'_> {
             self.slots = start;
             for slot in self.fixed.clone() {
                 if let Some(value) = self.word(slot).and_then(|name| self.set(&name)) {
-                    self.slots[slot] = value;
+                    self.slots[slot] = value.converted(self.kind_at(slot, &[]));
                 }
             }
             first = self.turn(body, step);
@@ -260,6 +259,15 @@ fn capture(items: &[Item]) -> Option<Place> {
         }
         _ => None,
     })
+}
+
+/// Whether a condition is written as one that always holds.
+fn always(it: &Expr) -> bool {
+    match &it.node {
+        ExprNode::Whole(value) => *value != 0,
+        ExprNode::Convert(_, of) => always(of),
+        _ => false,
+    }
 }
 
 /// Whether something captures light, or resets the photodiodes.

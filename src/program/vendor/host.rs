@@ -1,5 +1,7 @@
 //! What the vendor's library offers the micro-controller, as far as a program can be told of it.
 
+use crate::elementary;
+
 /// What a call does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
@@ -48,13 +50,7 @@ pub(super) fn role(name: &str, given: usize) -> Role {
         | "scamp5_global_sum_64"
         | "scamp5_global_sum_fast"
         | "scamp5_global_sum_sparse" => Role::Read,
-        "abs" | "fabs" | "sqrt" | "floor" | "ceil" | "round" | "sin" | "cos" | "tan" | "exp"
-        | "log" | "log2"
-            if given == 1 =>
-        {
-            Role::Number
-        }
-        "min" | "max" | "fmin" | "fmax" | "pow" | "atan2" if given == 2 => Role::Number,
+        _ if given > 0 && number(name, &NUMBERS[..given.min(3)]).is_some() => Role::Number,
         "sizeof" => Role::Library,
         // The GUI of the box, its memory, lights, pins and messages; the language's own library.
         _ if name.starts_with("vs_")
@@ -68,6 +64,53 @@ pub(super) fn role(name: &str, given: usize) -> Role {
         }
         _ => Role::Chip,
     }
+}
+
+/// Numbers that every function of the mathematical library takes.
+const NUMBERS: [f64; 3] = [0.5; 3];
+
+/// What a function of the mathematical library gives; `None` where it is none. The name may end
+/// in `f`, as those for `float` do.
+pub(super) fn number(name: &str, given: &[f64]) -> Option<f64> {
+    let base = match name {
+        "roundf" | "floorf" | "ceilf" | "truncf" | "sqrtf" | "cbrtf" | "fabsf" | "sinf"
+        | "cosf" | "tanf" | "asinf" | "acosf" | "atanf" | "sinhf" | "coshf" | "tanhf" | "expf"
+        | "exp2f" | "logf" | "log2f" | "log10f" | "powf" | "atan2f" | "fminf" | "fmaxf"
+        | "fmodf" | "hypotf" | "rintf" | "nearbyintf" | "lroundf" => &name[..name.len() - 1],
+        name => name,
+    };
+    Some(match (base, given) {
+        ("abs" | "fabs", [x]) => x.abs(),
+        ("sqrt", [x]) => x.sqrt(),
+        ("cbrt", [x]) => libm::cbrt(*x),
+        ("floor", [x]) => x.floor(),
+        ("ceil", [x]) => x.ceil(),
+        ("round" | "lround" | "llround", [x]) => x.round(),
+        ("rint" | "nearbyint", [x]) => x.round_ties_even(),
+        ("trunc", [x]) => x.trunc(),
+        ("sin", [x]) => elementary::sin(*x),
+        ("cos", [x]) => elementary::cos(*x),
+        ("tan", [x]) => libm::tan(*x),
+        ("asin", [x]) => libm::asin(*x),
+        ("acos", [x]) => libm::acos(*x),
+        ("atan", [x]) => libm::atan(*x),
+        ("sinh", [x]) => elementary::sinh(*x),
+        ("cosh", [x]) => elementary::cosh(*x),
+        ("tanh", [x]) => elementary::tanh(*x),
+        ("exp", [x]) => elementary::exp(*x),
+        ("exp2", [x]) => elementary::pow(2.0, *x),
+        ("log", [x]) => elementary::ln(*x),
+        ("log2", [x]) => elementary::log2(*x),
+        ("log10", [x]) => elementary::log10(*x),
+        ("min" | "fmin", [x, y]) => x.min(*y),
+        ("max" | "fmax", [x, y]) => x.max(*y),
+        ("pow", [x, y]) => elementary::pow(*x, *y),
+        ("atan2", [y, x]) => libm::atan2(*y, *x),
+        ("fmod", [x, y]) => x % y,
+        ("hypot", [x, y]) => elementary::hypot(*x, *y),
+        ("clamp", [x, low, high]) => x.max(*low).min(*high),
+        _ => return None,
+    })
 }
 
 const LIBRARY: [&str; 26] = [

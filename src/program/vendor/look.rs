@@ -10,8 +10,8 @@ use std::{
 use super::{
     host::{self, Role},
     machine::{Machine, foreign},
-    tree::{Expr, ExprNode, Function, Stmt, StmtNode, Word, last},
-    value::Value,
+    tree::{Expr, ExprNode, Function, Stmt, StmtNode, TemplateArgument, Word, last},
+    value::{Slot, Value},
 };
 
 /// Whether it changes anything in the array.
@@ -61,12 +61,17 @@ impl Callees {
                 let local = locals.get(name);
                 self.functions.extend(local.into_iter().flatten().cloned());
                 if let Some(slot) = machine.find(name) {
-                    self.held(machine, &machine.slots[slot]);
+                    self.found(machine, &machine.slots[slot]);
                 } else if !self.named(machine, name) && local.is_none() {
                     self.names.push(last(name).into());
                 }
             }
-            ExprNode::Member(_, name) => self.functions.extend(members(machine, name)),
+            ExprNode::Member(of, name) => {
+                self.functions.extend(members(machine, name));
+                if let Some(slot) = base(of).and_then(|it| machine.find(&it)) {
+                    self.part(machine, &machine.slots[slot], name);
+                }
+            }
             ExprNode::Index(of, _) | ExprNode::Unary(_, of) | ExprNode::Convert(_, of) => {
                 self.add(machine, locals, of);
             }
@@ -91,7 +96,42 @@ impl Callees {
         self.functions.len() > before
     }
 
-    /// What a variable holds that can be called.
+    /// What a variable holds that can be called, or what it leads to.
+    fn found(&mut self, machine: &Machine<'_>, value: &Value) {
+        match value {
+            Value::Pointer(slot, ..) | Value::Reference(slot, _) => {
+                self.held(machine, &machine.slots[*slot]);
+            }
+            value => self.held(machine, value),
+        }
+    }
+
+    /// What the member of an object holds that can be called.
+    fn part(&mut self, machine: &Machine<'_>, value: &Value, name: &str) {
+        let value = match value {
+            Value::Pointer(slot, ..) | Value::Reference(slot, _) => &machine.slots[*slot],
+            value => value,
+        };
+        match value {
+            Value::List(all) => all.iter().for_each(|it| self.inner(machine, it, name)),
+            value => self.inner(machine, value, name),
+        }
+    }
+
+    fn inner(&mut self, machine: &Machine<'_>, value: &Value, name: &str) {
+        let Value::Record(layout, all) = value else {
+            return;
+        };
+        for (member, value) in layout.members.iter().zip(all) {
+            if &*member.name == name {
+                self.held(machine, value);
+            } else {
+                self.inner(machine, value, name);
+            }
+        }
+    }
+
+    /// What a value is that can be called.
     fn held(&mut self, machine: &Machine<'_>, value: &Value) {
         match value {
             Value::Lambda(function) => self.functions.push(Rc::clone(function)),
@@ -112,23 +152,37 @@ pub(super) fn members(machine: &Machine<'_>, name: &str) -> Vec<Rc<Function>> {
     inside.chain(outside).cloned().collect()
 }
 
-/// Every part of a statement and of the functions that it calls, and every call of something
-/// that the file does not state, with the number of its arguments.
+/// Every part of a statement and of the functions that it calls, which are given back, and every
+/// call of something that the file does not state, with the number of its arguments.
 fn reach(
     machine: &Machine<'_>,
     it: &Stmt,
     part: &mut dyn FnMut(&Part<'_>),
     leaf: &mut dyn FnMut(&str, usize),
-) {
+) -> Vec<Rc<Function>> {
+    let mut all = Vec::new();
     let mut locals = Locals::new();
     let mut seen = BTreeSet::new();
     let mut queue: Vec<Rc<Function>> = Vec::new();
     scan(machine, it, &mut locals, &mut queue, part, leaf);
     while let Some(function) = queue.pop() {
         if seen.insert(Rc::as_ptr(&function)) {
+            took(machine, &function, &mut locals);
             for it in &function.body {
                 scan(machine, it, &mut locals, &mut queue, part, leaf);
             }
+            all.push(function);
+        }
+    }
+    all
+}
+
+/// The lambdas that a lambda took along.
+fn took(machine: &Machine<'_>, function: &Function, locals: &mut Locals) {
+    for (name, slot) in &function.held {
+        if let Value::Lambda(inner) = &machine.slots[*slot] {
+            let known = locals.entry(name.clone()).or_default();
+            known.push(Rc::clone(inner));
         }
     }
 }
@@ -215,22 +269,34 @@ pub(super) fn leaves(it: &Stmt) -> bool {
 
 /// Forgets what it assigns.
 pub(super) fn forget(machine: &mut Machine<'_>, it: &Stmt, why: &Arc<str>) {
-    for name in assigned(machine, it) {
-        for slot in machine.find_all(&name) {
-            match machine.slots[slot].clone() {
-                Value::Pointer(slot, path, _) => machine.forget(slot, &path, why),
-                Value::Symbol(_) | Value::Lambda(_) => {}
-                _ => machine.forget(slot, &[], why),
+    let (names, functions) = assigned(machine, it);
+    let mut slots: BTreeSet<Slot> = names.iter().flat_map(|it| machine.find_all(it)).collect();
+    // What a lambda took along, it assigns wherever it is called.
+    let held = functions.iter().flat_map(|it| &it.held);
+    slots.extend(held.filter(|it| names.contains(&it.0)).map(|it| it.1));
+    for slot in slots {
+        match machine.slots[slot].clone() {
+            Value::Pointer(slot, path, _) | Value::Reference(slot, path) => {
+                machine.forget(slot, &path, why);
             }
+            Value::Symbol(_) | Value::Lambda(_) => {}
+            _ => machine.forget(slot, &[], why),
         }
     }
 }
 
-fn assigned(machine: &Machine<'_>, it: &Stmt) -> Vec<Word> {
+/// The names that it assigns to, and the functions that it calls.
+fn assigned(machine: &Machine<'_>, it: &Stmt) -> (Vec<Word>, Vec<Rc<Function>>) {
     let mut names = Vec::new();
     let list = |name: &Word| {
         let slot = machine.find(name);
-        slot.is_some_and(|slot| matches!(machine.slots[slot], Value::List(_) | Value::Pointer(..)))
+        slot.is_some_and(|slot| {
+            let held = &machine.slots[slot];
+            matches!(
+                held,
+                Value::List(_) | Value::Pointer(..) | Value::Reference(..)
+            )
+        })
     };
     let mut part = |part: &Part<'_>| {
         let Part::Expr(value) = part else { return };
@@ -240,6 +306,10 @@ fn assigned(machine: &Machine<'_>, it: &Stmt) -> Vec<Word> {
             ExprNode::Call(callee, given) => {
                 // An array that is given may be written.
                 names.extend(given.iter().filter_map(base).filter(list));
+                // So may the object that a function belongs to.
+                if let ExprNode::Member(of, _) = &callee.node {
+                    names.extend(base(of));
+                }
                 let callees = Callees::of(machine, &Locals::new(), callee);
                 for function in callees.functions {
                     let all = function.parameters.iter().zip(given);
@@ -250,8 +320,8 @@ fn assigned(machine: &Machine<'_>, it: &Stmt) -> Vec<Word> {
             _ => {}
         }
     };
-    reach(machine, it, &mut part, &mut |_, _| {});
-    names
+    let functions = reach(machine, it, &mut part, &mut |_, _| {});
+    (names, functions)
 }
 
 /// The variable that is meant by a target.
@@ -270,7 +340,7 @@ pub(super) fn show(machine: &mut Machine<'_>, it: &Stmt) {
         if let Part::Expr(value) = part
             && let ExprNode::Call(callee, given) = &value.node
             && let ExprNode::Name(name) = &callee.node
-            && host::role(name, given.len()) == Role::Show
+            && host::role(last(name), given.len()) == Role::Show
         {
             shown.push(value.clone());
         }
@@ -351,10 +421,15 @@ fn walk(it: &Stmt, own: bool, act: &mut dyn FnMut(Part<'_>)) {
         }
         StmtNode::Declare(all) => {
             for declared in all {
-                declared.value.iter().for_each(|it| values(it, act));
+                let lengths = declared.lengths.iter().flatten();
+                lengths
+                    .chain(&declared.value)
+                    .for_each(|it| values(it, act));
             }
         }
-        StmtNode::Expr(value) | StmtNode::Return(Some(value)) => values(value, act),
+        StmtNode::Expr(value) | StmtNode::Return(Some(value)) | StmtNode::Case(Some(value)) => {
+            values(value, act);
+        }
         StmtNode::If(condition, yes, no) => {
             values(condition, act);
             walk(yes, own, act);
@@ -379,12 +454,13 @@ fn walk(it: &Stmt, own: bool, act: &mut dyn FnMut(Part<'_>)) {
                 walk(body, own, act);
             }
         }
-        StmtNode::Case(_)
+        StmtNode::Case(None)
         | StmtNode::Break
         | StmtNode::Continue
         | StmtNode::Return(None)
         | StmtNode::Function(_)
         | StmtNode::Prototype(_)
+        | StmtNode::Struct(_)
         | StmtNode::Class(_)
         | StmtNode::Nothing => {}
     }
@@ -401,7 +477,17 @@ fn values(it: &Expr, act: &mut dyn FnMut(Part<'_>)) {
         ExprNode::Member(of, _)
         | ExprNode::Unary(_, of)
         | ExprNode::Step(of, ..)
-        | ExprNode::Convert(_, of) => values(of, act),
+        | ExprNode::Convert(_, of)
+        | ExprNode::SizeOf(of) => values(of, act),
+        ExprNode::Template(given, of) => {
+            for it in given {
+                if let TemplateArgument::Value(value) = it {
+                    values(value, act);
+                }
+            }
+            values(of, act);
+        }
+        ExprNode::New(declared) => declared.value.iter().for_each(|it| values(it, act)),
         ExprNode::Index(a, b) | ExprNode::Binary(_, a, b) | ExprNode::Assign(_, a, b) => {
             values(a, act);
             values(b, act);
@@ -412,6 +498,7 @@ fn values(it: &Expr, act: &mut dyn FnMut(Part<'_>)) {
         // Callbacks run when somebody moves a slider, not here.
         ExprNode::Lambda(_)
         | ExprNode::Whole(_)
+        | ExprNode::Wide(..)
         | ExprNode::Real(_)
         | ExprNode::Text(_)
         | ExprNode::Name(_) => {}
@@ -425,4 +512,22 @@ pub(super) fn calls_function(it: &super::tree::Function, name: &str) -> bool {
         calls(statement, &mut |called, _| found |= called == name);
     }
     found && *it.name != *name
+}
+
+/// The names that a lambda uses, and those inside it.
+pub(super) fn names(function: &super::tree::Function) -> BTreeSet<Word> {
+    let mut found = BTreeSet::new();
+    for statement in &function.body {
+        walk(statement, false, &mut |part| {
+            let Part::Expr(value) = part else { return };
+            match &value.node {
+                ExprNode::Name(name) => {
+                    found.insert(name.clone());
+                }
+                ExprNode::Lambda(inner) => found.extend(names(inner)),
+                _ => {}
+            }
+        });
+    }
+    found
 }

@@ -9,8 +9,8 @@ use std::{
 use super::{
     files::Files,
     look,
-    tree::{Expr, Function, Word, last, qualifier},
-    value::{Slot, Value},
+    tree::{Expr, Function, Kind, TemplateArgument, Word, last, qualifier},
+    value::{Layout, Slot, Value},
 };
 use crate::{
     config::{Fault, Place, enough},
@@ -29,6 +29,9 @@ const WORK: usize = 1 << 21;
 
 /// Statements that may be asked of the array.
 const ASKED: usize = crate::limit::EXPANDED_STEPS;
+
+/// Where a value lies: a variable, and the way to an element of it.
+pub(super) type Spot = (Slot, Vec<usize>);
 
 /// How control goes on.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,6 +68,16 @@ pub(super) struct Machine<'a> {
     /// Functions as they are announced, for their default arguments.
     pub prototypes: BTreeMap<Word, Vec<Rc<Function>>>,
     pub slots: Vec<Value>,
+    /// The types of the variables, or of their elements.
+    pub kinds: Vec<Kind>,
+    /// Arrays that are copied with their name, as those of the language's library.
+    pub copied: BTreeSet<Slot>,
+    /// Classes whose members are known.
+    pub layouts: BTreeMap<Word, Rc<Layout>>,
+    /// The types that the template which runs was given, by position.
+    pub types: Vec<Kind>,
+    /// What stands in `<…>` before the call that comes next.
+    pub angles: Option<Vec<TemplateArgument>>,
     /// Variables that change from frame to frame, and were given one value for good.
     pub fixed: BTreeSet<Slot>,
     /// Scopes of names; those below `base` belong to callers, but for the first, the file's.
@@ -119,6 +132,11 @@ impl<'a> Machine<'a> {
             prototypes: BTreeMap::new(),
             fixed: BTreeSet::new(),
             slots: Vec::new(),
+            kinds: Vec::new(),
+            copied: BTreeSet::new(),
+            layouts: BTreeMap::new(),
+            types: Vec::new(),
+            angles: None,
             scopes: vec![BTreeMap::new()],
             base: 0,
             space: "".into(),
@@ -214,11 +232,54 @@ impl<'a> Machine<'a> {
             .collect()
     }
 
-    pub(super) fn make(&mut self, name: &Word, value: Value) -> Slot {
-        let slot = self.slots.len();
-        self.slots.push(value);
+    pub(super) fn make(&mut self, name: &Word, value: Value, kind: Kind) -> Slot {
+        let slot = self.hold(value, kind);
         self.bind(name, slot);
         slot
+    }
+
+    /// A new variable, without a name.
+    pub(super) fn hold(&mut self, value: Value, kind: Kind) -> Slot {
+        let slot = self.slots.len();
+        self.slots.push(value);
+        self.kinds.resize(slot, Kind::Any);
+        self.kinds.push(kind);
+        self.copied.remove(&slot);
+        slot
+    }
+
+    /// Binds a name to a variable, or to an element of one.
+    pub(super) fn refer(&mut self, name: &Word, (slot, path): Spot) {
+        if path.is_empty() {
+            self.bind(name, slot);
+        } else {
+            self.make(name, Value::Reference(slot, path), Kind::Any);
+        }
+    }
+
+    /// A type, with what a template is given in place of its parameter.
+    pub(super) fn resolved(&self, kind: Kind) -> Kind {
+        match kind {
+            Kind::Parameter(at) => self.types.get(at).copied().unwrap_or(Kind::Any),
+            kind => kind,
+        }
+    }
+
+    /// The type of a variable, or of an element.
+    pub(super) fn kind_at(&self, slot: Slot, path: &[usize]) -> Kind {
+        let mut kind = self.kinds.get(slot).copied().unwrap_or(Kind::Any);
+        let mut value = self.slots.get(slot);
+        for index in path {
+            value = match value {
+                Some(Value::List(all)) => all.get(*index),
+                Some(Value::Record(layout, all)) => {
+                    kind = layout.members.get(*index).map_or(Kind::Any, |it| it.kind);
+                    all.get(*index)
+                }
+                other => other,
+            };
+        }
+        kind
     }
 
     pub(super) fn bind(&mut self, name: &Word, slot: Slot) {
@@ -256,20 +317,23 @@ impl<'a> Machine<'a> {
     }
 
     pub(super) fn at(&self, slot: Slot, path: &[usize]) -> Value {
+        let beyond = || Value::Unknown("what lies beyond an array".into());
+        self.peek(slot, path).cloned().unwrap_or_else(beyond)
+    }
+
+    /// The value that lies somewhere; `None` beyond an array or a variable.
+    pub(super) fn peek(&self, slot: Slot, path: &[usize]) -> Option<&Value> {
         let mut value = &self.slots[slot];
         for index in path {
-            match value {
-                Value::List(all) => match all.get(*index) {
-                    Some(inner) => value = inner,
-                    None => return Value::Unknown("what lies beyond an array".into()),
-                },
-                Value::Unknown(why) => return Value::Unknown(Arc::clone(why)),
+            value = match value {
+                Value::List(all) | Value::Record(_, all) => all.get(*index)?,
+                Value::Unknown(_) => return Some(value),
                 // A pointer to one value.
-                _ if *index == 0 => {}
-                _ => return Value::Unknown("what lies beyond a variable".into()),
-            }
+                _ if *index == 0 => value,
+                _ => return None,
+            };
         }
-        value.clone()
+        Some(value)
     }
 
     pub(super) fn put(&mut self, slot: Slot, path: &[usize], value: Value) {
@@ -279,12 +343,14 @@ impl<'a> Machine<'a> {
         let mut target = &mut self.slots[slot];
         for index in path {
             match target {
-                Value::List(all) => {
+                Value::List(all) | Value::Record(_, all) => {
                     if *index >= all.len() {
                         return;
                     }
                     target = &mut all[*index];
                 }
+                // Of this memory nothing is known, nor will be.
+                Value::Unknown(_) => return,
                 _ => break,
             }
         }
@@ -459,6 +525,9 @@ pub(super) const fn item(node: Node, place: Place) -> Item {
 fn blurred(value: Value, why: &Arc<str>) -> Value {
     match value {
         Value::List(all) => Value::List(all.into_iter().map(|it| blurred(it, why)).collect()),
+        Value::Record(layout, all) => {
+            Value::Record(layout, all.into_iter().map(|it| blurred(it, why)).collect())
+        }
         _ => Value::Unknown(Arc::clone(why)),
     }
 }
@@ -467,7 +536,7 @@ fn blurred(value: Value, why: &Arc<str>) -> Value {
 pub(super) fn term(value: &Value) -> Option<Term> {
     let place = Place::default();
     Some(match value {
-        Value::Whole(_) | Value::Real(_) => {
+        Value::Whole(_) | Value::Wide(..) | Value::Real(_) => {
             let number = value.number()?;
             if number < 0.0 {
                 let term = Term::Number(-number);

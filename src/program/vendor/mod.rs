@@ -29,6 +29,7 @@ mod machine;
 mod parse;
 mod preprocess;
 mod run;
+mod shape;
 mod token;
 mod tree;
 mod value;
@@ -157,7 +158,7 @@ fn run_file(machine: &mut Machine<'_>, statements: &[Stmt], broken: bool) -> Vec
         .and_then(|all| all.first())
         .cloned();
     if let Some(main) = main {
-        machine.enter(&main, &[], main.place, true);
+        machine.enter(&main, &[], main.place);
     } else if machine.items.is_empty() && machine.frames.is_empty() {
         only_function(machine);
     }
@@ -243,7 +244,7 @@ fn only_function(machine: &mut Machine<'_>) {
             .iter()
             .all(|parameter| parameter.default.is_some())
     {
-        machine.enter(one, &[], one.place, true);
+        machine.enter(one, &[], one.place);
         return;
     }
     let Some(first) = roots.first() else {

@@ -1,11 +1,17 @@
 //! From tokens to statements. It recovers after a fault, so that all faults are told.
 
-use std::rc::Rc;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    rc::Rc,
+};
 
 use super::{
     expression::{self, unexpected},
     token::{Kind as TokenKind, Token},
-    tree::{Declared, Expr, ExprNode, Function, Kind, Parameter, Stmt, StmtNode, Word},
+    tree::{
+        Captures, Declared, Expr, ExprNode, Function, Kind, Parameter, Stmt, StmtNode, Struct,
+        TemplateArgument, TemplateParameter, Word,
+    },
 };
 use crate::{
     config::{Fault, Place, enough},
@@ -22,6 +28,12 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
         links: 0,
         space: String::new(),
         faults: Vec::new(),
+        pending: Vec::new(),
+        aliases: BTreeMap::new(),
+        templates: BTreeSet::new(),
+        template: Vec::new(),
+        half: false,
+        in_class: false,
     };
     let statements = parser.statements(false);
     (statements, parser.faults)
@@ -38,6 +50,18 @@ pub(super) struct Parser<'a> {
     /// The namespace.
     space: String,
     faults: Vec<Fault>,
+    /// Statements that come before the one that is read.
+    pending: Vec<Stmt>,
+    /// Types that have another name.
+    aliases: BTreeMap<Word, Type>,
+    /// Names of functions that are templates.
+    pub templates: BTreeSet<Word>,
+    /// The parameters of the template that is read.
+    template: Vec<TemplateParameter>,
+    /// Whether the first half of a `>>` closed something.
+    half: bool,
+    /// Whether what is read belongs to a class itself.
+    in_class: bool,
 }
 
 pub(super) type Parsed<T> = Result<T, Fault>;
@@ -68,13 +92,60 @@ const RESERVED: [&str; 14] = [
 
 /// A type, as far as it matters.
 #[allow(clippy::struct_excessive_bools)] // What was said, each on its own.
-struct Type {
-    kind: Kind,
+#[derive(Clone)]
+pub(super) struct Type {
+    pub kind: Kind,
     constant: bool,
     lasting: bool,
-    pointer: bool,
+    pub pointer: bool,
     reference: bool,
+    /// Whether it is an array of the language's library, and its lengths.
+    library: bool,
+    lengths: Vec<Option<Expr>>,
     name: Word,
+}
+
+impl Default for Type {
+    fn default() -> Self {
+        Self {
+            kind: Kind::Any,
+            constant: false,
+            lasting: false,
+            pointer: false,
+            reference: false,
+            library: false,
+            lengths: Vec::new(),
+            name: "".into(),
+        }
+    }
+}
+
+impl Type {
+    /// A variable of this type, without a value.
+    pub(super) fn declares(&self, name: Word, place: Place) -> Declared {
+        Declared {
+            name,
+            kind: if self.pointer { Kind::Any } else { self.kind },
+            of: self.name.clone(),
+            lengths: self.lengths.clone(),
+            value: None,
+            reference: self.reference,
+            pointer: self.pointer,
+            library: self.library && !self.pointer,
+            constant: self.constant,
+            lasting: self.lasting,
+            place,
+        }
+    }
+
+    /// What a number of this type becomes.
+    fn value_kind(&self) -> Kind {
+        if self.pointer || self.library {
+            Kind::Any
+        } else {
+            self.kind
+        }
+    }
 }
 
 impl<'a> Parser<'a> {
@@ -184,6 +255,7 @@ impl<'a> Parser<'a> {
             let start = self.at;
             match self.deeper(Self::statement) {
                 Ok(statement) => {
+                    all.append(&mut self.pending);
                     if statement.node != StmtNode::Nothing {
                         all.push(statement);
                     }
@@ -266,8 +338,9 @@ impl<'a> Parser<'a> {
             }
             "switch" => {
                 self.at += 1;
-                let on = self.parenthesised()?;
-                Ok(StmtNode::Switch(on, self.block()?))
+                let (first, on) = self.headed()?;
+                let node = StmtNode::Switch(on, self.block()?);
+                Ok(self.behind(first, node))
             }
             "case" => {
                 self.at += 1;
@@ -292,26 +365,37 @@ impl<'a> Parser<'a> {
                 self.end_statement()?;
                 Ok(StmtNode::Return(value))
             }
-            "using" | "typedef" => {
+            "typedef" => self.typedef(),
+            "using" => {
+                self.at += 1;
+                let name = self.peek(0).and_then(Token::name).cloned();
+                if let (Some(name), true) = (name, self.peek(1).is_some_and(|t| t.is("="))) {
+                    self.at += 2;
+                    self.alias(name);
+                }
                 self.skip_past(";");
+                Ok(StmtNode::Nothing)
+            }
+            "delete" => {
+                self.at += 1;
+                if self.take("[") {
+                    self.take("]");
+                }
+                self.expression()?;
+                self.end_statement()?;
                 Ok(StmtNode::Nothing)
             }
             "template" => {
                 self.at += 1;
-                self.angles();
-                self.statement_node()
+                let template = self.template_parameters()?;
+                let outer = std::mem::replace(&mut self.template, template);
+                let node = self.statement_node();
+                self.template = outer;
+                node
             }
             "namespace" => self.namespace(),
             "enum" => self.enumeration(),
-            "class" | "struct" | "union" if self.is_definition() => {
-                let class = self.word(1).to_owned();
-                while self.peek(0).is_some() && !self.sees("{") {
-                    self.at += 1;
-                }
-                let members = self.members(&class);
-                self.skip_past(";");
-                Ok(StmtNode::Class(members))
-            }
+            "class" | "struct" | "union" if self.is_definition() => self.class(false),
             "extern" if matches!(self.peek(1).map(|t| &t.kind), Some(TokenKind::Text(_))) => {
                 self.at += 2;
                 if self.sees("{") {
@@ -393,7 +477,14 @@ impl<'a> Parser<'a> {
     }
 
     fn if_statement(&mut self) -> Parsed<StmtNode> {
-        // `else if` is no deeper than the `if` before it.
+        // `else if` is no deeper than the `if` before it, but where it declares something.
+        let depth = self.depth;
+        let node = self.if_chain();
+        self.depth = depth;
+        node
+    }
+
+    fn if_chain(&mut self) -> Parsed<StmtNode> {
         let (mut parts, mut otherwise) = (Vec::new(), None);
         let (links, mut most) = (self.links, self.links);
         loop {
@@ -402,8 +493,12 @@ impl<'a> Parser<'a> {
             self.take_word("constexpr");
             self.links = links + parts.len();
             self.link()?;
-            let condition = self.parenthesised()?;
-            parts.push((start, condition, self.boxed()?));
+            let (first, condition) = self.headed()?;
+            if first.is_some() {
+                self.deeper(|_| Ok(()))?;
+                self.depth += 1;
+            }
+            parts.push((start, first, condition, self.boxed()?));
             most = most.max(self.links);
             if !self.take_word("else") {
                 break;
@@ -416,8 +511,8 @@ impl<'a> Parser<'a> {
         }
         self.links = most.max(self.links);
         let end = self.before();
-        while let Some((start, condition, yes)) = parts.pop() {
-            let node = StmtNode::If(condition, yes, otherwise.take());
+        while let Some((start, first, condition, yes)) = parts.pop() {
+            let node = self.behind(first, StmtNode::If(condition, yes, otherwise.take()));
             if parts.is_empty() {
                 return Ok(node);
             }
@@ -425,6 +520,52 @@ impl<'a> Parser<'a> {
             otherwise = Some(Box::new(Stmt { node, place }));
         }
         Ok(StmtNode::Nothing)
+    }
+
+    /// A condition in parentheses, and what stands before it: `(first; condition)`, or a variable
+    /// that is declared there and is the condition.
+    fn headed(&mut self) -> Parsed<(Option<Stmt>, Expr)> {
+        let (start, place) = (self.at, self.place());
+        self.skip_group();
+        let inside = self.tokens.get(start + 1..self.at).unwrap_or_default();
+        self.at = start;
+        if inside.iter().any(|t| t.is(";")) && !inside.iter().any(|t| t.is("{")) {
+            self.at += 1;
+            let first = self.statement()?;
+            let condition = self.expression()?;
+            self.expect(")", "close the parenthesis")?;
+            return Ok((Some(first), condition));
+        }
+        self.at += 1;
+        if let Some(it) = self.declared_type()
+            && self.peek(1).is_some_and(|t| t.is("=") || t.is("{"))
+        {
+            let all = self.declarators(&it)?;
+            self.expect(")", "close the parenthesis")?;
+            let node = ExprNode::Name(all[0].name.clone());
+            let node = Expr { node, place };
+            let declare = StmtNode::Declare(all);
+            return Ok((
+                Some(Stmt {
+                    node: declare,
+                    place,
+                }),
+                node,
+            ));
+        }
+        self.at = start;
+        Ok((None, self.parenthesised()?))
+    }
+
+    /// A statement in a block with what stands before it.
+    fn behind(&self, first: Option<Stmt>, node: StmtNode) -> StmtNode {
+        match first {
+            None => node,
+            Some(first) => {
+                let place = first.place.to(self.before());
+                StmtNode::Block(vec![first, Stmt { node, place }])
+            }
+        }
     }
 
     fn for_statement(&mut self) -> Parsed<StmtNode> {
@@ -457,12 +598,16 @@ impl<'a> Parser<'a> {
     /// `for (type x : list) …`, if it is that.
     fn range_for(&mut self) -> Parsed<Option<StmtNode>> {
         let start = self.at;
-        if self.declared_type().is_some() && self.peek(1).is_some_and(|t| t.is(":")) {
+        if let Some(it) = self.declared_type()
+            && self.peek(1).is_some_and(|t| t.is(":"))
+        {
+            let place = self.place();
             let name = self.name("the name of the element")?;
+            let element = Box::new(it.declares(name, place));
             self.at += 1;
             let list = self.expression()?;
             self.expect(")", "a loop is `for (auto x : list) { … }`")?;
-            return Ok(Some(StmtNode::Each(name, list, self.boxed()?)));
+            return Ok(Some(StmtNode::Each(element, list, self.boxed()?)));
         }
         self.at = start;
         Ok(None)
@@ -496,10 +641,13 @@ impl<'a> Parser<'a> {
                 };
                 all.push(Declared {
                     name,
-                    kind: Kind::Whole,
+                    kind: Kind::INT,
+                    of: "".into(),
                     lengths: Vec::new(),
                     value: Some(value),
                     reference: false,
+                    pointer: false,
+                    library: false,
                     constant: true,
                     lasting: false,
                     place,
@@ -554,23 +702,138 @@ impl<'a> Parser<'a> {
         mark.is_some_and(|t| t.is("{"))
     }
 
-    /// The functions with bodies between the braces of a class.
-    fn members(&mut self, class: &str) -> Vec<Rc<Function>> {
+    /// `typedef type name;`
+    fn typedef(&mut self) -> Parsed<StmtNode> {
+        self.at += 1;
+        if matches!(self.word(0), "class" | "struct" | "union") && self.is_definition() {
+            return self.class(true);
+        }
+        let start = self.at;
+        if self.read_type().is_some()
+            && let Some(name) = self.peek(0).and_then(Token::name).cloned()
+        {
+            self.at = start;
+            self.alias(name);
+        }
+        self.skip_past(";");
+        Ok(StmtNode::Nothing)
+    }
+
+    /// A type that stands here has this name from now on.
+    fn alias(&mut self, name: Word) {
+        if let Some(it) = self.read_type() {
+            self.aliases.insert(name, it);
+        }
+    }
+
+    /// A class. Where its members are data and plain functions its objects are known, else they are
+    /// taken for unknown.
+    fn class(&mut self, named_behind: bool) -> Parsed<StmtNode> {
+        let place = self.place();
+        let union = self.word(0) == "union";
+        self.at += 1;
+        let mut name: Word = match self.peek(0).and_then(Token::name) {
+            Some(name) => name.clone(),
+            None => format!("the class of {}", place.start).into(),
+        };
+        while self.peek(0).is_some() && !self.sees("{") && !self.sees(":") {
+            self.at += 1;
+        }
+        let plain = !union && self.sees("{") && self.template.is_empty();
+        while self.peek(0).is_some() && !self.sees("{") {
+            self.at += 1;
+        }
+        let (data, functions) = self.class_body(&name, plain);
+        if named_behind && let Some(behind) = self.peek(0).and_then(Token::name) {
+            name = behind.clone();
+        }
+        let node = data.map_or(StmtNode::Nothing, |members| {
+            StmtNode::Struct(Rc::new(Struct {
+                name: name.clone(),
+                members,
+            }))
+        });
+        let place = place.to(self.before());
+        let functions = Stmt {
+            node: StmtNode::Class(functions),
+            place,
+        };
+        if named_behind || self.word(0).is_empty() {
+            self.skip_past(";");
+            self.pending.push(functions);
+            return Ok(node);
+        }
+        // Objects that are declared with their class.
+        let all = self.declarators(&Type {
+            name,
+            ..Type::default()
+        })?;
+        self.end_statement()?;
+        self.pending.extend([functions, Stmt { node, place }]);
+        Ok(StmtNode::Declare(all))
+    }
+
+    /// What stands between the braces of a class: its data, where nothing else matters when an
+    /// object is made, and its functions with bodies.
+    fn class_body(
+        &mut self,
+        class: &str,
+        plain: bool,
+    ) -> (Option<Vec<Declared>>, Vec<Rc<Function>>) {
         let start = self.at;
         self.skip_group();
-        let end = std::mem::replace(&mut self.at, start);
-        let mut all = Vec::new();
-        while self.at < end {
+        let end = std::mem::replace(&mut self.at, start + 1);
+        let (mut data, mut functions) = (Vec::new(), Vec::new());
+        let mut plain = plain;
+        while plain && self.at + 1 < end {
+            match self.plain_member() {
+                Some(StmtNode::Declare(more)) => data.extend(more),
+                Some(StmtNode::Function(function)) => functions.push(function),
+                Some(_) => {}
+                None => plain = false,
+            }
+        }
+        while self.at + 1 < end {
             if !self.word(0).is_empty()
                 && let Some(member) = self.member(class)
             {
-                all.push(member);
+                functions.push(member);
             } else {
                 self.at += 1;
             }
         }
         self.at = end;
-        all
+        let plain = plain && data.iter().all(|it: &Declared| !it.reference);
+        (plain.then_some(data), functions)
+    }
+
+    /// A member of a class that is data or a plain function; nothing where it is more than that.
+    fn plain_member(&mut self) -> Option<StmtNode> {
+        if matches!(self.word(0), "public" | "private" | "protected") {
+            self.at += 2;
+            return Some(StmtNode::Nothing);
+        }
+        if self.take(";") {
+            return Some(StmtNode::Nothing);
+        }
+        let rest = self.tokens.get(self.at..).unwrap_or_default();
+        let mut head = rest.iter().take_while(|t| !t.is("{") && !t.is(";"));
+        let operator = head.any(|t| t.name().is_some_and(|it| &**it == "operator"));
+        if self.word(0) == "static" || operator {
+            return None;
+        }
+        let told = self.faults.len();
+        self.in_class = true;
+        let node = self.declaration();
+        self.in_class = false;
+        let clean = self.faults.len() == told;
+        self.faults.truncate(told);
+        match node {
+            Ok(Some(
+                node @ (StmtNode::Declare(_) | StmtNode::Function(_) | StmtNode::Prototype(_)),
+            )) if clean => Some(node),
+            _ => None,
+        }
     }
 
     /// A function of a class, if the place is at its name and it has a body. Classes are not run:
@@ -603,6 +866,10 @@ impl<'a> Parser<'a> {
             hidden,
             qualified: false,
             place,
+            returns: Kind::Any,
+            template: Vec::new(),
+            captures: Captures::default(),
+            held: Vec::new(),
         }))
     }
 
@@ -656,6 +923,84 @@ impl<'a> Parser<'a> {
         if self.sees(":") {
             self.skip_to_body();
         }
+    }
+
+    /// What stands in `template <…>`.
+    fn template_parameters(&mut self) -> Parsed<Vec<TemplateParameter>> {
+        let start = self.at;
+        if let Some(all) = self.read_template()? {
+            return Ok(all);
+        }
+        self.at = start;
+        self.angles();
+        Ok(Vec::new())
+    }
+
+    fn read_template(&mut self) -> Parsed<Option<Vec<TemplateParameter>>> {
+        let mut all: Vec<TemplateParameter> = Vec::new();
+        self.take("<");
+        while !self.take(">") {
+            let is_type = matches!(self.word(0), "typename" | "class");
+            if is_type {
+                self.at += 1;
+            } else if self.read_type().is_none() {
+                return Ok(None);
+            }
+            let Some(name) = self.peek(0).and_then(Token::name).cloned() else {
+                return Ok(None);
+            };
+            self.at += 1;
+            let default = if self.take("=") {
+                Some(self.template_argument()?)
+            } else {
+                None
+            };
+            all.push(TemplateParameter {
+                name,
+                is_type,
+                default,
+            });
+            if !self.take(",") && !self.sees(">") {
+                return Ok(None);
+            }
+        }
+        Ok(Some(all))
+    }
+
+    /// A type or a value in `<…>`.
+    pub(super) fn template_argument(&mut self) -> Parsed<TemplateArgument> {
+        let start = self.at;
+        let known = self.kind_named(self.word(0)) != Kind::Any
+            || matches!(self.word(0), "const" | "unsigned" | "signed" | "std");
+        if known && let Some(it) = self.read_type() {
+            return Ok(TemplateArgument::Type(it.value_kind()));
+        }
+        self.at = start;
+        Ok(TemplateArgument::Value(self.deeper(expression::sum)?))
+    }
+
+    /// What closes `<`; a `>>` closes two.
+    pub(super) fn close_angle(&mut self) -> bool {
+        if self.sees(">>") {
+            self.at += usize::from(self.half);
+            self.half = !self.half;
+            return true;
+        }
+        self.take(">")
+    }
+
+    /// What a number of the type of this name becomes.
+    pub(super) fn kind_named(&self, name: &str) -> Kind {
+        let at = self
+            .template
+            .iter()
+            .position(|it| &*it.name == name && it.is_type);
+        if let Some(at) = at {
+            return Kind::Parameter(at);
+        }
+        self.aliases
+            .get(name)
+            .map_or_else(|| kind_of(name), Type::value_kind)
     }
 
     fn skip_past(&mut self, mark: &str) {
@@ -733,18 +1078,11 @@ impl<'a> Parser<'a> {
         if found.is_none() {
             self.at = start;
         }
-        found.map(|it| it.kind)
+        found.map(|it| it.value_kind())
     }
 
-    fn read_type(&mut self) -> Option<Type> {
-        let mut it = Type {
-            kind: Kind::Any,
-            constant: false,
-            lasting: false,
-            pointer: false,
-            reference: false,
-            name: "".into(),
-        };
+    pub(super) fn read_type(&mut self) -> Option<Type> {
+        let mut it = Type::default();
         let (mut unsigned, mut named) = (None, false);
         loop {
             let word = self.word(0);
@@ -756,17 +1094,22 @@ impl<'a> Parser<'a> {
             }
             if matches!(word, "unsigned" | "signed") {
                 unsigned = Some(word == "unsigned");
-                it.kind = Kind::Whole;
+                if !named {
+                    it.kind = Kind::INT;
+                }
                 named = true;
                 self.at += 1;
                 continue;
             }
-            let length = matches!(it.kind, Kind::Whole | Kind::Bits(..));
-            if matches!(word, "int" | "long" | "short" | "char") && (!named || length) {
+            let length = matches!(it.kind, Kind::Bits(..));
+            if matches!(word, "int" | "long" | "short" | "char" | "double") && (!named || length) {
                 it.kind = match (word, it.kind) {
-                    ("short", _) | ("int", Kind::Bits(16, _)) => Kind::Bits(16, true),
+                    ("double", _) => Kind::Real,
+                    ("short", _) => Kind::Bits(16, true),
                     ("char", _) => Kind::Bits(8, true),
-                    _ => Kind::Whole,
+                    ("long", _) => Kind::Bits(64, true),
+                    (_, Kind::Bits(bits, _)) => Kind::Bits(bits, true),
+                    _ => Kind::INT,
                 };
                 named = true;
                 self.at += 1;
@@ -775,15 +1118,11 @@ impl<'a> Parser<'a> {
             if named || word.is_empty() || RESERVED.contains(&word) {
                 break;
             }
-            it.name = self.peek(0).and_then(Token::name)?.clone();
-            it.kind = kind_of(word);
             named = true;
-            self.at += 1;
-            self.angles();
+            self.type_name(&mut it);
             while self.sees("::") && !self.word(1).is_empty() {
-                self.at += 2;
-                it.kind = kind_of(self.tokens.get(self.at - 1).and_then(Token::name)?);
-                self.angles();
+                self.at += 1;
+                self.type_name(&mut it);
             }
         }
         if let (Some(true), Kind::Bits(bits, _)) = (unsigned, it.kind) {
@@ -804,6 +1143,48 @@ impl<'a> Parser<'a> {
         named.then_some(it)
     }
 
+    /// The name of a type, with what stands in `<…>` behind it.
+    fn type_name(&mut self, it: &mut Type) {
+        let Some(name) = self.peek(0).and_then(Token::name).cloned() else {
+            return;
+        };
+        self.at += 1;
+        if let (Some(alias), false) = (self.aliases.get(&name), self.sees("<")) {
+            let (constant, lasting) = (it.constant, it.lasting);
+            *it = alias.clone();
+            it.constant |= constant;
+            it.lasting |= lasting;
+            return;
+        }
+        it.kind = self.kind_named(&name);
+        if matches!(&*name, "array" | "vector") && self.sees("<") {
+            let start = self.at;
+            if let Some((kind, of, lengths)) = self.elements(&name) {
+                (it.kind, it.name, it.lengths, it.library) = (kind, of, lengths, true);
+                return;
+            }
+            (self.at, self.half) = (start, false);
+        }
+        it.name = name;
+        self.angles();
+    }
+
+    /// The elements of `array<type, length>` or `vector<type>`.
+    fn elements(&mut self, of: &str) -> Option<(Kind, Word, Vec<Option<Expr>>)> {
+        self.at += 1;
+        let inner = self.read_type()?;
+        let mut lengths = vec![None];
+        if of == "array" {
+            if !self.take(",") {
+                return None;
+            }
+            lengths[0] = Some(self.deeper(expression::sum).ok()?);
+        }
+        lengths.extend(inner.lengths.iter().cloned());
+        let kind = if inner.pointer { Kind::Any } else { inner.kind };
+        self.close_angle().then_some((kind, inner.name, lengths))
+    }
+
     /// A declaration, if one stands here.
     fn declaration(&mut self) -> Parsed<Option<StmtNode>> {
         let start = self.at;
@@ -813,14 +1194,14 @@ impl<'a> Parser<'a> {
         let Some(first) = self.declared_type() else {
             return Ok(None);
         };
-        let mut name_place = self.place();
+        let (mut name_at, mut name_place) = (self.at, self.place());
         let mut name = self.name("the name of what is declared")?;
         // A function of a class.
         let mut qualified = Vec::new();
         while self.sees("::") && !self.word(1).is_empty() {
             qualified.push(self.word_before());
             self.at += 1;
-            name_place = self.place();
+            (name_at, name_place) = (self.at, self.place());
             name = self.name("a name")?;
         }
         let next = self.peek(0);
@@ -839,12 +1220,23 @@ impl<'a> Parser<'a> {
             return Ok(None);
         }
         if self.sees("(")
-            && let Some(node) = self.function(&name, name_place, &qualified)?
+            && let Some(node) = self.function(&name, name_place, first.value_kind(), &qualified)?
         {
             return Ok(Some(node));
         }
+        self.at = name_at;
+        let all = self.declarators(&first)?;
+        self.end_statement()?;
+        Ok(Some(StmtNode::Declare(all)))
+    }
+
+    /// The variables of a declaration, behind its type.
+    fn declarators(&mut self, first: &Type) -> Parsed<Vec<Declared>> {
         let mut all = Vec::new();
+        let mut of = first.clone();
         loop {
+            let place = self.place();
+            let name = self.name("the name of what is declared")?;
             let mut lengths = Vec::new();
             while self.take("[") {
                 let length = if self.sees("]") {
@@ -855,32 +1247,30 @@ impl<'a> Parser<'a> {
                 self.expect("]", "an array is `type name[length];`")?;
                 lengths.push(length);
             }
-            let value = if self.take("=") || self.sees("{") {
-                Some(self.assignment()?)
+            let mut declared = of.declares(name, place);
+            declared.lengths.splice(0..0, lengths);
+            if self.take("=") || self.sees("{") {
+                declared.value = Some(self.assignment()?);
             } else if self.sees("(") {
-                self.constructed(&first.name)?
-            } else {
-                None
-            };
-            all.push(Declared {
-                name,
-                kind: if first.pointer { Kind::Any } else { first.kind },
-                lengths,
-                value,
-                reference: first.reference || first.pointer,
-                constant: first.constant,
-                lasting: first.lasting,
-                place: name_place.to(self.before()),
-            });
-            if !self.take(",") {
-                break;
+                self.constructed(&mut declared)?;
             }
-            while self.take("*") || self.take("&") {}
-            name_place = self.place();
-            name = self.name("the name of what is declared")?;
+            declared.place = place.to(self.before());
+            all.push(declared);
+            if !self.take(",") {
+                return Ok(all);
+            }
+            // A `*` belongs to its own name.
+            (of.pointer, of.reference) = (false, false);
+            loop {
+                if self.take("*") {
+                    of.pointer = true;
+                } else if self.take("&") {
+                    of.reference = true;
+                } else {
+                    break;
+                }
+            }
         }
-        self.end_statement()?;
-        Ok(Some(StmtNode::Declare(all)))
     }
 
     /// The name in `(*name)(…)`, behind the type that the function gives back: a pointer to a
@@ -922,9 +1312,12 @@ impl<'a> Parser<'a> {
         let declared = Declared {
             name,
             kind: Kind::Any,
+            of: "".into(),
             lengths: if array { vec![None] } else { Vec::new() },
             value,
             reference: false,
+            pointer: true,
+            library: false,
             constant: false,
             lasting: false,
             place: place.to(self.before()),
@@ -934,7 +1327,7 @@ impl<'a> Parser<'a> {
     }
 
     /// `name(value)`: a value for numbers, something of its own for objects.
-    fn constructed(&mut self, of: &str) -> Parsed<Option<Expr>> {
+    fn constructed(&mut self, it: &mut Declared) -> Parsed<()> {
         let place = self.place();
         self.at += 1;
         let mut given = Vec::new();
@@ -949,12 +1342,26 @@ impl<'a> Parser<'a> {
                 ));
             }
         }
-        if kind_of(of) != Kind::Any || of == "scamp5_kernel" {
-            return Ok(given.into_iter().next());
-        }
-        // An object of the language's library: its name stands for it.
-        let node = ExprNode::Text(of.into());
-        Ok(Some(Expr { node, place }))
+        let number = it.kind != Kind::Any || matches!(&*it.of, "scamp5_kernel" | "auto");
+        it.value = match (it.library, given.len()) {
+            (true, 1) => {
+                it.lengths = vec![given.pop()];
+                None
+            }
+            (true, 2) => {
+                let node = ExprNode::Name(FILLED.into());
+                let callee = Box::new(Expr { node, place });
+                let node = ExprNode::Call(callee, given);
+                Some(Expr { node, place })
+            }
+            _ if number || it.pointer => given.into_iter().next(),
+            // An object of the language's library: its name stands for it.
+            _ => {
+                let node = ExprNode::Text(it.of.clone());
+                Some(Expr { node, place })
+            }
+        };
+        Ok(())
     }
 
     /// A function with its body, or a prototype, if one of them stands here.
@@ -962,6 +1369,7 @@ impl<'a> Parser<'a> {
         &mut self,
         name: &Word,
         place: Place,
+        returns: Kind,
         qualified: &[&str],
     ) -> Parsed<Option<StmtNode>> {
         let space: Word = within(&self.space, qualified).into();
@@ -981,30 +1389,34 @@ impl<'a> Parser<'a> {
         while QUALIFIERS.contains(&self.word(0)) || self.word(0) == "override" {
             self.at += 1;
         }
+        if !self.template.is_empty() {
+            self.templates.insert(name.clone());
+        }
+        let mut it = Function {
+            name: name.clone(),
+            space,
+            parameters,
+            body: Vec::new(),
+            hidden: false,
+            qualified,
+            place,
+            returns,
+            template: self.template.clone(),
+            captures: Captures::default(),
+            held: Vec::new(),
+        };
         if self.take(";") {
-            return Ok(Some(StmtNode::Prototype(Rc::new(Function {
-                name: name.clone(),
-                space,
-                parameters,
-                body: Vec::new(),
-                hidden: false,
-                qualified,
-                place,
-            }))));
+            return Ok(Some(StmtNode::Prototype(Rc::new(it))));
         }
         while self.peek(0).is_some() && !self.sees("{") {
             self.at += 1;
         }
-        let body = self.block()?;
-        Ok(Some(StmtNode::Function(Rc::new(Function {
-            name: name.clone(),
-            space,
-            parameters,
-            body,
-            hidden: false,
-            qualified,
-            place,
-        }))))
+        it.body = if std::mem::take(&mut self.in_class) {
+            self.member_body(name)
+        } else {
+            self.block()?
+        };
+        Ok(Some(StmtNode::Function(Rc::new(it))))
     }
 
     /// Whether what stands in parentheses here are parameters rather than values.
@@ -1038,8 +1450,10 @@ impl<'a> Parser<'a> {
             let Some(it) = self.read_type() else {
                 return Err(unexpected(self.peek(0), self.place(), "a type", HELP));
             };
-            let pointer = self.pointer_name();
-            let name = match (pointer, self.peek(0).and_then(Token::name)) {
+            let function = self.pointer_name();
+            let called = function.is_some();
+            let mut array = function.as_ref().is_some_and(|it| it.1);
+            let name = match (function, self.peek(0).and_then(Token::name)) {
                 (Some((name, _)), _) => name,
                 (None, Some(name)) => {
                     self.at += 1;
@@ -1047,7 +1461,6 @@ impl<'a> Parser<'a> {
                 }
                 (None, None) => "".into(),
             };
-            let mut array = false;
             while self.take("[") {
                 array = true;
                 while self.peek(0).is_some() && !self.take("]") {
@@ -1063,12 +1476,14 @@ impl<'a> Parser<'a> {
             if !single_void {
                 all.push(Parameter {
                     name,
-                    kind: if it.pointer || array {
+                    kind: if array || called {
                         Kind::Any
                     } else {
-                        it.kind
+                        it.value_kind()
                     },
-                    reference: (it.reference && !it.constant) || it.pointer || array,
+                    of: if called { "".into() } else { it.name },
+                    reference: it.reference && !it.constant && !called,
+                    pointer: it.pointer && !called || array,
                     default,
                 });
             }
@@ -1088,6 +1503,9 @@ impl<'a> Parser<'a> {
     }
 }
 
+/// The call that makes an array of a length, filled with a value.
+pub(super) const FILLED: &str = "a filled vector";
+
 /// A namespace inside of another.
 fn within(outer: &str, names: &[&str]) -> String {
     let outer = Some(outer).filter(|it| !it.is_empty());
@@ -1099,13 +1517,18 @@ fn within(outer: &str, names: &[&str]) -> String {
 pub(super) fn kind_of(name: &str) -> Kind {
     match name {
         "bool" => Kind::Flag,
-        "float" | "double" => Kind::Real,
+        "float" => Kind::Float,
+        "double" => Kind::Real,
         "int8_t" | "char" => Kind::Bits(8, true),
         "uint8_t" => Kind::Bits(8, false),
         "int16_t" | "short" => Kind::Bits(16, true),
         "uint16_t" => Kind::Bits(16, false),
-        "int" | "int32_t" | "long" | "int64_t" | "size_t" | "uint32_t" | "uint64_t"
-        | "unsigned" | "signed" => Kind::Whole,
+        "int" | "int32_t" | "signed" => Kind::INT,
+        "uint32_t" | "unsigned" => Kind::Bits(32, false),
+        "long" | "int64_t" | "ptrdiff_t" => Kind::Bits(64, true),
+        "size_t" | "uint64_t" => Kind::Bits(64, false),
+        "areg_t" => Kind::Analog,
+        "dreg_t" => Kind::Digital,
         _ => Kind::Any,
     }
 }

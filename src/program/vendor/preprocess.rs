@@ -380,7 +380,7 @@ impl Preprocessor<'_> {
                     continue;
                 };
                 rest = after;
-                body = self.substitute(&it, parameters, &given, active, place);
+                body = self.substitute((name, &it), parameters, &given, active, place);
             }
             if let (Some(first), Some(body)) = (Some(token.first), body.first_mut()) {
                 body.first = first;
@@ -395,7 +395,7 @@ impl Preprocessor<'_> {
 
     fn substitute(
         &mut self,
-        it: &Macro,
+        (name, it): (&Arc<str>, &Macro),
         parameters: &[Arc<str>],
         given: &[&[Token]],
         active: &mut Vec<Arc<str>>,
@@ -419,7 +419,7 @@ impl Preprocessor<'_> {
                 Fault::error(
                     place,
                     format!(
-                        "this macro takes {} arguments, not {}",
+                        "`{name}` takes {} arguments, not {}",
                         parameters.len(),
                         given.len()
                     ),
@@ -427,10 +427,30 @@ impl Preprocessor<'_> {
                 )
                 .help("see its `#define`"),
             );
+            // A value and a statement: what the body makes of too little is no fault of its own.
+            return vec![Token {
+                kind: Kind::Whole(0),
+                place,
+                first: false,
+            }];
         }
         let mut body: Vec<Token> = Vec::new();
         let mut paste = false;
-        for token in &it.body {
+        let mut tokens_of_body = it.body.iter().peekable();
+        while let Some(token) = tokens_of_body.next() {
+            if token.is("#")
+                && let Some(name) = tokens_of_body.peek().and_then(|next| next.name())
+                && let Some(index) = parameters.iter().position(|it| it == name)
+            {
+                tokens_of_body.next();
+                let given = given.get(index).map(|given| written(given));
+                body.push(Token {
+                    kind: Kind::Text(given.unwrap_or_default().into()),
+                    place,
+                    first: false,
+                });
+                continue;
+            }
             if token.is("##") {
                 paste = true;
                 continue;
@@ -510,14 +530,41 @@ fn arguments(tokens: &[Token]) -> Option<(Vec<&[Token]>, &[Token])> {
 fn spelled(token: &Token) -> Option<String> {
     match &token.kind {
         Kind::Name(name) => Some(name.to_string()),
-        Kind::Whole(value) => Some(value.to_string()),
+        Kind::Whole(value) | Kind::Wide(value, _) => Some(value.to_string()),
         _ => None,
     }
+}
+
+/// Tokens as text, for `#parameter`.
+fn written(given: &[Token]) -> String {
+    let mut text = String::new();
+    let mut end = None;
+    for token in given {
+        if end.is_some_and(|end| end != token.place.start) {
+            text.push(' ');
+        }
+        end = Some(token.place.end);
+        match &token.kind {
+            Kind::Name(name) => text.push_str(name),
+            Kind::Whole(value) | Kind::Wide(value, _) => text.push_str(&value.to_string()),
+            Kind::Real(value) => text.push_str(&value.to_string()),
+            Kind::Text(inner) => {
+                text.push('"');
+                text.push_str(inner);
+                text.push('"');
+            }
+            Kind::Mark(mark) => text.push_str(mark),
+        }
+    }
+    text
 }
 
 fn number(value: f64) -> Kind {
     let value = value.abs();
     if value.fract() == 0.0 && value < 1e15 {
+        if value > f64::from(i32::MAX) {
+            return Kind::Wide(value as i64, super::tree::Width::Long);
+        }
         Kind::Whole(value as i64)
     } else {
         Kind::Real(value)
@@ -539,7 +586,7 @@ fn stated(body: &[Token]) -> Option<f64> {
     };
     match body {
         [one] => match one.kind {
-            Kind::Whole(value) => Some(sign * value as f64),
+            Kind::Whole(value) | Kind::Wide(value, _) => Some(sign * value as f64),
             Kind::Real(value) => Some(sign * value),
             _ => None,
         },

@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use super::{
+    evaluate::Reach,
     look,
     machine::{Flow, Machine, item},
-    tree::{Declared, Expr, Stmt, StmtNode, Word},
-    value::{Value, unassigned},
+    shape::{self, Leaf},
+    tree::{Declared, Expr, Stmt, StmtNode},
+    value::{Layout, Member, Value, unassigned},
 };
 use crate::{
     config::Place,
@@ -61,7 +63,7 @@ impl Machine<'_> {
                 self.scopes.pop();
                 return flow;
             }
-            StmtNode::Each(name, list, body) => return self.each(name, list, body),
+            StmtNode::Each(it, list, body) => return self.each(it, list, body),
             StmtNode::While(condition, body) => {
                 return self.turns(it, Some(condition), None, body, false);
             }
@@ -78,6 +80,7 @@ impl Machine<'_> {
                 return Flow::Return(value);
             }
             StmtNode::Function(function) => self.state(function),
+            StmtNode::Struct(it) => self.class(it),
             StmtNode::Class(members) => {
                 self.state_members(members);
                 self.check_members(members);
@@ -138,25 +141,24 @@ impl Machine<'_> {
             self.bind(&it.name, slot);
             return;
         }
-        if it.reference
-            && let Some(value) = &it.value
-            && let Some((slot, path)) = self.target(value, false)
-            && path.is_empty()
-            && self.slots.get(slot).is_some()
-        {
-            // Another name for the same variable, or for the array.
-            let pointed = matches!(self.slots[slot], Value::Pointer(..));
-            if !pointed {
-                self.bind(&it.name, slot);
-                return;
-            }
-        }
         self.naming = Some(it.name.clone());
-        let stated = it.value.as_ref().map(|value| self.value(value));
+        let stated = match &it.value {
+            // Another name for the same variable, or for an element.
+            Some(value) if it.reference => match self.reach(value) {
+                Reach::Spot(slot, path) => {
+                    self.naming = None;
+                    self.refer(&it.name, (slot, path));
+                    return;
+                }
+                reached => Some(self.load(&reached, value)),
+            },
+            Some(value) => Some(self.value(value)),
+            None => None,
+        };
         self.naming = None;
         let set = match stated {
             // Registers, arrays and texts are not set from outside.
-            None | Some(Value::Whole(_) | Value::Real(_) | Value::Unknown(_))
+            None | Some(Value::Whole(_) | Value::Wide(..) | Value::Real(_) | Value::Unknown(_))
                 if it.lengths.is_empty() =>
             {
                 self.set(&it.name)
@@ -168,10 +170,14 @@ impl Machine<'_> {
             (None, None) if it.lengths.is_empty() => {
                 let name = &it.name;
                 // A variable of the file begins at 0; others hold what was there before.
-                if self.scopes.len() == 1 || it.lasting {
+                let empty = if self.scopes.len() == 1 || it.lasting {
                     Value::Whole(0)
                 } else {
                     Value::Unknown(unassigned(name))
+                };
+                match self.layouts.get(&it.of) {
+                    Some(layout) if !it.pointer => shape::fresh(layout, &empty),
+                    _ => empty,
                 }
             }
             (None, None) => Value::List(Vec::new()),
@@ -180,14 +186,65 @@ impl Machine<'_> {
         if let (true, Some(number)) = (it.constant, value.number()) {
             self.constants.entry(it.name.to_string()).or_insert(number);
         }
-        let slot = self.make(&it.name, value);
+        let copied = it.library && matches!(value, Value::List(_));
+        let kind = self.resolved(it.kind);
+        let slot = self.make(&it.name, value, kind);
+        if copied {
+            self.copied.insert(slot);
+        }
         if it.lasting {
             self.lasting.insert(it.place.start, slot);
         }
     }
 
     /// A value with the lengths and the type of what holds it.
-    fn shaped(&mut self, it: &Declared, value: Value) -> Value {
+    pub(super) fn shaped(&mut self, it: &Declared, value: Value) -> Value {
+        let lengths = self.lengths(it);
+        let value = match value {
+            // An array of the language's library is copied.
+            Value::Pointer(slot, path, _) if it.library => self.at(slot, &path),
+            value => value,
+        };
+        let layout = self.layouts.get(&it.of).filter(|_| !it.pointer).cloned();
+        let leaf = Leaf {
+            kind: self.resolved(it.kind),
+            layout: layout.as_ref(),
+            library: it.library,
+        };
+        shape::shaped(value, &lengths, leaf).unwrap_or_else(|message| {
+            self.error(
+                it.place,
+                format!("`{}`: {message}", it.name),
+                "this declaration",
+                "give as many values as it holds, or fewer",
+            );
+            Value::Whole(0)
+        })
+    }
+
+    /// A class is stated.
+    fn class(&mut self, it: &super::tree::Struct) {
+        let mut members = Vec::new();
+        for member in &it.members {
+            let layout = self.layouts.get(&member.of).filter(|_| !member.pointer);
+            let layout = layout.cloned();
+            let lengths = self.lengths(member);
+            let stated = member.value.as_ref().map(|value| self.value(value));
+            members.push(Member {
+                name: member.name.clone(),
+                kind: member.kind,
+                default: stated.map(|value| self.shaped(member, value)),
+                lengths,
+                layout,
+            });
+        }
+        let name = it.name.clone();
+        let layout = Layout { name, members };
+        self.layouts.insert(it.name.clone(), layout.into());
+    }
+
+    /// The lengths of an array.
+    fn lengths(&mut self, it: &Declared) -> Vec<Option<usize>> {
         let mut lengths = Vec::new();
         for length in &it.lengths {
             let value = length.as_ref().map(|length| self.value(length));
@@ -198,7 +255,7 @@ impl Machine<'_> {
                     .filter(|n| *n <= 1 << 20),
             );
         }
-        shape(value, &lengths, it.kind)
+        lengths
     }
 
     /// The value of a condition.
@@ -304,10 +361,17 @@ impl Machine<'_> {
         }
     }
 
-    fn each(&mut self, name: &Word, list: &Expr, body: &Stmt) -> Flow {
-        let listed = match self.value(list) {
-            Value::Pointer(slot, path, _) => self.at(slot, &path),
-            other => other,
+    fn each(&mut self, it: &Declared, list: &Expr, body: &Stmt) -> Flow {
+        let reached = self.reach(list);
+        let (spot, listed) = match &reached {
+            Reach::Spot(slot, path) => match self.at(*slot, path) {
+                Value::Pointer(slot, path, _) => {
+                    let listed = self.at(slot, &path);
+                    (Some((slot, path)), listed)
+                }
+                listed => (Some((*slot, path.clone())), listed),
+            },
+            other => (None, self.load(other, list)),
         };
         let Value::List(all) = listed else {
             self.error(
@@ -318,9 +382,18 @@ impl Machine<'_> {
             );
             return Flow::Next;
         };
-        for value in all {
+        for (i, value) in all.into_iter().enumerate() {
             self.scopes.push(std::collections::BTreeMap::new());
-            self.make(name, value);
+            match &spot {
+                Some((slot, path)) if it.reference => {
+                    let path = [&path[..], &[i]].concat();
+                    self.refer(&it.name, (*slot, path));
+                }
+                _ => {
+                    let kind = self.resolved(it.kind);
+                    self.make(&it.name, value.converted(kind), kind);
+                }
+            }
             let flow = self.scoped(body);
             self.scopes.pop();
             match flow {
@@ -440,29 +513,5 @@ impl Machine<'_> {
             body: first.clone(),
         };
         self.items.push(item(node, place));
-    }
-}
-
-/// A value in an array of these lengths, whose numbers are of this type.
-fn shape(value: Value, lengths: &[Option<usize>], kind: super::tree::Kind) -> Value {
-    let Some((length, inner)) = lengths.split_first() else {
-        return match value {
-            Value::List(all) => Value::List(all.into_iter().map(|it| it.converted(kind)).collect()),
-            other => other.converted(kind),
-        };
-    };
-    match value {
-        Value::List(mut all) => {
-            let length = length.unwrap_or(all.len());
-            let filler = || match inner {
-                [] => Value::Whole(0),
-                _ => Value::List(Vec::new()),
-            };
-            if all.len() < length {
-                all.resize_with(length, filler);
-            }
-            Value::List(all.into_iter().map(|it| shape(it, inner, kind)).collect())
-        }
-        other => other,
     }
 }

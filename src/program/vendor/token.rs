@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::tree::Width;
 use crate::{
     config::{Fault, Place},
     limit::FAULTS,
@@ -23,6 +24,8 @@ pub(super) struct Token {
 pub(super) enum Kind {
     Name(Arc<str>),
     Whole(i64),
+    /// A whole number that is no `int`.
+    Wide(i64, Width),
     Real(f64),
     /// Text between quotes, without them.
     Text(Arc<str>),
@@ -216,10 +219,7 @@ impl<'a> Lexer<'a> {
         let wrong = || format!("`{whole}` is not a number");
         for (prefix, radix) in [("0x", 16), ("0b", 2)] {
             if let Some(digits) = digits.strip_prefix(prefix) {
-                let digits = digits.trim_end_matches(['u', 'l']);
-                return i64::from_str_radix(digits, radix)
-                    .map(Kind::Whole)
-                    .map_err(|_| wrong());
+                return whole_number(digits, radix, false).ok_or_else(wrong);
             }
         }
         if digits.contains(['.', 'e']) || digits.ends_with('f') {
@@ -227,16 +227,32 @@ impl<'a> Lexer<'a> {
             let value: f64 = digits.parse().map_err(|_| wrong())?;
             return Ok(Kind::Real(value));
         }
-        let digits = digits.trim_end_matches(['u', 'l', 'z']);
-        let radix = if digits.len() > 1 && digits.starts_with('0') {
-            8
-        } else {
-            10
-        };
-        i64::from_str_radix(digits, radix)
-            .map(Kind::Whole)
-            .map_err(|_| wrong())
+        let octal = digits.len() > 1 && digits.starts_with('0');
+        whole_number(&digits, if octal { 8 } else { 10 }, !octal).ok_or_else(wrong)
     }
+}
+
+/// A whole number with its suffix: of the first type that holds it, as in C++. A decimal number
+/// takes a sign where its suffix does not forbid it.
+fn whole_number(text: &str, radix: u32, decimal: bool) -> Option<Kind> {
+    let digits = text.trim_end_matches(['u', 'l', 'z']);
+    let suffix = &text[digits.len()..];
+    let unsigned = suffix.contains('u');
+    let long = suffix.contains(['l', 'z']);
+    let value = u64::from_str_radix(digits, radix).ok()?;
+    let signed = i64::try_from(value).ok();
+    let width = if !unsigned && !long && i32::try_from(value).is_ok() {
+        return Some(Kind::Whole(signed?));
+    } else if !long && (unsigned || !decimal) && u32::try_from(value).is_ok() {
+        Width::Unsigned
+    } else if !unsigned && signed.is_some() {
+        Width::Long
+    } else if unsigned || !decimal {
+        Width::UnsignedLong
+    } else {
+        return None;
+    };
+    Some(Kind::Wide(value as i64, width))
 }
 
 fn hexadecimal(text: &str) -> bool {

@@ -28,6 +28,8 @@ pub(super) struct Expr {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum ExprNode {
     Whole(i64),
+    /// A whole number that is no `int`.
+    Wide(i64, Width),
     Real(f64),
     Text(Word),
     /// With the namespaces that are written before it.
@@ -49,21 +51,64 @@ pub(super) enum ExprNode {
     Block(Vec<Stmt>),
     /// `(type) value`, `type(value)`, `static_cast<type>(value)`.
     Convert(Kind, Box<Expr>),
+    /// `sizeof value`
+    SizeOf(Box<Expr>),
+    /// `new type`, `new type[length]`.
+    New(Box<Declared>),
+    /// `name<…>(…)`: the call, and what its template is given.
+    Template(Vec<TemplateArgument>, Box<Expr>),
 }
 
-/// What a number becomes when it is stored.
+/// What a template is given in `<…>`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum TemplateArgument {
+    Type(Kind),
+    Value(Expr),
+}
+
+/// What a number becomes when it is stored, and which register a name may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// As it is.
     Any,
-    /// Whole.
-    Whole,
     /// 0 or 1.
     Flag,
     /// In so many bits, with a sign or without.
     Bits(u32, bool),
+    /// Real, of 32 bits.
+    Float,
     /// Real.
     Real,
+    /// `areg_t`
+    Analog,
+    /// `dreg_t`
+    Digital,
+    /// The type that a template is given at this position.
+    Parameter(usize),
+}
+
+impl Kind {
+    /// `int`
+    pub(super) const INT: Self = Self::Bits(32, true);
+
+    /// What `sizeof` gives, where that is known.
+    pub(super) const fn bytes(self) -> Option<i64> {
+        match self {
+            Self::Flag => Some(1),
+            Self::Bits(bits, _) => Some(bits as i64 / 8),
+            Self::Float => Some(4),
+            Self::Real => Some(8),
+            Self::Any | Self::Analog | Self::Digital | Self::Parameter(_) => None,
+        }
+    }
+}
+
+/// The type of a whole number that is no `int`, from those that give way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Width {
+    Unsigned,
+    Long,
+    UnsignedLong,
 }
 
 /// A statement.
@@ -83,7 +128,7 @@ pub(super) enum StmtNode {
     /// Start, condition, step, body.
     For(Option<Box<Stmt>>, Option<Expr>, Option<Expr>, Box<Stmt>),
     /// `for (x : list)`
-    Each(Word, Expr, Box<Stmt>),
+    Each(Box<Declared>, Expr, Box<Stmt>),
     While(Expr, Box<Stmt>),
     DoWhile(Box<Stmt>, Expr),
     Switch(Expr, Vec<Stmt>),
@@ -95,6 +140,8 @@ pub(super) enum StmtNode {
     Function(Rc<Function>),
     /// A function without its body, for its default arguments.
     Prototype(Rc<Function>),
+    /// `struct name { members };`
+    Struct(Rc<Struct>),
     /// The functions of a class.
     Class(Vec<Rc<Function>>),
     /// Nothing that is of use here: `using`, `typedef`.
@@ -102,18 +149,31 @@ pub(super) enum StmtNode {
 }
 
 /// A variable that is declared.
+#[allow(clippy::struct_excessive_bools)] // What was said, each on its own.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Declared {
     pub name: Word,
     pub kind: Kind,
+    /// The type's own name.
+    pub of: Word,
     /// Lengths in brackets.
     pub lengths: Vec<Option<Expr>>,
     pub value: Option<Expr>,
     pub reference: bool,
+    pub pointer: bool,
+    /// Whether it is an array of the language's library, which is copied with its name.
+    pub library: bool,
     pub constant: bool,
     /// It is made once and stays.
     pub lasting: bool,
     pub place: Place,
+}
+
+/// A class whose members are data, nothing else that matters when an object is made.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Struct {
+    pub name: Word,
+    pub members: Vec<Declared>,
 }
 
 /// A function, or a lambda, which has no name.
@@ -129,12 +189,48 @@ pub(super) struct Function {
     /// Whether it is stated as `name::name`, as functions of classes can be.
     pub qualified: bool,
     pub place: Place,
+    /// What the number that it gives back becomes.
+    pub returns: Kind,
+    /// What stands in `template <…>`.
+    pub template: Vec<TemplateParameter>,
+    /// What stands in the brackets of a lambda.
+    pub captures: Captures,
+    /// The variables that a lambda was made with, by name.
+    pub held: Vec<(Word, usize)>,
+}
+
+/// A name in `template <…>`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TemplateParameter {
+    pub name: Word,
+    /// Whether it is a type, rather than a value.
+    pub is_type: bool,
+    pub default: Option<TemplateArgument>,
+}
+
+/// What a lambda takes with it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Captures {
+    /// Whether what is not named is copied.
+    pub copies: bool,
+    pub named: Vec<Capture>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Capture {
+    pub name: Word,
+    pub reference: bool,
+    pub value: Option<Expr>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Parameter {
     pub name: Word,
     pub kind: Kind,
+    /// The type's own name.
+    pub of: Word,
     pub reference: bool,
+    /// Whether it is a pointer, or an array.
+    pub pointer: bool,
     pub default: Option<Expr>,
 }

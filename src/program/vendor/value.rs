@@ -4,7 +4,7 @@ use std::{rc::Rc, sync::Arc};
 
 use super::{
     constant,
-    tree::{Function, Kind, Word},
+    tree::{Function, Kind, Width, Word},
 };
 
 /// The index of a variable.
@@ -18,7 +18,10 @@ pub(super) fn unassigned(name: &str) -> Arc<str> {
 /// A value.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {
+    /// An `int`.
     Whole(i64),
+    /// A whole number of another type.
+    Wide(i64, Width),
     Real(f64),
     /// Only the run knows: why.
     Unknown(Arc<str>),
@@ -31,6 +34,28 @@ pub(super) enum Value {
     /// A variable, or an element of it, with the name that it was given.
     Pointer(Slot, Vec<usize>, Word),
     Lambda(Rc<Function>),
+    /// An object, with the values of its members.
+    Record(Rc<Layout>, Vec<Value>),
+    /// Another name for an element of a variable.
+    Reference(Slot, Vec<usize>),
+}
+
+/// A class: what its objects hold.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Layout {
+    pub name: Word,
+    pub members: Vec<Member>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Member {
+    pub name: Word,
+    pub kind: Kind,
+    pub lengths: Vec<Option<usize>>,
+    /// The class of the member itself.
+    pub layout: Option<Rc<Layout>>,
+    /// What it begins with, where that is stated.
+    pub default: Option<Value>,
 }
 
 impl Value {
@@ -40,7 +65,8 @@ impl Value {
 
     pub(super) fn number(&self) -> Option<f64> {
         match self {
-            Self::Whole(value) => Some(*value as f64),
+            Self::Wide(value, Width::UnsignedLong) => Some(*value as u64 as f64),
+            Self::Whole(value) | Self::Wide(value, _) => Some(*value as f64),
             Self::Real(value) => Some(*value),
             _ => None,
         }
@@ -48,7 +74,7 @@ impl Value {
 
     pub(super) fn whole(&self) -> Option<i64> {
         match self {
-            Self::Whole(value) => Some(*value),
+            Self::Whole(value) | Self::Wide(value, _) => Some(*value),
             Self::Real(value) if value.is_finite() => Some(*value as i64),
             _ => None,
         }
@@ -56,7 +82,10 @@ impl Value {
 
     pub(super) fn from_number(value: f64) -> Self {
         if value.fract() == 0.0 && value.abs() < 1e15 {
-            Self::Whole(value as i64)
+            match i32::try_from(value as i64) {
+                Ok(value) => Self::Whole(value.into()),
+                Err(_) => Self::Wide(value as i64, Width::Long),
+            }
         } else {
             Self::Real(value)
         }
@@ -72,25 +101,113 @@ impl Value {
 
     /// As a variable of this type holds it.
     pub(super) fn converted(self, kind: Kind) -> Self {
-        match (kind, &self) {
-            (Kind::Whole, Self::Real(value)) => Self::Whole(*value as i64),
-            (Kind::Real, Self::Whole(value)) => Self::Real(*value as f64),
-            (Kind::Flag, Self::Whole(_) | Self::Real(_)) => {
-                Self::flag(self.number().is_some_and(|value| value != 0.0))
+        match kind {
+            _ if self.number().is_none() => self,
+            Kind::Float | Kind::Real => Self::Real(self.number().unwrap_or_default()),
+            Kind::Flag => Self::flag(self.number().is_some_and(|value| value != 0.0)),
+            Kind::Bits(bits, signed) => {
+                Self::fitted(self.whole().unwrap_or_default(), bits, signed)
             }
-            (Kind::Bits(bits, signed), Self::Whole(_) | Self::Real(_)) => {
-                let value = self.whole().unwrap_or_default();
-                let low = value & ((1 << bits) - 1);
-                let negative = signed && low >> (bits - 1) & 1 == 1;
-                Self::Whole(if negative { low - (1 << bits) } else { low })
-            }
-            _ => self,
+            Kind::Any | Kind::Analog | Kind::Digital | Kind::Parameter(_) => self,
         }
+    }
+
+    /// A whole number in so many bits.
+    fn fitted(value: i64, bits: u32, signed: bool) -> Self {
+        let unused = 64 - bits.clamp(1, 64);
+        let value = if signed {
+            value << unused >> unused
+        } else {
+            ((value as u64) << unused >> unused) as i64
+        };
+        match (bits, signed) {
+            (64, true) => Self::Wide(value, Width::Long),
+            (64, false) => Self::Wide(value, Width::UnsignedLong),
+            (32, false) => Self::Wide(value, Width::Unsigned),
+            _ => Self::Whole(value),
+        }
+    }
+
+    /// The type of a number.
+    pub(super) fn kind(&self) -> Kind {
+        match self {
+            Self::Whole(_) => Kind::INT,
+            Self::Wide(_, Width::Unsigned) => Kind::Bits(32, false),
+            Self::Wide(_, Width::Long) => Kind::Bits(64, true),
+            Self::Wide(_, Width::UnsignedLong) => Kind::Bits(64, false),
+            Self::Real(_) => Kind::Real,
+            _ => Kind::Any,
+        }
+    }
+
+    /// A whole number, and its type where that is no `int`.
+    const fn parts(&self) -> Option<(i64, Option<Width>)> {
+        match self {
+            Self::Whole(value) => Some((*value, None)),
+            Self::Wide(value, width) => Some((*value, Some(*width))),
+            _ => None,
+        }
+    }
+
+    /// A whole number of a type of its own.
+    pub(super) fn of_width(value: i64, width: Option<Width>) -> Self {
+        match width {
+            None => Self::fitted(value, 32, true),
+            Some(Width::Unsigned) => Self::fitted(value, 32, false),
+            Some(wide) => Self::Wide(value, wide),
+        }
+    }
+
+    /// What stands before a number: `-`, `~` or `+`.
+    pub(super) fn signed(&self, mark: &str) -> Option<Self> {
+        if let (Self::Real(value), "-" | "+") = (self, mark) {
+            return Some(Self::Real(if mark == "-" { -value } else { *value }));
+        }
+        let (value, width) = self.parts()?;
+        let value = match mark {
+            "-" => value.wrapping_neg(),
+            "~" => !value,
+            _ => value,
+        };
+        Some(Self::of_width(value, width))
+    }
+
+    /// Whole numbers under an operator: both become the wider of their types, as in C++.
+    fn of_whole(mark: &str, left: &Self, right: &Self) -> Option<Self> {
+        let ((a, of_a), (b, of_b)) = (left.parts()?, right.parts()?);
+        if matches!(mark, "<<" | ">>") {
+            let bits = match of_a {
+                None | Some(Width::Unsigned) => 32,
+                Some(_) => 64,
+            };
+            let by = u32::try_from(b).ok().filter(|by| *by < bits)?;
+            let value = match (mark, of_a) {
+                ("<<", _) => a << by,
+                (_, Some(Width::UnsignedLong)) => (a as u64 >> by) as i64,
+                _ => a >> by,
+            };
+            return Some(Self::of_width(value, of_a));
+        }
+        let width = of_a.max(of_b);
+        let own = |value| Self::of_width(value, width).parts().map(|it| it.0);
+        let (a, b) = (own(a)?, own(b)?);
+        let (low, high) = (a as u64, b as u64);
+        let value = match mark {
+            "/" if width == Some(Width::UnsignedLong) => low.checked_div(high)? as i64,
+            "%" if width == Some(Width::UnsignedLong) => low.checked_rem(high)? as i64,
+            "<" | ">" | "<=" | ">=" if width == Some(Width::UnsignedLong) => {
+                // The order of numbers without a sign.
+                constant::apply(mark, a ^ i64::MIN, b ^ i64::MIN)?
+            }
+            _ => constant::apply(mark, a, b)?,
+        };
+        let width = width.filter(|_| matches!(mark, "+" | "-" | "*" | "/" | "%" | "&" | "|" | "^"));
+        Some(Self::of_width(value, width))
     }
 
     /// Arithmetic of C++; `Err` says why there is none.
     pub(super) fn binary(mark: &str, left: &Self, right: &Self) -> Result<Self, String> {
-        use Value::{Pointer, Real, Symbol, Symbols, Unknown, Whole};
+        use Value::{Pointer, Real, Symbol, Symbols, Unknown, Whole, Wide};
         let names = |value: &Self| match value {
             Symbol(name) => Some(vec![name.clone()]),
             Symbols(names) => Some(names.clone()),
@@ -99,11 +216,9 @@ impl Value {
         Ok(match (left, right) {
             // `0 * x` and `false && x` are not worth knowing better.
             (Unknown(why), _) | (_, Unknown(why)) => Unknown(Arc::clone(why)),
-            (Whole(a), Whole(b)) => Whole(
-                constant::apply(mark, *a, *b)
-                    .ok_or_else(|| format!("{a} {mark} {b} has no value"))?,
-            ),
-            (Whole(_) | Real(_), Whole(_) | Real(_)) => {
+            (Whole(a) | Wide(a, _), Whole(b) | Wide(b, _)) => Self::of_whole(mark, left, right)
+                .ok_or_else(|| format!("{a} {mark} {b} has no value"))?,
+            (Whole(_) | Wide(..) | Real(_), Whole(_) | Wide(..) | Real(_)) => {
                 let (a, b) = (left.number().unwrap_or(0.0), right.number().unwrap_or(0.0));
                 match mark {
                     "+" => Real(a + b),
@@ -121,13 +236,23 @@ impl Value {
                     _ => return Err(format!("`{mark}` is for whole numbers")),
                 }
             }
-            (Pointer(slot, path, name), Whole(by)) if matches!(mark, "+" | "-") => {
+            (Pointer(slot, path, name), Whole(by) | Wide(by, _)) if matches!(mark, "+" | "-") => {
                 let by = if mark == "-" { -by } else { *by };
-                let mut path = path.clone();
-                let last = path.pop().unwrap_or_default() as i64 + by;
-                let last = usize::try_from(last).map_err(|_| "before its array".to_owned())?;
-                path.push(last);
+                let path = moved(path, by).ok_or_else(|| format!("`{name}` before its array"))?;
                 Pointer(*slot, path, name.clone())
+            }
+            (Whole(_) | Wide(..), Pointer(..)) if mark == "+" => Self::binary(mark, right, left)?,
+            (Pointer(a, from, _), Pointer(b, to, _)) if a == b => {
+                let by = |path: &[usize]| path.last().copied().unwrap_or(0) as i64;
+                let (from, to) = (by(from), by(to));
+                match mark {
+                    "-" => Wide(from - to, Width::Long),
+                    _ => Whole(
+                        constant::apply(mark, from, to)
+                            .filter(|_| matches!(mark, "<" | ">" | "<=" | ">=" | "==" | "!="))
+                            .ok_or_else(|| format!("`{mark}` between pointers"))?,
+                    ),
+                }
             }
             _ if matches!(mark, "==" | "!=") => Self::flag((left == right) == (mark == "==")),
             _ if mark == "&&" || mark == "||" => {
@@ -152,7 +277,7 @@ impl Value {
 
     pub(super) fn describe(&self) -> String {
         match self {
-            Self::Whole(value) => format!("the number {value}"),
+            Self::Whole(value) | Self::Wide(value, _) => format!("the number {value}"),
             Self::Real(value) => format!("the number {value}"),
             Self::Unknown(why) => format!("a value of which {why} decides"),
             Self::Symbol(name) | Self::Pointer(_, _, name) => format!("`{name}`"),
@@ -160,6 +285,16 @@ impl Value {
             Self::Text(_) => "a text".to_owned(),
             Self::List(_) => "an array".to_owned(),
             Self::Lambda(_) => "a function".to_owned(),
+            Self::Record(layout, _) => format!("an object of `{}`", layout.name),
+            Self::Reference(..) => "a reference".to_owned(),
         }
     }
+}
+
+/// The place so many elements further in an array; `None` before it begins.
+pub(super) fn moved(path: &[usize], by: i64) -> Option<Vec<usize>> {
+    let mut path = path.to_vec();
+    let last = path.pop().unwrap_or_default() as i64;
+    path.push(usize::try_from(last.checked_add(by)?).ok()?);
+    Some(path)
 }

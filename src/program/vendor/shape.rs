@@ -1,0 +1,158 @@
+//! Values as what holds them has them: arrays of their lengths, objects of their class, numbers of
+//! their type.
+
+use std::{collections::VecDeque, rc::Rc};
+
+use super::{
+    tree::Kind,
+    value::{Layout, Value},
+};
+
+/// What every element of an array is.
+#[derive(Clone, Copy)]
+pub(super) struct Leaf<'a> {
+    pub kind: Kind,
+    pub layout: Option<&'a Rc<Layout>>,
+    /// Whether the array is one of the language's library.
+    pub library: bool,
+}
+
+/// A value in an array of these lengths. `Err` says what does not fit.
+pub(super) fn shaped(
+    value: Value,
+    lengths: &[Option<usize>],
+    leaf: Leaf<'_>,
+) -> Result<Value, String> {
+    if lengths.is_empty() {
+        return single(value, leaf);
+    }
+    match value {
+        Value::List(all) => {
+            // `std::array` has braces of its own.
+            let doubled = |all: &[Value]| {
+                let [Value::List(inner)] = all else {
+                    return false;
+                };
+                let lists = inner.iter().all(|it| matches!(it, Value::List(_)));
+                let plain = lengths.len() == 1 && leaf.layout.is_none();
+                plain || leaf.library && lists && !inner.is_empty()
+            };
+            let mut all = all;
+            if doubled(&all)
+                && let Some(Value::List(inner)) = all.pop()
+            {
+                all = inner;
+            }
+            let mut rest = all.into();
+            let made = array(&mut rest, lengths, leaf)?;
+            if rest.is_empty() {
+                Ok(made)
+            } else {
+                Err(format!("{} values too many for this array", rest.len()))
+            }
+        }
+        other => Ok(other),
+    }
+}
+
+/// Takes what an array holds from a list; inner braces may be left out.
+fn array(
+    rest: &mut VecDeque<Value>,
+    lengths: &[Option<usize>],
+    leaf: Leaf<'_>,
+) -> Result<Value, String> {
+    let Some((length, inner)) = lengths.split_first() else {
+        let plain = matches!(rest.front(), Some(Value::List(_) | Value::Record(..)));
+        return match (leaf.layout, plain) {
+            (Some(layout), false) => members(layout, rest),
+            _ => single(rest.pop_front().unwrap_or(Value::Whole(0)), leaf),
+        };
+    };
+    let mut all = Vec::new();
+    while length.map_or(!rest.is_empty(), |length| all.len() < length) {
+        let braces = !inner.is_empty() && matches!(rest.front(), Some(Value::List(_)));
+        let one = match rest.front_mut() {
+            Some(list) if braces => {
+                let list = std::mem::replace(list, Value::Whole(0));
+                rest.pop_front();
+                shaped(list, inner, leaf)?
+            }
+            _ => array(rest, inner, leaf)?,
+        };
+        all.push(one);
+    }
+    Ok(Value::List(all))
+}
+
+/// A value that is no array.
+fn single(value: Value, leaf: Leaf<'_>) -> Result<Value, String> {
+    match (value, leaf.layout) {
+        (Value::List(all), Some(layout)) => record(layout, all),
+        (value, Some(_)) => Ok(value),
+        (Value::List(all), None) if leaf.kind != Kind::Any => {
+            if all.len() > 1 {
+                return Err(format!("{} values for one variable", all.len()));
+            }
+            let value = all.into_iter().next().unwrap_or(Value::Whole(0));
+            single(value, leaf)
+        }
+        (value, None) => Ok(deep(value, leaf.kind)),
+    }
+}
+
+/// An object of a class, from the values of its members in their order.
+pub(super) fn record(layout: &Rc<Layout>, all: Vec<Value>) -> Result<Value, String> {
+    let mut rest = all.into();
+    let made = members(layout, &mut rest)?;
+    if rest.is_empty() {
+        Ok(made)
+    } else {
+        let name = &layout.name;
+        Err(format!("{} values too many for `{name}`", rest.len()))
+    }
+}
+
+fn members(layout: &Rc<Layout>, rest: &mut VecDeque<Value>) -> Result<Value, String> {
+    let mut all = Vec::new();
+    for member in &layout.members {
+        let leaf = Leaf {
+            kind: member.kind,
+            layout: member.layout.as_ref(),
+            library: false,
+        };
+        let braces = matches!(rest.front(), Some(Value::List(_)));
+        all.push(match (rest.is_empty(), &member.default) {
+            (true, Some(default)) => default.clone(),
+            (false, _) if braces => {
+                let list = rest.pop_front().unwrap_or(Value::Whole(0));
+                shaped(list, &member.lengths, leaf)?
+            }
+            _ => array(rest, &member.lengths, leaf)?,
+        });
+    }
+    Ok(Value::Record(Rc::clone(layout), all))
+}
+
+/// An object to whose members nothing was assigned.
+pub(super) fn fresh(layout: &Rc<Layout>, empty: &Value) -> Value {
+    let all = layout.members.iter().map(|member| {
+        let one = match (&member.default, &member.layout) {
+            (Some(default), _) => return default.clone(),
+            (None, Some(layout)) => fresh(layout, empty),
+            (None, None) => empty.clone(),
+        };
+        let nested = member.lengths.iter().rev();
+        nested.fold(one, |one, length| {
+            Value::List(vec![one; length.unwrap_or(0)])
+        })
+    });
+    Value::Record(Rc::clone(layout), all.collect())
+}
+
+/// The numbers of a value as a type holds them.
+pub(super) fn deep(value: Value, kind: Kind) -> Value {
+    match value {
+        Value::List(all) => Value::List(all.into_iter().map(|it| deep(it, kind)).collect()),
+        other => other.converted(kind),
+    }
+}
