@@ -141,7 +141,8 @@ def design(
         ``candidates``, the best first, each compiled and run: what it keeps with the chip's errors
         (``kept``, 0 to 1), ``words``, ``frames_s``, ``on_front``, its ``kinds``, and the texts of its
         files, ``sensor`` (.toml) and ``program`` (.scamp). ``knee`` is the index of the shortest
-        program on the front that keeps nearly as much as the best.
+        program on the front that keeps nearly as much as the best; None where no program keeps
+        more than accident does in this scene. ``rated`` has the rate of each kind (``rates``).
     """
     given = named(kernels)
     limits: list[float] = []
