@@ -123,6 +123,7 @@ pub fn balanced(
     seed: u64,
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
 ) -> Result<Vec<Rated>, RateError> {
+    check(rate)?;
     let kinds = description.channels.len();
     let target = rate / kinds as f64;
     let beyond = |rate: f64| {
@@ -147,12 +148,7 @@ pub fn balanced(
         octaves.clone_from(at);
         let apart = worst(&counted);
         if best.as_ref().is_none_or(|(least, _)| apart < *least) {
-            let rated = octaves.iter().zip(&counted);
-            let rated = rated.map(|(octave, rate)| Rated {
-                factor: elementary::pow(2.0, *octave),
-                rate: *rate,
-            });
-            best = Some((apart, rated.collect()));
+            best = Some((apart, rated(&octaves, &counted)));
         }
         if apart < EQUAL {
             break;
@@ -204,9 +200,7 @@ fn search(
     seed: u64,
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
 ) -> Result<Vec<Rated>, RateError> {
-    if !(rate > 0.0 && rate.is_finite()) {
-        return Err(RateError::Rate(rate));
-    }
+    check(rate)?;
     let groups = share.groups(description.channels.len());
     // For each octave that is tried the rate of each group, which may try another one each.
     let count = |tries: &[Vec<f64>]| rates(description, (tries, share), seed, open);
@@ -255,12 +249,25 @@ fn search(
     };
     let octaves: Vec<f64> = within.iter().map(line).collect();
     let counted = count(std::slice::from_ref(&octaves))?;
-    let rates = counted.into_iter().flatten();
+    let counted = counted.first().map_or(&[][..], Vec::as_slice);
+    Ok(rated(&octaves, counted))
+}
+
+fn check(rate: f64) -> Result<(), RateError> {
+    if rate > 0.0 && rate.is_finite() {
+        Ok(())
+    } else {
+        Err(RateError::Rate(rate))
+    }
+}
+
+/// Octaves that thresholds are moved by, and the rates there.
+fn rated(octaves: &[f64], rates: &[f64]) -> Vec<Rated> {
     let rated = octaves.iter().zip(rates).map(|(octave, rate)| Rated {
         factor: elementary::pow(2.0, *octave),
-        rate,
+        rate: *rate,
     });
-    Ok(rated.collect())
+    rated.collect()
 }
 
 /// Events per pixel and second of each group, with its thresholds at each octave that is tried.
@@ -390,6 +397,8 @@ mod tests {
         for found in &found {
             assert!((found.rate / 2.0 - 1.0).abs() < 0.1, "{found:?}");
         }
+        let wrong = balanced(&sensor, -1.0, 3, &scene);
+        assert!(matches!(wrong, Err(RateError::Rate(_))), "{wrong:?}");
     }
 
     #[test]
