@@ -841,7 +841,7 @@ fn places_are_tried_before_the_work() {
         "exec none --dump /proc/none",
         "exec none --trace /proc/none.html",
         "design none --rate 2 -o /proc/none",
-        "feasibility --kernel none --threshold 1 -o /proc/none.html",
+        "feasibility none --threshold 1 -o /proc/none.html",
         "waterfall none --threshold 1 -o /proc/none.svg",
         "trade --scene none --sensor none -o /proc/none.svg",
         "quantise none --to ternary --picture /proc/none.png",

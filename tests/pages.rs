@@ -121,7 +121,7 @@ fn the_steps_of_the_waterfall_and_their_picture() {
 
 #[test]
 fn the_feasibility_of_a_disc() {
-    let command = "amacrine feasibility --kernel rgc-5x5 --threshold 128 \
+    let command = "amacrine feasibility rgc-5x5 --threshold 128 \
                    --scene \"pattern:disc?width=64&height=48&frames=8\" --fps 100 \
                    --within 10ms";
     let page = page("docs/feasibility.md");

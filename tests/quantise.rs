@@ -7,6 +7,7 @@ mod common;
 use std::fs;
 
 use common::{amacrine, json, refused};
+use serde_json::Value;
 use tempfile::TempDir;
 
 const KERNEL: &str = "weights = [[0.0, -0.5, 0.0], [-0.5, 2.0, -0.5], [0.0, -0.5, 0.0]]\nname = \"k\"\nsource = \"test\"\n";
@@ -278,4 +279,43 @@ fn bad_input_is_named() {
         &["scamp9", "scamp5"],
     );
     assert_eq!(at.read_dir().unwrap().count(), 1, "files were left");
+}
+
+/// Every verb that takes kernels takes them alike: with spaces, with commas, and as `run` has them;
+/// with one threshold for all or one for each.
+#[test]
+fn kernels_and_thresholds_are_given_alike() {
+    let folder = folder();
+    let at = folder.path();
+    let rest = ["--to", "ternary", "--json"];
+    let quantised = |kernels: &[&str]| json(at, &[&["quantise"], kernels, &rest[..]].concat());
+    let apart = quantised(&["sobel-x", "dog"]);
+    assert_eq!(apart, quantised(&["sobel-x,dog"]));
+    assert_eq!(apart, quantised(&["--kernel", "sobel-x,dog"]));
+    for verb in ["quantise", "waterfall", "feasibility", "design", "compile"] {
+        let asked = [verb, "sobel-x", "dog", "--threshold", "20,30,40"];
+        let quantiser = ["--to", "ternary"];
+        refused(
+            at,
+            &[&asked[..], &quantiser].concat(),
+            &["3 thresholds for 2 kernels", "one for each"],
+        );
+    }
+    let line = [
+        "compile",
+        "sobel-x",
+        "dog",
+        "--threshold",
+        "200,100",
+        "--effort",
+        "0.01",
+    ];
+    let compiled = json(at, &[&line[..], &rest].concat());
+    let [sobel, dog] = [0, 1].map(|kind| {
+        let number = |what: &Value| what.as_f64().unwrap();
+        let lsb = number(&compiled["thresholds_lsb"][kind][0]);
+        let unit = number(&compiled["quantised_scales"][kind]) / number(&compiled["scales"][kind]);
+        lsb * unit
+    });
+    assert!((sobel / dog - 2.0).abs() < 1e-9, "{compiled}");
 }

@@ -33,6 +33,7 @@ use super::{
     content::Content,
     event_rate::event_rate,
     files::{Named, Output},
+    kernel_names::{self, KernelNames},
     kernels::Kinds,
     light::{self, Shown},
     progress::Progress,
@@ -46,13 +47,11 @@ use super::{
 /// What `feasibility` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine feasibility --kernel rgc-5x5 --threshold 128 -o report.html\n  amacrine feasibility --kernel learned.npy --threshold 40 --to int-5 --scene clip.mp4 --chip isa/mine -o report.html\n  amacrine feasibility --kernel csdvs-3,sobel-x --threshold 40,100 -o report.html\n\nSeveral kernels: each on its own, and all of them in one program. The page is one file: no network, no script; docs/feasibility.md says how each of its numbers is found."
+    after_help = "Examples:\n  amacrine feasibility rgc-5x5 --threshold 128 -o report.html\n  amacrine feasibility learned.npy --threshold 40 --to int-5 --scene clip.mp4 --chip isa/mine -o report.html\n  amacrine feasibility csdvs-3,sobel-x --threshold 40,100 -o report.html\n\nSeveral kernels: each on its own, and all of them in one program. The page is one file: no network, no script; docs/feasibility.md says how each of its numbers is found."
 )]
 pub struct Arguments {
-    /// A kernel file (.toml, .npy of shape (k,k), (K,k,k) or (K,1,k,k)), the name of a built-in, or a sensor
-    /// file; or several of them, which are to share a chip
-    #[arg(long, required = true, value_delimiter = ',', value_name = "KERNELS")]
-    kernel: Vec<Named>,
+    #[command(flatten)]
+    kernels: KernelNames,
     /// Events where kernel times light (0 to 255) moved by more than this: one number for all
     /// kernels, or one for each; a sensor file has its own
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
@@ -158,7 +157,7 @@ const SENSORS: usize = RUNGS.len() + 1;
 /// # Errors
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let kinds = Kinds::of_all(&arguments.kernel)?;
+    let kinds = arguments.kernels.kinds()?;
     let device = Device::find(&arguments.chip)?;
     if let Some(what) = &arguments.explain {
         feasibility::explain::check(what, &device)?;
@@ -340,21 +339,13 @@ impl Arguments {
                 .map(|kernel| self.rated(kernel, asked / kernels as f64, device))
                 .collect();
         }
-        match (&self.threshold[..], &kinds.thresholds) {
-            ([], Some(own)) => Ok(own.clone()),
-            ([], None) => Err(miette!(
-                help = "give --threshold T, in kernel times light (0 to 255), or sensor files, which have their own",
-                "feasibility needs a threshold"
-            )),
-            ([all], _) => Ok(vec![*all; kernels]),
-            (each, _) if each.len() == kernels => Ok(each.to_vec()),
-            (other, _) => Err(miette!(
-                help = "give one --threshold for all kernels, or one for each, in their order",
-                "{} for {}",
-                light::counted(other.len(), "threshold"),
-                light::counted(kernels, "kernel")
-            )),
-        }
+        let given = kernel_names::thresholds(&self.threshold, kernels)?;
+        given.or_else(|| kinds.thresholds.clone()).ok_or_else(|| {
+            miette!(
+                help = "give --rate EVENTS, per pixel and second, --threshold T, in kernel times light (0 to 255), or sensor files, which have their own",
+                "feasibility needs a rate of events, or thresholds"
+            )
+        })
     }
 
     /// The threshold at which the float sensor has so many events, to four digits.
@@ -376,10 +367,7 @@ impl Arguments {
 
     /// The command that gives the same page again, every default written out.
     fn command(&self) -> String {
-        let mut text = format!(
-            "amacrine feasibility --kernel {}",
-            quoted(&list(&self.kernel))
-        );
+        let mut text = format!("amacrine feasibility {}", quoted(&self.kernels.to_string()));
         if let Some(rate) = self.rate {
             let _ = write!(text, " --rate {rate}");
         }

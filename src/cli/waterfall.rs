@@ -31,6 +31,7 @@ use super::{
     clip::Clip,
     content::Content,
     files::{Named, Output},
+    kernel_names::{self, KernelNames},
     kernels::Kinds,
     light::{self, Shown},
     progress::Progress,
@@ -45,12 +46,12 @@ use super::{
     after_help = "Examples:\n  amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 -o waterfall.svg\n  amacrine waterfall csdvs-3 --threshold 20 --rates 10,40,130 --chips 20\n  amacrine waterfall csdvs-3 --threshold 20 --to int-5 --scene clip.mp4 --json\n  amacrine waterfall dog --threshold 20 --to ternary --format q8.8 --steps\n\ndocs/waterfall.md says what each cause is, how it is told from the others, and which sensors\nare run."
 )]
 pub struct Arguments {
-    /// A kernel file (.toml, .npy of shape (k,k), (K,k,k) or (K,1,k,k)), the name of a built-in, or a sensor
-    /// file, with its thresholds; several kernels are one program, of which each is told
-    kernel: Named,
-    /// Events where kernel times light (0 to 255) moved by more than this
-    #[arg(long)]
-    threshold: Option<f64>,
+    #[command(flatten)]
+    kernels: KernelNames,
+    /// Events where kernel times light (0 to 255) moved by more than this: one number for all
+    /// kernels, or one for each; a sensor file has its own
+    #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
+    threshold: Vec<f64>,
     /// How the kernel comes into few values
     #[arg(long, default_value = "ternary", value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
     to: Quantiser,
@@ -155,13 +156,13 @@ struct Told {
 /// When kernel, chip, readout or scene cannot be read, the kernel does not fit the chip, no
 /// event happens, or the picture cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let kinds = Kinds::read(&arguments.kernel)?;
+    let kinds = arguments.kernels.kinds()?;
     let thresholds = arguments.thresholds(&kinds)?;
     if arguments.output.is_some() && kinds.kernels.len() > 1 {
         return Err(miette!(
             help = "give one of them, an array of shape (k,k), for --output",
             "{} holds {} kernels",
-            arguments.kernel,
+            arguments.kernels,
             kinds.kernels.len()
         ));
     }
@@ -186,7 +187,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         let scene = arguments.clip.name();
         let title = format!(
             "Where the events of {} went: {}, threshold {threshold}, {scene}",
-            arguments.kernel, arguments.chip
+            arguments.kernels, arguments.chip
         );
         path.draw(&match &told.rates {
             Some(rates) => rates.drawing(&title),
@@ -246,14 +247,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 impl Arguments {
     /// A threshold for each kind.
     fn thresholds(&self, kinds: &Kinds) -> miette::Result<Vec<f64>> {
-        match (self.threshold, &kinds.thresholds) {
-            (Some(one), _) => Ok(vec![one; kinds.kernels.len()]),
-            (None, Some(own)) => Ok(own.clone()),
-            (None, None) => Err(miette!(
-                help = "give --threshold T, in kernel times light (0 to 255), or a sensor file, which has its own",
+        let given = kernel_names::thresholds(&self.threshold, kinds.kernels.len())?;
+        given.or_else(|| kinds.thresholds.clone()).ok_or_else(|| {
+            miette!(
+                help = "give --threshold T, in kernel times light (0 to 255), or sensor files, which have their own",
                 "a waterfall needs a threshold"
-            )),
-        }
+            )
+        })
     }
 
     /// Where the events of each kernel go, all of them in one program; and what that remembers,
@@ -309,7 +309,7 @@ impl Arguments {
         let warnings = Warning::of_scene(observation, 255.0);
         light::warn(&warnings);
         let (memory, steps, rates) = answers.map_err(|error| {
-            let what = format!("no waterfall of {} on {}", self.kernel, self.chip);
+            let what = format!("no waterfall of {} on {}", self.kernels, self.chip);
             miette::Report::new(error).wrap_err(what)
         })?;
         let mut rates = rates.into_iter();

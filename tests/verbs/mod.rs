@@ -79,7 +79,7 @@ pub const CASES: &[Case] = &[
     case("mesh fit ../in/k.toml", ""),
     slow("mesh show --lambda 3 --output m.png", "m.png"),
     slow(
-        "feasibility --kernel csdvs-3 --threshold 20 --to ternary --candidates ternary --effort 0 --scene pattern:disc?width=16&height=12&frames=4&radius=4 -o f.html",
+        "feasibility csdvs-3 --threshold 20 --to ternary --candidates ternary --effort 0 --scene pattern:disc?width=16&height=12&frames=4&radius=4 -o f.html",
         "f.html",
     ),
     slow(

@@ -4,7 +4,10 @@ use std::path::Path;
 
 use miette::miette;
 
-use super::{super::complain, Arguments, Asked};
+use super::{
+    super::{complain, kernel_names, kernels::check_number},
+    Arguments, Asked,
+};
 use crate::{
     kernel::quantise::Quantiser,
     rig::guard::{Guard, Warning},
@@ -28,14 +31,17 @@ impl Asked {
             kernels.extend(more);
             stacked |= axes == 3;
         }
-        if !arguments.filter_only && arguments.threshold.is_none() {
+        check_number(kernels.len())?;
+        if !arguments.filter_only && arguments.threshold.is_empty() {
             return Err(miette!(
                 help = "give --threshold T or --sensor FILE for a whole program, or --filter-only for the filter alone",
                 "a program needs a threshold"
             ));
         }
-        let threshold = arguments.threshold.unwrap_or(0.0);
-        if !(threshold >= 0.0 && threshold.is_finite()) {
+        let thresholds = kernel_names::thresholds(&arguments.threshold, kernels.len())?
+            .unwrap_or_else(|| vec![0.0; kernels.len()]);
+        let refused = |threshold: &f64| !(*threshold >= 0.0 && threshold.is_finite());
+        if let Some(threshold) = thresholds.iter().copied().find(refused) {
             return Err(miette!(
                 help = "give zero or a positive number",
                 "the threshold is {threshold}"
@@ -43,7 +49,7 @@ impl Asked {
         }
         Ok(Self {
             input: arguments.input,
-            thresholds: vec![(threshold, threshold); kernels.len()],
+            thresholds: thresholds.into_iter().map(|both| (both, both)).collect(),
             scales: vec![1.0; kernels.len()],
             names: vec![None; kernels.len()],
             kernels,

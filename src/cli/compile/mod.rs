@@ -44,7 +44,8 @@ use crate::{
     after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile csdvs-3 --threshold 16 -o csdvs.scamp\n  amacrine compile rgc-5x5 --to ternary --threshold 128 --events-per-frame 300 -o rgc.scamp\n  amacrine compile four.npy --to int-5 --threshold 128 --memory shared -o four.scamp\n  amacrine compile --sensor rgc-4-on-chip --to ternary -o four.scamp"
 )]
 pub struct Arguments {
-    /// Kernels: files (.toml, .npy of shape (k,k) or (K,k,k)) or names of built-in ones
+    /// Kernels, a kind of cell each: files (.toml, .npy of shape (k,k), (K,k,k) or (K,1,k,k)) or
+    /// names of built-in ones
     #[arg(required_unless_present = "sensor")]
     kernels: Vec<Named>,
     /// Write the program here; else it is printed
@@ -75,9 +76,10 @@ pub struct Arguments {
     /// A sensor file: its kernels and thresholds
     #[arg(long, value_name = "SENSOR.toml", conflicts_with_all = ["kernels", "threshold"])]
     sensor: Option<files::Input>,
-    /// Events where kernel times light (0 to 255) moved by more than this
-    #[arg(long)]
-    threshold: Option<f64>,
+    /// Events where kernel times light (0 to 255) moved by more than this: one number for all
+    /// kernels, or one for each
+    #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
+    threshold: Vec<f64>,
     /// What the program remembers: the drive of each kind in `analogue` registers or in `bits:N`
     /// one-bit registers, or in one analogue register the pixel at the last event of any kind,
     /// `shared` by all (raw-snap) [default: as the sensor file says, else analogue]

@@ -15,6 +15,7 @@ use super::{
     content::Content,
     event_rate::event_rate,
     files::{self, Named, Output},
+    kernel_names::{self, KernelNames},
     kernels::Kinds,
     light,
     progress::Progress,
@@ -42,10 +43,8 @@ use crate::{
     after_help = "Examples:\n  amacrine design rgc-5x5 --rate 2 -o centre\n  amacrine design four.npy --scene clip.mp4 --rate 4 -o four\n  amacrine design four.npy --scene clip.mp4 --rate 4 --to ternary,int-5 --pick 2 -o four\n  amacrine design rgc-4-on-chip\n\nEvery row of the table was compiled and has run on the model of the chip. Without -o nothing is written."
 )]
 pub struct Arguments {
-    /// Kernels, a kind of cell each: files (.toml, .npy of shape (k,k), (K,k,k) or (K,1,k,k)), names of
-    /// built-in ones, or sensor files
-    #[arg(required = true, value_name = "KERNELS")]
-    kernels: Vec<Named>,
+    #[command(flatten)]
+    kernels: KernelNames,
     /// Events per pixel and second, all kinds together, each an equal share: the thresholds are
     /// found
     #[arg(long, value_name = "EVENTS", value_parser = event_rate, conflicts_with = "threshold")]
@@ -162,7 +161,7 @@ impl Written {
 /// # Errors
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let kinds = Kinds::of_all(&arguments.kernels)?;
+    let kinds = arguments.kernels.kinds()?;
     let device = Device::find(&arguments.chip)?;
     let thresholds = arguments.thresholds(&kinds)?;
     let folder = arguments.output.as_ref();
@@ -260,23 +259,16 @@ fn by_accident(found: &Exploration) -> Vec<Warning> {
 impl Arguments {
     /// A threshold for each kernel, where no rate is asked for.
     fn thresholds(&self, kinds: &Kinds) -> miette::Result<Vec<f64>> {
-        let kernels = kinds.kernels.len();
-        match (self.rate, &self.threshold[..], &kinds.thresholds) {
-            (Some(_), ..) => Ok(Vec::new()),
-            (None, [], Some(own)) => Ok(own.clone()),
-            (None, [], None) => Err(miette!(
-                help = "give --rate EVENTS, per pixel and second, or --threshold T, in kernel times light (0 to 255)",
-                "a design needs a rate of events, or thresholds"
-            )),
-            (None, [all], _) => Ok(vec![*all; kernels]),
-            (None, each, _) if each.len() == kernels => Ok(each.to_vec()),
-            (None, other, _) => Err(miette!(
-                help = "give one --threshold for all kernels, or one for each, in their order",
-                "{} for {}",
-                light::counted(other.len(), "threshold"),
-                light::counted(kernels, "kernel")
-            )),
+        if self.rate.is_some() {
+            return Ok(Vec::new());
         }
+        let given = kernel_names::thresholds(&self.threshold, kinds.kernels.len())?;
+        given.or_else(|| kinds.thresholds.clone()).ok_or_else(|| {
+            miette!(
+                help = "give --rate EVENTS, per pixel and second, --threshold T, in kernel times light (0 to 255), or sensor files, which have their own",
+                "a design needs a rate of events, or thresholds"
+            )
+        })
     }
 
     /// The commands that use what was written: the float sensor, the program, its proof.

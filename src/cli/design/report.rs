@@ -67,7 +67,7 @@ pub(super) fn page(
 /// The command that gives the same page again.
 fn command(arguments: &Arguments, candidate: &Candidate, sensor: &Path) -> String {
     let mut text = format!(
-        "amacrine feasibility --kernel {}",
+        "amacrine feasibility {}",
         quoted(&sensor.display().to_string())
     );
     let mut add = |name: &str, value: &str| {

@@ -31,6 +31,7 @@ use super::{
     clip::Clip,
     content::Content,
     files::{Named, Output},
+    kernel_names::{self, KernelNames},
     kernels::Kinds,
     light,
     progress::Progress,
@@ -44,9 +45,8 @@ use super::{
     after_help = after_help()
 )]
 pub struct Arguments {
-    /// A kernel file (.toml, .npy of shape (k,k), (K,k,k) or (K,1,k,k)), the name of a built-in, or a sensor
-    /// file, with its thresholds
-    kernel: Named,
+    #[command(flatten)]
+    kernels: KernelNames,
     /// One quantiser, or several with commas between
     #[arg(long, required = true, value_delimiter = ',', value_name = "QUANTISER", value_parser = quantiser)]
     to: Vec<Quantiser>,
@@ -63,9 +63,10 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE.png", value_parser = Content::Picture)]
     picture: Option<Output>,
     /// Compile each for the chip and run it against the float kernel: events where kernel times
-    /// light (0 to 255) moved by more than this
-    #[arg(long)]
-    threshold: Option<f64>,
+    /// light (0 to 255) moved by more than this: one number for all kernels, or one for each; a
+    /// sensor file has its own
+    #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
+    threshold: Vec<f64>,
     #[command(flatten)]
     clip: Clip,
     /// A shipped chip by name, or the folder of another, with a threshold [default: scamp5]
@@ -124,13 +125,13 @@ struct Json {
 /// When the kernel cannot be read or not quantised in any of the ways that were asked for, or a
 /// file not be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let kinds = Kinds::read(&arguments.kernel)?;
-    let thresholds = arguments.thresholds(&kinds);
+    let kinds = arguments.kernels.kinds()?;
+    let thresholds = arguments.thresholds(&kinds)?;
     arguments.check(thresholds.is_some())?;
     let [kernel] = &kinds.kernels[..] else {
         return several::run(arguments, &kinds, thresholds.as_deref());
     };
-    let all = arguments.quantised(&arguments.kernel, kernel)?;
+    let all = arguments.quantised(&arguments.kernels.to_string(), kernel)?;
     let rows: Vec<Row> = { all.iter() }
         .map(|(to, quantised)| Row::new(*to, kernel, quantised.as_ref()))
         .collect();
@@ -150,7 +151,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         write(path, arguments, quantised)?;
     }
     if let Some(path) = &arguments.picture {
-        write_png(path, &picture(&arguments.kernel.to_string(), kernel, &all))?;
+        write_png(path, &picture(&arguments.kernels.to_string(), kernel, &all))?;
     }
     if arguments.json {
         let json = Json {
@@ -166,7 +167,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         return Ok(());
     }
     let mut text = light::of_kernels(&warnings);
-    let _ = writeln!(text, "{}, sum {}", arguments.kernel, short(kernel.sum()));
+    let _ = writeln!(text, "{}, sum {}", arguments.kernels, short(kernel.sum()));
     text += &drawn(kernel.weights());
     if let ([quantised], [row]) = (&good[..], &rows[..]) {
         let _ = writeln!(text, "\n{} x {}", row.to, short(quantised.scale));
@@ -183,12 +184,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 }
 
 impl Arguments {
-    /// The threshold of each kind: one for all on the command line, or the sensor file's.
-    fn thresholds(&self, kinds: &Kinds) -> Option<Vec<f64>> {
-        match self.threshold {
-            Some(one) => Some(vec![one; kinds.kernels.len()]),
-            None => kinds.thresholds.clone(),
-        }
+    /// The threshold of each kind: of the command line, or the sensor file's.
+    fn thresholds(&self, kinds: &Kinds) -> miette::Result<Option<Vec<f64>>> {
+        let given = kernel_names::thresholds(&self.threshold, kinds.kernels.len())?;
+        Ok(given.or_else(|| kinds.thresholds.clone()))
     }
 
     /// The chip's name or folder.
@@ -403,7 +402,7 @@ fn write(path: &Output, arguments: &Arguments, quantised: &Quantised) -> miette:
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let source = format!(
         "{} as {}, sum {:?}; times {} it is the kernel: divide thresholds by that",
-        arguments.kernel, arguments.to[0], arguments.sum, quantised.scale
+        arguments.kernels, arguments.to[0], arguments.sum, quantised.scale
     );
     let mut text = format!("name = {name:?}\nsource = {source:?}\nweights = [\n");
     for row in rows_of(quantised.levels.weights()) {

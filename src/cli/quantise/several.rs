@@ -91,7 +91,7 @@ pub(super) fn run(
         return Err(miette!(
             help = "give one of them, an array of shape (k,k), for --output and --picture",
             "{} holds {} kernels",
-            arguments.kernel,
+            arguments.kernels,
             kinds.kernels.len()
         ));
     }

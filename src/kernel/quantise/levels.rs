@@ -169,7 +169,29 @@ fn free(
     }
     // The kernel is not all 0, so the smallest scale leaves a level.
     let (_, (levels, scale)) = best.ok_or(QuantiseError::Nothing)?;
-    with_sum(quantiser, magnitudes, weights, (levels, scale), sum)
+    let chosen = with_sum(quantiser, magnitudes, weights, (levels, scale), sum)?;
+    Ok(without_common_factor(chosen))
+}
+
+/// The smallest levels of the same shape: a common factor takes words of a program, and range.
+fn without_common_factor((levels, scale): Chosen) -> Chosen {
+    let divisor = levels.iter().fold(0, |divisor, level| {
+        greatest_common_divisor(divisor, level.abs() as u64)
+    });
+    if divisor < 2 {
+        return (levels, scale);
+    }
+    let factor = divisor as f64;
+    let smaller = levels.iter().map(|level| level / factor).collect();
+    (smaller, scale * factor)
+}
+
+/// Euclid's algorithm; 0 divides nothing, so that it leaves the other.
+const fn greatest_common_divisor(mut a: u64, mut b: u64) -> u64 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
 }
 
 /// Zero below 0.7 of the mean magnitude.

@@ -163,6 +163,25 @@ proptest! {
     }
 }
 
+/// A factor that all levels share would only take words and range.
+#[test]
+fn levels_have_no_common_factor() {
+    let sobel = [-1.0, 0.0, 1.0, -2.0, 0.0, 2.0, -1.0, 0.0, 1.0];
+    let shown: Vec<f64> = sobel.iter().map(|w| 0.1 * w).collect();
+    for (name, sum) in [
+        ("int-5", Sum::Free),
+        ("int-5", Sum::Zero),
+        ("int-4", Sum::Kept),
+        ("po2-4", Sum::Free),
+    ] {
+        let quantiser: Quantiser = name.parse().unwrap();
+        let quantised = quantiser.quantise(&kernel(&shown), sum, 0).unwrap();
+        let levels: Vec<f64> = quantised.levels.weights().iter().copied().collect();
+        assert_eq!(levels, sobel, "{name} {sum:?}");
+        assert!((quantised.scale - 0.1).abs() < 1e-15);
+    }
+}
+
 #[test]
 fn levels_within_one_are_the_same_kernel() {
     let kernel = kernel(&[0.3, -2.0, 1.1, 0.0, 7.5, -0.2, 1.0, 1.0, -3.0]);

@@ -1,0 +1,73 @@
+//! The kernels and thresholds that a verb is given.
+
+use std::fmt;
+
+use miette::miette;
+
+use super::{files::Named, kernels::Kinds, light::counted};
+
+/// Which kernels, by file or by name.
+#[derive(Clone, Debug, clap::Args)]
+pub struct KernelNames {
+    /// Kernels, a kind of cell each: files (.toml, .npy of shape (k,k), (K,k,k) or (K,1,k,k)),
+    /// names of built-in ones, or sensor files, which have thresholds too
+    #[arg(
+        required_unless_present = "by_option",
+        conflicts_with = "by_option",
+        value_delimiter = ',',
+        value_name = "KERNELS"
+    )]
+    kernels: Vec<Named>,
+    /// The same, as `run` has it
+    #[arg(
+        long = "kernel",
+        hide = true,
+        value_delimiter = ',',
+        value_name = "KERNELS"
+    )]
+    by_option: Vec<Named>,
+}
+
+impl KernelNames {
+    fn names(&self) -> &[Named] {
+        if self.kernels.is_empty() {
+            &self.by_option
+        } else {
+            &self.kernels
+        }
+    }
+
+    /// Reads them.
+    ///
+    /// # Errors
+    /// As [`Kinds::of_all`].
+    pub(super) fn kinds(&self) -> miette::Result<Kinds> {
+        Kinds::of_all(self.names())
+    }
+}
+
+/// As they were given, with commas between.
+impl fmt::Display for KernelNames {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<&str> = self.names().iter().map(|name| &**name).collect();
+        f.write_str(&names.join(","))
+    }
+}
+
+/// A threshold for each of so many kernels, where any were given: one stands for all.
+///
+/// # Errors
+/// When there are neither one nor as many as kernels.
+pub(super) fn thresholds(given: &[f64], kernels: usize) -> miette::Result<Option<Vec<f64>>> {
+    match given {
+        [] => Ok(None),
+        [all] => Ok(Some(vec![*all; kernels])),
+        each if each.len() == kernels => Ok(Some(each.to_vec())),
+        other => Err(miette!(
+            help = "give one --threshold for all kernels, or one for each, in their order",
+            "{} for {}",
+            counted(other.len(), "threshold"),
+            counted(kernels, "kernel")
+        )),
+    }
+}
