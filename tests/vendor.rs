@@ -1463,6 +1463,10 @@ fn text_is_written_elsewhere() {
         "mov(A, B);",
     );
     numbers("scamp5_in(A, (int)strlen(\"abc\"));", &[3]);
+    same(
+        "vs_post_text(\"%s\\n\", scamp5_verbose_str()); mov(A, B);",
+        "mov(A, B);",
+    );
     // What a text holds decides nothing.
     told(
         "",

@@ -156,7 +156,7 @@ pub(super) fn simulates(name: &str) -> bool {
     matches!(space.trim_start_matches("::"), "vs_sim" | "scamp5_sim")
 }
 
-const LIBRARY: [&str; 38] = [
+const LIBRARY: [&str; 39] = [
     "allow_highspeed",
     "move_to_heap",
     "scamp5_bind_io_agent",
@@ -195,4 +195,5 @@ const LIBRARY: [&str; 38] = [
     "setprecision",
     "exit",
     "puts",
+    "scamp5_verbose_str",
 ];
