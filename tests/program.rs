@@ -78,6 +78,7 @@ fn statement() -> impl Strategy<Value = Node> {
             name_place: Place::default(),
             arguments,
             place: Place::default(),
+            origin: None,
         })
     })
 }

@@ -792,7 +792,7 @@ fn what_does_not_parse_has_its_place() {
 #[test]
 fn included_files_lie_beside_and_say_where_they_are_wrong() {
     let main = "#include \"a.hpp\"\n#include <b.hpp>\nint main() { f(A); }";
-    assert_eq!(included(main), ["a.hpp"]);
+    assert_eq!(included(main)[0], "a.hpp");
     let read = |header: &str| {
         let mut includes = Includes::new();
         includes.insert("a.hpp".to_owned(), header.into());
@@ -804,6 +804,14 @@ fn included_files_lie_beside_and_say_where_they_are_wrong() {
     assert_eq!(bare(code), own_code("mov(A, B);"));
     let faults = read("#pragma once\nvoid f(areg_t x) {\n mov(x, 3 +);\n}").unwrap_err();
     assert!(faults.to_string().contains("a.hpp:3:"), "{faults}");
+    // What the chip has none of, too.
+    let faults =
+        read("#pragma once\nvoid f(areg_t x) {\n mov(x, B);\n  blurr(x, B);\n}").unwrap_err();
+    let told = faults.to_string();
+    assert!(
+        told.contains("a.hpp:4:3: unknown statement `blurr`"),
+        "{told}"
+    );
 }
 
 /// Programs that are written as C++ and read back.
@@ -1335,4 +1343,267 @@ fn settings_are_those_of_every_verb() {
         &["exec", "slider.cpp", "--set", "A=5"],
         &["`A` is a name of the chip", "--set A=FILE.npy"],
     );
+}
+
+#[test]
+fn scoped_enumerators_leave_registers_alone() {
+    let stated = "enum class Reg : uint8_t { A, B = 4, R5, R6 };\n\
+                  void copy(Reg from) { switch (from) { case Reg::A: mov(C, A); break; case Reg::R5: MOV(R7, R5); break; } }";
+    numbers_with(stated, "scamp5_in(A, (int)Reg::R6);", &[6]);
+    whole(
+        &format!("{stated}\nint main() {{ copy(Reg::R5); copy(Reg::A); MOV(R6, R5); }}"),
+        "MOV(R7, R5); mov(C, A); MOV(R6, R5);",
+    );
+    numbers(
+        "enum struct Own { R5 = 3, R6 }; if (Own::R6 == (Own)4) scamp5_in(A, (int)Own::R5);",
+        &[3],
+    );
+    numbers_with(
+        "namespace a { enum class E { X = 7 }; int f() { return (int)E::X; } }",
+        "scamp5_in(A, a::f()); scamp5_in(A, (int)a::E::X);",
+        &[7, 7],
+    );
+    // Those of a plain `enum` are names like others.
+    numbers("enum Plain { P = 2, Q }; scamp5_in(A, Plain::Q + P);", &[5]);
+}
+
+#[test]
+fn calls_of_the_vendor_simulation() {
+    let before = "vs_sim::config(\"server_ip\", \"127.0.0.1\"); vs_sim::enable_keyboard_control(); scamp5_sim::reset_model(3);";
+    let frame =
+        "if (vs_sim::is_simulation()) { res(B); } mov(A, C); vs_sim::save_image(A, \"a.bmp\");";
+    let text =
+        format!("int main() {{ {before} while (1) {{ vs_frame_loop_control(); {frame} }} }}");
+    whole(&text, "mov(A, C); scamp5_output_image(A);");
+    let simulated = expand(&text, &[("is_simulation", 1.0)]).unwrap().code;
+    assert_eq!(
+        bare(simulated),
+        own_code("res(B); mov(A, C); scamp5_output_image(A);")
+    );
+    let warnings = expand(
+        "int main() { vs_sim::pix_integrate(1, 2); get_image(A); }",
+        &[],
+    );
+    let warnings = warnings.unwrap().warnings;
+    assert!(
+        warnings[0].message.contains("`pix_integrate`"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn addresses_have_eight_bits() {
+    for (cpp, own) in [
+        (
+            "scamp5_load_pattern(R8, 0, -1, 252, 252);",
+            "scamp5_load_pattern(R8, 0, 255, 252, 252);",
+        ),
+        (
+            "scamp5_load_rect(R5, 1, -9, 3, 4.75);",
+            "scamp5_load_rect(R5, 1, 247, 3, 4);",
+        ),
+        (
+            "scamp5_select_pattern(-2, 0, 0, 255);",
+            "scamp5_select_pattern(254, 0, 0, 255);",
+        ),
+        (
+            "scamp5_global_sum_sparse(A, 0, -1, 124, 124);",
+            "scamp5_global_sum_sparse(A, 0, 255, 124, 124);",
+        ),
+    ] {
+        same(cpp, own);
+        let text = format!("int main() {{ while (1) {{ vs_frame_loop_control();\n{cpp} }} }}");
+        let warnings = expand(&text, &[]).unwrap().warnings;
+        let told = |it: &amacrine::config::Fault| it.message.contains("C++ makes");
+        assert!(warnings.iter().any(told), "{cpp}: {warnings:?}");
+    }
+    // Shapes are drawn where they are said to be.
+    same(
+        "scamp5_draw_begin(R5); scamp5_draw_point(-3, 300); scamp5_draw_end();",
+        "scamp5_draw_begin(R5); scamp5_draw_point(-3, 300); scamp5_draw_end();",
+    );
+}
+
+#[test]
+fn constants_of_the_language() {
+    numbers(
+        "scamp5_in(A, (int)(M_PI * 10)); scamp5_in(A, INT_MAX / 100000000); scamp5_in(A, INT8_MIN);",
+        &[31, 21, -128],
+    );
+    numbers(
+        "int best = INT_MIN; for (int x : {3, 9, 4}) best = std::max(best, x); scamp5_in(A, best);",
+        &[9],
+    );
+    numbers("int M_PI = 3; scamp5_in(A, M_PI);", &[3]);
+    numbers("scamp5_in(A, UINT32_MAX > 0 && UINT8_MAX == 255);", &[1]);
+}
+
+#[test]
+fn words_of_compilers_say_nothing() {
+    whole(
+        "extern \"C\" { __declspec(dllexport) void f(AREG a) { mov(a, B); }\n\
+         __attribute__((noinline)) static void g(areg_t a) { neg(a, B); } }\n\
+         int main() { f(A); g(C); }",
+        "mov(A, B); neg(C, B);",
+    );
+}
+
+#[test]
+fn text_is_written_elsewhere() {
+    same(
+        "char name[20]; strcpy(name, \"a\"); strcat(name, \".bmp\"); sprintf(name, \"%d\", 3);\n\
+         std::string n = std::to_string(4); strcpy(name, (\"in \" + n).c_str());\n\
+         std::cout << \"frame \" << 3 << n << std::endl; std::cerr << name;\n\
+         int port = std::stoi(\"27715\"); std::cout << std::setw(3) << port;\n\
+         char *more = new char[strlen(name) + 1]; mov(A, B);",
+        "mov(A, B);",
+    );
+    same(
+        "using namespace std; cout << \"s\" << endl; mov(A, B);",
+        "mov(A, B);",
+    );
+    numbers("scamp5_in(A, (int)strlen(\"abc\"));", &[3]);
+    same(
+        "vs_post_text(\"%s\\n\", scamp5_verbose_str()); mov(A, B);",
+        "mov(A, B);",
+    );
+    // What a text holds decides nothing.
+    told(
+        "",
+        "std::string t = \"3\";\nif (std::stoi(t) > 2) { mov(A, B); }",
+        2,
+        "`stoi` decides",
+        "--const",
+    );
+    // No register goes where it is not known what is done with it.
+    let all = messages("int main() { std::sort(A, B); mov(A, B); }");
+    assert!(all[0].contains("what `sort` does with `A`"), "{all:?}");
+}
+
+#[test]
+fn a_register_has_no_one_value() {
+    let text = "int main() { while (1) { vs_frame_loop_control(); where(A); MOV(R8, FLAG);\nif (R8 == 0) { bus(E); }\nmov(A, B); all(); } }";
+    let faults = expand(text, &[]).unwrap_err().faults;
+    let it = &faults[0];
+    assert_eq!(it.line, 2);
+    assert!(
+        it.fault.message.contains("`R8`")
+            && it.fault.help.as_deref().unwrap().contains("WHERE(R8)"),
+        "{it:?}"
+    );
+    told("", "\nif (FLAG) { mov(A, B); }", 2, "`FLAG`", "where");
+    told("", "\nmov(A, R6 ? B : C);", 2, "`R6`", "WHERE(R6)");
+}
+
+#[test]
+fn a_name_that_nobody_knows_keeps_its_end() {
+    let all = messages("int main() { blur_repeat(D, A, 30); }");
+    assert!(
+        all[0].contains("unknown statement `blur_repeat`"),
+        "{all:?}"
+    );
+}
+
+/// C++ of several files: that of `main`, and those beside it.
+fn together(main: &str, beside: &[(&str, &str)]) -> Result<Expansion, Faults> {
+    let includes: Includes = beside
+        .iter()
+        .map(|(name, text)| ((*name).to_owned(), (*text).into()))
+        .collect();
+    Program::read_with("p.cpp", main, &includes).expand(&Device::scamp5(), &Overrides::new())
+}
+
+#[test]
+fn bodies_lie_beside_their_headers() {
+    let main = "#include \"a.hpp\"\nint level = 3;\nint main() { work::f(A); }";
+    assert!(included(main).contains(&"a.cpp".to_owned()));
+    let header = "#pragma once\nnamespace work { void f(areg_t x); }";
+    let body = "#include \"a.hpp\"\n#include \"b.h\"\nextern int level;\nstatic const int by = 2;\n\
+                namespace work { void f(areg_t x) { scamp5_in(x, level * by); g(x); } }";
+    let b = ("b.h", "#pragma once\nvoid g(areg_t x);");
+    let c = (
+        "b.c",
+        "#include \"b.h\"\nstatic const int by = 2;\nvoid g(areg_t x) { neg(B, x); }",
+    );
+    let all = [("a.hpp", header), ("a.cpp", body), b, c];
+    let code = together(main, &all).unwrap().code;
+    assert_eq!(bare(code), own_code("scamp5_in(A, 6); neg(B, A);"));
+    // Names that only one file should know.
+    for (other, name) in [
+        (
+            "static const int by = 5; void g(areg_t x) { neg(B, x); }",
+            "`by`",
+        ),
+        ("static int by; void g(areg_t x) { neg(B, x); }", "`by`"),
+        (
+            "void g(areg_t x) { neg(B, x); } namespace work { void f(areg_t y) { } }",
+            "`f`",
+        ),
+    ] {
+        let all = [("a.hpp", header), ("a.cpp", body), b, ("b.c", other)];
+        let faults = together(main, &all).expect_err(other).to_string();
+        assert!(
+            faults.contains(name) && faults.contains("a.cpp:"),
+            "{other}: {faults}"
+        );
+    }
+    // A file that is read for its own sake is not read again.
+    let own = "#include \"p.hpp\"\nvoid f(areg_t x) { mov(x, B); }\nint main() { f(A); }";
+    let all = [("p.hpp", "void f(areg_t x);"), ("p.cpp", own)];
+    let code = together(own, &all).unwrap().code;
+    assert_eq!(bare(code), own_code("mov(A, B);"));
+    // On the disk too.
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("p.cpp", main);
+    for (name, text) in [("a.hpp", header), ("a.cpp", body), b, c] {
+        write(name, text);
+    }
+    let out = good(folder.path(), &["asm", "p.cpp", "--format"]);
+    assert!(out.contains("scamp5_in(A, 6);"), "{out}");
+}
+
+#[test]
+fn what_main_is_started_with_is_not_known() {
+    let text = "int main(int argc, char *argv[]) {\nif (argc < 2) { return 1; }\nmov(A, B); }";
+    let faults = expand(text, &[]).unwrap_err().faults;
+    assert!(faults[0].fault.message.contains("`argc`"), "{faults:?}");
+    let code = expand(text, &[("argc", 2.0)]).unwrap().code;
+    assert_eq!(bare(code), own_code("mov(A, B);"));
+}
+
+#[test]
+fn casts_to_types_of_others() {
+    same(
+        "char a[4]; memcpy((Header *)&a, (Other*)a, sizeof(a)); mov(A, B);",
+        "mov(A, B);",
+    );
+}
+
+#[test]
+fn each_kernel_of_a_macro_is_its_own() {
+    let text = format!(
+        "#define TWICE(d) ({{ {BEGIN} mov(A, B); {END} scamp5_in(C, 3); {BEGIN} mov(d, A); {END} }})\n\
+         void f(areg_t d) {{ TWICE(d); }}\nint main() {{ while (1) {{ vs_frame_loop_control();\n"
+    );
+    let warnings = |inside: &str| {
+        let text = format!("{text}{inside} }} }}");
+        expand(&text, &[]).unwrap().warnings
+    };
+    assert_eq!(warnings("TWICE(D); f(E);"), []);
+    let all = warnings("f(D); f(E);");
+    assert!(
+        matches!(&all[..], [one] if one.message.contains("other words than at its first")),
+        "{all:?}"
+    );
+}
+
+#[test]
+fn a_stack_of_bits_has_its_display() {
+    let text = "int main() { auto d = vs_gui_add_display(\"four bits\", 0, 0);\nwhile (1) { vs_frame_loop_control();\n\
+                scamp5_output_bitstack_begin(d, 2);\nscamp5_output_bitstack_bit(R5);\nscamp5_output_bitstack_bit(R6);\n\
+                scamp5_output_bitstack_end();\nscamp5_output_image(R7, 0); } }";
+    let titles = Program::read("p.cpp", text).titles;
+    let titles: Vec<(u32, &str)> = titles.iter().map(|(line, it)| (*line, &**it)).collect();
+    assert_eq!(titles, [(4, "four bits"), (5, "four bits")]);
 }

@@ -174,6 +174,26 @@ impl Signature {
             .is_some_and(|parts| parts.len() == self.parameters.len())
     }
 
+    /// How many arguments it takes.
+    #[must_use]
+    pub fn counts(&self) -> std::ops::RangeInclusive<usize> {
+        let (mut fewest, mut most) = (0, 0);
+        for parameter in &self.parameters {
+            let (least, last) = if parameter.group {
+                (1, 1)
+            } else {
+                parameter.count
+            };
+            fewest += if parameter.default.is_some() {
+                0
+            } else {
+                least
+            };
+            most += last;
+        }
+        fewest..=most
+    }
+
     /// Splits the arguments between the parameters; `None` where their number does not fit.
     fn split<'a>(&self, given: &'a [Given]) -> Option<Vec<&'a [Given]>> {
         let mut rest = given;

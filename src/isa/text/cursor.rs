@@ -219,6 +219,7 @@ impl<'a> Cursor<'a> {
             name_place,
             arguments,
             place: name_place.to(end),
+            origin: None,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::config::Place;
+use crate::config::{Fault, Place};
 
 /// `name(argument, argument);`
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +15,8 @@ pub struct Statement {
     pub arguments: Vec<Argument>,
     /// From the name to the semicolon.
     pub place: Place,
+    /// Where it is written, `file:line:column`, if that is another file than the one of its place.
+    pub origin: Option<String>,
 }
 
 /// One argument of a statement.
@@ -123,6 +125,20 @@ impl Operator {
             Self::Multiply => left * right,
             Self::Divide => left / right,
             Self::Remainder => left % right,
+        }
+    }
+}
+
+impl Statement {
+    /// A fault of it, that says where it is written.
+    #[must_use]
+    pub fn told(&self, fault: Fault) -> Fault {
+        match &self.origin {
+            None => fault,
+            Some(origin) => Fault {
+                message: format!("{origin}: {}", fault.message),
+                ..fault
+            },
         }
     }
 }

@@ -164,7 +164,7 @@ impl<'d> Lowering<'d> {
             match &item.node {
                 Node::Statement(statement) => match self.statement(statement) {
                     Ok(expanded) => entries.push(Entry::Statement(expanded)),
-                    Err(fault) => self.faults.push(fault),
+                    Err(fault) => self.faults.push(statement.told(fault)),
                 },
                 Node::Repeat { times, body } => {
                     let heading = times.place;

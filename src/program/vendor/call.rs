@@ -91,6 +91,10 @@ impl Machine<'_> {
             };
             return self.enter_with(&function, given, angles, place);
         }
+        if host::simulates(name) {
+            return self.simulated(last(name), given, place);
+        }
+        let standard = foreign(name) && qualifier(name).is_some_and(|it| it.ends_with("std"));
         let name = last(name);
         match (name, given) {
             (super::parse::FILLED, _) => return self.filled(given, place),
@@ -99,7 +103,11 @@ impl Machine<'_> {
             _ => {}
         }
         match host::role(name, given.len()) {
-            Role::Kernel => self.kernel_mark(name, place),
+            Role::Chip if standard => {
+                self.outside(name, given, place);
+                Value::Unknown(format!("`{name}`").into())
+            }
+            Role::Kernel => self.kernel_mark(name, given, place),
             Role::Sync => {
                 self.in_kernel(name, place);
                 self.sync();
@@ -134,11 +142,18 @@ impl Machine<'_> {
     /// Arguments of something that is not stated here: it may be given numbers, no registers.
     fn outside(&mut self, name: &str, given: &[Expr], place: Place) -> Vec<Value> {
         let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
-        let register = values.iter().find_map(|it| match it {
-            Value::Symbol(register) => self.device.value_of(register).map(|_| register.clone()),
-            _ => None,
-        });
-        if let Some(register) = register {
+        for value in &values {
+            self.keeps_register(name, value, place);
+        }
+        values
+    }
+
+    /// Tells of a register that goes where it is not known what is done with it.
+    fn keeps_register(&mut self, name: &str, value: &Value, place: Place) {
+        let Value::Symbol(register) = value else {
+            return;
+        };
+        if self.device.value_of(register).is_some() {
             self.error(
                 place,
                 format!("what `{name}` does with `{register}` is not known"),
@@ -146,7 +161,6 @@ impl Machine<'_> {
                 "state it as a function of this file that takes registers, and call that",
             );
         }
-        values
     }
 
     /// A member of a class of the file is called: classes are not run, so that it must leave the
@@ -498,7 +512,11 @@ impl Machine<'_> {
                     (self.base, self.space) = (base, space);
                     self.taken(value, kind, parameter)
                 }
-                (None, None) => continue,
+                // What `main` is started with.
+                (None, None) => {
+                    let why = format!("`{}`", parameter.name);
+                    self.hold(Value::Unknown(why.into()), Kind::Any)
+                }
             };
             scope.insert(parameter.name.clone(), slot);
         }
@@ -593,10 +611,14 @@ impl Machine<'_> {
         types
     }
 
-    fn kernel_mark(&mut self, name: &str, place: Place) -> Value {
+    fn kernel_mark(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
+        let ordinal = given.first().and_then(|it| self.value(it).whole());
+        let ordinal = ordinal.unwrap_or_default();
         match name {
-            "scamp5_kernel_begin" | "scamp5_kernel_begin_print" => self.begin_kernel(place, true),
-            "scamp5_dynamic_kernel_begin" => self.begin_kernel(place, false),
+            "scamp5_kernel_begin" | "scamp5_kernel_begin_print" => {
+                self.begin_kernel(place, ordinal, true);
+            }
+            "scamp5_dynamic_kernel_begin" => self.begin_kernel(place, ordinal, false),
             _ => self.end_kernel(place),
         }
         Value::Whole(0)
@@ -679,6 +701,7 @@ impl Machine<'_> {
             // Callbacks run when somebody moves a slider.
             if !matches!(it.node, ExprNode::Lambda(_)) {
                 let value = self.value(it);
+                self.keeps_register(name, &value, place);
                 if let (Value::Pointer(slot, path, _), true) = (&value, written(name)) {
                     let why = format!("what `{name}` gives");
                     self.forget(*slot, path, &why.into());
@@ -686,6 +709,10 @@ impl Machine<'_> {
             }
         }
         match name {
+            "scamp5_output_bitstack_begin" => {
+                self.stack = given.first().map(|it| self.value(it));
+                Value::Whole(0)
+            }
             "vs_gui_add_display" => {
                 let title = given.first().map(|it| self.value(it));
                 match title {
@@ -705,7 +732,37 @@ impl Machine<'_> {
                 _ => Value::Unknown("a slider of the GUI".into()),
             },
             "vs_gui_is_on" => Value::Whole(1),
+            "strlen" => match given.first().map(|it| self.value(it)) {
+                Some(Value::Text(text)) => Value::Wide(text.len() as i64, Width::UnsignedLong),
+                _ => Value::Unknown("the length of a text".into()),
+            },
             _ => Value::Unknown(format!("`{name}`").into()),
+        }
+    }
+
+    /// What is only there where the vendor simulates the chip: here the chip is meant, but for the
+    /// pictures that are saved.
+    fn simulated(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
+        match name {
+            "save_image" => self.show(name, given, place),
+            "is_simulation" => {
+                let value = self.set(name).unwrap_or(Value::Whole(0));
+                let number = value.number().unwrap_or_default();
+                self.constants.insert(name.to_owned(), number);
+                value
+            }
+            "pix_integrate" => {
+                self.fault(
+                    Fault::warning(
+                        place,
+                        "the light is that of the scene: `pix_integrate` does nothing",
+                        "this call",
+                    )
+                    .help("give the light by `exec --image`"),
+                );
+                Value::Whole(0)
+            }
+            _ => self.library(name, given, place),
         }
     }
 
@@ -823,9 +880,10 @@ impl Machine<'_> {
     /// A register is shown: as a picture of what it holds now.
     fn show(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
         let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
-        let place = self.files.own(place);
-        if let Some(Value::Text(title)) = values.get(1) {
-            let (line, _) = crate::config::line_column(self.text, place.start);
+        let stack = self.stack.clone().filter(|_| name.contains("bitstack"));
+        if let Some(Value::Text(title)) = stack.as_ref().or(values.get(1)) {
+            let own = self.files.own(place);
+            let (line, _) = crate::config::line_column(self.text, own.start);
             self.titles
                 .entry(line)
                 .or_default()
@@ -943,7 +1001,7 @@ impl Machine<'_> {
     }
 
     fn launch(&mut self, function: &Rc<Function>) -> Value {
-        self.begin_kernel(function.place, false);
+        self.begin_kernel(function.place, 0, false);
         let value = self.enter(function, &[], function.place);
         self.end_kernel(function.place);
         value

@@ -1,6 +1,10 @@
 //! Calls of the vendor's library that are other statements here, and names that mean the same.
 
-use super::{machine::Machine, tree::Word, value::Value};
+use super::{
+    machine::Machine,
+    tree::{Kind, Word},
+    value::Value,
+};
 use crate::{
     config::{Fault, Place},
     isa::text::Term,
@@ -107,13 +111,58 @@ pub(super) fn rewritten(
         }
         name => name,
     };
+    if let Some(first) = addresses(renamed) {
+        for it in given.iter_mut().skip(first) {
+            in_eight_bits(machine, it);
+        }
+    }
     if matches!(renamed, "scamp5_scan_events") && given.len() > 2 {
         // C++ counts slots in whole numbers.
         for (value, ..) in given.iter_mut().skip(2) {
-            *value = value.clone().converted(super::tree::Kind::INT);
+            *value = value.clone().converted(Kind::INT);
         }
     }
-    Some((variant(machine, renamed, place), given))
+    Some((variant(machine, renamed, given.len()), given))
+}
+
+/// The first parameter of those that are a `uint8_t`: rows and columns, and their masks.
+fn addresses(name: &str) -> Option<usize> {
+    match name {
+        "scamp5_load_point"
+        | "scamp5_load_rect"
+        | "scamp5_load_pattern"
+        | "scamp5_global_or"
+        | "scamp5_global_sum_sparse"
+        | "scamp5_read_areg" => Some(1),
+        "scamp5_scan_areg" => Some(2),
+        _ if name.starts_with("scamp5_select_") => Some(0),
+        _ => None,
+    }
+}
+
+/// A row or a column as C++ passes it: -1 is 255. Beyond 255 an array may have more of them.
+fn in_eight_bits(machine: &mut Machine<'_>, (value, place, _): &mut Given) {
+    let Some(number) = value.number() else {
+        return;
+    };
+    let whole = value.clone().converted(Kind::INT);
+    let passed = if number < 0.0 {
+        whole.converted(Kind::Bits(8, false))
+    } else {
+        whole
+    };
+    let made = passed.number().unwrap_or_default();
+    if made != number {
+        machine.fault(
+            Fault::warning(
+                *place,
+                format!("C++ makes {made} of {number}"),
+                "a parameter of 8 bits, without a sign",
+            )
+            .help(format!("write {made}")),
+        );
+        *value = passed;
+    }
 }
 
 fn word(name: &str, place: Place) -> Given {
@@ -122,13 +171,17 @@ fn word(name: &str, place: Place) -> Given {
 
 /// `bus2_3` and `add_ab` where the chip has `bus2` and `add`: compilers name forms apart that
 /// the vendor tells apart by their arguments.
-fn variant(machine: &Machine<'_>, name: &str, _place: Place) -> String {
+fn variant(machine: &Machine<'_>, name: &str, given: usize) -> String {
     let device = machine.device;
     if device.callables(name).is_empty()
         && let Some((base, rest)) = name.rsplit_once('_')
     {
         let plain = !rest.is_empty() && rest.chars().all(|c| c.is_ascii_alphanumeric());
-        if plain && !base.starts_with("scamp5") && !device.callables(base).is_empty() {
+        let takes = device
+            .callables(base)
+            .iter()
+            .any(|it| it.signature().counts().contains(&given));
+        if plain && !base.starts_with("scamp5") && takes {
             return base.to_owned();
         }
     }

@@ -45,7 +45,7 @@ impl Machine<'_> {
                 }
                 self.store(&reached, value, to)
             }
-            ExprNode::Choose(condition, yes, no) => match self.value(condition).truth() {
+            ExprNode::Choose(condition, yes, no) => match self.condition(condition).truth() {
                 Ok(true) => self.value(yes),
                 Ok(false) => self.value(no),
                 Err(why) => {
@@ -137,6 +137,9 @@ impl Machine<'_> {
             }
             // A function keeps its namespace.
             let own = self.functions.contains_key(plain) && !foreign(name);
+            if let (Some(value), false) = (super::host::constant(plain), own) {
+                return value;
+            }
             return Value::Symbol(if own { name.clone() } else { plain.into() });
         };
         match self.decayed(slot, &path, last(name)) {
@@ -221,6 +224,10 @@ impl Machine<'_> {
             }
             _ => {}
         }
+        let single = matches!(mark, "&&" | "||") || a.number().is_some() != b.number().is_some();
+        if single && (self.no_number(&a, left.place) || self.no_number(&b, right.place)) {
+            return Value::Whole(0);
+        }
         let (a, b) = (self.canonical(a), self.canonical(b));
         let named = matches!(mark, "==" | "!=" | "&&" | "||")
             || (matches!(mark, "|" | "+") && a.number().is_none() && b.number().is_none());
@@ -254,6 +261,29 @@ impl Machine<'_> {
         Value::Symbol(own.into())
     }
 
+    /// Tells of a register that stands where the micro-controller needs a number.
+    pub(super) fn no_number(&mut self, value: &Value, place: Place) -> bool {
+        use crate::isa::{Bit, Value as Known};
+        let Value::Symbol(name) = value else {
+            return false;
+        };
+        let help = match self.device.value_of(name) {
+            Some(Known::Source(_)) => format!(
+                "ask each pixel by `where({name}); … all();`, or read one number: `scamp5_global_sum_fast({name})`"
+            ),
+            Some(Known::Bit(Bit::Register(_))) => format!(
+                "ask each pixel by `WHERE({name}); … ALL();`, or read one number: `scamp5_global_or({name})`"
+            ),
+            Some(Known::Bit(_)) => format!(
+                "`where` and `WHERE` set what follows in some pixels; read one number by `MOV(R5, {name}); … scamp5_global_or(R5)`"
+            ),
+            _ => return false,
+        };
+        let message = format!("`{name}` has another value in every pixel");
+        self.error(place, message, "one number is needed here", &help);
+        true
+    }
+
     pub(super) fn unstated(&mut self, name: &str, place: Place) {
         let scopes = self.scopes.iter().flat_map(|scope| scope.keys());
         let near = suggestion(name, scopes.map(|name| &**name));
@@ -283,6 +313,7 @@ impl Machine<'_> {
         let value = self.value(of);
         match (mark, value) {
             (_, Value::Unknown(why)) => Value::Unknown(why),
+            ("!", other) if self.no_number(&other, of.place) => Value::Whole(0),
             ("!", other) => Value::flag(!other.truth().unwrap_or(true)),
             ("+", other) if other.number().is_none() => other,
             (mark, value) if value.signed(mark).is_some() => {

@@ -189,10 +189,12 @@ fn cast(it: &mut Parser<'_>) -> Parsed<Option<Expr>> {
         && let Some(kind) = it.read_kind()
         && it.take(")")
     {
+        // `(name *)` is a type whatever the name.
+        let pointer = it.at >= 2 && it.tokens_before(2).is("*");
         let value = it.peek(0).is_some_and(|t| {
             !t.first
                 && (!matches!(t.kind, TokenKind::Mark(_))
-                    || (known && BEFORE.iter().any(|mark| t.is(mark))))
+                    || ((known || pointer) && BEFORE.iter().any(|mark| t.is(mark))))
         });
         if value {
             let of = Box::new(it.deeper(unary)?);
@@ -507,6 +509,13 @@ fn postfix(it: &mut Parser<'_>, mut value: Expr) -> Parsed<Expr> {
                 }
             }
             it.links = most;
+            if let ExprNode::Name(name) = &value.node
+                && name.starts_with("scamp5_kernel_begin")
+                && let Some(ordinal) = it.begun_before(start)
+            {
+                let node = ExprNode::Whole(ordinal);
+                given.push(Expr { node, place: start });
+            }
             match value.node {
                 ExprNode::Template(types, callee) => {
                     let place = start.to(it.before());

@@ -7,6 +7,22 @@ use crate::config::{Fault, Place, line_column};
 /// Texts by the names with which `#include "…"` asks for them.
 pub type Includes = BTreeMap<String, Arc<str>>;
 
+/// The files that may hold the bodies of what a header announces.
+pub(super) fn bodies(header: &str) -> Vec<String> {
+    match header.rsplit_once('.') {
+        Some((stem, "hpp" | "hh" | "hxx" | "h")) => {
+            let endings = ["cpp", "cc", "cxx", "c"];
+            endings.map(|it| format!("{stem}.{it}")).to_vec()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// A file's name without the folders before it.
+pub(super) fn plain(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
 /// The texts, one behind the other.
 #[derive(Clone, Debug)]
 pub(super) struct Files {
@@ -57,9 +73,21 @@ impl Files {
         self.included.get(after.checked_sub(1)?)
     }
 
+    /// The name of the file that a place lies in; nothing for the file itself.
+    pub(super) fn name(&self, place: Place) -> Option<&str> {
+        self.of(place).map(|it| &*it.name)
+    }
+
     /// A place of the file itself: for what is included, where it is asked for.
     pub(super) fn own(&self, place: Place) -> Place {
         self.of(place).map_or(place, |it| it.asked)
+    }
+
+    /// A place in what is included: `file:line:column`.
+    pub(super) fn origin(&self, place: Place) -> Option<String> {
+        let it = self.of(place)?;
+        let (line, column) = line_column(&it.text, place.start - it.start);
+        Some(format!("{}:{line}:{column}", it.name))
     }
 
     /// The line of a place in its own file, with the file's name where that is another.
@@ -79,9 +107,9 @@ impl Files {
         match self.of(fault.place) {
             None => Fault { also, ..fault },
             Some(it) => {
-                let (line, column) = line_column(&it.text, fault.place.start - it.start);
+                let origin = self.origin(fault.place).unwrap_or_default();
                 Fault {
-                    message: format!("{}:{line}:{column}: {}", it.name, fault.message),
+                    message: format!("{origin}: {}", fault.message),
                     place: it.asked,
                     label: format!("{} is asked for here", it.name),
                     also,

@@ -1,5 +1,9 @@
 //! What the vendor's library offers the micro-controller, as far as a program can be told of it.
 
+use super::{
+    tree::{Width, qualifier},
+    value::Value,
+};
 use crate::elementary;
 
 /// What a call does.
@@ -113,7 +117,46 @@ pub(super) fn number(name: &str, given: &[f64]) -> Option<f64> {
     })
 }
 
-const LIBRARY: [&str; 26] = [
+/// A constant of the language's library.
+pub(super) fn constant(name: &str) -> Option<Value> {
+    use std::f64::consts;
+    Some(match name {
+        "M_PI" => Value::Real(consts::PI),
+        "M_PI_2" => Value::Real(consts::FRAC_PI_2),
+        "M_PI_4" => Value::Real(consts::FRAC_PI_4),
+        "M_E" => Value::Real(consts::E),
+        "M_SQRT2" => Value::Real(consts::SQRT_2),
+        "M_LN2" => Value::Real(consts::LN_2),
+        "FLT_MAX" => Value::Real(f64::from(f32::MAX)),
+        "FLT_EPSILON" => Value::Real(f64::from(f32::EPSILON)),
+        "DBL_MAX" => Value::Real(f64::MAX),
+        "DBL_EPSILON" => Value::Real(f64::EPSILON),
+        "INT8_MIN" | "SCHAR_MIN" | "CHAR_MIN" => Value::Whole(i64::from(i8::MIN)),
+        "INT8_MAX" | "SCHAR_MAX" | "CHAR_MAX" => Value::Whole(i64::from(i8::MAX)),
+        "UINT8_MAX" | "UCHAR_MAX" => Value::Whole(i64::from(u8::MAX)),
+        "INT16_MIN" | "SHRT_MIN" => Value::Whole(i64::from(i16::MIN)),
+        "INT16_MAX" | "SHRT_MAX" => Value::Whole(i64::from(i16::MAX)),
+        "UINT16_MAX" | "USHRT_MAX" => Value::Whole(i64::from(u16::MAX)),
+        "INT32_MIN" | "INT_MIN" => Value::Whole(i64::from(i32::MIN)),
+        "INT32_MAX" | "INT_MAX" => Value::Whole(i64::from(i32::MAX)),
+        "UINT32_MAX" | "UINT_MAX" => Value::Wide(i64::from(u32::MAX), Width::Unsigned),
+        "INT64_MIN" | "LONG_MIN" => Value::Wide(i64::MIN, Width::Long),
+        "INT64_MAX" | "LONG_MAX" => Value::Wide(i64::MAX, Width::Long),
+        // Streams of text, and what sets how they write.
+        "cout" | "cerr" | "clog" | "endl" | "flush" | "hex" | "dec" | "fixed" => {
+            Value::Unknown("what a stream of text holds".into())
+        }
+        _ => return None,
+    })
+}
+
+/// What is only there where the vendor simulates the chip.
+pub(super) fn simulates(name: &str) -> bool {
+    let space = qualifier(name).unwrap_or_default();
+    matches!(space.trim_start_matches("::"), "vs_sim" | "scamp5_sim")
+}
+
+const LIBRARY: [&str; 39] = [
     "allow_highspeed",
     "move_to_heap",
     "scamp5_bind_io_agent",
@@ -138,6 +181,19 @@ const LIBRARY: [&str; 26] = [
     "make_pair",
     "random_device",
     "fflush",
+    "memcmp",
+    "strlen",
+    "strcpy",
+    "strncpy",
+    "strcat",
+    "strncat",
+    "strcmp",
+    "strncmp",
+    "atoi",
+    "atof",
+    "setw",
+    "setprecision",
     "exit",
     "puts",
+    "scamp5_verbose_str",
 ];

@@ -48,6 +48,8 @@ pub(super) enum Flow {
 pub(super) struct Kernel {
     /// Where it begins.
     pub place: Place,
+    /// Which of those it is that begin there, as those of a macro do.
+    pub ordinal: i64,
     /// Whether its words are kept from the first launch.
     pub fixed: bool,
     /// How many items there were when it began.
@@ -67,6 +69,8 @@ pub(super) struct Machine<'a> {
     pub members: BTreeMap<Word, Vec<Rc<Function>>>,
     /// Functions as they are announced, for their default arguments.
     pub prototypes: BTreeMap<Word, Vec<Rc<Function>>>,
+    /// Where variables of the file are stated.
+    pub homes: BTreeMap<Word, Place>,
     pub slots: Vec<Value>,
     /// The types of the variables, or of their elements.
     pub kinds: Vec<Kind>,
@@ -95,7 +99,7 @@ pub(super) struct Machine<'a> {
     pub frames: Vec<Vec<Item>>,
     pub kernel: Option<Kernel>,
     /// The words that kernels had, by where they begin.
-    pub stored: BTreeMap<usize, Vec<Vec<Item>>>,
+    pub stored: BTreeMap<(usize, i64), Vec<Vec<Item>>>,
     /// Whether some earlier statement may have ended this block: why.
     pub maybe: Option<Arc<str>>,
     pub depth: usize,
@@ -103,6 +107,8 @@ pub(super) struct Machine<'a> {
     pub naming: Option<Word>,
     /// What is shown, by its line: the display's title.
     pub titles: BTreeMap<u32, BTreeSet<String>>,
+    /// The display that a stack of bits goes to.
+    pub stack: Option<Value>,
     /// Whether the loop over the frames was run.
     pub looped: bool,
     /// Whether every frame does the same, the first one too.
@@ -131,6 +137,7 @@ impl<'a> Machine<'a> {
             members: BTreeMap::new(),
             prototypes: BTreeMap::new(),
             fixed: BTreeSet::new(),
+            homes: BTreeMap::new(),
             slots: Vec::new(),
             kinds: Vec::new(),
             copied: BTreeSet::new(),
@@ -150,6 +157,7 @@ impl<'a> Machine<'a> {
             depth: 0,
             naming: None,
             titles: BTreeMap::new(),
+            stack: None,
             looped: false,
             bare: false,
             work: 0,
@@ -184,7 +192,7 @@ impl<'a> Machine<'a> {
                 place,
                 format!("more than {WORK} statements run before the program is known"),
                 "here there is no end in sight",
-                "loops need bounds that are known before the run",
+                "loops need bounds that are known before the run; one that waits for somebody at the GUI ends by `--const NAME=VALUE`",
             );
         }
     }
@@ -197,6 +205,10 @@ impl<'a> Machine<'a> {
             Some("") => return file.get(last(name)).copied(),
             Some(_) if foreign(name) => return None,
             Some(_) => {
+                let own = self.scopes.get(self.base.max(1)..).unwrap_or_default();
+                if let Some(slot) = own.iter().rev().find_map(|scope| scope.get(name)) {
+                    return Some(*slot);
+                }
                 let spaces = self.spaces().map(|space| format!("{space}::{name}"));
                 let found = spaces
                     .chain([name.to_owned()])
@@ -399,6 +411,7 @@ impl<'a> Machine<'a> {
             }
             return;
         }
+        let origin = self.files.origin(place);
         let place = self.files.own(place);
         let arguments = arguments
             .into_iter()
@@ -409,6 +422,7 @@ impl<'a> Machine<'a> {
                 name_place: place,
                 arguments: arguments.collect(),
                 place,
+                origin,
             }),
             place,
         );
@@ -416,6 +430,7 @@ impl<'a> Machine<'a> {
 
     /// Asks something whose arguments stand in braces.
     pub(super) fn ask_groups(&mut self, name: &str, groups: Vec<Vec<Term>>, place: Place) {
+        let origin = self.files.origin(place);
         let place = self.files.own(place);
         let groups = groups.into_iter().map(|terms| Argument::Group {
             items: terms
@@ -430,6 +445,7 @@ impl<'a> Machine<'a> {
                 name_place: place,
                 arguments: groups.collect(),
                 place,
+                origin,
             }),
             place,
         );
@@ -455,7 +471,7 @@ impl<'a> Machine<'a> {
         self.frames.push(items);
     }
 
-    pub(super) fn begin_kernel(&mut self, place: Place, fixed: bool) {
+    pub(super) fn begin_kernel(&mut self, place: Place, ordinal: i64, fixed: bool) {
         if self.kernel.is_some() {
             self.error(
                 place,
@@ -466,6 +482,7 @@ impl<'a> Machine<'a> {
         }
         self.kernel = Some(Kernel {
             place,
+            ordinal,
             fixed,
             start: self.items.len(),
         });
@@ -488,7 +505,8 @@ impl<'a> Machine<'a> {
         }
         let at = self.files.own(kernel.place);
         self.push(Node::Kernel(body.clone()), at);
-        let known = self.stored.entry(kernel.place.start).or_default();
+        let key = (kernel.place.start, kernel.ordinal);
+        let known = self.stored.entry(key).or_default();
         if known.contains(&body) {
             return;
         }

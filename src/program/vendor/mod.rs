@@ -65,10 +65,13 @@ pub(super) struct Read {
     pub titles: BTreeMap<u32, BTreeSet<String>>,
 }
 
-/// The files that a text asks for by `#include "…"`, which lie beside it.
+/// The files that a text asks for by `#include "…"`, which lie beside it, and those that hold the
+/// bodies of what headers announce, if they are there.
 #[must_use]
 pub fn included(text: &str) -> Vec<String> {
-    preprocess::asked(text)
+    let asked = preprocess::asked(text);
+    let bodies: Vec<String> = asked.iter().flat_map(|it| files::bodies(it)).collect();
+    [asked, bodies].concat()
 }
 
 /// Endings of files that are C++.

@@ -32,6 +32,7 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
         aliases: BTreeMap::new(),
         templates: BTreeSet::new(),
         template: Vec::new(),
+        begun: BTreeMap::new(),
         half: false,
         in_class: false,
     };
@@ -58,6 +59,8 @@ pub(super) struct Parser<'a> {
     pub templates: BTreeSet<Word>,
     /// The parameters of the template that is read.
     template: Vec<TemplateParameter>,
+    /// How many kernels begin at a place: all those of a macro do at its call.
+    begun: BTreeMap<usize, i64>,
     /// Whether the first half of a `>>` closed something.
     half: bool,
     /// Whether what is read belongs to a class itself.
@@ -181,6 +184,18 @@ impl<'a> Parser<'a> {
     pub(super) fn before(&self) -> Place {
         let before = self.at.checked_sub(1).and_then(|at| self.tokens.get(at));
         before.map_or(Place::default(), |t| t.place)
+    }
+
+    /// How many kernels began here before this one, if any did.
+    pub(super) fn begun_before(&mut self, place: Place) -> Option<i64> {
+        let count = self.begun.entry(place.start).or_default();
+        *count += 1;
+        Some(*count - 1).filter(|before| *before > 0)
+    }
+
+    /// The token so many before the one that comes next.
+    pub(super) fn tokens_before(&self, back: usize) -> &'a Token {
+        &self.tokens[self.at - back]
     }
 
     pub(super) fn expect(&mut self, mark: &str, help: &str) -> Parsed<Place> {
@@ -614,6 +629,10 @@ impl<'a> Parser<'a> {
     }
 
     fn enumeration(&mut self) -> Parsed<StmtNode> {
+        self.at += 1;
+        // The names of an `enum class` are only its own.
+        let scoped = self.take_word("class") || self.take_word("struct");
+        let space = Some(self.word(0)).filter(|it| scoped && !it.is_empty());
         while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
             self.at += 1;
         }
@@ -622,6 +641,7 @@ impl<'a> Parser<'a> {
             while !self.take("}") {
                 let place = self.place();
                 let name = self.name("the name of a constant")?;
+                let name = space.map_or(name.clone(), |space| format!("{space}::{name}").into());
                 let whole = |value| Expr {
                     node: ExprNode::Whole(value),
                     place,

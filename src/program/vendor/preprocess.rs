@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{
-    files::{Files, Includes},
+    files::{Files, Includes, bodies, plain},
     token::{Kind, Token, tokens},
 };
 use crate::{
@@ -37,6 +37,23 @@ pub(super) fn asked(text: &str) -> Vec<String> {
     included.map(str::to_owned).collect()
 }
 
+/// What only speaks to a compiler: it expands to nothing.
+fn of_compilers() -> BTreeMap<Arc<str>, Macro> {
+    let nothing = |name: &str, parameters: Option<Vec<Arc<str>>>| {
+        let it = Macro {
+            parameters,
+            variadic: true,
+            body: Vec::new(),
+        };
+        (Arc::from(name), it)
+    };
+    let called = ["__declspec", "__attribute__"];
+    let called = called.map(|name| nothing(name, Some(vec!["all".into()])));
+    let alone = ["__forceinline", "__restrict", "__volatile__"];
+    let alone = alone.map(|name| nothing(name, None));
+    called.into_iter().chain(alone).collect()
+}
+
 pub(super) fn preprocess(
     text: &str,
     includes: &Includes,
@@ -47,8 +64,9 @@ pub(super) fn preprocess(
         includes,
         overrides,
         files,
-        macros: BTreeMap::new(),
+        macros: of_compilers(),
         once: BTreeSet::new(),
+        read: Vec::new(),
         out: Vec::new(),
         faults: Vec::new(),
         numbers: BTreeMap::new(),
@@ -57,6 +75,7 @@ pub(super) fn preprocess(
         full: false,
     };
     it.text(text, 0, 0);
+    it.bodies(text);
     Preprocessed {
         // A part of the text would only give faults of its own.
         tokens: if it.full { Vec::new() } else { it.out },
@@ -90,6 +109,8 @@ struct Preprocessor<'a> {
     macros: BTreeMap<Arc<str>, Macro>,
     /// Files with `#pragma once` that were read.
     once: BTreeSet<String>,
+    /// Files that were read, and where they were asked for.
+    read: Vec<(String, Place)>,
     out: Vec<Token>,
     faults: Vec<Fault>,
     numbers: BTreeMap<String, f64>,
@@ -316,9 +337,31 @@ impl Preprocessor<'_> {
         if text.contains("#pragma once") && !self.once.insert(name.to_string()) {
             return;
         }
-        let base = self.files.add(name, text, place);
         let text = Arc::clone(text);
-        self.text(&text, base, depth + 1);
+        self.file(name, &text, place, depth + 1);
+    }
+
+    fn file(&mut self, name: &str, text: &Arc<str>, place: Place, depth: usize) {
+        self.read.push((name.to_owned(), place));
+        let base = self.files.add(name, text, place);
+        self.text(text, base, depth);
+    }
+
+    /// Reads what lies beside the headers under their names: the vendor's tools build all of it.
+    fn bodies(&mut self, own: &str) {
+        let mut at = 0;
+        while let Some((header, place)) = self.read.get(at).cloned() {
+            at += 1;
+            for name in bodies(&header) {
+                let known = |it: &(String, Place)| plain(&it.0) == plain(&name);
+                if let Some(text) = self.includes.get(&name).cloned()
+                    && !self.read.iter().any(known)
+                    && *text != *own
+                {
+                    self.file(&name, &text, place, 1);
+                }
+            }
+        }
     }
 
     /// Tells of a limit, once: nothing more is read.
@@ -596,6 +639,6 @@ fn stated(body: &[Token]) -> Option<f64> {
 
 /// Headers of the vendor, whose words are the chip's.
 fn vendor_header(name: &str) -> bool {
-    let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    let name = plain(name);
     name.starts_with("scamp") || name.starts_with("vs_") || name.starts_with("sim_")
 }

@@ -100,9 +100,25 @@ impl Machine<'_> {
     /// A function is stated.
     pub(super) fn state(&mut self, function: &std::rc::Rc<super::tree::Function>) {
         let known = self.functions.entry(function.name.clone()).or_default();
-        if !known.contains(function) {
-            known.push(std::rc::Rc::clone(function));
+        if known.contains(function) {
+            return;
         }
+        let alike = known.iter().find(|it| it.same_form(function));
+        let alike = alike.map(|it| it.place);
+        known.push(std::rc::Rc::clone(function));
+        if let Some(before) = alike {
+            self.stated_twice(&function.name, before, function.place);
+        }
+    }
+
+    /// Files are read as one here: a name of one is a name of all.
+    fn stated_twice(&mut self, name: &str, before: Place, place: Place) {
+        if self.files.name(before) == self.files.name(place) {
+            return;
+        }
+        let message = format!("`{name}` is stated in {} as well", self.line(before));
+        let help = "files are read as one here: give one of the two another name";
+        self.error(place, message, "stated again", help);
     }
 
     /// The functions of a class.
@@ -134,6 +150,10 @@ impl Machine<'_> {
     }
 
     pub(super) fn declare(&mut self, it: &Declared) {
+        if it.value.is_none() && !it.lasting && self.home(&it.name).is_some() {
+            // `extern`: the variable is there.
+            return;
+        }
         if it.lasting
             && let Some(slot) = self.lasting.get(&it.place.start)
         {
@@ -183,6 +203,7 @@ impl Machine<'_> {
             (None, None) => Value::List(Vec::new()),
         };
         let value = self.shaped(it, value);
+        self.settle(it, &value);
         if let (true, Some(number)) = (it.constant, value.number()) {
             self.constants.entry(it.name.to_string()).or_insert(number);
         }
@@ -195,6 +216,30 @@ impl Machine<'_> {
         if it.lasting {
             self.lasting.insert(it.place.start, slot);
         }
+    }
+
+    /// Where a variable of the file is stated, if that is where control is.
+    fn home(&self, name: &str) -> Option<Place> {
+        let outside = self.scopes.len() == 1;
+        let full = format!("{}::{name}", self.space);
+        self.homes.get(&*full).copied().filter(|_| outside)
+    }
+
+    /// A variable of the file is stated: one that only its own file should know keeps others of its
+    /// name away.
+    fn settle(&mut self, it: &Declared, value: &Value) {
+        if self.scopes.len() > 1 {
+            return;
+        }
+        let own = it.lasting || it.constant;
+        if let (true, Some(before)) = (own, self.home(&it.name)) {
+            let held = self.find(&it.name).map(|slot| &self.slots[slot]);
+            if it.lasting && it.value.is_none() || held != Some(value) {
+                self.stated_twice(&it.name, before, it.place);
+            }
+        }
+        let full = format!("{}::{}", self.space, it.name);
+        self.homes.insert(full.into(), it.place);
     }
 
     /// A value with the lengths and the type of what holds it.
@@ -259,7 +304,7 @@ impl Machine<'_> {
     }
 
     /// The value of a condition.
-    fn condition(&mut self, it: &Expr) -> Value {
+    pub(super) fn condition(&mut self, it: &Expr) -> Value {
         match self.value(it) {
             Value::Symbol(name) if self.device.value_of(&name).is_none() => {
                 if ["VS_", "vs_", "SCAMP"]
@@ -271,6 +316,7 @@ impl Machine<'_> {
                 self.unstated(&name, it.place);
                 Value::Whole(0)
             }
+            value if self.no_number(&value, it.place) => Value::Whole(0),
             value => value,
         }
     }

@@ -199,6 +199,17 @@ pub(super) struct Function {
     pub held: Vec<(Word, usize)>,
 }
 
+impl Function {
+    /// Whether a call cannot tell the two apart.
+    pub(super) fn same_form(&self, other: &Self) -> bool {
+        let form = |it: &Self| -> Vec<(Kind, bool, Word)> {
+            let all = it.parameters.iter();
+            all.map(|it| (it.kind, it.pointer, it.of.clone())).collect()
+        };
+        self.name == other.name && self.space == other.space && form(self) == form(other)
+    }
+}
+
 /// A name in `template <…>`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TemplateParameter {
