@@ -8,7 +8,7 @@ use std::{fs, path::Path};
 
 use amacrine::plane::Plane;
 use assert_cmd::Command;
-use common::{amacrine, good, line};
+use common::{amacrine, good, json, line};
 use ndarray_npy::{read_npy, write_npy};
 use tempfile::TempDir;
 
@@ -485,4 +485,16 @@ fn what_was_written_is_listed_and_saturation_is_told() {
     let bench = Bench::new("const t = 3;\nscamp5_in(A, t);");
     bench.run(&["--set", "t=7", "--image", "pattern:spot?width=4&height=4"]);
     assert!(bench.analog("A").iter().all(|v| *v == 7.0));
+}
+
+/// Over either grid, half of the array is half of the scale (the vendor's: 0 to 4095).
+#[test]
+fn both_grids_count_on_one_scale() {
+    let bench = Bench::new(
+        "scamp5_load_rect(R5, 0, 0, 255, 127);\nscamp5_global_count(R5, A);\nscamp5_global_count(R5, A, 1);",
+    );
+    let told = json(bench.folder.path(), &["exec", "p.scamp"]);
+    for reading in told["readings"].as_array().unwrap() {
+        assert_eq!(reading["value"]["sum"], 2048, "{reading}");
+    }
 }

@@ -83,9 +83,13 @@ pub(super) fn execute<D: Domain>(
                 let cell = domain.hold(if set { 127.0 } else { -128.0 });
                 state.analog_mut(*temporary)[at.y * size.width + at.x] = cell;
             }
-            return Some(Readings::Sum(sum(
-                domain, converters, state, *temporary, *over,
-            )));
+            // Both grids answer on one scale.
+            let scale = match over {
+                SumOver::Grid8 => 4,
+                SumOver::Grid4 | SumOver::Whole | SumOver::Sparse(_) => 1,
+            };
+            let sum = sum(domain, converters, state, *temporary, *over);
+            return Some(Readings::Sum(sum / scale));
         }
         _ => return read(domain, converters, state, host),
     }
