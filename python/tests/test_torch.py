@@ -278,3 +278,15 @@ def test_mistakes_of_data_sets(videos: Path, tmp_path: Path) -> None:
     for make, words in mistakes:
         with pytest.raises(amacrine.Error, match=words):
             make()
+
+
+def test_weights_are_taken_as_a_layer_has_them() -> None:
+    conv = torch.nn.Conv2d(1, 2, 3, bias=False)
+    limits = torch.nn.Parameter(torch.tensor([0.1, 0.2]))
+    sensor = amacrine.Sensor(conv.weight, limits)
+    want = conv.weight.detach().double().numpy()[:, 0]
+    assert np.array_equal(np.stack(sensor.kernels), want)
+    assert np.allclose([own[0] for own in sensor.thresholds], [0.1, 0.2])
+    half = conv.weight.bfloat16()
+    got = np.stack(amacrine.Sensor([half], 0.1).kernels)
+    assert np.array_equal(got, half.detach().double().numpy()[:, 0])

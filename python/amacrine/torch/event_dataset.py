@@ -134,8 +134,8 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         self._made: dict[int, EventSensor] = {}
 
     def __getstate__(self) -> dict[str, Any]:
-        # A worker makes its own: programs of chips do not travel.
-        return {**self.__dict__, "_clips": OrderedDict(), "_made": {}}
+        # A worker reads its own; programs that were found already go with it.
+        return {**self.__dict__, "_clips": OrderedDict()}
 
     def __len__(self) -> int:
         return len(self.videos) if self._length is None else self._length
