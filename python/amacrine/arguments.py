@@ -62,7 +62,7 @@ def micros(name: str, seconds: Any) -> int | None:
     return round(found * 1e6)
 
 
-def size(given: Any) -> tuple[int, int] | None:
+def size(given: Any, name: str = "size") -> tuple[int, int] | None:
     """Height and width; none is none."""
     if given is None:
         return None
@@ -72,7 +72,7 @@ def size(given: Any) -> tuple[int, int] | None:
     except (TypeError, ValueError):
         found = -1, -1
     if min(found) < 0:
-        raise Error(f"size = {given!r}\nhelp: give size=(height, width), whole numbers")
+        raise Error(f"{name} = {given!r}\nhelp: give {name}=(height, width), whole numbers")
     return found
 
 

@@ -69,6 +69,10 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "fill": (lambda: amacrine.events.event_frames(_few(), 1, fill="x"), "count, last"),
     "study": (lambda: amacrine.sweep("no-such"), "formats"),
     "study key": (lambda: amacrine.sweep("formats", "x", set={"fromat": "f32"}), "format"),
+    "study set": (
+        lambda: amacrine.sweep("formats", "x", set="format=f32"),  # type: ignore[arg-type]
+        'set={"format": "f32"}',
+    ),
     "shards": (lambda: amacrine.sweep("formats", "x", shards=2), "without a client"),
     "window": (lambda: sensor().voxels(GOOD, 9, window=1), "give bins"),
     "size": (lambda: sensor().events(np.zeros((2, 0, 8), "u1"), 9), "cannot be addressed"),

@@ -290,3 +290,20 @@ def test_weights_are_taken_as_a_layer_has_them() -> None:
     half = conv.weight.bfloat16()
     got = np.stack(amacrine.Sensor([half], 0.1).kernels)
     assert np.array_equal(got, half.detach().double().numpy()[:, 0])
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ({"crop": 16}, "crop=\\(height, width\\)"),
+        ({"voxels": {"bin": 3}}, "there is no bin"),
+        ({"kernels": [np.ones((2, 2))]}, "odd"),
+        ({"options": {"memory": "snap"}}, "filtered-step"),
+    ],
+)
+def test_a_data_set_that_cannot_be_is_told_at_once(
+    how: dict[str, Any], said: str, tmp_path: Path
+) -> None:
+    np.save(tmp_path / "clip.npy", np.zeros((4, 16, 16), np.uint8))
+    with pytest.raises(amacrine.Error, match=said):
+        EventDataset(tmp_path, frames=4, **how)
