@@ -324,7 +324,7 @@ class Sensor(EventSensor):
         noise: A table of what disturbs the cells, such as ``{"shot-hz": 5, "leak-hz": 0.1}``.
         names: What the kinds of cells are called.
         name: What the sensor is called.
-        seed: Chooses mismatch and noise.
+        seed: Chooses mismatch and noise, the same in every clip of a batch.
         format: The number format of signals, weights and memory: ``f64``, ``f32``, ``f16``,
             ``bf16``, ``q8.8``, …
         max_events: More events of a clip than this are an error.
