@@ -10,7 +10,7 @@
 Frames are arrays of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W): ``uint8`` as they are, floats with an
 explicit ``scale`` to light from 0 to 255. Image coordinates: x to the right, y down. Times of
 events are whole microseconds. Whatever is wrong raises :class:`Error`, a ``ValueError``, with the
-words of the command line.
+words of the command line, its options called as arguments are here.
 """
 
 from . import events, gradient

@@ -56,6 +56,15 @@ class Sensor:
 
 @final
 class Chip:
+    def __new__(
+        cls,
+        title: str,
+        text: str,
+        chip: str,
+        scale: float,
+        levels: list[tuple[npt.NDArray[np.float64], float]],
+        notes: list[str],
+    ) -> Chip: ...
     @property
     def text(self) -> str: ...
     @property

@@ -48,7 +48,13 @@ class Answer:
             raise AttributeError(f"there is no {name}; there are {known}") from None
 
     def __getitem__(self, name: str) -> Any:
+        if name not in self._data:
+            raise KeyError(f"there is no {name}; there are {', '.join(self._data)}")
         return _wrapped(self._data[name])
+
+    def keys(self) -> list[str]:
+        """The names of what it says, so that ``dict(answer)`` works."""
+        return list(self._data)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._data)

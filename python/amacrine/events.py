@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _amacrine, voxels as voxel
+from . import _amacrine, arguments, voxels as voxel
 from ._amacrine import Error
 
 EVENT = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "i1")])
@@ -17,6 +17,11 @@ events, and that of tonic."""
 
 EVENT_OF_KINDS = np.dtype([*((n, EVENT[n]) for n in ("t", "x", "y", "p")), ("channel", "u1")])
 """The same of a sensor with several kinds of cells: `channel` counts them from 0."""
+
+FIELDS = (
+    "give a structured array with the fields t, x, y and p, t in us, such as amacrine.EVENT; of several "
+    "kinds of cells channel, too"
+)
 
 Events = npt.NDArray[np.void]
 """A structured array of :data:`EVENT` or :data:`EVENT_OF_KINDS`."""
@@ -29,29 +34,44 @@ def view(records: npt.NDArray[np.uint8], channels: int) -> Events:
     return events
 
 
+def records(events: Any) -> npt.NDArray[Any]:
+    """Events of a structured array or a pandas data frame, one after the other, their fields checked."""
+    if hasattr(events, "to_records"):
+        events = events.to_records(index=False)
+    given = np.asarray(events).ravel()
+    names = given.dtype.names
+    if names is None:
+        raise Error(f"events of dtype {given.dtype} have no fields\nhelp: {FIELDS}")
+    if not set(EVENT.names or ()) <= set(names) <= set(EVENT_OF_KINDS.names or ()):
+        raise Error(
+            f"events with the fields {', '.join(names)}\n"
+            f"help: {FIELDS}; numpy.lib.recfunctions.rename_fields calls fields otherwise"
+        )
+    for name in names:
+        if given.dtype[name].kind not in "uib":
+            raise Error(
+                f"the field {name} of events is of dtype {given.dtype[name]}, not whole\n"
+                "help: give whole numbers; where t is in seconds, t * 1e6, rounded"
+            )
+    return given
+
+
 def _placed(events: npt.NDArray[Any], size: tuple[int, int] | None) -> bytes:
     """Events in the order of their times, whose sensor has a size."""
-    events = np.asarray(events).ravel()
+    events = records(events)
     if size is None and events.size == 0:
         raise Error("no events, and no size of their sensor\nhelp: give size=(height, width)")
-    if events.dtype.names is not None and "t" in events.dtype.names:
-        times = events["t"]
-        if (times[1:] < times[:-1]).any():
-            events = events[np.argsort(times, kind="stable")]
+    times = events["t"]
+    if (times[1:] < times[:-1]).any():
+        events = events[np.argsort(times, kind="stable")]
     return npy(events)
 
 
 def npy(events: npt.NDArray[Any]) -> bytes:
     """Events as the bytes of a `.npy`: the library reads, and checks, any order and width of
     fields."""
-    events = np.asarray(events)
-    if events.dtype.names is None:
-        raise Error(
-            f"events of dtype {events.dtype} have no fields\n"
-            "help: give a structured array with the fields t, x, y and p, such as amacrine.EVENT"
-        )
     file = io.BytesIO()
-    np.save(file, events.ravel(), allow_pickle=False)
+    np.save(file, records(events), allow_pickle=False)
     return file.getvalue()
 
 
@@ -74,8 +94,8 @@ def voxels(
     """Voxels of an array of events, as :meth:`amacrine.Sensor.voxels` makes them of frames.
 
     Args:
-        events: A structured array with the fields t (us), x, y, p and, of several kinds of cells,
-            channel, in any order.
+        events: A structured array, or a pandas data frame, with the fields t (us), x, y, p and, of
+            several kinds of cells, channel, in any order.
         size: Height and width of the sensor; the smallest that holds the events where it is left
             out.
         channels: Kinds of cells, where some said nothing.
@@ -92,7 +112,10 @@ def voxels(
     until = last if end is None else max(round((end - start) * 1e6), 0)
     length = max(until, 1) * 1e-6 if window is None else window
     how = voxel.how(bins, length, every, causal, polarity, share, normalise)
-    flat, (height, width, kinds) = _amacrine.voxels(_placed(events, size), size, channels or 1, how, until)
+    size = arguments.size(size)
+    flat, (height, width, kinds) = _amacrine.voxels(
+        _placed(events, size), size, channels or 1, how, until
+    )
     one = voxel.shape(how, (height, width), kinds, polarity)
     return flat.reshape(-1, *one).astype(number, copy=False)
 
@@ -123,7 +146,7 @@ def time_surfaces(
     Returns:
         ``float32`` (times,K,2,H,W) with OFF first, or (times,K,H,W) where they are signed.
     """
-    seconds = np.atleast_1d(np.asarray(times, np.float64))
+    size, seconds = arguments.size(size), np.asarray(times, np.float64).ravel()
     if not (np.isfinite(seconds).all() and (seconds >= 0).all()):
         raise Error("the times of surfaces\nhelp: give finite seconds, from 0 on")
     micros = [round(time * 1e6) for time in seconds.tolist()]
@@ -159,6 +182,7 @@ def event_frames(
     """
     if isinstance(count, bool) or count != int(count) or count < 1:
         raise Error(f"frames of {count} events\nhelp: give a whole number above 0")
+    size = arguments.size(size)
     flat, place = _amacrine.event_frames(
         _placed(events, size), size, channels or 1, int(count), polarity, fill
     )
@@ -171,14 +195,13 @@ def _planes(place: tuple[int, int, int], polarity: str) -> tuple[int, ...]:
 
 
 def _after(events: npt.NDArray[Any], start: float) -> npt.NDArray[Any]:
-    """The events after a time, which becomes 0."""
-    events = np.asarray(events).ravel()
-    if events.dtype.names is None or "t" not in events.dtype.names:
-        npy(events)
-        raise Error("events without times\nhelp: give a structured array with a field t, in us")
+    """The events from a time on, which becomes 0."""
+    events = records(events)
     if start == 0.0:
         return events
     micros = round(start * 1e6)
-    kept = events[events["t"] > micros].copy()
-    kept["t"] -= micros
-    return kept
+    kept = events[events["t"].astype(np.int64) >= micros]
+    fields = [name for name in EVENT_OF_KINDS.names or () if name in (kept.dtype.names or ())]
+    moved = kept[fields].astype([(n, "<i8" if n == "t" else kept.dtype[n]) for n in fields])
+    moved["t"] -= micros
+    return moved

@@ -10,7 +10,7 @@ from typing import Any, Union
 
 import numpy.typing as npt
 
-from . import _amacrine
+from . import _amacrine, arguments
 from .answer import Answer
 from .events import Events, npy, view
 
@@ -64,7 +64,7 @@ def read(
     Returns:
         A structured array as :meth:`Sensor.events` gives it.
     """
-    records, channels, _ = _amacrine.read(path, format, size)
+    records, channels, _ = _amacrine.read(path, format, arguments.size(size))
     return view(records, channels)
 
 
@@ -72,7 +72,7 @@ def about(
     path: Path_, *, format: str | None = None, size: tuple[int, int] | None = None
 ) -> About:
     """What a file says besides its events. It is read whole."""
-    return _about(_amacrine.read(path, format, size)[2])
+    return _about(_amacrine.read(path, format, arguments.size(size))[2])
 
 
 def write(
@@ -88,8 +88,8 @@ def write(
 
     Args:
         path: The file.
-        events: A structured array with the fields t (us), x, y, p and, of several kinds of cells,
-            channel; integers of any width, in any order.
+        events: A structured array, or a pandas data frame, with the fields t (us), x, y, p and, of
+            several kinds of cells, channel; integers of any width, in any order.
         size: Height and width of the sensor; the smallest that holds the events where it is left
             out.
         channels: Kinds of cells, where some said nothing.
@@ -98,7 +98,7 @@ def write(
 
     What a format cannot hold is an :class:`Error`, never clipped or flattened.
     """
-    _amacrine.write(path, npy(events), size, channels, format, compression)
+    _amacrine.write(path, npy(events), arguments.size(size), channels, format, compression)
 
 
 def compare(
@@ -128,9 +128,11 @@ def compare(
         ``precision``, ``recall``, ``events`` and more, and under ``ruler`` every metric beside the
         identical packet and accident. ``docs/ruler.md`` has them all.
     """
-    micros = None if within is None else round(within * 1e6)
+    window = arguments.micros("within", within)
     sides = _side(reference, "the reference"), _side(judged, "the judged")
-    text = _amacrine.compare(*sides, size, micros, fps, bins, seed)
+    text = _amacrine.compare(
+        *sides, arguments.size(size), window, fps, bins, arguments.whole("seed", seed)
+    )
     return Answer.parse(text, rows="curve")
 
 

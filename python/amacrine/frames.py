@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _amacrine
+from . import _amacrine, arguments
 from ._amacrine import Error
 
 SHAPES = "give an array of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W)"
@@ -56,18 +58,46 @@ def clips(frames: Any, scale: float | None) -> Clips:
             return Clips(array[np.newaxis, :, 0], scale, batched=False)
         case 5 if array.shape[2] == 1:
             return Clips(array[:, :, 0], scale, batched=True)
-    raise Error(f"frames of shape {array.shape} are no clip\nhelp: {SHAPES}")
+    raise Error(f"frames of shape {array.shape} are no clip\nhelp: {_shaped(array.shape)}")
+
+
+def _shaped(shape: tuple[int, ...]) -> str:
+    """What makes a clip of frames of another shape."""
+    if len(shape) == 2:
+        return f"{SHAPES}: one frame is frames[None]"
+    if len(shape) in (4, 5) and shape[-1] in (3, 4):
+        return f"{SHAPES}: colour must be made gray first, such as frames[..., :3] @ (.299, .587, .114)"
+    if len(shape) == 4 and shape[-1] == 1:
+        return f"{SHAPES}: frames[..., 0] leaves the last axis out"
+    if (len(shape) == 4 and shape[1] == 3) or (len(shape) == 5 and shape[2] == 3):
+        return f"{SHAPES}: colour must be made gray first, such as frames.mean(axis=-3, keepdims=True)"
+    if len(shape) == 4:
+        return f"{SHAPES}: several clips (B,T,H,W) are frames[:, :, None]"
+    return SHAPES
 
 
 def _numbers(array: npt.NDArray[Any], scale: float | None) -> tuple[npt.NDArray[Any], float]:
     kind, width = array.dtype.kind, array.dtype.itemsize
+    if array.dtype == object:
+        raise Error(
+            "the frames are no array of numbers\n"
+            "help: stack them first (numpy.stack); what comes part by part goes into stream or "
+            "voxel_windows"
+        )
+    if scale is not None:
+        scale = arguments.number("scale", scale, "give a number above 0, such as scale=255")
+        if not 0.0 < scale < math.inf:
+            raise Error(
+                f"scale = {scale:g}: no scale\n"
+                "help: give a number above 0, such as 255 for light from 0 to 1"
+            )
     if kind not in "uif" or width > 8:
         raise Error(
             f"frames of dtype {array.dtype} are no light\n"
             "help: give uint8, or floats with a scale"
         )
     if array.dtype == np.uint8:
-        return array, 1.0 if scale is None else float(scale)
+        return array, 1.0 if scale is None else scale
     if scale is None:
         raise Error(
             f"frames of dtype {array.dtype} have no scale of their own\n"
@@ -76,17 +106,17 @@ def _numbers(array: npt.NDArray[Any], scale: float | None) -> tuple[npt.NDArray[
         )
     if kind == "f":
         exact = np.float64 if width == 8 else np.float32
-        return array.astype(exact, copy=False), float(scale)
+        return array.astype(exact, copy=False), scale
     numbers = array.astype(np.float64)
     if width == 8 and not np.array_equal(numbers.astype(array.dtype), array):
         raise Error(
             "frames hold whole numbers that no float equals\nhelp: give numbers up to 2^53"
         )
-    return numbers, float(scale)
+    return numbers, scale
 
 
 def load(
-    scene: str | None = None,
+    scene: str | Path | None = None,
     *,
     fps: float | None = None,
     scale: float | None = None,
@@ -107,7 +137,13 @@ def load(
         whole numbers, else ``float64``, as that of most mp4 is: ``scale=1`` says that it is light
         already.
     """
-    return _amacrine.scene(scene, fps, scale, frames)
+    if scene is not None and not isinstance(scene, (str, Path)):
+        raise Error(
+            f"a scene of type {type(scene).__name__}\nhelp: give the name of a clip; an array is one"
+        )
+    rate = None if fps is None else arguments.rate(fps)
+    first = None if frames is None else arguments.whole("frames", frames)
+    return _amacrine.scene(None if scene is None else str(scene), rate, scale, first)
 
 
 def shown(

@@ -27,7 +27,7 @@ Slope = Literal["all", "fired"]
 """Which cells feel a loss on the number of events: all of them, or those that fired."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Gradient:
     """The gradient of a loss."""
 
@@ -158,6 +158,8 @@ def forward(
 
 def seconds(frames: int, fps: float | None, times: npt.ArrayLike | None) -> list[float]:
     """The time of each frame."""
+    if frames < 2:
+        raise Error(f"{frames} frames\nhelp: give at least two frames: the first makes no event")
     if times is not None:
         given = np.asarray(times, np.float64).ravel()
         if len(given) != frames:

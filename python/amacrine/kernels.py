@@ -31,6 +31,14 @@ def kernels(given: Any) -> list[Kernel]:
     return _planes(_array(given))
 
 
+def untracked(given: Any) -> Any:
+    """A tensor without its gradient, in memory, of a type that numpy has; else what was given."""
+    if hasattr(given, "detach") and hasattr(given, "cpu"):
+        given = given.detach().cpu()
+        return given.float() if str(given.dtype) == "torch.bfloat16" else given
+    return given
+
+
 def _axes(of: Any) -> int:
     try:
         return np.ndim(of)
@@ -40,9 +48,11 @@ def _axes(of: Any) -> int:
 
 def _array(given: Any) -> npt.NDArray[Any]:
     try:
-        array = np.asarray(given)
+        array = np.asarray(untracked(given))
     except (TypeError, RuntimeError, ValueError) as cause:
         raise Error(f"the kernels are no array: {cause}\nhelp: {SHAPES}") from cause
+    if array.dtype == object:
+        raise Error(f"kernels of type {type(given).__name__}\nhelp: {SHAPES}, or a name")
     if array.dtype.kind not in "uif":
         raise Error(f"kernels of dtype {array.dtype}\nhelp: give floats or integers")
     # Whatever narrow format a network was trained in; no weight changes.
@@ -54,7 +64,7 @@ def _planes(array: npt.NDArray[Any]) -> list[Kernel]:
         array = array[:, 0]
     if array.ndim == 2:
         return [array]
-    if array.ndim == 3:
+    if array.ndim == 3 and len(array):
         return list(array)
     raise Error(f"kernels of shape {array.shape}\nhelp: {SHAPES}")
 
@@ -64,6 +74,8 @@ def _named(name: str | Path) -> list[Kernel]:
     if path.suffix == ".npy" and path.is_file():
         try:
             return _planes(_array(np.load(path, allow_pickle=False)))
+        except Error as cause:
+            raise Error(f"{path}: {cause}") from cause
         except (OSError, ValueError) as cause:
             raise Error(f"{path}: {cause}\nhelp: {SHAPES}") from cause
     return [str(name)]

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from . import _amacrine
+from . import _amacrine, arguments
 from ._amacrine import Error
 from .events import Events, view
 from .frames import clips
@@ -20,7 +20,7 @@ FPS = 30.0
 """Frames per second where neither the caller nor the program says so, as on the command line."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ProgramRun:
     """What a program gave."""
 
@@ -41,17 +41,23 @@ class ProgramRun:
 class Program:
     """A program of the array, checked and expanded on its chip."""
 
-    def __init__(self, native: _amacrine.Program) -> None:
-        self._native = native
+    def __init__(
+        self, given: tuple[str, str, Path | None], chip: str | None, constants: dict[str, float]
+    ) -> None:
+        self._given = given, chip, constants
+        self._native = native = _amacrine.Program(*given, chip, constants)
         if native.warnings is not None:
             warnings.warn(native.warnings, stacklevel=3)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Program, self._given
 
     @classmethod
     def from_file(
         cls,
         path: str | Path,
         *,
-        chip: str | None = None,
+        chip: str | Path | None = None,
         constants: Mapping[str, float] | None = None,
     ) -> Program:
         """A program (.scamp, or C++ for the vendor's tools), or one that comes with the package by
@@ -62,20 +68,18 @@ class Program:
             chip: A shipped chip by name, or the folder of another; else what the program says.
             constants: Values of constants of the program.
         """
-        file, text, folder = opened("programs", path)
-        return cls(_amacrine.Program(file, text, folder, chip, _numbers(constants)))
+        return cls(opened("programs", path), None if chip is None else str(chip), _numbers(constants))
 
     @classmethod
     def from_text(
         cls,
         text: str,
         *,
-        chip: str | None = None,
+        chip: str | Path | None = None,
         constants: Mapping[str, float] | None = None,
     ) -> Program:
         """The text of a program."""
-        file = "program.scamp"
-        return cls(_amacrine.Program(file, text, None, chip, _numbers(constants)))
+        return cls(("program.scamp", text, None), None if chip is None else str(chip), _numbers(constants))
 
     @property
     def text(self) -> str:
@@ -106,7 +110,7 @@ class Program:
         domain: str | None = None,
         clip: bool | None = None,
         seed: int = 0,
-        keep: Sequence[str] = (),
+        keep: str | Sequence[str] = (),
     ) -> ProgramRun:
         """Shows it frames: the first runs ``init``, every later one ``frame``.
 
@@ -121,14 +125,12 @@ class Program:
             seed: Which chip and which noise, in ``silicon``.
             keep: Registers to be looked at after every frame, such as ``("A", "R5")``.
         """
-        given = clips(frames, scale)
+        given, seed = clips(frames, scale), arguments.whole("seed", seed)
         if given.batched:
             raise Error("several clips\nhelp: give an array of shape (T,H,W)")
-        rate = fps if fps is not None else self._native.fps or FPS
-        if not 0.0 < rate < float("inf"):
-            raise Error(f"{rate} frames a second is no rate\nhelp: give a number above 0")
+        rate = arguments.rate(fps if fps is not None else self._native.fps or FPS)
         found = self._native.run(
-            given.clip(0), float(rate), given.scale, domain, clip, seed, [str(name) for name in keep]
+            given.clip(0), rate, given.scale, domain, clip, seed, arguments.names("keep", keep)
         )
         records, channels, lost, registers, films = found
         return ProgramRun(view(records, channels), registers, films, lost)

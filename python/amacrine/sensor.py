@@ -14,11 +14,11 @@ from typing import Any, TypeVar, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _amacrine, toml, voxels as voxel
+from . import _amacrine, arguments, toml, voxels as voxel
 from ._amacrine import Error
 from .events import Events, view
 from .frames import Clips, clips
-from .kernels import Kernel, Kernels, kernels as each, npy
+from .kernels import Kernel, Kernels, kernels as each, npy, untracked
 from .names import opened
 from .program import Program
 
@@ -84,7 +84,7 @@ class EventSensor(ABC):
             what ``numpy.load`` makes of the file that ``amacrine run --events`` writes. A list of
             them where there are several clips.
         """
-        return _one(self._events(clips(frames, scale), fps))
+        return _one(self._events(clips(frames, scale), arguments.rate(fps)))
 
     def _events(self, given: Clips, fps: float) -> tuple[list[Events], bool]:
         if max(given.size) > MOST_SIDE:
@@ -112,7 +112,7 @@ class EventSensor(ABC):
             ``int32`` of shape (T-1,K,H,W), or (B,T-1,K,H,W): ON less OFF of each of the K kinds
             of cells.
         """
-        given = clips(frames, scale)
+        given, fps = clips(frames, scale), arguments.rate(fps)
         pairs = max(given.frames - 1, 0)
         shape = (len(given.all), pairs, len(self.channels), *given.size)
         out = _zeros("counts", shape, np.int32, "take them part by part (stream)")
@@ -149,7 +149,8 @@ class EventSensor(ABC):
             every: From one window to the next, in seconds; as ``window`` where it is left out, so
                 that they tile the clip.
             causal: Window n ends at (n + 1) every, so that nothing in it comes from later; else it
-                has its middle at n every. It has the events after its start and up to its end.
+                has its middle at n every. It has the events after its start and up to its end, the
+                first one those at its start, too.
             polarity: ``"signed"``: ON less OFF; ``"split"``: OFF and ON each have bins of their
                 own.
             share: ``"bilinear"``: an event is shared between the two nearest bins, the first of
@@ -165,12 +166,13 @@ class EventSensor(ABC):
             With them (windows,K,bins,H,W), or (windows,K,2,bins,H,W) with OFF first where they are
             split. Of several clips with a leading axis (B,…).
         """
-        given, number = clips(frames, scale), voxel.number(dtype)
+        given, number, fps = clips(frames, scale), voxel.number(dtype), arguments.rate(fps)
         kinds, size = len(self.channels), given.size
         if bins is None:
-            if (window, every, polarity, normalise) != (None, None, "signed", None):
+            asked = window, every, causal, polarity, share, normalise
+            if asked != (None, None, True, "signed", "bilinear", None):
                 raise Error(
-                    "a bin for each frame has no window, no sides and no range\n"
+                    "window, every, causal, polarity, share and normalise are of windows of bins\n"
                     "help: give bins, such as bins=9"
                 )
             shape = (len(given.all), given.frames, kinds, *size)
@@ -183,7 +185,7 @@ class EventSensor(ABC):
             _all(given, watch)
             cast = out.astype(number, copy=False)
             return cast if given.batched else cast[0]
-        seconds = max(given.frames - 1, 0) / fps if fps > 0 else 0.0
+        seconds = max(given.frames - 1, 0) / fps
         length = seconds or 1.0 if window is None else window
         how = voxel.how(bins, length, every, causal, polarity, share, normalise)
         one = voxel.shape(how, size, kinds, polarity)
@@ -227,8 +229,17 @@ class EventSensor(ABC):
             Windows of shape (K,bins,H,W), or (K,2,bins,H,W) where they are split.
         """
         how = voxel.how(bins, window, every, causal, polarity, share, normalise)
-        number = voxel.number(dtype)
         stream = self.stream(fps, scale=scale)
+        return self._windows_of(parts, stream, how, polarity, voxel.number(dtype))
+
+    def _windows_of(
+        self,
+        parts: Iterable[Any],
+        stream: Stream,
+        how: _amacrine.Voxels,
+        polarity: str,
+        number: np.dtype[Any],
+    ) -> Iterator[npt.NDArray[Any]]:
         opened: _amacrine.Stream | None = None
         one: tuple[int, ...] = ()
         for part in parts:
@@ -241,7 +252,7 @@ class EventSensor(ABC):
                 for values in run.windows(clip[n : n + PART], opened):
                     yield values.reshape(one).astype(number, copy=False)
         if opened is not None:
-            for values in opened.rest(round(max(stream.seen - 1, 0) / fps * 1e6)):
+            for values in opened.rest(round(max(stream.seen - 1, 0) / stream.fps * 1e6)):
                 yield values.reshape(one).astype(number, copy=False)
 
     def stream(self, fps: float, *, scale: float | None = None) -> Stream:
@@ -253,7 +264,9 @@ class Stream:
     """A sensor that watches a clip part by part."""
 
     def __init__(self, sensor: EventSensor, fps: float, scale: float | None) -> None:
-        self._sensor, self._fps, self._scale = sensor, fps, scale
+        self._sensor, self._scale = sensor, scale
+        self.fps = arguments.rate(fps)
+        """Frames per second."""
         self._run: _amacrine.Run | None = None
 
     def _next(self, frames: Any) -> tuple[_amacrine.Run, npt.NDArray[Any]]:
@@ -261,7 +274,7 @@ class Stream:
         if given.batched:
             raise Error("a stream is of one clip\nhelp: give an array of shape (T,H,W)")
         if self._run is None:
-            self._run = self._sensor._watch(given.size, self._fps, given.scale)
+            self._run = self._sensor._watch(given.size, self.fps, given.scale)
         return self._run, given.clip(0)
 
     def events(self, frames: Any) -> Events:
@@ -311,7 +324,7 @@ class Sensor(EventSensor):
         noise: A table of what disturbs the cells, such as ``{"shot-hz": 5, "leak-hz": 0.1}``.
         names: What the kinds of cells are called.
         name: What the sensor is called.
-        seed: Chooses mismatch and noise.
+        seed: Chooses mismatch and noise, the same in every clip of a batch.
         format: The number format of signals, weights and memory: ``f64``, ``f32``, ``f16``,
             ``bf16``, ``q8.8``, …
         max_events: More events of a clip than this are an error.
@@ -349,6 +362,8 @@ class Sensor(EventSensor):
         }
         found = each(kernels)
         limits = _thresholds(thresholds, len(found))
+        if isinstance(names, str):
+            names = [names]
         if names is not None and len(names) != len(found):
             raise Error(f"{len(names)} names for {len(found)} kernels\nhelp: give one for each")
 
@@ -373,10 +388,12 @@ class Sensor(EventSensor):
             if not isinstance(kernel, str)
         }
         checked = text(lambda i, kernel: kernel if isinstance(kernel, str) else f"kernels[{i}]")
-        self._native = _amacrine.Sensor("Sensor(…)", checked, arrays, Path())
+        # Kernel files that are named are found from elsewhere, too: a worker may be in another folder.
+        folder = Path().absolute()
+        self._native = _amacrine.Sensor("Sensor(…)", checked, arrays, folder)
         self._text = text(lambda i, kernel: kernel)
-        self._from: tuple[str, Path | None] = "Sensor(…)", Path()
-        self._seed, self._format, self._max_events = seed, format, max_events
+        self._from: tuple[str, Path | None] = "Sensor(…)", folder
+        self._seed, self._format, self._max_events = _how(seed, format, max_events)
 
     @classmethod
     def from_file(
@@ -390,6 +407,7 @@ class Sensor(EventSensor):
         """A sensor file, or one that comes with the package by name, such as ``"rgc-4"``
         (:func:`amacrine.names` lists them)."""
         file, text, folder = opened("sensors", path)
+        folder = None if folder is None else folder.absolute()
         return cls._of_text(file, text, folder, (seed, format, max_events))
 
     @classmethod
@@ -402,7 +420,7 @@ class Sensor(EventSensor):
         max_events: int | None = None,
     ) -> Sensor:
         """The text of a sensor file."""
-        return cls._of_text("sensor.toml", text, Path(), (seed, format, max_events))
+        return cls._of_text("sensor.toml", text, Path().absolute(), (seed, format, max_events))
 
     @classmethod
     def _of_text(
@@ -412,12 +430,12 @@ class Sensor(EventSensor):
         self._native = _amacrine.Sensor(file, text, {}, folder)
         self._text = text
         self._from = file, folder
-        self._seed, self._format, self._max_events = how
+        self._seed, self._format, self._max_events = _how(*how)
         return self
 
     def _watch(self, size: tuple[int, int], fps: float, scale: float) -> _amacrine.Run:
         return self._native.watch(
-            size, float(fps), scale, self._seed, self._format, self._max_events
+            size, fps, scale, self._seed, self._format, self._max_events
         )
 
     def _reseeded(self, seed: int) -> Sensor:
@@ -458,6 +476,21 @@ class Sensor(EventSensor):
         (file, folder), how = self._from, (self._seed, self._format, self._max_events)
         return Sensor._of_text, (file, self._text, folder, how)
 
+    def __eq__(self, other: object) -> bool:
+        """Whether text, kernels, seed, number format and limit are the same: they then make the same
+        events."""
+        if not isinstance(other, Sensor):
+            return NotImplemented
+        same = self._stated() == other._stated()
+        # Files of kernels that are called the same may hold others.
+        return same and all(map(np.array_equal, self.kernels, other.kernels))
+
+    def __hash__(self) -> int:
+        return hash(self._stated())
+
+    def _stated(self) -> tuple[Any, ...]:
+        return self._text, self._seed, self._format, self._max_events
+
     def __repr__(self) -> str:
         return f"<Sensor {self.name}: {', '.join(self.channels)}>"
 
@@ -466,7 +499,7 @@ class Sensor(EventSensor):
         to: str = "exact",
         *,
         domain: str = "silicon",
-        chip: str = "scamp5",
+        chip: str | Path = "scamp5",
         sum: str = "kept",
         memory: str | None = None,
         readout: str = "all",
@@ -495,12 +528,25 @@ class Sensor(EventSensor):
         The program takes one decision a frame, stores what was seen (``filtered-snap``) and sees 0
         off the array: where the sensor is another, a :class:`Caution` says so.
         """
+        return _cautioned(self._found(to, domain, chip, sum, memory, readout, effort, seed))
+
+    def _found(
+        self,
+        to: str,
+        domain: str,
+        chip: str | Path,
+        sum: str,
+        memory: str | None,
+        readout: str,
+        effort: float,
+        seed: int | None,
+    ) -> ChipSensor:
         if readout not in ("all", "slots"):
             raise Error(f"`{readout}` is no readout\nhelp: give all or slots")
-        seed = self._seed if seed is None else seed
-        native = self._native.on_chip(to, sum, memory, chip, float(effort), seed)
-        for note in native.notes:
-            warnings.warn(note, Caution, stacklevel=2)
+        seed = self._seed if seed is None else arguments.whole("seed", seed)
+        effort = arguments.number("effort", effort, "give seconds, such as effort=1")
+        to, domain = arguments.word("to", to, "int-5"), arguments.word("domain", domain, "exact")
+        native = self._native.on_chip(to, sum, memory, str(chip), effort, seed)
         how = (seed, domain, readout == "slots", self._max_events)
         return ChipSensor(native, self.channels, how)
 
@@ -519,7 +565,7 @@ class ChipSensor(EventSensor):
 
     def _watch(self, size: tuple[int, int], fps: float, scale: float) -> _amacrine.Run:
         seed, domain, slots, most = self._how
-        return self._native.watch(size, float(fps), scale, seed, domain, slots, most)
+        return self._native.watch(size, fps, scale, seed, domain, slots, most)
 
     def _reseeded(self, seed: int) -> ChipSensor:
         return self.with_domain(self._how[1], seed=seed)
@@ -527,7 +573,7 @@ class ChipSensor(EventSensor):
     def with_domain(self, domain: str, *, seed: int | None = None) -> ChipSensor:
         """The same program on cells that hold something else, or on another chip (``seed``)."""
         own, _, slots, most = self._how
-        how = (own if seed is None else seed, domain, slots, most)
+        how = (own if seed is None else arguments.whole("seed", seed), domain, slots, most)
         return ChipSensor(self._native, self._channels, how)
 
     @property
@@ -576,8 +622,20 @@ class ChipSensor(EventSensor):
         """The program, whose registers can be looked at."""
         return Program.from_text(self.text, chip=self._native.chip)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        of = self._native
+        found = of.title, of.text, of.chip, of.lsb, of.levels, of.notes
+        return _found_before, (found, self._channels, self._how)
+
     def __repr__(self) -> str:
         return f"<ChipSensor {self.name}: {self.words} words, {self.array_us:.1f} us>"
+
+
+def _found_before(
+    found: tuple[Any, ...], channels: list[str], how: tuple[int, str, bool, int | None]
+) -> ChipSensor:
+    """A program that was found in another process: nothing is searched."""
+    return ChipSensor(_amacrine.Chip(*found), channels, how)
 
 
 def compile(
@@ -586,9 +644,10 @@ def compile(
     *,
     to: str = "exact",
     domain: str = "silicon",
-    chip: str = "scamp5",
+    chip: str | Path = "scamp5",
     sum: str = "kept",
     memory: str = "analogue",
+    readout: str = "all",
     effort: float = 1.0,
     seed: int = 0,
 ) -> ChipSensor:
@@ -611,9 +670,14 @@ def compile(
         name="compiled",
         seed=seed,
     )
-    return sensor.on_chip(
-        to, domain=domain, chip=chip, sum=sum, memory=memory, effort=effort
-    )
+    return _cautioned(sensor._found(to, domain, chip, sum, memory, readout, effort, None))
+
+
+def _cautioned(chip: ChipSensor) -> ChipSensor:
+    """Warns the caller of whoever found it."""
+    for note in chip.notes:
+        warnings.warn(note, Caution, stacklevel=3)
+    return chip
 
 
 def _zeros(what: str, shape: tuple[int, ...], dtype: npt.DTypeLike, help: str) -> npt.NDArray[Any]:
@@ -652,8 +716,15 @@ def _all(given: Clips, watch: Callable[[int], T]) -> list[T]:
         return list(pool.map(watch, range(count)))
 
 
+def _how(seed: Any, format: Any, max_events: Any) -> tuple[int, str, int | None]:
+    """Seed, number format and limit, checked."""
+    most = None if max_events is None else arguments.whole("max_events", max_events)
+    return arguments.whole("seed", seed), arguments.word("format", format, "f32"), most
+
+
 def _thresholds(given: Any, count: int) -> list[dict[str, Any]]:
     """A table for each kernel."""
+    given = untracked(given)
     if isinstance(given, Mapping) or (
         not isinstance(given, (list, tuple)) and np.ndim(given) == 0
     ):
@@ -662,7 +733,8 @@ def _thresholds(given: Any, count: int) -> list[dict[str, Any]]:
     if len(all) != count:
         raise Error(
             f"{len(all)} thresholds for {count} kernels\n"
-            "help: give one threshold for all kernels, or one for each, in their order"
+            "help: give one threshold for all kernels, or one for each, in their order; a pair (on, "
+            "off) is one of them: [(0.2, 0.3)]"
         )
     return [_threshold(one) for one in all]
 
@@ -670,8 +742,11 @@ def _thresholds(given: Any, count: int) -> list[dict[str, Any]]:
 def _threshold(given: Any) -> dict[str, Any]:
     if isinstance(given, Mapping):
         return dict(given)
-    numbers = np.asarray(given, np.float64).ravel()
-    if numbers.size in (1, 2):
+    try:
+        numbers = np.asarray(untracked(given)).ravel()
+    except (TypeError, ValueError):
+        numbers = np.zeros(0)
+    if numbers.dtype.kind in "uif" and numbers.size in (1, 2):
         return {"on": float(numbers[0]), "off": float(numbers[-1])}
     raise Error(
         f"{given!r} is no threshold\n"

@@ -5,24 +5,29 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _amacrine
+from . import _amacrine, arguments
 from ._amacrine import Error
 from .answer import Answer
 from .frames import shown
 from .kernels import Kernels, named, one
 from .sensor import Sensor
+from .arguments import micros, names
 
 Scene = Any
 """What is watched: frames, (T,H,W) or (T,1,H,W), with ``fps``; or what :func:`amacrine.load`
 takes; or None, the clip that comes with the package."""
 
 
-@dataclass(frozen=True)
+THRESHOLD = "give a number above 0, in units of kernel times light (0 to 255)"
+
+
+@dataclass(frozen=True, eq=False)
 class Quantised:
     """A kernel in few values: scale times levels."""
 
@@ -48,6 +53,27 @@ class Quantised:
         return kernel
 
 
+@overload
+def quantise(kernel: Kernels, to: str, *, sum: str = "kept", seed: int = 0) -> Quantised: ...
+@overload
+def quantise(
+    kernel: Kernels, to: list[str] | tuple[str, ...], *, sum: str = "kept", seed: int = 0
+) -> list[Quantised]: ...
+@overload
+def quantise(
+    kernel: Kernels,
+    to: str | Sequence[str],
+    *,
+    threshold: float,
+    sum: str = "kept",
+    scene: Scene = None,
+    fps: float | None = None,
+    scale: float | None = None,
+    chip: str | Path = "scamp5",
+    within: float | None = None,
+    effort: float = 1.0,
+    seed: int = 0,
+) -> Answer: ...
 def quantise(
     kernel: Kernels,
     to: str | Sequence[str],
@@ -57,7 +83,7 @@ def quantise(
     scene: Scene = None,
     fps: float | None = None,
     scale: float | None = None,
-    chip: str = "scamp5",
+    chip: str | Path = "scamp5",
     within: float | None = None,
     effort: float = 1.0,
     seed: int = 0,
@@ -78,19 +104,20 @@ def quantise(
         equivalent of each.
     """
     given, several = one(kernel), not isinstance(to, str)
-    names = [to] if isinstance(to, str) else list(to)
+    values = names("to", to)
     if threshold is None:
         if scene is not None or fps is not None or within is not None:
             raise Error(
                 "a scene is of no use without a threshold\n"
                 "help: give a threshold, too: then each is run on the chip"
             )
-        found = json.loads(_amacrine.quantise(given, names, sum, seed))
+        found = json.loads(_amacrine.quantise(given, values, sum, seed))
         all = [_quantised(of) for of in found]
         return all if several else all[0]
-    search = (sum, chip, float(effort), seed)
+    limit = arguments.number("threshold", threshold, THRESHOLD)
+    search = _search(sum, chip, effort, seed)
     text = _amacrine.on_chip(
-        given, names, float(threshold), search, shown(scene, fps, scale), _micros(within)
+        given, values, limit, search, shown(scene, fps, scale), micros("within", within)
     )
     return Answer.parse(text, rows="rows")
 
@@ -112,13 +139,13 @@ def design(
     *,
     rate: float | None = None,
     thresholds: float | Sequence[float] | None = None,
-    to: Sequence[str] = ("ternary", "po2-2", "po2-4", "int-3", "int-5"),
+    to: str | Sequence[str] = ("ternary", "po2-2", "po2-4", "int-3", "int-5"),
     memory: str | None = None,
     sum: str = "kept",
     scene: Scene = None,
     fps: float | None = None,
     scale: float | None = None,
-    chip: str = "scamp5",
+    chip: str | Path = "scamp5",
     within: float | None = None,
     effort: float = 1.0,
     seed: int = 0,
@@ -147,21 +174,20 @@ def design(
     given = named(kernels)
     limits: list[float] = []
     if thresholds is not None:
-        limits = [float(t) for t in np.atleast_1d(np.asarray(thresholds, np.float64))]
-        limits = limits * len(given) if len(limits) == 1 else limits
+        limits = _limits(thresholds, len(given))
     if (rate is None) == (thresholds is None):
         raise Error(
-            "a design needs a rate of events, or thresholds\n"
+            "a design needs a rate of events, or thresholds, and not both\n"
             "help: give rate=2, events per pixel and second, or thresholds=40"
         )
     text = _amacrine.design(
         given,
-        None if rate is None else float(rate),
+        None if rate is None else arguments.number("rate", rate, "give events per pixel and second"),
         limits,
-        (list(to), memory),
-        (sum, chip, float(effort), seed),
+        (names("to", to), memory),
+        _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
-        _micros(within),
+        micros("within", within),
     )
     return Answer.parse(text, rows="candidates")
 
@@ -171,13 +197,13 @@ def feasibility(
     thresholds: float | Sequence[float],
     *,
     to: str | None = None,
-    candidates: Sequence[str] = (),
+    candidates: str | Sequence[str] = (),
     sum: str = "kept",
     memory: str | None = None,
     scene: Scene = None,
     fps: float | None = None,
     scale: float | None = None,
-    chip: str = "scamp5",
+    chip: str | Path = "scamp5",
     exposure: float | None = None,
     link_energy: tuple[float, float] = (1.0, 20.0),
     overlapped: bool = True,
@@ -209,22 +235,20 @@ def feasibility(
         ``save("report.html")`` writes. ``docs/feasibility.md`` says how each number is found.
     """
     given = named(kernels)
-    limits = [float(t) for t in np.atleast_1d(np.asarray(thresholds, np.float64))]
-    if len(limits) == 1:
-        limits *= len(given)
-    if len(limits) != len(given):
+    limits = _limits(thresholds, len(given))
+    try:
+        low, high = link_energy
+    except (TypeError, ValueError):
         raise Error(
-            f"{len(limits)} thresholds for {len(given)} kernels\n"
-            "help: give one threshold for all kernels, or one for each, in their order"
-        )
-    low, high = link_energy
+            f"link_energy = {link_energy!r}\nhelp: give the least and the most, in pJ: (1.0, 20.0)"
+        ) from None
     text, page = _amacrine.feasibility(
         given,
         limits,
-        (to, list(candidates), memory),
-        (sum, chip, float(effort), seed),
+        (to, names("candidates", candidates), memory),
+        _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
-        (_micros(within), _micros(exposure)),
+        (micros("within", within), micros("exposure", exposure)),
         ((float(low), float(high)), overlapped),
         chips,
     )
@@ -238,12 +262,12 @@ def waterfall(
     *,
     sum: str = "kept",
     domain: str = "silicon",
-    rates: Sequence[float] | None = None,
+    rates: float | Sequence[float] | None = None,
     steps: bool = False,
     scene: Scene = None,
     fps: float | None = None,
     scale: float | None = None,
-    chip: str = "scamp5",
+    chip: str | Path = "scamp5",
     chips: int = 10,
     tiles: int | None = None,
     within: float | None = None,
@@ -270,12 +294,12 @@ def waterfall(
     """
     text, drawing = _amacrine.waterfall(
         one(kernel),
-        float(threshold),
+        arguments.number("threshold", threshold, THRESHOLD),
         (to, domain),
-        (sum, chip, float(effort), seed),
+        _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
-        _micros(within),
-        None if steps else [float(rate) for rate in rates or ()],
+        micros("within", within),
+        None if steps else _rates(rates),
         (chips, tiles),
     )
     return Answer.parse(text, drawing=drawing, rows="steps" if steps else "rates")
@@ -288,7 +312,7 @@ def trade(
     fps: float | None = None,
     scale: float | None = None,
     upsample: float | None = None,
-    formats: Sequence[str] = ("f32", "f16", "bf16", "q16.16", "q8.8"),
+    formats: str | Sequence[str] = ("f32", "f16", "bf16", "q16.16", "q8.8"),
     within: float = 100e-6,
     sample: float = 0.05,
     runs: int = 1,
@@ -310,16 +334,45 @@ def trade(
         ``points``, a table with ``name``, ``error``, ``seconds``, ``on_front``, ``is_knee`` and
         more; ``knee`` is the name of the best. ``docs/fidelity.md`` says what the limits mean.
     """
+    if not isinstance(sensor, Sensor):
+        raise Error(
+            f"a trade is of a float sensor, not of a {type(sensor).__name__}\n"
+            "help: give a Sensor, such as Sensor.from_file(\"rgc-4\")"
+        )
     text = _amacrine.trade(
         sensor._native,
         shown(scene, fps, scale),
         upsample,
-        list(formats),
-        (round(within * 1e6), float(sample), runs),
+        names("formats", formats),
+        (micros("within", within) or 0, float(sample), arguments.whole("runs", runs)),
         (verify, sensor._seed),
     )
     return Answer.parse(text, rows="points")
 
 
-def _micros(seconds: float | None) -> int | None:
-    return None if seconds is None else round(seconds * 1e6)
+def _search(sum: str, chip: str | Path, effort: float, seed: int) -> tuple[str, str, float, int]:
+    """How a program is searched."""
+    seconds = arguments.number("effort", effort, "give seconds, such as effort=1")
+    return arguments.word("sum", sum, "kept"), str(chip), seconds, arguments.whole("seed", seed)
+
+
+def _limits(thresholds: Any, count: int) -> list[float]:
+    """A threshold for each kernel."""
+    given = thresholds if np.ndim(thresholds) else [thresholds]
+    limits = [arguments.number("thresholds", one, THRESHOLD) for one in given]
+    if len(limits) == 1:
+        limits *= count
+    if len(limits) != count:
+        raise Error(
+            f"{len(limits)} thresholds for {count} kernels\n"
+            "help: give one threshold for all kernels, or one for each, in their order"
+        )
+    return limits
+
+
+def _rates(given: Any) -> list[float]:
+    """Frames per second, or none."""
+    if given is None:
+        return []
+    all = given if np.ndim(given) else [given]
+    return [arguments.number("rates", one, "give frames per second, such as [30, 60]") for one in all]

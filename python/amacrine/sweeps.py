@@ -101,6 +101,8 @@ def sweep(
         The folder: ``.to_frame()`` is a data frame with a row for each point, ``.rows`` are dicts.
     """
     file, text, folder = opened("studies", study)
+    if isinstance(set, str):
+        raise Error(f"set = {set!r}\nhelp: give keys with their values, such as set={{\"format\": \"f32\"}}")
     sets = [f"{key}={_value(value)}" for key, value in (set or {}).items()]
     path = Path(Path(study).stem if output is None else output)
     given = file, text, (folder or Path()).absolute()

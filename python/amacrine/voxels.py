@@ -7,8 +7,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _amacrine
+from . import _amacrine, arguments
 from ._amacrine import Error
+
+
+SECONDS = "give seconds, such as 0.05"
 
 
 def how(
@@ -21,22 +24,27 @@ def how(
     normalise: str | None,
 ) -> _amacrine.Voxels:
     """The settings, checked."""
-    if isinstance(bins, bool) or bins != int(bins) or bins < 0:
-        raise Error(f"{bins} bins in a window\nhelp: give a whole number, 1 to 1000")
+    if isinstance(bins, (bool, str)) or bins is None or bins != int(bins) or bins < 0:
+        raise Error(f"bins = {bins!r}: bins in a window\nhelp: give a whole number, 1 to 1000")
+    length = arguments.number("window", window, SECONDS)
+    step = length if every is None else arguments.number("every", every, SECONDS)
     return _amacrine.Voxels(
         int(bins),
-        float(window),
-        float(window if every is None else every),
+        length,
+        step,
         "causal" if causal else "centred",
-        share,
-        polarity,
-        "none" if normalise is None else normalise,
+        arguments.word("share", share, "whole"),
+        arguments.word("polarity", polarity, "split"),
+        "none" if normalise is None else arguments.word("normalise", normalise, "std"),
     )
 
 
 def number(dtype: npt.DTypeLike) -> np.dtype[Any]:
     """The type of voxels."""
-    found = np.dtype(dtype)
+    try:
+        found = np.dtype(dtype)
+    except TypeError:
+        raise Error(f"no dtype {dtype!r}\nhelp: give float16, float32 or float64") from None
     if found.kind != "f" or found.itemsize > 8:
         raise Error(
             f"voxels of dtype {found}\nhelp: give float16, float32 or float64; counts are whole"

@@ -4,7 +4,10 @@ use amacrine::{
     array::{Arithmetic, ArithmeticError},
     compile::{DriveMemory, Effort},
     isa::Device,
-    kernel::quantise::{Quantiser, QuantiserNameError, Sum},
+    kernel::{
+        Kernel,
+        quantise::{Quantiser, QuantiserNameError, Sum},
+    },
     plane::Size,
     reference::Description,
     rig::guard::Warning,
@@ -12,13 +15,16 @@ use amacrine::{
     study::{
         cells::{compiled_cells, memory_of},
         design::{Compiled, DesignError},
+        expanded::Expanded,
     },
 };
-use numpy::{PyArray2, PyArrayMethods, ToPyArray};
+use miette::Report;
+use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
 
 use crate::{
     error::{raised, refused},
+    options::in_python,
     pool,
     run::Run,
     watcher,
@@ -97,9 +103,15 @@ pub fn effort(seconds: f64) -> PyResult<Effort> {
 /// A sensor as a program of a chip.
 #[pyclass(frozen, module = "amacrine._amacrine")]
 pub struct Chip {
-    compiled: Compiled,
+    expanded: Expanded,
+    /// The program as it was written.
+    text: String,
+    /// Its chip: a name, or a folder.
+    chip: String,
+    /// LSB for each unit of level times light.
+    scale: f64,
     /// The kernel of each kind as it is computed, and what it is to be multiplied by.
-    levels: Vec<(amacrine::kernel::Kernel, f64)>,
+    levels: Vec<(Kernel, f64)>,
     /// In what the program differs from the float sensor, and what few values have erased.
     notes: Vec<String>,
 }
@@ -125,7 +137,8 @@ impl Chip {
             };
             let quantised = to.quantise(&kind.kernel, sum, asked.seed).map_err(raised)?;
             let erased = quantised.erasures(&kind.kernel).into_iter();
-            notes.extend(erased.map(|it| Warning::erased(&to.to_string(), it).to_string()));
+            let said = erased.map(|it| Warning::erased(&to.to_string(), it).to_string());
+            notes.extend(said.map(|note| in_python(&note)));
             let quantised = quantised.within_one();
             kind.on /= quantised.scale;
             kind.off /= quantised.scale;
@@ -134,8 +147,12 @@ impl Chip {
         }
         let search = (effort, asked.seed);
         let compiled = Compiled::new(&description.name, (&kinds, memory), &device, search);
+        let Compiled { program, expanded } = compiled.map_err(raised)?;
         Ok(Self {
-            compiled: compiled.map_err(raised)?,
+            expanded,
+            text: program.text,
+            chip: asked.chip.to_owned(),
+            scale: program.scale,
             levels,
             notes,
         })
@@ -144,39 +161,74 @@ impl Chip {
 
 #[pymethods]
 impl Chip {
+    /// A program that was found before, on `chip`: what is written here is what getters gave.
+    #[new]
+    fn of_text(
+        py: Python<'_>,
+        title: &str,
+        text: &str,
+        chip: &str,
+        scale: f64,
+        levels: Vec<(PyReadonlyArray2<'_, f64>, f64)>,
+        notes: Vec<String>,
+    ) -> PyResult<Self> {
+        let unread = |error| refused(error, "give the levels that a chip has told");
+        let mut kernels = Vec::with_capacity(levels.len());
+        for (rows, by) in levels {
+            let rows: Vec<_> = rows
+                .as_array()
+                .outer_iter()
+                .map(|row| row.to_vec())
+                .collect();
+            kernels.push((Kernel::from_rows(&rows).map_err(unread)?, by));
+        }
+        let expanded = pool::work(py, || {
+            let device = Device::find(chip)?;
+            Ok::<_, Report>(Expanded::from_text(title, text, &device)?)
+        })?;
+        Ok(Self {
+            expanded: expanded.map_err(raised)?,
+            text: text.to_owned(),
+            chip: chip.to_owned(),
+            scale,
+            levels: kernels,
+            notes,
+        })
+    }
+
     /// The program.
     #[getter]
     fn text(&self) -> &str {
-        &self.compiled.program.text
+        &self.text
     }
 
     #[getter]
     fn title(&self) -> &str {
-        &self.compiled.title
+        &self.expanded.title
     }
 
-    /// The name of the chip.
+    /// The chip, as it was asked for: a name, or a folder.
     #[getter]
     fn chip(&self) -> &str {
-        self.compiled.device.name()
+        &self.chip
     }
 
     /// Instruction words of a frame.
     #[getter]
     fn words(&self) -> u64 {
-        self.compiled.cost.words.0
+        self.expanded.cost.words.0
     }
 
     /// Microseconds of a frame on the array, without readout.
     #[getter]
     fn array_us(&self) -> f64 {
-        self.compiled.cost.array_us
+        self.expanded.cost.array_us
     }
 
     /// LSB for each unit of level times light.
     #[getter]
     fn lsb(&self) -> f64 {
-        self.compiled.program.scale
+        self.scale
     }
 
     #[getter]
@@ -210,13 +262,13 @@ impl Chip {
         let size = Size::new(size.0, size.1);
         let made = pool::work(py, || {
             let chip = self
-                .compiled
-                .chip(arithmetic, size, self.compiled.settings())?;
+                .expanded
+                .chip(arithmetic, size, self.expanded.settings())?;
             let channels = chip.channels();
             let sensor: Box<dyn Sensor + Send> = if slots {
                 Box::new(chip)
             } else {
-                Box::new(self.compiled.all_events(chip))
+                Box::new(self.expanded.all_events(chip))
             };
             Ok::<_, DesignError>((sensor, channels))
         })?;

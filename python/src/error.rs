@@ -5,6 +5,8 @@ use std::fmt::Write as _;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, Report};
 use pyo3::{PyErr, create_exception, exceptions::PyValueError};
 
+use crate::options::in_python;
+
 create_exception!(
     amacrine,
     Error,
@@ -17,7 +19,7 @@ const WIDTH: usize = 120;
 
 /// The exception for whatever the library says.
 pub fn raised(report: impl Into<Report>) -> PyErr {
-    Error::new_err(told(&report.into()))
+    Error::new_err(in_python(&told(&report.into())))
 }
 
 /// The exception for what only Python can be wrong about.

@@ -26,6 +26,7 @@ use serde::Serialize;
 
 use crate::{
     error::{raised, refused},
+    options::in_python,
     pool, record,
 };
 
@@ -104,6 +105,23 @@ pub fn read<'py>(
     Ok((PyArray1::from_vec(py, bytes), loaded.packet.channels, about))
 }
 
+/// A format that was asked for, which the name of the file must not contradict.
+fn unless_contradicted(path: &Path, asked: Format) -> PyResult<Format> {
+    let said = Format::named(path);
+    if said.is_empty() || said.contains(&asked) {
+        return Ok(asked);
+    }
+    let said: Vec<_> = said.iter().map(|format| format.name()).collect();
+    Err(refused(
+        format!(
+            "{} is the name of {}, and format is {asked}",
+            path.display(),
+            said.join(" or ")
+        ),
+        "give another name, or leave format out",
+    ))
+}
+
 /// Writes events, the bytes of a `.npy`, whole or not at all.
 #[pyfunction]
 pub fn write(
@@ -116,7 +134,7 @@ pub fn write(
     compression: &str,
 ) -> PyResult<()> {
     let to = match format(to)? {
-        Some(format) => format,
+        Some(format) => unless_contradicted(&path, format)?,
         None => Format::from_path(&path).map_err(raised)?,
     };
     let all = [Compression::Lz4, Compression::Zstd, Compression::None];
@@ -246,7 +264,7 @@ pub fn compare(
 /// The warning of a sensor that never fired.
 #[pyfunction]
 pub fn no_events(subject: &str, frames: u64) -> String {
-    Warning::no_events(subject, Some(frames)).to_string()
+    in_python(&Warning::no_events(subject, Some(frames)).to_string())
 }
 
 /// A result as text.

@@ -11,6 +11,7 @@ mod files;
 mod frames;
 mod gradient;
 mod names;
+mod options;
 mod pool;
 mod program;
 mod record;

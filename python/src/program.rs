@@ -24,6 +24,7 @@ use crate::{
     chip::plane,
     error::{raised, refused, told},
     frames::{Borrowed, Frames},
+    options::in_python,
     pool, record,
 };
 
@@ -122,7 +123,7 @@ impl Program {
     #[getter]
     fn warnings(&self) -> Option<String> {
         let warnings = self.source.warnings(&self.expansion)?;
-        Some(told(&Report::new(warnings)))
+        Some(in_python(&told(&Report::new(warnings))))
     }
 
     /// Whether it reads events out.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from pathlib import Path
 from typing import Any, Callable
 
@@ -131,3 +132,26 @@ def test_compile_is_a_program_of_kernels(frames: Frames) -> None:
     assert "scamp5_scan_events" in compiled.text
     run = compiled.program.run(frames, FPS)
     assert run.events.dtype == amacrine.EVENT and len(run.events) > 0
+
+
+def test_one_name_is_a_list_of_one(frames: Frames) -> None:
+    snap = amacrine.Program.from_file("dvs/snap")
+    assert list(snap.run(frames, FPS, keep="R5").films) == ["R5"]
+    assert amacrine.Sensor("dvs", 1, names="centre").channels == ["centre"]
+    with pytest.raises(amacrine.Error, match="`tern` is no quantiser"):
+        amacrine.design("dvs", thresholds=9, to="tern")
+
+
+def test_notes_speak_of_arguments() -> None:
+    sensor = amacrine.Sensor("csdvs-3", 0.1, memory="filtered-snap", border="zero")
+    with pytest.warns(amacrine.Caution) as said:
+        sensor.on_chip("ternary", effort=0.01)
+    assert "(another to)" in str(said[0].message) and "--" not in str(said[0].message)
+    compiled = functools.partial(amacrine.compile, "csdvs-3", 9)
+    for find in (sensor.on_chip, compiled):
+        with pytest.warns(amacrine.Caution) as said:
+            find(to="ternary", effort=0.01)
+        assert {Path(one.filename).name for one in said} == {"test_chip.py"}
+    with pytest.warns(amacrine.Caution) as said:
+        sensor.events(np.zeros((3, 8, 8), np.uint8), FPS)
+    assert "--" not in str(said[0].message)

@@ -3,6 +3,7 @@ line."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any, Callable
 
@@ -68,6 +69,10 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "fill": (lambda: amacrine.events.event_frames(_few(), 1, fill="x"), "count, last"),
     "study": (lambda: amacrine.sweep("no-such"), "formats"),
     "study key": (lambda: amacrine.sweep("formats", "x", set={"fromat": "f32"}), "format"),
+    "study set": (
+        lambda: amacrine.sweep("formats", "x", set="format=f32"),  # type: ignore[arg-type]
+        'set={"format": "f32"}',
+    ),
     "shards": (lambda: amacrine.sweep("formats", "x", shards=2), "without a client"),
     "window": (lambda: sensor().voxels(GOOD, 9, window=1), "give bins"),
     "size": (lambda: sensor().events(np.zeros((2, 0, 8), "u1"), 9), "cannot be addressed"),
@@ -96,7 +101,10 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "pattern": (lambda: amacrine.load("pattern:baar"), "baar"),
     "names": (lambda: amacrine.names("cameras"), "sensors, programs"),
     "levels": (lambda: amacrine.quantise("dvs", "int-99"), "int-"),
-    "of no use": (lambda: amacrine.quantise("dvs", "ternary", fps=3), "give a threshold, too"),
+    "of no use": (
+        lambda: amacrine.quantise("dvs", "ternary", fps=3),  # type: ignore[call-overload]
+        "give a threshold, too",
+    ),
     "two kernels": (lambda: amacrine.waterfall(kernels(2), 1), "give one of them"),
     "kernel zero": (lambda: amacrine.quantise(np.zeros((3, 3)), "ternary"), "0"),
     "feasibility memory": (
@@ -105,6 +113,101 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "rate": (lambda: sensor().events(GOOD, 1e300), "1e300 frames per second is no rate"),
     "room for counts": (lambda: sensor().counts(_wide(), 9), "counts of shape (1, 2999999, 1, "),
     "feasibility": (lambda: amacrine.feasibility("dvs", -1), "the threshold is -1"),
+    "a pair": (lambda: amacrine.Sensor("dvs", (0.1, 0.2)), "[(0.2, 0.3)]"),
+    "threshold of text": (lambda: amacrine.Sensor("dvs", "0.3"), "'0.3' is no threshold"),
+    "threshold of nothing": (
+        lambda: amacrine.Sensor("dvs", None),  # type: ignore[arg-type]
+        "None is no threshold",
+    ),
+    "no kernels": (lambda: amacrine.Sensor(np.ones((0, 3, 3)), 1), "(0, 3, 3)"),
+    "kernel of nothing": (
+        lambda: amacrine.Sensor(None, 1),  # type: ignore[arg-type]
+        "of type NoneType",
+    ),
+    "seed": (lambda: amacrine.Sensor("dvs", 1, seed=-1), "seed = -1"),
+    "seed in part": (
+        lambda: amacrine.Sensor("dvs", 1, seed=1.5),  # type: ignore[arg-type]
+        "whole number",
+    ),
+    "format of numpy": (
+        lambda: amacrine.Sensor("dvs", 1, format=np.float32),  # type: ignore[arg-type]
+        "'f32'",
+    ),
+    "no fps": (lambda: sensor().events(GOOD, None), "fps = None"),  # type: ignore[arg-type]
+    "fps of a scene": (lambda: amacrine.load("pattern:bar", fps=-1), "fps=240"),
+    "fps of a stream": (lambda: sensor().stream(0), "0 frames per second is no rate"),
+    "fps of windows": (
+        lambda: sensor().voxel_windows([GOOD], 0, bins=3, window=1), "0 frames per second"
+    ),
+    "bins of windows": (
+        lambda: sensor().voxel_windows([GOOD], 9, bins=-1, window=1), "give a whole number"
+    ),
+    "scale of text": (
+        lambda: sensor().events(GOOD, 9, scale="x"),  # type: ignore[arg-type]
+        "scale = 'x'",
+    ),
+    "scale of a program": (
+        lambda: amacrine.Program.from_file("dvs/snap").run(GOOD, scale=-1), "above 0"
+    ),
+    "generator": (lambda: sensor().events((f for f in GOOD), 9), "voxel_windows"),
+    "one frame": (lambda: sensor().events(GOOD[0], 9), "frames[None]"),
+    "colours last": (
+        lambda: sensor().events(np.zeros((3, 8, 8, 3), "u1"), 9), "frames[..., :3] @"
+    ),
+    "clips without an axis": (
+        lambda: sensor().events(np.zeros((2, 5, 8, 8), "u1"), 9), "frames[:, :, None]"
+    ),
+    "share of frames": (lambda: sensor().voxels(GOOD, 9, share="whole"), "give bins"),
+    "window of text": (
+        lambda: sensor().voxels(GOOD, 9, bins=3, window="5ms"),  # type: ignore[arg-type]
+        "window = '5ms'",
+    ),
+    "no dtype": (lambda: sensor().voxels(GOOD, 9, bins=3, dtype="bfloat16"), "float16"),
+    "other fields": (
+        lambda: amacrine.events.voxels(np.zeros(2, [("timestamp", "i8"), ("x", "i2")]), bins=3),
+        "rename_fields",
+    ),
+    "seconds": (
+        lambda: amacrine.write("x.npy", _few().astype([("t", "f8"), *amacrine.EVENT.descr[1:]])),
+        "t * 1e6",
+    ),
+    "one length": (
+        lambda: amacrine.write("x.npy", _few(), size=8),  # type: ignore[arg-type]
+        "(height, width)",
+    ),
+    "two formats": (
+        lambda: amacrine.write("x.npy", _few(), format="evt3"), "x.npy is the name of npy"
+    ),
+    "raw": (lambda: amacrine.write("x.raw", _few()), "give format"),
+    "within": (lambda: amacrine.compare(_few(), _few(), within=-1), "within = -1"),
+    "within nan": (lambda: amacrine.compare(_few(), _few(), within=np.nan), "from 0 on"),
+    "drives": (
+        lambda: amacrine.Sensor.from_file("rgc-4").on_chip("ternary", effort=0.01),
+        'memory="shared"',
+    ),
+    "not dyadic": (lambda: amacrine.Sensor(kernels(1), 0.1).on_chip(), "with to (ternary"),
+    "far too high": (
+        lambda: amacrine.compile("dvs", 1e9, effort=0.01),
+        "take a lower threshold: 0.0000002",
+    ),
+    "link": (
+        lambda: amacrine.feasibility("dvs", 9, link_energy=5),  # type: ignore[arg-type]
+        "(1.0, 20.0)",
+    ),
+    "threshold table": (
+        lambda: amacrine.feasibility("dvs", {"on": 3}),  # type: ignore[arg-type]
+        "thresholds = ",
+    ),
+    "design of both": (lambda: amacrine.design("dvs", rate=1, thresholds=2), "not both"),
+    "trade of a name": (
+        lambda: amacrine.trade("rgc-4", GOOD, fps=9),  # type: ignore[arg-type]
+        "Sensor.from_file",
+    ),
+    "trade of a chip": (
+        lambda: amacrine.trade(_on_chip(), GOOD, fps=9),  # type: ignore[arg-type]
+        "of a ChipSensor",
+    ),
+    "no way back": (lambda: amacrine.gradient.forward(sensor(), GOOD[:1], 9), "at least two frames"),
     "frames short": (lambda: amacrine.trade(sensor(), GOOD[:2], fps=9), "three frames"),
 }
 
@@ -134,6 +237,8 @@ def test_one_message(mistake: str, tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert said in message, message
     assert "help" in message, message
     assert "\x1b" not in message
+    # What is to be done is said in arguments of Python.
+    assert not re.search(r"--[a-z]", message), message
     assert not list(tmp_path.iterdir())
 
 

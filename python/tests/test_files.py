@@ -92,3 +92,11 @@ def test_a_clip_is_an_array(tmp_path: Path, frames: Frames) -> None:
     assert light.dtype == np.float64 and fps == 50
     np.testing.assert_array_equal(light, frames / 255 * 200)
     assert len(amacrine.load(frames=3)[0]) == 3
+
+
+def test_a_data_frame_is_events(tmp_path: Path, events: Any) -> None:
+    pandas = pytest.importorskip("pandas")
+    amacrine.write(tmp_path / "frame.npy", pandas.DataFrame(events))
+    assert amacrine.read(tmp_path / "frame.npy").tobytes() == events.tobytes()
+    got = amacrine.events.voxels(pandas.DataFrame(events), bins=3)
+    assert np.array_equal(got, amacrine.events.voxels(events, bins=3))

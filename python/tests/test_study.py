@@ -109,3 +109,18 @@ def test_a_table_is_a_data_frame() -> None:
     assert frame["fit.words"].tolist() == [3]
     with pytest.raises(KeyError, match="rows"):
         answer.to_frame("none")
+
+
+def test_an_answer_is_a_dict_where_one_is_asked_for() -> None:
+    events = np.array([(5, 1, 2, 1)], amacrine.EVENT)
+    answer = amacrine.compare(events, events)
+    assert dict(answer)["f1"] == 1 and {**answer}["equal"] is True
+    assert answer.keys() == list(answer)
+    with pytest.raises(KeyError, match="there are headline"):
+        answer["heading"]
+
+
+def test_results_that_hold_arrays_can_be_compared() -> None:
+    """By what they are, as arrays' own comparison is none."""
+    one, other = (amacrine.quantise(np.eye(3), "ternary") for _ in range(2))
+    assert one == one and one != other

@@ -278,3 +278,32 @@ def test_mistakes_of_data_sets(videos: Path, tmp_path: Path) -> None:
     for make, words in mistakes:
         with pytest.raises(amacrine.Error, match=words):
             make()
+
+
+def test_weights_are_taken_as_a_layer_has_them() -> None:
+    conv = torch.nn.Conv2d(1, 2, 3, bias=False)
+    limits = torch.nn.Parameter(torch.tensor([0.1, 0.2]))
+    sensor = amacrine.Sensor(conv.weight, limits)
+    want = conv.weight.detach().double().numpy()[:, 0]
+    assert np.array_equal(np.stack(sensor.kernels), want)
+    assert np.allclose([own[0] for own in sensor.thresholds], [0.1, 0.2])
+    half = conv.weight.bfloat16()
+    got = np.stack(amacrine.Sensor([half], 0.1).kernels)
+    assert np.array_equal(got, half.detach().double().numpy()[:, 0])
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ({"crop": 16}, "crop=\\(height, width\\)"),
+        ({"voxels": {"bin": 3}}, "there is no bin"),
+        ({"kernels": [np.ones((2, 2))]}, "odd"),
+        ({"options": {"memory": "snap"}}, "filtered-step"),
+    ],
+)
+def test_a_data_set_that_cannot_be_is_told_at_once(
+    how: dict[str, Any], said: str, tmp_path: Path
+) -> None:
+    np.save(tmp_path / "clip.npy", np.zeros((4, 16, 16), np.uint8))
+    with pytest.raises(amacrine.Error, match=said):
+        EventDataset(tmp_path, frames=4, **how)

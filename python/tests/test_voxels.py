@@ -34,11 +34,12 @@ def _slow(
             bounds.append((round((middle - length / 2) * 1e6), round((middle + length / 2) * 1e6)))
     out = np.zeros((len(bounds), kinds, 2, bins, 61, 83))
     for n, (a, b) in enumerate(bounds):
-        for event in events[(events["t"] > a) & (events["t"] <= b)]:
+        # The first window has those at its start, too.
+        for event in events[(events["t"] > a - (n == 0)) & (events["t"] <= b)]:
             part = (int(event["t"]) - a) / (b - a)
             for bin in range(bins):
                 if how.get("share") == "whole":
-                    share = float(bin / bins < part <= (bin + 1) / bins)
+                    share = float(bin / bins < (part or 1e-9) <= (bin + 1) / bins)
                 else:
                     share = max(0.0, 1 - abs(bin - part * (bins - 1)))
                 out[n, event["channel"], event["p"], bin, event["y"], event["x"]] += share
@@ -160,3 +161,17 @@ def test_a_recording_that_begins_late(frames: Frames) -> None:
     how: dict[str, Any] = {"bins": 4, "window": 0.03, "size": (61, 83)}
     want = amacrine.events.voxels(events, **how)
     assert np.array_equal(amacrine.events.voxels(late, start=1000.0, **how), want)
+
+
+@pytest.mark.parametrize("share", ["bilinear", "whole"])
+@pytest.mark.parametrize("bins", [1, 5])
+def test_a_recording_that_begins_at_0_keeps_its_first_events(bins: int, share: str) -> None:
+    events = np.array([(0, 1, 0, 1), (0, 2, 0, 0), (40, 1, 1, 1), (90, 0, 1, 1)], amacrine.EVENT)
+    for window in (None, 30e-6, 90e-6):
+        voxels = amacrine.events.voxels(
+            events, bins=bins, window=window, share=share, polarity="split"
+        )
+        assert voxels.sum() == pytest.approx(4), window
+        assert voxels[0, 0, 1, 0, 0, 1] == 1 and voxels[0, 0, 0, 0, 0, 2] == 1
+    later = amacrine.events.voxels(events, bins=1, start=40e-6, polarity="split")
+    assert later.sum() == pytest.approx(2)

@@ -3,6 +3,17 @@
 /// The largest threshold that `scamp5_in` sets, negated, in LSB.
 pub(super) const MOST_THRESHOLD: f64 = 128.0;
 
+/// What part of a threshold of so many LSB, more than can be set, can be: three digits, rounded
+/// down.
+fn part_that_fits(lsb: f64) -> f64 {
+    let part = MOST_THRESHOLD / lsb;
+    let mut place = 1000.0;
+    while part * place < 100.0 && place < 1e300 {
+        place *= 10.0;
+    }
+    (part * place).floor() / place
+}
+
 /// Kernels that cannot be compiled as asked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum CompileError {
@@ -108,7 +119,7 @@ pub enum CompileError {
         "a threshold is {lsb:.0} LSB in the program, more than the {} that the host can set",
         MOST_THRESHOLD
     )]
-    #[diagnostic(help("take a lower threshold: {:.3} times this one, or less", (MOST_THRESHOLD / lsb * 1000.0).floor() / 1000.0))]
+    #[diagnostic(help("take a lower threshold: {} times this one, or less", part_that_fits(*lsb)))]
     Threshold {
         /// The threshold, LSB.
         lsb: f64,

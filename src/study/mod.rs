@@ -3,6 +3,7 @@
 pub mod cells;
 pub mod design;
 pub mod equivalent;
+pub mod expanded;
 pub mod exploration;
 pub mod feasibility;
 pub mod front;

@@ -7,6 +7,7 @@
 use super::{
     design::{Compiled, Design, DesignError, float},
     equivalent::{EquivalentError, Ladder, Likeness, RUNGS, at_part},
+    expanded::Expanded,
 };
 use crate::{
     array::{Arithmetic, Array},
@@ -177,12 +178,8 @@ impl Together {
     /// How many kinds like these the chip carries.
     #[must_use]
     pub fn carried(&self) -> usize {
-        let Compiled {
-            device,
-            code,
-            program,
-            ..
-        } = &self.compiled;
+        let Compiled { program, expanded } = &self.compiled;
+        let Expanded { code, device, .. } = expanded;
         let words = stored(&code.init, device) + stored(&code.frame, device);
         carried(self.memory, device, (program.drives.len(), words.0))
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import warnings
 from collections import OrderedDict
@@ -13,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from .. import _amacrine
+from .. import _amacrine, arguments
 from .._amacrine import Error
 from ..frames import load
 from ..kernels import Kernels
@@ -21,6 +22,10 @@ from ..sensor import Caution, EventSensor, Sensor
 
 VIDEOS = (".mp4", ".y4m", ".gif", ".apng", ".npy")
 """Endings of the files of a folder that are videos; a folder in it is one of pictures."""
+
+
+VOXELS = {*inspect.signature(EventSensor.voxels).parameters} - {"self", "frames", "fps", "scale"}
+"""What :meth:`amacrine.Sensor.voxels` can be told of the voxels of an item."""
 
 
 class Item(TypedDict):
@@ -119,12 +124,21 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         if not 0.0 <= mismatch < 1.0:
             raise Error(f"a mismatch of {mismatch}\nhelp: give a share of the threshold, 0 to 1")
         self._mismatch = float(mismatch)
-        self._frames, self._crop, self._flips = int(frames), crop, flips
+        self._frames, self._flips = int(frames), flips
+        self._crop = arguments.size(crop, "crop")
         self._kernels, self._range = [*kernels], (float(low), float(high))
         self._quantisers, self._chips, self._domain = [*quantisers], [*chips], domain
         self._sensors = int(sensors)
         self._options = {"memory": "filtered-snap", "border": "zero", **(options or {})}
         self._voxels = dict(voxels or {})
+        # What no sensor takes is told here, not in a worker.
+        for of in self._kernels:
+            Sensor(of, self._range[0], **self._options)
+        odd = sorted(set(self._voxels) - VOXELS)
+        if odd:
+            raise Error(
+                f"voxels: there is no {odd[0]}\nhelp: give {', '.join(sorted(VOXELS))}"
+            )
         self._fps, self._length, self._seed = fps, length, int(seed)
         self._most, self._transform, self._epoch = cache, transform, 0
         self._forget()
@@ -134,8 +148,8 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         self._made: dict[int, EventSensor] = {}
 
     def __getstate__(self) -> dict[str, Any]:
-        # A worker makes its own: programs of chips do not travel.
-        return {**self.__dict__, "_clips": OrderedDict(), "_made": {}}
+        # A worker reads its own; programs that were found already go with it.
+        return {**self.__dict__, "_clips": OrderedDict()}
 
     def __len__(self) -> int:
         return len(self.videos) if self._length is None else self._length

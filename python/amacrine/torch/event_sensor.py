@@ -143,7 +143,7 @@ class EventSensor(torch.nn.Module):
             raise Error(f"`{slope}` is no slope\nhelp: give all or fired")
         if not (0.0 <= mismatch < 1.0):
             raise Error(f"a mismatch of {mismatch}\nhelp: give a share of the threshold, 0 to 1")
-        seconds(0, fps, None)
+        seconds(2, fps, None)
         self.fps, self.scale, self.rule, self.slope = fps, scale, rule, slope
         self.mismatch, self.phase, self.seed = mismatch, phase, seed
 

@@ -43,7 +43,7 @@ impl VoxelStream {
         let last = last.t.0 as i64;
         let place = (self.size, self.channels);
         let windows = self.how.windows;
-        for n in (self.next..).take_while(|n| windows.bounds(*n).0 < last) {
+        for n in (self.next..).take_while(|n| windows.after(*n) < last) {
             let at = (n - self.next) as usize;
             self.begin(at);
             self.how.add(events, n, place, &mut self.begun[at]);

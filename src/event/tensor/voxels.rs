@@ -127,7 +127,7 @@ impl Voxels {
     ) {
         let (from, to) = self.windows.bounds(n);
         let up_to = |time: i64| events.partition_point(|event| event.t.0 as i64 <= time);
-        let events = &events[up_to(from)..up_to(to)];
+        let events = &events[up_to(self.windows.after(n))..up_to(to)];
         let (pixels, steps) = (size.pixels(), (self.bins - 1) as f64);
         let (bins, length) = (self.bins as i64, to - from);
         let per = steps / length as f64;
@@ -142,8 +142,8 @@ impl Voxels {
                     let at = (since as f64 * per).min(steps);
                     (at as usize, at.fract() as f32)
                 }
-                // It is after the start.
-                Share::Whole => (((since * bins - 1) / length) as usize, 0.0),
+                // It is after the start, or at that of the first window.
+                Share::Whole => (((since * bins - 1).max(0) / length) as usize, 0.0),
             };
             let first = (plane * self.bins + bin) * pixels + pixel;
             if let Some(voxel) = out.get_mut(first) {
@@ -187,7 +187,7 @@ mod tests {
     };
 
     fn events() -> impl Strategy<Value = Vec<Event>> {
-        let event = (1u64..100_000, 0u16..4, 0u16..3, 0u8..2, any::<bool>()).prop_map(
+        let event = (0u64..100_000, 0u16..4, 0u16..3, 0u8..2, any::<bool>()).prop_map(
             |(t, x, y, channel, on)| Event {
                 t: Micros(t),
                 x,
@@ -226,7 +226,7 @@ mod tests {
         for (n, event) in (0..count).flat_map(|n| packet.events.iter().map(move |e| (n, e))) {
             let (a, b) = how.windows.bounds(n);
             let t = event.t.0 as i64;
-            if t <= a || t > b {
+            if t < a || (t == a && n > 0) || t > b {
                 continue;
             }
             let part = (t - a) as f64 / (b - a) as f64;

@@ -30,8 +30,8 @@ impl FromStr for Alignment {
 
 /// Windows of one length, each some time after the one before; they may overlap.
 ///
-/// A window has the events after its start and up to its end: an event at the time of a frame is
-/// in the window that ends with that frame. Bounds are whole microseconds, as the times of frames and
+/// A window has the events after its start and up to its end, the first one those at its start, too:
+/// an event at the time of a frame is in the window that ends with that frame, and none is lost at 0. Bounds are whole microseconds, as the times of frames and
 /// events are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Windows {
@@ -72,6 +72,11 @@ impl Windows {
         };
         let from = micros(from);
         (from, micros(to).max(from + 1))
+    }
+
+    /// The events of window `n` are after this time, and up to its end.
+    pub(super) fn after(&self, n: u64) -> i64 {
+        self.bounds(n).0 - i64::from(n == 0)
     }
 
     /// How many windows it takes for what ends at `end`: at least one.

@@ -22,6 +22,7 @@ use crate::{
     study::{
         design::Compiled,
         equivalent::{Ladder, Likeness},
+        expanded::Expanded,
     },
     unit::Micros,
 };
@@ -348,9 +349,9 @@ impl Trial<'_> {
             let size = scene.size();
             let mut chips: Vec<Box<dyn Array + Send>> = Vec::new();
             for run in some {
-                let program = Compiled {
+                let program = Expanded {
                     device: run.device.clone(),
-                    ..self.program.clone()
+                    ..self.program.expanded.clone()
                 };
                 let silicon = Arithmetic::Silicon { seed: run.seed };
                 chips.push(program.chip(silicon, size, program.settings())?);

@@ -1,0 +1,113 @@
+//! The options of the command line in the words of Python.
+
+/// What the library says of options that have no argument of their own here, and what is said
+/// instead.
+const PHRASES: [(&str, &str); 7] = [
+    (
+        "the limit (--max-events, and --max-memory where there is no room for more), ask for \
+         --counts or --voxels instead of --events, or choose to drop (--when-full drop)",
+        "the limit (max_events), or take counts or voxels, which need no list",
+    ),
+    ("`amacrine convert` also takes --format", "or give format"),
+    (
+        "say which with `amacrine convert --from NAME`",
+        "say which: format=NAME",
+    ),
+    ("(or `--from`)", "(or format)"),
+    (
+        "--clip on or --domain silicon",
+        "clip=True or domain=\"silicon\"",
+    ),
+    ("--constant", "constants"),
+    ("--const ", "constants "),
+];
+
+/// Arguments of Python that are called as the option is, with underscores for dashes. Those that
+/// are true take a word; behind the others a word goes on with the sentence.
+const ARGUMENTS: [(&str, bool); 17] = [
+    ("bins", false),
+    ("chip", true),
+    ("chips", false),
+    ("domain", true),
+    ("effort", false),
+    ("exposure", false),
+    ("format", true),
+    ("fps", false),
+    ("jobs", false),
+    ("max-events", false),
+    ("max-seconds-per-point", false),
+    ("memory", true),
+    ("output", false),
+    ("rate", false),
+    ("scale", false),
+    ("to", true),
+    ("within", false),
+];
+
+/// A message of the library, with arguments in place of options. Commands in backticks are left as
+/// they are: those are typed.
+pub fn in_python(text: &str) -> String {
+    let mut text = text.to_owned();
+    for (option, argument) in PHRASES {
+        text = text.replace(option, argument);
+    }
+    let parts = text.split('`').enumerate().map(|(n, part)| {
+        let is_command = n % 2 == 1 && !part.starts_with("--");
+        if is_command {
+            part.to_owned()
+        } else {
+            renamed(part)
+        }
+    });
+    parts.collect::<Vec<_>>().join("`")
+}
+
+/// What stands between backticks, or in them.
+fn renamed(text: &str) -> String {
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some(at) = rest.find("--") {
+        let (before, found) = rest.split_at(at);
+        out.push_str(before);
+        let name = &found[2..];
+        let end = name
+            .find(|c: char| !(c.is_ascii_lowercase() || c == '-'))
+            .unwrap_or(name.len());
+        let (name, after) = name.split_at(end);
+        let Some((_, is_word)) = ARGUMENTS.iter().find(|(known, _)| *known == name) else {
+            out.push_str("--");
+            out.push_str(name);
+            rest = after;
+            continue;
+        };
+        out.push_str(&name.replace('-', "_"));
+        rest = after;
+        if let Some(value) = value(after, *is_word) {
+            out.push('=');
+            let quoted = *is_word && !is_placeholder(value);
+            out.push_str(&if quoted {
+                format!("\"{value}\"")
+            } else {
+                value.to_owned()
+            });
+            rest = &after[1 + value.len()..];
+        }
+    }
+    out.push_str(rest);
+    out
+}
+
+/// What an option is given: a number, a placeholder, or a word where it takes one.
+fn value(after: &str, is_word: bool) -> Option<&str> {
+    let after = after.strip_prefix(' ')?;
+    let end = after
+        .find(|c: char| !(c.is_ascii_alphanumeric() || matches!(c, '-' | ':' | '.')))
+        .unwrap_or(after.len());
+    let value = after[..end].trim_end_matches(['.', ':']);
+    let is_number = value.parse::<f64>().is_ok();
+    (!value.is_empty() && (is_number || is_word || is_placeholder(value))).then_some(value)
+}
+
+fn is_placeholder(value: &str) -> bool {
+    value.chars().all(|c| c.is_ascii_uppercase())
+}
