@@ -106,8 +106,8 @@ pub struct Chip {
     expanded: Expanded,
     /// The program as it was written.
     text: String,
-    /// Its chip: a name, or a folder.
-    chip: String,
+    /// The name of its chip, or the folder.
+    device: String,
     /// LSB for each unit of level times light.
     scale: f64,
     /// The kernel of each kind as it is computed, and what it is to be multiplied by.
@@ -151,7 +151,7 @@ impl Chip {
         Ok(Self {
             expanded,
             text: program.text,
-            chip: asked.chip.to_owned(),
+            device: asked.chip.to_owned(),
             scale: program.scale,
             levels,
             notes,
@@ -189,7 +189,7 @@ impl Chip {
         Ok(Self {
             expanded: expanded.map_err(raised)?,
             text: text.to_owned(),
-            chip: chip.to_owned(),
+            device: chip.to_owned(),
             scale,
             levels: kernels,
             notes,
@@ -210,7 +210,7 @@ impl Chip {
     /// The chip, as it was asked for: a name, or a folder.
     #[getter]
     fn chip(&self) -> &str {
-        &self.chip
+        &self.device
     }
 
     /// Instruction words of a frame.

@@ -84,12 +84,12 @@ fn renamed(text: &str) -> String {
         rest = after;
         if let Some(value) = value(after, *is_word) {
             out.push('=');
-            let quoted = *is_word && !is_placeholder(value);
-            out.push_str(&if quoted {
-                format!("\"{value}\"")
+            let quote = if *is_word && !is_placeholder(value) {
+                "\""
             } else {
-                value.to_owned()
-            });
+                ""
+            };
+            out.extend([quote, value, quote]);
             rest = &after[1 + value.len()..];
         }
     }
