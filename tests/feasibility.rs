@@ -25,8 +25,9 @@ const SCENE: &str = "pattern:disc?width=40&height=32&frames=8&radius=7";
 /// A bright centre in a dark surround, of weights that few values do not make exactly.
 const KERNEL: &str = "name = \"k\"\nsource = \"test\"\nweights = [[-0.4, -0.5, -0.4], [-0.5, 3.7, -0.5], [-0.4, -0.5, -0.4]]\n";
 
-const ASK: [&str; 12] = [
+const ASK: [&str; 13] = [
     "feasibility",
+    "--kernel",
     "k.toml",
     "--threshold",
     "40",
