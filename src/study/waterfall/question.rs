@@ -176,7 +176,7 @@ pub enum WaterfallError {
     ))]
     Refused(Vec<String>),
     /// Too few frames at a rate, or too many.
-    #[error("{frames} frames at {fps} frames/s in {seconds:.3} s of the scene")]
+    #[error("at {fps} frames/s the {seconds:.3} s of the scene have {frames} frame{}", if *frames == 1 { "" } else { "s" })]
     #[diagnostic(help("give rates that show 2 to {most} frames in that time"))]
     Rate {
         /// The rate.
