@@ -33,7 +33,7 @@ use super::{
     content::Content,
     event_rate::event_rate,
     files::{Named, Output},
-    kernel_names::{self, KernelNames},
+    kernel_names::KernelNames,
     kernels::Kinds,
     light::{self, Shown},
     progress::Progress,
@@ -339,13 +339,7 @@ impl Arguments {
                 .map(|kernel| self.rated(kernel, asked / kernels as f64, device))
                 .collect();
         }
-        let given = kernel_names::thresholds(&self.threshold, kernels)?;
-        given.or_else(|| kinds.thresholds.clone()).ok_or_else(|| {
-            miette!(
-                help = "give --rate EVENTS, per pixel and second, --threshold T, in kernel times light (0 to 255), or sensor files, which have their own",
-                "feasibility needs a rate of events, or thresholds"
-            )
-        })
+        kinds.thresholds_or_rate("feasibility", &self.threshold)
     }
 
     /// The threshold at which the float sensor has so many events, to four digits.

@@ -1,10 +1,8 @@
-//! The kernels and thresholds that a verb is given.
+//! The kernels that a verb is given, by file or by name.
 
 use std::fmt;
 
-use miette::miette;
-
-use super::{files::Named, kernels::Kinds, light::counted};
+use super::{files::Named, kernels::Kinds};
 
 /// Which kernels, by file or by name.
 #[derive(Clone, Debug, clap::Args)]
@@ -51,23 +49,5 @@ impl fmt::Display for KernelNames {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let names: Vec<&str> = self.names().iter().map(|name| &**name).collect();
         f.write_str(&names.join(","))
-    }
-}
-
-/// A threshold for each of so many kernels, where any were given: one stands for all.
-///
-/// # Errors
-/// When there are neither one nor as many as kernels.
-pub(super) fn thresholds(given: &[f64], kernels: usize) -> miette::Result<Option<Vec<f64>>> {
-    match given {
-        [] => Ok(None),
-        [all] => Ok(Some(vec![*all; kernels])),
-        each if each.len() == kernels => Ok(Some(each.to_vec())),
-        other => Err(miette!(
-            help = "give one --threshold for all kernels, or one for each, in their order",
-            "{} for {}",
-            counted(other.len(), "threshold"),
-            counted(kernels, "kernel")
-        )),
     }
 }

@@ -6,6 +6,7 @@ use miette::miette;
 
 use super::{
     files::Named,
+    light::counted,
     list::{bundled, meant},
 };
 use crate::{
@@ -71,6 +72,28 @@ impl Kinds {
         Ok(all)
     }
 
+    /// The threshold of each: those that were given, else those of sensor files.
+    ///
+    /// # Errors
+    /// As [`thresholds`].
+    pub fn thresholds(&self, given: &[f64]) -> miette::Result<Option<Vec<f64>>> {
+        let given = thresholds(given, self.kernels.len())?;
+        Ok(given.or_else(|| self.thresholds.clone()))
+    }
+
+    /// The same, for a verb that can find them for a rate of events instead.
+    ///
+    /// # Errors
+    /// As [`thresholds`], and when there are none; `who` needs them.
+    pub fn thresholds_or_rate(&self, who: &str, given: &[f64]) -> miette::Result<Vec<f64>> {
+        self.thresholds(given)?.ok_or_else(|| {
+            miette!(
+                help = "give --rate EVENTS, per pixel and second, --threshold T, in kernel times light (0 to 255), or sensor files, which have their own",
+                "{who} needs a rate of events, or thresholds"
+            )
+        })
+    }
+
     fn of_sensor(name: &str, description: &Description) -> miette::Result<Self> {
         let cells = cells::cells(name, description)?;
         let thresholds = cells.thresholds(name)?;
@@ -88,6 +111,24 @@ impl Kinds {
             kernels: cells.kinds.into_iter().map(|kind| kind.kernel).collect(),
             thresholds: Some(thresholds),
         })
+    }
+}
+
+/// A threshold for each of so many kernels, where any were given: one stands for all.
+///
+/// # Errors
+/// When there are neither one nor as many as kernels.
+pub(super) fn thresholds(given: &[f64], kernels: usize) -> miette::Result<Option<Vec<f64>>> {
+    match given {
+        [] => Ok(None),
+        [all] => Ok(Some(vec![*all; kernels])),
+        each if each.len() == kernels => Ok(Some(each.to_vec())),
+        other => Err(miette!(
+            help = "give one --threshold for all kernels, or one for each, in their order",
+            "{} for {}",
+            counted(other.len(), "threshold"),
+            counted(kernels, "kernel")
+        )),
     }
 }
 

@@ -31,7 +31,7 @@ use super::{
     clip::Clip,
     content::Content,
     files::{Named, Output},
-    kernel_names::{self, KernelNames},
+    kernel_names::KernelNames,
     kernels::Kinds,
     light::{self, Shown},
     progress::Progress,
@@ -247,8 +247,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 impl Arguments {
     /// A threshold for each kind.
     fn thresholds(&self, kinds: &Kinds) -> miette::Result<Vec<f64>> {
-        let given = kernel_names::thresholds(&self.threshold, kinds.kernels.len())?;
-        given.or_else(|| kinds.thresholds.clone()).ok_or_else(|| {
+        kinds.thresholds(&self.threshold)?.ok_or_else(|| {
             miette!(
                 help = "give --threshold T, in kernel times light (0 to 255), or sensor files, which have their own",
                 "a waterfall needs a threshold"

@@ -5,6 +5,7 @@ use super::{
     linear_form::{LinearForm, Tap},
     plan::{Plan, Store},
 };
+use crate::number::greatest_common_divisor;
 
 /// A one-dimensional goal, and its unit.
 pub(super) type Factor = (LinearForm, i64);
@@ -45,14 +46,6 @@ pub(super) fn factors(goal: &LinearForm, unit: i64) -> Option<[Factor; 2]> {
         (taps(&row, &|x| (0, x)), 1 << share),
         (taps(&column, &|y| (y, 0)), unit >> share),
     ])
-}
-
-fn greatest_common_divisor(a: i64, b: i64) -> i64 {
-    let (mut a, mut b) = (a.abs(), b.abs());
-    while b != 0 {
-        (a, b) = (b, a % b);
-    }
-    a
 }
 
 /// Composition: the second plan on the result of the first.

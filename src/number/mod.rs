@@ -16,6 +16,7 @@
 //! Everything rounds to the nearest, halves to even, once an operation.
 
 mod bound;
+mod common_divisor;
 mod dyadic;
 mod fixed;
 mod float;
@@ -27,6 +28,7 @@ mod signed_digits;
 mod visit;
 
 pub use bound::gamma;
+pub use common_divisor::greatest_common_divisor;
 pub use dyadic::Dyadic;
 pub use fixed::{Q, Wide, Width, divide};
 pub use float::{Bf16, F16, F32, F64};

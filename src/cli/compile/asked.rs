@@ -5,7 +5,10 @@ use std::path::Path;
 use miette::miette;
 
 use super::{
-    super::{complain, kernel_names, kernels::check_number},
+    super::{
+        complain,
+        kernels::{self, check_number},
+    },
     Arguments, Asked,
 };
 use crate::{
@@ -38,7 +41,7 @@ impl Asked {
                 "a program needs a threshold"
             ));
         }
-        let thresholds = kernel_names::thresholds(&arguments.threshold, kernels.len())?
+        let thresholds = kernels::thresholds(&arguments.threshold, kernels.len())?
             .unwrap_or_else(|| vec![0.0; kernels.len()]);
         let refused = |threshold: &f64| !(*threshold >= 0.0 && threshold.is_finite());
         if let Some(threshold) = thresholds.iter().copied().find(refused) {

@@ -15,7 +15,7 @@ use super::{
     content::Content,
     event_rate::event_rate,
     files::{self, Named, Output},
-    kernel_names::{self, KernelNames},
+    kernel_names::KernelNames,
     kernels::Kinds,
     light,
     progress::Progress,
@@ -262,13 +262,7 @@ impl Arguments {
         if self.rate.is_some() {
             return Ok(Vec::new());
         }
-        let given = kernel_names::thresholds(&self.threshold, kinds.kernels.len())?;
-        given.or_else(|| kinds.thresholds.clone()).ok_or_else(|| {
-            miette!(
-                help = "give --rate EVENTS, per pixel and second, --threshold T, in kernel times light (0 to 255), or sensor files, which have their own",
-                "a design needs a rate of events, or thresholds"
-            )
-        })
+        kinds.thresholds_or_rate("a design", &self.threshold)
     }
 
     /// The commands that use what was written: the float sensor, the program, its proof.

@@ -31,8 +31,7 @@ use super::{
     clip::Clip,
     content::Content,
     files::{Named, Output},
-    kernel_names::{self, KernelNames},
-    kernels::Kinds,
+    kernel_names::KernelNames,
     light,
     progress::Progress,
     quantiser::{Total, quantiser},
@@ -126,7 +125,7 @@ struct Json {
 /// file not be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kinds = arguments.kernels.kinds()?;
-    let thresholds = arguments.thresholds(&kinds)?;
+    let thresholds = kinds.thresholds(&arguments.threshold)?;
     arguments.check(thresholds.is_some())?;
     let [kernel] = &kinds.kernels[..] else {
         return several::run(arguments, &kinds, thresholds.as_deref());
@@ -184,12 +183,6 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 }
 
 impl Arguments {
-    /// The threshold of each kind: of the command line, or the sensor file's.
-    fn thresholds(&self, kinds: &Kinds) -> miette::Result<Option<Vec<f64>>> {
-        let given = kernel_names::thresholds(&self.threshold, kinds.kernels.len())?;
-        Ok(given.or_else(|| kinds.thresholds.clone()))
-    }
-
     /// The chip's name or folder.
     fn chip(&self) -> &str {
         self.chip.as_deref().unwrap_or("scamp5")

@@ -9,6 +9,7 @@
 use super::{Chosen, Entry, Parameters, QuantiseError, Quantiser, Sum, error::affordable, total};
 use crate::{
     limit::{QUANTISER_STEPS, QUANTISER_TABLE},
+    number::greatest_common_divisor,
     order::Order,
 };
 
@@ -176,7 +177,7 @@ fn free(
 /// The smallest levels of the same shape: a common factor takes words of a program, and range.
 fn without_common_factor((levels, scale): Chosen) -> Chosen {
     let divisor = levels.iter().fold(0, |divisor, level| {
-        greatest_common_divisor(divisor, level.abs() as u64)
+        greatest_common_divisor(divisor, *level as i64)
     });
     if divisor < 2 {
         return (levels, scale);
@@ -184,14 +185,6 @@ fn without_common_factor((levels, scale): Chosen) -> Chosen {
     let factor = divisor as f64;
     let smaller = levels.iter().map(|level| level / factor).collect();
     (smaller, scale * factor)
-}
-
-/// Euclid's algorithm; 0 divides nothing, so that it leaves the other.
-const fn greatest_common_divisor(mut a: u64, mut b: u64) -> u64 {
-    while b != 0 {
-        (a, b) = (b, a % b);
-    }
-    a
 }
 
 /// Zero below 0.7 of the mean magnitude.
