@@ -22,7 +22,7 @@ use amacrine::{
     isa::Device,
     kernel::Kernel,
     plane::{Plane, Size},
-    program::{Action, Program, Step},
+    program::{Action, Answer, Beside, Program, Step},
     reference::{Description, Reference},
     scene::{self, Frame, OpenOptions},
     sensor::Sensor,
@@ -85,6 +85,7 @@ targets! {
     "primitives" Text |b| chip(1, b);
     "macros" Text |b| chip(2, b);
     "program" Text |b| text(b, program);
+    "vendor" Text |b| text(b, vendor);
     "study" Text |b| text(b, study);
     "readout" Text |b| text(b, arbiter);
     "results" Text results;
@@ -310,6 +311,42 @@ fn program(text: &str) {
         watch(&mut chip);
         let _ = chip.ledger();
     }
+}
+
+/// C++ for the vendor's tools; where its host decides, it runs beside an array.
+fn vendor(text: &str) {
+    static CHIP: OnceLock<Device> = OnceLock::new();
+    let device = CHIP.get_or_init(Device::scamp5);
+    let (program, none) = (Program::read("fuzz.cpp", text), BTreeMap::new());
+    if program.decides(device, &none) {
+        drop(program.run_beside(device, &none, &mut Answering(50)));
+    } else {
+        drop(program.expand(device, &none));
+    }
+}
+
+/// An array that has this many answers.
+struct Answering(u8);
+
+impl Beside for Answering {
+    fn frame(&mut self) -> bool {
+        self.0 = self.0.saturating_sub(10);
+        self.0 > 0
+    }
+
+    fn run(&mut self, _: &[Step]) -> Option<Answer> {
+        self.0 = self.0.checked_sub(1)?;
+        Some(Answer {
+            value: Some(i64::from(self.0 % 3)),
+            memory: Some(vec![self.0.into(); 4]),
+        })
+    }
+
+    fn micros(&self) -> f64 {
+        1.0
+    }
+
+    fn post(&mut self, _: String) {}
 }
 
 /// How many steps run in all.

@@ -130,6 +130,8 @@ class Program:
     @property
     def reads_events(self) -> bool: ...
     @property
+    def decides(self) -> bool: ...
+    @property
     def fps(self) -> float | None: ...
     def run(
         self,
@@ -146,6 +148,7 @@ class Program:
         int,
         dict[str, npt.NDArray[Any]],
         dict[str, npt.NDArray[Any]],
+        list[tuple[int, str]],
     ]: ...
 
 @final

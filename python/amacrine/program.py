@@ -33,6 +33,9 @@ class ProgramRun:
     """The registers that were asked for after every frame, (T,H,W)."""
     lost: int
     """Events that found no slot of the readout."""
+    posts: list[tuple[int, str]]
+    """What the host wrote (``vs_post_text``, ``printf``), with the frame, counted from 0: of programs
+    whose host decides."""
 
     def __repr__(self) -> str:
         return f"<ProgramRun: {len(self.events)} events, {self.lost} lost>"
@@ -87,13 +90,19 @@ class Program:
         return self._native.text
 
     @property
+    def decides(self) -> bool:
+        """Whether its host decides in the run what the array does, by what it reads or by how many
+        frames have passed: C++ for the vendor's tools only. Its words are not known before."""
+        return self._native.decides
+
+    @property
     def words(self) -> int:
-        """Instruction words of a frame."""
+        """Instruction words of a frame; 0 where the host decides."""
         return self._native.words[1]
 
     @property
     def array_us(self) -> float:
-        """Microseconds of a frame on the array, without what the host does."""
+        """Microseconds of a frame on the array, without what the host does; 0 where that decides."""
         return self._native.micros[0]
 
     @property
@@ -132,10 +141,12 @@ class Program:
         found = self._native.run(
             given.clip(0), rate, given.scale, domain, clip, seed, arguments.names("keep", keep)
         )
-        records, channels, lost, registers, films = found
-        return ProgramRun(view(records, channels), registers, films, lost)
+        records, channels, lost, registers, films, posts = found
+        return ProgramRun(view(records, channels), registers, films, lost, posts)
 
     def __repr__(self) -> str:
+        if self.decides:
+            return f"<Program {self._native.file}: its host decides the words>"
         return f"<Program {self._native.file}: {self.words} words, {self.array_us:.1f} us>"
 
 

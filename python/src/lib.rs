@@ -4,6 +4,7 @@
 //! doors to the library. Frames are read where numpy holds them, results are handed over without
 //! a copy, and the interpreter is released while anything is computed.
 
+mod beside;
 mod chance;
 mod chip;
 mod error;

@@ -30,7 +30,8 @@ fn build(threads: usize) -> PyResult<Arc<ThreadPool>> {
     Ok(Arc::new(pool))
 }
 
-fn pool() -> PyResult<Arc<ThreadPool>> {
+/// The threads of this process.
+pub fn pool() -> PyResult<Arc<ThreadPool>> {
     let mut own = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     let process = process::id();
     if let Some(there) = own.as_ref().filter(|there| there.process == process) {

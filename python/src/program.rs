@@ -21,6 +21,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::{prelude::*, types::PyDict};
 
 use crate::{
+    beside::Companion,
     chip::plane,
     error::{raised, refused, told},
     frames::{Borrowed, Frames},
@@ -33,7 +34,11 @@ use crate::{
 pub struct Program {
     source: Text,
     device: Device,
+    /// What it became; nothing where its host decides.
     expansion: Expansion,
+    /// Whether its host decides in the run, beside the array, what the array does.
+    decides: bool,
+    overrides: Overrides,
 }
 
 /// Files that vendor C++ asks for, as many as are looked for.
@@ -78,11 +83,18 @@ impl Program {
             let chip = chip.or(program.settings.chip.as_deref());
             let device = Device::find(chip.unwrap_or("scamp5"))?;
             let overrides: Overrides = constants.into_iter().collect();
-            let expansion = program.expand(&device, &overrides)?;
+            let decides = program.decides(&device, &overrides);
+            let expansion = if decides {
+                Expansion::default()
+            } else {
+                program.expand(&device, &overrides)?
+            };
             Ok(Self {
                 source: program,
                 device,
                 expansion,
+                decides,
+                overrides,
             })
         })?;
         made.map_err(|report: Report| raised(report))
@@ -133,6 +145,12 @@ impl Program {
         reads_events(&code.init) || reads_events(&code.frame)
     }
 
+    /// Whether its host decides in the run what the array does.
+    #[getter]
+    fn decides(&self) -> bool {
+        self.decides
+    }
+
     /// Frames a second that it states.
     #[getter]
     fn fps(&self) -> Option<f64> {
@@ -140,7 +158,8 @@ impl Program {
     }
 
     /// Shows it frames: the bytes of the records of events, the number of kinds, events that
-    /// found no slot, registers after the last frame, and those of `keep` after every frame.
+    /// found no slot, registers after the last frame, those of `keep` after every frame, and what a
+    /// host wrote that runs beside the array, with the frame.
     #[expect(clippy::type_complexity, reason = "what a run gives, once")]
     fn run<'py>(
         &self,
@@ -158,6 +177,7 @@ impl Program {
         u64,
         Bound<'py, PyDict>,
         Bound<'py, PyDict>,
+        Vec<(usize, String)>,
     )> {
         let borrowed = Borrowed::new(frames)?;
         let (count, height, width) = borrowed.shape();
@@ -179,15 +199,21 @@ impl Program {
             pool::work(py, || self.chip_of(size, domain, clip, seed))?.map_err(raised)?;
         let mut packet = Packet::new(size, amacrine::sensor::Sensor::channels(&*chip));
         let mut films: Vec<Vec<f64>> = vec![Vec::new(); kept.len()];
-        for n in 0..count {
-            let shown = pool::work(py, || {
+        let (mut posts, mut shown) = (Vec::new(), count);
+        if self.decides {
+            let seen = (&kept[..], &mut films[..]);
+            (posts, shown) = self.run_beside(py, &mut *chip, &light, &mut packet, seen)?;
+        }
+        let steady = if self.decides { 0 } else { count };
+        for n in 0..steady {
+            let done = pool::work(py, || {
                 self.show(&mut *chip, &light, n, &mut packet)?;
                 for (register, film) in kept.iter().zip(&mut films) {
                     film.extend(register.values(&*chip));
                 }
                 Ok(())
             })?;
-            shown.map_err(|report: Report| raised(report))?;
+            done.map_err(|report: Report| raised(report))?;
             py.check_signals()?;
         }
         let mut bytes = Vec::new();
@@ -205,7 +231,7 @@ impl Program {
         let every = PyDict::new(py);
         for (register, film) in kept.iter().zip(films) {
             let name = register.name(&self.device);
-            let shape = [count, height, width];
+            let shape = [shown, height, width];
             let wrong = |_| refused("a register is not of the frames' size", "report this");
             if register.is_bit() {
                 let bits: Vec<bool> = film.into_iter().map(|bit| bit != 0.0).collect();
@@ -223,16 +249,49 @@ impl Program {
             packet.dropped.total(),
             last,
             every,
+            posts,
         ))
     }
 }
 
 /// The frames of a run.
-struct Light<'a> {
+pub struct Light<'a> {
     frames: Frames<'a>,
-    count: usize,
+    pub count: usize,
     fps: f64,
     scale: f64,
+}
+
+/// Lets the light of a frame fall on the array; when that is.
+pub fn begin(
+    chip: &mut (dyn Array + Send),
+    light: &Light<'_>,
+    n: usize,
+    packet: &mut Packet,
+) -> Result<Micros, Report> {
+    let mut plane = Plane::zeros(packet.size.shape());
+    if let Some(plane) = plane.as_slice_mut() {
+        light.frames.light(n, light.scale, plane);
+    }
+    let seconds = n as f64 / light.fps;
+    let t = Micros::from_seconds(seconds);
+    if let Some((at, wrong)) = { plane.indexed_iter() }.find(|(_, light)| !light.is_finite()) {
+        return Err(miette!(
+            help = "give finite light",
+            "frame {n} of {}, x = {}, y = {}: the light is {wrong}",
+            light.count,
+            at.1,
+            at.0
+        ));
+    }
+    chip.begin_frame();
+    chip.expose(&plane)?;
+    if n > 0 {
+        let before = (n - 1) as f64 / light.fps;
+        chip.wait(seconds - before);
+    }
+    packet.span.1 = t;
+    Ok(t)
 }
 
 impl Program {
@@ -266,36 +325,53 @@ impl Program {
         chip.map_err(Report::new)
     }
 
+    /// Runs its host beside the array; what that wrote, with the frame, and the frames it saw.
+    fn run_beside(
+        &self,
+        py: Python<'_>,
+        chip: &mut (dyn Array + Send),
+        light: &Light<'_>,
+        packet: &mut Packet,
+        (kept, films): (&[Register], &mut [Vec<f64>]),
+    ) -> PyResult<(Vec<(usize, String)>, usize)> {
+        let mut array = Companion {
+            chip,
+            light,
+            packet,
+            kept,
+            films,
+            pool: pool::pool()?,
+            begun: 0,
+            t: Micros(0),
+            dark: false,
+            posts: Vec::new(),
+            stopped: None,
+        };
+        let program = &self.source;
+        let ran = py.detach(|| program.run_beside(&self.device, &self.overrides, &mut array));
+        if let Some(stopped) = array.stopped {
+            return Err(stopped);
+        }
+        ran.map_err(raised)?;
+        // The last frame ends with the light, or with the program.
+        if !array.dark {
+            array.end_frame();
+        }
+        let kinds = array.packet.events.iter().map(|it| it.channel).max();
+        let channels = &mut array.packet.channels;
+        *channels = kinds.map_or(*channels, |last| last.saturating_add(1).max(*channels));
+        Ok((array.posts, array.begun))
+    }
+
     /// One frame: `init` with the first, `frame` with the others; bare statements with each.
     fn show(
         &self,
-        chip: &mut dyn Array,
+        chip: &mut (dyn Array + Send),
         light: &Light<'_>,
         n: usize,
         packet: &mut Packet,
     ) -> Result<(), Report> {
-        let mut plane = Plane::zeros(packet.size.shape());
-        if let Some(plane) = plane.as_slice_mut() {
-            light.frames.light(n, light.scale, plane);
-        }
-        let seconds = n as f64 / light.fps;
-        let t = Micros::from_seconds(seconds);
-        if let Some((at, wrong)) = { plane.indexed_iter() }.find(|(_, light)| !light.is_finite()) {
-            return Err(miette!(
-                help = "give finite light",
-                "frame {n} of {}, x = {}, y = {}: the light is {wrong}",
-                light.count,
-                at.1,
-                at.0
-            ));
-        }
-        chip.begin_frame();
-        chip.expose(&plane)?;
-        if n > 0 {
-            let before = (n - 1) as f64 / light.fps;
-            chip.wait(seconds - before);
-        }
-        packet.span.1 = t;
+        let t = begin(chip, light, n, packet)?;
         if n == 0 && !self.expansion.bare {
             chip.run_init(t, packet)?;
         } else {

@@ -155,3 +155,42 @@ def test_notes_speak_of_arguments() -> None:
     with pytest.warns(amacrine.Caution) as said:
         sensor.events(np.zeros((3, 8, 8), np.uint8), FPS)
     assert "--" not in str(said[0].message)
+
+
+SPOTS = Path(__file__).parents[2] / "tests" / "data" / "vendor" / "spots.cpp"
+
+
+def test_a_host_that_decides_runs_beside_the_array() -> None:
+    clip = np.zeros((3, 24, 32), np.uint8)
+    for t, spots in enumerate((5, 2, 0)):
+        for k in range(spots):
+            clip[t, 2 + k : 4 + 2 * k, 1 + 6 * k : 4 + 6 * k] = 200
+    program = amacrine.Program.from_file(SPOTS)
+    assert program.decides and program.words == 0 and "decides" in repr(program)
+    run = program.run(clip, keep=["R5", "A"])
+    assert run.posts == [
+        (0, "frame 0: 5 spots, the tallest of 6 rows\n"),
+        (1, "frame 1: 2 spots, the tallest of 6 rows\n"),
+        (2, "frame 2: 0 spots, the tallest of 6 rows\n"),
+    ]
+    assert len(run.events) > 0 and run.events["t"].max() <= 2e6 / 30 + 1
+    assert run.films["R5"].shape == (3, 24, 32)
+    # R5 is the light above the threshold, and A what is above it.
+    np.testing.assert_array_equal(run.films["R5"], clip / 2 > 30)
+    np.testing.assert_array_equal(run.films["A"][-1], run.registers["A"])
+    # A value for good, and what is refused.
+    fixed = amacrine.Program.from_file(SPOTS, constants={"count": 3})
+    assert fixed.run(clip).posts[2][1].startswith("frame 2: 3 spots")
+    with pytest.raises(amacrine.Error, match="finite light"):
+        program.run(np.full((1, 4, 4), np.nan), scale=1.0)
+    assert not amacrine.Program.from_file("dvs/snap").decides
+
+
+def test_a_host_that_ends_shows_fewer_frames(tmp_path: Path) -> None:
+    text = (
+        "int main() { for (int i = 0; i < 2; i++) { vs_frame_loop_control(); get_image(A, F);\n"
+        'if (scamp5_global_or(R5)) mov(B, A); printf("%d", i); } }'
+    )
+    (tmp_path / "p.cpp").write_text(text)
+    run = amacrine.Program.from_file(tmp_path / "p.cpp").run(np.zeros((5, 4, 4), np.uint8), keep=["A"])
+    assert run.posts == [(0, "0"), (1, "1")] and run.films["A"].shape == (2, 4, 4)

@@ -12,6 +12,7 @@
 //! many pixels at once. A [`Chip`] is a program on an array in one domain; it is a
 //! [`Sensor`](crate::sensor::Sensor), so light goes in and events come out.
 
+mod answer;
 mod arithmetic;
 mod bits;
 mod border;
@@ -38,6 +39,7 @@ pub mod survival;
 mod symbolic;
 
 pub use crate::isa::Errors;
+pub use answer::answered;
 pub use arithmetic::{Arithmetic, ArithmeticError};
 pub use bits::BitPlane;
 pub use border::AtBorder;

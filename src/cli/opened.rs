@@ -34,7 +34,12 @@ pub struct Source {
 pub struct Opened {
     pub program: Program,
     pub device: Device,
+    /// What it became; nothing where its host decides.
     pub expansion: Expansion,
+    /// Whether its host decides in the run, beside the array, what the array does.
+    pub decides: bool,
+    /// The constants that were set.
+    pub overrides: Overrides,
 }
 
 /// `name=value`, for the command line.
@@ -124,6 +129,48 @@ impl Source {
         figures: &[(Figure, f64)],
         constants: &[(String, f64)],
     ) -> miette::Result<Opened> {
+        let (program, device, overrides) = self.on_chip(figures, constants)?;
+        Self::expanded(program, device, overrides)
+    }
+
+    /// As [`Source::open_with`], for whoever can run a program with its host beside the array: one
+    /// whose host decides there what the array does, or any of vendor C++ if it is asked for.
+    pub fn open_to_run(
+        &self,
+        figures: &[(Figure, f64)],
+        constants: &[(String, f64)],
+        host: bool,
+    ) -> miette::Result<Opened> {
+        let (program, device, overrides) = self.on_chip(figures, constants)?;
+        if host && !program.is_vendor() {
+            return Err(miette!(
+                help = "leave --host out",
+                "{}: --host is for vendor C++, and this is a program of the frame language",
+                program.file
+            ));
+        }
+        if !program.decides(&device, &overrides) {
+            let opened = Self::expanded(program, device, overrides)?;
+            return Ok(Opened {
+                decides: host,
+                ..opened
+            });
+        }
+        Ok(Opened {
+            program,
+            device,
+            expansion: Expansion::default(),
+            decides: true,
+            overrides,
+        })
+    }
+
+    /// The program, its chip, and all constants.
+    fn on_chip(
+        &self,
+        figures: &[(Figure, f64)],
+        constants: &[(String, f64)],
+    ) -> miette::Result<(Program, Device, Overrides)> {
         let program = self.read()?;
         let chip = self.chip.as_deref();
         let chip = chip.or(program.settings.chip.as_deref());
@@ -133,6 +180,10 @@ impl Source {
         }
         let mut overrides = self.overrides();
         overrides.extend(constants.iter().cloned());
+        Ok((program, device, overrides))
+    }
+
+    fn expanded(program: Program, device: Device, overrides: Overrides) -> miette::Result<Opened> {
         let expansion = program.expand(&device, &overrides)?;
         if let Some(warnings) = program.warnings(&expansion) {
             complain(&format!("{:?}\n", miette!(warnings)));
@@ -141,6 +192,8 @@ impl Source {
             program,
             device,
             expansion,
+            decides: false,
+            overrides,
         })
     }
 

@@ -41,5 +41,5 @@ pub use settings::{
 };
 pub use source::{NamesError, Program};
 pub use syntax::Syntax;
-pub use vendor::{Includes, WriteError, cpp, included};
+pub use vendor::{Answer, Beside, Includes, WriteError, cpp, included};
 pub use words::vendor_text;

@@ -13,7 +13,7 @@ use super::{
     parse,
     settings::{Expectation, Settings},
     syntax::Syntax,
-    vendor::{self, Includes},
+    vendor::{self, Beside, Includes},
 };
 
 /// Names for other kinds of cells than a program reads out.
@@ -62,6 +62,7 @@ impl Program {
             let all = &program.settings.constants;
             let read = vendor::read(text, includes, all, &Device::scamp5());
             faults.extend(read.faults);
+            faults.extend(read.undecided);
         }
         Faults::check(file, text, faults)?;
         Ok(program)
@@ -179,10 +180,21 @@ impl Program {
             Faults::check(&self.file, &self.text, faults)?;
             return Ok(expansion);
         };
-        // The settings of its head are constants of the text like those set from outside.
-        let mut all = settings.clone();
-        all.extend(overrides.clone());
-        let mut read = vendor::read(&self.text, includes, &all, device);
+        let (expansion, mut faults, undecided) = self.laid_out(includes, device, overrides);
+        faults.extend(undecided);
+        Faults::check(&self.file, &self.text, faults)?;
+        Ok(expansion)
+    }
+
+    /// Vendor C++ as a program that is the same in every frame; its faults, and those that it has
+    /// only because it is not.
+    fn laid_out(
+        &self,
+        includes: &Includes,
+        device: &Device,
+        overrides: &Overrides,
+    ) -> (Expansion, Vec<Fault>, Vec<Fault>) {
+        let mut read = vendor::read(&self.text, includes, &self.all_set(overrides), device);
         let syntax = Syntax {
             items: read.items,
             ..Syntax::default()
@@ -196,8 +208,51 @@ impl Program {
         expansion.warnings.extend(warnings.cloned());
         faults.append(&mut read.faults);
         faults.extend(self.faults.iter().cloned());
-        Faults::check(&self.file, &self.text, faults)?;
-        Ok(expansion)
+        (expansion, faults, read.undecided)
+    }
+
+    /// The settings of its head are constants of the text like those set from outside.
+    fn all_set(&self, overrides: &Overrides) -> Overrides {
+        let mut all = self.settings.constants.clone();
+        all.extend(overrides.clone());
+        all
+    }
+
+    /// Whether it is vendor C++ whose host decides in the run what the array does, by what it reads
+    /// or by how many frames have passed: it has no [`Expansion`], and is run by
+    /// [`run_beside`](Self::run_beside).
+    #[must_use]
+    pub fn decides(&self, device: &Device, overrides: &Overrides) -> bool {
+        let Some(includes) = &self.includes else {
+            return false;
+        };
+        let (_, faults, undecided) = self.laid_out(includes, device, overrides);
+        let is_error = |it: &Fault| it.severity == Severity::Error;
+        undecided.iter().any(is_error) && !faults.iter().any(is_error)
+    }
+
+    /// Runs vendor C++ with its host beside the array, until the array or the program ends; its
+    /// warnings.
+    ///
+    /// # Errors
+    /// All that is wrong with the text, as far as it was run.
+    pub fn run_beside(
+        &self,
+        device: &Device,
+        overrides: &Overrides,
+        array: &mut dyn Beside,
+    ) -> Result<Option<Faults>, Faults> {
+        let none = Includes::new();
+        let includes = self.includes.as_ref().unwrap_or(&none);
+        let faults = vendor::run(
+            &self.text,
+            includes,
+            &self.all_set(overrides),
+            device,
+            array,
+        );
+        Faults::check(&self.file, &self.text, faults.clone())?;
+        Ok((!faults.is_empty()).then(|| Faults::new(&self.file, &self.text, faults)))
     }
 
     /// The program in canonical form: vendor C++ as the statements that it becomes with these
@@ -210,8 +265,7 @@ impl Program {
             return Self::parse(&self.file, &self.text).map(|it| it.syntax);
         };
         self.expand(device, overrides)?;
-        let mut all = self.settings.constants.clone();
-        all.extend(overrides.clone());
+        let all = self.all_set(overrides);
         Ok(Syntax {
             items: vendor::read(&self.text, includes, &all, device).items,
             ..self.syntax.clone()
@@ -224,7 +278,15 @@ impl Program {
     /// # Errors
     /// When it has names for other kinds than these.
     pub fn names(&self, code: &Code) -> Result<Vec<String>, NamesError> {
-        let (names, kinds) = (&self.settings.names, code.kinds());
+        self.names_of(code.kinds())
+    }
+
+    /// What this many kinds are called; empty where it says no names.
+    ///
+    /// # Errors
+    /// When it has names for other kinds than these.
+    pub fn names_of(&self, kinds: u8) -> Result<Vec<String>, NamesError> {
+        let names = &self.settings.names;
         if kinds == 0 || names.len() == usize::from(kinds) {
             return Ok(if kinds == 0 {
                 Vec::new()

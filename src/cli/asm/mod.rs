@@ -65,6 +65,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         program,
         device,
         expansion,
+        ..
     } = opened;
     let changes = Changes::new(&program, &expansion, &device, &arguments.source.overrides());
     if arguments.disasm {

@@ -59,6 +59,7 @@ impl Proof {
             program,
             device,
             expansion,
+            ..
         } = opened;
         let (code, settings) = (&expansion.code, Settings::from_device(device));
         let claim = program.settings.computes.as_ref();

@@ -78,6 +78,11 @@ pub struct Arguments {
     /// Run so many times, with this seed and those that follow; print mean and spread
     #[arg(long, value_name = "N", conflicts_with_all = ["dump", "events", "strip", "debug", "displays", "trace"])]
     pub(super) repeat: Option<u64>,
+    /// Run the host of vendor C++ beside the array, statement by statement, also where it asks the
+    /// same of it in every frame: what it posts (`vs_post_text`, `printf`) is shown. A host that
+    /// decides by what it reads is always run so
+    #[arg(long)]
+    pub(super) host: bool,
     /// Step through the program; commands are read from standard input, `help` lists them
     #[arg(long, conflicts_with_all = ["json", "strip", "trace"])]
     pub(super) debug: bool,

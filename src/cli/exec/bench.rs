@@ -10,8 +10,9 @@ use super::{
         opened::Opened,
     },
     arguments::{Arguments, Assignment, Switch},
+    beside,
     light::{Lasting, Light, Said},
-    moment::Moment,
+    moment::{Moment, begin},
     saturation::{Saturated, Saturation},
     set::Set,
     strip, trace,
@@ -30,7 +31,6 @@ use crate::{
     },
     scene::{Observation, Scene},
     study::pilot::{Chips, Machine},
-    unit::Micros,
 };
 
 /// A program and all that it needs to run, once or several times.
@@ -69,7 +69,10 @@ impl<'a> Bench<'a> {
                 Assignment::Register(..) | Assignment::Figure(..) => None,
             })
             .collect();
-        let opened = arguments.source.open_with(&figures, &constants)?;
+        let opened = {
+            let source = &arguments.source;
+            source.open_to_run(&figures, &constants, arguments.host)?
+        };
         let Opened {
             program, device, ..
         } = &opened;
@@ -105,7 +108,7 @@ impl<'a> Bench<'a> {
         } = &self.opened;
         let arguments = self.arguments;
         let pixels = self.size.pixels() as u128;
-        let written = Register::written(expansion, device).len() as u128;
+        let written = self.written().len() as u128;
         // Numbers, and a picture of them.
         let looked = match arguments.strip {
             Some(_) => 11 * written * strip::columns(expansion) as u128,
@@ -126,6 +129,11 @@ impl<'a> Bench<'a> {
                 8 * pixels * self.planes.len() as u128,
             )
             .and("registers that are looked at", (8 + looked) * pixels)
+    }
+
+    /// What events may take beside that.
+    pub fn growth(&self) -> Growth {
+        Growth::beside(&self.need())
     }
 
     /// Refuses an array for which there is no room.
@@ -214,10 +222,44 @@ impl<'a> Bench<'a> {
         Saturation::new(ends.unwrap_or(chip), ends.is_none())
     }
 
+    /// The registers that the program writes: any of them, where its host decides.
+    pub fn written(&self) -> Vec<Register> {
+        let Opened {
+            device, expansion, ..
+        } = &self.opened;
+        if self.opened.decides {
+            Register::all(device)
+        } else {
+            Register::written(expansion, device)
+        }
+    }
+
+    /// Refuses what looks at the steps of a program before it runs, where its host decides them.
+    pub fn check_looks(&self) -> miette::Result<()> {
+        let arguments = self.arguments;
+        let looks = [
+            ("--strip", arguments.strip.is_some()),
+            ("--trace", arguments.trace.is_some()),
+            ("--debug", arguments.debug),
+            ("--fidelity auto", arguments.fidelity.is_auto()),
+        ];
+        let Some((option, _)) = looks.iter().find(|it| it.1 && self.opened.decides) else {
+            return Ok(());
+        };
+        Err(miette!(
+            help = "--displays, --dump, --events and --json show what it does",
+            "the host of {} decides in the run which words come next: {option} needs them before",
+            self.opened.program.file
+        ))
+    }
+
     /// Refuses files of events where the program reads none out.
     pub fn check_events(&self) -> miette::Result<()> {
         let code = &self.opened.expansion.code;
-        if self.arguments.events.is_none() || reads_events(&code.init) || reads_events(&code.frame)
+        if self.arguments.events.is_none()
+            || self.opened.decides
+            || reads_events(&code.init)
+            || reads_events(&code.frame)
         {
             return Ok(());
         }
@@ -238,25 +280,20 @@ impl<'a> Bench<'a> {
         chip: &mut dyn Array,
         mut run: impl FnMut(&mut dyn Array, &Moment<'_>, &mut Packet) -> miette::Result<ControlFlow<()>>,
     ) -> miette::Result<(Packet, u64)> {
+        if self.opened.decides {
+            return beside::watch(self, chip, &mut run);
+        }
         let light = Light::open(self.arguments, &self.opened.program, &self.observation)?;
         let Expansion { code, bare, .. } = &self.opened.expansion;
         let mut light = Lasting::new(light, self.size, if *bare { 1 } else { 2 });
         let mut packet = Packet::new(chip.size(), chip.channels());
         packet.names = self.opened.program.names(code)?;
-        let growth = Growth::beside(&self.need());
+        let growth = self.growth();
         let mut before: Option<f64> = None;
         let mut index = 0;
         let frames = rig::play(&mut light, |frame| {
-            let t = Micros::from_seconds(frame.seconds);
-            chip.begin_frame();
-            chip.expose(&frame.light)?;
-            let since = before.replace(frame.seconds);
-            let since = since.map(|before| frame.seconds - before);
-            match since {
-                Some(seconds) => chip.wait(seconds),
-                None => packet.span.0 = t,
-            }
-            packet.span.1 = t;
+            let (t, since) = begin(chip, &frame, before, &mut packet)?;
+            before = Some(frame.seconds);
             let is_init = !*bare && index == 0;
             let moment = Moment {
                 index,
@@ -265,6 +302,7 @@ impl<'a> Bench<'a> {
                 light: &frame.light,
                 steps: if is_init { &code.init } else { &code.frame },
                 is_init,
+                ran: false,
             };
             index += 1;
             let flow = run(chip, &moment, &mut packet)?;

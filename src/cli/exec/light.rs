@@ -1,6 +1,9 @@
 //! What falls on the photodiodes.
 
-use std::{cell::Cell, path::Path};
+use std::{
+    cell::{Cell, RefCell},
+    path::Path,
+};
 
 use miette::miette;
 
@@ -28,6 +31,10 @@ pub struct Said {
     cut: Cell<Option<u64>>,
     /// Frames that the clip had, and those that were asked for.
     ended: Cell<Option<(u64, u64)>>,
+    /// Words of the shortest and of the longest frame, where the host decides what runs.
+    pub words: Cell<Option<(u64, u64)>>,
+    /// What that host wrote, and in which frame.
+    pub posts: RefCell<Vec<(u64, String)>>,
 }
 
 impl Said {
@@ -47,7 +54,10 @@ impl Said {
             let more = asked - had;
             format!("the clip ends after {had} frames; its last picture was shown for {more} more")
         });
-        cut.into_iter().chain(ended).collect()
+        let words = self.words.get().map(|(least, most)| {
+            format!("the host decides what runs: {least} to {most} words in a frame")
+        });
+        cut.into_iter().chain(ended).chain(words).collect()
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod bench;
+mod beside;
 mod debug;
 mod dump;
 mod light;
@@ -40,6 +41,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut bench = Bench::new(arguments)?;
     bench.check()?;
     bench.check_events()?;
+    bench.check_looks()?;
     let plan = if arguments.fidelity.is_auto() {
         Some(pilot::plan(&bench)?)
     } else {
@@ -129,6 +131,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         light: &bench.observation,
         warnings: &warnings,
         notes: &notes,
+        posts: &bench.said.posts.borrow(),
         written: &written,
         without: arguments.without.told(),
     };

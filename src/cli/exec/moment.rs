@@ -5,8 +5,29 @@ use crate::{
     event::Packet,
     plane::Plane,
     program::Step,
+    scene::Frame,
     unit::Micros,
 };
+
+/// Lets a frame's light fall on the chip; when that is, and the seconds since the frame before, if
+/// there was one.
+pub fn begin(
+    chip: &mut dyn Array,
+    frame: &Frame,
+    before: Option<f64>,
+    packet: &mut Packet,
+) -> miette::Result<(Micros, Option<f64>)> {
+    let t = Micros::from_seconds(frame.seconds);
+    chip.begin_frame();
+    chip.expose(&frame.light)?;
+    let since = before.map(|before| frame.seconds - before);
+    match since {
+        Some(seconds) => chip.wait(seconds),
+        None => packet.span.0 = t,
+    }
+    packet.span.1 = t;
+    Ok((t, since))
+}
 
 /// A frame to which the chip is exposed already.
 pub struct Moment<'a> {
@@ -22,12 +43,16 @@ pub struct Moment<'a> {
     pub steps: &'a [Step],
     /// Whether that is `init`.
     pub is_init: bool,
+    /// Whether it ran already, with the host beside the array.
+    pub ran: bool,
 }
 
 impl Moment<'_> {
-    /// Runs all of it.
+    /// Runs all of it, if that is still to be done.
     pub fn run(&self, chip: &mut dyn Array, packet: &mut Packet) -> Result<(), RunError> {
-        if self.is_init {
+        if self.ran {
+            Ok(())
+        } else if self.is_init {
             chip.run_init(self.t, packet)
         } else {
             chip.run_frame(self.t, packet)

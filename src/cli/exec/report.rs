@@ -10,6 +10,9 @@ use crate::{
     scene::Observation,
 };
 
+/// Readings that the table shows.
+const READINGS: usize = 40;
+
 /// What the run gave.
 pub struct Report<'a> {
     pub program: &'a str,
@@ -23,6 +26,8 @@ pub struct Report<'a> {
     pub warnings: &'a [Warning],
     /// What is to be said beside.
     pub notes: &'a [String],
+    /// What the host wrote, and in which frame.
+    pub posts: &'a [(u64, String)],
     /// What was written.
     pub written: &'a [String],
 }
@@ -85,6 +90,9 @@ impl Report<'_> {
             "light": light::json(self.light),
             "warnings": self.warnings,
             "notes": self.notes,
+            "posts": self.posts.iter()
+                .map(|(frame, text)| json!({"frame": frame, "text": text}))
+                .collect::<Vec<_>>(),
             "written": self.written,
         })
     }
@@ -145,9 +153,18 @@ impl Report<'_> {
                 "note     {count} event{plural} at the chip's (0,0), the top right pixel, kept here: a host that takes (0,0) for the end of the list would lose {it}"
             ));
         }
-        for reading in self.chip.readings() {
+        // A host that looks again and again reads much.
+        let readings = self.chip.readings();
+        for reading in readings.iter().take(READINGS) {
             lines.push(format!("read     {}", reading::line(reading)));
         }
+        if let Some(more) = readings.len().checked_sub(READINGS + 1) {
+            lines.push(format!("read     {} more (--json lists them)", more + 1));
+        }
+        // As for what was read: that of the last frame.
+        let last = self.posts.iter().filter(|it| it.0 + 1 == self.frames);
+        let last = last.flat_map(|it| it.1.lines());
+        lines.extend(last.map(|text| format!("post     {text}")));
         lines.extend(self.notes.iter().map(|note| format!("note     {note}")));
         lines.extend(self.written.iter().map(|what| format!("wrote    {what}")));
         lines.join("\n") + "\n"

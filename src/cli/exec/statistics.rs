@@ -6,7 +6,7 @@ use miette::miette;
 use serde_json::json;
 
 use super::bench::Bench;
-use crate::{array::Register, event::Polarity, limit::RUNS, plane::Plane};
+use crate::{event::Polarity, limit::RUNS, plane::Plane};
 
 /// What many runs gave.
 ///
@@ -47,7 +47,7 @@ impl Statistics {
             ));
         }
         let opened = &bench.opened;
-        let written = Register::written(&opened.expansion, &opened.device);
+        let written = bench.written();
         let mut registers: Vec<Sums> = Vec::new();
         let mut events = Vec::new();
         let mut domain = String::new();

@@ -3,6 +3,7 @@
 use std::{collections::BTreeMap, rc::Rc, sync::Arc};
 
 use super::{
+    beside::Companion,
     evaluate::{Reach, base_name},
     host::{self, Role},
     look,
@@ -697,10 +698,12 @@ impl Machine<'_> {
             }
             return value;
         }
+        let mut values = Vec::new();
         for it in given {
             // Callbacks run when somebody moves a slider.
             if !matches!(it.node, ExprNode::Lambda(_)) {
                 let value = self.value(it);
+                values.push(value.clone());
                 self.keeps_register(name, &value, place);
                 if let (Value::Pointer(slot, path, _), true) = (&value, written(name)) {
                     let why = format!("what `{name}` gives");
@@ -709,19 +712,20 @@ impl Machine<'_> {
             }
         }
         match name {
-            "scamp5_output_bitstack_begin" => {
-                self.stack = given.first().map(|it| self.value(it));
+            "vs_post_text" | "printf" | "puts" => {
+                self.post(&values);
                 Value::Whole(0)
             }
-            "vs_gui_add_display" => {
-                let title = given.first().map(|it| self.value(it));
-                match title {
-                    Some(Value::Text(text)) => Value::Text(text),
-                    _ => Value::Text("".into()),
-                }
+            "scamp5_output_bitstack_begin" => {
+                self.stack = values.first().cloned();
+                Value::Whole(0)
             }
+            "vs_gui_add_display" => match values.into_iter().next() {
+                Some(Value::Text(text)) => Value::Text(text),
+                _ => Value::Text("".into()),
+            },
             // A handle of a slider is its value here.
-            "vs_gui_read_slider" => match given.first().map(|it| self.value(it)) {
+            "vs_gui_read_slider" => match values.into_iter().next() {
                 Some(value @ (Value::Whole(_) | Value::Wide(..) | Value::Real(_))) => value,
                 Some(Value::Symbol(gain)) if &*gain == "VS_GUI_FRAME_GAIN" => {
                     let value = self.set("frame_gain").unwrap_or(Value::Whole(1));
@@ -732,7 +736,10 @@ impl Machine<'_> {
                 _ => Value::Unknown("a slider of the GUI".into()),
             },
             "vs_gui_is_on" => Value::Whole(1),
-            "strlen" => match given.first().map(|it| self.value(it)) {
+            "rand" if self.companion.is_some() => {
+                Value::Whole(self.companion.as_mut().map_or(0, Companion::random))
+            }
+            "strlen" => match values.into_iter().next() {
                 Some(Value::Text(text)) => Value::Wide(text.len() as i64, Width::UnsignedLong),
                 _ => Value::Unknown("the length of a text".into()),
             },
@@ -816,6 +823,12 @@ impl Machine<'_> {
             {
                 let reached = self.member(reached, member);
                 self.call_reached(callee, &reached, given, place)
+            }
+            (_, Reach::Spot(slot, _))
+                if self.companion.is_some() && matches!(member, "reset" | "get_usec") =>
+            {
+                let slot = *slot;
+                self.stopwatch(slot, member).unwrap_or(Value::Whole(0))
             }
             (held, _) => {
                 let record = matches!(held, Some(Value::Record(..)));
@@ -948,6 +961,13 @@ impl Machine<'_> {
             self.ask_groups(name, groups, place);
             return Value::Whole(0);
         }
+        let mut targets = Vec::new();
+        // What is shown is written into memory as well.
+        if let ("scamp5_output_boundingbox", Some((Value::Pointer(slot, path, _), ..))) =
+            (name, values.get(2))
+        {
+            targets.push((*slot, path.clone()));
+        }
         let Some((name, values)) = super::chip::rewritten(self, name, values, place) else {
             return Value::Whole(0);
         };
@@ -968,9 +988,7 @@ impl Machine<'_> {
             let term = match value {
                 Value::Pointer(..) | Value::Text(_) | Value::List(_) if !buffers => None,
                 Value::Pointer(slot, path, _) => {
-                    let why = format!("what `{name}` reads in {}", self.line(place));
-                    let (slot, path) = (*slot, path.clone());
-                    self.forget(slot, &path, &why.into());
+                    targets.push((*slot, path.clone()));
                     Some(Term::Name(super::chip::buffer_name(buffer)))
                 }
                 Value::Text(_) => Some(Term::Name(super::chip::buffer_name(buffer))),
@@ -985,7 +1003,23 @@ impl Machine<'_> {
             }
         }
         self.ask(&name, terms, place);
-        Value::Unknown(format!("what `{name}` reads in {}", self.line(place)).into())
+        let why: Arc<str> = format!("what `{name}` reads in {}", self.line(place)).into();
+        for (slot, path) in &targets {
+            self.forget(*slot, path, &why);
+        }
+        // The count destroys a register, and is read none the less.
+        let read = host::role(&name, values.len()) == Role::Read || name == "scamp5_global_count";
+        if read && let Some(answer) = self.run_asked() {
+            if let Some(memory) = answer.memory {
+                for target in &targets {
+                    self.fill(target, &memory, &name, place);
+                }
+            }
+            if let Some(value) = answer.value {
+                return Value::Whole(value);
+            }
+        }
+        Value::Unknown(why)
     }
 
     /// `bus({A, B}, {C})`: arguments in braces.

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::{
     parse::{Parsed, Parser},
-    token::{Kind as TokenKind, Token},
+    token::{Kind as TokenKind, Token, unescaped},
     tree::{Capture, Captures, Expr, ExprNode, Function, Kind, TemplateArgument},
 };
 use crate::config::{Fault, Place};
@@ -218,9 +218,9 @@ fn primary(it: &mut Parser<'_>) -> Parsed<Expr> {
         TokenKind::Real(value) => ExprNode::Real(*value),
         TokenKind::Text(text) => {
             it.at += 1;
-            let mut all = text.to_string();
+            let mut all = unescaped(text);
             while let Some(TokenKind::Text(more)) = it.peek(0).map(|t| &t.kind) {
-                all.push_str(more);
+                all.push_str(&unescaped(more));
                 it.at += 1;
             }
             return Ok(Expr {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::{
+    light::{capture, light},
     look,
     machine::{Flow, Machine},
     tree::{Expr, ExprNode, Stmt, Word, last},
@@ -131,7 +132,7 @@ impl Machine<'_> {
         body: &Stmt,
     ) {
         if steady.len() > 2 {
-            self.fault(
+            self.undecided(
                 Fault::error(
                     body.place,
                     format!("{} frames in one turn of this loop", steady.len() - 1),
@@ -184,7 +185,7 @@ impl Machine<'_> {
         };
         let count = 2 + captures.count();
         let line = self.line(first);
-        self.fault(
+        self.undecided(
             Fault::error(
                 second,
                 format!("{count} frames are captured before the steady loop, and a program has one of its own there, `init`"),
@@ -222,7 +223,7 @@ impl Machine<'_> {
         let captured = frames.iter().filter(|it| capture(it).is_some()).count();
         if done > 1 || captured > 1 {
             let second = frames[1..].iter().find(|it| !it.is_empty());
-            self.fault(
+            self.undecided(
                 Fault::error(
                     second.map_or_else(Place::default, |it| place_of(it)),
                     format!("{} frames that do not do the same", 1 + done),
@@ -246,21 +247,6 @@ fn place_of(items: &[Item]) -> Place {
     }
 }
 
-/// Where light is captured first.
-fn capture(items: &[Item]) -> Option<Place> {
-    items.iter().find_map(|it| match &it.node {
-        Node::Kernel(body) | Node::Repeat { body, .. } => capture(body),
-        Node::Statement(statement) => {
-            let words = ["get_image", "getpix", "scamp5_get_image"];
-            // `respix(y)` reads the reset level, no light.
-            let reads = words.contains(&statement.name.as_str())
-                || statement.arguments.iter().any(|it| it.to_string() == "PIX");
-            reads.then_some(it.place)
-        }
-        _ => None,
-    })
-}
-
 /// Whether a condition is written as one that always holds.
 fn always(it: &Expr) -> bool {
     match &it.node {
@@ -268,17 +254,4 @@ fn always(it: &Expr) -> bool {
         ExprNode::Convert(_, of) => always(of),
         _ => false,
     }
-}
-
-/// Whether something captures light, or resets the photodiodes.
-fn light(items: &[Item]) -> bool {
-    items.iter().any(|it| match &it.node {
-        Node::Kernel(body) | Node::Repeat { body, .. } => light(body),
-        Node::Statement(statement) => {
-            let captures = ["get_image", "getpix", "respix", "rpix", "scamp5_get_image"];
-            captures.contains(&statement.name.as_str())
-                || statement.arguments.iter().any(|it| it.to_string() == "PIX")
-        }
-        _ => false,
-    })
 }

@@ -7,13 +7,14 @@ use std::{
 };
 
 use super::{
+    beside::Companion,
     files::Files,
     look,
     tree::{Expr, Function, Kind, TemplateArgument, Word, last, qualifier},
     value::{Layout, Slot, Value},
 };
 use crate::{
-    config::{Fault, Place, enough},
+    config::{Fault, Place, Severity, enough},
     isa::{
         Callable, Device,
         text::{Argument, Expression, Statement, Term},
@@ -62,6 +63,10 @@ pub(super) struct Machine<'a> {
     pub device: &'a Device,
     pub overrides: &'a Overrides,
     pub faults: Vec<Fault>,
+    /// What only the run decides: faults where the program has to be known before.
+    pub undecided: Vec<Fault>,
+    /// The array, where the host runs beside it.
+    pub companion: Option<Companion<'a>>,
     /// What can be set from outside, with its value.
     pub constants: BTreeMap<String, f64>,
     pub functions: BTreeMap<Word, Vec<Rc<Function>>>,
@@ -72,6 +77,8 @@ pub(super) struct Machine<'a> {
     /// Where variables of the file are stated.
     pub homes: BTreeMap<Word, Place>,
     pub slots: Vec<Value>,
+    /// Variables that were given up.
+    pub free: Vec<Slot>,
     /// The types of the variables, or of their elements.
     pub kinds: Vec<Kind>,
     /// Arrays that are copied with their name, as those of the language's library.
@@ -132,6 +139,8 @@ impl<'a> Machine<'a> {
             device,
             overrides,
             faults: Vec::new(),
+            undecided: Vec::new(),
+            companion: None,
             constants: BTreeMap::new(),
             functions: BTreeMap::new(),
             members: BTreeMap::new(),
@@ -139,6 +148,7 @@ impl<'a> Machine<'a> {
             fixed: BTreeSet::new(),
             homes: BTreeMap::new(),
             slots: Vec::new(),
+            free: Vec::new(),
             kinds: Vec::new(),
             copied: BTreeSet::new(),
             layouts: BTreeMap::new(),
@@ -167,10 +177,16 @@ impl<'a> Machine<'a> {
     }
 
     pub(super) fn fault(&mut self, fault: Fault) {
-        // A loop would tell it in every turn.
-        let known = |it: &Fault| it.message == fault.message && it.place.start == fault.place.start;
-        if !self.faults.iter().any(known) {
-            self.faults.push(fault);
+        once(&mut self.faults, fault);
+    }
+
+    /// Tells what only the run decides: a fault of a program that has to be known before.
+    pub(super) fn undecided(&mut self, fault: Fault) {
+        match &self.companion {
+            None => once(&mut self.undecided, fault),
+            // What follows from an end is none.
+            Some(companion) if companion.over => {}
+            Some(_) => self.fault(fault),
         }
     }
 
@@ -180,7 +196,21 @@ impl<'a> Machine<'a> {
 
     /// Whether there is no use in going on.
     pub(super) fn done(&self) -> bool {
-        self.full || enough(&self.faults)
+        let is_error = |it: &Fault| it.severity == Severity::Error;
+        // Beside the array, what is wrong in a frame ends the run there.
+        let over = |it: &Companion<'_>| it.over || self.faults.iter().any(is_error);
+        let over = self.companion.as_ref().is_some_and(over);
+        over || self.full || enough(&self.faults) || enough(&self.undecided)
+    }
+
+    /// What was asked runs: as much may be asked again.
+    pub(super) const fn asks_anew(&mut self) {
+        self.asked = 0;
+    }
+
+    /// A frame may be as much work as the one before.
+    pub(super) const fn works_anew(&mut self) {
+        self.work = 0;
     }
 
     /// One more statement or call is worked on.
@@ -188,9 +218,13 @@ impl<'a> Machine<'a> {
         self.work += 1;
         if self.work > WORK && !self.full {
             self.full = true;
+            let before = match self.companion {
+                Some(_) => "run in one frame",
+                None => "run before the program is known",
+            };
             self.error(
                 place,
-                format!("more than {WORK} statements run before the program is known"),
+                format!("more than {WORK} statements {before}"),
                 "here there is no end in sight",
                 "loops need bounds that are known before the run; one that waits for somebody at the GUI ends by `--const NAME=VALUE`",
             );
@@ -252,11 +286,16 @@ impl<'a> Machine<'a> {
 
     /// A new variable, without a name.
     pub(super) fn hold(&mut self, value: Value, kind: Kind) -> Slot {
-        let slot = self.slots.len();
-        self.slots.push(value);
-        self.kinds.resize(slot, Kind::Any);
-        self.kinds.push(kind);
+        let slot = self.free.pop().unwrap_or(self.slots.len());
+        if slot == self.slots.len() {
+            self.slots.push(value);
+            self.kinds.push(kind);
+        } else {
+            self.slots[slot] = value;
+            self.kinds[slot] = kind;
+        }
         self.copied.remove(&slot);
+        self.fixed.remove(&slot);
         slot
     }
 
@@ -459,14 +498,27 @@ impl<'a> Machine<'a> {
     pub(super) fn unknown(&mut self, place: Place, message: String, of: Option<&Expr>) {
         let name = of.and_then(|it| look::unknown(self, it));
         let name = name.as_deref().map_or("NAME", last);
-        let help = format!(
-            "a program is the same words in every frame: give the value with `--const {name}=VALUE`, or take this out"
-        );
-        self.error(place, message, "only the run knows", &help);
+        let (label, help) = match self.companion {
+            Some(_) => (
+                "not known here",
+                format!("give the value with `--const {name}=VALUE`, or take this out"),
+            ),
+            None => (
+                "only the run knows",
+                format!(
+                    "`exec` runs it, with the host beside the array. Here a program is the same words in every frame: give the value with `--const {name}=VALUE`, or take this out"
+                ),
+            ),
+        };
+        self.undecided(Fault::error(place, message, label).help(help));
     }
 
     /// A new frame begins.
     pub(super) fn sync(&mut self) {
+        if self.companion.is_some() {
+            self.next_frame();
+            return;
+        }
         let items = std::mem::take(&mut self.items);
         self.frames.push(items);
     }
@@ -522,6 +574,14 @@ impl<'a> Machine<'a> {
                 .help("begin it with `scamp5_dynamic_kernel_begin();`"),
             );
         }
+    }
+}
+
+/// Adds a fault, once: a loop would tell it in every turn.
+fn once(faults: &mut Vec<Fault>, fault: Fault) {
+    let known = |it: &Fault| it.message == fault.message && it.place.start == fault.place.start;
+    if !faults.iter().any(known) {
+        faults.push(fault);
     }
 }
 

@@ -11,11 +11,13 @@
 //! - [`machine`], [`run`], [`evaluate`], [`call`]: the tree, run. [`value::Value::Unknown`] is what
 //!   only the run of the program knows; nothing that changes the array may depend on it.
 //! - [`frames`]: the loop over the frames, its first turn and its steady one.
+//! - [`beside`]: the host runs beside the array instead, and decides by what it reads.
 //! - [`host`], [`chip`]: what the vendor's library offers.
 //! - [`write`]: the other way, from a program to C++.
 //!
 //! Text whose statements end with their lines, as an open simulator takes it, is read as well.
 
+mod beside;
 mod call;
 mod chip;
 mod constant;
@@ -24,6 +26,7 @@ mod expression;
 mod files;
 mod frames;
 mod host;
+mod light;
 mod look;
 mod machine;
 mod parse;
@@ -35,12 +38,14 @@ mod tree;
 mod value;
 mod write;
 
+pub use beside::{Answer, Beside};
 pub use files::Includes;
 pub use write::{WriteError, cpp};
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use self::{
+    beside::Companion,
     files::Files,
     machine::{Machine, item},
     tree::{Function, Stmt, StmtNode},
@@ -50,7 +55,7 @@ use super::{
     syntax::{Item, Node},
 };
 use crate::{
-    config::{Fault, Place},
+    config::{Fault, Place, Severity},
     isa::Device,
 };
 
@@ -61,6 +66,8 @@ pub(super) struct Read {
     /// What can be set from outside, with its value.
     pub constants: BTreeMap<String, f64>,
     pub faults: Vec<Fault>,
+    /// What only a run beside the array decides: faults too, where the program has to be known.
+    pub undecided: Vec<Fault>,
     /// Titles of what is shown, by line.
     pub titles: BTreeMap<u32, BTreeSet<String>>,
 }
@@ -141,18 +148,56 @@ pub(super) fn read(
     machine.faults = first.faults;
     let broken = !faults.is_empty();
     machine.faults.extend(faults);
-    let items = run_file(&mut machine, &statements, broken);
-    let faults = machine.faults.drain(..).collect::<Vec<_>>();
+    run_file(&mut machine, &statements);
+    let items = laid_out(&mut machine, broken);
+    let placed = |all: Vec<Fault>| all.into_iter().map(|it| files.fault(it)).collect();
     Read {
         items,
-        constants: std::mem::take(&mut machine.constants),
-        faults: faults.into_iter().map(|it| files.fault(it)).collect(),
-        titles: std::mem::take(&mut machine.titles),
+        constants: machine.constants,
+        faults: placed(machine.faults),
+        undecided: placed(machine.undecided),
+        titles: machine.titles,
     }
 }
 
-/// What a file asks of the array.
-fn run_file(machine: &mut Machine<'_>, statements: &[Stmt], broken: bool) -> Vec<Item> {
+/// Runs a text whose host decides by what it reads, beside the array; its faults.
+pub(super) fn run(
+    text: &str,
+    includes: &Includes,
+    overrides: &Overrides,
+    device: &Device,
+    array: &mut dyn Beside,
+) -> Vec<Fault> {
+    let mut files = Files::new(text.len());
+    let first = preprocess::preprocess(text, includes, overrides, &mut files);
+    let (statements, faults) = parse::parse(&first.tokens, text.len());
+    let mut machine = Machine::new(text, &files, device, overrides);
+    machine.faults = [first.faults, faults].concat();
+    machine.companion = Some(Companion::new(array));
+    run_file(&mut machine, &statements);
+    machine.run_asked();
+    // Without `main`, these are the statements of every frame.
+    while !machine.functions.contains_key("main") && machine.another_frame() {
+        run_file(&mut machine, &statements);
+        machine.run_asked();
+    }
+    let (frames, steps) =
+        { machine.companion }.map_or((1, Vec::new()), |it| (it.frames, it.faults));
+    let placed = machine.faults.into_iter().map(|it| files.fault(it));
+    let all = placed.chain(steps);
+    all.map(|it| match it.severity {
+        // The first frame is the one that is seen without a run, too.
+        Severity::Error if frames > 1 => Fault {
+            message: format!("{} (in frame {}, counted from 0)", it.message, frames - 1),
+            ..it
+        },
+        _ => it,
+    })
+    .collect()
+}
+
+/// Runs what a file says.
+fn run_file(machine: &mut Machine<'_>, statements: &[Stmt]) {
     state(machine, statements);
     top_level(machine, statements);
     let main = machine
@@ -162,7 +207,7 @@ fn run_file(machine: &mut Machine<'_>, statements: &[Stmt], broken: bool) -> Vec
         .cloned();
     if let Some(main) = main {
         machine.enter(&main, &[], main.place);
-    } else if machine.items.is_empty() && machine.frames.is_empty() {
+    } else if machine.items.is_empty() && machine.frames.is_empty() && !machine.has_run() {
         only_function(machine);
     }
     if let Some(kernel) = machine.kernel.take() {
@@ -173,6 +218,10 @@ fn run_file(machine: &mut Machine<'_>, statements: &[Stmt], broken: bool) -> Vec
             "end it with `scamp5_kernel_end();`",
         );
     }
+}
+
+/// What it asked of the array, as a program.
+fn laid_out(machine: &mut Machine<'_>, broken: bool) -> Vec<Item> {
     let place = Place::default();
     let items = std::mem::take(&mut machine.items);
     let mut frames = std::mem::take(&mut machine.frames);
@@ -188,7 +237,7 @@ fn run_file(machine: &mut Machine<'_>, statements: &[Stmt], broken: bool) -> Vec
     }
     frames.push(items);
     let all = machine.ended(frames);
-    if all.is_empty() && machine.faults.is_empty() && !broken {
+    if all.is_empty() && machine.faults.is_empty() && machine.undecided.is_empty() && !broken {
         machine.error(
             place,
             "nothing here asks anything of the array".to_owned(),

@@ -185,6 +185,7 @@ impl Machine<'_> {
             }
             _ => None,
         };
+        let fixed = self.companion.is_some() && set.is_some();
         let value = match (set, stated) {
             (Some(value), _) | (None, Some(value)) => value,
             (None, None) if it.lengths.is_empty() => {
@@ -210,6 +211,9 @@ impl Machine<'_> {
         let copied = it.library && matches!(value, Value::List(_));
         let kind = self.resolved(it.kind);
         let slot = self.make(&it.name, value, kind);
+        if fixed {
+            self.fixed.insert(slot);
+        }
         if copied {
             self.copied.insert(slot);
         }
@@ -460,9 +464,13 @@ impl Machine<'_> {
         body: &Stmt,
         body_first: bool,
     ) -> Flow {
-        if self.endless(condition, body) {
+        let beside = self.companion.is_some();
+        let endless = self.endless(condition, body);
+        if endless && !beside {
             return self.frame_loop(body, step);
         }
+        // Where nothing in it waits, a turn is a frame.
+        let frame = endless && !look::syncs(self, body) && look::changes(self, body);
         let outer = self.maybe.clone();
         let mut all: Vec<Vec<Item>> = Vec::new();
         let before = self.items.len();
@@ -471,6 +479,9 @@ impl Machine<'_> {
         let mut flow = Flow::Next;
         while !self.done() {
             self.work(it.place);
+            if frame {
+                self.next_frame();
+            }
             let holds = match condition {
                 Some(condition) if !first => {
                     let value = self.condition(condition);
@@ -490,7 +501,12 @@ impl Machine<'_> {
             }
             let start = self.items.len();
             let one = self.scoped(body);
-            if self.frames.len() == frames && self.kernel.is_none() && start <= self.items.len() {
+            if beside {
+                self.give_up();
+            } else if self.frames.len() == frames
+                && self.kernel.is_none()
+                && start <= self.items.len()
+            {
                 all.push(self.items[start..].to_vec());
             }
             match one {

@@ -172,7 +172,8 @@ impl<'a> Lexer<'a> {
             return Err("text in quotes without an end".to_owned());
         };
         self.at += open + 1 + length + end.len();
-        Ok(Kind::Text(body[..length].into()))
+        // Where all others have their escapes, it has none.
+        Ok(Kind::Text(body[..length].replace('\\', "\\\\").into()))
     }
 
     fn quoted(&mut self, quote: char) -> Result<Kind, String> {
@@ -188,11 +189,7 @@ impl<'a> Lexer<'a> {
                 if quote == '"' {
                     return Ok(Kind::Text(inner.into()));
                 }
-                let code = match inner {
-                    "\\n" => '\n',
-                    "\\0" => '\0',
-                    inner => inner.chars().next_back().unwrap_or(' '),
-                };
+                let code = unescaped(inner).chars().next_back().unwrap_or(' ');
                 return Ok(Kind::Whole(i64::from(u32::from(code))));
             }
             escaped = c == '\\' && !escaped;
@@ -253,6 +250,54 @@ fn whole_number(text: &str, radix: u32, decimal: bool) -> Option<Kind> {
         return None;
     };
     Some(Kind::Wide(value as i64, width))
+}
+
+/// Text in quotes as it is meant: `\n` is the end of a line.
+pub(super) fn unescaped(text: &str) -> String {
+    let mut out = String::new();
+    let mut rest = text.chars();
+    while let Some(c) = rest.next() {
+        let (radix, first) = match c {
+            '\\' => match rest.next() {
+                Some('x') => (16, None),
+                Some(digit @ '0'..='7') => (8, Some(digit)),
+                other => {
+                    out.extend(other.map(escaped));
+                    continue;
+                }
+            },
+            c => {
+                out.push(c);
+                continue;
+            }
+        };
+        // Two digits of 16, or three of 8.
+        let most = if radix == 16 { 2 } else { 3 };
+        let mut digits: String = first.into_iter().collect();
+        let all = rest.as_str().chars();
+        digits.extend(
+            all.take_while(|c| c.is_digit(radix))
+                .take(most - digits.len()),
+        );
+        let read = digits.len() - usize::from(first.is_some());
+        rest.by_ref().take(read).for_each(drop);
+        let code = u32::from_str_radix(&digits, radix).ok();
+        out.extend(code.and_then(char::from_u32));
+    }
+    out
+}
+
+const fn escaped(c: char) -> char {
+    match c {
+        'n' => '\n',
+        't' => '\t',
+        'r' => '\r',
+        'a' => '\x07',
+        'b' => '\x08',
+        'f' => '\x0c',
+        'v' => '\x0b',
+        c => c,
+    }
 }
 
 fn hexadecimal(text: &str) -> bool {

@@ -1,0 +1,149 @@
+//! A program whose host decides as it goes, beside the array.
+
+use std::ops::ControlFlow;
+
+use miette::miette;
+
+use super::{
+    super::{budget::Growth, complain},
+    bench::Bench,
+    light::{Lasting, Light},
+    moment::{Moment, begin},
+};
+use crate::{
+    array::{Array, answered},
+    event::Packet,
+    program::{Answer, Beside, Step},
+    scene::{Frame, Scene},
+    unit::Micros,
+};
+
+/// What is done in each frame.
+type Run<'r> =
+    dyn FnMut(&mut dyn Array, &Moment<'_>, &mut Packet) -> miette::Result<ControlFlow<()>> + 'r;
+
+/// The array and its light, as the host sees them.
+struct Companion<'r> {
+    chip: &'r mut dyn Array,
+    program: &'r str,
+    light: Lasting,
+    run: &'r mut Run<'r>,
+    packet: Packet,
+    growth: Growth,
+    /// The frame that runs, when it falls, and the seconds since the one before.
+    now: Option<(Frame, Micros, Option<f64>)>,
+    frames: u64,
+    /// Words before this frame.
+    before: u64,
+    /// Words of the shortest and of the longest frame.
+    words: Option<(u64, u64)>,
+    /// What the host wrote, and in which frame.
+    posts: Vec<(u64, String)>,
+    stopped: Option<miette::Report>,
+}
+
+/// Runs the program with its host beside this chip; what it said, and how many frames it saw.
+pub fn watch(
+    bench: &Bench<'_>,
+    chip: &mut dyn Array,
+    run: &mut Run<'_>,
+) -> miette::Result<(Packet, u64)> {
+    let opened = &bench.opened;
+    let light = Light::open(bench.arguments, &opened.program, &bench.observation)?;
+    let mut array = Companion {
+        packet: Packet::new(chip.size(), chip.channels()),
+        before: chip.ledger().words().0,
+        chip,
+        program: &opened.program.file,
+        light: Lasting::new(light, bench.size, 2),
+        run,
+        growth: bench.growth(),
+        now: None,
+        frames: 0,
+        words: None,
+        posts: Vec::new(),
+        stopped: None,
+    };
+    let ran = opened
+        .program
+        .run_beside(&opened.device, &opened.overrides, &mut array);
+    if array.stopped.is_none() && ran.is_ok() {
+        array.stopped = array.end_frame().err();
+    }
+    if let Some(stopped) = array.stopped.take() {
+        return Err(stopped);
+    }
+    if let Some(warnings) = ran? {
+        complain(&format!("{:?}\n", miette!(warnings)));
+    }
+    bench.said.set(&array.light);
+    bench.said.words.set(array.words);
+    bench.said.posts.replace(array.posts);
+    let mut packet = array.packet;
+    let kinds = packet.events.iter().map(|it| it.channel).max();
+    packet.channels = packet
+        .channels
+        .max(kinds.map_or(1, |last| last.saturating_add(1)));
+    packet.names = opened.program.names_of(packet.channels)?;
+    Ok((packet, array.frames))
+}
+
+impl Companion<'_> {
+    fn end_frame(&mut self) -> miette::Result<()> {
+        let Some((frame, t, since)) = self.now.take() else {
+            return Ok(());
+        };
+        let words = self.chip.ledger().words().0;
+        let count = words - std::mem::replace(&mut self.before, words);
+        let (least, most) = self.words.unwrap_or((count, count));
+        self.words = Some((least.min(count), most.max(count)));
+        let moment = Moment {
+            index: self.frames,
+            t,
+            since,
+            light: &frame.light,
+            steps: &[],
+            is_init: false,
+            ran: true,
+        };
+        self.frames += 1;
+        // What ends a run early is only there where its steps are known.
+        let _ = (self.run)(self.chip, &moment, &mut self.packet)?;
+        self.growth.check(&self.packet, self.program)
+    }
+
+    fn next_frame(&mut self) -> miette::Result<bool> {
+        let before = self.now.as_ref().map(|now| now.0.seconds);
+        self.end_frame()?;
+        let Some(frame) = self.light.next_frame()? else {
+            return Ok(false);
+        };
+        let (t, since) = begin(self.chip, &frame, before, &mut self.packet)?;
+        self.now = Some((frame, t, since));
+        Ok(true)
+    }
+}
+
+impl Beside for Companion<'_> {
+    fn frame(&mut self) -> bool {
+        self.next_frame().unwrap_or_else(|why| {
+            self.stopped = Some(why);
+            false
+        })
+    }
+
+    fn run(&mut self, steps: &[Step]) -> Option<Answer> {
+        let t = self.now.as_ref().map_or(Micros(0), |now| now.1);
+        let answer = answered(self.chip, steps, t, &mut self.packet);
+        answer.map_err(|why| self.stopped = Some(why.into())).ok()
+    }
+
+    fn micros(&self) -> f64 {
+        let cost = self.chip.ledger().cost(self.chip.device());
+        cost.array_us + cost.host_us
+    }
+
+    fn post(&mut self, text: String) {
+        self.posts.push((self.frames, text));
+    }
+}

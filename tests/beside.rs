@@ -1,0 +1,426 @@
+//! Hosts that run beside the array: what they read decides what comes next, and where they would
+//! decide nothing, all is as if the program had been laid out before.
+
+mod common;
+
+use std::{fs, path::Path};
+
+use amacrine::{
+    isa::Device,
+    program::{Action, Answer, Beside, Host, Overrides, Program, Step},
+};
+use common::{good, json, refused};
+use ndarray::Array2;
+use ndarray_npy::WriteNpyExt;
+
+const VENDOR: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/vendor");
+
+/// An array that answers what it was told to, frame by frame.
+#[derive(Default)]
+struct Told {
+    frames: u32,
+    answers: Vec<i64>,
+    asked: Vec<String>,
+    posts: Vec<String>,
+}
+
+impl Beside for Told {
+    fn frame(&mut self) -> bool {
+        self.asked.push("frame".to_owned());
+        let goes_on = self.frames > 0;
+        self.frames = self.frames.saturating_sub(1);
+        goes_on
+    }
+
+    fn run(&mut self, steps: &[Step]) -> Option<Answer> {
+        let device = Device::scamp5();
+        for step in steps {
+            self.asked.push(match &step.action {
+                Action::Word(word) => word.text(&device),
+                Action::Host(host) => host.text(&device),
+                Action::Repeat { .. } => "repeat".to_owned(),
+            });
+        }
+        let reads = |it: &&Step| {
+            matches!(
+                it.action,
+                Action::Host(
+                    Host::GlobalOr { .. } | Host::GlobalSum { .. } | Host::ScanEvents { .. }
+                )
+            )
+        };
+        let Some(_) = steps.last().filter(reads) else {
+            return Some(Answer::default());
+        };
+        let value = if self.answers.is_empty() {
+            0
+        } else {
+            self.answers.remove(0)
+        };
+        Some(Answer {
+            value: Some(value),
+            memory: Some(vec![value, value + 1]),
+        })
+    }
+
+    fn micros(&self) -> f64 {
+        10.0 * self.asked.iter().filter(|it| *it != "frame").count() as f64
+    }
+
+    fn post(&mut self, text: String) {
+        self.posts.push(text);
+    }
+}
+
+/// Runs C++ beside an array that answers so; what it was asked, and what was posted.
+#[track_caller]
+fn told(text: &str, frames: u32, answers: &[i64]) -> (Vec<String>, Vec<String>) {
+    let mut array = Told {
+        frames,
+        answers: answers.to_vec(),
+        ..Told::default()
+    };
+    let program = Program::read("p.cpp", text);
+    program
+        .run_beside(&Device::scamp5(), &Overrides::new(), &mut array)
+        .unwrap_or_else(|faults| panic!("{faults:?}"));
+    (array.asked, array.posts)
+}
+
+/// What a program posts that reads these numbers.
+#[track_caller]
+fn posts(inside: &str, frames: u32, answers: &[i64]) -> Vec<String> {
+    let text =
+        format!("int main() {{ int k = 0; while (1) {{ vs_frame_loop_control();\n{inside}\n}} }}");
+    told(&text, frames, answers).1
+}
+
+#[test]
+fn what_is_read_decides_what_comes_next() {
+    let text = "int main() { while (1) { vs_frame_loop_control(); get_image(A, F);\n\
+                if (scamp5_global_or(R5) > 0) { MOV(R6, R5); } else { CLR(R6); } } }";
+    let (asked, _) = told(text, 2, &[1, 0]);
+    let frames: Vec<&[String]> = asked.split(|it| it == "frame").collect();
+    assert_eq!(frames.len(), 4, "{asked:?}");
+    assert!(frames[1].last().unwrap().starts_with("MOV"), "{asked:?}");
+    assert!(frames[2].last().unwrap().starts_with("CLR"), "{asked:?}");
+    assert!(frames[3].is_empty());
+}
+
+#[test]
+fn what_is_read_goes_into_memory() {
+    let all = posts(
+        "uint8_t a[3][2]; scamp5_scan_events(R5, a[1], 1);\n\
+         uint8_t b[4]; scamp5_scan_events(R5, b + 2, 1); scamp5_scan_events(R5, &b[1], 1);\n\
+         uint8_t *c = new uint8_t[2]; scamp5_scan_events(R5, c, 1);\n\
+         std::vector<uint8_t> d(2); scamp5_scan_events(R5, d.data(), 1);\n\
+         vs_post_text(\"%d %d, %d %d %d, %d %d, %d\", a[1][0], a[1][1], b[1], b[2], b[3], c[0], c[1], d[1]);",
+        1,
+        &[4, 7, 20, 9, 30],
+    );
+    assert_eq!(all, ["4 5, 20 21 8, 9 10, 31"]);
+}
+
+#[test]
+fn frames_may_differ() {
+    let all = posts(
+        "k = k * 2 + scamp5_global_sum_16(A); vs_post_text(\"%3d|%u|%.1f\", k, k, k / 2.0);",
+        3,
+        &[1, 0, 5],
+    );
+    assert_eq!(all, ["  1|1|0.5", "  2|2|1.0", "  9|9|4.5"]);
+    // A state that goes on, frames inside of functions, and a loop that waits for something.
+    let text = "void wait(int n) { for (int i = 0; i < n; i++) vs_frame_loop_control(); }\n\
+                int main() { int seen = 0; while (1) { wait(2); get_image(A, F);\n\
+                while (!scamp5_global_or(R5)) { vs_frame_loop_control(); seen++; }\n\
+                printf(\"%d\", seen); } }";
+    let (asked, said) = told(text, 7, &[0, 1, 0, 0, 1]);
+    assert_eq!(said, ["1", "3"]);
+    assert_eq!(asked.iter().filter(|it| *it == "frame").count(), 8);
+}
+
+#[test]
+fn a_turn_that_never_waits_is_a_frame() {
+    let text =
+        "int main() { while (1) { get_image(A, F); if (scamp5_global_or(R5)) MOV(R6, R5); } }";
+    let (asked, _) = told(text, 3, &[1, 1, 0]);
+    assert_eq!(asked.iter().filter(|it| *it == "frame").count(), 4);
+    assert_eq!(
+        asked.iter().filter(|it| it.starts_with("MOV(R6")).count(),
+        2
+    );
+}
+
+#[test]
+fn statements_without_main_run_for_every_frame() {
+    let text = "int n = scamp5_global_sum_16(A);\nfor (int i = 0; i < n; i++) mov(B, A);";
+    let (asked, _) = told(text, 3, &[1, 2, 0]);
+    let frames: Vec<usize> = asked
+        .split(|it| it == "frame")
+        .map(<[String]>::len)
+        .collect();
+    let one = frames[1] - 1;
+    assert_eq!(frames, [0, 1 + one, 1 + 2 * one, 1, 0]);
+}
+
+#[test]
+fn the_first_frame_is_the_one_that_is_captured_first() {
+    // What is captured before the loop has a frame of its own, what else is done there has none.
+    let captured = "int main() { get_image(B, F); int i = 0; while (1) { vs_frame_loop_control();\n\
+                    get_image(A, F); if (i++ > 0) sub(C, A, B); } }";
+    let (asked, _) = told(captured, 3, &[]);
+    let frames: Vec<usize> = asked
+        .split(|it| it == "frame")
+        .map(<[String]>::len)
+        .collect();
+    assert_eq!(frames.len(), 5);
+    assert!(
+        frames[1] > 0 && frames[2] == frames[1] && frames[3] > frames[2],
+        "{frames:?}"
+    );
+    let set = "int main() { scamp5_in(B, 3); int i = 0; while (1) { vs_frame_loop_control();\n\
+               get_image(A, F); if (i++ > 0) sub(C, A, B); } }";
+    let (asked, _) = told(set, 2, &[]);
+    assert_eq!(asked.iter().filter(|it| *it == "frame").count(), 3);
+}
+
+#[test]
+fn stopwatches_count_what_the_array_takes() {
+    let text = "vs_stopwatch all, one; int main() { while (1) { vs_frame_loop_control(); all.reset(); NOT(R5, R6);\n\
+                one.reset(); CLR(R5); CLR(R6); int t = one.get_usec(); printf(\"%d %d\", t, all.get_usec());\n\
+                if (t > 15) CLR(R7); } }";
+    let (asked, said) = told(text, 2, &[]);
+    assert_eq!(said, ["20 30", "20 30"], "{asked:?}");
+    assert_eq!(asked.iter().filter(|it| it.contains("R7")).count(), 2);
+}
+
+#[test]
+fn long_runs_hold_few_variables() {
+    // Each turn makes a few hundred variables: ten thousand frames are millions.
+    let text = "struct P { int x, y; }; int sum(P *p, int n) { int s = 0; for (int i = 0; i < n; i++) { int v = p[i].x; s += v; } return s; }\n\
+                int main() { P *kept = new P[3]; kept[2].x = 7; static int all = 0; auto add = [&](int by) { all += by; };\n\
+                while (1) { vs_frame_loop_control(); P p[100] = {}; p[5].x = 2; add(sum(p, 100) + sum(kept, 3));\n\
+                if (scamp5_global_or(R5)) MOV(R6, R5);\n\
+                if (all == 18000) printf(\"%d %d\", all, kept[2].x); } }";
+    let (_, said) = told(text, 2000, &[]);
+    assert_eq!(said, ["18000 7"]);
+}
+
+#[test]
+fn posts_are_written_as_c_does() {
+    let all = posts(
+        "float f = 2.5f; uint32_t u = 0xFFFFFFFF; vs_post_text(\"%d%% %5.2f %s %x %c %lu %u\", -3, f, \"text\", 255, 65, 1ul << 40, u);\n\
+         vs_post_text(\"%d\", f); vs_post_text(\"%f\", 3); vs_post_text(\"plain\"); vs_post_text(\"%d %d\", 1);",
+        1,
+        &[],
+    );
+    assert_eq!(
+        all,
+        [
+            "-3%  2.50 text ff A 1099511627776 4294967295",
+            "2",
+            "3.000000",
+            "plain",
+            "%d %d"
+        ]
+    );
+}
+
+#[test]
+fn spots_are_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    // Five spots of two rows and more, one of a single pixel.
+    let mut clip = ndarray::Array3::<u8>::zeros((3, 24, 32));
+    let mut set = |t: usize, y: usize, x: usize, h: usize, w: usize| {
+        clip.slice_mut(ndarray::s![t, y..y + h, x..x + w]).fill(200);
+    };
+    for (t, spots) in [(0, 5), (1, 2), (2, 0)] {
+        for k in 0..spots {
+            set(t, 2 + k, 1 + 6 * k, 2 + k, 3);
+        }
+        set(t, 22, 30, 1, 1);
+    }
+    let path = folder.path().join("clip.npy");
+    clip.write_npy(fs::File::create(&path).unwrap()).unwrap();
+    let program = format!("{VENDOR}/spots.cpp");
+    for domain in ["exact", "silicon"] {
+        let said = json(
+            folder.path(),
+            &[
+                "exec",
+                &program,
+                "--image",
+                "clip.npy",
+                "--fps",
+                "30",
+                "--domain",
+                domain,
+                "--displays",
+                "shown",
+            ],
+        );
+        let posts: Vec<&str> = said["posts"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|it| it["text"].as_str().unwrap())
+            .collect();
+        assert_eq!(
+            posts,
+            [
+                "frame 0: 5 spots, the tallest of 6 rows\n",
+                "frame 1: 2 spots, the tallest of 6 rows\n",
+                "frame 2: 0 spots, the tallest of 6 rows\n"
+            ],
+            "{domain}"
+        );
+        assert_eq!(said["frames"], 3);
+        let note = said["notes"][0].as_str().unwrap();
+        assert!(note.starts_with("the host decides what runs: "), "{note}");
+        assert_eq!(
+            fs::read_dir(folder.path().join("shown")).unwrap().count(),
+            3
+        );
+    }
+    // A value that is given holds for good.
+    let said = json(
+        folder.path(),
+        &[
+            "exec", &program, "--image", "clip.npy", "--const", "count=3",
+        ],
+    );
+    assert_eq!(
+        said["posts"][1]["text"],
+        "frame 1: 3 spots, the tallest of 6 rows\n"
+    );
+    let table = good(folder.path(), &["exec", &program, "--image", "clip.npy"]);
+    assert!(table.contains("post     frame 2: 0 spots"), "{table}");
+    // What needs the words before says so.
+    for option in [["--trace", "t.html"], ["--strip", "s.png"]] {
+        let words = ["the host of", "decides in the run", option[0]];
+        refused(
+            folder.path(),
+            &["exec", &program, option[0], option[1]],
+            &words,
+        );
+    }
+    refused(
+        folder.path(),
+        &["asm", &program],
+        &["`exec` runs it, with the host beside the array"],
+    );
+    refused(
+        folder.path(),
+        &["exec", &program, "--const", "spotz=1"],
+        &["there is no constant `spotz`"],
+    );
+}
+
+/// What can be laid out runs alike with its host beside the array, on noisy silicon too.
+#[test]
+fn a_host_that_decides_nothing_changes_nothing() {
+    let root = Path::new(VENDOR);
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "pattern:disc?width=40&height=30&frames=5";
+    for file in ["threshold.cpp", "blobs.cpp", "generated.cpp"] {
+        let program = root.join(file).display().to_string();
+        for domain in ["exact", "silicon"] {
+            let run = |dump: &str, more: &[&str]| {
+                let arguments = [
+                    "exec", &program, "--image", scene, "--domain", domain, "--dump", dump,
+                ];
+                let mut said = json(folder.path(), &[&arguments[..], more].concat());
+                // What is shown where, the host decides in `blobs.cpp`.
+                for key in [
+                    "notes", "written", "posts", "array_us", "host_us", "readings",
+                ] {
+                    said.as_object_mut().unwrap().remove(key);
+                }
+                let registers: Vec<(String, Vec<u8>)> = {
+                    let all = fs::read_dir(folder.path().join(dump)).unwrap();
+                    let mut all: Vec<_> = all.map(|it| it.unwrap().path()).collect();
+                    all.sort();
+                    let named = |it: &Path| it.file_name().unwrap().to_string_lossy().into_owned();
+                    all.iter()
+                        .map(|it| (named(it), fs::read(it).unwrap()))
+                        .collect()
+                };
+                (said, registers)
+            };
+            let (laid_out, beside) = (run("a", &[]), run("b", &["--host"]));
+            assert_eq!(laid_out.0, beside.0, "{file} in {domain}");
+            for (a, b) in laid_out.1.iter().zip(&beside.1) {
+                assert!(a == b, "{file} in {domain}: {} differs", a.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_goes_wrong_beside_the_array_has_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let wrong = |inside: &str, words: &[&str]| {
+        let text = format!(
+            "int main() {{ int n = 0; while (1) {{ vs_frame_loop_control(); get_image(A, F);\nint s = scamp5_global_sum_fast(A);\nif (s > n) mov(B, A);\n{inside}\n}} }}"
+        );
+        fs::write(folder.path().join("p.cpp"), text).unwrap();
+        refused(
+            folder.path(),
+            &[
+                "exec",
+                "p.cpp",
+                "--image",
+                "pattern:disc?width=16&height=16&frames=2",
+            ],
+            words,
+        );
+    };
+    wrong(
+        "uint8_t few[4]; scamp5_scan_events(R5, few, 100);",
+        &[
+            "p.cpp:4:",
+            "`scamp5_scan_events` writes 200 numbers, and there is room for 4",
+        ],
+    );
+    wrong(
+        "while (1) { n++; if (n < 0) break; }",
+        &["p.cpp:4:", "statements run before the program is known"],
+    );
+    wrong(
+        "if (time(0) > 3) mov(C, A);",
+        &["p.cpp:4:", "decides", "--const"],
+    );
+    wrong(
+        "int a[3]; a[s] = 1; scamp5_in(C, a[s + 9]);",
+        &["p.cpp:4:", "out of bounds"],
+    );
+    wrong("if (s >= 0) scamp5_load_in(D, 1, 2, 3);", &["p.cpp:4:"]);
+    // The array itself says no.
+    fs::write(
+        folder.path().join("p.cpp"),
+        "int main() { while (1) { if (scamp5_global_or(R5) == 0) get_image(A, F); } }",
+    )
+    .unwrap();
+    let light = Array2::<f64>::from_elem((4, 4), 1e300);
+    light
+        .write_npy(fs::File::create(folder.path().join("light.npy")).unwrap())
+        .unwrap();
+    refused(
+        folder.path(),
+        &[
+            "exec",
+            "p.cpp",
+            "--image",
+            "light.npy",
+            "--host",
+            "--set",
+            "A=none.npy",
+        ],
+        &["none.npy"],
+    );
+    refused(
+        folder.path(),
+        &["exec", "convolve/sobel", "--host"],
+        &["--host is for vendor C++"],
+    );
+}
