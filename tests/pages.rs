@@ -79,6 +79,34 @@ fn the_table_and_the_picture_of_the_demo() {
     let shown: Vec<_> = shown.collect();
     assert!(shown.iter().any(|line| line.contains(" silicon ")));
     assert_eq!(said[said.len() - shown.len()..], shown);
+    for file in [
+        "reference.csv",
+        "reference.npy",
+        "row.png",
+        "sheet.png",
+        "watch.gif",
+    ] {
+        let bytes = fs::metadata(folder.path().join("out").join(file));
+        assert!(bytes.unwrap().len() > 0, "{file}");
+    }
+    // The table says how it is read, in lines of a terminal; F1 is no column of it.
+    let text = said.join("\n");
+    for words in [
+        "at 10 frames/s, the clip's own",
+        "at 50 frames/s, which the chip can run",
+        "How to read it",
+        "as threshold",
+        "F1 within 1 ms is not shown",
+        "So rgc-5x5 runs in the pixels",
+    ] {
+        assert!(text.contains(words), "no {words}: {text}");
+    }
+    for line in said.iter().filter(|line| !line.starts_with("verbs: ")) {
+        assert!(line.chars().count() <= 130, "{line}");
+    }
+    let mut heads = said.iter().filter(|line| line.contains("kept  as"));
+    assert_eq!(heads.clone().count(), 2);
+    assert!(heads.all(|head| !head.contains("F1")));
 }
 
 #[test]

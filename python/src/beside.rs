@@ -49,7 +49,8 @@ impl Companion<'_> {
 
     fn next_frame(&mut self) -> PyResult<bool> {
         self.end_frame();
-        Python::attach(|py| py.check_signals())?;
+        let interrupted = |py: Python<'_>| py.check_signals();
+        Python::attach(interrupted)?;
         self.dark = self.begun == self.light.count;
         if self.dark {
             return Ok(false);

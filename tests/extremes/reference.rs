@@ -3,9 +3,11 @@
 
 use amacrine::{
     event::Packet,
-    number::{Format, Number, Visitor},
+    number::{F16, F32, F64, Format, Number},
     plane::{Plane, Size},
-    reference::{Counts, Description, EventList, Limit, Reference, Sink, Tally, WhenFull},
+    reference::{
+        AnyReference, Counts, Description, EventList, Limit, Reference, Sinks, Tally, WhenFull,
+    },
     sensor::{Sensor, SensorError},
 };
 
@@ -52,40 +54,55 @@ fn pixel(rule: &str, threshold: f64) -> Description {
 }
 
 /// One pixel that is `light` at the given times.
-fn watch<N: Number>(
-    number: N,
+fn watch(
+    format: Format,
     description: Description,
     light: &[(f64, f64)],
-    sink: &mut impl Sink,
-) -> Result<Reference<N>, SensorError> {
-    let mut reference = Reference::with_number(number, description, ONE, 0)?;
+    sinks: &mut Sinks<'_, '_>,
+) -> Result<Box<dyn AnyReference>, SensorError> {
+    let mut reference = Reference::in_format(format, description, ONE, 0)?;
     for (n, (seconds, light)) in light.iter().enumerate() {
         let light = Plane::from_elem((1, 1), *light);
-        reference.watch_into(&frame(n as u64, *seconds, light), sink)?;
+        let sinks = Sinks {
+            tally: sinks.tally.as_deref_mut(),
+            list: sinks.list.as_deref_mut(),
+            counts: sinks.counts.as_deref_mut(),
+            ..Sinks::default()
+        };
+        reference.watch_into_sinks(&frame(n as u64, *seconds, light), sinks)?;
     }
     Ok(reference)
 }
 
+/// How many events of the pixel there are.
+fn tally(
+    format: Format,
+    description: Description,
+    light: &[(f64, f64)],
+) -> Result<(Box<dyn AnyReference>, u64), SensorError> {
+    let mut tally = Tally::new(1);
+    let mut sinks = Sinks {
+        tally: Some(&mut tally),
+        ..Sinks::default()
+    };
+    let reference = watch(format, description, light, &mut sinks)?;
+    Ok((reference, tally.total()))
+}
+
 /// The signed events of the pixel from one light to another.
-fn events<N: Number>(
-    number: N,
+fn events(
+    format: Format,
     description: Description,
     from: f64,
     to: f64,
 ) -> Result<f64, SensorError> {
     let mut counts = Counts::new(ONE, 1);
-    watch(number, description, &[(0.0, from), (1.0, to)], &mut counts)?;
+    let mut sinks = Sinks {
+        counts: Some(&mut counts),
+        ..Sinks::default()
+    };
+    watch(format, description, &[(0.0, from), (1.0, to)], &mut sinks)?;
     Ok(counts.planes()[0][[0, 0]].into())
-}
-
-/// The same in a format known by name.
-struct Events<'a>(&'a Description, f64, f64);
-
-impl Visitor for Events<'_> {
-    type Output = Result<f64, SensorError>;
-    fn visit<N: Number>(self, number: N) -> Self::Output {
-        events(number, self.0.clone(), self.1, self.2)
-    }
 }
 
 pub fn table() -> Table {
@@ -124,7 +141,7 @@ fn snaps(name: &str, rule: &str, table: &mut Table) {
     let mut worst = Worst::default();
     for threshold in decades(-6, 6) {
         for (from, to) in pairs() {
-            let got = events(amacrine::number::F64, pixel(rule, threshold), from, to).unwrap();
+            let got = events(Format::F64, pixel(rule, threshold), from, to).unwrap();
             let want = if (to - from).abs() > threshold {
                 (to - from).signum()
             } else {
@@ -163,7 +180,7 @@ fn steps(name: &str, rule: &str, table: &mut Table) {
     for threshold in decades(-6, 6) {
         for (from, to) in pairs() {
             let distance = (to - from).abs() + if to == from { 0.0 } else { more };
-            match events(amacrine::number::F64, pixel(rule, threshold), from, to) {
+            match events(Format::F64, pixel(rule, threshold), from, to) {
                 Ok(count) => {
                     assert!(count == 0.0 || count.signum() == (to - from).signum());
                     let error = off(count.abs(), threshold, distance);
@@ -208,7 +225,7 @@ fn formats(name: &str, table: &mut Table) {
         let description = pixel(rule, threshold);
         for (from, to) in pairs() {
             let distance = (to - from).abs();
-            match format.visit(Events(&description, from, to)) {
+            match events(format, description.clone(), from, to) {
                 Ok(count) => {
                     let held = format.hold_bound(from) + format.hold_bound(to);
                     let bound = held + (u + tie) * (distance + held) + format.half_step();
@@ -265,7 +282,7 @@ fn responses(table: &mut Table) {
                 _ => light / 255.0,
             };
             let distance = (curve(to) - curve(from)).abs();
-            let Ok(count) = events(amacrine::number::F64, description, from, to) else {
+            let Ok(count) = events(Format::F64, description, from, to) else {
                 assert!(distance / threshold > f64::from((1 << 30) - 1));
                 continue;
             };
@@ -285,27 +302,27 @@ fn responses(table: &mut Table) {
 
 /// Nothing moves, so nothing fires, whatever the light and however small the threshold.
 fn stillness(table: &mut Table) {
-    struct Still<'a>(&'a str, f64);
-    impl Visitor for Still<'_> {
-        type Output = Option<u64>;
-        fn visit<N: Number>(self, number: N) -> Option<u64> {
-            let kernel = "[[0.3, -0.7, 0.1], [0.9, 1.7, -0.3], [0.2, 0.6, -1.3]]";
-            let description = sensor(self.0, "\"identity\"", kernel, 1e-6);
-            let size = Size::new(5, 4);
-            let mut reference = Reference::with_number(number, description, size, 0).unwrap();
-            let light = Plane::from_shape_fn(size.shape(), |(y, x)| self.1 * (y * 3 + x) as f64);
-            let mut tally = Tally::new(1);
-            for n in 0..20u32 {
-                let still = frame(n.into(), f64::from(n) * 4320.0, light.clone());
-                match reference.watch_into(&still, &mut tally) {
-                    Ok(()) => {}
-                    Err(SensorError::Overflow { .. }) => return None,
-                    Err(error) => panic!("{error}"),
-                }
+    let still = |format, rule, scale: f64| -> Option<u64> {
+        let kernel = "[[0.3, -0.7, 0.1], [0.9, 1.7, -0.3], [0.2, 0.6, -1.3]]";
+        let description = sensor(rule, "\"identity\"", kernel, 1e-6);
+        let size = Size::new(5, 4);
+        let mut reference = Reference::in_format(format, description, size, 0).unwrap();
+        let light = Plane::from_shape_fn(size.shape(), |(y, x)| scale * (y * 3 + x) as f64);
+        let mut tally = Tally::new(1);
+        for n in 0..20u32 {
+            let still = frame(n.into(), f64::from(n) * 4320.0, light.clone());
+            let sinks = Sinks {
+                tally: Some(&mut tally),
+                ..Sinks::default()
+            };
+            match reference.watch_into_sinks(&still, sinks) {
+                Ok(()) => {}
+                Err(SensorError::Overflow { .. }) => return None,
+                Err(error) => panic!("{error}"),
             }
-            Some(tally.total())
         }
-    }
+        Some(tally.total())
+    };
     let (mut worst, mut refused) = (Worst::default(), 0);
     for (name, rule) in RULES {
         for format in ["f64", "f32", "f16", "bf16", "q8.8", "q8.8-wrap", "q8.24"] {
@@ -315,7 +332,7 @@ fn stillness(table: &mut Table) {
                     continue;
                 }
                 let format: Format = format.parse().unwrap();
-                match format.visit(Still(rule, scale)) {
+                match still(format, rule, scale) {
                     Some(fired) => worst.see(fired as f64, 0.0, format_args!("{name} {scale:e}")),
                     None => refused += 1,
                 }
@@ -336,30 +353,29 @@ fn stillness(table: &mut Table) {
 
 /// Far up and down, and further than is counted.
 fn memories(table: &mut Table) {
-    struct Swing(f64, u32);
-    impl Visitor for Swing {
-        type Output = (f64, u64);
-        fn visit<N: Number>(self, number: N) -> (f64, u64) {
-            let (theta, start) = (0.2, 0.1);
-            let light: Vec<_> = (0..=self.1)
-                .map(|n| {
-                    (
-                        f64::from(n),
-                        if n % 2 == 1 { self.0 * theta } else { start },
-                    )
-                })
-                .collect();
-            let mut tally = Tally::new(1);
-            let description = pixel(RULES[2].1, theta);
-            let reference = watch(number, description, &light, &mut tally).unwrap();
-            let first = number.value(number.hold(start));
-            let drift = reference.memory(0).unwrap()[[0, 0]] - first;
-            (drift.abs(), tally.total())
+    // Its memory is in its own numbers.
+    fn swing<N: Number>(number: N, steps: f64, swings: u32) -> (f64, u64) {
+        let (theta, start) = (0.2, 0.1);
+        let description = pixel(RULES[2].1, theta);
+        let mut reference = Reference::with_number(number, description, ONE, 0).unwrap();
+        let mut tally = Tally::new(1);
+        for n in 0..=swings {
+            let light = if n % 2 == 1 { steps * theta } else { start };
+            let light = Plane::from_elem((1, 1), light);
+            let seen = frame(n.into(), f64::from(n), light);
+            reference.watch_into(&seen, &mut tally).unwrap();
         }
+        let first = number.value(number.hold(start));
+        let drift = reference.memory(0).unwrap()[[0, 0]] - first;
+        (drift.abs(), tally.total())
     }
     for (format, steps, swings) in [("f64", 1e9, 10), ("f32", 4e6, 1000), ("f16", 1e3, 1000)] {
         let which: Format = format.parse().unwrap();
-        let (drift, fired) = which.visit(Swing(steps, swings));
+        let (drift, fired) = match which {
+            Format::F64 => swing(F64, steps, swings),
+            Format::F32 => swing(F32, steps, swings),
+            _ => swing(F16, steps, swings),
+        };
         let mut worst = Worst::default();
         // In 11 bits the memory itself is a step or less beside where it is counted to be, each
         // time anew.
@@ -384,7 +400,7 @@ fn memories(table: &mut Table) {
             worst,
         );
     }
-    let beyond = |light| events(amacrine::number::F64, pixel(RULES[2].1, 1.0), 0.0, light);
+    let beyond = |light| events(Format::F64, pixel(RULES[2].1, 1.0), 0.0, light);
     assert_eq!(beyond(1_073_741_823.0).unwrap(), 1_073_741_823.0);
     let error = beyond(1_073_741_824.0).unwrap_err();
     table.refused("`filtered-step`: steps of a memory", "2^30", error);
@@ -392,19 +408,6 @@ fn memories(table: &mut Table) {
 
 /// Weights that sum to 0 leave nothing of uniform light but what rounding makes.
 fn cancellation(table: &mut Table) {
-    struct Flash<'a>(&'a Description, f64, f64);
-    impl Visitor for Flash<'_> {
-        type Output = Result<u64, SensorError>;
-        fn visit<N: Number>(self, number: N) -> Self::Output {
-            let mut reference = Reference::with_number(number, self.0.clone(), ONE, 0)?;
-            let mut tally = Tally::new(1);
-            for (n, light) in [self.1, self.2].into_iter().enumerate() {
-                let light = Plane::from_elem((1, 1), light);
-                reference.watch_into(&frame(n as u64, n as f64, light), &mut tally)?;
-            }
-            Ok(tally.total())
-        }
-    }
     for name in ["f64", "f32", "bf16"] {
         let format: Format = name.parse().unwrap();
         let (mut worst, mut refused) = (Worst::default(), 0);
@@ -419,8 +422,9 @@ fn cancellation(table: &mut Table) {
             let threshold = 1e-3;
             let description = sensor(RULES[2].1, "\"identity\"", &kernel, threshold);
             for light in decades(-6, 9).map(|light| light / 3.0) {
-                match format.visit(Flash(&description, 0.0, light)) {
-                    Ok(count) => {
+                let flash = [(0.0, 0.0), (1.0, light)];
+                match tally(format, description.clone(), &flash) {
+                    Ok((_, count)) => {
                         let all = 2.0 * size * light;
                         let bound = 1.1 * format.dot_bound(28, all) + 1e-30;
                         let what = format_args!("{name}: ±{size:e} under {light:e}");
@@ -448,39 +452,38 @@ fn cancellation(table: &mut Table) {
 
 /// Times of events against whole numbers.
 fn times(table: &mut Table) {
-    struct Times(u64, u64, u64);
-    impl Visitor for Times {
-        /// The furthest that an event is from where it should be, in microseconds.
-        type Output = f64;
-        fn visit<N: Number>(self, number: N) -> f64 {
-            let Self(start, length, count) = self;
-            let mut packet = Packet::new(ONE, 1);
-            let seconds = |micros: u64| micros as f64 / 1e6;
-            // Thresholds of 1 on the way from 0 to count and a half.
-            let light = [
-                (seconds(start), 0.0),
-                (seconds(start + length), count as f64 + 0.5),
-            ];
-            let mut list = EventList::new(&mut packet, Limit::default());
-            watch(number, pixel(RULES[2].1, 1.0), &light, &mut list).unwrap();
-            assert_eq!(packet.events.len() as u64, count);
-            let each = packet.events.iter().zip(1u128..).map(|(event, i)| {
-                // In parts of a microsecond: start + length i / (count + 1/2).
-                let parts = 2 * u128::from(count) + 1;
-                let want = u128::from(start) * parts + 2 * u128::from(length) * i;
-                (u128::from(event.t.0) * parts).abs_diff(want) as f64 / parts as f64
-            });
-            each.fold(0.0, f64::max)
-        }
-    }
     const DAY: u64 = 86_400_000_000;
+    // The furthest that an event is from where it should be, in microseconds.
+    let furthest = |format, start: u64, length: u64, count: u64| -> f64 {
+        let mut packet = Packet::new(ONE, 1);
+        let seconds = |micros: u64| micros as f64 / 1e6;
+        // Thresholds of 1 on the way from 0 to count and a half.
+        let light = [
+            (seconds(start), 0.0),
+            (seconds(start + length), count as f64 + 0.5),
+        ];
+        let mut list = EventList::new(&mut packet, Limit::default());
+        let mut sinks = Sinks {
+            list: Some(&mut list),
+            ..Sinks::default()
+        };
+        watch(format, pixel(RULES[2].1, 1.0), &light, &mut sinks).unwrap();
+        assert_eq!(packet.events.len() as u64, count);
+        let each = packet.events.iter().zip(1u128..).map(|(event, i)| {
+            // In parts of a microsecond: start + length i / (count + 1/2).
+            let parts = 2 * u128::from(count) + 1;
+            let want = u128::from(start) * parts + 2 * u128::from(length) * i;
+            (u128::from(event.t.0) * parts).abs_diff(want) as f64 / parts as f64
+        });
+        each.fold(0.0, f64::max)
+    };
     for name in ["f64", "f32"] {
         let format: Format = name.parse().unwrap();
         let mut worst = Worst::default();
         for start in [0, 1, DAY, 365 * DAY, 70 * 365 * DAY] {
             for length in [1, 17, 1000, 4_166, 1_000_000, 3_600_000_000, DAY] {
                 for count in [1, 2, 10, 999, 100_000] {
-                    let error = format.visit(Times(start, length, count));
+                    let error = furthest(format, start, length, count);
                     // In single precision the place in the pair has 24 bits.
                     let narrow = if name == "f32" {
                         4.0 * format.unit_roundoff()
@@ -517,16 +520,9 @@ fn silences(table: &mut Table) {
             let rules = format!(
                 "memory = \"filtered-step\"\nrefractory = {{ us = {us:e}, rule = \"{rule}\" }}"
             );
-            let mut tally = Tally::new(1);
-            let reference = watch(
-                amacrine::number::F64,
-                pixel(&rules, 1.0),
-                &light,
-                &mut tally,
-            )
-            .unwrap();
+            let (reference, fired) = tally(Format::F64, pixel(&rules, 1.0), &light).unwrap();
             let report = reference.report();
-            assert_eq!(report.events, tally.total());
+            assert_eq!(report.events, fired);
             if rule == "dead-time" {
                 assert_eq!(report.events + report.lost_to_refractory, 190);
             }
@@ -540,13 +536,11 @@ fn silences(table: &mut Table) {
 fn refusals(table: &mut Table) {
     for (name, rule) in RULES {
         let description = pixel(rule, 1.0);
-        let error = Format::F16
-            .visit(Events(&description, 0.0, 1e9))
-            .unwrap_err();
+        let error = events(Format::F16, description, 0.0, 1e9).unwrap_err();
         table.refused(&format!("{name}, f16"), "light 1e9", error);
     }
     let huge = sensor(RULES[1].1, "\"identity\"", "[[1e300, 1e300, -1e300]]", 1.0);
-    let error = events(amacrine::number::F64, huge, 0.0, 1e9).unwrap_err();
+    let error = events(Format::F64, huge, 0.0, 1e9).unwrap_err();
     table.refused("`filtered-snap`, f64: weights of 1e300", "light 1e9", error);
     for threshold in ["0", "-0.2", "nan", "inf", "1e-400"] {
         let channel = format!("kernel = [[1]]\nthreshold = {{ on = {threshold}, off = 0.2 }}");
@@ -563,7 +557,7 @@ fn refusals(table: &mut Table) {
         ("{ linear = 255 }", -1e-9),
     ] {
         let description = sensor(RULES[2].1, response, "[[1]]", 1.0);
-        let error = events(amacrine::number::F64, description, 0.0, light).unwrap_err();
+        let error = events(Format::F64, description, 0.0, light).unwrap_err();
         table.refused(
             &format!("response `{}`", response.replace('"', "")),
             &format!("light {light:e}"),
@@ -572,8 +566,7 @@ fn refusals(table: &mut Table) {
     }
     let at = |seconds| {
         let light = [(1.0, 0.0), (seconds, 5.0)];
-        let sink = &mut Tally::new(1);
-        watch(amacrine::number::F64, pixel(RULES[2].1, 1.0), &light, sink).map(|_| ())
+        tally(Format::F64, pixel(RULES[2].1, 1.0), &light).map(|_| ())
     };
     at(1.0 + f64::EPSILON).unwrap();
     table.refused(
@@ -595,13 +588,11 @@ fn refusals(table: &mut Table) {
         };
         let light = [(0.0, 0.0), (1.0, 1e9)];
         let mut list = EventList::new(&mut packet, limit);
-        watch(
-            amacrine::number::F64,
-            pixel(RULES[2].1, 1.0),
-            &light,
-            &mut list,
-        )
-        .map(|_| ())
+        let mut sinks = Sinks {
+            list: Some(&mut list),
+            ..Sinks::default()
+        };
+        watch(Format::F64, pixel(RULES[2].1, 1.0), &light, &mut sinks).map(|_| ())
     };
     table.refused(
         "a list of events",

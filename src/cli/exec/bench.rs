@@ -136,8 +136,15 @@ impl<'a> Bench<'a> {
         Growth::beside(&self.need())
     }
 
-    /// Refuses an array for which there is no room.
+    /// Refuses what cannot be run so.
     pub fn check(&self) -> miette::Result<()> {
+        self.check_room()?;
+        self.check_events()?;
+        self.check_looks()
+    }
+
+    /// Refuses an array for which there is no room.
+    fn check_room(&self) -> miette::Result<()> {
         let what = format!("an array of {} in {}", self.size, self.arithmetic);
         let help = "take a smaller array or a narrower --domain";
         budget::check(&self.need(), &what, help)
@@ -189,12 +196,15 @@ impl<'a> Bench<'a> {
         for warning in Warning::of_scene(&self.observation, 255.0) {
             guard.warn(warning);
         }
-        // A program that reads no events out, and a single frame, have none to miss.
-        if chip.ledger().slots > 0 && frames > 1 {
-            guard.packet(program, packet);
-        } else if packet.dropped.no_slot > 0 {
-            let kept = packet.events.len() as u64;
-            guard.warn(Warning::slots(program, packet.dropped.no_slot, kept));
+        // A host that decides looks for one pixel after the other, and knows what it leaves.
+        if !self.opened.decides {
+            // A program that reads no events out, and a single frame, have none to miss.
+            if chip.ledger().slots > 0 && frames > 1 {
+                guard.packet(program, packet);
+            } else if packet.dropped.no_slot > 0 {
+                let kept = packet.events.len() as u64;
+                guard.warn(Warning::slots(program, packet.dropped.no_slot, kept));
+            }
         }
         for it in saturated {
             let at = it.worst;
@@ -235,7 +245,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Refuses what looks at the steps of a program before it runs, where its host decides them.
-    pub fn check_looks(&self) -> miette::Result<()> {
+    fn check_looks(&self) -> miette::Result<()> {
         let arguments = self.arguments;
         let looks = [
             ("--strip", arguments.strip.is_some()),
@@ -254,7 +264,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Refuses files of events where the program reads none out.
-    pub fn check_events(&self) -> miette::Result<()> {
+    fn check_events(&self) -> miette::Result<()> {
         let code = &self.opened.expansion.code;
         if self.arguments.events.is_none()
             || self.opened.decides

@@ -40,8 +40,6 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let mut bench = Bench::new(arguments)?;
     bench.check()?;
-    bench.check_events()?;
-    bench.check_looks()?;
     let plan = if arguments.fidelity.is_auto() {
         Some(pilot::plan(&bench)?)
     } else {

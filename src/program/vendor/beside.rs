@@ -3,16 +3,14 @@
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use sprintf::{ConversionSpecifier, Printf};
-
 use super::{
     light::{capture, light},
-    machine::{Machine, Spot},
-    tree::{Kind, Width},
+    machine::Machine,
+    tree::Width,
     value::{Slot, Value},
 };
 use crate::{
-    config::{Fault, Place, Severity},
+    config::{Fault, Severity},
     program::{
         Overrides, Step,
         expand::expand,
@@ -49,20 +47,23 @@ pub struct Answer {
 /// Pieces of a program whose steps are kept.
 const KEPT: usize = 1024;
 
-/// Variables above which those that nothing leads to any more are given up.
-const HELD: usize = 1 << 16;
+/// What was asked in the frame that runs.
+#[derive(Default)]
+struct Now {
+    /// Whether anything was.
+    any: bool,
+    /// Whether its light was captured, or its photodiodes were reset.
+    light: bool,
+}
 
-/// The array, and what the host knows of the frame that runs.
+/// The array, and what the host knows of its frames.
 pub(super) struct Companion<'a> {
-    array: &'a mut dyn Beside,
+    pub array: &'a mut dyn Beside,
     /// Steps of what was asked before.
     known: Vec<(Vec<Item>, Arc<[Step]>)>,
     /// The last `scamp5_draw_begin`.
     drawing: Option<Item>,
-    /// Whether this frame's light was captured, or its photodiodes were reset.
-    captured: bool,
-    /// Whether anything was asked of the array in this frame.
-    ran: bool,
+    now: Now,
     /// Whether the program has waited for a frame.
     waited: bool,
     /// The frames so far.
@@ -72,11 +73,11 @@ pub(super) struct Companion<'a> {
     /// Faults of the steps, in places of the file itself.
     pub faults: Vec<Fault>,
     /// When stopwatches were set back, by their variables.
-    clocks: BTreeMap<Slot, f64>,
+    pub clocks: BTreeMap<Slot, f64>,
     /// Random numbers that were drawn.
     drawn: u64,
     /// Variables at which the next ones are given up.
-    enough: usize,
+    pub enough: usize,
 }
 
 impl<'a> Companion<'a> {
@@ -86,15 +87,14 @@ impl<'a> Companion<'a> {
             array,
             known: Vec::new(),
             drawing: None,
-            captured: false,
-            ran: false,
+            now: Now::default(),
             waited: false,
             frames: 1,
             over,
             faults: Vec::new(),
             clocks: BTreeMap::new(),
             drawn: 0,
-            enough: HELD,
+            enough: super::memory::HELD,
         }
     }
 
@@ -137,8 +137,8 @@ impl Machine<'_> {
         if items.is_empty() {
             return None;
         }
-        companion.ran = true;
-        companion.captured |= capture(&items).is_some() || light(&items);
+        companion.now.any = true;
+        companion.now.light |= capture(&items).is_some() || light(&items);
         let steps = self.steps(items)?;
         self.asks_anew();
         let companion = self.companion.as_mut()?;
@@ -155,7 +155,9 @@ impl Machine<'_> {
             if let (Some(begin), false) = (&companion.drawing, begins(&items[draws])) {
                 items.insert(draws, begin.clone());
             }
-            companion.drawing = items.iter().rfind(|it| begins(it)).cloned();
+            let ends = |it: &Item| names(it, "scamp5_draw_end");
+            let last = items.iter().rfind(|it| begins(it) || ends(it));
+            companion.drawing = last.filter(|it| begins(it)).cloned();
         }
         if let Some((_, steps)) = companion.known.iter().find(|it| it.0 == items) {
             return Some(Arc::clone(steps));
@@ -192,32 +194,18 @@ impl Machine<'_> {
             return;
         };
         let first = !std::mem::replace(&mut companion.waited, true);
-        if first && !companion.captured {
+        if first && !companion.now.light {
             return;
         }
-        (companion.captured, companion.ran) = (false, false);
+        companion.now = Now::default();
         companion.over = !companion.array.frame();
         companion.frames += 1;
         self.works_anew();
     }
 
-    /// `printf(format, …)`, with what is known of its values.
-    pub(super) fn post(&mut self, values: &[Value]) {
-        let (Some(companion), Some((Value::Text(format), values))) =
-            (self.companion.as_mut(), values.split_first())
-        else {
-            return;
-        };
-        let given: Vec<Printed<'_>> = values.iter().map(Printed).collect();
-        let given: Vec<&dyn Printf> = given.iter().map(|it| it as &dyn Printf).collect();
-        // A format that does not fit its values is shown as it stands.
-        let text = sprintf::vsprintf(format, &given).unwrap_or_else(|_| format.to_string());
-        companion.array.post(text);
-    }
-
     /// Whether anything was asked of the array in this frame.
     pub(super) fn has_run(&self) -> bool {
-        self.companion.as_ref().is_some_and(|it| it.ran)
+        self.companion.as_ref().is_some_and(|it| it.now.any)
     }
 
     /// Begins another frame; whether there is one.
@@ -229,149 +217,9 @@ impl Machine<'_> {
         self.give_up();
         !self.done()
     }
-
-    /// Writes what was read to where the host wanted it.
-    pub(super) fn fill(&mut self, (slot, path): &Spot, memory: &[i64], name: &str, place: Place) {
-        if let (Value::Unknown(_), true) = (&self.slots[*slot], path.is_empty()) {
-            let all = memory.iter().map(|it| Value::Whole(*it)).collect();
-            self.put(*slot, path, Value::List(all));
-            return;
-        }
-        let mut cells = Vec::new();
-        leaves(
-            &self.slots[*slot],
-            path,
-            &mut Vec::new(),
-            memory.len(),
-            &mut cells,
-        );
-        if cells.len() < memory.len() {
-            let (wants, room) = (memory.len(), cells.len());
-            self.error(
-                place,
-                format!("`{name}` writes {wants} numbers, and there is room for {room}"),
-                "this call",
-                "give it a larger array, or let it read less",
-            );
-            return;
-        }
-        for (cell, number) in cells.iter().zip(memory) {
-            self.put(*slot, cell, Value::Whole(*number));
-        }
-    }
-
-    /// Gives up variables that no name, no pointer and no lambda leads to.
-    pub(super) fn give_up(&mut self) {
-        let Some(companion) = self.companion.as_mut() else {
-            return;
-        };
-        if self.slots.len() - self.free.len() < companion.enough {
-            return;
-        }
-        let mut alive = vec![false; self.slots.len()];
-        let mut open: Vec<Slot> = self
-            .scopes
-            .iter()
-            .flat_map(|it| it.values().copied())
-            .collect();
-        open.extend(self.lasting.values());
-        if let Some(stack) = &self.stack {
-            leads_to(stack, &mut open);
-        }
-        while let Some(slot) = open.pop() {
-            if !std::mem::replace(&mut alive[slot], true) {
-                leads_to(&self.slots[slot], &mut open);
-            }
-        }
-        self.free = (0..alive.len()).filter(|slot| !alive[*slot]).collect();
-        for slot in self.free.clone() {
-            self.slots[slot] = Value::Whole(0);
-            self.kinds[slot] = Kind::Any;
-        }
-        let left = self.slots.len() - self.free.len();
-        if let Some(companion) = &mut self.companion {
-            companion.enough = HELD.max(2 * left);
-            companion.clocks.retain(|slot, _| alive[*slot]);
-        }
-    }
-}
-
-/// A value as `printf` takes it, whatever its type is; `?` where it is not known.
-struct Printed<'a>(&'a Value);
-
-impl Printf for Printed<'_> {
-    fn format(&self, spec: &ConversionSpecifier) -> sprintf::Result<String> {
-        match *self.0 {
-            Value::Whole(number) => {
-                let narrow = number as i32;
-                let character = || (narrow as u32).format(spec);
-                let real = || (number as f64).format(spec);
-                narrow
-                    .format(spec)
-                    .or_else(|_| character())
-                    .or_else(|_| real())
-            }
-            Value::Wide(number, Width::Long) if number != i64::MIN => number.format(spec),
-            Value::Wide(number, _) => (number as u64).format(spec),
-            Value::Real(number) => {
-                let whole = || (number as i32).format(spec);
-                number.format(spec).or_else(|_| whole())
-            }
-            Value::Text(ref text) | Value::Symbol(ref text) => (&**text).format(spec),
-            _ => Ok("?".to_owned()),
-        }
-    }
-
-    fn as_int(&self) -> Option<i32> {
-        self.0.whole().and_then(|it| it.try_into().ok())
-    }
 }
 
 /// Whether a statement's name begins so.
 fn names(it: &Item, begin: &str) -> bool {
     matches!(&it.node, Node::Statement(statement) if statement.name.starts_with(begin))
-}
-
-/// The variables that a value leads to.
-fn leads_to(value: &Value, all: &mut Vec<Slot>) {
-    match value {
-        Value::Pointer(slot, ..) | Value::Reference(slot, _) => all.push(*slot),
-        Value::List(values) | Value::Record(_, values) => {
-            values.iter().for_each(|it| leads_to(it, all));
-        }
-        Value::Lambda(function) => all.extend(function.held.iter().map(|it| it.1)),
-        Value::Whole(_)
-        | Value::Wide(..)
-        | Value::Real(_)
-        | Value::Unknown(_)
-        | Value::Symbol(_)
-        | Value::Symbols(_)
-        | Value::Text(_) => {}
-    }
-}
-
-/// The ways to the numbers of a variable, in the order of memory, from a place on.
-fn leaves(
-    value: &Value,
-    from: &[usize],
-    way: &mut Vec<usize>,
-    most: usize,
-    found: &mut Vec<Vec<usize>>,
-) {
-    match value {
-        Value::List(all) | Value::Record(_, all) => {
-            let first = from.first().copied().unwrap_or_default();
-            for (i, inner) in all.iter().enumerate().skip(first) {
-                if found.len() == most {
-                    return;
-                }
-                let from = if i == first { from.get(1..) } else { None };
-                way.push(i);
-                leaves(inner, from.unwrap_or_default(), way, most, found);
-                way.pop();
-            }
-        }
-        _ if found.len() < most => found.push(way.clone()),
-        _ => {}
-    }
 }

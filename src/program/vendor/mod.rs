@@ -11,7 +11,8 @@
 //! - [`machine`], [`run`], [`evaluate`], [`call`]: the tree, run. [`value::Value::Unknown`] is what
 //!   only the run of the program knows; nothing that changes the array may depend on it.
 //! - [`frames`]: the loop over the frames, its first turn and its steady one.
-//! - [`beside`]: the host runs beside the array instead, and decides by what it reads.
+//! - [`beside`], [`memory`], [`post`]: the host runs beside the array instead, and decides by what
+//!   it reads.
 //! - [`host`], [`chip`]: what the vendor's library offers.
 //! - [`write`]: the other way, from a program to C++.
 //!
@@ -29,7 +30,9 @@ mod host;
 mod light;
 mod look;
 mod machine;
+mod memory;
 mod parse;
+mod post;
 mod preprocess;
 mod run;
 mod shape;

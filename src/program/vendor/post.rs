@@ -1,0 +1,52 @@
+//! What a host writes for people.
+
+use sprintf::{ConversionSpecifier, Printf};
+
+use super::{machine::Machine, tree::Width, value::Value};
+
+impl Machine<'_> {
+    /// `printf(format, …)`, with what is known of its values.
+    pub(super) fn post(&mut self, values: &[Value]) {
+        let (Some(companion), Some((Value::Text(format), values))) =
+            (self.companion.as_mut(), values.split_first())
+        else {
+            return;
+        };
+        let given: Vec<Printed<'_>> = values.iter().map(Printed).collect();
+        let given: Vec<&dyn Printf> = given.iter().map(|it| it as &dyn Printf).collect();
+        // A format that does not fit its values is shown as it stands.
+        let text = sprintf::vsprintf(format, &given).unwrap_or_else(|_| format.to_string());
+        companion.array.post(text);
+    }
+}
+
+/// A value as `printf` takes it, whatever its type is; `?` where it is not known.
+struct Printed<'a>(&'a Value);
+
+impl Printf for Printed<'_> {
+    fn format(&self, spec: &ConversionSpecifier) -> sprintf::Result<String> {
+        match *self.0 {
+            Value::Whole(number) => {
+                let narrow = number as i32;
+                let character = || (narrow as u32).format(spec);
+                let real = || (number as f64).format(spec);
+                narrow
+                    .format(spec)
+                    .or_else(|_| character())
+                    .or_else(|_| real())
+            }
+            Value::Wide(number, Width::Long) if number != i64::MIN => number.format(spec),
+            Value::Wide(number, _) => (number as u64).format(spec),
+            Value::Real(number) => {
+                let whole = || (number as i32).format(spec);
+                number.format(spec).or_else(|_| whole())
+            }
+            Value::Text(ref text) | Value::Symbol(ref text) => (&**text).format(spec),
+            _ => Ok("?".to_owned()),
+        }
+    }
+
+    fn as_int(&self) -> Option<i32> {
+        self.0.whole().and_then(|it| it.try_into().ok())
+    }
+}
