@@ -10,7 +10,7 @@ use amacrine::{
     program::{Action, Answer, Beside, Host, Overrides, Program, Step},
 };
 use common::{good, json, refused};
-use ndarray::Array2;
+use ndarray::{Array2, Array3};
 use ndarray_npy::WriteNpyExt;
 
 const VENDOR: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/vendor");
@@ -230,7 +230,7 @@ fn posts_are_written_as_c_does() {
 fn spots_are_counted() {
     let folder = tempfile::tempdir().unwrap();
     // Five spots of two rows and more, one of a single pixel.
-    let mut clip = ndarray::Array3::<u8>::zeros((3, 24, 32));
+    let mut clip = Array3::<u8>::zeros((3, 24, 32));
     let mut set = |t: usize, y: usize, x: usize, h: usize, w: usize| {
         clip.slice_mut(ndarray::s![t, y..y + h, x..x + w]).fill(200);
     };
@@ -314,6 +314,25 @@ fn spots_are_counted() {
         &["exec", &program, "--const", "spotz=1"],
         &["there is no constant `spotz`"],
     );
+}
+
+/// In memory samples lie column by column from the top right, as the vendor states it.
+#[test]
+fn samples_are_read_column_by_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let light = Array3::from_shape_fn((2, 8, 8), |(_, y, x)| (2 * (10 * y + x)) as f64);
+    let path = folder.path().join("light.npy");
+    light.write_npy(fs::File::create(path).unwrap()).unwrap();
+    let text = "int main() { uint8_t b[6], all[64]; while (1) { vs_frame_loop_control(); get_image(A, F);\n\
+                scamp5_scan_areg(A, b, 1, 0, 3, 1, 1, 1); scamp5_scan_areg_8x8(A, all);\n\
+                vs_post_text(\"%d %d %d %d %d %d\", b[0] - 128, b[1] - 128, b[2] - 128, b[3] - 128, b[4] - 128, b[5] - 128);\n\
+                vs_post_text(\"%d %d %d\", all[1] - 128, all[8] - 128, scamp5_read_areg(A, 2, 3) - 128);\n\
+                if (b[0] > 0) CLR(R5); } }";
+    fs::write(folder.path().join("p.cpp"), text).unwrap();
+    let said = json(folder.path(), &["exec", "p.cpp", "--image", "light.npy"]);
+    // Column 0 is the rightmost one: x = 7.
+    assert_eq!(said["posts"][0]["text"], "17 27 37 16 26 36");
+    assert_eq!(said["posts"][1]["text"], "17 6 24");
 }
 
 /// What can be laid out runs alike with its host beside the array, on noisy silicon too.

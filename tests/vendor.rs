@@ -287,6 +287,15 @@ fn pointers_count_elements() {
         "uint8_t *p = new uint8_t[8192]; p[3] = 300; scamp5_in(A, p[3]); delete[] p;",
         &[44],
     );
+    // Pointers to whole arrays, as weights are passed.
+    numbers_with(
+        "const int8_t w[2][1][3] = {{{1, -2, 3}}, {{4, 5, -6}}};\n\
+         void load(int size, const void *given) {\n\
+         int8_t (*w)[2][1][size] = (int8_t (*)[2][1][size]) (given);\n\
+         for (int n = 0; n < 2; n++) scamp5_in(A, (*w)[n][0][size - 1]); }",
+        "load(3, w); int v[2] = {7, 8}; int (*q)[2] = &v; (*q)[1] = 9; scamp5_in(A, v[1]); scamp5_in(A, (*q)[0]);",
+        &[3, -6, 9, 7],
+    );
 }
 
 #[test]

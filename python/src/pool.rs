@@ -6,6 +6,7 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 
+use amacrine::limit::THREADS;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -56,6 +57,10 @@ pub fn work<T: Send>(py: Python<'_>, what: impl FnOnce() -> T + Send) -> PyResul
 /// Sets the number of threads from now on; 0 for as many as there are cores.
 #[pyfunction]
 pub fn set_threads(threads: usize) -> PyResult<()> {
+    if threads > THREADS {
+        let message = format!("{threads} threads, and {THREADS} at most");
+        return Err(refused(message, "ask for fewer"));
+    }
     let own = Own {
         process: process::id(),
         pool: build(threads)?,

@@ -87,6 +87,8 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: amacrine.Sensor("dvs", 1, response={"lin-log": {"knee": 20}}).on_chip(),
         "its response is not linear",
     ),
+    "threads": (lambda: amacrine.set_threads(-1), "threads = -1"),
+    "many threads": (lambda: amacrine.set_threads(10**9), "1024 at most"),
     "program": (lambda: amacrine.Program.from_text("moov(A, B);"), "moov"),
     "program file": (lambda: amacrine.Program.from_file("no/such"), "dvs/snap"),
     "register": (

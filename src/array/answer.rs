@@ -55,12 +55,18 @@ fn answer(values: &Readings) -> Answer {
         memory: None,
     };
     match values {
-        Readings::Analog { values, .. } => Answer {
+        // In memory the grid lies column by column.
+        Readings::Analog { columns, values } => Answer {
             value: match values[..] {
                 [one] => Some(one.into()),
                 _ => None,
             },
-            memory: Some(values.iter().map(|it| i64::from(*it)).collect()),
+            memory: Some(
+                (0..*columns)
+                    .flat_map(|x| values.iter().skip(x).step_by(*columns))
+                    .map(|it| i64::from(*it))
+                    .collect(),
+            ),
         },
         Readings::Digital { .. } => Answer::default(),
         Readings::Box(found) => {

@@ -1,4 +1,5 @@
-//! `.npy` arrays of shape `(frames, height, width)`: numbers as given.
+//! `.npy` arrays of shape `(frames, height, width)` or `(frames, 1, height, width)`: numbers as
+//! given.
 //!
 //! The numbers are read frame by frame; a whole array would hold the clip in memory.
 
@@ -60,7 +61,9 @@ impl<R: Read + Send> Npy<R> {
             path: path.into(),
             got: header.descr.clone(),
         })?;
-        let &[frames, height, width] = header.shape.as_slice() else {
+        // (T,1,H,W) is what networks take.
+        let (&[frames, height, width] | &[frames, 1, height, width]) = header.shape.as_slice()
+        else {
             return Err(SceneError::Axes {
                 path: path.into(),
                 shape: header.shape,
@@ -271,6 +274,23 @@ mod tests {
             f64::from,
         );
         check_one([0.0, -1.5, f64::MIN_POSITIVE, 3.25, 1e300, -0.1_f64], |n| n);
+    }
+
+    /// One channel, as networks have it, is no axis of its own; three are colour.
+    #[test]
+    fn one_channel_is_no_axis() {
+        let written = |shape: [usize; 4]| {
+            let mut bytes = Vec::new();
+            let count = shape.iter().product::<usize>() as u32;
+            let numbers = (0..count).map(f64::from).collect();
+            let array = ndarray::Array4::from_shape_vec(shape, numbers).unwrap();
+            array.write_npy(&mut bytes).unwrap();
+            bytes
+        };
+        let frames = read(&written([2, 1, 2, 3])).unwrap();
+        assert_eq!((frames.len(), frames[1].light.dim()), (2, (2, 3)));
+        assert_eq!(frames[1].light[(1, 2)], 11.0);
+        assert!(read(&written([2, 3, 2, 3])).is_err());
     }
 
     #[test]

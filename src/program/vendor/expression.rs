@@ -187,7 +187,7 @@ fn cast(it: &mut Parser<'_>) -> Parsed<Option<Expr>> {
     let known = it.kind_named(first) != Kind::Any || matches!(first, "const" | "unsigned" | "void");
     if (known || !first.is_empty())
         && let Some(kind) = it.read_kind()
-        && it.take(")")
+        && (it.take(")") || it.array_pointer())
     {
         // `(name *)` is a type whatever the name.
         let pointer = it.at >= 2 && it.tokens_before(2).is("*");

@@ -1293,9 +1293,24 @@ impl<'a> Parser<'a> {
         }
     }
 
+    /// `(*)[…])`, the rest of the type of a pointer to an array, if that stands here.
+    pub(super) fn array_pointer(&mut self) -> bool {
+        let start = self.at;
+        if self.take("(") && self.take("*") && self.take(")") && self.sees("[") {
+            while self.sees("[") {
+                self.skip_group();
+            }
+            if self.take(")") {
+                return true;
+            }
+        }
+        self.at = start;
+        false
+    }
+
     /// The name in `(*name)(…)`, behind the type that the function gives back: a pointer to a
-    /// function, or an array of them.
-    fn pointer_name(&mut self) -> Option<(Word, bool)> {
+    /// function, or an array of them. In `(*name)[…]` it is one to an array.
+    fn pointer_name(&mut self) -> Option<(Word, Pointed)> {
         let start = self.at;
         let open = self.take("(") && self.take("*");
         let name = self.peek(0).and_then(Token::name).cloned();
@@ -1304,36 +1319,56 @@ impl<'a> Parser<'a> {
         if array {
             self.skip_group();
         }
-        if let Some(name) = name
-            && open
-            && self.take(")")
-            && self.sees("(")
-        {
+        let closed = open && self.take(")");
+        let pointed = if closed && self.sees("(") {
             self.skip_group();
-            return Some((name, array));
+            if array {
+                Some(Pointed::Functions)
+            } else {
+                Some(Pointed::Function)
+            }
+        } else if closed && !array && self.sees("[") {
+            while self.sees("[") {
+                self.skip_group();
+            }
+            self.sees("=").then_some(Pointed::Array)
+        } else {
+            None
+        };
+        if pointed.is_none() {
+            self.at = start;
         }
-        self.at = start;
-        None
+        name.zip(pointed)
     }
 
-    /// `type (*name)(types) = function;`, if that stands here.
+    /// `type (*name)(types) = function;` or `type (*name)[length] = &array;`, if that stands here.
     fn function_pointer(&mut self) -> Parsed<Option<StmtNode>> {
         let (start, place) = (self.at, self.place());
         let typed = !RESERVED.contains(&self.word(0)) && self.read_type().is_some();
-        let Some((name, array)) = typed.then(|| self.pointer_name()).flatten() else {
+        let Some((name, pointed)) = typed.then(|| self.pointer_name()).flatten() else {
             self.at = start;
             return Ok(None);
         };
-        let value = if self.take("=") {
+        let mut value = if self.take("=") {
             Some(self.assignment()?)
         } else {
             None
         };
+        if pointed == Pointed::Array {
+            // What it points to is the whole array: `*name` is the first of these.
+            value = value.map(|it| Expr {
+                place: it.place,
+                node: ExprNode::Braces(vec![it]),
+            });
+        }
         let declared = Declared {
             name,
             kind: Kind::Any,
             of: "".into(),
-            lengths: if array { vec![None] } else { Vec::new() },
+            lengths: match pointed {
+                Pointed::Function => Vec::new(),
+                Pointed::Functions | Pointed::Array => vec![None],
+            },
             value,
             reference: false,
             pointer: true,
@@ -1525,6 +1560,15 @@ impl<'a> Parser<'a> {
 
 /// The call that makes an array of a length, filled with a value.
 pub(super) const FILLED: &str = "a filled vector";
+
+/// What a pointer in parentheses leads to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Pointed {
+    Function,
+    /// There is an array of such pointers.
+    Functions,
+    Array,
+}
 
 /// A namespace inside of another.
 fn within(outer: &str, names: &[&str]) -> String {
