@@ -293,8 +293,10 @@ fn pointers_count_elements() {
          void load(int size, const void *given) {\n\
          int8_t (*w)[2][1][size] = (int8_t (*)[2][1][size]) (given);\n\
          for (int n = 0; n < 2; n++) scamp5_in(A, (*w)[n][0][size - 1]); }",
-        "load(3, w); int v[2] = {7, 8}; int (*q)[2] = &v; (*q)[1] = 9; scamp5_in(A, v[1]); scamp5_in(A, (*q)[0]);",
-        &[3, -6, 9, 7],
+        "load(3, w); int v[2] = {7, 8}; int (*q)[2] = &v; (*q)[1] = 9; scamp5_in(A, v[1]); scamp5_in(A, (*q)[0]);\n\
+         int m[2][2] = {{1, 2}, {3, 4}}; auto sum = [](int (*r)[2], int n) { return r[1][0] + n; };\n\
+         scamp5_in(A, sum(m, 10));",
+        &[3, -6, 9, 7, 13],
     );
 }
 

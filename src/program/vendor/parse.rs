@@ -1331,7 +1331,8 @@ impl<'a> Parser<'a> {
             while self.sees("[") {
                 self.skip_group();
             }
-            self.sees("=").then_some(Pointed::Array)
+            let ends = ["=", ",", ")"].iter().any(|mark| self.sees(mark));
+            ends.then_some(Pointed::Array)
         } else {
             None
         };
@@ -1507,7 +1508,9 @@ impl<'a> Parser<'a> {
             };
             let function = self.pointer_name();
             let called = function.is_some();
-            let mut array = function.as_ref().is_some_and(|it| it.1);
+            let mut array = { &function }
+                .as_ref()
+                .is_some_and(|it| it.1 != Pointed::Function);
             let name = match (function, self.peek(0).and_then(Token::name)) {
                 (Some((name, _)), _) => name,
                 (None, Some(name)) => {
