@@ -47,6 +47,9 @@ pub struct Answer {
 /// Pieces of a program whose steps are kept.
 const KEPT: usize = 1024;
 
+/// Variables above which those that nothing leads to any more are given up.
+pub(super) const HELD: usize = 1 << 16;
+
 /// What was asked in the frame that runs.
 #[derive(Default)]
 struct Now {
@@ -94,7 +97,7 @@ impl<'a> Companion<'a> {
             faults: Vec::new(),
             clocks: BTreeMap::new(),
             drawn: 0,
-            enough: super::memory::HELD,
+            enough: HELD,
         }
     }
 

@@ -2,14 +2,12 @@
 //! to is given up.
 
 use super::{
+    beside::HELD,
     machine::{Machine, Spot},
     tree::Kind,
     value::{Slot, Value},
 };
 use crate::config::Place;
-
-/// Variables above which those that nothing leads to any more are given up.
-pub(super) const HELD: usize = 1 << 16;
 
 impl Machine<'_> {
     /// Writes what was read to where the host wanted it.
