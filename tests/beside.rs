@@ -316,6 +316,23 @@ fn spots_are_counted() {
     );
 }
 
+/// The page shows what is printed.
+#[test]
+fn the_page_of_hosts_that_decide() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = fs::read_to_string(root.join("docs/vendor-code.md")).unwrap();
+    let command = "amacrine exec tests/data/vendor/spots.cpp --image bundled --frames 3 --const threshold=115";
+    let mut blocks = page.split("\n```").skip(1).step_by(2);
+    assert!(blocks.any(|block| block.contains(command)));
+    let shown = blocks.next().unwrap().lines().skip(1);
+    let words: Vec<&str> = command.split(' ').skip(1).collect();
+    let said = good(root, &words);
+    for line in shown.filter(|line| *line != "...") {
+        assert!(said.lines().any(|it| it == line), "{line}: {said}");
+    }
+    assert!(!said.contains("found no slot"));
+}
+
 /// In memory samples lie column by column from the top right, as the vendor states it.
 #[test]
 fn samples_are_read_column_by_column() {

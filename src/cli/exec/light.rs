@@ -55,7 +55,12 @@ impl Said {
             format!("the clip ends after {had} frames; its last picture was shown for {more} more")
         });
         let words = self.words.get().map(|(least, most)| {
-            format!("the host decides what runs: {least} to {most} words in a frame")
+            let words = if least == most {
+                format!("{least} words in every frame")
+            } else {
+                format!("{least} to {most} words in a frame")
+            };
+            format!("the host decides what runs: {words}")
         });
         cut.into_iter().chain(ended).chain(words).collect()
     }

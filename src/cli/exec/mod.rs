@@ -129,6 +129,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         light: &bench.observation,
         warnings: &warnings,
         notes: &notes,
+        decides: bench.opened.decides,
         posts: &bench.said.posts.borrow(),
         written: &written,
         without: arguments.without.told(),
