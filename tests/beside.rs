@@ -121,6 +121,32 @@ fn what_is_read_goes_into_memory() {
     assert_eq!(all, ["4 5, 20 21 8, 9 10, 31"]);
 }
 
+/// What is drawn into stays, whatever is read between two shapes.
+#[test]
+fn drawing_goes_on_after_a_reading() {
+    let text = "int main() { while (1) { vs_frame_loop_control(); scamp5_draw_begin(R5); scamp5_draw_pixel(1, 2);\n\
+                if (scamp5_global_or(R6)) scamp5_draw_pixel(3, 4); scamp5_draw_end(); } }";
+    let (asked, _) = told(text, 1, &[1]);
+    let pixels = asked.iter().filter(|it| it.contains("draw_pixel"));
+    assert_eq!(pixels.count(), 2, "{asked:?}");
+    assert!(
+        asked.iter().any(|it| it.contains("draw_begin(R5)")),
+        "{asked:?}"
+    );
+    // One that was never begun, or has ended, has no register.
+    let ended = text.replace(
+        "vs_frame_loop_control();",
+        "vs_frame_loop_control(); scamp5_draw_pixel(5, 6);",
+    );
+    let mut array = Told {
+        frames: 1,
+        ..Told::default()
+    };
+    let program = Program::read("p.cpp", &ended);
+    let refused = program.run_beside(&Device::scamp5(), &Overrides::new(), &mut array);
+    assert!(format!("{:?}", refused.unwrap_err()).contains("scamp5_draw_begin"));
+}
+
 #[test]
 fn frames_may_differ() {
     let all = posts(
