@@ -165,6 +165,27 @@ fn frames_may_differ() {
     assert_eq!(asked.iter().filter(|it| *it == "frame").count(), 8);
 }
 
+/// A loop that some variable ends is no loop over the frames that could be laid out.
+#[test]
+fn a_loop_that_a_variable_ends() {
+    let text = "int main() { bool running = true; int n = 0; while (running) { vs_frame_loop_control();\n\
+                get_image(A, F); if (++n == 100) running = false; } printf(\"%d\", n); }";
+    let program = Program::read("p.cpp", text);
+    assert!(program.decides(&Device::scamp5(), &Overrides::new()));
+    assert_eq!(told(text, 500, &[]).1, ["100"]);
+    let (asked, said) = told(text, 30, &[]);
+    assert_eq!(
+        (asked.iter().filter(|it| *it == "frame").count(), said.len()),
+        (31, 0)
+    );
+    // A number of any type is a constant.
+    let steady = Program::read(
+        "p.cpp",
+        "int main() { while (4294967295u) { vs_frame_loop_control(); get_image(A, F); } }",
+    );
+    assert!(!steady.decides(&Device::scamp5(), &Overrides::new()));
+}
+
 #[test]
 fn a_turn_that_never_waits_is_a_frame() {
     let text =

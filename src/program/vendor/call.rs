@@ -111,7 +111,7 @@ impl Machine<'_> {
             Role::Kernel => self.kernel_mark(name, given, place),
             Role::Sync => {
                 self.in_kernel(name, place);
-                self.sync();
+                self.sync(place);
                 Value::Whole(1)
             }
             Role::Number => self.number(name, given, place),

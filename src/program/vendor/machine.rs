@@ -28,6 +28,9 @@ use crate::{
 /// Statements and calls that are worked on before it is called endless.
 const WORK: usize = 1 << 21;
 
+/// Frames that are laid out one after the other, where no loop over the frames is.
+const FRAMES: usize = 64;
+
 /// Statements that may be asked of the array.
 const ASKED: usize = crate::limit::EXPANDED_STEPS;
 
@@ -514,10 +517,17 @@ impl<'a> Machine<'a> {
     }
 
     /// A new frame begins.
-    pub(super) fn sync(&mut self) {
+    pub(super) fn sync(&mut self, place: Place) {
         if self.companion.is_some() {
             self.next_frame();
             return;
+        }
+        if self.frames.len() == FRAMES && !self.full {
+            self.full = true;
+            let message = format!("more than {FRAMES} frames, one after the other");
+            self.undecided(Fault::error(place, message, "here another one").help(
+                "`exec` runs it, with the host beside the array. Here a program is the same in every frame: its loop is `while (1)`",
+            ));
         }
         let items = std::mem::take(&mut self.items);
         self.frames.push(items);
