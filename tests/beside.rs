@@ -380,6 +380,27 @@ fn the_page_of_hosts_that_decide() {
     assert!(!said.contains("found no slot"));
 }
 
+/// Kinds of cells are counted as they are read out.
+#[test]
+fn kinds_are_those_that_are_read_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "int main() { uint8_t on0[20], off2[20]; while (1) { vs_frame_loop_control(); SET(R5);\n\
+                scamp5_scan_events(R5, on0, 10); if (on0[3] > 0) { MOV(R6, R5); scamp5_scan_events(R6, off2, 10); } } }";
+    fs::write(folder.path().join("p.cpp"), text).unwrap();
+    let scene = "pattern:disc?width=4&height=2&frames=2";
+    let arguments = ["exec", "p.cpp", "--image", scene, "--events", "e.csv"];
+    let said = json(folder.path(), &arguments);
+    assert_eq!(
+        (said["on"].as_u64(), said["off"].as_u64()),
+        (Some(16), Some(16))
+    );
+    let all = fs::read_to_string(folder.path().join("e.csv")).unwrap();
+    let mut lines = all.lines();
+    assert!(lines.next().unwrap().ends_with(",p,channel"), "{all}");
+    let kinds = |end: &str| all.lines().filter(|it| it.ends_with(end)).count();
+    assert_eq!((kinds(",1,0"), kinds(",0,2")), (16, 16), "{all}");
+}
+
 /// In memory samples lie column by column from the top right, as the vendor states it.
 #[test]
 fn samples_are_read_column_by_column() {

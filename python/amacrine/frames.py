@@ -126,8 +126,8 @@ def load(
 
     Args:
         scene: What ``amacrine run --scene`` takes: a clip (.mp4, .y4m, .gif, .apng), a folder of
-            pictures, a .npy of shape (T,H,W) or (T,1,H,W), ``pattern:NAME?key=value``, or ``bundled``, the clip
-            that comes with the package (the default).
+            pictures, a .npy of shape (T,H,W) or (T,1,H,W), ``pattern:NAME?key=value``, or
+            ``bundled``, the clip that comes with the package (the default).
         fps: Frames per second, instead of what the scene says.
         scale: What the numbers of a .npy are multiplied by; 255 where they are 0 to 1.
         frames: The first so many frames only.

@@ -77,8 +77,7 @@ impl Beside for Companion<'_> {
     }
 
     fn micros(&self) -> f64 {
-        let cost = self.chip.ledger().cost(self.chip.device());
-        cost.array_us + cost.host_us
+        self.chip.ledger().cost(self.chip.device()).micros()
     }
 
     fn post(&mut self, text: String) {

@@ -357,9 +357,6 @@ impl Program {
         if !array.dark {
             array.end_frame();
         }
-        let kinds = array.packet.events.iter().map(|it| it.channel).max();
-        let channels = &mut array.packet.channels;
-        *channels = kinds.map_or(*channels, |last| last.saturating_add(1).max(*channels));
         Ok((array.posts, array.begun))
     }
 

@@ -8,7 +8,8 @@ use crate::{
     unit::Micros,
 };
 
-/// Runs these steps now; what the last of them gives the host.
+/// Runs these steps now; what the last of them gives the host. Before the run nobody knows how many
+/// kinds of cells are read out: the packet has as many as it has seen.
 ///
 /// # Errors
 /// When the domain has no answer for an instruction.
@@ -20,6 +21,9 @@ pub fn answered(
 ) -> Result<Answer, RunError> {
     let (events, readings) = (packet.events.len(), chip.readings().len());
     chip.run_steps(steps, t, packet)?;
+    let kinds = packet.events[events..].iter();
+    let kinds = kinds.map(|it| it.channel.saturating_add(1)).max();
+    packet.channels = packet.channels.max(kinds.unwrap_or_default());
     let last = steps.last().map(|it| &it.action);
     if let Some(Action::Host(Host::ScanEvents { slots, .. } | Host::ScanEventsFrom { slots, .. })) =
         last

@@ -80,10 +80,6 @@ pub fn watch(
     bench.said.words.set(array.words);
     bench.said.posts.replace(array.posts);
     let mut packet = array.packet;
-    let kinds = packet.events.iter().map(|it| it.channel).max();
-    packet.channels = packet
-        .channels
-        .max(kinds.map_or(1, |last| last.saturating_add(1)));
     packet.names = opened.program.names_of(packet.channels)?;
     Ok((packet, array.frames))
 }
@@ -139,8 +135,7 @@ impl Beside for Companion<'_> {
     }
 
     fn micros(&self) -> f64 {
-        let cost = self.chip.ledger().cost(self.chip.device());
-        cost.array_us + cost.host_us
+        self.chip.ledger().cost(self.chip.device()).micros()
     }
 
     fn post(&mut self, text: String) {
