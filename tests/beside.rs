@@ -7,9 +7,9 @@ use std::{fs, path::Path};
 
 use amacrine::{
     isa::Device,
-    program::{Action, Answer, Beside, Host, Overrides, Program, Step},
+    program::{Action, Answer, Beside, Host, Layout, Overrides, Program, Step},
 };
-use common::{good, json, refused};
+use common::{amacrine, good, json, line, refused};
 use ndarray::{Array2, Array3};
 use ndarray_npy::WriteNpyExt;
 
@@ -171,7 +171,7 @@ fn a_loop_that_a_variable_ends() {
     let text = "int main() { bool running = true; int n = 0; while (running) { vs_frame_loop_control();\n\
                 get_image(A, F); if (++n == 100) running = false; } printf(\"%d\", n); }";
     let program = Program::read("p.cpp", text);
-    assert!(program.decides(&Device::scamp5(), &Overrides::new()));
+    assert!(decides(&program));
     assert_eq!(told(text, 500, &[]).1, ["100"]);
     let (asked, said) = told(text, 30, &[]);
     assert_eq!(
@@ -183,7 +183,59 @@ fn a_loop_that_a_variable_ends() {
         "p.cpp",
         "int main() { while (4294967295u) { vs_frame_loop_control(); get_image(A, F); } }",
     );
-    assert!(!steady.decides(&Device::scamp5(), &Overrides::new()));
+    assert!(!decides(&steady));
+}
+
+fn decides(program: &Program) -> bool {
+    let layout = program.layout(&Device::scamp5(), &Overrides::new());
+    layout.unwrap().decides
+}
+
+/// Whether something is read out may hang on another readout: laid out it is left out, and said.
+#[test]
+fn what_is_read_out_may_hang_on_what_was_read() {
+    let scans = [
+        "if (scamp5_global_or(R6)) scamp5_scan_events(R5, b, 10);",
+        "scamp5_global_or(R6) && scamp5_scan_events(R5, b, 10);",
+        "int n = scamp5_global_or(R6); while (n) { scamp5_scan_events(R5, b, 10); n = 0; }",
+    ];
+    for scan in scans {
+        let text = format!(
+            "int main() {{ uint8_t b[20]; while (1) {{ vs_frame_loop_control(); scamp5_kernel_begin();\n\
+             CLR(R6); SET(R5); MOV(R6, R5); scamp5_kernel_end();\n{scan} }} }}"
+        );
+        let program = Program::read("p.cpp", &text);
+        let layout = program.layout(&Device::scamp5(), &Overrides::new());
+        let Layout { expansion, decides } = layout.unwrap();
+        assert!(decides, "{scan}");
+        let warned = format!("{:?}", program.warnings(&expansion.unwrap()).unwrap());
+        assert!(
+            warned.contains("read out") && warned.contains("left out"),
+            "{warned}"
+        );
+        for (read, times) in [(1, 1), (0, 0)] {
+            let asked = told(&text, 1, &[read, 5]).0;
+            let scanned = asked
+                .iter()
+                .filter(|it| it.starts_with("scamp5_scan_events"));
+            assert_eq!(scanned.count(), times, "{scan}");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("p.cpp"), &text).unwrap();
+        let light = Array3::from_elem((2, 16, 16), 20u8);
+        light
+            .write_npy(fs::File::create(folder.path().join("clip.npy")).unwrap())
+            .unwrap();
+        let run = [
+            "exec", "p.cpp", "--image", "clip.npy", "--domain", "q8.8", "--events", "e.csv",
+        ];
+        let said = json(folder.path(), &run);
+        assert_eq!(said["events"], 20, "{scan} {said}");
+        // What looks at the steps goes without it, and says so.
+        let looked = [&run[..6], &["--strip", "strip.png"]].concat();
+        let warned = line(&amacrine(folder.path(), &looked).output().unwrap().stderr);
+        assert!(warned.contains("left out"), "{warned}");
+    }
 }
 
 #[test]

@@ -11,7 +11,7 @@ use amacrine::{
     isa::Device,
     plane::{Plane, Size},
     program::{
-        Action, Cost, Expansion, Host, Includes, Overrides, Program as Text, Step, included,
+        Action, Cost, Expansion, Host, Includes, Layout, Overrides, Program as Text, Step, included,
     },
     source,
     unit::Micros,
@@ -83,16 +83,12 @@ impl Program {
             let chip = chip.or(program.settings.chip.as_deref());
             let device = Device::find(chip.unwrap_or("scamp5"))?;
             let overrides: Overrides = constants.into_iter().collect();
-            let decides = program.decides(&device, &overrides);
-            let expansion = if decides {
-                Expansion::default()
-            } else {
-                program.expand(&device, &overrides)?
-            };
+            let Layout { expansion, decides } = program.layout(&device, &overrides)?;
+            let steady = expansion.filter(|_| !decides);
             Ok(Self {
                 source: program,
                 device,
-                expansion,
+                expansion: steady.unwrap_or_default(),
                 decides,
                 overrides,
             })

@@ -13,7 +13,7 @@ use crate::{
     bundled::Kind,
     isa::{Device, Figure},
     limit::FAULTS,
-    program::{Expansion, Includes, Overrides, Program, Syntax, included},
+    program::{Expansion, Includes, Layout, Overrides, Program, Syntax, included},
     source,
 };
 
@@ -40,6 +40,15 @@ pub struct Opened {
     pub decides: bool,
     /// The constants that were set.
     pub overrides: Overrides,
+}
+
+impl Opened {
+    /// Shows the warnings of its expansion.
+    fn warn(&self) {
+        if let Some(warnings) = self.program.warnings(&self.expansion) {
+            complain(&format!("{:?}\n", miette!(warnings)));
+        }
+    }
 }
 
 /// `name=value`, for the command line.
@@ -130,16 +139,27 @@ impl Source {
         constants: &[(String, f64)],
     ) -> miette::Result<Opened> {
         let (program, device, overrides) = self.on_chip(figures, constants)?;
-        Self::expanded(program, device, overrides)
+        let expansion = program.expand(&device, &overrides)?;
+        let opened = Opened {
+            program,
+            device,
+            expansion,
+            decides: false,
+            overrides,
+        };
+        opened.warn();
+        Ok(opened)
     }
 
     /// As [`Source::open_with`], for whoever can run a program with its host beside the array: one
     /// whose host decides there what the array does, or any of vendor C++ if it is asked for.
+    /// `looks` keeps the steps before the run where there are any.
     pub fn open_to_run(
         &self,
         figures: &[(Figure, f64)],
         constants: &[(String, f64)],
         host: bool,
+        looks: bool,
     ) -> miette::Result<Opened> {
         let (program, device, overrides) = self.on_chip(figures, constants)?;
         if host && !program.is_vendor() {
@@ -149,19 +169,21 @@ impl Source {
                 program.file
             ));
         }
-        if !program.decides(&device, &overrides) {
-            let opened = Self::expanded(program, device, overrides)?;
-            return Ok(Opened {
-                decides: host,
-                ..opened
-            });
-        }
-        Ok(Opened {
+        let Layout { expansion, decides } = program.layout(&device, &overrides)?;
+        let decides = decides && !(looks && expansion.is_some());
+        let opened = Opened {
             program,
             device,
-            expansion: Expansion::default(),
-            decides: true,
+            expansion: expansion.unwrap_or_default(),
+            decides,
             overrides,
+        };
+        if !decides {
+            opened.warn();
+        }
+        Ok(Opened {
+            decides: decides || host,
+            ..opened
         })
     }
 
@@ -181,20 +203,6 @@ impl Source {
         let mut overrides = self.overrides();
         overrides.extend(constants.iter().cloned());
         Ok((program, device, overrides))
-    }
-
-    fn expanded(program: Program, device: Device, overrides: Overrides) -> miette::Result<Opened> {
-        let expansion = program.expand(&device, &overrides)?;
-        if let Some(warnings) = program.warnings(&expansion) {
-            complain(&format!("{:?}\n", miette!(warnings)));
-        }
-        Ok(Opened {
-            program,
-            device,
-            expansion,
-            decides: false,
-            overrides,
-        })
     }
 
     /// The constants that are set.

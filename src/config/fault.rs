@@ -51,6 +51,12 @@ impl Fault {
         }
     }
 
+    /// Whether the text cannot be used.
+    #[must_use]
+    pub fn is_error(&self) -> bool {
+        self.severity == Severity::Error
+    }
+
     /// A warning at a place.
     #[must_use]
     pub fn warning(place: Place, message: impl Into<String>, label: impl Into<String>) -> Self {

@@ -39,7 +39,7 @@ pub use sample::{Sample, samples};
 pub use settings::{
     Computes, Expectation, ExpectedEvents, ExpectedWords, Settings, Summary, json_schema,
 };
-pub use source::{NamesError, Program};
+pub use source::{Layout, NamesError, Program};
 pub use syntax::Syntax;
 pub use vendor::{Answer, Beside, Includes, WriteError, cpp, included};
 pub use words::vendor_text;

@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
-    config::{Fault, Faults, Severity},
+    config::{Fault, Faults},
     isa::Device,
 };
 
@@ -27,6 +27,17 @@ pub struct NamesError {
     pub names: usize,
     /// Kinds whose events it reads out.
     pub kinds: u8,
+}
+
+/// A program as it can be run.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// What is the same in every frame; nothing where the host decides which words run.
+    pub expansion: Option<Expansion>,
+    /// Whether it is vendor C++ whose host decides in the run what the array does, by what it reads
+    /// or by how many frames have passed. Where that is only whether something is read out, the
+    /// expansion goes without it, with a warning.
+    pub decides: bool,
 }
 
 /// A program: its text, taken apart.
@@ -172,28 +183,45 @@ impl Program {
     /// # Errors
     /// All that is wrong with the program on this chip, warnings included.
     pub fn expand(&self, device: &Device, overrides: &Overrides) -> Result<Expansion, Faults> {
-        let settings = &self.settings.constants;
-        let Some(includes) = &self.includes else {
-            let (expansion, mut faults) =
-                expand::expand(&self.syntax, &self.text, settings, device, overrides);
-            faults.extend(self.faults.iter().cloned());
-            Faults::check(&self.file, &self.text, faults)?;
-            return Ok(expansion);
-        };
-        let (expansion, mut faults, undecided) = self.laid_out(includes, device, overrides);
-        faults.extend(undecided);
-        Faults::check(&self.file, &self.text, faults)?;
+        let (expansion, faults, undecided) = self.laid_out(device, overrides);
+        Faults::check(&self.file, &self.text, [faults, undecided].concat())?;
         Ok(expansion)
     }
 
-    /// Vendor C++ as a program that is the same in every frame; its faults, and those that it has
-    /// only because it is not.
+    /// As [`expand`](Self::expand), for whoever can run it by [`run_beside`](Self::run_beside) too.
+    ///
+    /// # Errors
+    /// All that is wrong with the program on this chip, whichever way it is run.
+    pub fn layout(&self, device: &Device, overrides: &Overrides) -> Result<Layout, Faults> {
+        let (expansion, faults, undecided) = self.laid_out(device, overrides);
+        if !faults.iter().any(Fault::is_error) {
+            let steady = !undecided.iter().any(Fault::is_error);
+            return Ok(Layout {
+                expansion: steady.then_some(expansion),
+                decides: !undecided.is_empty(),
+            });
+        }
+        Err(Faults::new(
+            &self.file,
+            &self.text,
+            [faults, undecided].concat(),
+        ))
+    }
+
+    /// What it becomes; its faults, and those that it has only because a program is the same in
+    /// every frame.
     fn laid_out(
         &self,
-        includes: &Includes,
         device: &Device,
         overrides: &Overrides,
     ) -> (Expansion, Vec<Fault>, Vec<Fault>) {
+        let Some(includes) = &self.includes else {
+            let constants = &self.settings.constants;
+            let (expansion, mut faults) =
+                expand::expand(&self.syntax, &self.text, constants, device, overrides);
+            faults.extend(self.faults.iter().cloned());
+            return (expansion, faults, Vec::new());
+        };
         let mut read = vendor::read(&self.text, includes, &self.all_set(overrides), device);
         let syntax = Syntax {
             items: read.items,
@@ -201,11 +229,10 @@ impl Program {
         };
         let (mut expansion, mut faults) =
             expand::expand(&syntax, &self.text, &read.constants, device, overrides);
-        let warnings = read
-            .faults
-            .iter()
-            .filter(|it| it.severity == Severity::Warning);
-        expansion.warnings.extend(warnings.cloned());
+        let told = read.faults.iter().chain(&read.undecided);
+        expansion
+            .warnings
+            .extend(told.filter(|it| !it.is_error()).cloned());
         faults.append(&mut read.faults);
         faults.extend(self.faults.iter().cloned());
         (expansion, faults, read.undecided)
@@ -216,19 +243,6 @@ impl Program {
         let mut all = self.settings.constants.clone();
         all.extend(overrides.clone());
         all
-    }
-
-    /// Whether it is vendor C++ whose host decides in the run what the array does, by what it reads
-    /// or by how many frames have passed: it has no [`Expansion`], and is run by
-    /// [`run_beside`](Self::run_beside).
-    #[must_use]
-    pub fn decides(&self, device: &Device, overrides: &Overrides) -> bool {
-        let Some(includes) = &self.includes else {
-            return false;
-        };
-        let (_, faults, undecided) = self.laid_out(includes, device, overrides);
-        let is_error = |it: &Fault| it.severity == Severity::Error;
-        undecided.iter().any(is_error) && !faults.iter().any(is_error)
     }
 
     /// Runs vendor C++ with its host beside the array, until the array or the program ends; its
@@ -307,12 +321,7 @@ impl Program {
     /// The warnings of an expansion, ready to be shown; `None` when there are none.
     #[must_use]
     pub fn warnings(&self, expansion: &Expansion) -> Option<Faults> {
-        debug_assert!(
-            expansion
-                .warnings
-                .iter()
-                .all(|w| w.severity == Severity::Warning)
-        );
+        debug_assert!(expansion.warnings.iter().all(|w| !w.is_error()));
         if expansion.warnings.is_empty() {
             return None;
         }

@@ -91,6 +91,18 @@ pub struct Arguments {
     pub(super) json: bool,
 }
 
+impl Arguments {
+    /// What looks at the steps of a program before it runs, and whether it is asked for.
+    pub(super) fn looks(&self) -> [(&'static str, bool); 4] {
+        [
+            ("--strip", self.strip.is_some()),
+            ("--trace", self.trace.is_some()),
+            ("--debug", self.debug),
+            ("--fidelity auto", self.fidelity.is_auto()),
+        ]
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Switch {
     On,

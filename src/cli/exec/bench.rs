@@ -71,7 +71,8 @@ impl<'a> Bench<'a> {
             .collect();
         let opened = {
             let source = &arguments.source;
-            source.open_to_run(&figures, &constants, arguments.host)?
+            let looks = arguments.looks().iter().any(|it| it.1);
+            source.open_to_run(&figures, &constants, arguments.host, looks)?
         };
         let Opened {
             program, device, ..
@@ -246,13 +247,7 @@ impl<'a> Bench<'a> {
 
     /// Refuses what looks at the steps of a program before it runs, where its host decides them.
     fn check_looks(&self) -> miette::Result<()> {
-        let arguments = self.arguments;
-        let looks = [
-            ("--strip", arguments.strip.is_some()),
-            ("--trace", arguments.trace.is_some()),
-            ("--debug", arguments.debug),
-            ("--fidelity auto", arguments.fidelity.is_auto()),
-        ];
+        let looks = self.arguments.looks();
         let Some((option, _)) = looks.iter().find(|it| it.1 && self.opened.decides) else {
             return Ok(());
         };

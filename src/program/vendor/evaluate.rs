@@ -206,7 +206,7 @@ impl Machine<'_> {
         }
         if let (Value::Unknown(why), "&&" | "||") = (&a, mark) {
             let part = look::statement(right);
-            if look::changes(self, &part) {
+            if look::changes(self, &part) || look::reads(self, &part) {
                 self.either(left, &[&part], why);
                 return a;
             }

@@ -19,6 +19,11 @@ pub(super) fn changes(machine: &Machine<'_>, it: &Stmt) -> bool {
     asks(machine, it, &|role| matches!(role, Role::Sync | Role::Chip))
 }
 
+/// Whether it reads from the array into memory.
+pub(super) fn reads(machine: &Machine<'_>, it: &Stmt) -> bool {
+    asks(machine, it, &|role| role == Role::Read)
+}
+
 /// A value as a statement.
 pub(super) fn statement(it: &Expr) -> Stmt {
     Stmt {

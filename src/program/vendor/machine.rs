@@ -516,6 +516,19 @@ impl<'a> Machine<'a> {
         self.undecided(Fault::error(place, message, label).help(help));
     }
 
+    /// Warns of a readout of which only the run knows: a program that has to be known before goes
+    /// without it.
+    pub(super) fn unread(&mut self, place: Place, what: &str, why: &str) {
+        if self.companion.is_some() {
+            return;
+        }
+        let message = format!("{what}, {why} decides: here it is left out");
+        self.undecided(
+            Fault::warning(place, message, "only the run knows")
+                .help("`exec` runs it, with the host beside the array"),
+        );
+    }
+
     /// A new frame begins.
     pub(super) fn sync(&mut self, place: Place) {
         if self.companion.is_some() {

@@ -355,6 +355,8 @@ impl Machine<'_> {
         if changes {
             let message = format!("whether this kernel runs, {why} decides");
             self.unknown(on.place, message, Some(on));
+        } else if parts.iter().any(|part| look::reads(self, part)) {
+            self.unread(on.place, "whether this is read out", why);
         }
         for part in parts {
             look::forget(self, part, why);
@@ -546,6 +548,8 @@ impl Machine<'_> {
         if each.iter().flatten().any(|it| look::changes(self, it)) {
             let message = format!("how often this loop runs, {why} decides");
             self.unknown(it.place, message, Some(condition));
+        } else if each.iter().flatten().any(|it| look::reads(self, it)) {
+            self.unread(it.place, "how often this is read out", why);
         }
         look::forget(self, body, why);
         look::show(self, body);
