@@ -241,7 +241,7 @@ fn a_point_named_twice_is_computed_once() {
         at,
         &["sweep", "study.toml", "--output", "out"],
         &[
-            "out holds the study \"study\" (1 points), not \"study\" (2 points)",
+            "out holds the study \"study\" (1 point), not \"study\" (2 points)",
             "another --output",
         ],
     );

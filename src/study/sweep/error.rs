@@ -9,6 +9,14 @@ use super::{
 };
 use crate::save::SaveError;
 
+/// A number of points in words.
+fn points_in_words(points: usize) -> String {
+    match points {
+        1 => "1 point".to_owned(),
+        several => format!("{several} points"),
+    }
+}
+
 /// What the folder's work gives.
 pub(super) type Kept<T> = Result<T, StoreError>;
 
@@ -114,8 +122,10 @@ pub enum StoreError {
     },
     /// Results of another study.
     #[error(
-        "{} holds the study \"{held}\" ({held_points} points), not \"{asked}\" ({asked_points} points): their points differ",
-        folder.display()
+        "{} holds the study \"{held}\" ({}), not \"{asked}\" ({}): their points differ",
+        folder.display(),
+        points_in_words(*held_points),
+        points_in_words(*asked_points)
     )]
     #[diagnostic(help("give another --output; nothing was changed"))]
     Study {
