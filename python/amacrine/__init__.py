@@ -16,13 +16,14 @@ words of the command line, its options called as arguments are here.
 from . import events, gradient
 from ._amacrine import Error, __version__, threads
 from .answer import Answer
+from .caution import Caution
 from .events import EVENT, EVENT_OF_KINDS
 from .files import About, about, compare, read, write
 from .frames import load
 from .names import names, text
 from .pool import set_threads
 from .program import Program, ProgramRun
-from .sensor import Caution, ChipSensor, EventSensor, Sensor, Stream, compile
+from .sensor import ChipSensor, EventSensor, Sensor, Stream, compile
 from .study import Quantised, design, feasibility, quantise, trade, waterfall
 from .sweeps import Sweep, sweep
 

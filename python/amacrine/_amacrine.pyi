@@ -104,6 +104,7 @@ class Run:
     def seen(self) -> int: ...
     @property
     def dropped(self) -> int: ...
+    def warnings(self, subject: str) -> list[tuple[str, str]]: ...
 
 @final
 class Program:
@@ -232,6 +233,7 @@ def sweep(
     jobs: int,
     max_seconds: float | None,
 ) -> str: ...
+def sweep_hash(study: tuple[str, str, _Path], sets: list[str]) -> str: ...
 def merge(folders: list[_Path], output: _Path) -> str: ...
 def read(
     path: _Path, kind: str | None, of: tuple[int, int] | None
@@ -241,6 +243,7 @@ def write(
     npy: bytes,
     of: tuple[int, int] | None,
     channels: int | None,
+    names: list[str],
     to: str | None,
     compression: str,
 ) -> None: ...
@@ -253,15 +256,22 @@ def compare(
     bins: int,
     seed: int,
 ) -> str: ...
-def no_events(subject: str, frames: int) -> str: ...
 def scene(
     name: str | None, fps: float | None, scale: float | None, frames: int | None
-) -> tuple[npt.NDArray[Any], float]: ...
-def quantise(of: _Named, to: list[str], sum_to: str, seed: int) -> str: ...
+) -> tuple[npt.NDArray[Any], float, bool]: ...
+def quantise(of: list[_Named], to: list[str], sum_to: str, seed: int) -> str: ...
 def on_chip(
     of: _Named,
     to: list[str],
     threshold: float,
+    search: _Search,
+    scene: _Shown,
+    within_us: int | None,
+) -> str: ...
+def on_chip_together(
+    of: list[_Named],
+    to: list[str],
+    thresholds: list[float],
     search: _Search,
     scene: _Shown,
     within_us: int | None,
@@ -295,6 +305,14 @@ def waterfall(
     rates: list[float] | None,
     sample: tuple[int, int | None],
 ) -> tuple[str, str]: ...
+def trade_program(
+    program: Program,
+    domain: str,
+    scene: _Shown,
+    formats: list[str],
+    sample: tuple[int, float, int],
+    how: tuple[bool, int],
+) -> str: ...
 def trade(
     sensor: Sensor,
     scene: _Shown,

@@ -9,6 +9,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from ._amacrine import Error
+from .arguments import file
+
 
 class Answer:
     """What a study says, as the command line's ``--json`` has it.
@@ -102,12 +105,12 @@ class Answer:
 
     def save(self, path: str | Path) -> None:
         """Writes the report (.html), the drawing (.svg) or all of it (.json)."""
-        ending = Path(path).suffix.lower()
+        ending = Path(file("path", path, "the path of the file to write")).suffix.lower()
         texts = {".html": self._page, ".svg": self._drawing, ".json": json.dumps(self._data)}
         text = texts.get(ending)
         if text is None:
             has = ", ".join(name for name, of in texts.items() if of is not None)
-            raise ValueError(f"{path}: there is no {ending} of this; give {has}")
+            raise Error(f"{path}: there is no {ending or 'ending'} of this\nhelp: end the name in {has}")
         Path(path).write_text(text, encoding="utf-8")
 
     def __repr__(self) -> str:
@@ -120,7 +123,7 @@ class Answer:
         if self._drawing is not None:
             return self._drawing
         rows = self._data.get(self._rows) if self._rows else [self._data]
-        return _table(rows or [])
+        return table(rows or [])
 
 
 def _again(
@@ -137,8 +140,8 @@ def _wrapped(of: Any) -> Any:
     return of
 
 
-def _table(rows: list[Any]) -> str:
-    """Plain values as a table."""
+def table(rows: list[dict[str, Any]]) -> str:
+    """Rows of plain values as a table of HTML; what is no plain value is left out."""
     plain = [
         {name: of for name, of in row.items() if not isinstance(of, (dict, list))} for row in rows
     ]

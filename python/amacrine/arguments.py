@@ -1,16 +1,28 @@
-"""Arguments of one number, or of a list of names, checked before they are used."""
+"""Arguments of a call, checked before they are used: numbers, words, times, sizes, files.
+
+Each function is given the name of an argument and what stands in it, and gives back a plain value of
+Python, or raises :class:`Error` with the name, what was given, and what to give.
+"""
 
 from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Mapping
+from os import PathLike
+from typing import Any, Union
+
+import numpy as np
 
 from ._amacrine import Error
 
+File = Union[str, "PathLike[str]"]
+
 MOST = (1 << 64) - 1
 """The largest whole number that the library takes."""
+
+SECONDS = (1 << 63) // 10**6
+"""No time is longer: microseconds are kept in 63 bits."""
 
 
 def number(name: str, given: Any, help: str) -> float:
@@ -18,21 +30,60 @@ def number(name: str, given: Any, help: str) -> float:
     if not isinstance(given, (str, bytes)):
         try:
             return float(given)
-        except (TypeError, ValueError, RuntimeError):
+        except (TypeError, ValueError, RuntimeError, OverflowError):
             pass
     raise Error(f"{name} = {given!r} is no number\nhelp: {help}")
 
 
-def whole(name: str, given: Any, least: int = 0) -> int:
-    """A whole number."""
-    help = f"give a whole number, {least} or more"
-    try:
-        found = operator.index(given)
-    except TypeError:
-        raise Error(f"{name} = {given!r} is no whole number\nhelp: {help}") from None
-    if not least <= found <= MOST:
-        raise Error(f"{name} = {found}\nhelp: {help}, and less than 2^64")
+def numbers(name: str, given: Any, help: str) -> list[float]:
+    """A list of numbers; one number alone is a list of one."""
+    # A word is iterable, too, and a table; an array of no axes is not.
+    several = isinstance(given, Iterable) and not isinstance(given, (str, bytes, Mapping))
+    axes: int = getattr(given, "ndim", 1)
+    all = given if several and axes else [given]
+    return [number(name, one, help) for one in all]
+
+
+def share(name: str, given: Any) -> float:
+    """A share of something, below all of it."""
+    help = f"give a share, from 0 on and below 1, such as {name}=0.1"
+    found = number(name, given, help)
+    if not 0.0 <= found < 1.0:
+        raise Error(f"{name} = {found:g}\nhelp: {help}")
     return found
+
+
+def whole(name: str, given: Any, least: int = 0, most: int = MOST) -> int:
+    """A whole number; a float that is one, too."""
+    to = "or more" if most == MOST else f"to {most}"
+    help = f"give a whole number, {least} {to}"
+    found = None
+    if not isinstance(given, (bool, np.bool_)):
+        try:
+            found = operator.index(given)
+        except TypeError:
+            if isinstance(given, (float, np.floating)) and float(given).is_integer():
+                found = int(given)
+    if found is None:
+        raise Error(f"{name} = {given!r} is no whole number\nhelp: {help}")
+    if not least <= found <= most:
+        less = ", and less than 2^64" if found > most == MOST else ""
+        raise Error(f"{name} = {found}\nhelp: {help}{less}")
+    return found
+
+
+def kinds(given: Any) -> int | None:
+    """A number of kinds of cells; none is none."""
+    return None if given is None else whole("channels", given, 1, 255)
+
+
+def flag(name: str, given: Any) -> bool:
+    """True or false."""
+    if not isinstance(given, (bool, np.bool_)):
+        raise Error(
+            f"{name} = {given!r} is neither true nor false\nhelp: give {name}=True or {name}=False"
+        )
+    return bool(given)
 
 
 def rate(fps: Any) -> float:
@@ -44,6 +95,17 @@ def rate(fps: Any) -> float:
     return found
 
 
+def scale(given: Any) -> float:
+    """What numbers are multiplied by to be light."""
+    found = number("scale", given, "give a number above 0, such as scale=255")
+    if not 0.0 < found < math.inf:
+        raise Error(
+            f"scale = {found:g}: no scale\n"
+            "help: give a number above 0, such as 255 for light from 0 to 1"
+        )
+    return found
+
+
 def word(name: str, given: Any, such_as: str) -> str:
     """A name."""
     if not isinstance(given, str):
@@ -51,15 +113,38 @@ def word(name: str, given: Any, such_as: str) -> str:
     return given
 
 
-def micros(name: str, seconds: Any) -> int | None:
+def word_or_none(name: str, given: Any, such_as: str) -> str | None:
+    """A name; none is none."""
+    return None if given is None else word(name, given, such_as)
+
+
+def one_of(name: str, given: Any, known: tuple[str, ...]) -> str:
+    """One of a few words."""
+    if not isinstance(given, str) or given not in known:
+        raise Error(f"{name} = {given!r} is not known\nhelp: give one of {', '.join(known)}")
+    return given
+
+
+def file(name: str, given: Any, what: str) -> File:
+    """The path of a file, or the name of what comes with the package."""
+    if not isinstance(given, (str, PathLike)):
+        raise Error(f"{name} = {given!r} is no path\nhelp: give {what}")
+    return given
+
+
+def seconds(name: str, given: Any, least: float = 0.0) -> float:
+    """A time in seconds, from 0 on unless it may be earlier."""
+    since = ", from 0 on" if least == 0.0 else ""
+    help = f"give {name} in seconds{since}, such as {name}=0.01"
+    found = number(name, given, help)
+    if not least <= found <= SECONDS:
+        raise Error(f"{name} = {given!r}\nhelp: {help}")
+    return found
+
+
+def micros(name: str, given: Any) -> int | None:
     """Seconds as whole microseconds; none is none."""
-    if seconds is None:
-        return None
-    help = f"give {name} in seconds, from 0 on, such as {name}=0.01"
-    found = number(name, seconds, help)
-    if not 0.0 <= found < math.inf:
-        raise Error(f"{name} = {seconds!r}\nhelp: {help}")
-    return round(found * 1e6)
+    return None if given is None else round(seconds(name, given) * 1e6)
 
 
 def size(given: Any, name: str = "size") -> tuple[int, int] | None:
@@ -71,7 +156,7 @@ def size(given: Any, name: str = "size") -> tuple[int, int] | None:
         found = operator.index(height), operator.index(width)
     except (TypeError, ValueError):
         found = -1, -1
-    if min(found) < 0:
+    if min(found) < 0 or max(found) > MOST:
         raise Error(f"{name} = {given!r}\nhelp: give {name}=(height, width), whole numbers")
     return found
 
@@ -81,5 +166,27 @@ def names(name: str, given: Any) -> list[str]:
     if isinstance(given, str):
         return [given]
     if isinstance(given, Iterable):
-        return [str(one) for one in given]
+        all = list(given)
+        if not any(isinstance(one, (bytes, Mapping)) or np.ndim(one) for one in all):
+            return [str(one) for one in all]
     raise Error(f"{name} = {given!r}\nhelp: give a name, or a list of names")
+
+
+def parts(given: Any) -> Iterable[Any]:
+    """A clip that comes part by part."""
+    if not isinstance(given, Iterable):
+        raise Error(
+            f"parts = {given!r} are no clip\nhelp: give a list, or a generator, of arrays (t,H,W)"
+        )
+    return given
+
+
+def table(name: str, given: Any, such_as: str) -> dict[str, Any]:
+    """Names with their values; none has no names."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise Error(
+            f"{name} = {given!r}\nhelp: give names with their values, such as {name}={such_as}"
+        )
+    return {str(key): value for key, value in given.items()}

@@ -26,6 +26,41 @@ FIELDS = (
 Events = npt.NDArray[np.void]
 """A structured array of :data:`EVENT` or :data:`EVENT_OF_KINDS`."""
 
+MOST_SIDE = 1 << 15
+"""The longest side whose addresses an event's ``i2`` holds."""
+
+RANGES = {"t": (0, (1 << 63) - 1), "x": (0, 65535), "y": (0, 65535), "channel": (0, 254)}
+"""What the library's events hold; `p` is 1, 0 or -1."""
+
+
+class NamedEvents(np.ndarray[Any, np.dtype[np.void]]):
+    """Events whose kinds of cells have names: those of a file that says them. Parts of it know them,
+    too; :func:`amacrine.write` writes them."""
+
+    names: list[str] | None = None
+    """What the kinds of cells are called, in the order of their numbers."""
+
+    def __array_finalize__(self, of: Any) -> None:
+        self.names = getattr(of, "names", None)
+
+    def __getitem__(self, key: Any) -> Any:
+        found = super().__getitem__(key)
+        # A field alone is an array of numbers.
+        plain = isinstance(found, np.ndarray) and found.dtype.names is None
+        return found.view(np.ndarray) if plain else found
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return named, (self.view(np.ndarray), self.names)
+
+
+def named(events: Events, names: list[str] | None) -> Events:
+    """The same events, with the names of their kinds of cells where there are any."""
+    if not names:
+        return events
+    known = events.view(NamedEvents)
+    known.names = list(names)
+    return known
+
 
 def view(records: npt.NDArray[np.uint8], channels: int) -> Events:
     """The bytes of records as events; nothing is copied."""
@@ -34,8 +69,34 @@ def view(records: npt.NDArray[np.uint8], channels: int) -> Events:
     return events
 
 
+def check_side(size: tuple[int, int]) -> None:
+    """Refuses a sensor whose addresses the fields x and y do not hold."""
+    if max(size) > MOST_SIDE:
+        raise Error(
+            f"a sensor of {size[1]}x{size[0]} pixels: the fields x and y hold no more than "
+            f"{MOST_SIDE}\nhelp: take a smaller scene"
+        )
+
+
+def check_addresses(path: Any, events: Events, size: tuple[int, int]) -> None:
+    """Refuses events of a file whose addresses the fields x and y do not hold."""
+    if max(size) <= MOST_SIDE:
+        return
+    for name in ("x", "y"):
+        beyond = np.flatnonzero(events[name] < 0)
+        if len(beyond):
+            # What is below 0 was 16 bits without a sign.
+            value = int(events[name][beyond[0]]) + (1 << 16)
+            raise Error(
+                f"{path}: event {beyond[0]}: {name} is {value}, and the fields x and y hold no more "
+                f"than {MOST_SIDE - 1}\n"
+                "help: give compare the file itself; `amacrine convert` keeps such addresses"
+            )
+
+
 def records(events: Any) -> npt.NDArray[Any]:
-    """Events of a structured array or a pandas data frame, one after the other, their fields checked."""
+    """Events of a structured array or a pandas data frame, one after the other, their fields and what
+    stands in them checked."""
     if hasattr(events, "to_records"):
         events = events.to_records(index=False)
     given = np.asarray(events).ravel()
@@ -53,25 +114,79 @@ def records(events: Any) -> npt.NDArray[Any]:
                 f"the field {name} of events is of dtype {given.dtype[name]}, not whole\n"
                 "help: give whole numbers; where t is in seconds, t * 1e6, rounded"
             )
+    for name in names:
+        _check_values(name, given[name])
+    return given
+
+
+def _check_values(name: str, values: npt.NDArray[Any]) -> None:
+    """Refuses the first value of a field that no event has, with the number of its event."""
+    if name == "p":
+        wrong, expected = (values > 1) | (values < -1), "1 for ON, 0 or -1 for OFF"
+    else:
+        low, high = RANGES[name]
+        wrong, expected = (values < low) | (values > high), f"{low} to {high}"
+    if wrong.any():
+        at = int(wrong.argmax())
+        raise Error(
+            f"event {at} of the array: `{name}` is {values[at]}\nhelp: {name} should be {expected}"
+        )
+
+
+def _check_order(times: npt.NDArray[Any]) -> None:
+    """Refuses times that run backwards, with the number of the event."""
+    back = times[1:] < times[:-1]
+    if back.any():
+        at = int(back.argmax()) + 1
+        raise Error(
+            f"event {at} of the array: `t` runs backwards: {times[at]} us comes after "
+            f"{times[at - 1]} us\n"
+            'help: sort the events: events[numpy.argsort(events["t"], kind="stable")]'
+        )
+
+
+def _check_places(events: npt.NDArray[Any], size: tuple[int, int] | None) -> None:
+    """Refuses events off their sensor, with the number of the first."""
+    if size is None:
+        return
+    off = (events["y"] >= size[0]) | (events["x"] >= size[1])
+    if off.any():
+        at = int(off.argmax())
+        x, y = events["x"][at], events["y"][at]
+        raise Error(
+            f"event {at} of the array: `x` is {x}, `y` is {y}: off the sensor, which is "
+            f"{size[1]}x{size[0]}\nhelp: give size=(height, width) of the sensor, or leave it out"
+        )
+
+
+def _checked(events: Any, size: tuple[int, int] | None) -> npt.NDArray[Any]:
+    """Events in any order, all of them on their sensor."""
+    given = records(events)
+    _check_places(given, size)
     return given
 
 
 def _placed(events: npt.NDArray[Any], size: tuple[int, int] | None) -> bytes:
-    """Events in the order of their times, whose sensor has a size."""
-    events = records(events)
+    """Checked events in the order of their times, whose sensor has a size, as a `.npy`."""
     if size is None and events.size == 0:
         raise Error("no events, and no size of their sensor\nhelp: give size=(height, width)")
     times = events["t"]
     if (times[1:] < times[:-1]).any():
         events = events[np.argsort(times, kind="stable")]
-    return npy(events)
+    return _saved(events)
 
 
-def npy(events: npt.NDArray[Any]) -> bytes:
-    """Events as the bytes of a `.npy`: the library reads, and checks, any order and width of
-    fields."""
+def npy(events: npt.NDArray[Any], size: tuple[int, int] | None = None) -> bytes:
+    """Events, in the order of their times, as the bytes of a `.npy`: the library reads any order and
+    width of fields."""
+    events = _checked(events, size)
+    _check_order(events["t"])
+    return _saved(events)
+
+
+def _saved(events: npt.NDArray[Any]) -> bytes:
     file = io.BytesIO()
-    np.save(file, records(events), allow_pickle=False)
+    np.save(file, events, allow_pickle=False)
     return file.getvalue()
 
 
@@ -107,14 +222,16 @@ def voxels(
     Returns:
         (windows,K,bins,H,W), or (windows,K,2,bins,H,W) with OFF first where they are split.
     """
-    events, number = _after(events, start), voxel.number(dtype)
+    since = round(arguments.seconds("start", start, -arguments.SECONDS) * 1e6)
+    size, count = arguments.size(size), arguments.kinds(channels) or 1
+    events, number = _after(_checked(events, size), since), voxel.number(dtype)
     last = int(events["t"].max()) if len(events) else 0
-    until = last if end is None else max(round((end - start) * 1e6), 0)
+    stop = None if end is None else arguments.seconds("end", end, -arguments.SECONDS)
+    until = last if stop is None else max(round(stop * 1e6) - since, 0)
     length = max(until, 1) * 1e-6 if window is None else window
     how = voxel.how(bins, length, every, causal, polarity, share, normalise)
-    size = arguments.size(size)
     flat, (height, width, kinds) = _amacrine.voxels(
-        _placed(events, size), size, channels or 1, how, until
+        _placed(events, size), size, count, how, until
     )
     one = voxel.shape(how, (height, width), kinds, polarity)
     return flat.reshape(-1, *one).astype(number, copy=False)
@@ -146,12 +263,18 @@ def time_surfaces(
     Returns:
         ``float32`` (times,K,2,H,W) with OFF first, or (times,K,H,W) where they are signed.
     """
-    size, seconds = arguments.size(size), np.asarray(times, np.float64).ravel()
-    if not (np.isfinite(seconds).all() and (seconds >= 0).all()):
-        raise Error("the times of surfaces\nhelp: give finite seconds, from 0 on")
-    micros = [round(time * 1e6) for time in seconds.tolist()]
+    size, count = arguments.size(size), arguments.kinds(channels) or 1
+    help = "give seconds, from 0 on, such as [0.01, 0.02]"
+    seconds = [arguments.seconds("times", one) for one in arguments.numbers("times", times, help)]
+    micros = [round(time * 1e6) for time in seconds]
     flat, place = _amacrine.surfaces(
-        _placed(events, size), size, channels or 1, micros, float(tau), decay, polarity
+        _placed(_checked(events, size), size),
+        size,
+        count,
+        micros,
+        arguments.number("tau", tau, "give seconds, such as tau=0.05"),
+        arguments.word("decay", decay, "linear"),
+        arguments.word("polarity", polarity, "split"),
     )
     return flat.reshape(len(micros), *_planes(place, polarity))
 
@@ -180,11 +303,11 @@ def event_frames(
     Returns:
         ``int32`` (frames,K,H,W), or (frames,K,2,H,W) with OFF first where they are split.
     """
-    if isinstance(count, bool) or count != int(count) or count < 1:
-        raise Error(f"frames of {count} events\nhelp: give a whole number above 0")
+    each, kinds = arguments.whole("count", count, 1), arguments.kinds(channels) or 1
     size = arguments.size(size)
+    polarity, fill = arguments.word("polarity", polarity, "split"), arguments.word("fill", fill, "last")
     flat, place = _amacrine.event_frames(
-        _placed(events, size), size, channels or 1, int(count), polarity, fill
+        _placed(_checked(events, size), size), size, kinds, each, polarity, fill
     )
     return flat.reshape(-1, *_planes(place, polarity))
 
@@ -194,12 +317,10 @@ def _planes(place: tuple[int, int, int], polarity: str) -> tuple[int, ...]:
     return (kinds, *((2,) if polarity == "split" else ()), height, width)
 
 
-def _after(events: npt.NDArray[Any], start: float) -> npt.NDArray[Any]:
-    """The events from a time on, which becomes 0."""
-    events = records(events)
-    if start == 0.0:
+def _after(events: npt.NDArray[Any], micros: int) -> npt.NDArray[Any]:
+    """The events from a time on, in microseconds, which becomes 0."""
+    if micros == 0:
         return events
-    micros = round(start * 1e6)
     kept = events[events["t"].astype(np.int64) >= micros]
     fields = [name for name in EVENT_OF_KINDS.names or () if name in (kept.dtype.names or ())]
     moved = kept[fields].astype([(n, "<i8" if n == "t" else kept.dtype[n]) for n in fields])

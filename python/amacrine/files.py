@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 from typing import Any, Union
 
+import numpy as np
 import numpy.typing as npt
 
 from . import _amacrine, arguments
+from ._amacrine import Error
 from .answer import Answer
-from .events import Events, npy, view
+from .events import Events, NamedEvents, check_addresses, named, npy, view
+from .voxels import MOST_BINS
 
-Path_ = Union[str, "PathLike[str]"]
+Path_ = arguments.File
 Packet = Union[Path_, npt.NDArray[Any]]
 """Events: a file of any format, or a structured array."""
 
@@ -30,6 +33,8 @@ class About:
     """Whether the file says it."""
     channels: int
     """Kinds of cells."""
+    names: list[str]
+    """What each kind is called; empty where the file does not say it."""
     span_us: tuple[int, int]
     """The time watched, in microseconds."""
     dropped: dict[str, int]
@@ -44,6 +49,7 @@ def _about(text: str) -> About:
         size=(of["height"], of["width"]),
         size_known=of["size_known"],
         channels=of["channels"],
+        names=of["names"],
         span_us=(of["span_us"][0], of["span_us"][1]),
         dropped=of["dropped"],
         skipped=of["skipped"],
@@ -62,17 +68,27 @@ def read(
         size: Height and width of the sensor, where the file does not say them.
 
     Returns:
-        A structured array as :meth:`Sensor.events` gives it.
+        A structured array as :meth:`Sensor.events` gives it. Where the file says what its kinds of
+        cells are called, so does the array: ``.names``, which :func:`write` writes.
     """
-    records, channels, _ = _amacrine.read(path, format, arguments.size(size))
-    return view(records, channels)
+    records, channels, text = _read(path, format, size)
+    events, about = view(records, channels), _about(text)
+    check_addresses(path, events, about.size)
+    return named(events, about.names)
+
+
+def _read(path: Any, format: Any, size: Any) -> tuple[npt.NDArray[np.uint8], int, str]:
+    """The bytes of records, the number of kinds, and about them."""
+    file = arguments.file("path", path, "the path of an event file")
+    kind = arguments.word_or_none("format", format, "evt3")
+    return _amacrine.read(file, kind, arguments.size(size))
 
 
 def about(
     path: Path_, *, format: str | None = None, size: tuple[int, int] | None = None
 ) -> About:
     """What a file says besides its events. It is read whole."""
-    return _about(_amacrine.read(path, format, arguments.size(size))[2])
+    return _about(_read(path, format, size)[2])
 
 
 def write(
@@ -81,6 +97,7 @@ def write(
     *,
     size: tuple[int, int] | None = None,
     channels: int | None = None,
+    names: Sequence[str] | None = None,
     format: str | None = None,
     compression: str = "lz4",
 ) -> None:
@@ -93,12 +110,31 @@ def write(
         size: Height and width of the sensor; the smallest that holds the events where it is left
             out.
         channels: Kinds of cells, where some said nothing.
+        names: What the kinds of cells are called, one for each; those that :func:`read` found where
+            they are left out. Formats without a place for them leave them out.
         format: Where the extension does not say it.
         compression: Of aedat4: lz4, zstd or none.
 
     What a format cannot hold is an :class:`Error`, never clipped or flattened.
     """
-    _amacrine.write(path, npy(events), arguments.size(size), channels, format, compression)
+    place, kinds = arguments.size(size), arguments.kinds(channels)
+    if names is None and isinstance(events, NamedEvents):
+        names = events.names
+    called = [] if names is None else arguments.names("names", names)
+    if called and kinds is not None and kinds != len(called):
+        raise Error(
+            f"{len(called)} names for {kinds} kinds of cells\n"
+            "help: give one name for each kind, or names=[] for none"
+        )
+    _amacrine.write(
+        arguments.file("path", path, "the path of the file to write"),
+        npy(events, place),
+        place,
+        kinds,
+        called,
+        arguments.word_or_none("format", format, "evt3"),
+        arguments.word("compression", compression, "zstd"),
+    )
 
 
 def compare(
@@ -128,15 +164,22 @@ def compare(
         ``precision``, ``recall``, ``events`` and more, and under ``ruler`` every metric beside the
         identical packet and accident. ``docs/ruler.md`` has them all.
     """
-    window = arguments.micros("within", within)
-    sides = _side(reference, "the reference"), _side(judged, "the judged")
+    window, place = arguments.micros("within", within), arguments.size(size)
     text = _amacrine.compare(
-        *sides, arguments.size(size), window, fps, bins, arguments.whole("seed", seed)
+        _side(reference, "the reference", place),
+        _side(judged, "the judged", place),
+        place,
+        window,
+        None if fps is None else arguments.rate(fps),
+        arguments.whole("bins", bins, 1, MOST_BINS),
+        arguments.whole("seed", seed),
     )
     return Answer.parse(text, rows="curve")
 
 
-def _side(packet: Packet, name: str) -> tuple[Path_, bytes | None]:
-    if isinstance(packet, (str, Path, PathLike)):
+def _side(
+    packet: Packet, name: str, size: tuple[int, int] | None
+) -> tuple[Path_, bytes | None]:
+    if isinstance(packet, (str, PathLike)):
         return packet, None
-    return name, npy(packet)
+    return name, npy(packet, size)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import math
+import warnings
+from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,6 +12,8 @@ import numpy.typing as npt
 
 from . import _amacrine, arguments
 from ._amacrine import Error
+from .caution import Caution
+from .tensor import widened
 
 SHAPES = "give an array of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W)"
 
@@ -43,7 +46,7 @@ def clips(frames: Any, scale: float | None) -> Clips:
     """Frames of any of the shapes that are taken; arrays and tensors are not copied where they
     are of a type that is read in place."""
     try:
-        array = np.asarray(frames)
+        array = np.asarray(widened(frames))
     except (TypeError, RuntimeError, ValueError) as cause:
         raise Error(
             f"the frames are no array: {cause}\n"
@@ -85,12 +88,7 @@ def _numbers(array: npt.NDArray[Any], scale: float | None) -> tuple[npt.NDArray[
             "voxel_windows"
         )
     if scale is not None:
-        scale = arguments.number("scale", scale, "give a number above 0, such as scale=255")
-        if not 0.0 < scale < math.inf:
-            raise Error(
-                f"scale = {scale:g}: no scale\n"
-                "help: give a number above 0, such as 255 for light from 0 to 1"
-            )
+        scale = arguments.scale(scale)
     if kind not in "uif" or width > 8:
         raise Error(
             f"frames of dtype {array.dtype} are no light\n"
@@ -128,7 +126,8 @@ def load(
         scene: What ``amacrine run --scene`` takes: a clip (.mp4, .y4m, .gif, .apng), a folder of
             pictures, a .npy of shape (T,H,W) or (T,1,H,W), ``pattern:NAME?key=value``, or
             ``bundled``, the clip that comes with the package (the default).
-        fps: Frames per second, instead of what the scene says.
+        fps: Frames per second, instead of what the scene says. Where neither says it, as of a .npy and
+            of a folder, a rate is assumed, and a :class:`Caution` says so.
         scale: What the numbers of a .npy are multiplied by; 255 where they are 0 to 1.
         frames: The first so many frames only.
 
@@ -143,17 +142,26 @@ def load(
         )
     rate = None if fps is None else arguments.rate(fps)
     first = None if frames is None else arguments.whole("frames", frames)
-    return _amacrine.scene(None if scene is None else str(scene), rate, scale, first)
+    by = None if scale is None else arguments.scale(scale)
+    name = None if scene is None else str(scene)
+    light, rate, is_assumed = _amacrine.scene(name, rate, by, first)
+    if is_assumed:
+        warnings.warn(
+            f"{name}: {rate:g} frames per second are assumed; say fps=… otherwise",
+            Caution,
+            stacklevel=2,
+        )
+    return light, rate
 
 
 def shown(
     scene: Any, fps: float | None, scale: float | None
 ) -> tuple[str | None, npt.NDArray[Any] | None, float | None, float | None]:
     """The scene of a study: its name, or frames."""
-    if scene is None or isinstance(scene, str):
-        return scene, None, fps, scale
-    if hasattr(scene, "__fspath__"):
-        return str(scene.__fspath__()), None, fps, scale
+    fps = None if fps is None else arguments.rate(fps)
+    if scene is None or isinstance(scene, (str, PathLike)):
+        by = None if scale is None else arguments.scale(scale)
+        return None if scene is None else str(fspath(scene)), None, fps, by
     given = clips(scene, scale)
     if given.batched:
         raise Error("several clips where one is watched\nhelp: give an array of shape (T,H,W)")

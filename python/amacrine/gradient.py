@@ -7,13 +7,14 @@ of PyTorch.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _amacrine
+from . import _amacrine, arguments
 from ._amacrine import Error
 from .frames import clips
 from .sensor import Sensor
@@ -89,8 +90,15 @@ class Forward:
         """
         of_voxels = self._flat(voxels, self.voxels.shape)
         of_counts = self._flat(counts, self.counts.shape)
-        asked = of_voxels, of_counts, float(events)
-        kinds, back = self._seen.backward(*asked, rule, slope, light)
+        asked = arguments.number("events", events, "give the loss's gradient, such as events=1e-7")
+        kinds, back = self._seen.backward(
+            of_voxels,
+            of_counts,
+            asked,
+            arguments.word_or_none("rule", rule, "mean"),
+            arguments.word("slope", slope, "all"),
+            arguments.flag("light", light),
+        )
         if back is not None:
             clips, frames, _, height, width = self._seen.shape
             back = back.reshape(clips, frames, height, width)
@@ -107,11 +115,15 @@ class Forward:
     ) -> npt.NDArray[Any] | None:
         if given is None:
             return None
-        array = np.asarray(given, self._seen.voxels.dtype)
+        help = "give the loss's gradient of voxels as voxels, that of counts as counts"
+        try:
+            array = np.asarray(given, self._seen.voxels.dtype)
+        except (TypeError, ValueError, RuntimeError) as cause:
+            raise Error(f"a gradient that is no array: {cause}\nhelp: {help}") from cause
         if array.shape != shape:
             raise Error(
                 f"a gradient of shape {array.shape} of what has the shape {shape}\n"
-                "help: give the loss's gradient of voxels as voxels, that of counts as counts"
+                f"help: {help}"
             )
         return np.ascontiguousarray(array).reshape(-1)
 
@@ -142,7 +154,14 @@ def forward(
         phase: Begins each memory between two thresholds, at a place of each cell's own that this moves
             on (1 is once around). Left out, memories begin at the first frame.
     """
-    number = np.dtype(dtype)
+    if not isinstance(sensor, Sensor):
+        raise Error(
+            f"the gradient of a {type(sensor).__name__}\nhelp: give a Sensor, the float model"
+        )
+    try:
+        number = np.dtype(dtype)
+    except TypeError:
+        raise Error(f"no dtype {dtype!r}\nhelp: give float32 or float64") from None
     if number not in (np.float32, np.float64):
         raise Error(f"gradients in {number}\nhelp: give float32 or float64")
     given = clips(frames, scale)
@@ -150,8 +169,9 @@ def forward(
     if given.scale != 1.0:
         # As the sensor has it: multiplied in double precision, rounded once.
         light = (given.all.astype(np.float64) * given.scale).astype(number)
+    shift = None if phase is None else arguments.number("phase", phase, "give a part of 1")
     seen = _amacrine.forward(
-        sensor._native, None, light, seconds(given.frames, fps, times), sensor._seed, phase
+        sensor._native, None, light, seconds(given.frames, fps, times), sensor._seed, shift
     )
     return Forward(seen, given.batched)
 
@@ -161,10 +181,11 @@ def seconds(frames: int, fps: float | None, times: npt.ArrayLike | None) -> list
     if frames < 2:
         raise Error(f"{frames} frames\nhelp: give at least two frames: the first makes no event")
     if times is not None:
-        given = np.asarray(times, np.float64).ravel()
+        given = arguments.numbers("times", times, "give the time of each frame, in seconds")
         if len(given) != frames:
             raise Error(f"{len(given)} times for {frames} frames\nhelp: give one for each, in s")
-        return [float(time) for time in given]
-    if fps is None or not 0.0 < fps < float("inf"):
-        raise Error(f"{fps} frames a second is no rate\nhelp: give a number above 0, in frames/s")
-    return [n / fps for n in range(frames)]
+        return given
+    rate = arguments.rate(fps)
+    if math.isinf(rate):
+        raise Error(f"{fps} frames per second is no rate\nhelp: give fps, such as fps=240")
+    return [n / rate for n in range(frames)]

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._amacrine import Error
+from .tensor import untracked
 
 Kernels = Union[str, Path, npt.ArrayLike, Sequence[Any]]
 """A kernel or several: a name, a file, an array of shape (k,k), (K,k,k) or (K,1,k,k), or a list of
@@ -29,14 +30,6 @@ def kernels(given: Any) -> list[Kernel]:
     ):
         return [kernel for one in given for kernel in kernels(one)]
     return _planes(_array(given))
-
-
-def untracked(given: Any) -> Any:
-    """A tensor without its gradient, in memory, of a type that numpy has; else what was given."""
-    if hasattr(given, "detach") and hasattr(given, "cpu"):
-        given = given.detach().cpu()
-        return given.float() if str(given.dtype) == "torch.bfloat16" else given
-    return given
 
 
 def _axes(of: Any) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from . import _amacrine
+from . import _amacrine, arguments
 from ._amacrine import Error
 
 
@@ -14,21 +14,24 @@ def names(of: str) -> list[str]:
     Args:
         of: ``sensors``, ``programs``, ``kernels``, ``studies``, ``readouts`` or ``chips``.
     """
-    return _amacrine.names(of)
+    return _amacrine.names(arguments.word("of", of, "sensors"))
 
 
 def text(of: str, name: str) -> str:
     """The text of a file that comes with the package, such as ``text("sensors", "rgc-4")``."""
-    found = _amacrine.text(of, name)
+    known = names(of)
+    found = _amacrine.text(of, arguments.word("name", name, known[0]))
     if found is None:
-        raise Error(f"there is no {name} in {of}\nhelp: there are {', '.join(names(of))}")
+        raise Error(f"there is no {name} in {of}\nhelp: there are {', '.join(known)}")
     return found[1]
 
 
-def opened(of: str, name: str | Path) -> tuple[str, str, Path | None]:
+def opened(
+    of: str, name: arguments.File, argument: str = "path"
+) -> tuple[str, str, Path | None]:
     """A file by its path, else by its name among those that come with the package: what it is
     called, its text, and the folder that paths in it are relative to."""
-    path = Path(name)
+    path = Path(arguments.file(argument, name, "the path of a file, or a name"))
     if path.is_file():
         try:
             return str(path), path.read_text(encoding="utf-8"), path.parent

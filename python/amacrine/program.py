@@ -12,7 +12,8 @@ import numpy.typing as npt
 
 from . import _amacrine, arguments
 from ._amacrine import Error
-from .events import Events, view
+from .answer import table
+from .events import Events, check_side, view
 from .frames import clips
 from .names import opened
 
@@ -39,6 +40,16 @@ class ProgramRun:
 
     def __repr__(self) -> str:
         return f"<ProgramRun: {len(self.events)} events, {self.lost} lost>"
+
+    def _repr_html_(self) -> str:
+        head = table([{"events": len(self.events), "lost": self.lost}])
+        registers = [
+            {"register": name, "least": values.min(), "mean": values.mean(), "most": values.max()}
+            for name, values in self.registers.items()
+            if values.size
+        ]
+        posts = [{"frame": frame, "what the host wrote": text} for frame, text in self.posts]
+        return head + table(registers) + (table(posts) if posts else "")
 
 
 class Program:
@@ -71,7 +82,7 @@ class Program:
             chip: A shipped chip by name, or the folder of another; else what the program says.
             constants: Values of constants of the program.
         """
-        return cls(opened("programs", path), None if chip is None else str(chip), _numbers(constants))
+        return cls(opened("programs", path), _chip(chip), _constants(constants))
 
     @classmethod
     def from_text(
@@ -82,7 +93,8 @@ class Program:
         constants: Mapping[str, float] | None = None,
     ) -> Program:
         """The text of a program."""
-        return cls(("program.scamp", text, None), None if chip is None else str(chip), _numbers(constants))
+        text = arguments.word("text", text, "mov(A, B);")
+        return cls(("program.scamp", text, None), _chip(chip), _constants(constants))
 
     @property
     def text(self) -> str:
@@ -137,9 +149,16 @@ class Program:
         given, seed = clips(frames, scale), arguments.whole("seed", seed)
         if given.batched:
             raise Error("several clips\nhelp: give an array of shape (T,H,W)")
+        check_side(given.size)
         rate = arguments.rate(fps if fps is not None else self._native.fps or FPS)
         found = self._native.run(
-            given.clip(0), rate, given.scale, domain, clip, seed, arguments.names("keep", keep)
+            given.clip(0),
+            rate,
+            given.scale,
+            arguments.word_or_none("domain", domain, "silicon"),
+            None if clip is None else arguments.flag("clip", clip),
+            seed,
+            arguments.names("keep", keep),
         )
         records, channels, lost, registers, films, posts = found
         return ProgramRun(view(records, channels), registers, films, lost, posts)
@@ -150,5 +169,17 @@ class Program:
         return f"<Program {self._native.file}: {self.words} words, {self.array_us:.1f} us>"
 
 
-def _numbers(constants: Mapping[str, float] | None) -> dict[str, float]:
-    return {name: float(number) for name, number in (constants or {}).items()}
+def _chip(given: str | Path | None) -> str | None:
+    """A chip by name, or its folder."""
+    what = "the name of a chip, or its folder"
+    return None if given is None else str(arguments.file("chip", given, what))
+
+
+def _constants(given: Mapping[str, float] | None) -> dict[str, float]:
+    """Constants of a program, by name."""
+    such_as = '{"threshold": 20}'
+    help = f"give numbers, such as constants={such_as}"
+    return {
+        name: arguments.number(f'constants["{name}"]', value, help)
+        for name, value in arguments.table("constants", given, such_as).items()
+    }

@@ -16,11 +16,13 @@ import numpy.typing as npt
 
 from . import _amacrine, arguments, toml, voxels as voxel
 from ._amacrine import Error
-from .events import Events, view
+from .caution import SILENT, Caution, Said, caution_of
+from .events import Events, check_side, named, view
 from .frames import Clips, clips
-from .kernels import Kernel, Kernels, kernels as each, npy, untracked
+from .kernels import Kernel, Kernels, kernels as each, npy
 from .names import opened
 from .program import Program
+from .tensor import untracked
 
 T = TypeVar("T")
 
@@ -33,15 +35,6 @@ PART = 16
 
 FEWER = "take them window by window (voxel_windows), or fewer or narrower ones"
 """What to do about voxels for which there is no room."""
-
-MOST_SIDE = 1 << 15
-"""The longest side whose addresses an event's ``i2`` holds."""
-
-
-class Caution(UserWarning):
-    """What makes figures mean something else than they seem to: no event at all, a program that
-    cannot follow its sensor in something."""
-
 
 class EventSensor(ABC):
     """What watches frames: a float sensor, or its program on a chip.
@@ -70,7 +63,18 @@ class EventSensor(ABC):
     def channels(self) -> list[str]:
         """The kinds of cells, by name."""
 
-    def events(self, frames: Any, fps: float, *, scale: float | None = None) -> Any:
+    @property
+    def _called(self) -> list[str]:
+        """What several kinds of cells are called in files, where one of them has a name."""
+        own = [str(i) for i in range(len(self.channels))]
+        if len(own) < 2 or self.channels == own:
+            return []
+        pairs = zip(self.channels, own)
+        return [f"kind {i}" if name == i else name for name, i in pairs]
+
+    def events(
+        self, frames: Any, fps: float, *, scale: float | None = None
+    ) -> npt.NDArray[np.void]:
         """The events of a clip.
 
         Args:
@@ -81,27 +85,24 @@ class EventSensor(ABC):
         Returns:
             A structured array with the fields ``t`` (us), ``x``, ``y`` (pixels), ``p`` (1 for ON,
             0 for OFF), ordered by time, and ``channel`` where there are several kinds of cells:
-            what ``numpy.load`` makes of the file that ``amacrine run --events`` writes. A list of
-            them where there are several clips.
+            what ``numpy.load`` makes of the file that ``amacrine run --events`` writes. Kinds that
+            have names have them in ``.names``, too. A list of arrays where there are several clips,
+            as (B,T,1,H,W) has them.
         """
-        return _one(self._events(clips(frames, scale), arguments.rate(fps)))
+        given, fps = clips(frames, scale), arguments.rate(fps)
+        check_side(given.size)
+        kinds, called = len(self.channels), self._called
 
-    def _events(self, given: Clips, fps: float) -> tuple[list[Events], bool]:
-        if max(given.size) > MOST_SIDE:
-            raise Error(
-                f"a sensor of {given.size[1]}x{given.size[0]} pixels: the fields x and y hold no "
-                f"more than {MOST_SIDE}\nhelp: take a smaller scene"
-            )
-        kinds = len(self.channels)
-
-        def watch(b: int) -> Events:
+        def watch(b: int) -> tuple[Events, Said]:
             run = self._watch(given.size, fps, given.scale)
-            return view(run.events(given.clip(b)), kinds)
+            events = named(view(run.events(given.clip(b)), kinds), called)
+            return events, run.warnings(self.name)
 
-        all = _all(given, watch)
-        if given.frames > 1 and all and not any(len(events) for events in all):
-            warnings.warn(_amacrine.no_events(self.name, given.frames), Caution, stacklevel=3)
-        return all, given.batched
+        seen = _all(given, watch)
+        caution_of(said for _, said in seen)
+        all: Any = [events for events, _ in seen]
+        found: npt.NDArray[np.void] = all if given.batched else all[0]
+        return found
 
     def counts(
         self, frames: Any, fps: float, *, scale: float | None = None
@@ -117,11 +118,12 @@ class EventSensor(ABC):
         shape = (len(given.all), pairs, len(self.channels), *given.size)
         out = _zeros("counts", shape, np.int32, "take them part by part (stream)")
 
-        def watch(b: int) -> None:
+        def watch(b: int) -> Said:
             run = self._watch(given.size, fps, given.scale)
             run.counts(given.clip(b), out[b].reshape(-1))
+            return run.warnings(self.name)
 
-        _all(given, watch)
+        caution_of(_all(given, watch))
         return out if given.batched else out[0]
 
     def voxels(
@@ -178,11 +180,12 @@ class EventSensor(ABC):
             shape = (len(given.all), given.frames, kinds, *size)
             out = _zeros("voxels", shape, np.float32, FEWER)
 
-            def watch(b: int) -> None:
+            def watch(b: int) -> Said:
                 run = self._watch(size, fps, given.scale)
                 run.voxels(given.clip(b), out[b].reshape(-1))
+                return run.warnings(self.name)
 
-            _all(given, watch)
+            caution_of(_all(given, watch))
             cast = out.astype(number, copy=False)
             return cast if given.batched else cast[0]
         seconds = max(given.frames - 1, 0) / fps
@@ -192,14 +195,15 @@ class EventSensor(ABC):
         windows = how.count(round(seconds * 1e6))
         shared = _zeros("voxels", (len(given.all), windows, *one), number, FEWER)
 
-        def bin(b: int) -> None:
+        def bin(b: int) -> Said:
             run = self._watch(size, fps, given.scale)
             clip = given.clip(b)
             parts = (clip[n : n + PART] for n in range(0, len(clip), PART))
             for to, values in zip(shared[b], _windows(run, parts, how, (size, kinds), fps)):
                 to[...] = values.reshape(one)
+            return run.warnings(self.name)
 
-        _all(given, bin)
+        caution_of(_all(given, bin))
         return shared if given.batched else shared[0]
 
     def voxel_windows(
@@ -230,6 +234,7 @@ class EventSensor(ABC):
         """
         how = voxel.how(bins, window, every, causal, polarity, share, normalise)
         stream = self.stream(fps, scale=scale)
+        parts = arguments.parts(parts)
         return self._windows_of(parts, stream, how, polarity, voxel.number(dtype))
 
     def _windows_of(
@@ -254,6 +259,7 @@ class EventSensor(ABC):
         if opened is not None:
             for values in opened.rest(round(max(stream.seen - 1, 0) / stream.fps * 1e6)):
                 yield values.reshape(one).astype(number, copy=False)
+        stream._caution(over=True)
 
     def stream(self, fps: float, *, scale: float | None = None) -> Stream:
         """A clip that comes part by part: memory and time go on from one part to the next."""
@@ -268,6 +274,7 @@ class Stream:
         self.fps = arguments.rate(fps)
         """Frames per second."""
         self._run: _amacrine.Run | None = None
+        self._told: set[str] = set()
 
     def _next(self, frames: Any) -> tuple[_amacrine.Run, npt.NDArray[Any]]:
         given = clips(frames, self._scale)
@@ -277,10 +284,27 @@ class Stream:
             self._run = self._sensor._watch(given.size, self.fps, given.scale)
         return self._run, given.clip(0)
 
+    def _caution(self, *, over: bool = False) -> None:
+        """Warns once of each thing; of no event where so much was seen, or the clip is over."""
+        if self._run is None:
+            return
+        for about, text in self._run.warnings(self._sensor.name):
+            early = about == SILENT and not over and self.seen < PART
+            if about not in self._told and not early:
+                self._told.add(about)
+                warnings.warn(text, Caution, stacklevel=3)
+
     def events(self, frames: Any) -> Events:
         """The events of the next frames."""
+        events = self._events(frames)
+        self._caution()
+        return events
+
+    def _events(self, frames: Any) -> Events:
         run, clip = self._next(frames)
-        return view(run.events(clip), len(self._sensor.channels))
+        check_side((clip.shape[1], clip.shape[2]))
+        events = view(run.events(clip), len(self._sensor.channels))
+        return named(events, self._sensor._called)
 
     def counts(self, frames: Any) -> npt.NDArray[np.int32]:
         """The counts of the next frames, (n,K,H,W), one less of the very first."""
@@ -288,11 +312,16 @@ class Stream:
         pairs = len(clip) - (run.seen == 0)
         out = np.zeros((max(pairs, 0), len(self._sensor.channels), *clip.shape[1:]), np.int32)
         run.counts(clip, out.reshape(-1))
+        self._caution()
         return out
 
     def each(self, parts: Iterable[Any]) -> Iterator[Events]:
-        """The events of each part."""
-        return map(self.events, parts)
+        """The events of each part, and a :class:`Caution` at the end where there was none at all."""
+        for part in arguments.parts(parts):
+            events = self._events(part)
+            self._caution()
+            yield events
+        self._caution(over=True)
 
     @property
     def seen(self) -> int:
@@ -362,8 +391,7 @@ class Sensor(EventSensor):
         }
         found = each(kernels)
         limits = _thresholds(thresholds, len(found))
-        if isinstance(names, str):
-            names = [names]
+        names = None if names is None else arguments.names("names", names)
         if names is not None and len(names) != len(found):
             raise Error(f"{len(names)} names for {len(found)} kernels\nhelp: give one for each")
 
@@ -420,6 +448,7 @@ class Sensor(EventSensor):
         max_events: int | None = None,
     ) -> Sensor:
         """The text of a sensor file."""
+        text = arguments.word("text", text, '[[channel]]\nkernel = "dvs"\nthreshold = 0.2')
         return cls._of_text("sensor.toml", text, Path().absolute(), (seed, format, max_events))
 
     @classmethod
@@ -541,12 +570,13 @@ class Sensor(EventSensor):
         effort: float,
         seed: int | None,
     ) -> ChipSensor:
-        if readout not in ("all", "slots"):
-            raise Error(f"`{readout}` is no readout\nhelp: give all or slots")
+        arguments.one_of("readout", readout, ("all", "slots"))
         seed = self._seed if seed is None else arguments.whole("seed", seed)
         effort = arguments.number("effort", effort, "give seconds, such as effort=1")
         to, domain = arguments.word("to", to, "int-5"), arguments.word("domain", domain, "exact")
-        native = self._native.on_chip(to, sum, memory, str(chip), effort, seed)
+        sum, memory = arguments.word("sum", sum, "kept"), arguments.word_or_none("memory", memory, "shared")
+        on = str(arguments.file("chip", chip, "the name of a chip, or its folder"))
+        native = self._native.on_chip(to, sum, memory, on, effort, seed)
         how = (seed, domain, readout == "slots", self._max_events)
         return ChipSensor(native, self.channels, how)
 
@@ -573,6 +603,7 @@ class ChipSensor(EventSensor):
     def with_domain(self, domain: str, *, seed: int | None = None) -> ChipSensor:
         """The same program on cells that hold something else, or on another chip (``seed``)."""
         own, _, slots, most = self._how
+        domain = arguments.word("domain", domain, "exact")
         how = (own if seed is None else arguments.whole("seed", seed), domain, slots, most)
         return ChipSensor(self._native, self._channels, how)
 
@@ -660,6 +691,7 @@ def compile(
 
     The rest is that of :meth:`Sensor.on_chip`.
     """
+    memory = arguments.word("memory", memory, "shared")
     sensor = Sensor(
         kernels,
         thresholds,
@@ -700,11 +732,6 @@ def _windows(
     for part in parts:
         yield from run.windows(part, stream)
     yield from stream.rest(round(max(run.seen - 1, 0) / fps * 1e6))
-
-
-def _one(of: tuple[list[T], bool]) -> list[T] | T:
-    all, batched = of
-    return all if batched else all[0]
 
 
 def _all(given: Clips, watch: Callable[[int], T]) -> list[T]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,11 +14,12 @@ import numpy.typing as npt
 
 from . import _amacrine, arguments
 from ._amacrine import Error
-from .answer import Answer
+from .answer import Answer, table
 from .frames import shown
 from .kernels import Kernels, named, one
+from .program import Program
 from .sensor import Sensor
-from .arguments import micros, names
+from .arguments import flag, micros, names, whole, word, word_or_none
 
 Scene = Any
 """What is watched: frames, (T,H,W) or (T,1,H,W), with ``fps``; or what :func:`amacrine.load`
@@ -25,6 +27,21 @@ takes; or None, the clip that comes with the package."""
 
 
 THRESHOLD = "give a number above 0, in units of kernel times light (0 to 255)"
+CONTRAST = "give a number above 0, in ln units, such as upsample=0.2"
+PART = "give a part above 0 and up to 1, such as sample=0.05"
+LINK = "give the least and the most, in pJ, such as link_energy=(1.0, 20.0), or one number"
+
+MOST_CHIPS = 1024
+"""Chips that are drawn at most: each is a run."""
+
+MOST_FALLEN = 1000
+"""Chips, and tiles, of a waterfall at most."""
+
+MOST_RUNS = (1 << 32) - 1
+
+OF_SENSOR = ("f32", "f16", "bf16", "q16.16", "q8.8")
+OF_PROGRAM = ("exact", "f32", "f16", "q8.8")
+"""Number formats that are tried where none are named."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +50,8 @@ class Quantised:
 
     to: str
     """The quantiser."""
+    name: str
+    """What the kernel is called."""
     levels: npt.NDArray[np.float64]
     """What a chip computes with, (k,k)."""
     scale: float
@@ -52,19 +71,24 @@ class Quantised:
         kernel: npt.NDArray[np.float64] = self.levels * self.scale
         return kernel
 
+    def _repr_html_(self) -> str:
+        columns = "to", "name", "relative_error", "scale", "sum", "taps"
+        row = {name: getattr(self, name) for name in columns}
+        levels = [dict(zip(map(str, range(len(line))), line)) for line in self.levels.tolist()]
+        erased = "; ".join(self.erased)
+        return table([row | {"erased": erased} if erased else row]) + table(levels)
+
 
 @overload
-def quantise(kernel: Kernels, to: str, *, sum: str = "kept", seed: int = 0) -> Quantised: ...
-@overload
 def quantise(
-    kernel: Kernels, to: list[str] | tuple[str, ...], *, sum: str = "kept", seed: int = 0
-) -> list[Quantised]: ...
+    kernel: Kernels, to: str | Sequence[str], *, sum: str = "kept", seed: int = 0
+) -> Any: ...
 @overload
 def quantise(
     kernel: Kernels,
     to: str | Sequence[str],
     *,
-    threshold: float,
+    threshold: float | Sequence[float],
     sum: str = "kept",
     scene: Scene = None,
     fps: float | None = None,
@@ -78,7 +102,7 @@ def quantise(
     kernel: Kernels,
     to: str | Sequence[str],
     *,
-    threshold: float | None = None,
+    threshold: float | Sequence[float] | None = None,
     sum: str = "kept",
     scene: Scene = None,
     fps: float | None = None,
@@ -88,43 +112,52 @@ def quantise(
     effort: float = 1.0,
     seed: int = 0,
 ) -> Any:
-    """A kernel in few values, and what that does to it.
+    """A kernel in few values, or several, and what that does to them.
 
     Args:
-        kernel: A name, a file, or an array (k,k).
+        kernel: A name, a file, an array (k,k), or several as for :class:`Sensor`.
         to: A quantiser such as ``"ternary"``, ``"int-5"``, ``"po2-3"``, ``"q3.4"``; or several.
         threshold: Compile each for the chip, and run it on a scene beside the float kernel: events
-            where kernel times light (0 to 255) moved by more than this.
+            where kernel times light (0 to 255) moved by more than this. Several kernels are run in one
+            program; one threshold for all, or one for each.
         sum: What the quantised kernel must sum to: ``"free"``, ``"zero"`` or ``"kept"``.
         scene: What they watch, with ``threshold``.
 
     Returns:
-        A :class:`Quantised`, a list of them where several were asked for; with ``threshold`` an
-        :class:`Answer` whose table (``rows``) has words, us, what is kept and the threshold
-        equivalent of each.
+        A :class:`Quantised`, a list of them where several quantisers were asked for; of several
+        kernels a list with that of each. With ``threshold`` an :class:`Answer` whose table (``rows``)
+        has words, us, what is kept and the threshold equivalent of each; of several kernels its table
+        is ``together``, a row for each quantiser.
     """
-    given, several = one(kernel), not isinstance(to, str)
-    values = names("to", to)
+    given, several = named(kernel), not isinstance(to, str)
+    values, total = names("to", to), word("sum", sum, "kept")
     if threshold is None:
         if scene is not None or fps is not None or within is not None:
             raise Error(
                 "a scene is of no use without a threshold\n"
                 "help: give a threshold, too: then each is run on the chip"
             )
-        found = json.loads(_amacrine.quantise(given, values, sum, seed))
-        all = [_quantised(of) for of in found]
-        return all if several else all[0]
-    limit = arguments.number("threshold", threshold, THRESHOLD)
-    search = _search(sum, chip, effort, seed)
-    text = _amacrine.on_chip(
-        given, values, limit, search, shown(scene, fps, scale), micros("within", within)
-    )
+        if not values:
+            raise Error("to names no quantiser\nhelp: give one, such as to=\"ternary\"")
+        found = json.loads(_amacrine.quantise(given, values, total, whole("seed", seed)))
+        each = [
+            [_quantised(name, of) for of in few] for (name, _), few in zip(given, found)
+        ]
+        of_kernels = each if several else [few[0] for few in each]
+        return of_kernels if len(given) > 1 else of_kernels[0]
+    limits = _limits(threshold, len(given), "threshold")
+    how = _search(total, chip, effort, seed), shown(scene, fps, scale), micros("within", within)
+    if len(given) > 1:
+        text = _amacrine.on_chip_together(given, values, limits, *how)
+        return Answer.parse(text, rows="together")
+    text = _amacrine.on_chip(given[0], values, limits[0], *how)
     return Answer.parse(text, rows="rows")
 
 
-def _quantised(of: dict[str, Any]) -> Quantised:
+def _quantised(name: str, of: dict[str, Any]) -> Quantised:
     return Quantised(
         to=of["to"],
+        name=name,
         levels=np.asarray(of["levels"], np.float64),
         scale=of["scale"],
         relative_error=of["relative_error"],
@@ -173,6 +206,7 @@ def design(
     """
     given = named(kernels)
     limits: list[float] = []
+    per_second = "give events per pixel and second, such as rate=2"
     if thresholds is not None:
         limits = _limits(thresholds, len(given))
     if (rate is None) == (thresholds is None):
@@ -182,9 +216,9 @@ def design(
         )
     text = _amacrine.design(
         given,
-        None if rate is None else arguments.number("rate", rate, "give events per pixel and second"),
+        None if rate is None else arguments.number("rate", rate, per_second),
         limits,
-        (names("to", to), memory),
+        (names("to", to), word_or_none("memory", memory, "shared")),
         _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
         micros("within", within),
@@ -205,7 +239,7 @@ def feasibility(
     scale: float | None = None,
     chip: str | Path = "scamp5",
     exposure: float | None = None,
-    link_energy: tuple[float, float] = (1.0, 20.0),
+    link_energy: float | tuple[float, float] = (1.0, 20.0),
     overlapped: bool = True,
     within: float | None = None,
     chips: int = 32,
@@ -225,7 +259,8 @@ def feasibility(
             ``"bits:N"``; the first that the chip has room for where it is left out.
         scene: What is watched.
         exposure: How long each frame is exposed, in seconds.
-        link_energy: The least and the most energy of a bit on the link, in pJ: an assumption.
+        link_energy: The least and the most energy of a bit on the link, in pJ, or one number: an
+            assumption.
         overlapped: Whether the next frame is exposed while events are read.
         within: Events match within so many seconds.
         chips: Chips that are drawn from what the public data allow.
@@ -236,21 +271,19 @@ def feasibility(
     """
     given = named(kernels)
     limits = _limits(thresholds, len(given))
-    try:
-        low, high = link_energy
-    except (TypeError, ValueError):
-        raise Error(
-            f"link_energy = {link_energy!r}\nhelp: give the least and the most, in pJ: (1.0, 20.0)"
-        ) from None
     text, page = _amacrine.feasibility(
         given,
         limits,
-        (to, names("candidates", candidates), memory),
+        (
+            word_or_none("to", to, "int-5"),
+            names("candidates", candidates),
+            word_or_none("memory", memory, "shared"),
+        ),
         _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
         (micros("within", within), micros("exposure", exposure)),
-        ((float(low), float(high)), overlapped),
-        chips,
+        (_energy(link_energy), flag("overlapped", overlapped)),
+        whole("chips", chips, 1, MOST_CHIPS),
     )
     return Answer.parse(text, page=page, rows="quantisation")
 
@@ -295,71 +328,101 @@ def waterfall(
     text, drawing = _amacrine.waterfall(
         one(kernel),
         arguments.number("threshold", threshold, THRESHOLD),
-        (to, domain),
+        (word("to", to, "int-5"), word("domain", domain, "exact")),
         _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
         micros("within", within),
-        None if steps else _rates(rates),
-        (chips, tiles),
+        None if flag("steps", steps) else _rates(rates),
+        (
+            whole("chips", chips, 1, MOST_FALLEN),
+            None if tiles is None else whole("tiles", tiles, 1, MOST_FALLEN),
+        ),
     )
     return Answer.parse(text, drawing=drawing, rows="steps" if steps else "rates")
 
 
 def trade(
-    sensor: Sensor,
+    sensor: Sensor | Program,
     scene: Scene = None,
     *,
     fps: float | None = None,
     scale: float | None = None,
     upsample: float | None = None,
-    formats: str | Sequence[str] = ("f32", "f16", "bf16", "q16.16", "q8.8"),
+    domain: str | None = None,
+    formats: str | Sequence[str] | None = None,
     within: float = 100e-6,
     sample: float = 0.05,
     runs: int = 1,
     verify: bool = False,
+    seed: int | None = None,
 ) -> Answer:
-    """Error against seconds, for every plainer model of a sensor in a scene.
+    """Error against seconds, for every plainer model of a sensor, or of a program, in a scene.
 
     Args:
-        sensor: The full model, with all its effects, in f64.
+        sensor: The full model, with all its effects, in f64; or a :class:`Program`, in ``domain``.
         scene: What is watched, at least three frames.
         upsample: Insert frames so that no pixel changes by more than this, in ln units.
-        formats: Number formats in place of the full model's.
+        domain: Of a program: what the cells of its full model hold; ``"silicon"`` if left out.
+        formats: Number formats in place of the full model's; usual ones where they are left out.
         within: An event that is moved by more seconds is changed.
         sample: The part of the sensor that is run, above 0 and up to 1.
         runs: How many runs of a model share what it took to know its error.
         verify: Run every model on the whole scene, too.
+        seed: Chooses mismatch and noise, and the tiles; the sensor's own, or 0 of a program, where it
+            is left out.
 
     Returns:
         ``points``, a table with ``name``, ``error``, ``seconds``, ``on_front``, ``is_knee`` and
         more; ``knee`` is the name of the best. ``docs/fidelity.md`` says what the limits mean.
     """
-    if not isinstance(sensor, Sensor):
+    if not isinstance(sensor, (Sensor, Program)):
         raise Error(
-            f"a trade is of a float sensor, not of a {type(sensor).__name__}\n"
-            "help: give a Sensor, such as Sensor.from_file(\"rgc-4\")"
+            f"a trade is of a float sensor or of a program, not of a {type(sensor).__name__}\n"
+            'help: give a Sensor, such as Sensor.from_file("rgc-4"), or a Program, such as '
+            "chip.program"
         )
-    text = _amacrine.trade(
-        sensor._native,
-        shown(scene, fps, scale),
-        upsample,
-        names("formats", formats),
-        (micros("within", within) or 0, float(sample), arguments.whole("runs", runs)),
-        (verify, sensor._seed),
+    asked = (
+        micros("within", within) or 0,
+        arguments.number("sample", sample, PART),
+        whole("runs", runs, 1, MOST_RUNS),
     )
+    own = sensor._seed if isinstance(sensor, Sensor) else 0
+    how = flag("verify", verify), own if seed is None else whole("seed", seed)
+    light = shown(scene, fps, scale)
+    if isinstance(sensor, Program):
+        if upsample is not None:
+            raise Error("upsample of a program\nhelp: leave upsample out: a program sees frames")
+        full = "silicon" if domain is None else word("domain", domain, "silicon")
+        numbers = names("formats", OF_PROGRAM if formats is None else formats)
+        text = _amacrine.trade_program(sensor._native, full, light, numbers, asked, how)
+        return Answer.parse(text, rows="points")
+    if domain is not None:
+        raise Error("domain of a float sensor\nhelp: leave domain out, or give a Program")
+    contrast = None if upsample is None else arguments.number("upsample", upsample, CONTRAST)
+    numbers = names("formats", OF_SENSOR if formats is None else formats)
+    text = _amacrine.trade(sensor._native, light, contrast, numbers, asked, how)
     return Answer.parse(text, rows="points")
 
 
 def _search(sum: str, chip: str | Path, effort: float, seed: int) -> tuple[str, str, float, int]:
     """How a program is searched."""
     seconds = arguments.number("effort", effort, "give seconds, such as effort=1")
-    return arguments.word("sum", sum, "kept"), str(chip), seconds, arguments.whole("seed", seed)
+    on = str(arguments.file("chip", chip, "the name of a chip, or its folder"))
+    return word("sum", sum, "kept"), on, seconds, whole("seed", seed)
 
 
-def _limits(thresholds: Any, count: int) -> list[float]:
+def _energy(given: Any) -> tuple[float, float]:
+    """The least and the most energy of a bit, as the command line takes it."""
+    ends = arguments.numbers("link_energy", given, LINK)
+    low, high = ends * 2 if len(ends) == 1 else (*ends, math.nan, math.nan)[:2]
+    if len(ends) > 2 or not 0.0 <= low <= high < math.inf:
+        raise Error(f"link_energy = {given!r}\nhelp: {LINK}")
+    return low, high
+
+
+def _limits(thresholds: Any, count: int, name: str = "thresholds") -> list[float]:
     """A threshold for each kernel."""
-    given = thresholds if np.ndim(thresholds) else [thresholds]
-    limits = [arguments.number("thresholds", one, THRESHOLD) for one in given]
+    limits = arguments.numbers(name, thresholds, THRESHOLD)
     if len(limits) == 1:
         limits *= count
     if len(limits) != count:
@@ -374,5 +437,4 @@ def _rates(given: Any) -> list[float]:
     """Frames per second, or none."""
     if given is None:
         return []
-    all = given if np.ndim(given) else [given]
-    return [arguments.number("rates", one, "give frames per second, such as [30, 60]") for one in all]
+    return arguments.numbers("rates", given, "give frames per second, such as rates=[30, 60]")

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import importlib
 import json
+import math
 from collections.abc import Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from . import _amacrine
+import numpy as np
+
+from . import _amacrine, arguments, toml
 from ._amacrine import Error
-from .answer import _table
+from .answer import table
 from .names import opened
+
+MOST_JOBS = (1 << 16) - 1
 
 Overrides = Mapping[str, Any]
 """Keys of a study, such as ``{"format": ["f32", "q8.8"], "sample.points": 64}``."""
@@ -67,7 +73,7 @@ class Sweep:
         return f"<Sweep {self.folder}: {len(self)} points>"
 
     def _repr_html_(self) -> str:
-        return _table(self.rows)
+        return table(self.rows)
 
 
 def sweep(
@@ -87,8 +93,10 @@ def sweep(
 
     Args:
         study: A study file, or one that comes with the package by name, such as ``"formats"``.
-        output: The folder of results; the study's name without its ending where it is left out.
-        set: Keys of the study that are set.
+        output: The folder of results; the study's name without its ending where it is left out, with
+            eight letters of a hash behind it where keys are set.
+        set: Keys of the study that are set: a value, several in a list, an array or a range, or a
+            table such as ``{"on": 40, "off": 50, "sigma": 0}``.
         client: A ``dask.distributed.Client``: each task is a shard, in a folder of its own
             (``output/shard-0``, …), and all are joined in ``output/all``. The folder must be one that
             all workers see. A shard whose worker is lost is tried again and goes on where it was.
@@ -100,27 +108,33 @@ def sweep(
     Returns:
         The folder: ``.to_frame()`` is a data frame with a row for each point, ``.rows`` are dicts.
     """
-    file, text, folder = opened("studies", study)
-    if isinstance(set, str):
-        raise Error(f"set = {set!r}\nhelp: give keys with their values, such as set={{\"format\": \"f32\"}}")
-    sets = [f"{key}={_value(value)}" for key, value in (set or {}).items()]
-    path = Path(Path(study).stem if output is None else output)
+    file, text, folder = opened("studies", study, "study")
+    keys = arguments.table("set", set, '{"format": "f32"}')
+    sets = [f"{key}={_value(key, value)}" for key, value in keys.items()]
     given = file, text, (folder or Path()).absolute()
+    longest = None if max_seconds_per_point is None else _longest(max_seconds_per_point)
+    if output is None:
+        # Another study than the file's is another folder.
+        path = Path(Path(study).stem + (f"-{_amacrine.sweep_hash(given, sets)}" if sets else ""))
+    else:
+        path = Path(arguments.file("output", output, "the path of a folder"))
     if client is None:
         if shards is not None:
             raise Error("shards without a client\nhelp: give client, or leave shards out")
-        told = _amacrine.sweep(given, sets, path, None, jobs or 0, max_seconds_per_point)
+        count = 0 if jobs is None else arguments.whole("jobs", jobs, 1, MOST_JOBS)
+        told = _amacrine.sweep(given, sets, path, None, count, longest)
         return Sweep(path, json.loads(told))
     if jobs is not None:
         raise Error("jobs with a client\nhelp: leave jobs out: a worker computes a point at a time")
-    count = shards if shards is not None else 4 * max(len(client.scheduler_info()["workers"]), 1)
-    if count < 1:
-        raise Error(f"{count} shards\nhelp: give a whole number above 0")
+    if shards is None:
+        count = 4 * max(len(client.scheduler_info()["workers"]), 1)
+    else:
+        count = arguments.whole("shards", shards, 1)
     path = path.absolute()
     path.mkdir(parents=True, exist_ok=True)
     tasks = [
         client.submit(
-            _shard, given, sets, path, (n, count), max_seconds_per_point, retries=2, pure=False
+            _shard, given, sets, path, (n, count), longest, retries=2, pure=False
         )
         for n in range(count)
     ]
@@ -147,10 +161,27 @@ def _shard(
     return _amacrine.sweep(study, [*sets], output, f"{index}/{count}", 1, seconds)
 
 
-def _value(of: Any) -> str:
-    """A value as the command line takes it."""
-    if isinstance(of, bool):
-        return "true" if of else "false"
-    if isinstance(of, (list, tuple)):
-        return ",".join(map(_value, of))
-    return str(of)
+def _longest(given: Any) -> float:
+    """Seconds above 0."""
+    name, help = "max_seconds_per_point", "give seconds above 0, such as max_seconds_per_point=60"
+    found = arguments.number(name, given, help)
+    if not 0.0 < found < math.inf:
+        raise Error(f"{name} = {found:g}\nhelp: {help}")
+    return found
+
+
+def _said(of: Any) -> str:
+    """One value: a word as it is, anything else as TOML."""
+    return str(of) if isinstance(of, (str, PathLike)) else toml.value(of)
+
+
+def _value(key: str, of: Any) -> str:
+    """A value as the command line takes it, several with commas between."""
+    several = isinstance(of, (list, tuple, range)) or (isinstance(of, np.ndarray) and of.ndim)
+    try:
+        return ",".join(map(_said, of)) if several else _said(of)
+    except Error:
+        raise Error(
+            f'set = {{"{key}": …}}: {of!r} is nothing that a study can say\n'
+            "help: give numbers, words, tables, or lists of them"
+        ) from None

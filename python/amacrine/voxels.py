@@ -13,6 +13,9 @@ from ._amacrine import Error
 
 SECONDS = "give seconds, such as 0.05"
 
+MOST_BINS = 1000
+"""Of a window, as on the command line."""
+
 
 def how(
     bins: int,
@@ -24,15 +27,14 @@ def how(
     normalise: str | None,
 ) -> _amacrine.Voxels:
     """The settings, checked."""
-    if isinstance(bins, (bool, str)) or bins is None or bins != int(bins) or bins < 0:
-        raise Error(f"bins = {bins!r}: bins in a window\nhelp: give a whole number, 1 to 1000")
+    number = arguments.whole("bins", bins, 1, MOST_BINS)
     length = arguments.number("window", window, SECONDS)
     step = length if every is None else arguments.number("every", every, SECONDS)
     return _amacrine.Voxels(
-        int(bins),
+        number,
         length,
         step,
-        "causal" if causal else "centred",
+        "causal" if arguments.flag("causal", causal) else "centred",
         arguments.word("share", share, "whole"),
         arguments.word("polarity", polarity, "split"),
         "none" if normalise is None else arguments.word("normalise", normalise, "std"),

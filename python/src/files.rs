@@ -19,14 +19,13 @@ use amacrine::{
     rig::guard::Warning,
     unit::Micros,
 };
-use miette::Report;
+use miette::{Report, miette};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use serde::Serialize;
 
 use crate::{
     error::{raised, refused},
-    options::in_python,
     pool, record,
 };
 
@@ -37,6 +36,7 @@ struct About {
     width: usize,
     size_known: bool,
     channels: u8,
+    names: Vec<String>,
     span_us: [u64; 2],
     dropped: Dropped,
     skipped: u64,
@@ -50,6 +50,7 @@ impl About {
             width: packet.size.width,
             size_known: loaded.size_known,
             channels: packet.channels,
+            names: packet.names.clone(),
             span_us: [packet.span.0.0, packet.span.1.0],
             dropped: packet.dropped,
             skipped: loaded.skipped,
@@ -130,6 +131,7 @@ pub fn write(
     npy: Vec<u8>,
     of: Option<(usize, usize)>,
     channels: Option<u8>,
+    names: Vec<String>,
     to: Option<&str>,
     compression: &str,
 ) -> PyResult<()> {
@@ -147,9 +149,18 @@ pub fn write(
     };
     let written = pool::work(py, || {
         let mut loaded = load(Path::new("events"), Some(npy), &how)?;
-        if let Some(channels) = channels {
-            loaded.packet.channels = loaded.packet.channels.max(channels);
+        let packet = &mut loaded.packet;
+        let stated = channels.map_or(names.len(), usize::from);
+        packet.channels = packet.channels.max(stated.min(255) as u8);
+        if !names.is_empty() && names.len() != usize::from(packet.channels) {
+            return Err(miette!(
+                help = "give one name for each kind, or names=[] for none",
+                "{} names for {} kinds of cells",
+                names.len(),
+                packet.channels
+            ));
         }
+        packet.names = names;
         file::write_as(&path, to, compression, &loaded.packet)?;
         Ok(())
     })?;
@@ -259,12 +270,6 @@ pub fn compare(
         })
     })?;
     json(&compared.map_err(|report: Report| raised(report))?)
-}
-
-/// The warning of a sensor that never fired.
-#[pyfunction]
-pub fn no_events(subject: &str, frames: u64) -> String {
-    in_python(&Warning::no_events(subject, Some(frames)).to_string())
 }
 
 /// A result as text.

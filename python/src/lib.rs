@@ -45,15 +45,17 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(files::read, module)?)?;
     module.add_function(wrap_pyfunction!(files::write, module)?)?;
     module.add_function(wrap_pyfunction!(files::compare, module)?)?;
-    module.add_function(wrap_pyfunction!(files::no_events, module)?)?;
     module.add_function(wrap_pyfunction!(source::scene, module)?)?;
     module.add_function(wrap_pyfunction!(study::quantise, module)?)?;
     module.add_function(wrap_pyfunction!(study::on_chip, module)?)?;
+    module.add_function(wrap_pyfunction!(study::on_chip_together, module)?)?;
     module.add_function(wrap_pyfunction!(study::design, module)?)?;
     module.add_function(wrap_pyfunction!(study::feasibility, module)?)?;
     module.add_function(wrap_pyfunction!(study::waterfall, module)?)?;
     module.add_function(wrap_pyfunction!(study::trade, module)?)?;
+    module.add_function(wrap_pyfunction!(study::trade_program, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep_hash, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::merge, module)?)?;
     module.add_function(wrap_pyfunction!(gradient::forward, module)?)?;
     module.add_function(wrap_pyfunction!(tensor::check_room, module)?)?;

@@ -14,6 +14,7 @@ use amacrine::{
         Action, Cost, Expansion, Host, Includes, Layout, Overrides, Program as Text, Step, included,
     },
     source,
+    study::pilot::Chips,
     unit::Micros,
 };
 use miette::{Report, miette};
@@ -291,6 +292,42 @@ pub fn begin(
 }
 
 impl Program {
+    /// Refuses a program of which no frame after another can be measured.
+    pub fn check_steady(&self) -> PyResult<()> {
+        let file = &self.source.file;
+        let why = if self.decides {
+            "its host decides in the run what the array does"
+        } else if self.expansion.bare {
+            "bare statements say no events"
+        } else {
+            return Ok(());
+        };
+        Err(refused(
+            format!("{file}: {why}"),
+            "give a program with `init` and `frame` that reads events out",
+        ))
+    }
+
+    /// The settings of its chip, and its own.
+    pub fn settings(&self) -> Settings {
+        let own = &self.source.settings;
+        let mut settings = Settings::from_device(&self.device);
+        settings.clip = own.clip.unwrap_or(settings.clip);
+        settings.edge = own.edge.unwrap_or(settings.edge);
+        settings
+    }
+
+    /// It on a chip, for a pilot.
+    pub fn chips(&self, settings: Settings, arithmetic: Arithmetic) -> Chips<'_> {
+        Chips {
+            name: &self.source.file,
+            code: &self.expansion.code,
+            device: &self.device,
+            settings,
+            arithmetic,
+        }
+    }
+
     /// The array that it runs on, as `amacrine exec` makes it.
     fn chip_of(
         &self,
@@ -308,9 +345,8 @@ impl Program {
         let own = &self.source.settings;
         let name = domain.or(own.domain.as_deref()).unwrap_or("exact");
         let arithmetic: Arithmetic = name.parse().map_err(|e: ArithmeticError| e)?;
-        let mut settings = Settings::from_device(&self.device);
-        settings.clip = clip.or(own.clip).unwrap_or(settings.clip);
-        settings.edge = own.edge.unwrap_or(settings.edge);
+        let mut settings = self.settings();
+        settings.clip = clip.unwrap_or(settings.clip);
         let chip = arithmetic.with_seed(seed).chip(
             &self.source.file,
             &self.expansion.code,

@@ -6,6 +6,7 @@ use amacrine::{
     event::Packet,
     plane::{Plane, Size},
     reference::Limit,
+    rig::guard::{Crowd, Guard, Warning},
     scene::{Frame, check_rate},
     sensor::SensorError,
     unit::Micros,
@@ -16,6 +17,7 @@ use pyo3::prelude::*;
 use crate::{
     error::{raised, refused},
     frames::{Borrowed, Frames},
+    options::in_python,
     pool, record,
     tensor::{Stream, arrays},
     watcher::Watcher,
@@ -38,6 +40,9 @@ struct Watch {
     packet: Packet,
     made: usize,
     most: usize,
+    crowd: Crowd,
+    /// Cells that fired, over all frames.
+    fired: u64,
 }
 
 impl Run {
@@ -68,6 +73,8 @@ impl Run {
             packet: Packet::new(size, channels),
             made: 0,
             most: most.unwrap_or(Limit::default().events),
+            crowd: Crowd::new(size.pixels() as u64 * u64::from(channels)),
+            fired: 0,
         })))
     }
 
@@ -121,10 +128,17 @@ impl Watch {
         }
     }
 
+    /// So many cells fired since the frame before.
+    fn see(&mut self, firing: u64) {
+        self.fired = self.fired.saturating_add(firing);
+        self.crowd.see(firing);
+    }
+
     /// What happened since the frame before, in `packet`.
     fn watch(&mut self) -> Result<(), SensorError> {
         self.packet.events.clear();
-        self.watcher.events(&self.frame, &mut self.packet)?;
+        let firing = self.watcher.events(&self.frame, &mut self.packet)?;
+        self.see(firing);
         self.made = self.made.saturating_add(self.packet.events.len());
         if self.made > self.most {
             return Err(SensorError::ListFull { limit: self.most });
@@ -165,7 +179,9 @@ impl Run {
             let place = if begun { Some(n) } else { n.checked_sub(1) };
             let place = place.and_then(|n| out.get_mut(n * each..(n + 1) * each));
             let Watch { watcher, frame, .. } = watch;
-            watcher.counts(frame, place.unwrap_or(&mut none))
+            let firing = watcher.counts(frame, place.unwrap_or(&mut none))?;
+            watch.see(firing);
+            Ok(())
         })
     }
 
@@ -183,7 +199,9 @@ impl Run {
             let place = n.checked_sub(1);
             let place = place.and_then(|n| out.get_mut(n * each..(n + 1) * each));
             let Watch { watcher, frame, .. } = watch;
-            watcher.voxels(frame, place.unwrap_or(&mut none))
+            let firing = watcher.voxels(frame, place.unwrap_or(&mut none))?;
+            watch.see(firing);
+            Ok(())
         })?;
         if let Some(last) = out.len().checked_sub(each) {
             self.with(|watch| watch.watcher.last_voxels(&mut out[last..]));
@@ -218,6 +236,14 @@ impl Run {
         self.with(|watch| watch.seen)
     }
 
+    /// What there is to warn of in all frames so far: what each is about, and its words.
+    fn warnings(&self, subject: &str) -> Vec<(&'static str, String)> {
+        let all = self.with(|watch| watch.warnings(subject));
+        all.into_iter()
+            .map(|warning| (warning.about.name(), in_python(&warning.to_string())))
+            .collect()
+    }
+
     /// Events that found no slot of a readout, or were merged.
     #[getter]
     fn dropped(&self) -> u64 {
@@ -226,6 +252,22 @@ impl Run {
 }
 
 impl Watch {
+    /// As `amacrine run` warns; the first frame sets the memory, and nobody fires.
+    fn warnings(&self, subject: &str) -> Vec<Warning> {
+        let mut guard = Guard::new();
+        let lost = self.packet.dropped.no_slot;
+        if self.fired == 0 && lost == 0 && self.seen > 1 {
+            guard.warn(Warning::no_events(subject, Some(self.seen)));
+        }
+        if self.crowd.over > 0 {
+            guard.warn(Warning::most_cells(subject, &self.crowd));
+        }
+        if lost > 0 {
+            guard.warn(Warning::slots("the readout", lost, self.made as u64));
+        }
+        guard.warnings()
+    }
+
     /// Cells of all kinds.
     fn cells(&self) -> usize {
         self.packet.size.pixels() * usize::from(self.packet.channels)

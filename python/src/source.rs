@@ -151,8 +151,8 @@ impl Scene for Given {
 /// The most bytes of a scene that is read whole.
 const MOST: usize = 8 << 30;
 
-/// All frames of a scene, `(T, H, W)` and frames a second: `uint8` where light is whole numbers
-/// from 0 to 255, else `float64`.
+/// All frames of a scene, `(T, H, W)`, frames a second and whether these are assumed: `uint8` where
+/// light is whole numbers from 0 to 255, else `float64`.
 #[pyfunction]
 pub fn scene<'py>(
     py: Python<'py>,
@@ -160,14 +160,16 @@ pub fn scene<'py>(
     fps: Option<f64>,
     scale: Option<f64>,
     frames: Option<u64>,
-) -> PyResult<(Bound<'py, PyAny>, f64)> {
+) -> PyResult<(Bound<'py, PyAny>, f64, bool)> {
     let source = Source::new(name, None, fps, scale)?;
     let kept = pool::work(py, || {
         let scene = source.open()?;
+        let is_assumed = scene.outline().fps_is_assumed;
         let mut scene = amacrine::scene::part::First::new(scene, frames.unwrap_or(u64::MAX));
-        Kept::new(&mut scene, MOST)
+        Ok::<_, SceneError>((Kept::new(&mut scene, MOST)?, is_assumed))
     })?;
-    let kept = kept.map_err(raised)?.ok_or_else(|| {
+    let (kept, is_assumed) = kept.map_err(raised)?;
+    let kept = kept.ok_or_else(|| {
         refused(
             format!("{} is too long to be held", source.name()),
             "ask for fewer frames",
@@ -189,7 +191,7 @@ pub fn scene<'py>(
         let array: Bound<'py, PyArray3<u8>> = PyArray1::from_vec(py, bytes)
             .reshape(shape)
             .map_err(wrong)?;
-        return Ok((array.into_any(), fps));
+        return Ok((array.into_any(), fps, is_assumed));
     }
     let mut numbers = Vec::with_capacity(shape.iter().product());
     for n in all {
@@ -202,5 +204,5 @@ pub fn scene<'py>(
     let array: Bound<'py, PyArray3<f64>> = PyArray1::from_vec(py, numbers)
         .reshape(shape)
         .map_err(wrong)?;
-    Ok((array.into_any(), fps))
+    Ok((array.into_any(), fps, is_assumed))
 }

@@ -47,9 +47,7 @@ pub fn sweep(
     max_seconds: Option<f64>,
 ) -> PyResult<String> {
     let (file, text, folder) = study;
-    let sets: Vec<Override> = { sets.iter() }
-        .map(|set| set.parse().map_err(|e: OverrideError| raised(e)))
-        .collect::<PyResult<_>>()?;
+    let sets = overrides(&sets)?;
     let shard: Option<Shard> = { shard.as_deref() }
         .map(|text| text.parse().map_err(|e: ShardError| raised(e)))
         .transpose()?;
@@ -143,6 +141,31 @@ fn complete(
             .collect::<Vec<_>>()
     );
     Ok(answer)
+}
+
+/// What tells a study with keys set from the file's own, in the name of its folder: the first of its
+/// hash, as on the command line.
+#[pyfunction]
+pub fn sweep_hash(
+    py: Python<'_>,
+    study: (String, String, PathBuf),
+    sets: Vec<String>,
+) -> PyResult<String> {
+    let (file, text, folder) = study;
+    let sets = overrides(&sets)?;
+    let hash = pool::work(py, || {
+        let study = Study::parse_with(&file, &text, &sets)?;
+        let plan = Plan::new(study, &folder)?;
+        Ok(format!("{:.8}", plan.manifest().study))
+    })?;
+    hash.map_err(|report: Report| raised(report))
+}
+
+/// Keys that are set.
+fn overrides(sets: &[String]) -> PyResult<Vec<Override>> {
+    sets.iter()
+        .map(|set| set.parse().map_err(|e: OverrideError| raised(e)))
+        .collect()
 }
 
 /// Joins folders of one study into another; the answer in JSON.

@@ -4,22 +4,23 @@ use amacrine::{
     event::{Event, Packet, Polarity},
     number::Format,
     plane::{Plane, Size},
-    reference::{AnyReference, Counts, Description, Reference, Sinks, VoxelGrid},
+    reference::{AnyReference, Counts, Description, Firing, Reference, Sinks, VoxelGrid},
     scene::Frame,
     sensor::{Sensor, SensorError},
 };
 
-/// What watches frames. A clip is watched by one of the three alone.
+/// What watches frames, and tells how many cells fired since the frame before. A clip is watched by
+/// one of the three alone.
 pub trait Watcher: Send {
-    /// Appends what happened since the frame before.
-    fn events(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError>;
+    /// Appends what happened since the frame before to an empty packet.
+    fn events(&mut self, frame: &Frame, packet: &mut Packet) -> Result<u64, SensorError>;
 
     /// Signed counts of each kind and pixel since the frame before; the first frame has none.
-    fn counts(&mut self, frame: &Frame, out: &mut [i32]) -> Result<(), SensorError>;
+    fn counts(&mut self, frame: &Frame, out: &mut [i32]) -> Result<u64, SensorError>;
 
     /// The bin of the frame before, which no later event can reach; before the first frame there
     /// is none.
-    fn voxels(&mut self, frame: &Frame, out: &mut [f32]) -> Result<(), SensorError>;
+    fn voxels(&mut self, frame: &Frame, out: &mut [f32]) -> Result<u64, SensorError>;
 
     /// The bin of the last frame.
     fn last_voxels(&mut self, out: &mut [f32]);
@@ -28,28 +29,33 @@ pub trait Watcher: Send {
 /// The float model.
 struct Float {
     reference: Box<dyn AnyReference>,
+    firing: Firing,
+    fired: Fired,
     counts: Counts,
     grid: VoxelGrid,
     begun: bool,
 }
 
 impl Watcher for Float {
-    fn events(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
-        self.reference.watch(frame, packet)
+    fn events(&mut self, frame: &Frame, packet: &mut Packet) -> Result<u64, SensorError> {
+        self.reference.watch(frame, packet)?;
+        Ok(self.fired.of(packet))
     }
 
-    fn counts(&mut self, frame: &Frame, out: &mut [i32]) -> Result<(), SensorError> {
+    fn counts(&mut self, frame: &Frame, out: &mut [i32]) -> Result<u64, SensorError> {
         let sinks = Sinks {
+            firing: Some(&mut self.firing),
             counts: Some(&mut self.counts),
             ..Sinks::default()
         };
         self.reference.watch_into_sinks(frame, sinks)?;
         lay(self.counts.planes(), out, |count| count);
-        Ok(())
+        Ok(self.firing.cells())
     }
 
-    fn voxels(&mut self, frame: &Frame, out: &mut [f32]) -> Result<(), SensorError> {
+    fn voxels(&mut self, frame: &Frame, out: &mut [f32]) -> Result<u64, SensorError> {
         let sinks = Sinks {
+            firing: Some(&mut self.firing),
             voxels: Some(&mut self.grid),
             ..Sinks::default()
         };
@@ -58,7 +64,7 @@ impl Watcher for Float {
             lay(self.grid.earlier(), out, |share| share as f32);
             self.grid.advance();
         }
-        Ok(())
+        Ok(self.firing.cells())
     }
 
     fn last_voxels(&mut self, out: &mut [f32]) {
@@ -84,6 +90,8 @@ pub fn float(
     let channels = description.channels.len();
     Ok(Box::new(Float {
         reference: Reference::in_format(format, description, size, seed)?,
+        firing: Firing::new(),
+        fired: Fired::default(),
         counts: Counts::new(size, channels),
         grid: VoxelGrid::new(size, channels),
         begun: false,
@@ -93,6 +101,7 @@ pub fn float(
 /// Any sensor of which only events are known: a program on the array.
 pub struct Events {
     sensor: Box<dyn Sensor + Send>,
+    fired: Fired,
     packet: Packet,
     /// When the frame before was shown, in seconds.
     before: Option<f64>,
@@ -106,6 +115,7 @@ impl Events {
         let cells = packet.size.pixels() * usize::from(packet.channels);
         Self {
             sensor,
+            fired: Fired::default(),
             packet,
             before: None,
             later: vec![0.0; cells],
@@ -120,18 +130,52 @@ impl Events {
     }
 
     fn cell(&self, event: &Event) -> usize {
-        let Size { height, width } = self.packet.size;
-        let row = usize::from(event.channel) * height + usize::from(event.y);
-        row * width + usize::from(event.x)
+        cell(event, self.packet.size)
+    }
+}
+
+/// The place of an event's cell among those of all kinds.
+fn cell(event: &Event, Size { height, width }: Size) -> usize {
+    let row = usize::from(event.channel) * height + usize::from(event.y);
+    row * width + usize::from(event.x)
+}
+
+/// Counts the cells that fired in an interval.
+#[derive(Default)]
+struct Fired {
+    /// The last interval, from 1, in which each cell fired.
+    last: Vec<u32>,
+    intervals: u32,
+}
+
+impl Fired {
+    /// Cells in a packet of one interval.
+    fn of(&mut self, packet: &Packet) -> u64 {
+        let cells = packet.size.pixels() * usize::from(packet.channels);
+        self.last.resize(cells, 0);
+        if self.intervals == u32::MAX {
+            self.last.fill(0);
+            self.intervals = 0;
+        }
+        self.intervals += 1;
+        let mut fired = 0;
+        for event in &packet.events {
+            if let Some(last) = self.last.get_mut(cell(event, packet.size)) {
+                fired += u64::from(*last != self.intervals);
+                *last = self.intervals;
+            }
+        }
+        fired
     }
 }
 
 impl Watcher for Events {
-    fn events(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
-        self.sensor.watch(frame, packet)
+    fn events(&mut self, frame: &Frame, packet: &mut Packet) -> Result<u64, SensorError> {
+        self.sensor.watch(frame, packet)?;
+        Ok(self.fired.of(packet))
     }
 
-    fn counts(&mut self, frame: &Frame, out: &mut [i32]) -> Result<(), SensorError> {
+    fn counts(&mut self, frame: &Frame, out: &mut [i32]) -> Result<u64, SensorError> {
         self.watch(frame)?;
         out.fill(0);
         for event in &self.packet.events {
@@ -139,12 +183,12 @@ impl Watcher for Events {
                 *count += event.polarity.sign();
             }
         }
-        Ok(())
+        Ok(self.fired.of(&self.packet))
     }
 
-    fn voxels(&mut self, frame: &Frame, out: &mut [f32]) -> Result<(), SensorError> {
+    fn voxels(&mut self, frame: &Frame, out: &mut [f32]) -> Result<u64, SensorError> {
         let Some(before) = self.watch(frame)? else {
-            return Ok(());
+            return Ok(0);
         };
         out.copy_from_slice(&self.later);
         self.later.fill(0.0);
@@ -162,7 +206,7 @@ impl Watcher for Events {
                 *bin += sign * later;
             }
         }
-        Ok(())
+        Ok(self.fired.of(&self.packet))
     }
 
     fn last_voxels(&mut self, out: &mut [f32]) {

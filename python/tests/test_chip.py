@@ -35,6 +35,9 @@ def test_a_program_is_that_of_exec(
     assert run.films["A"].shape == frames.shape
     assert run.films["R5"].dtype == bool
     assert np.array_equal(run.films["A"][-1], run.registers["A"])
+    shown = run._repr_html_()
+    assert shown.count("<table>") == 2 and f"<td>{len(run.events)}</td>" in shown
+    assert "<td>FLAG</td>" in shown and "<td>A</td>" in shown
 
 
 def test_what_a_program_costs() -> None:

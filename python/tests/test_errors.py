@@ -28,6 +28,18 @@ def _few() -> Any:
     return np.array([(5, 1, 2, 1)], amacrine.EVENT)
 
 
+def _odd(field: str, value: int) -> Any:
+    """Two events, something of the second of which is wrong."""
+    events = np.array([(5, 1, 2, 1), (6, 1, 2, 0)], amacrine.EVENT)
+    events[field][1] = value
+    return events
+
+
+def _any(of: Any) -> Any:
+    """What the types do not let through."""
+    return of
+
+
 MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "even kernel": (lambda: amacrine.Sensor(np.ones((4, 4)), 1), "must be odd"),
     "kernel of text": (lambda: amacrine.Sensor(np.array(["a"]), 1), "floats or integers"),
@@ -48,7 +60,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "bool": (lambda: sensor().events(GOOD > 0, 9), "uint8, or floats with a scale"),
     "nan": (lambda: sensor().events(GOOD + np.nan, 9, scale=1), "not finite"),
     "dark": (lambda: sensor().events(GOOD - 1.0, 9, scale=1), "below zero"),
-    "bins": (lambda: sensor().voxels(GOOD, 9, bins=0), "give 1 to 1000"),
+    "bins": (lambda: sensor().voxels(GOOD, 9, bins=0), "1 to 1000"),
     "no window": (lambda: sensor().voxels(GOOD, 9, bins=3, window=0), "the window is 0 s"),
     "polarity": (lambda: sensor().voxels(GOOD, 9, bins=3, polarity="on"), "signed, split"),
     "share": (lambda: sensor().voxels(GOOD, 9, bins=3, share="all"), "bilinear, whole"),
@@ -65,7 +77,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "decay": (
         lambda: amacrine.events.time_surfaces(_few(), 1, tau=1, decay="log"), "exponential, linear"
     ),
-    "event frames": (lambda: amacrine.events.event_frames(_few(), 0), "above 0"),
+    "event frames": (lambda: amacrine.events.event_frames(_few(), 0), "count = 0"),
     "fill": (lambda: amacrine.events.event_frames(_few(), 1, fill="x"), "count, last"),
     "study": (lambda: amacrine.sweep("no-such"), "formats"),
     "study key": (lambda: amacrine.sweep("formats", "x", set={"fromat": "f32"}), "format"),
@@ -96,7 +108,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
         "Z: no such register",
     ),
     "no events": (lambda: amacrine.write("x.npy", np.zeros(3)), "the fields t, x, y and p"),
-    "backwards": (lambda: amacrine.write("x.npy", _events([5, 3])), "runs backwards"),
+    "backwards": (lambda: amacrine.write("x.npy", _events([5, 3])), 'event 1 of the array: `t` runs backwards'),
     "extension": (lambda: amacrine.write("x.tiff", _events([3])), "known are"),
     "file": (lambda: amacrine.read("no-such.npy"), "no-such.npy"),
     "scene": (lambda: amacrine.load("no-such.mp4"), "no-such.mp4"),
@@ -193,12 +205,85 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
         "take a lower threshold: 0.0000002",
     ),
     "link": (
-        lambda: amacrine.feasibility("dvs", 9, link_energy=5),  # type: ignore[arg-type]
+        lambda: amacrine.feasibility("dvs", 9, link_energy=(5, 1)),
         "(1.0, 20.0)",
     ),
     "threshold table": (
         lambda: amacrine.feasibility("dvs", {"on": 3}),  # type: ignore[arg-type]
         "thresholds = ",
+    ),
+    "link of three": (
+        lambda: amacrine.feasibility("dvs", 9, link_energy=_any((1, 2, 3))), "(1.0, 20.0)"
+    ),
+    "link of text": (
+        lambda: amacrine.feasibility("dvs", 9, link_energy=_any(("a", "b"))), "link_energy = 'a'"
+    ),
+    "chips below": (lambda: amacrine.feasibility("dvs", 9, chips=-1), "1 to 1024"),
+    "chips in part": (lambda: amacrine.feasibility("dvs", 9, chips=_any(1.5)), "chips = 1.5"),
+    "no flag": (lambda: amacrine.feasibility("dvs", 9, overlapped=_any("no")), "overlapped=True"),
+    "tiles": (lambda: amacrine.waterfall("dvs", 9, tiles=-1), "1 to 1000"),
+    "bins below": (lambda: amacrine.compare(_few(), _few(), bins=-1), "1 to 1000"),
+    "bins in part": (lambda: amacrine.compare(_few(), _few(), bins=_any(1.5)), "bins = 1.5"),
+    "bins nan": (lambda: amacrine.events.voxels(_few(), bins=_any(np.nan)), "bins = nan"),
+    "fps of text": (lambda: amacrine.compare(_few(), _few(), fps=_any("a")), "fps = 'a'"),
+    "upsample": (
+        lambda: amacrine.trade(sensor(), GOOD, fps=9, upsample=_any("a")), "upsample = 'a'"
+    ),
+    "sample": (lambda: amacrine.trade(sensor(), GOOD, fps=9, sample=_any("a")), "sample = 'a'"),
+    "runs": (lambda: amacrine.trade(sensor(), GOOD, fps=9, runs=1 << 40), "1 to 4294967295"),
+    "domain of a float": (lambda: amacrine.trade(sensor(), GOOD, fps=9, domain="exact"), "a Program"),
+    "bare statements": (
+        lambda: amacrine.trade(amacrine.Program.from_text("mov(A, B);"), GOOD, fps=9), "`init`"
+    ),
+    "jobs": (lambda: amacrine.sweep("formats", "x", jobs=-1), "jobs = -1"),
+    "longest point": (
+        lambda: amacrine.sweep("formats", "x", max_seconds_per_point=-1), "above 0, such as"
+    ),
+    "set nothing": (lambda: amacrine.sweep("formats", "x", set={"format": None}), '"format"'),
+    "clip": (
+        lambda: amacrine.Program.from_file("dvs/snap").run(GOOD, clip=_any("off")), "clip=False"
+    ),
+    "constants": (
+        lambda: amacrine.Program.from_file("dvs/snap", constants={"threshold": _any("a")}),
+        "constants[\"threshold\"] = 'a'",
+    ),
+    "start": (lambda: amacrine.events.voxels(_few(), bins=1, start=_any("a")), "start = 'a'"),
+    "start nan": (lambda: amacrine.events.voxels(_few(), bins=1, start=np.nan), "start = nan"),
+    "end": (lambda: amacrine.events.voxels(_few(), bins=1, end=np.inf), "end = inf"),
+    "kinds in part": (
+        lambda: amacrine.events.voxels(_few(), bins=1, channels=_any(1.5)), "channels = 1.5"
+    ),
+    "many kinds": (lambda: amacrine.write("x.npy", _few(), channels=300), "1 to 255"),
+    "late": (lambda: amacrine.events.time_surfaces(_few(), [1e300], tau=1), "times = 1e+300"),
+    "tau of text": (
+        lambda: amacrine.events.time_surfaces(_few(), 1, tau=_any("a")), "tau = 'a'"
+    ),
+    "count nan": (lambda: amacrine.events.event_frames(_few(), _any(np.nan)), "count = nan"),
+    "large size": (lambda: amacrine.write("x.npy", _few(), size=(1 << 70, 1)), "(height, width)"),
+    "no path": (lambda: amacrine.read(_any(5)), "path = 5"),
+    "no name": (lambda: amacrine.Sensor.from_file(_any(5)), "path = 5"),
+    "no kind of name": (lambda: amacrine.names(_any(5)), "of = 5"),
+    "compression": (
+        lambda: amacrine.write("x.aedat4", _few(), compression=_any(5)), "compression = 5"
+    ),
+    "names of kinds": (
+        lambda: amacrine.write("x.npy", _few(), names=["a", "b"], channels=3), "2 names for 3 kinds"
+    ),
+    "parts": (lambda: sensor().voxel_windows(_any(5), 9, bins=3, window=1), "parts = 5"),
+    "memory of a program": (lambda: amacrine.compile("dvs", 9, memory=_any([])), "memory = []"),
+    "sum": (lambda: sensor().on_chip("ternary", sum=_any(5)), "sum = 5"),
+    "polarity of an event": (
+        lambda: amacrine.write("x.npy", _odd("p", 2)), "event 1 of the array: `p` is 2"
+    ),
+    "time of an event": (
+        lambda: amacrine.events.voxels(_odd("t", -3), bins=1), "event 1 of the array: `t` is -3"
+    ),
+    "place of an event": (
+        lambda: amacrine.compare(_odd("x", -1), _few()), "event 1 of the array: `x` is -1"
+    ),
+    "off the sensor": (
+        lambda: amacrine.events.event_frames(_odd("y", 8), 1, size=(8, 8)),
+        "event 1 of the array: `x` is 1, `y` is 8: off the sensor, which is 8x8",
     ),
     "design of both": (lambda: amacrine.design("dvs", rate=1, thresholds=2), "not both"),
     "trade of a name": (

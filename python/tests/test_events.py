@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import warnings
 from pathlib import Path
 from typing import Any, Callable
 
@@ -184,6 +185,55 @@ def test_a_stream_goes_on(frames: Frames) -> None:
 def test_a_sensor_that_never_fires_says_so(frames: Frames) -> None:
     with pytest.warns(amacrine.Caution, match="no event at all in 12 frames"):
         amacrine.Sensor("dvs", 50.0).events(frames, FPS)
+
+
+def _said(watch: Callable[[], Any]) -> list[str]:
+    """What a call warns of."""
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        watch()
+    assert {Path(one.filename).name for one in said} <= {"test_events.py"}
+    return [str(one.message) for one in said if issubclass(one.category, amacrine.Caution)]
+
+
+def _ways(sensor: amacrine.EventSensor, clip: Any) -> dict[str, Callable[[], Any]]:
+    """Each way to watch a clip."""
+    return {
+        "events": lambda: sensor.events(clip, FPS),
+        "counts": lambda: sensor.counts(clip, FPS),
+        "voxels": lambda: sensor.voxels(clip, FPS),
+        "bins": lambda: sensor.voxels(clip, FPS, bins=3),
+        "windows": lambda: list(sensor.voxel_windows([clip], FPS, bins=3, window=0.02)),
+        "stream": lambda: sensor.stream(FPS).events(clip),
+        "stream of counts": lambda: sensor.stream(FPS).counts(clip),
+        "each": lambda: list(sensor.stream(FPS).each([clip[:2], clip[2:]])),
+    }
+
+
+def test_every_way_to_watch_warns(frames: Frames) -> None:
+    """As `amacrine run` does: of no event, and of most cells firing at once."""
+    clip = np.concatenate([frames, frames[::-1]])
+    chip = amacrine.compile("dvs", 255, effort=0.01)
+    for silent in (amacrine.Sensor("dvs", 50.0), chip):
+        for way, watch in _ways(silent, clip).items():
+            said = _said(watch)
+            assert len(said) == 1 and "no event at all in 24 frames" in said[0], way
+    for way, watch in _ways(amacrine.Sensor("dvs", 0.1), clip).items():
+        said = _said(watch)
+        assert len(said) == 1 and "cells" in said[0] and "raise the threshold" in said[0], way
+    for way, watch in _ways(amacrine.Sensor("dvs", 0.7), clip).items():
+        assert _said(watch) == [], way
+    # One clip of a batch that is silent is no mistake; all are.
+    still = np.stack([np.repeat(clip[:1], 24, axis=0), clip])[:, :, None]
+    assert _said(lambda: amacrine.Sensor("dvs", 0.7).events(still, FPS)) == []
+    assert len(_said(lambda: amacrine.Sensor("dvs", 0.7).events(still[:1], FPS))) == 1
+
+
+def test_a_stream_is_silent_for_a_while(frames: Frames) -> None:
+    stream = amacrine.Sensor("dvs", 50.0).stream(FPS)
+    assert _said(lambda: stream.events(frames)) == []
+    assert "in 24 frames" in _said(lambda: stream.events(frames))[0]
+    assert _said(lambda: stream.events(frames)) == []
 
 
 def test_sensors_come_by_name(tmp_path: Path, frames: Frames) -> None:

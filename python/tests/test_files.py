@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import pickle
+import warnings
 from pathlib import Path
 from typing import Any, Callable
 
@@ -51,6 +53,41 @@ def test_kinds_are_kept(tmp_path: Path, frames: Frames) -> None:
         amacrine.write(tmp_path / "kinds.evt2", events)
 
 
+@pytest.mark.parametrize("ending", ["csv", "txt", "npz", "hdf5", "parquet"])
+def test_addresses_that_the_fields_do_not_hold_are_refused(ending: str, tmp_path: Path) -> None:
+    """They are never negative numbers."""
+    path = tmp_path / f"wide.{ending}"
+    wide = np.array([(0, 32767, 0, 1), (1, 40000, 0, 1)], [("t", "i8"), ("x", "u2"), ("y", "u2"), ("p", "u1")])
+    amacrine.write(path, wide[:1], size=(8, 50000))
+    assert amacrine.read(path)["x"].tolist() == [32767]
+    amacrine.write(path, wide)
+    with pytest.raises(amacrine.Error, match="event 1: x is 40000.*no more than 32767"):
+        amacrine.read(path)
+    assert amacrine.about(path).size == (1, 40001)
+    assert amacrine.compare(path, path).equal
+
+
+@pytest.mark.parametrize("ending", ["npy", "npz", "hdf5", "parquet"])
+def test_names_of_kinds_are_kept(ending: str, tmp_path: Path, frames: Frames) -> None:
+    called = ["on centre", "edges", "rest"]
+    events = amacrine.Sensor(kernels(3), 0.5, names=called).events(frames, FPS)
+    path, again = tmp_path / f"kinds.{ending}", tmp_path / f"again.{ending}"
+    amacrine.write(path, events)
+    assert amacrine.about(path).names == called
+    read = amacrine.read(path)
+    assert type(read["t"]) is np.ndarray and read.tobytes() == events.tobytes()
+    amacrine.write(again, read[read["channel"] < 2])
+    assert amacrine.about(again).names == called and amacrine.about(again).channels == 3
+    amacrine.write(again, pickle.loads(pickle.dumps(read)))
+    assert amacrine.about(again).names == called
+    amacrine.write(again, read, names=["a", "b", "c"])
+    assert amacrine.about(again).names == ["a", "b", "c"]
+    amacrine.write(again, read, names=[])
+    assert amacrine.about(again).names == []
+    with pytest.raises(amacrine.Error, match="2 names for 3 kinds"):
+        amacrine.write(again, read, names=["a", "b"])
+
+
 def test_any_fields(tmp_path: Path, events: Any) -> None:
     other = np.zeros(len(events), [("p", "?"), ("y", ">u4"), ("x", "<u8"), ("t", "<u4")])
     for name in ("t", "x", "y", "p"):
@@ -92,6 +129,17 @@ def test_a_clip_is_an_array(tmp_path: Path, frames: Frames) -> None:
     assert light.dtype == np.float64 and fps == 50
     np.testing.assert_array_equal(light, frames / 255 * 200)
     assert len(amacrine.load(frames=3)[0]) == 3
+
+
+def test_a_rate_that_is_assumed_is_said(tmp_path: Path, frames: Frames) -> None:
+    np.save(tmp_path / "light.npy", frames)
+    with pytest.warns(amacrine.Caution, match="240 frames per second are assumed.*fps="):
+        _, fps = amacrine.load(tmp_path / "light.npy")
+    assert fps == 240
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        amacrine.load(tmp_path / "light.npy", fps=240)
+        amacrine.load("pattern:bar?width=16&height=16&frames=3&fps=50")
 
 
 def test_a_data_frame_is_events(tmp_path: Path, events: Any) -> None:

@@ -26,6 +26,42 @@ def test_quantise(program: Callable[..., str]) -> None:
     np.testing.assert_allclose(alone.kernel, few[1].kernel)
 
 
+def test_several_kernels_are_quantised(program: Callable[..., str]) -> None:
+    random = np.random.default_rng(3)
+    three = random.normal(size=(3, 3, 3))
+    each = amacrine.quantise(three, "ternary")
+    assert [one.name for one in each] == ["kernel 0", "kernel 1", "kernel 2"]
+    for one, kernel in zip(each, three, strict=True):
+        alone = amacrine.quantise(kernel, "ternary")
+        assert (alone.name, alone.scale) == ("the kernel", one.scale)
+        assert np.array_equal(alone.levels, one.levels)
+    table = amacrine.quantise(["dvs", "sobel-x"], ["ternary", "int-5"])
+    assert [[one.to for one in few] for few in table] == [["ternary", "int-5"]] * 2
+    stated = json.loads(program("quantise", "dvs,sobel-x", "--to", "ternary,int-5", "--json"))
+    for few, kernel in zip(table, stated["kernels"], strict=True):
+        assert [one.name for one in few] == [kernel["name"]] * 2
+        assert [one.scale for one in few] == [row["scale"] for row in kernel["quantised"]]
+
+
+def test_several_kernels_are_run_in_one_program(program: Callable[..., str]) -> None:
+    words = ("--to", "ternary", "--threshold", "20,30", "--scene", SCENE, "--effort", 0.05)
+    stated = json.loads(program("quantise", "dvs,sobel-x", *words, "--json"))
+    answer = amacrine.quantise(
+        ["dvs", "sobel-x"], "ternary", threshold=[20, 30], scene=SCENE, effort=0.05
+    )
+    assert answer.to_dict()["together"] == stated["together"]
+    assert [kind.name for kind in answer.kernels] == ["dvs", "sobel-x"]
+    assert "ternary" in answer._repr_html_()
+    with pytest.raises(amacrine.Error, match="3 thresholds for 2 kernels"):
+        amacrine.quantise(["dvs", "sobel-x"], "ternary", threshold=[1, 2, 3], scene=SCENE)
+
+
+def test_a_quantised_kernel_is_a_table_in_a_notebook() -> None:
+    shown = amacrine.quantise(np.array([[0, 1, 0], [1, -4, 1], [0, 1, 0]]), "ternary")._repr_html_()
+    assert shown.count("<table>") == 2
+    assert "<td>ternary</td>" in shown and shown.count("<td>-1</td>") == 1
+
+
 def test_quantise_on_the_chip(program: Callable[..., str]) -> None:
     words = ("--threshold", 20, "--scene", SCENE, "--effort", 0.05)
     stated = json.loads(program("quantise", "csdvs-3", "--to", "ternary", *words, "--json"))
@@ -99,6 +135,25 @@ def test_trade() -> None:
     assert "the full model" in names and "f32" in names
     assert answer.knee in names
     assert any(point.on_front for point in answer.points)
+
+
+def test_trade_of_a_program(program: Callable[..., str]) -> None:
+    scene = "pattern:grating?width=64&height=64&frames=20&fps=100"
+    words = ("--scene", scene, "--program", "dvs/snap", "--formats", "f16", "--seed", 3)
+    stated = json.loads(program("trade", *words, "--json"))
+    snap = amacrine.Program.from_file("dvs/snap")
+    answer = amacrine.trade(snap, scene, formats=["f16"], seed=3).to_dict()
+    # Which models are tried together depends on seconds; each alone does not.
+    for name in ("the full model", "f16", "silicon without mismatch"):
+        own, theirs = (
+            [point["error"] for point in one["points"] if point["name"] == name]
+            for one in (answer, stated)
+        )
+        assert len(own) == 1 and own == theirs, name
+    exact = amacrine.trade(snap, scene, domain="exact", formats=["f32"])
+    assert [point.name for point in exact.points][0] == "the full model"
+    with pytest.raises(amacrine.Error, match="leave upsample out"):
+        amacrine.trade(snap, scene, upsample=0.2)
 
 
 def test_a_table_is_a_data_frame() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import Any, Callable
 
 import amacrine
+import numpy as np
 import pytest
 
 STUDY = """
@@ -69,6 +71,34 @@ def test_rows_as_a_frame(study: Path, tmp_path: Path) -> None:
     swept = amacrine.sweep(study, tmp_path / "out", set={"threshold": 4})
     frame = swept.to_frame()
     assert isinstance(frame, pandas.DataFrame) and list(frame["side"])[0] == "reference"
+
+
+def test_keys_of_any_kind_are_set(study: Path, tmp_path: Path) -> None:
+    def thresholds(name: str, given: Any) -> list[tuple[float, float]]:
+        swept = amacrine.sweep(study, tmp_path / name, set={"threshold": given, "format": "f64"})
+        found = {(row["threshold_on"], row["threshold_off"]) for row in swept.rows}
+        return sorted(found)
+
+    assert thresholds("table", {"on": 8, "off": 16, "sigma": 0}) == [(8.0, 16.0)]
+    assert thresholds("tables", [{"on": 8, "off": 16}, 4]) == [(4.0, 4.0), (8.0, 16.0)]
+    assert thresholds("array", np.array([8, 16.0])) == [(8.0, 8.0), (16.0, 16.0)]
+    assert thresholds("range", range(4, 10, 4)) == [(4.0, 4.0), (8.0, 8.0)]
+
+
+def test_keys_that_are_set_have_a_folder_of_their_own(
+    study: Path, program: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    program("sweep", study, "threshold=4", "reference.format=f16")
+    made = [path.name for path in tmp_path.iterdir() if path.is_dir()]
+    assert len(made) == 1 and re.fullmatch("small-[0-9a-f]{8}", made[0])
+    set = {"threshold": 4, "reference.format": ["f16"]}
+    swept = amacrine.sweep(study, set=set)
+    assert (swept.folder.name, swept.computed) == (made[0], 0)
+    other = amacrine.sweep(study, set={"threshold": 8, "reference.format": ["f16"]})
+    assert other.folder.name not in (made[0], "small") and other.computed == 2
+    with pytest.raises(amacrine.Error, match=r"\(2 points\), not .*\(9 points\)"):
+        amacrine.sweep(study, other.folder)
 
 
 LONG = """

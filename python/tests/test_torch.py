@@ -163,6 +163,10 @@ MISTAKES: dict[str, tuple[Any, str]] = {
     "rule": (lambda f: EventSensor("dvs", 0.1, fps=9, rule=_any("ste")), "no rule of the gradient"),
     "rate": (lambda f: EventSensor("dvs", 0.1, fps=0), "no rate"),
     "dtype": (lambda f: EventSensor("dvs", 0.1, fps=9, dtype=torch.float16), "torch.float32"),
+    "half": (lambda f: EventSensor("dvs", 0.1, fps=9).half()(f), "a sensor in torch.float16"),
+    "brain": (lambda f: EventSensor("dvs", 0.1, fps=9).bfloat16()(f), "a sensor in torch.bfloat16"),
+    "mismatch": (lambda f: EventSensor("dvs", 0.1, fps=9, mismatch=_any("a")), "mismatch = 'a'"),
+    "scale of text": (lambda f: EventSensor("dvs", 0.1, fps=9, scale=_any("a")), "scale = 'a'"),
     "memory": (lambda f: EventSensor("dvs", 0.1, fps=9, memory="raw-snap")(f), "holds pixels"),
     "sizes": (lambda f: EventSensor(["dvs", "csdvs-5"], 0.1, fps=9), "kernels of one size"),
     "diverged": (lambda f: _diverged(f), "must stay finite"),
@@ -269,9 +273,12 @@ def test_mistakes_of_data_sets(videos: Path, tmp_path: Path) -> None:
     mistakes: list[tuple[Any, str]] = [
         (lambda: EventDataset(tmp_path / "none"), "no such folder"),
         (lambda: EventDataset(tmp_path), "no videos"),
-        (lambda: _dataset(videos, thresholds=(0.5, 0.1)), "thresholds from 0.5"),
+        (lambda: _dataset(videos, thresholds=(0.5, 0.1)), "thresholds = "),
         (lambda: _dataset(videos, frames=1), "frames = 1"),
-        (lambda: _dataset(videos, mismatch=2), "a mismatch of 2"),
+        (lambda: _dataset(videos, mismatch=2), "mismatch = 2"),
+        (lambda: _dataset(videos, mismatch="a"), "mismatch = 'a'"),
+        (lambda: _dataset(videos, frames="a"), "frames = 'a'"),
+        (lambda: _dataset(videos, thresholds=3), "thresholds = 3"),
         (lambda: _dataset(videos, frames=99)[0], "where 99 of 32x24"),
         (lambda: _dataset(videos, kernels="dvs"), "kernels to draw from"),
     ]
@@ -287,6 +294,10 @@ def test_weights_are_taken_as_a_layer_has_them() -> None:
     want = conv.weight.detach().double().numpy()[:, 0]
     assert np.array_equal(np.stack(sensor.kernels), want)
     assert np.allclose([own[0] for own in sensor.thresholds], [0.1, 0.2])
+    light = torch.rand(4, 8, 9).bfloat16()
+    events = amacrine.Sensor("dvs", 0.1).events(light, 9, scale=255)
+    wide = amacrine.Sensor("dvs", 0.1).events(light.float().numpy(), 9, scale=255)
+    assert len(events) > 0 and events.tobytes() == wide.tobytes()
     half = conv.weight.bfloat16()
     got = np.stack(amacrine.Sensor([half], 0.1).kernels)
     assert np.array_equal(got, half.detach().double().numpy()[:, 0])

@@ -16,9 +16,10 @@ import torch
 
 from .. import _amacrine, arguments
 from .._amacrine import Error
+from ..caution import Caution
 from ..frames import load
 from ..kernels import Kernels
-from ..sensor import Caution, EventSensor, Sensor
+from ..sensor import EventSensor, Sensor
 
 VIDEOS = (".mp4", ".y4m", ".gif", ".apng", ".npy")
 """Endings of the files of a folder that are videos; a folder in it is one of pictures."""
@@ -109,26 +110,20 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         transform: Callable[[Item], Any] | None = None,
     ) -> None:
         self.videos = _videos(folder)
-        low, high = thresholds
-        if not 0.0 < low <= high < math.inf:
-            raise Error(f"thresholds from {low} to {high}\nhelp: give a range above 0, low to high")
-        whole = {"frames": (frames, 2), "sensors": (sensors, 1), "seed": (seed, 0)}
-        if length is not None:
-            whole["length"] = length, 1
-        for name, (given, least) in whole.items():
-            if given != int(given) or given < least:
-                raise Error(f"{name} = {given}\nhelp: give a whole number, {least} or more")
+        help = "give a range above 0, low to high, such as thresholds=(0.1, 0.4)"
+        ends = arguments.numbers("thresholds", thresholds, help)
+        if len(ends) != 2 or not 0.0 < ends[0] <= ends[1] < math.inf:
+            raise Error(f"thresholds = {thresholds!r}\nhelp: {help}")
         for name, list in {"kernels": kernels, "quantisers": quantisers, "chips": chips}.items():
             if isinstance(list, str) or len(list) == 0:
                 raise Error(f"{name} to draw from are no list\nhelp: give a list of one or more")
-        if not 0.0 <= mismatch < 1.0:
-            raise Error(f"a mismatch of {mismatch}\nhelp: give a share of the threshold, 0 to 1")
-        self._mismatch = float(mismatch)
-        self._frames, self._flips = int(frames), flips
+        self._mismatch = arguments.share("mismatch", mismatch)
+        self._frames = arguments.whole("frames", frames, 2)
+        self._flips = arguments.flag("flips", flips)
         self._crop = arguments.size(crop, "crop")
-        self._kernels, self._range = [*kernels], (float(low), float(high))
+        self._kernels, self._range = [*kernels], (ends[0], ends[1])
         self._quantisers, self._chips, self._domain = [*quantisers], [*chips], domain
-        self._sensors = int(sensors)
+        self._sensors = arguments.whole("sensors", sensors, 1)
         self._options = {"memory": "filtered-snap", "border": "zero", **(options or {})}
         self._voxels = dict(voxels or {})
         # What no sensor takes is told here, not in a worker.
@@ -139,8 +134,10 @@ class EventDataset(torch.utils.data.Dataset[Item]):
             raise Error(
                 f"voxels: there is no {odd[0]}\nhelp: give {', '.join(sorted(VOXELS))}"
             )
-        self._fps, self._length, self._seed = fps, length, int(seed)
-        self._most, self._transform, self._epoch = cache, transform, 0
+        self._fps = None if fps is None else arguments.rate(fps)
+        self._length = None if length is None else arguments.whole("length", length, 1)
+        self._seed, self._most = arguments.whole("seed", seed), arguments.whole("cache", cache)
+        self._transform, self._epoch = transform, 0
         self._forget()
 
     def _forget(self) -> None:
@@ -156,7 +153,7 @@ class EventDataset(torch.utils.data.Dataset[Item]):
 
     def set_epoch(self, epoch: int) -> None:
         """Draws other items from now on."""
-        self._epoch = int(epoch)
+        self._epoch = arguments.whole("epoch", epoch)
 
     def _draw(self, what: int, index: int) -> float:
         """From 0 to 1."""
@@ -236,7 +233,11 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         number = at(_SENSOR, self._sensors - 1)
         seed = int(self._draw(_SEED, index) * (1 << 53))
         scale = None if part.dtype == np.uint8 else 1.0
-        voxels = self.sensor(number)._reseeded(seed).voxels(part, fps, scale=scale, **self._voxels)
+        sensor = self.sensor(number)._reseeded(seed)
+        with warnings.catch_warnings():
+            # A part of a video in which nothing moves is no mistake.
+            warnings.simplefilter("ignore", Caution)
+            voxels = sensor.voxels(part, fps, scale=scale, **self._voxels)
         item = Item(
             voxels=torch.from_numpy(voxels),
             frames=torch.from_numpy(part)[:, None],

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import torch
 from torch.autograd.function import once_differentiable
 
-from .. import _amacrine, toml
+from .. import _amacrine, arguments, toml
 from .._amacrine import Error
 from ..gradient import Rule, Slope, seconds
 from ..kernels import Kernels
@@ -110,8 +110,7 @@ class EventSensor(torch.nn.Module):
         return self
 
     def _begin(self, sensor: Sensor, dtype: torch.dtype) -> None:
-        if dtype not in (torch.float32, torch.float64):
-            raise Error(f"a sensor in {dtype}\nhelp: give torch.float32 or torch.float64")
+        _check_dtype(dtype)
         kernels = sensor.kernels
         if not sensor._native.plain or len({kernel.shape for kernel in kernels}) != 1:
             raise Error(
@@ -141,11 +140,12 @@ class EventSensor(torch.nn.Module):
             raise Error(f"`{rule}` is no rule of the gradient\nhelp: give one of {', '.join(RULES)}")
         if slope not in ("all", "fired"):
             raise Error(f"`{slope}` is no slope\nhelp: give all or fired")
-        if not (0.0 <= mismatch < 1.0):
-            raise Error(f"a mismatch of {mismatch}\nhelp: give a share of the threshold, 0 to 1")
+        self.mismatch = arguments.share("mismatch", mismatch)
         seconds(2, fps, None)
-        self.fps, self.scale, self.rule, self.slope = fps, scale, rule, slope
-        self.mismatch, self.phase, self.seed = mismatch, phase, seed
+        self.fps, self.rule, self.slope = arguments.rate(fps), rule, slope
+        self.scale = None if scale is None else arguments.scale(scale)
+        self.phase = None if phase is None else arguments.number("phase", phase, "give a part of 1")
+        self.seed = arguments.whole("seed", seed)
 
     @property
     def thresholds(self) -> torch.Tensor:
@@ -155,6 +155,8 @@ class EventSensor(torch.nn.Module):
     def forward(self, frames: torch.Tensor) -> Watched:
         """The events of clips: light of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W), two frames at
         least."""
+        # Whoever calls half() or bfloat16() has changed it since.
+        _check_dtype(self.kernels.dtype)
         light, batched = self._light(frames)
         thresholds = self.thresholds
         limits = thresholds.detach().double()
@@ -225,6 +227,12 @@ class EventSensor(torch.nn.Module):
         """What stands in the representation of the layer."""
         kinds, side, _ = self.kernels.shape
         return f"{kinds} kinds of {side}x{side}, fps={self.fps}, rule={self.rule or 'by memory'}"
+
+
+def _check_dtype(dtype: torch.dtype) -> None:
+    """Refuses what the adjoint is not computed in."""
+    if dtype not in (torch.float32, torch.float64):
+        raise Error(f"a sensor in {dtype}\nhelp: give torch.float32 or torch.float64")
 
 
 class _How(NamedTuple):

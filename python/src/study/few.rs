@@ -1,6 +1,9 @@
 //! Kernels in few values, alone and on a chip.
 
-use amacrine::{kernel::quantise::Summary, study::quantisation};
+use amacrine::{
+    kernel::quantise::{Quantiser, Sum, Summary},
+    study::quantisation,
+};
 use miette::Report;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -22,15 +25,22 @@ struct Few {
     erased: Vec<String>,
 }
 
-/// A kernel in few values, each quantiser with what is lost.
+/// Each kernel in few values, each quantiser with what is lost.
 #[pyfunction]
-pub fn quantise(of: Named, to: Vec<String>, sum_to: &str, seed: u64) -> PyResult<String> {
-    let kernel = kernel(&of)?;
+pub fn quantise(of: Vec<Named>, to: Vec<String>, sum_to: &str, seed: u64) -> PyResult<String> {
     let sum = sum(sum_to)?;
+    let to = quantisers(to)?;
+    let each = of.iter().map(|named| few(named, &to, sum, seed));
+    json(&each.collect::<PyResult<Vec<_>>>()?)
+}
+
+/// A kernel in the values of each quantiser.
+fn few(named: &Named, to: &[Quantiser], sum: Sum, seed: u64) -> PyResult<Vec<Few>> {
+    let kernel = kernel(named)?;
     let mut all = Vec::new();
-    for to in quantisers(to)? {
+    for to in to {
         let quantised = to.quantise(&kernel, sum, seed).map_err(|error| {
-            let what = format!("{} cannot be {to}", of.0);
+            let what = format!("{} cannot be {to}", named.0);
             raised(Report::new(error).wrap_err(what))
         })?;
         all.push(Few {
@@ -41,7 +51,7 @@ pub fn quantise(of: Named, to: Vec<String>, sum_to: &str, seed: u64) -> PyResult
                 .collect(),
         });
     }
-    json(&all)
+    Ok(all)
 }
 
 /// Each quantiser compiled and run beside the float kernel.

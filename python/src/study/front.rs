@@ -3,12 +3,15 @@
 use std::time::Instant;
 
 use amacrine::{
+    array::{Arithmetic, ArithmeticError, Schedule},
     number::{Format, FormatError},
     reference::Description,
     scene::kept::Kept,
     study::{
-        pilot::{Choice, Effect, Floats, Look, PlanError, Sampled, Survey, plan::KEPT, rule},
-        trade::{Ask, Point, Trade, trade as survey_all},
+        pilot::{
+            Chips, Choice, Effect, Floats, Look, PlanError, Sampled, Survey, plan::KEPT, rule,
+        },
+        trade::{Ask, Point, Programs, Setup, Trade, trade as survey_all},
     },
     unit::Micros,
 };
@@ -21,8 +24,14 @@ use crate::{
     error::{raised, refused},
     files::json,
     pool,
+    program::Program,
     sensor::Sensor,
+    source::Source,
 };
+
+/// Microseconds by which an event is changed, the part of the sensor that is run, and how many runs
+/// share what it took to know the error.
+type Sample = (u64, f64, u32);
 
 /// Error against seconds, for every plainer model of a sensor in a scene.
 #[pyfunction]
@@ -32,21 +41,64 @@ pub fn trade(
     scene: Shown<'_>,
     upsample: Option<f64>,
     formats: Vec<String>,
-    sample: (u64, f64, u32),
+    sample: Sample,
     how: (bool, u64),
 ) -> PyResult<String> {
-    let ((within_us, sample, runs), (verify, seed)) = (sample, how);
     let description = &sensor.get().description;
-    let formats: Vec<Format> = { formats.iter() }
+    let formats = numbers(&formats)?;
+    let source = scene.source()?;
+    surveyed(py, &source, upsample, sample, how, |survey| {
+        traded(description, survey, formats, (how.0, sample.2))
+    })
+}
+
+/// The same of a program, whose full model is in a domain.
+#[pyfunction]
+pub fn trade_program(
+    py: Python<'_>,
+    program: &Bound<'_, Program>,
+    domain: &str,
+    scene: Shown<'_>,
+    formats: Vec<String>,
+    sample: Sample,
+    how: (bool, u64),
+) -> PyResult<String> {
+    let program = program.get();
+    program.check_steady()?;
+    let arithmetic: Arithmetic = domain.parse().map_err(|e: ArithmeticError| raised(e))?;
+    let formats = numbers(&formats)?;
+    let source = scene.source()?;
+    surveyed(py, &source, None, sample, how, |survey| {
+        let mut settings = program.settings();
+        settings.threads = Some(rayon::current_num_threads());
+        let arithmetic = arithmetic.with_seed(survey.seed);
+        let chips = program.chips(settings, arithmetic);
+        programmed(chips, survey, &formats, (how.0, sample.2))
+    })
+}
+
+fn numbers(formats: &[String]) -> PyResult<Vec<Format>> {
+    formats
+        .iter()
         .map(|name| name.parse().map_err(|e: FormatError| raised(e)))
-        .collect::<PyResult<_>>()?;
+        .collect()
+}
+
+/// Keeps the scene and surveys it; the answer as JSON.
+fn surveyed<M: Send>(
+    py: Python<'_>,
+    source: &Source,
+    upsample: Option<f64>,
+    (within_us, sample, runs): Sample,
+    (_, seed): (bool, u64),
+    trade: impl FnOnce(Survey<'_>) -> Result<Trade<M>, PlanError> + Send,
+) -> PyResult<String> {
     if !(sample > 0.0 && sample <= 1.0) || runs == 0 {
         return Err(refused(
             format!("a sample of {sample}, {runs} runs"),
             "give a part above 0 and up to 1, and at least one run",
         ));
     }
-    let source = scene.source()?;
     let answer = pool::work(py, || {
         let mut shown = source.open()?;
         let kept = Kept::new(&mut *shown, KEPT)?.ok_or_else(|| {
@@ -73,9 +125,13 @@ pub fn trade(
             clock: &|| start.elapsed().as_secs_f64(),
             sample,
         };
-        Ok(traded(description, survey, formats, (verify, runs))?)
+        Ok(trade(survey)?)
     })?;
-    let trade: Trade<Choice> = answer.map_err(|report: Report| raised(report))?;
+    told(&answer.map_err(|report: Report| raised(report))?)
+}
+
+/// A trade as JSON.
+fn told<M>(trade: &Trade<M>) -> PyResult<String> {
     let points: Vec<_> = { trade.points.iter() }
         .map(|point| Placed {
             error: point.error(),
@@ -87,6 +143,7 @@ pub fn trade(
     json(&Traded {
         tiles: trade.tiles,
         no_tiles: trade.no_tiles.as_deref(),
+        without_slot: trade.without_slot,
         knee: trade.knee().map(|knee| knee.name.as_str()),
         points,
     })
@@ -94,21 +151,47 @@ pub fn trade(
 
 /// What is told of a trade.
 #[derive(Serialize)]
-struct Traded<'a> {
-    points: Vec<Placed<'a>>,
+#[serde(bound = "")]
+struct Traded<'a, M> {
+    points: Vec<Placed<'a, M>>,
     tiles: Option<Sampled>,
     no_tiles: Option<&'a str>,
+    without_slot: u64,
     knee: Option<&'a str>,
 }
 
 /// A model, and where it stands.
 #[derive(Serialize)]
-struct Placed<'a> {
+#[serde(bound = "")]
+struct Placed<'a, M> {
     #[serde(flatten)]
-    point: &'a Point<Choice>,
+    point: &'a Point<M>,
     error: Option<f64>,
     seconds: Option<f64>,
     planning_seconds: f64,
+}
+
+/// Every arithmetic, error and schedule by itself.
+fn programmed(
+    chips: Chips<'_>,
+    survey: Survey<'_>,
+    formats: &[Format],
+    (verify, runs): (bool, u32),
+) -> Result<Trade<Setup>, PlanError> {
+    let family = Programs {
+        chips,
+        schedule: Schedule::for_size(survey.kept.size()),
+    };
+    let ask = Ask {
+        survey,
+        models: family.models(formats),
+        alternative: &|setup: &Setup| family.alternative(setup),
+        free: &|setup: &Setup, _: &Look| family.free(setup),
+        verify,
+        runs,
+        begin: &|_| (),
+    };
+    survey_all(&family, &ask)
 }
 
 /// Every effect left out by itself, and other number formats.

@@ -5,12 +5,14 @@ mod fall;
 mod few;
 mod front;
 mod page;
+mod several;
 
 pub use exploration::design;
 pub use fall::waterfall;
 pub use few::{on_chip, quantise};
-pub use front::trade;
+pub use front::{trade, trade_program};
 pub use page::feasibility;
+pub use several::on_chip_together;
 
 use amacrine::{
     compare::window,

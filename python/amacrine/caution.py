@@ -1,0 +1,31 @@
+"""Warnings."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable
+
+Said = list[tuple[str, str]]
+"""What a run warns of: what each warning is about, and its words."""
+
+SILENT = "no-events"
+"""What the warning of a sensor that never fired is about."""
+
+
+class Caution(UserWarning):
+    """What makes figures mean something else than they seem to: no event at all, most cells firing at
+    once, a rate that is assumed, a program that cannot follow its sensor in something."""
+
+
+def caution_of(runs: Iterable[Said]) -> None:
+    """Warns the caller of a sensor's method of what its runs say: once of each thing, and of no event
+    only where none of them has any."""
+    said = list(runs)
+    first: dict[str, str] = {}
+    for run in said:
+        for about, text in run:
+            first.setdefault(about, text)
+    if not all(any(about == SILENT for about, _ in run) for run in said):
+        first.pop(SILENT, None)
+    for text in first.values():
+        warnings.warn(text, Caution, stacklevel=3)
