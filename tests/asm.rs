@@ -235,6 +235,42 @@ fn what_is_stated_is_proved_or_refused_with_what_is_so() {
         head("[[1]]", &register("D")) + body,
         &["no linear map", "line 8"],
     );
+    let events = |threshold: &str, first: &str, frame: &str| {
+        format!(
+            "//! channels = 1\n//! [computes]\n//! kernel = [[0, 1, -1]]\n//! scale = 0.5\n//! threshold = \"{threshold}\"\n\
+             const level = 5;\nconst slots = 2000;\ninit {{ get_image(A); movx(B, A, east); {first} mov(F, A); }}\n\
+             frame {{ get_image(A); movx(B, A, east); sub(A, A, B); sub(B, A, F); scamp5_in(E, -level); {frame}\n\
+             MOV(R5, FLAG); all(); neg(C, B); where(C, E); MOV(R6, FLAG); all();\n\
+             scamp5_scan_events(R5, on, slots); scamp5_scan_events(R6, off, slots); }}\n"
+        )
+    };
+    let fires = "where(B, E);";
+    let file = kept(
+        &folder,
+        "fires.scamp",
+        &events("level", "sub(A, A, B);", fires),
+    );
+    stdout(&["asm", &file]);
+    let false_ones = [
+        ("nosuch", "sub(A, A, B);", fires, "which is no constant"),
+        ("slots", "sub(A, A, B);", fires, "the program fires"),
+        (
+            "level",
+            "mov(A, B);",
+            fires,
+            "the drive is compared with 5 LSB",
+        ),
+        (
+            "level",
+            "sub(A, A, B);",
+            "where(A, E);",
+            "the drive is compared with 5 LSB",
+        ),
+    ];
+    for (threshold, first, frame, why) in false_ones {
+        let text = events(threshold, first, frame);
+        refuse("events.scamp", text, &["[computes]", why]);
+    }
     refuse(
         "none.scamp",
         head("[[1]]", &register("Q")) + body,

@@ -186,6 +186,37 @@ fn a_loop_that_a_variable_ends() {
     assert!(!decides(&steady));
 }
 
+/// What is posted is told whatever its types are, a scalar is a place to read into, and what the
+/// light does and why the run ended is said.
+#[test]
+fn posts_places_and_ends() {
+    let text = posts("vs_post_text(\"%d %s %g %g\", k, 3, 1e-7, 1e10);", 1, &[]);
+    assert_eq!(text, ["0 ? 1e-07 1e+10"]);
+    let folder = tempfile::tempdir().unwrap();
+    let light = Array3::from_elem((5, 16, 16), 20u8);
+    light
+        .write_npy(fs::File::create(folder.path().join("clip.npy")).unwrap())
+        .unwrap();
+    let notes = |loops: &str, captures: &str| {
+        let text = format!(
+            "int main() {{ uint8_t one = 0; respix(C); for (int n = 0; n < {loops}; n++) {{ vs_frame_loop_control(); {captures}\n\
+             scamp5_scan_areg(A, &one, 5, 6, 5, 6, 1, 1); if (one > 2) printf(\"%d\", one); }} }}"
+        );
+        fs::write(folder.path().join("p.cpp"), text).unwrap();
+        let run = ["exec", "p.cpp", "--image", "clip.npy", "--host"];
+        let said = json(folder.path(), &run);
+        let one = said["posts"][0]["text"].as_str().unwrap();
+        assert!(one.parse::<u8>().unwrap() > 2, "{said}");
+        said["notes"].to_string()
+    };
+    let ends = notes("3", "get_image(A, B);");
+    assert!(ends.contains("the program ended after 4 frames"), "{ends}");
+    assert!(!ends.contains("adds up"), "{ends}");
+    let adds = notes("9", "getpix(A, C);");
+    assert!(adds.contains("light adds up"), "{adds}");
+    assert!(!adds.contains("ended"), "{adds}");
+}
+
 fn decides(program: &Program) -> bool {
     let layout = program.layout(&Device::scamp5(), &Overrides::new());
     layout.unwrap().decides

@@ -357,6 +357,89 @@ fn initialisers_have_the_forms_of_cpp() {
     );
 }
 
+/// An array inside of another is passed as a pointer to its first row.
+#[test]
+fn pointers_into_arrays_of_arrays() {
+    numbers_with(
+        "const int W[2][2][3] = {{{1, 2, 3}, {4, 5, 6}}, {{7, 8, 9}, {10, 11, 12}}};\n\
+         int at(const int w[2][3]) { return w[1][0]; }\nint of(const int w[][3]) { return w[1][2]; }\n\
+         struct L { int w[2][3]; };\nvoid set(int w[2][3]) { w[1][0] = 5; }",
+        "scamp5_in(A, at(W[1])); int s = 0; for (auto &w : W) s += of(w); scamp5_in(A, s); auto &k = W[1];\n\
+         scamp5_in(A, of(k)); L l; l.w[1][2] = 9; scamp5_in(A, of(l.w)); int t[2][2][3] = {}; set(t[1]);\n\
+         scamp5_in(A, t[1][1][0]); scamp5_in(A, t[1][0][1]);",
+        &[10, 18, 12, 9, 5, 0],
+    );
+    // Rows lie one behind the other.
+    numbers_with(
+        "const int W[2][4] = {{1, 2, 3, 4}, {5, 6, 7, 8}};",
+        "const int (*q)[4] = W; scamp5_in(A, q[1][0]); const int *p = &W[0][0]; scamp5_in(A, p[6]); p += 5;\n\
+         scamp5_in(A, *p); int (*r)[4] = &W[1]; scamp5_in(A, (*r)[2]);",
+        &[5, 7, 6, 7],
+    );
+    numbers_with(
+        "int last(int (&a)[3]) { return a[2]; }\n\
+         template <class T, int N> int all(const T (&a)[N]) { return N + a[0]; }\ntypedef int8_t Kernel[2][2];",
+        "int a[3] = {10, 20, 30}; int (&t)[3] = a; t[1] = 70; scamp5_in(A, a[1]); scamp5_in(A, last(a));\n\
+         scamp5_in(A, all(a)); Kernel k = {{1, 2}, {3, -4}}; scamp5_in(A, k[1][1]);",
+        &[70, 30, 13, -4],
+    );
+}
+
+/// What the language's library does with arrays is done, or not known any more.
+#[test]
+fn algorithms_change_what_they_are_given() {
+    numbers(
+        "std::vector<int> v = {30, 10, 20}; std::reverse(v.begin(), v.end()); scamp5_in(A, v[2]);\n\
+         std::sort(v.begin(), v.end()); scamp5_in(A, v[2]); int w[4] = {1, 2, 3, 4};\n\
+         std::copy(v.begin(), v.end(), w + 1); scamp5_in(A, w[3]); int sum = 0;\n\
+         std::for_each(w, w + 4, [&](int x) { sum += x; }); scamp5_in(A, sum); std::rotate(w, w + 1, w + 4);\n\
+         scamp5_in(A, w[3]); std::iota(w, w + 4, 10); scamp5_in(A, w[2]); std::fill_n(w, 2, 7);\n\
+         scamp5_in(A, w[1]); std::transform(w, w + 4, w, [](int x) { return x / 2; }); scamp5_in(A, w[3]);\n\
+         std::iter_swap(w, w + 3); scamp5_in(A, w[0]); scamp5_in(A, *std::max_element(w, w + 4));\n\
+         scamp5_in(A, std::accumulate(std::begin(w), std::end(w), 100));",
+        &[30, 30, 30, 61, 1, 12, 7, 6, 6, 6, 118],
+    );
+    numbers(
+        "std::vector<int> v(3); v.resize(7); scamp5_in(A, v.size()); v.assign(2, 40); scamp5_in(A, v[1]);\n\
+         v.insert(v.begin(), 5); scamp5_in(A, v[0]); v.erase(v.begin() + 1); scamp5_in(A, v.size());\n\
+         std::vector<int> w = {1, 2, 3}; v.swap(w); scamp5_in(A, v.size()); std::deque<int> d = {1, 2};\n\
+         d.push_front(9); d.pop_back(); scamp5_in(A, d[0] + d.size());",
+        &[7, 40, 5, 2, 3, 11],
+    );
+    numbers(
+        "int t[4] = {40, 30, 20, 10}; memset(&t[1], 0, 2 * sizeof(int)); scamp5_in(A, t[2]); scamp5_in(A, t[3]);\n\
+         int u[4]; memcpy(u, t, sizeof t); scamp5_in(A, u[0]); memset(t, 0, sizeof t); scamp5_in(A, t[3]);\n\
+         int8_t b[3]; memset(b, -1, 3); scamp5_in(A, b[2]);",
+        &[0, 10, 40, 0, -1],
+    );
+    for unknown in [
+        "int v[3] = {5, 6, 7}; std::partial_sort(v, v + 2, v + 3); scamp5_in(A, v[1]);",
+        "std::vector<int> v = {5, 6}; v.erase(std::remove(v.begin(), v.end(), 5), v.end()); scamp5_in(A, v.size());",
+        "int s = 0; int v[2] = {1, 2}; std::all_of(v, v + 2, [&](int x) { s += x; return true; }); scamp5_in(A, s);",
+        "uint8_t e[4] = {1, 2, 3, 4}; uint16_t *w = (uint16_t *)e; scamp5_in(A, w[0]);",
+        "uint8_t e[4] = {1, 2, 3, 4}; uint16_t *w = (uint16_t *)e; w[0] = 7; scamp5_in(A, e[0]);",
+    ] {
+        refused_for(unknown, "decides");
+    }
+    numbers(
+        "uint8_t e[4] = {1, 2, 3, 4}; uint8_t *p = (uint8_t *)e; p[1] = 9; scamp5_in(A, e[1]);",
+        &[9],
+    );
+}
+
+/// The functions of a class that holds data are run with their object.
+#[test]
+fn functions_of_plain_classes() {
+    numbers_with(
+        "struct Box { static constexpr int W = 25; int l, r; int width() const { return r - l + 1; }\n\
+         void grow(int by = 1) { r += by; this->l -= by; } bool wide() { return width() > 10; } };",
+        "Box b{10, 19}; scamp5_in(A, b.width()); scamp5_in(A, b.wide()); b.grow(); scamp5_in(A, b.width());\n\
+         Box *p = &b; p->grow(4); scamp5_in(A, b.l); scamp5_in(A, b.wide()); scamp5_in(A, Box::W);\n\
+         Box c[2] = {{1, 2}, {3, 9}}; scamp5_in(A, c[1].width()); scamp5_in(A, sizeof(Box) + sizeof(c) / sizeof(c[0]));",
+        &[10, 0, 12, 5, 1, 25, 7, 10],
+    );
+}
+
 #[test]
 fn objects_of_plain_classes() {
     numbers_with(

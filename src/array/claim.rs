@@ -1,8 +1,12 @@
 //! Whether a program computes what its settings say: `[computes]` at its head, held to the kernel
 //! that is read back from its words.
 
+use std::collections::BTreeMap;
+
 use super::{
-    Array as _, Chip, Exact, Input, Settings, effort,
+    Array as _, Chip, Exact, Input, Settings,
+    crossing::{self, Parting},
+    effort,
     taps::{self, TapsError},
 };
 use crate::{
@@ -71,6 +75,30 @@ pub enum ClaimError {
         /// Registers.
         others: String,
     },
+    /// The threshold is no constant of the program.
+    #[error("[computes] names the threshold {name}, which is no constant of the program")]
+    #[diagnostic(help(
+        "name the constant that the drive is compared with: `const threshold = 10;`"
+    ))]
+    Threshold {
+        /// The name.
+        name: String,
+    },
+    /// It fires elsewhere.
+    #[error(
+        "[computes] is false: the drive is compared with {threshold} LSB of change, and where it changes by {moved:.3} LSB the program {does}"
+    )]
+    #[diagnostic(help(
+        "an event is where the drive, less its value at the cell's last event, is above the threshold (ON) or below minus it (OFF); `init` stores the first drive"
+    ))]
+    Events {
+        /// The stated threshold.
+        threshold: f64,
+        /// A change of the drive.
+        moved: f64,
+        /// What the program does there.
+        does: &'static str,
+    },
     /// It is not linear.
     #[error("[computes] is false: {register} is no linear map of the light: {why}")]
     #[diagnostic(help(
@@ -84,7 +112,8 @@ pub enum ClaimError {
     },
 }
 
-/// Holds what a program says of itself to what its words compute.
+/// Holds what a program says of itself to what its words compute: its kernel in every case, its
+/// threshold and what `init` remembers on two random pictures. `constants` are those of the program.
 ///
 /// # Errors
 /// When it computes something else, with what it computes.
@@ -93,6 +122,7 @@ pub fn check(
     code: &Code,
     device: &Device,
     settings: Settings,
+    constants: &BTreeMap<String, f64>,
 ) -> Result<Proof, ClaimError> {
     let name = computes.register.as_deref().unwrap_or("A");
     let names = &device.registers().analog;
@@ -135,6 +165,8 @@ pub fn check(
     let stated = plane(&computes.kernel);
     let found = found.mapv(|weight| weight / computes.scale + 0.0);
     if same(&stated, &found) {
+        let kernel = stated * computes.scale;
+        fires(computes, &kernel, code, device, settings, constants)?;
         return Ok(proof);
     }
     Err(ClaimError::Kernel {
@@ -143,6 +175,36 @@ pub fn check(
         stated: rows(&stated),
         found: rows(&found),
     })
+}
+
+/// Whether it fires where its threshold says.
+fn fires(
+    computes: &Computes,
+    kernel: &Plane<f64>,
+    code: &Code,
+    device: &Device,
+    settings: Settings,
+    constants: &BTreeMap<String, f64>,
+) -> Result<(), ClaimError> {
+    let Some(name) = &computes.threshold else {
+        return Ok(());
+    };
+    let threshold = constants.get(name).copied();
+    let threshold = threshold.ok_or_else(|| ClaimError::Threshold { name: name.clone() })?;
+    // What cannot be run is told by whoever runs it.
+    let parting = crossing::parts(kernel, threshold, code, device, settings);
+    match parting.ok().flatten() {
+        None => Ok(()),
+        Some(Parting { moved, fired }) => Err(ClaimError::Events {
+            threshold,
+            moved,
+            does: match fired {
+                0 => "does not fire",
+                1 => "fires ON",
+                _ => "fires OFF",
+            },
+        }),
+    }
 }
 
 fn plane(rows: &[Vec<f64>]) -> Plane<f64> {

@@ -19,6 +19,7 @@ mod border;
 mod check;
 mod chip;
 pub mod claim;
+mod crossing;
 mod domain;
 mod each;
 mod engine;

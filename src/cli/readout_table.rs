@@ -48,7 +48,7 @@ pub(super) fn table(rows: impl Iterator<Item = Row>) -> String {
 }
 
 /// One number, or two where they differ as they are written.
-fn between([low, high]: [f64; 2], decimals: usize) -> String {
+pub(super) fn between([low, high]: [f64; 2], decimals: usize) -> String {
     let (low, high) = (format!("{low:.decimals$}"), format!("{high:.decimals$}"));
     if low == high {
         low

@@ -36,7 +36,7 @@ pub(super) struct Problem {
     pub(super) states: u64,
     /// Where nothing may saturate: the range of the input, and the errors of the chip.
     pub(super) limits: Option<Limits>,
-    /// Whether the fewest words are sought, so that a plan of the table of them is taken.
+    /// Whether the fewest words are all that is sought, so that a plan of the table of them ends it.
     pub(super) shortest: bool,
 }
 
@@ -141,17 +141,18 @@ impl Problem {
     /// Searches for plans of at most `slack` words more than the best before them.
     fn searched(&self, slack: fn(usize) -> usize, all: &mut Vec<Solved>) -> Option<Solved> {
         let mut best = self.base();
-        if let (true, [goal]) = (self.shortest, &self.goals[..])
+        all.extend(best.clone());
+        if let [goal] = &self.goals[..]
             && let Some(proved) = listed(goal, self.unit).and_then(|plan| self.finish(plan))
             && better(&proved, best.as_ref(), self.border)
         {
             // No search can make it shorter.
-            if proved.holds && (proved.border || !self.border) {
+            if self.shortest && proved.holds && (proved.border || !self.border) {
                 return Some(proved);
             }
+            all.push(proved.clone());
             best = Some(proved);
         }
-        all.extend(best.clone());
         let mut seen = 0;
         let mut width = 4;
         for round in 0.. {

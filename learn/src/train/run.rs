@@ -375,11 +375,12 @@ fn clips(task: &Task) -> Result<(Clips, Clips, String), TrainError> {
     let flow = task.goal == Goal::Flow;
     let kept = |clips: Clips| clips.kept(scenes.clips, flow);
     if let Some(video) = &scenes.video {
-        let (training, held_out) = Video::open(video)?.split();
+        let whole = Video::open(video)?;
+        let (training, held_out) = whole.split();
         return Ok((
             kept(Clips::of_video(&training, crop, scenes.frames, TRAINING)?),
             Clips::of_video(&held_out, large, scenes.frames, HELD_OUT)?,
-            video.clone(),
+            whole.checksum(),
         ));
     }
     let photographs = match &scenes.photographs {

@@ -63,7 +63,7 @@ impl Proof {
         } = opened;
         let (code, settings) = (&expansion.code, Settings::from_device(device));
         let claim = program.settings.computes.as_ref();
-        let claim = claim.map(|it| claim::check(it, code, device, settings));
+        let claim = claim.map(|it| claim::check(it, code, device, settings, &expansion.constants));
         let claim = claim.transpose().wrap_err_with(|| program.file.clone())?;
         let short = effort(&code.frame, device).map(|effort| effort <= TRACED);
         let kernels = match short {

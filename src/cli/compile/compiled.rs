@@ -171,13 +171,20 @@ impl Compiled {
             line("memory", self.remembered(memory, device));
         }
         let [least, most] = self.array_us(device);
+        let host = { self.readouts.as_ref() }.map_or_else(
+            || {
+                let fps = 1e6 / cost.micros();
+                format!(
+                    "{:.1} us on the host with all slots: {fps:.0} frames/s",
+                    cost.host_us
+                )
+            },
+            Readouts::time,
+        );
         line(
             "time",
             format!(
-                "{least:.1} to {most:.1} us on the array (peak clock, to a launch with every word), {:.1} us on the host with {}: at most {:.0} frames/s, of compute alone {:.0}",
-                cost.host_us,
-                self.readouts.as_ref().map_or("all slots", Readouts::words),
-                1e6 / cost.micros(),
+                "{least:.1} to {most:.1} us on the array (peak clock, to a launch with every word), {host}, of compute alone {:.0} at most",
                 1e6 / least
             ),
         );

@@ -157,12 +157,18 @@ fn watched(
 }
 
 impl Readouts {
-    /// What the program reads, in a few words.
-    pub(super) fn words(&self) -> &'static str {
-        match self.plans[self.chosen].way {
+    /// How long the chosen readout takes, and what comes of it.
+    pub(super) fn time(&self) -> String {
+        let plan = &self.plans[self.chosen];
+        let what = match plan.way {
             Way::AsProgrammed => "all slots",
             way => way.words(),
-        }
+        };
+        let [us, fps] = [
+            readout_table::between(plan.us, 1),
+            readout_table::between(plan.frames_s(self.array_us), 0),
+        ];
+        format!("{us} us on the host with {what}: {fps} frames/s")
     }
 
     pub(super) fn json(&self) -> serde_json::Value {

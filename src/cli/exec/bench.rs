@@ -24,7 +24,7 @@ use crate::{
     limit::THREADS,
     memory::Need,
     plane::{At, Size},
-    program::{Action, Expansion, Host, Program, Step},
+    program::{Action, Expansion, Exposure, Host, Program, Step},
     rig::{
         self,
         guard::{Guard, Warning},
@@ -317,6 +317,9 @@ impl<'a> Bench<'a> {
             Ok::<_, miette::Report>(flow)
         })?;
         self.said.set(&light);
+        let mut exposure = Exposure::default();
+        exposure.see(&code.frame, &self.opened.device);
+        self.said.exposure.set(exposure);
         Ok((packet, frames))
     }
 }

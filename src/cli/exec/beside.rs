@@ -13,7 +13,7 @@ use super::{
 use crate::{
     array::{Array, answered},
     event::Packet,
-    program::{Answer, Beside, Step},
+    program::{Answer, Beside, Exposure, Step},
     scene::{Frame, Scene},
     unit::Micros,
 };
@@ -35,11 +35,15 @@ struct Companion<'r> {
     frames: u64,
     /// Words before this frame.
     before: u64,
+    /// What is done with the photodiodes.
+    exposure: Exposure,
     /// Words of the shortest and of the longest frame.
     words: Option<(u64, u64)>,
     /// What the host wrote, and in which frame.
     posts: Vec<(u64, String)>,
     stopped: Option<miette::Report>,
+    /// Whether there is no light any more.
+    over: bool,
 }
 
 /// Runs the program with its host beside this chip; what it said, and how many frames it saw.
@@ -60,9 +64,11 @@ pub fn watch(
         growth: bench.growth(),
         now: None,
         frames: 0,
+        exposure: Exposure::default(),
         words: None,
         posts: Vec::new(),
         stopped: None,
+        over: false,
     };
     let ran = opened
         .program
@@ -77,7 +83,10 @@ pub fn watch(
         complain(&format!("{:?}\n", miette!(warnings)));
     }
     bench.said.set(&array.light);
+    let left = array.now.is_none() && !array.over && array.light.next_frame()?.is_some();
+    bench.said.left.set(left);
     bench.said.words.set(array.words);
+    bench.said.exposure.set(array.exposure);
     bench.said.posts.replace(array.posts);
     let mut packet = array.packet;
     packet.names = opened.program.names_of(packet.channels)?;
@@ -112,6 +121,7 @@ impl Companion<'_> {
         let before = self.now.as_ref().map(|now| now.0.seconds);
         self.end_frame()?;
         let Some(frame) = self.light.next_frame()? else {
+            self.over = true;
             return Ok(false);
         };
         let (t, since) = begin(self.chip, &frame, before, &mut self.packet)?;
@@ -130,6 +140,9 @@ impl Beside for Companion<'_> {
 
     fn run(&mut self, steps: &[Step]) -> Option<Answer> {
         let t = self.now.as_ref().map_or(Micros(0), |now| now.1);
+        if self.frames > 0 {
+            self.exposure.see(steps, self.chip.device());
+        }
         let answer = answered(self.chip, steps, t, &mut self.packet);
         answer.map_err(|why| self.stopped = Some(why.into())).ok()
     }

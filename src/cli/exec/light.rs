@@ -11,7 +11,7 @@ use super::{super::files, arguments::Arguments};
 use crate::{
     limit::FRAMES,
     plane::{Plane, Size},
-    program::Program,
+    program::{Exposure, Program},
     scene::{ASSUMED_FPS, Frame, Image, Observation, Outline, Scene, SceneError},
 };
 
@@ -33,6 +33,10 @@ pub struct Said {
     ended: Cell<Option<(u64, u64)>>,
     /// Words of the shortest and of the longest frame, where the host decides what runs.
     pub words: Cell<Option<(u64, u64)>>,
+    /// What is done with the photodiodes.
+    pub exposure: Cell<Exposure>,
+    /// Whether the program ended before its light did.
+    pub left: Cell<bool>,
     /// What that host wrote, and in which frame.
     pub posts: RefCell<Vec<(u64, String)>>,
 }
@@ -62,7 +66,19 @@ impl Said {
             };
             format!("the host decides what runs: {words}")
         });
-        cut.into_iter().chain(ended).chain(words).collect()
+        let adds = (frames > 1 && self.exposure.get().adds_up()).then(|| {
+            "no frame resets the photodiodes: on the chip light adds up from frame to frame, here each frame is one exposure".to_owned()
+        });
+        let plural = if frames == 1 { "" } else { "s" };
+        let left = self.left.get().then(|| {
+            format!("the program ended after {frames} frame{plural}, before its light did")
+        });
+        cut.into_iter()
+            .chain(ended)
+            .chain(left)
+            .chain(adds)
+            .chain(words)
+            .collect()
     }
 }
 

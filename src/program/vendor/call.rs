@@ -3,6 +3,7 @@
 use std::{collections::BTreeMap, rc::Rc, sync::Arc};
 
 use super::{
+    algorithm::ALGORITHMS,
     beside::Companion,
     evaluate::{Reach, base_name},
     host::{self, Role},
@@ -20,6 +21,9 @@ use crate::{
 
 /// Calls inside each other.
 const DEPTH: usize = 64;
+
+/// Elements of an array that grows.
+const LONGEST: usize = 1 << 20;
 
 impl Machine<'_> {
     pub(super) fn call(&mut self, callee: &Expr, given: &[Expr], place: Place) -> Value {
@@ -101,6 +105,12 @@ impl Machine<'_> {
             (super::parse::FILLED, _) => return self.filled(given, place),
             ("static_assert", _) => return self.asserted(given, place),
             ("swap", [a, b]) => return self.swapped(a, b),
+            ("begin" | "end" | "size", [of]) => {
+                if let Some(found) = self.of_whole(of, name) {
+                    return found;
+                }
+            }
+            _ if ALGORITHMS.contains(&name) => return self.algorithm(name, given, place),
             _ => {}
         }
         match host::role(name, given.len()) {
@@ -142,15 +152,16 @@ impl Machine<'_> {
 
     /// Arguments of something that is not stated here: it may be given numbers, no registers.
     fn outside(&mut self, name: &str, given: &[Expr], place: Place) -> Vec<Value> {
-        let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
+        let values: Vec<Value> = given.iter().map(|it| self.raw(it)).collect();
         for value in &values {
             self.keeps_register(name, value, place);
         }
+        self.written_by(name, &values);
         values
     }
 
     /// Tells of a register that goes where it is not known what is done with it.
-    fn keeps_register(&mut self, name: &str, value: &Value, place: Place) {
+    pub(super) fn keeps_register(&mut self, name: &str, value: &Value, place: Place) {
         let Value::Symbol(register) = value else {
             return;
         };
@@ -464,7 +475,7 @@ impl Machine<'_> {
         self.enter_with(function, given, None, place)
     }
 
-    fn enter_with(
+    pub(super) fn enter_with(
         &mut self,
         function: &Rc<Function>,
         given: Vec<Argument>,
@@ -579,6 +590,23 @@ impl Machine<'_> {
                 let it = all.find(|(_, to)| to.kind == Kind::Parameter(at))?.0;
                 Some(TemplateArgument::Type(it.kind))
             };
+            let length = || {
+                let mut all = given.iter().zip(&function.parameters);
+                let it = all
+                    .find(|(_, to)| to.extent.as_ref() == Some(&parameter.name))?
+                    .0;
+                let (slot, path) = it.spot.as_ref()?;
+                let Some(Value::List(all)) = self.peek(*slot, path) else {
+                    return None;
+                };
+                Some(Value::Whole(all.len() as i64))
+            };
+            if let (None, false, Some(length)) = (&stated, parameter.is_type, length()) {
+                let slot = self.hold(length, Kind::INT);
+                scope.insert(parameter.name.clone(), slot);
+                types.push(Kind::Any);
+                continue;
+            }
             let kind = match stated.or_else(deduced) {
                 Some(TemplateArgument::Type(kind)) => self.resolved(kind),
                 Some(TemplateArgument::Value(value)) if !parameter.is_type => {
@@ -679,7 +707,7 @@ impl Machine<'_> {
         };
         if let Some((at, target)) = slider {
             let default = given.get(at).map(|it| self.value(it));
-            let pointed = given.get(target).map(|it| (base_name(it), self.value(it)));
+            let pointed = { given.get(target) }.map(|it| (self.setting(it), self.value(it)));
             let name = match (&pointed, naming) {
                 (Some((name, _)), _) => name.clone(),
                 (None, Some(name)) => name.to_string(),
@@ -702,14 +730,13 @@ impl Machine<'_> {
         for it in given {
             // Callbacks run when somebody moves a slider.
             if !matches!(it.node, ExprNode::Lambda(_)) {
-                let value = self.value(it);
-                values.push(value.clone());
+                let value = self.raw(it);
                 self.keeps_register(name, &value, place);
-                if let (Value::Pointer(slot, path, _), true) = (&value, written(name)) {
-                    let why = format!("what `{name}` gives");
-                    self.forget(*slot, path, &why.into());
-                }
+                values.push(value);
             }
+        }
+        if written(name) {
+            self.written_by(name, &values);
         }
         match name {
             "vs_post_text" | "printf" | "puts" => {
@@ -773,6 +800,21 @@ impl Machine<'_> {
         }
     }
 
+    /// The name that a slider's variable is set by: `name`, `name[0]`, `name.member`.
+    fn setting(&mut self, it: &Expr) -> String {
+        match &it.node {
+            ExprNode::Unary(_, of) | ExprNode::Convert(_, of) | ExprNode::Recast(_, of) => {
+                self.setting(of)
+            }
+            ExprNode::Member(of, member) => format!("{}.{member}", self.setting(of)),
+            ExprNode::Index(of, at) => match self.value(at).whole() {
+                Some(at) => format!("{}[{at}]", self.setting(of)),
+                None => self.setting(of),
+            },
+            _ => base_name(it),
+        }
+    }
+
     /// A slider that is set beyond its ends, which the GUI would not do.
     fn slider_range(&mut self, name: &str, set: &Value, given: &[Expr], place: Place) {
         let mut ends = given
@@ -812,11 +854,30 @@ impl Machine<'_> {
             Reach::Value(value) => Some(value),
             _ => None,
         };
+        if let Some(Value::Record(layout, _)) = held {
+            let layout = Rc::clone(layout);
+            if let Some(found) = self.member_call(&layout, &reached, member, given, place) {
+                return found;
+            }
+        }
+        let held = match &reached {
+            Reach::Spot(slot, path) => self.peek(*slot, path),
+            Reach::Value(value) => Some(value),
+            _ => None,
+        };
         match (held, &reached) {
             (Some(Value::List(_)), Reach::Spot(slot, path)) => {
+                if let ("swap", [other]) = (member, given) {
+                    return self.swapped(of, other);
+                }
                 let spot = (*slot, path.clone());
-                let found = self.list_method(spot, member, given);
-                found.unwrap_or_else(|| Value::Unknown(format!("`{name}.{member}`").into()))
+                self.list_method(spot.clone(), member, given)
+                    .unwrap_or_else(|| {
+                        // It may be longer or shorter now.
+                        let why: Arc<str> = format!("`{name}.{member}`").into();
+                        self.put(spot.0, &spot.1, Value::Unknown(Arc::clone(&why)));
+                        Value::Unknown(why)
+                    })
             }
             (Some(Value::Record(layout, _)), _)
                 if layout.members.iter().any(|it| &*it.name == member) =>
@@ -853,7 +914,7 @@ impl Machine<'_> {
             return Some(Value::Wide(all.len() as i64, Width::UnsignedLong));
         }
         let all = all.clone();
-        self.of_array(spot, all, member, values)
+        self.of_array(spot, all, member, &values)
     }
 
     /// A function of an array of the language's library.
@@ -862,32 +923,70 @@ impl Machine<'_> {
         (slot, path): Spot,
         mut all: Vec<Value>,
         member: &str,
-        given: Vec<Value>,
+        given: &[Value],
     ) -> Option<Value> {
         let kind = self.kind_at(slot, &path);
         let length = all.len();
-        let first = given.into_iter().next();
+        let of_kind = |value: &Value| super::shape::deep(value.clone(), kind);
         let to = |at: usize| Value::Pointer(slot, [&path[..], &[at]].concat(), "data".into());
-        match (member, first) {
-            ("empty", None) => return Some(Value::flag(all.is_empty())),
-            ("data" | "begin" | "cbegin", None) => return Some(to(0)),
-            ("end" | "cend", None) => return Some(to(length)),
-            ("front", None) => return all.first().cloned(),
-            ("back", None) => return all.last().cloned(),
-            ("at", Some(index)) => {
-                let index = usize::try_from(index.whole()?).ok()?;
-                return all.get(index).cloned();
+        let place = |value: &Value| match value {
+            Value::Pointer(of, way, _) if *of == slot => way.last().copied(),
+            _ => None,
+        };
+        let count = |value: &Value| {
+            usize::try_from(value.whole()?)
+                .ok()
+                .filter(|it| *it <= LONGEST)
+        };
+        // What a new element of an array of arrays is, is not known here.
+        let plain = all.first().is_none_or(|it| it.number().is_some());
+        let mut found = Value::Whole(0);
+        match (member, given) {
+            ("empty", []) => return Some(Value::flag(all.is_empty())),
+            ("data" | "begin" | "cbegin", []) => return Some(to(0)),
+            ("end" | "cend", []) => return Some(to(length)),
+            ("front", []) => return all.first().cloned(),
+            ("back", []) => return all.last().cloned(),
+            ("at", [index]) => return all.get(count(index)?).cloned(),
+            ("reserve" | "shrink_to_fit", _) => return Some(found),
+            ("push_back" | "emplace_back", [value]) => all.push(of_kind(value)),
+            ("push_front" | "emplace_front", [value]) => all.insert(0, of_kind(value)),
+            ("pop_back", []) => drop(all.pop()),
+            ("pop_front", []) => drop(all.drain(..length.min(1))),
+            ("clear", []) => all.clear(),
+            ("fill", [value]) => all.fill(of_kind(value)),
+            ("resize", [length]) if plain => all.resize(count(length)?, of_kind(&Value::Whole(0))),
+            ("resize", [length, value]) => all.resize(count(length)?, of_kind(value)),
+            ("assign", [length, value]) if count(length).is_some() => {
+                all = vec![of_kind(value); count(length)?];
             }
-            ("push_back" | "emplace_back", Some(value)) => {
-                all.push(super::shape::deep(value, kind));
+            ("insert", [at, value]) if place(at)? <= length => {
+                found = at.clone();
+                all.insert(place(at)?, of_kind(value));
             }
-            ("pop_back", None) => drop(all.pop()),
-            ("clear", None) => all.clear(),
-            ("fill", Some(value)) => all.fill(super::shape::deep(value, kind)),
+            ("erase", [at]) if place(at)? < length => {
+                found = at.clone();
+                all.remove(place(at)?);
+            }
+            ("erase", [from, end]) if place(from)? <= place(end)? && place(end)? <= length => {
+                found = from.clone();
+                all.drain(place(from)?..place(end)?);
+            }
             _ => return None,
         }
         self.put(slot, &path, Value::List(all));
-        Some(Value::Whole(0))
+        Some(found)
+    }
+
+    /// `std::begin(array)`, `std::end(array)`, `std::size(array)`
+    fn of_whole(&mut self, of: &Expr, name: &str) -> Option<Value> {
+        let Reach::Spot(slot, path) = self.reach(of) else {
+            return None;
+        };
+        match self.peek(slot, &path) {
+            Some(Value::List(_)) => self.list_method((slot, path), name, &[]),
+            _ => None,
+        }
     }
 
     /// A register is shown: as a picture of what it holds now.
@@ -905,6 +1004,20 @@ impl Machine<'_> {
         let Some(register) = values.first() else {
             return Value::Whole(0);
         };
+        let divisor = values.get(2).and_then(Value::number).unwrap_or(1.0);
+        if name == "scamp5_output_areg" && divisor > 1.0 {
+            let samples = divisor * divisor;
+            self.fault(
+                Fault::warning(
+                    place,
+                    format!(
+                        "the whole register is read here, {samples} times the samples of the chip"
+                    ),
+                    "this asks for fewer of them",
+                )
+                .help("`scamp5_scan_areg` with the same steps says what fewer samples cost"),
+            );
+        }
         match term(register) {
             Some(term) => {
                 self.in_kernel(name, place);
@@ -1004,20 +1117,19 @@ impl Machine<'_> {
         }
         self.ask(&name, terms, place);
         let why: Arc<str> = format!("what `{name}` reads in {}", self.line(place)).into();
-        for (slot, path) in &targets {
-            self.forget(*slot, path, &why);
-        }
         // The count destroys a register, and is read none the less.
         let read = host::role(&name, values.len()) == Role::Read || name == "scamp5_global_count";
-        if read && let Some(answer) = self.run_asked() {
-            if let Some(memory) = answer.memory {
-                for target in &targets {
-                    self.fill(target, &memory, &name, place);
-                }
+        let answer = { read.then(|| self.run_asked()) }
+            .flatten()
+            .unwrap_or_default();
+        for target in &targets {
+            match &answer.memory {
+                Some(memory) => self.fill(target, memory, &name, place),
+                None => self.forget_from(target.0, &target.1, &why),
             }
-            if let Some(value) = answer.value {
-                return Value::Whole(value);
-            }
+        }
+        if let Some(value) = answer.value {
+            return Value::Whole(value);
         }
         Value::Unknown(why)
     }
@@ -1043,10 +1155,10 @@ impl Machine<'_> {
 }
 
 /// What a function is given: its value, where that lies, its type.
-struct Argument {
-    value: Value,
-    spot: Option<Spot>,
-    kind: Kind,
+pub(super) struct Argument {
+    pub value: Value,
+    pub spot: Option<Spot>,
+    pub kind: Kind,
 }
 
 /// Whether a function of the library writes what it is given the place of.

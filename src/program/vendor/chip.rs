@@ -70,23 +70,6 @@ pub(super) fn rewritten(
             given.truncate(4);
             name
         }
-        "scamp5_in" | "scamp5_load_in" => {
-            // The parameter is an int8_t.
-            for (value, at, _) in &mut given {
-                if let Value::Real(real) = value {
-                    if real.fract() != 0.0 {
-                        let message =
-                            format!("C++ makes the whole number {} of {real}", real.trunc());
-                        machine.fault(
-                            Fault::warning(*at, message, "a parameter of 8 bits")
-                                .help("write a whole number"),
-                        );
-                    }
-                    *value = Value::Whole(*real as i64);
-                }
-            }
-            name
-        }
         // Compilers name the register twice.
         "div2_inplace" if given.len() == 2 => {
             if given[0].0 != given[1].0 {
@@ -111,6 +94,11 @@ pub(super) fn rewritten(
         }
         name => name,
     };
+    if renamed.starts_with("scamp5_") {
+        for (value, at, _) in &mut given {
+            in_whole(machine, value, *at);
+        }
+    }
     if let Some(first) = addresses(renamed) {
         for it in given.iter_mut().skip(first) {
             in_eight_bits(machine, it);
@@ -123,6 +111,21 @@ pub(super) fn rewritten(
         }
     }
     Some((variant(machine, renamed, given.len()), given))
+}
+
+/// What the host takes are whole numbers.
+fn in_whole(machine: &mut Machine<'_>, value: &mut Value, at: Place) {
+    let Value::Real(real) = *value else {
+        return;
+    };
+    if real.fract() != 0.0 {
+        let message = format!("C++ makes the whole number {} of {real}", real.trunc());
+        machine.fault(
+            Fault::warning(at, message, "a parameter that is a whole number")
+                .help("write a whole number"),
+        );
+    }
+    *value = Value::Whole(real as i64);
 }
 
 /// The first parameter of those that are a `uint8_t`: rows and columns, and their masks.

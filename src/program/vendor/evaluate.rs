@@ -64,6 +64,7 @@ impl Machine<'_> {
                 let kind = self.resolved(*kind);
                 self.value(of).converted(kind)
             }
+            ExprNode::Recast(kind, of) => self.recast(*kind, of),
             ExprNode::SizeOf(of) => self.size_of(of),
             ExprNode::New(declared) => self.allocated(declared),
             ExprNode::Template(given, call) => {
@@ -82,24 +83,25 @@ impl Machine<'_> {
         {
             return Value::Wide(bytes, Width::UnsignedLong);
         }
-        let Reach::Spot(slot, path) = self.reach(of) else {
-            let kind = self.value(of).kind();
-            return kind.bytes().map_or_else(
-                || Value::Unknown("`sizeof` of something whose type is not known".into()),
-                |bytes| Value::Wide(bytes, Width::UnsignedLong),
-            );
-        };
-        let value = self.at(slot, &path);
-        let mut kind = self.kind_at(slot, &path);
-        if kind == Kind::Any {
-            kind = value.kind();
-        }
-        match (leaves(&value), kind.bytes()) {
-            (Some(count), Some(bytes)) if !self.copied.contains(&slot) || !path.is_empty() => {
-                Value::Wide(count * bytes, Width::UnsignedLong)
+        let (value, kind) = match self.reach(of) {
+            Reach::Spot(slot, path) => {
+                let name = format!("`sizeof` of `{}`", base_name(of));
+                if self.copied.contains(&slot) && path.is_empty() {
+                    return Value::Unknown(name.into());
+                }
+                (self.at(slot, &path), self.kind_at(slot, &path))
             }
-            _ => Value::Unknown(format!("`sizeof` of `{}`", base_name(of)).into()),
-        }
+            Reach::Value(Value::Symbol(class)) if self.layouts.contains_key(&class) => {
+                let layout = &self.layouts[&class];
+                (super::shape::fresh(layout, &Value::Whole(0)), Kind::Any)
+            }
+            Reach::Value(value) => (value, Kind::Any),
+            _ => (self.value(of), Kind::Any),
+        };
+        super::shape::size(&value, kind).map_or_else(
+            || Value::Unknown(format!("`sizeof` of `{}`", base_name(of)).into()),
+            |(bytes, _)| Value::Wide(bytes, Width::UnsignedLong),
+        )
     }
 
     /// `new`: memory that has no name.
@@ -372,10 +374,41 @@ impl Machine<'_> {
         if path.is_empty() && array && !self.copied.contains(&slot) {
             path.push(0);
         }
-        (slot, path)
+        (slot, self.carried(slot, path))
+    }
+
+    /// A place beyond the end of a row, as one in the rows behind it: that is how they lie in
+    /// memory.
+    fn carried(&self, slot: Slot, mut path: Vec<usize>) -> Vec<usize> {
+        for level in (1..path.len()).rev() {
+            let (above, below) = path.split_at(level);
+            let (Some(Value::List(row)), Some(Value::List(_))) =
+                (self.peek(slot, above), self.peek(slot, &above[..level - 1]))
+            else {
+                break;
+            };
+            if row.is_empty() || below[0] < row.len() {
+                break;
+            }
+            let length = row.len();
+            path[level - 1] += path[level] / length;
+            path[level] %= length;
+        }
+        path
+    }
+
+    /// Whether a pointer to an element lies there: its elements are those behind it.
+    fn is_inner(&self, base: &Reach) -> bool {
+        let value = match base {
+            Reach::Spot(slot, path) => self.peek(*slot, path),
+            Reach::Value(value) => Some(value),
+            _ => None,
+        };
+        matches!(value, Some(Value::Pointer(_, path, _)) if !path.is_empty())
     }
 
     fn element(&mut self, base: Reach, index: &Value) -> Reach {
+        let inner = self.is_inner(&base);
         let base = self.through(base);
         let Some(at) = index.whole() else {
             let why = match index {
@@ -388,6 +421,10 @@ impl Machine<'_> {
             };
         };
         match base {
+            Reach::Spot(slot, path) if inner => match moved(&path, at) {
+                Some(path) => Reach::Spot(slot, self.carried(slot, path)),
+                None => Reach::Beyond(at),
+            },
             Reach::Spot(slot, mut path) => {
                 let held = self.peek(slot, &path);
                 if let Some(Value::Text(text)) = held {
@@ -669,17 +706,6 @@ fn character(text: &str, at: i64) -> Reach {
     })
 }
 
-/// How many numbers a value holds; `None` where it holds something else.
-fn leaves(value: &Value) -> Option<i64> {
-    match value {
-        // The length of an empty one is not known.
-        Value::List(all) if all.is_empty() => None,
-        Value::List(all) => all.iter().map(leaves).sum(),
-        Value::Whole(_) | Value::Wide(..) | Value::Real(_) | Value::Unknown(_) => Some(1),
-        _ => None,
-    }
-}
-
 /// The name that an expression begins with.
 pub(super) fn base_name(it: &Expr) -> String {
     match &it.node {
@@ -687,7 +713,8 @@ pub(super) fn base_name(it: &Expr) -> String {
         ExprNode::Member(of, _)
         | ExprNode::Index(of, _)
         | ExprNode::Unary(_, of)
-        | ExprNode::Convert(_, of) => base_name(of),
+        | ExprNode::Convert(_, of)
+        | ExprNode::Recast(_, of) => base_name(of),
         ExprNode::Binary(_, left, _) => base_name(left),
         ExprNode::Call(callee, _) => base_name(callee),
         _ => "buffer".to_owned(),

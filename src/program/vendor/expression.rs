@@ -186,7 +186,7 @@ fn cast(it: &mut Parser<'_>) -> Parsed<Option<Expr>> {
     let first = it.word(0);
     let known = it.kind_named(first) != Kind::Any || matches!(first, "const" | "unsigned" | "void");
     if (known || !first.is_empty())
-        && let Some(kind) = it.read_kind()
+        && let Some(of) = it.read_cast()
         && (it.take(")") || it.array_pointer())
     {
         // `(name *)` is a type whatever the name.
@@ -197,9 +197,9 @@ fn cast(it: &mut Parser<'_>) -> Parsed<Option<Expr>> {
                     || ((known || pointer) && BEFORE.iter().any(|mark| t.is(mark))))
         });
         if value {
-            let of = Box::new(it.deeper(unary)?);
-            let place = start.to(of.place);
-            let node = ExprNode::Convert(kind, of);
+            let value = Box::new(it.deeper(unary)?);
+            let place = start.to(value.place);
+            let node = of.converts(value);
             return Ok(Some(Expr { node, place }));
         }
     }
@@ -275,13 +275,13 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
     let mut name = it.name(HELP)?;
     if name.ends_with("_cast") && it.sees("<") {
         it.at += 1;
-        let kind = it.read_kind().unwrap_or(Kind::Any);
+        let of = it.read_cast().unwrap_or_default();
         it.expect(">", "write `static_cast<int>(value)`")?;
         it.expect("(", "write `static_cast<int>(value)`")?;
-        let of = Box::new(it.expression()?);
+        let value = Box::new(it.expression()?);
         it.expect(")", "close the parenthesis")?;
         return Ok(Expr {
-            node: ExprNode::Convert(kind, of),
+            node: of.converts(value),
             place: place.to(it.before()),
         });
     }

@@ -1,6 +1,7 @@
 //! What the vendor's library offers the micro-controller, as far as a program can be told of it.
 
 use super::{
+    algorithm::ALGORITHMS,
     tree::{Width, qualifier},
     value::Value,
 };
@@ -62,7 +63,8 @@ pub(super) fn role(name: &str, given: usize) -> Role {
             || name.starts_with("scamp5_display_")
             || name.starts_with("scamp5_output_bitstack_")
             || name.starts_with("std_")
-            || LIBRARY.contains(&name) =>
+            || LIBRARY.contains(&name)
+            || ALGORITHMS.contains(&name) =>
         {
             Role::Library
         }
@@ -156,7 +158,7 @@ pub(super) fn simulates(name: &str) -> bool {
     matches!(space.trim_start_matches("::"), "vs_sim" | "scamp5_sim")
 }
 
-const LIBRARY: [&str; 39] = [
+const LIBRARY: [&str; 35] = [
     "allow_highspeed",
     "move_to_heap",
     "scamp5_bind_io_agent",
@@ -167,8 +169,6 @@ const LIBRARY: [&str; 39] = [
     "printf",
     "sprintf",
     "snprintf",
-    "memset",
-    "memcpy",
     "srand",
     "rand",
     "malloc",
@@ -176,8 +176,6 @@ const LIBRARY: [&str; 39] = [
     "to_string",
     "assert",
     "swap",
-    "sort",
-    "fill",
     "make_pair",
     "random_device",
     "fflush",

@@ -8,6 +8,7 @@ use std::{
 };
 
 use super::{
+    algorithm::ALGORITHMS,
     host::{self, Role},
     machine::{Machine, foreign},
     tree::{Expr, ExprNode, Function, Stmt, StmtNode, TemplateArgument, Word, last},
@@ -77,7 +78,10 @@ impl Callees {
                     self.part(machine, &machine.slots[slot], name);
                 }
             }
-            ExprNode::Index(of, _) | ExprNode::Unary(_, of) | ExprNode::Convert(_, of) => {
+            ExprNode::Index(of, _)
+            | ExprNode::Unary(_, of)
+            | ExprNode::Convert(_, of)
+            | ExprNode::Recast(_, of) => {
                 self.add(machine, locals, of);
             }
             ExprNode::Choose(_, yes, no) => {
@@ -224,7 +228,8 @@ fn scan(
                 for name in &callees.names {
                     leaf(name, given.len());
                 }
-                if !callees.functions.is_empty() {
+                let known = |name: &Word| ALGORITHMS.contains(&&**name);
+                if !callees.functions.is_empty() || callees.names.iter().any(known) {
                     // A function that is given to a function may be called there.
                     let given = given.iter().map(|it| Callees::of(machine, locals, it));
                     queue.extend(given.flat_map(|it| it.functions));
@@ -333,7 +338,10 @@ fn assigned(machine: &Machine<'_>, it: &Stmt) -> (Vec<Word>, Vec<Rc<Function>>) 
 fn base(it: &Expr) -> Option<Word> {
     match &it.node {
         ExprNode::Name(name) => Some(name.clone()),
-        ExprNode::Member(of, _) | ExprNode::Index(of, _) | ExprNode::Unary(_, of) => base(of),
+        ExprNode::Member(of, _)
+        | ExprNode::Index(of, _)
+        | ExprNode::Unary(_, of)
+        | ExprNode::Recast(_, of) => base(of),
         _ => None,
     }
 }
@@ -483,6 +491,7 @@ fn values(it: &Expr, act: &mut dyn FnMut(Part<'_>)) {
         | ExprNode::Unary(_, of)
         | ExprNode::Step(of, ..)
         | ExprNode::Convert(_, of)
+        | ExprNode::Recast(_, of)
         | ExprNode::SizeOf(of) => values(of, act),
         ExprNode::Template(given, of) => {
             for it in given {

@@ -411,6 +411,21 @@ impl<'a> Machine<'a> {
         *target = value;
     }
 
+    /// Forgets what lies where a pointer leads, and in its array behind that.
+    pub(super) fn forget_from(&mut self, slot: Slot, path: &[usize], why: &Arc<str>) {
+        let Some((first, array)) = path.split_last() else {
+            self.forget(slot, path, why);
+            return;
+        };
+        let Some(Value::List(all)) = self.peek(slot, array) else {
+            self.forget(slot, path, why);
+            return;
+        };
+        for at in *first..all.len() {
+            self.forget(slot, &[array, &[at]].concat(), why);
+        }
+    }
+
     /// Makes a value, and all that is in it, one that only the run knows.
     pub(super) fn forget(&mut self, slot: Slot, path: &[usize], why: &Arc<str>) {
         let value = self.at(slot, path);

@@ -1,10 +1,13 @@
 //! The memory of a host that runs beside the array: what is read goes there, and what nothing leads
 //! to is given up.
 
+use std::sync::Arc;
+
 use super::{
     beside::HELD,
     machine::{Machine, Spot},
-    tree::Kind,
+    shape,
+    tree::{Expr, ExprNode, Kind},
     value::{Slot, Value},
 };
 use crate::config::Place;
@@ -12,7 +15,8 @@ use crate::config::Place;
 impl Machine<'_> {
     /// Writes what was read to where the host wanted it.
     pub(super) fn fill(&mut self, (slot, path): &Spot, memory: &[i64], name: &str, place: Place) {
-        if let (Value::Unknown(_), true) = (&self.slots[*slot], path.is_empty()) {
+        let single = memory.len() == 1;
+        if let (Value::Unknown(_), true, false) = (&self.slots[*slot], path.is_empty(), single) {
             let all = memory.iter().map(|it| Value::Whole(*it)).collect();
             self.put(*slot, path, Value::List(all));
             return;
@@ -36,8 +40,91 @@ impl Machine<'_> {
             return;
         }
         for (cell, number) in cells.iter().zip(memory) {
-            self.put(*slot, cell, Value::Whole(*number));
+            let kind = self.kind_at(*slot, cell);
+            self.put(*slot, cell, Value::Whole(*number).converted(kind));
         }
+    }
+
+    /// Memory as numbers of another type. What those are is not worked out: where the types differ,
+    /// neither is known from then on.
+    pub(super) fn recast(&mut self, kind: Kind, of: &Expr) -> Value {
+        let kind = self.resolved(kind);
+        let Value::Pointer(slot, path, name) = self.value(of) else {
+            return Value::Unknown("memory that is seen as numbers of another type".into());
+        };
+        let mut first = Vec::new();
+        leaves(&self.slots[slot], &path, &mut Vec::new(), 1, &mut first);
+        let Some(first) = first.pop() else {
+            return Value::Pointer(slot, path, name);
+        };
+        let held = self.kind_at(slot, &first);
+        if held == kind || held == Kind::Any {
+            return Value::Pointer(slot, first, name);
+        }
+        let why: Arc<str> = format!("`{name}`, which is seen as numbers of another type,").into();
+        self.forget(slot, &[], &why);
+        self.fixed.insert(slot);
+        Value::Unknown(why)
+    }
+
+    /// A value that is given to what reads or writes memory, whatever type it is seen as.
+    pub(super) fn raw(&mut self, it: &Expr) -> Value {
+        match &it.node {
+            ExprNode::Recast(_, of) => self.raw(of),
+            _ => self.value(it),
+        }
+    }
+
+    /// `memset`, `memcpy` and `memmove`; nothing where not all is known of them.
+    pub(super) fn memory(&mut self, name: &str, values: &[Value]) -> Option<Value> {
+        let [Value::Pointer(slot, path, _), from, bytes] = values else {
+            return None;
+        };
+        let cells = self.cells(*slot, path, bytes.whole()?)?;
+        let kinds = cells.iter().map(|it| self.kind_at(*slot, it));
+        let written: Option<Vec<Value>> = match (name, from) {
+            ("memset", byte) => {
+                let byte = byte.whole()? as u8;
+                kinds.map(|kind| repeated(byte, kind)).collect()
+            }
+            (_, Value::Pointer(source, path, _)) => {
+                let sources = self.cells(*source, path, bytes.whole()?)?;
+                let same = kinds.eq(sources.iter().map(|it| self.kind_at(*source, it)));
+                let values = sources.iter().map(|it| self.at(*source, it));
+                same.then(|| values.collect())
+            }
+            _ => None,
+        };
+        for (cell, value) in cells.iter().zip(written?) {
+            self.put(*slot, cell, value);
+        }
+        Some(values[0].clone())
+    }
+
+    /// The numbers that so many bytes hold from a place on.
+    fn cells(&self, slot: Slot, path: &[usize], bytes: i64) -> Option<Vec<Vec<usize>>> {
+        let most = usize::try_from(bytes).ok()?.min(1 << 20);
+        let mut all = Vec::new();
+        leaves(&self.slots[slot], path, &mut Vec::new(), most, &mut all);
+        // A whole object, or a whole array of them: between its members may lie unused bytes.
+        let held = self.at(slot, path);
+        if shape::size(&held, self.kind_at(slot, path)).map(|it| it.0) == Some(bytes) {
+            let mut own = Vec::new();
+            leaves(&held, &[], &mut Vec::new(), most, &mut own);
+            all.truncate(own.len());
+            return Some(all);
+        }
+        let (mut left, mut count) = (bytes, 0);
+        while left > 0 {
+            let (value, kind) = (
+                self.at(slot, all.get(count)?),
+                self.kind_at(slot, &all[count]),
+            );
+            left -= shape::size(&value, kind)?.0;
+            count += 1;
+        }
+        all.truncate(count);
+        (left == 0).then_some(all)
     }
 
     /// Gives up variables that no name, no pointer and no lambda leads to.
@@ -73,6 +160,15 @@ impl Machine<'_> {
             companion.enough = HELD.max(2 * left);
             companion.clocks.retain(|slot, _| alive[*slot]);
         }
+    }
+}
+
+/// A number all of whose bytes are this one; nothing for real ones, but 0.
+fn repeated(byte: u8, kind: Kind) -> Option<Value> {
+    match kind {
+        Kind::Float | Kind::Real => (byte == 0).then_some(Value::Real(0.0)),
+        Kind::Any if byte > 0 => None,
+        _ => Some(Value::Whole(i64::from_ne_bytes([byte; 8])).converted(kind)),
     }
 }
 

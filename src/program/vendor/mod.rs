@@ -18,6 +18,7 @@
 //!
 //! Text whose statements end with their lines, as an open simulator takes it, is read as well.
 
+mod algorithm;
 mod beside;
 mod call;
 mod chip;
@@ -30,6 +31,7 @@ mod host;
 mod light;
 mod look;
 mod machine;
+mod member;
 mod memory;
 mod parse;
 mod post;

@@ -29,6 +29,7 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
         space: String::new(),
         faults: Vec::new(),
         pending: Vec::new(),
+        shared: Vec::new(),
         aliases: BTreeMap::new(),
         templates: BTreeSet::new(),
         template: Vec::new(),
@@ -53,6 +54,8 @@ pub(super) struct Parser<'a> {
     faults: Vec<Fault>,
     /// Statements that come before the one that is read.
     pending: Vec<Stmt>,
+    /// Constants of the class that is read.
+    shared: Vec<Stmt>,
     /// Types that have another name.
     aliases: BTreeMap<Word, Type>,
     /// Names of functions that are templates.
@@ -100,6 +103,7 @@ pub(super) struct Type {
     pub kind: Kind,
     constant: bool,
     lasting: bool,
+    outside: bool,
     pub pointer: bool,
     reference: bool,
     /// Whether it is an array of the language's library, and its lengths.
@@ -114,6 +118,7 @@ impl Default for Type {
             kind: Kind::Any,
             constant: false,
             lasting: false,
+            outside: false,
             pointer: false,
             reference: false,
             library: false,
@@ -135,9 +140,19 @@ impl Type {
             reference: self.reference,
             pointer: self.pointer,
             library: self.library && !self.pointer,
+            outside: self.outside,
             constant: self.constant,
             lasting: self.lasting,
             place,
+        }
+    }
+
+    /// A value that is converted to it.
+    pub(super) fn converts(&self, value: Box<Expr>) -> ExprNode {
+        match self.kind {
+            Kind::Any | Kind::Analog | Kind::Digital => ExprNode::Convert(self.value_kind(), value),
+            kind if self.pointer => ExprNode::Recast(kind, value),
+            _ => ExprNode::Convert(self.value_kind(), value),
         }
     }
 
@@ -668,6 +683,7 @@ impl<'a> Parser<'a> {
                     reference: false,
                     pointer: false,
                     library: false,
+                    outside: false,
                     constant: true,
                     lasting: false,
                     place,
@@ -741,7 +757,12 @@ impl<'a> Parser<'a> {
 
     /// A type that stands here has this name from now on.
     fn alias(&mut self, name: Word) {
-        if let Some(it) = self.read_type() {
+        if let Some(mut it) = self.read_type() {
+            // Of a `typedef` the name stands between the two.
+            self.take_word(&name);
+            if let Ok(lengths) = self.read_lengths() {
+                it.lengths.splice(0..0, lengths);
+            }
             self.aliases.insert(name, it);
         }
     }
@@ -764,6 +785,8 @@ impl<'a> Parser<'a> {
             self.at += 1;
         }
         let (data, functions) = self.class_body(&name, plain);
+        let shared = std::mem::take(&mut self.shared);
+        self.pending.extend(shared);
         if named_behind && let Some(behind) = self.peek(0).and_then(Token::name) {
             name = behind.clone();
         }
@@ -771,6 +794,7 @@ impl<'a> Parser<'a> {
             StmtNode::Struct(Rc::new(Struct {
                 name: name.clone(),
                 members,
+                functions: functions.clone(),
             }))
         });
         let place = place.to(self.before());
@@ -806,7 +830,7 @@ impl<'a> Parser<'a> {
         let (mut data, mut functions) = (Vec::new(), Vec::new());
         let mut plain = plain;
         while plain && self.at + 1 < end {
-            match self.plain_member() {
+            match self.plain_member(class) {
                 Some(StmtNode::Declare(more)) => data.extend(more),
                 Some(StmtNode::Function(function)) => functions.push(function),
                 Some(_) => {}
@@ -828,7 +852,7 @@ impl<'a> Parser<'a> {
     }
 
     /// A member of a class that is data or a plain function; nothing where it is more than that.
-    fn plain_member(&mut self) -> Option<StmtNode> {
+    fn plain_member(&mut self, class: &str) -> Option<StmtNode> {
         if matches!(self.word(0), "public" | "private" | "protected") {
             self.at += 2;
             return Some(StmtNode::Nothing);
@@ -839,15 +863,33 @@ impl<'a> Parser<'a> {
         let rest = self.tokens.get(self.at..).unwrap_or_default();
         let mut head = rest.iter().take_while(|t| !t.is("{") && !t.is(";"));
         let operator = head.any(|t| t.name().is_some_and(|it| &**it == "operator"));
-        if self.word(0) == "static" || operator {
+        if operator {
             return None;
         }
-        let told = self.faults.len();
+        let (told, shared) = (self.faults.len(), self.word(0) == "static");
         self.in_class = true;
+        let place = self.place();
         let node = self.declaration();
         self.in_class = false;
         let clean = self.faults.len() == told;
         self.faults.truncate(told);
+        if shared {
+            // A constant of the class; what else is shared by its objects is not run.
+            let fixed = |it: &Declared| it.constant && it.value.is_some();
+            let Ok(Some(StmtNode::Declare(mut all))) = node else {
+                return None;
+            };
+            if !clean || !all.iter().all(fixed) {
+                return None;
+            }
+            for it in &mut all {
+                it.name = format!("{class}::{}", it.name).into();
+                it.lasting = false;
+            }
+            let node = StmtNode::Declare(all);
+            self.shared.push(Stmt { node, place });
+            return Some(StmtNode::Nothing);
+        }
         match node {
             Ok(Some(
                 node @ (StmtNode::Declare(_) | StmtNode::Function(_) | StmtNode::Prototype(_)),
@@ -905,7 +947,7 @@ impl<'a> Parser<'a> {
         if understood {
             return body;
         }
-        let callee = ExprNode::Name(format!("the body of {name}").into());
+        let callee = ExprNode::Name(format!("{UNREAD}{name}").into());
         let callee = Expr {
             node: callee,
             place,
@@ -1093,12 +1135,17 @@ impl<'a> Parser<'a> {
 
     /// A type, if one stands here.
     pub(super) fn read_kind(&mut self) -> Option<Kind> {
+        self.read_cast().map(|it| it.value_kind())
+    }
+
+    /// The type that something is converted to, if one stands here.
+    pub(super) fn read_cast(&mut self) -> Option<Type> {
         let start = self.at;
         let found = self.read_type();
         if found.is_none() {
             self.at = start;
         }
-        found.map(|it| it.value_kind())
+        found
     }
 
     pub(super) fn read_type(&mut self) -> Option<Type> {
@@ -1109,6 +1156,7 @@ impl<'a> Parser<'a> {
             if QUALIFIERS.contains(&word) {
                 it.constant |= matches!(word, "const" | "constexpr");
                 it.lasting |= word == "static";
+                it.outside |= word == "extern";
                 self.at += 1;
                 continue;
             }
@@ -1177,7 +1225,7 @@ impl<'a> Parser<'a> {
             return;
         }
         it.kind = self.kind_named(&name);
-        if matches!(&*name, "array" | "vector") && self.sees("<") {
+        if matches!(&*name, "array" | "vector" | "deque") && self.sees("<") {
             let start = self.at;
             if let Some((kind, of, lengths)) = self.elements(&name) {
                 (it.kind, it.name, it.lengths, it.library) = (kind, of, lengths, true);
@@ -1257,16 +1305,7 @@ impl<'a> Parser<'a> {
         loop {
             let place = self.place();
             let name = self.name("the name of what is declared")?;
-            let mut lengths = Vec::new();
-            while self.take("[") {
-                let length = if self.sees("]") {
-                    None
-                } else {
-                    Some(self.expression()?)
-                };
-                self.expect("]", "an array is `type name[length];`")?;
-                lengths.push(length);
-            }
+            let lengths = self.read_lengths()?;
             let mut declared = of.declares(name, place);
             declared.lengths.splice(0..0, lengths);
             if self.take("=") || self.sees("{") {
@@ -1309,10 +1348,13 @@ impl<'a> Parser<'a> {
     }
 
     /// The name in `(*name)(…)`, behind the type that the function gives back: a pointer to a
-    /// function, or an array of them. In `(*name)[…]` it is one to an array.
+    /// function, or an array of them. In `(*name)[…]` it is one to an array, in `(&name)[…]` another
+    /// name of one.
     fn pointer_name(&mut self) -> Option<(Word, Pointed)> {
         let start = self.at;
-        let open = self.take("(") && self.take("*");
+        let open = self.take("(");
+        let reference = open && self.take("&");
+        let open = reference || open && self.take("*");
         let name = self.peek(0).and_then(Token::name).cloned();
         self.at += 1;
         let array = self.sees("[");
@@ -1320,7 +1362,9 @@ impl<'a> Parser<'a> {
             self.skip_group();
         }
         let closed = open && self.take(")");
-        let pointed = if closed && self.sees("(") {
+        let pointed = if closed && reference {
+            (!array && self.sees("[")).then_some(Pointed::Reference)
+        } else if closed && self.sees("(") {
             self.skip_group();
             if array {
                 Some(Pointed::Functions)
@@ -1342,6 +1386,28 @@ impl<'a> Parser<'a> {
         name.zip(pointed)
     }
 
+    /// The lengths of an array, in brackets behind its name.
+    fn read_lengths(&mut self) -> Parsed<Vec<Option<Expr>>> {
+        let mut lengths = Vec::new();
+        while self.take("[") {
+            let length = if self.sees("]") {
+                None
+            } else {
+                Some(self.expression()?)
+            };
+            self.expect("]", "an array is `type name[length];`")?;
+            lengths.push(length);
+        }
+        Ok(lengths)
+    }
+
+    /// Over the lengths of an array.
+    fn skip_lengths(&mut self) {
+        while self.sees("[") {
+            self.skip_group();
+        }
+    }
+
     /// `type (*name)(types) = function;` or `type (*name)[length] = &array;`, if that stands here.
     fn function_pointer(&mut self) -> Parsed<Option<StmtNode>> {
         let (start, place) = (self.at, self.place());
@@ -1350,13 +1416,21 @@ impl<'a> Parser<'a> {
             self.at = start;
             return Ok(None);
         };
+        if pointed == Pointed::Reference {
+            self.skip_lengths();
+        }
         let mut value = if self.take("=") {
             Some(self.assignment()?)
         } else {
             None
         };
-        if pointed == Pointed::Array {
-            // What it points to is the whole array: `*name` is the first of these.
+        // Of a pointer to a whole array, `&array`, `*name` is the array: the first of these.
+        let whole = |it: &Expr| match &it.node {
+            ExprNode::Unary("&", of) => matches!(of.node, ExprNode::Name(_)),
+            node => matches!(node, ExprNode::Convert(..)),
+        };
+        let whole = pointed == Pointed::Array && value.as_ref().is_some_and(whole);
+        if whole {
             value = value.map(|it| Expr {
                 place: it.place,
                 node: ExprNode::Braces(vec![it]),
@@ -1366,13 +1440,15 @@ impl<'a> Parser<'a> {
             name,
             kind: Kind::Any,
             of: "".into(),
-            lengths: match pointed {
-                Pointed::Function => Vec::new(),
-                Pointed::Functions | Pointed::Array => vec![None],
+            lengths: if whole || pointed == Pointed::Functions {
+                vec![None]
+            } else {
+                Vec::new()
             },
             value,
-            reference: false,
-            pointer: true,
+            reference: pointed == Pointed::Reference,
+            pointer: pointed != Pointed::Reference,
+            outside: false,
             library: false,
             constant: false,
             lasting: false,
@@ -1507,10 +1583,14 @@ impl<'a> Parser<'a> {
                 return Err(unexpected(self.peek(0), self.place(), "a type", HELP));
             };
             let function = self.pointer_name();
-            let called = function.is_some();
+            let alias = function
+                .as_ref()
+                .is_some_and(|it| it.1 == Pointed::Reference);
+            let called = function.is_some() && !alias;
             let mut array = { &function }
                 .as_ref()
-                .is_some_and(|it| it.1 != Pointed::Function);
+                .is_some_and(|it| it.1 != Pointed::Function)
+                || !it.library && !it.lengths.is_empty();
             let name = match (function, self.peek(0).and_then(Token::name)) {
                 (Some((name, _)), _) => name,
                 (None, Some(name)) => {
@@ -1519,6 +1599,7 @@ impl<'a> Parser<'a> {
                 }
                 (None, None) => "".into(),
             };
+            let extent = alias.then(|| self.word(1)).filter(|it| !it.is_empty());
             while self.take("[") {
                 array = true;
                 while self.peek(0).is_some() && !self.take("]") {
@@ -1540,8 +1621,9 @@ impl<'a> Parser<'a> {
                         it.value_kind()
                     },
                     of: if called { "".into() } else { it.name },
-                    reference: it.reference && !it.constant && !called,
+                    reference: it.reference && !it.constant && !called || alias,
                     pointer: it.pointer && !called || array,
+                    extent: extent.map(Into::into),
                     default,
                 });
             }
@@ -1561,6 +1643,9 @@ impl<'a> Parser<'a> {
     }
 }
 
+/// What the name begins with of what a function of a class calls whose body is not understood.
+pub(super) const UNREAD: &str = "the body of ";
+
 /// The call that makes an array of a length, filled with a value.
 pub(super) const FILLED: &str = "a filled vector";
 
@@ -1571,6 +1656,8 @@ enum Pointed {
     /// There is an array of such pointers.
     Functions,
     Array,
+    /// It is another name of an array.
+    Reference,
 }
 
 /// A namespace inside of another.

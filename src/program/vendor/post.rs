@@ -25,6 +25,17 @@ struct Printed<'a>(&'a Value);
 
 impl Printf for Printed<'_> {
     fn format(&self, spec: &ConversionSpecifier) -> sprintf::Result<String> {
+        Ok(self.printed(spec).unwrap_or_else(|_| "?".to_owned()))
+    }
+
+    fn as_int(&self) -> Option<i32> {
+        self.0.whole().and_then(|it| it.try_into().ok())
+    }
+}
+
+impl Printed<'_> {
+    /// Fails where the value is of another type than the format asks for.
+    fn printed(&self, spec: &ConversionSpecifier) -> sprintf::Result<String> {
         match *self.0 {
             Value::Whole(number) => {
                 let narrow = number as i32;
@@ -39,14 +50,12 @@ impl Printf for Printed<'_> {
             Value::Wide(number, _) => (number as u64).format(spec),
             Value::Real(number) => {
                 let whole = || (number as i32).format(spec);
-                number.format(spec).or_else(|_| whole())
+                let text = number.format(spec).or_else(|_| whole())?;
+                // `%g` has no point without a digit behind it.
+                Ok(text.replace(".e", "e"))
             }
             Value::Text(ref text) | Value::Symbol(ref text) => (&**text).format(spec),
             _ => Ok("?".to_owned()),
         }
-    }
-
-    fn as_int(&self) -> Option<i32> {
-        self.0.whole().and_then(|it| it.try_into().ok())
     }
 }

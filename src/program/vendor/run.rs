@@ -7,7 +7,7 @@ use super::{
     look,
     machine::{Flow, Machine, item},
     shape::{self, Leaf},
-    tree::{Declared, Expr, Stmt, StmtNode},
+    tree::{Declared, Expr, Kind, Stmt, StmtNode},
     value::{Layout, Member, Value, unassigned},
 };
 use crate::{
@@ -154,6 +154,11 @@ impl Machine<'_> {
             // `extern`: the variable is there.
             return;
         }
+        if it.outside && it.value.is_none() {
+            let why = format!("`{}`, which is stated nowhere,", it.name);
+            self.make(&it.name, Value::Unknown(why.into()), Kind::Any);
+            return;
+        }
         if it.lasting
             && let Some(slot) = self.lasting.get(&it.place.start)
         {
@@ -288,7 +293,12 @@ impl Machine<'_> {
             });
         }
         let name = it.name.clone();
-        let layout = Layout { name, members };
+        let functions = it.functions.clone();
+        let layout = Layout {
+            name,
+            members,
+            functions,
+        };
         self.layouts.insert(it.name.clone(), layout.into());
     }
 

@@ -149,6 +149,41 @@ pub(super) fn fresh(layout: &Rc<Layout>, empty: &Value) -> Value {
     Value::Record(Rc::clone(layout), all.collect())
 }
 
+/// The bytes that a value takes, and the multiple of bytes at which it lies; nothing where its type
+/// is not known.
+pub(super) fn size(value: &Value, kind: Kind) -> Option<(i64, i64)> {
+    match value {
+        Value::List(all) => {
+            let (bytes, step) = size(all.first()?, kind)?;
+            Some((bytes * all.len() as i64, step))
+        }
+        Value::Record(layout, all) => {
+            let (mut end, mut steps) = (0_i64, 1);
+            for (member, value) in layout.members.iter().zip(all) {
+                let (bytes, step) = size(value, member.kind)?;
+                end = above(end, step) + bytes;
+                steps = steps.max(step);
+            }
+            Some((above(end, steps), steps))
+        }
+        Value::Text(text) => Some((text.len() as i64 + 1, 1)),
+        Value::Whole(_) | Value::Wide(..) | Value::Real(_) | Value::Unknown(_) => {
+            let kind = if kind == Kind::Any {
+                value.kind()
+            } else {
+                kind
+            };
+            kind.bytes().map(|bytes| (bytes, bytes))
+        }
+        _ => None,
+    }
+}
+
+/// The first multiple of `step` that is not less.
+const fn above(bytes: i64, step: i64) -> i64 {
+    (bytes + step - 1) / step * step
+}
+
 /// The numbers of a value as a type holds them.
 pub(super) fn deep(value: Value, kind: Kind) -> Value {
     match value {

@@ -51,6 +51,8 @@ pub(super) enum ExprNode {
     Block(Vec<Stmt>),
     /// `(type) value`, `type(value)`, `static_cast<type>(value)`.
     Convert(Kind, Box<Expr>),
+    /// `(type *) value`: memory seen as numbers of this type.
+    Recast(Kind, Box<Expr>),
     /// `sizeof value`
     SizeOf(Box<Expr>),
     /// `new type`, `new type[length]`.
@@ -163,6 +165,8 @@ pub(super) struct Declared {
     pub pointer: bool,
     /// Whether it is an array of the language's library, which is copied with its name.
     pub library: bool,
+    /// `extern`: it is stated elsewhere.
+    pub outside: bool,
     pub constant: bool,
     /// It is made once and stays.
     pub lasting: bool,
@@ -174,6 +178,7 @@ pub(super) struct Declared {
 pub(super) struct Struct {
     pub name: Word,
     pub members: Vec<Declared>,
+    pub functions: Vec<Rc<Function>>,
 }
 
 /// A function, or a lambda, which has no name.
@@ -243,5 +248,7 @@ pub(super) struct Parameter {
     pub reference: bool,
     /// Whether it is a pointer, or an array.
     pub pointer: bool,
+    /// The name in `(&name)[extent]`, which a template may be after.
+    pub extent: Option<Word>,
     pub default: Option<Expr>,
 }

@@ -45,6 +45,7 @@ pub(super) enum Value {
 pub(super) struct Layout {
     pub name: Word,
     pub members: Vec<Member>,
+    pub functions: Vec<Rc<Function>>,
 }
 
 #[derive(Clone, Debug, PartialEq)]

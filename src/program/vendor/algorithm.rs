@@ -1,0 +1,306 @@
+//! Algorithms of the language's library, on arrays whose values are known.
+
+use std::rc::Rc;
+
+use super::{
+    call::Argument,
+    look,
+    machine::{Machine, Spot},
+    shape,
+    tree::{Expr, ExprNode, Function},
+    value::{Slot, Value},
+};
+use crate::{config::Place, order::Order};
+
+/// Algorithms that are known here.
+pub(super) const ALGORITHMS: [&str; 20] = [
+    "reverse",
+    "rotate",
+    "sort",
+    "stable_sort",
+    "fill",
+    "fill_n",
+    "iota",
+    "copy",
+    "copy_n",
+    "iter_swap",
+    "min_element",
+    "max_element",
+    "accumulate",
+    "count",
+    "find",
+    "for_each",
+    "transform",
+    "memset",
+    "memcpy",
+    "memmove",
+];
+
+/// Some elements of an array, one behind the other.
+#[derive(Clone, PartialEq)]
+struct Range {
+    slot: Slot,
+    array: Vec<usize>,
+    first: usize,
+    length: usize,
+}
+
+impl Range {
+    fn at(&self, index: usize) -> Spot {
+        let path = [&self.array[..], &[self.first + index]].concat();
+        (self.slot, path)
+    }
+
+    fn pointer(&self, index: usize) -> Value {
+        let (slot, path) = self.at(index);
+        Value::Pointer(slot, path, "data".into())
+    }
+}
+
+impl Machine<'_> {
+    /// What an algorithm gives. What it could write is forgotten where its values, or what it does
+    /// with them, are not known.
+    pub(super) fn algorithm(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
+        let values: Vec<Value> = given.iter().map(|it| self.raw(it)).collect();
+        for value in &values {
+            self.keeps_register(name, value, place);
+        }
+        let found = match name {
+            "memset" | "memcpy" | "memmove" => self.memory(name, &values),
+            "for_each" | "transform" => self.applied(name, &values, place),
+            "min_element" | "max_element" | "count" | "find" | "accumulate" => {
+                self.looked(name, &values)
+            }
+            _ => self.moved_about(name, &values),
+        };
+        found.unwrap_or_else(|| {
+            self.written_by(name, &values);
+            Value::Unknown(format!("`{name}`").into())
+        })
+    }
+
+    /// Forgets what something that is not known could write: the arrays that it is given a place
+    /// of, and what the lambdas assign that it may call.
+    pub(super) fn written_by(&mut self, name: &str, values: &[Value]) {
+        let why = format!("what `{name}` does").into();
+        for value in values {
+            match value {
+                Value::Pointer(slot, path, _) => {
+                    let array = path.split_last().map_or(&path[..], |it| it.1);
+                    let array = match self.peek(*slot, array) {
+                        Some(Value::List(_)) => array,
+                        _ => path,
+                    };
+                    let array = array.to_vec();
+                    self.forget(*slot, &array, &why);
+                }
+                Value::Lambda(function) => {
+                    let place = function.place;
+                    let called = Expr {
+                        node: ExprNode::Lambda(Rc::clone(function)),
+                        place,
+                    };
+                    let node = ExprNode::Call(Box::new(called), Vec::new());
+                    look::forget(self, &look::statement(&Expr { node, place }), &why);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The elements from one pointer up to another.
+    fn range(&self, from: &Value, to: &Value) -> Option<Range> {
+        let start = self.start(from)?;
+        let end = self.start(to)?;
+        let length = end.first.checked_sub(start.first)?;
+        let same = start.slot == end.slot && start.array == end.array;
+        (same && length <= start.length).then_some(Range { length, ..start })
+    }
+
+    /// So many elements from a pointer on.
+    fn counted(&self, from: &Value, count: usize) -> Option<Range> {
+        let start = self.start(from)?;
+        (count <= start.length).then_some(Range {
+            length: count,
+            ..start
+        })
+    }
+
+    /// The elements from a pointer to the end of its array.
+    fn start(&self, from: &Value) -> Option<Range> {
+        let Value::Pointer(slot, path, _) = from else {
+            return None;
+        };
+        let (first, array) = match path.split_last() {
+            Some((first, array)) => (*first, array.to_vec()),
+            None => (0, Vec::new()),
+        };
+        let Some(Value::List(all)) = self.peek(*slot, &array) else {
+            return None;
+        };
+        Some(Range {
+            slot: *slot,
+            length: all.len().checked_sub(first)?,
+            array,
+            first,
+        })
+    }
+
+    fn values_of(&self, range: &Range) -> Vec<Value> {
+        let spots = (0..range.length).map(|i| range.at(i));
+        spots.map(|(slot, path)| self.at(slot, &path)).collect()
+    }
+
+    fn write(&mut self, range: &Range, values: Vec<Value>) {
+        for (i, value) in values.into_iter().enumerate() {
+            let (slot, path) = range.at(i);
+            let kind = self.kind_at(slot, &path);
+            self.put(slot, &path, shape::deep(value, kind));
+        }
+    }
+
+    /// What moves or sets elements.
+    fn moved_about(&mut self, name: &str, values: &[Value]) -> Option<Value> {
+        let count = |value: &Value| usize::try_from(value.whole()?).ok();
+        let (range, written) = match (name, values) {
+            ("fill", [from, to, value]) => {
+                let range = self.range(from, to)?;
+                let all = vec![value.clone(); range.length];
+                (range, all)
+            }
+            ("fill_n", [from, length, value]) => {
+                let range = self.counted(from, count(length)?)?;
+                let all = vec![value.clone(); range.length];
+                (range, all)
+            }
+            ("iota", [from, to, value]) => {
+                let range = self.range(from, to)?;
+                let next = |i: usize| Value::binary("+", value, &Value::Whole(i as i64)).ok();
+                let all = (0..range.length).map(next).collect::<Option<_>>()?;
+                (range, all)
+            }
+            ("copy", [from, to, into]) => {
+                let all = self.values_of(&self.range(from, to)?);
+                (self.counted(into, all.len())?, all)
+            }
+            ("copy_n", [from, length, into]) => {
+                let all = self.values_of(&self.counted(from, count(length)?)?);
+                (self.counted(into, all.len())?, all)
+            }
+            ("iter_swap", [a, b]) => {
+                let (a, b) = (self.counted(a, 1)?, self.counted(b, 1)?);
+                let (one, other) = (self.values_of(&a), self.values_of(&b));
+                self.write(&a, other);
+                (b, one)
+            }
+            ("rotate", [from, middle, to]) => {
+                let range = self.range(from, to)?;
+                let mut all = self.values_of(&range);
+                all.rotate_left(self.range(from, middle)?.length);
+                (range, all)
+            }
+            ("reverse" | "sort" | "stable_sort", [from, to]) => {
+                let range = self.range(from, to)?;
+                let mut all = self.values_of(&range);
+                if name == "reverse" {
+                    all.reverse();
+                } else {
+                    sorted(&mut all)?;
+                }
+                (range, all)
+            }
+            _ => return None,
+        };
+        let end = range.pointer(range.length);
+        self.write(&range, written);
+        Some(end)
+    }
+
+    /// What is found in elements, or made of them.
+    fn looked(&self, name: &str, values: &[Value]) -> Option<Value> {
+        let range = self.range(values.first()?, values.get(1)?)?;
+        let all = self.values_of(&range);
+        let numbers: Vec<f64> = all.iter().map(Value::number).collect::<Option<_>>()?;
+        let wanted = values.get(2).map(Value::number);
+        match (name, wanted) {
+            ("min_element" | "max_element", None) => {
+                let mut best = 0;
+                for (i, number) in numbers.iter().enumerate() {
+                    let better = if name == "min_element" {
+                        *number < numbers[best]
+                    } else {
+                        *number > numbers[best]
+                    };
+                    if better {
+                        best = i;
+                    }
+                }
+                Some(range.pointer(best))
+            }
+            ("count", Some(Some(wanted))) => {
+                let found = numbers.iter().filter(|it| **it == wanted);
+                Some(Value::Whole(found.count() as i64))
+            }
+            ("find", Some(Some(wanted))) => {
+                let found = numbers.iter().position(|it| *it == wanted);
+                Some(range.pointer(found.unwrap_or(range.length)))
+            }
+            ("accumulate", Some(Some(_))) if values.len() == 3 => {
+                // The sum is of the type of what it begins with.
+                let kind = values[2].kind();
+                let mut sum = values[2].clone();
+                for value in &all {
+                    sum = Value::binary("+", &sum, value).ok()?.converted(kind);
+                }
+                Some(sum)
+            }
+            _ => None,
+        }
+    }
+
+    /// A function is called with every element.
+    fn applied(&mut self, name: &str, values: &[Value], place: Place) -> Option<Value> {
+        let (range, into, function) = match (name, values) {
+            ("for_each", [from, to, Value::Lambda(function)]) => {
+                (self.range(from, to)?, None, function)
+            }
+            ("transform", [from, to, into, Value::Lambda(function)]) => {
+                let range = self.range(from, to)?;
+                let into = self.counted(into, range.length)?;
+                (range, Some(into), function)
+            }
+            _ => return None,
+        };
+        for i in 0..range.length {
+            let value = self.called_with(function, range.at(i), place);
+            if let Some(into) = &into {
+                let (slot, path) = into.at(i);
+                let kind = self.kind_at(slot, &path);
+                self.put(slot, &path, shape::deep(value, kind));
+            }
+        }
+        Some(into.map_or(Value::Whole(0), |it| it.pointer(it.length)))
+    }
+
+    fn called_with(&mut self, function: &Rc<Function>, spot: Spot, place: Place) -> Value {
+        let value = self.at(spot.0, &spot.1);
+        let kind = self.kind_at(spot.0, &spot.1);
+        let argument = Argument {
+            value,
+            spot: Some(spot),
+            kind,
+        };
+        self.enter_with(function, vec![argument], None, place)
+    }
+}
+
+/// Sorts numbers; nothing where some are not known.
+fn sorted(all: &mut [Value]) -> Option<()> {
+    if all.iter().any(|it| it.number().is_none()) {
+        return None;
+    }
+    let number = |it: &Value| it.number().unwrap_or_default();
+    // In the order of C++: equal ones stay as they are.
+    all.order_by(|a, b| number(a).total_cmp(&number(b)));
+    Some(())
+}
