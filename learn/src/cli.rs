@@ -1,7 +1,7 @@
 //! The command line: the only place that prints.
 
 use std::{
-    io::{self, IsTerminal, Write as _},
+    io::IsTerminal,
     path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
     time::{Duration, Instant},
@@ -17,7 +17,7 @@ use crate::{
     network::Network,
     report::Report,
     task::Task,
-    train::{Job, Progress, Run, State, TrainError, Trainee},
+    train::{Job, Progress, Run, State, Trainee},
 };
 
 /// Learns kernels and thresholds of event sensors for a task, and judges them at equal bits.
@@ -84,32 +84,13 @@ pub fn run(arguments: Arguments) -> Result<()> {
     }
 }
 
-/// Prints to standard output. A reader that has gone (`… | head`) ends the program quietly; what else
-/// stands in the way is said.
-fn say(text: &str) {
-    let mut out = io::stdout().lock();
-    let said = out.write_all(text.as_bytes()).and_then(|()| out.flush());
-    if let Err(cause) = said {
-        let gone = cause.kind() == io::ErrorKind::BrokenPipe;
-        if !gone {
-            eprintln!("nothing more can be printed: {cause}");
-        }
-        std::process::exit(i32::from(!gone));
-    }
-}
-
-/// Prints a line.
-fn line(text: String) {
-    say(&(text + "\n"));
-}
-
 fn report(run: &Path) -> Result<()> {
     let report = Report::read(run)?;
-    say(&report.table());
+    print!("{}", report.table());
     let page = run.join("report.html");
     let text = report.page();
     save(&page, |out| out.write_all(text.as_bytes()))?;
-    line(page.display().to_string());
+    println!("{}", page.display());
     Ok(())
 }
 
@@ -160,7 +141,7 @@ fn train(asked: &RunArguments) -> Result<()> {
                 let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
                 let done = done.and_then(|()| run.record().map(|_| ()));
                 match done {
-                    Ok(()) => line(format!("{name}: done")),
+                    Ok(()) => println!("{name}: done"),
                     // Others may well reach their targets.
                     Err(error) if error.is_of_the_arm() => {
                         ended.0 += 1;
@@ -242,7 +223,7 @@ const PILOT: u64 = 6;
 
 /// Says what is to be done, how long it takes, and what it holds.
 fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>]) -> Result<()> {
-    line(format!(
+    println!(
         "{}: {} arms of {} steps, {} clips of {}x{} in each",
         task.name,
         jobs.len(),
@@ -250,7 +231,7 @@ fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>]) -> Result<()> {
         task.batch,
         task.crop,
         task.crop
-    ));
+    );
     // As it will be done: on one thread, the jobs side by side.
     let together = together(jobs);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(if together > 1 {
@@ -271,20 +252,11 @@ fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>]) -> Result<()> {
         let timed = pool.install(|| {
             let judged = judged == Some(&arm.name);
             Timed::new((task, run), job, judged)
-        });
-        let timed = match timed {
-            Ok(timed) => timed,
-            // It is told when its turn comes; others may well reach their targets.
-            Err(error) if error.is_of_the_arm() => {
-                line(format!("  {:<12} {} x not timed", arm.name, own.len()));
-                continue;
-            }
-            Err(error) => return Err(error.into()),
-        };
+        })?;
         judge = judge.max(timed.judge);
         total += timed.steps * own.len() as u32;
         most = most.max(timed.bytes);
-        line(format!(
+        println!(
             "  {:<12} {} x {:.1} min, {:.0} ms a step, {} weights, {:.0} MB",
             arm.name,
             own.len(),
@@ -292,19 +264,19 @@ fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>]) -> Result<()> {
             timed.step.as_secs_f64() * 1e3,
             timed.weights,
             timed.bytes as f64 * 1e-6
-        ));
+        );
     }
     let told = jobs.iter().filter(|job| job.arm.cells().is_some()).count();
-    line(format!(
+    println!(
         "  {told} x {:.0} s to judge on the chip at most",
         judge.as_secs_f64()
-    ));
+    );
     total += judge * told as u32;
-    line(format!(
+    println!(
         "about {:.0} min in all, {together} at a time, {:.0} MB",
         total.as_secs_f64() / 60.0 / together as f64,
         (most * together + run.training().bytes()) as f64 * 1e-6
-    ));
+    );
     Ok(())
 }
 
@@ -320,11 +292,7 @@ struct Timed {
 }
 
 impl Timed {
-    fn new(
-        (task, run): (&Task, &Run<'_>),
-        job: &Job<'_>,
-        judged: bool,
-    ) -> Result<Self, TrainError> {
+    fn new((task, run): (&Task, &Run<'_>), job: &Job<'_>, judged: bool) -> Result<Self> {
         let mut trainee = Trainee::new((task, job.arm), (job.target, job.seed), run.training())?;
         let steps = if job.arm.sight == Sight::Blend {
             0

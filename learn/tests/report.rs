@@ -149,28 +149,6 @@ fn seeds_that_have_not_run_to_the_end_are_left_out() {
     assert!(!none.table().contains("left out"));
 }
 
-/// One photograph or one seed tells nothing of others.
-#[test]
-fn one_of_a_kind_tells_no_interval() {
-    let only = |keeps: &dyn Fn(&Row) -> bool| {
-        let mut record = record();
-        record.rows.retain(keeps);
-        Report::new(record)
-    };
-    let first = record().rows[0].clone();
-    let seed = only(&|row| row.seed == first.seed);
-    let photograph = only(&|row| row.photograph == first.photograph);
-    for (report, word) in [(seed, "one seed"), (photograph, "one photograph")] {
-        let won = report.difference("rgc", "dvs", Metric::Psnr).unwrap();
-        assert!(won.mean > 0.5 && !won.shown(), "{won:?}");
-        let table = report.table();
-        assert!(
-            table.contains(&format!("not shown: {word} tells no interval")),
-            "{table}"
-        );
-    }
-}
-
 #[test]
 fn differences_are_those_at_equal_bits() {
     let report = Report::new(record());

@@ -556,16 +556,6 @@ fn what_cannot_be_trained_says_why() {
         ("[0.05]", "[0]", "a target of 0 events"),
         ("\"dvs\"", "\"dvss\"", "dvs"),
         ("\"dvs\"", "\"dvs\", \"dvs\"", "takes part twice"),
-        (
-            "[0.05]",
-            "[0.05, 0.05]",
-            "the target 0.05 stands there twice",
-        ),
-        (
-            "seeds = [7]",
-            "seeds = [7, 7]",
-            "the seed 7 stands there twice",
-        ),
         ("crop = 16", "crop = 17", "not a multiple of 2"),
         ("steps = 12", "stepps = 12", "steps"),
         ("pan = 1", "frames = 8", "none in the middle"),

@@ -67,12 +67,7 @@ impl Kept {
         }
         stages.iter().find(|stage| stage.form != Form::Trained)?;
         let base = (BASE, Form::Trained, Decoder::Own);
-        // What is won and what is kept of it, on the same clips.
-        let on_chip: Vec<Row> = { rows.iter() }
-            .filter(|row| shown.contains(&row.clip))
-            .cloned()
-            .collect();
-        let against = |of| Difference::new(&on_chip, (of, base), metric);
+        let against = |of| Difference::new(rows, (of, base), metric);
         Some(Self {
             arm: arm.to_owned(),
             won: [Decoder::Own, Decoder::Retrained]

@@ -37,17 +37,10 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Whether chance alone does not make it: the interval is on one side of 0. One photograph or
-    /// one seed tells nothing of others.
+    /// Whether chance alone does not make it: the interval is on one side of 0.
     #[must_use]
     pub fn shown(&self) -> bool {
-        !self.is_single() && (self.interval[0] > 0.0 || self.interval[1] < 0.0)
-    }
-
-    /// Whether there is only one photograph, or one seed, so that the interval is none.
-    #[must_use]
-    pub const fn is_single(&self) -> bool {
-        self.photographs < 2 || self.seeds < 2
+        self.interval[0] > 0.0 || self.interval[1] < 0.0
     }
 
     /// Of two arms in two forms; `None` where they have no bits in common.

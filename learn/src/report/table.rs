@@ -170,13 +170,6 @@ pub(super) fn told(difference: Option<&Difference>, metric: Metric) -> String {
     };
     let digits = metric.digits();
     let [low, high] = own.interval;
-    if own.is_single() {
-        let only = if own.seeds < 2 { "seed" } else { "photograph" };
-        return format!(
-            "{:+.digits$}  not shown: one {only} tells no interval",
-            own.mean
-        );
-    }
     let verdict = match (own.shown(), own.mean * metric.sign() > 0.0) {
         (false, _) => "not shown",
         (true, true) => "better",

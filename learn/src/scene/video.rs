@@ -7,7 +7,6 @@ use amacrine::{
     scene::{OpenOptions, open},
 };
 use ndarray::{Array3, s};
-use sha2::{Digest, Sha256};
 
 use super::{
     clip::Clip,
@@ -43,20 +42,6 @@ impl Video {
             frames: frames.into(),
             path: PathBuf::from(spec),
         })
-    }
-
-    /// Of all that it shows, whatever it is called.
-    #[must_use]
-    pub fn checksum(&self) -> String {
-        let mut sum = Sha256::new();
-        for frame in self.frames.iter() {
-            let (height, width) = frame.dim();
-            sum.update((height as u64).to_le_bytes());
-            sum.update((width as u64).to_le_bytes());
-            sum.update(frame.iter().copied().collect::<Vec<u8>>());
-        }
-        let sum = sum.finalize();
-        sum.iter().map(|byte| format!("{byte:02x}")).collect()
     }
 
     /// The first four fifths, and the rest, which is held out.

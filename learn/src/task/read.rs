@@ -65,12 +65,6 @@ impl Task {
         if let (Some(folder), Some(beside)) = (&mut task.scenes.photographs, path.parent()) {
             *folder = beside.join(&*folder);
         }
-        // A pattern lies nowhere.
-        if let (Some(video), Some(beside)) = (&mut task.scenes.video, path.parent())
-            && beside.join(&*video).exists()
-        {
-            *video = beside.join(&*video).display().to_string();
-        }
         Ok(task)
     }
 
@@ -162,15 +156,7 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
         }
         arms.push(arm);
     }
-    let mut seeds = Vec::new();
-    for node in task.list("seeds") {
-        let seed = node.as_whole().unwrap_or_default();
-        if seeds.contains(&seed) {
-            let message = format!("the seed {seed} stands there twice");
-            return Err(Fault::error(node.place(), message, "remove one"));
-        }
-        seeds.push(seed);
-    }
+    let seeds = task.list("seeds");
     Ok(Task {
         name: task.maybe_text("name").unwrap_or_else(|| stem.to_owned()),
         goal,
@@ -178,7 +164,7 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
         batch: task.whole("batch")? as usize,
         crop,
         targets,
-        seeds,
+        seeds: seeds.iter().filter_map(|seed| seed.as_whole()).collect(),
         arms,
         widths,
         convolutions,
@@ -203,10 +189,6 @@ fn targets(task: &Section<'_>) -> Read<Vec<f64>> {
             let message = format!("a target of {target} events a pixel and pair of frames");
             return Err(Fault::error(node.place(), message, "above 0 and at most 1")
                 .help("at more than one event a pixel and pair frames are cheaper than events"));
-        }
-        if targets.contains(&target) {
-            let message = format!("the target {target} stands there twice");
-            return Err(Fault::error(node.place(), message, "remove one"));
         }
         targets.push(target);
     }

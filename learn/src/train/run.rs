@@ -375,12 +375,11 @@ fn clips(task: &Task) -> Result<(Clips, Clips, String), TrainError> {
     let flow = task.goal == Goal::Flow;
     let kept = |clips: Clips| clips.kept(scenes.clips, flow);
     if let Some(video) = &scenes.video {
-        let whole = Video::open(video)?;
-        let (training, held_out) = whole.split();
+        let (training, held_out) = Video::open(video)?.split();
         return Ok((
             kept(Clips::of_video(&training, crop, scenes.frames, TRAINING)?),
             Clips::of_video(&held_out, large, scenes.frames, HELD_OUT)?,
-            whole.checksum(),
+            video.clone(),
         ));
     }
     let photographs = match &scenes.photographs {
