@@ -14,6 +14,7 @@ mod error;
 mod evaluate;
 mod export;
 mod on_chip;
+mod pilot;
 mod price;
 mod retrain;
 mod run;
