@@ -742,7 +742,7 @@ fn what_cannot_be_trained_says_why() {
         ("[0.05]", "[0]", "a target of 0 events"),
         ("\"dvs\"", "\"dvss\"", "dvs"),
         ("\"dvs\"", "\"dvs\", \"dvs\"", "takes part twice"),
-        ("\"dvs\"", "\"po2-9\"", "po2-N"),
+        ("\"dvs\"", "\"po2-9\"", "cannot be \"po2-9\""),
         (
             "\"dvs\"",
             "\"ternary:zero:d4\"",

@@ -13,6 +13,7 @@ mod checkpoint;
 mod error;
 mod evaluate;
 mod export;
+mod lock;
 mod on_chip;
 mod pilot;
 mod price;

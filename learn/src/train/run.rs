@@ -2,8 +2,7 @@
 
 use std::{
     fmt::Write as _,
-    fs::{File, TryLockError},
-    io::ErrorKind,
+    fs::File,
     path::{Path, PathBuf},
     sync::atomic::{AtomicBool, AtomicUsize, Ordering},
 };
@@ -25,7 +24,7 @@ use crate::{
 use super::{
     checkpoint,
     error::TrainError,
-    export,
+    export, lock,
     on_chip::Sources,
     trainee::{State, Trainee},
 };
@@ -171,24 +170,7 @@ impl<'a> Run<'a> {
     /// # Errors
     /// When another one does, or the folder cannot be made.
     pub fn lock(&self) -> Result<File, TrainError> {
-        make_folder(&self.folder)?;
-        let path = self.folder.join(LOCK);
-        let unreadable = |cause| TrainError::Unreadable {
-            path: path.clone(),
-            cause,
-        };
-        let mut options = File::options();
-        let file = options.write(true).create(true).truncate(false).open(&path);
-        let file = file.map_err(unreadable)?;
-        match file.try_lock() {
-            Ok(()) => Ok(file),
-            Err(TryLockError::WouldBlock) => Err(TrainError::Busy {
-                path: self.folder.clone(),
-            }),
-            // Not every file system has locks: there it is up to the user.
-            Err(TryLockError::Error(cause)) if cause.kind() == ErrorKind::Unsupported => Ok(file),
-            Err(TryLockError::Error(cause)) => Err(unreadable(cause)),
-        }
+        lock::take(&self.folder)
     }
 
     /// Whether a job was trained and judged.
@@ -407,7 +389,6 @@ impl<'a> Run<'a> {
 }
 
 const ARMS: &str = "arms";
-const LOCK: &str = "lock";
 const CHECKPOINT: &str = "checkpoint";
 const FINISHED: &str = "finished.json";
 
