@@ -1,4 +1,4 @@
-//! `docs/guides/learn-a-kernel.md`, followed to the letter: its task, its commands, what they leave.
+//! `docs/guides/learn-a-kernel.md`, followed to the letter: its task, its lines of `amacrine-learn`, what they leave.
 
 use std::{fs, path::Path, process::Command};
 
