@@ -755,6 +755,43 @@ fn a_batch_is_its_clips() {
     assert!(distance(&sum, &flat(&all)) < 1e-12);
 }
 
+/// As many kinds as there may be: each has the gradient that it has alone.
+#[test]
+fn sixteen_kinds_are_each_their_own() {
+    const KINDS: usize = 16;
+    let size = Size::new(40, 24);
+    for rule in [Rule::Mean, Rule::Through] {
+        let (model, seen, voxels) =
+            batch::<f64>(&sensor(SENSORS[1], "\"identity\"", KINDS), size, 2);
+        let ask = Ask {
+            voxels: Some(&voxels),
+            ..Ask::default()
+        };
+        let all = model.backward(&seen, &ask, rule).unwrap();
+        assert_eq!(all.channels.len(), KINDS);
+        for (k, own) in all.channels.iter().enumerate() {
+            let cell = channel(5, 10 * k as u64, "");
+            let text = format!("response = \"identity\"\n{}\n{cell}", SENSORS[1].1);
+            let (alone, seen, _) = batch::<f64>(&text, size, 2);
+            // Of (clips, frames, kinds, rows, columns), its own.
+            let planes = voxels.chunks(size.pixels()).skip(k).step_by(KINDS);
+            let voxels: Vec<f64> = planes.flatten().copied().collect();
+            let ask = Ask {
+                voxels: Some(&voxels),
+                ..Ask::default()
+            };
+            let alone = alone.backward(&seen, &ask, rule).unwrap();
+            let own = Gradient::<f64> {
+                channels: vec![own.clone()],
+                light: None,
+            };
+            let (own, alone) = (flat(&own), flat(&alone));
+            assert!(alone.iter().any(|v| v.abs() > 1e-3), "{rule:?}, kind {k}");
+            assert!(distance(&own, &alone) < 1e-12, "{rule:?}, kind {k}");
+        }
+    }
+}
+
 /// Which tensor, and where in it.
 #[test]
 fn what_is_not_finite_is_named() {
@@ -844,11 +881,11 @@ fn what_has_no_gradient_is_refused() {
 
 /// The cosine between a rule's gradient of the kernel and the differences of the loss, both averaged
 /// over the phase of the memory, and their ratio of lengths.
-fn phase_averaged(rules: &str, theta: f64, want: &[Rule]) -> Vec<(f64, f64)> {
+fn phase_averaged((rules, more): (&str, &str), theta: f64, want: &[Rule]) -> Vec<(f64, f64)> {
     const PHASES: usize = 64;
     const FRAMES: usize = 9;
     let size = Size::new(10, 10);
-    let text = format!("response = \"identity\"\n{rules}\n{}", channel(5, 4, ""));
+    let text = format!("response = \"identity\"\n{rules}\n{}", channel(5, 4, more));
     let mut base = describe(&text);
     for threshold in base.channels.iter_mut().flat_map(|c| &mut c.thresholds) {
         (threshold.on, threshold.off) = (theta, theta);
@@ -913,7 +950,7 @@ fn phase_averaged(rules: &str, theta: f64, want: &[Rule]) -> Vec<(f64, f64)> {
         ));
     }
     println!(
-        "{rules}, threshold {theta}, {:.2} events a pixel and pair: {want:?}: (cosine, length) {found:.3?}",
+        "{rules} {more}, threshold {theta}, {:.2} events a pixel and pair: {want:?}: (cosine, length) {found:.3?}",
         first.rate()
     );
     found
@@ -927,7 +964,7 @@ const AUTHORS: &str = "memory = \"filtered-step\"\nrefractory = { us = 0, rule =
 fn through_points_where_the_loss_falls_and_authors_does_not() {
     let rules = [Rule::Authors, Rule::Reset, Rule::Through, Rule::Mean];
     for (memory, rules) in [(STEP, &rules[..]), (AUTHORS, &rules[..3])] {
-        let found = phase_averaged(memory, 0.012, rules);
+        let found = phase_averaged((memory, ""), 0.012, rules);
         assert!(found[2].0 >= 0.9, "through has a cosine of {}", found[2].0);
         assert!(found[0].0 < 0.9, "authors has a cosine of {}", found[0].0);
     }
@@ -935,18 +972,26 @@ fn through_points_where_the_loss_falls_and_authors_does_not() {
 
 /// Where events are few, a cell's turns count: `through` takes a cell that has turned for one that
 /// follows, `mean` does not.
+/// The logarithm after the kernel: where events are many, its gradient is the difference.
+#[test]
+fn a_logarithm_points_where_the_loss_falls() {
+    let found = phase_averaged((STEP, "log-temporal = true"), 0.01, &[Rule::Through]);
+    let (cosine, length) = found[0];
+    assert!(cosine > 0.9 && (0.7..1.4).contains(&length), "{found:?}");
+}
+
 #[test]
 fn mean_points_where_the_loss_falls_when_events_are_few() {
     let rules = [Rule::Authors, Rule::Reset, Rule::Through, Rule::Mean];
     for theta in [0.05, 0.15] {
-        let found = phase_averaged(STEP, theta, &rules);
+        let found = phase_averaged((STEP, ""), theta, &rules);
         assert!(found[3].0 >= 0.9, "mean has a cosine of {}", found[3].0);
         for (other, rule) in found[..3].iter().zip(rules) {
             assert!(other.0 < found[3].0, "{rule:?} has a cosine of {}", other.0);
         }
     }
     // One crossing in a few is lost to the dead time: on average, which is what `mean` takes it for.
-    let found = phase_averaged(DEAD, 0.05, &rules);
+    let found = phase_averaged((DEAD, ""), 0.05, &rules);
     assert!(found[3].0 >= 0.9, "mean has a cosine of {}", found[3].0);
 }
 

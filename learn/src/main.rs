@@ -1,7 +1,13 @@
 //! `amacrine-learn`: learns the arms of a task.
 
+use std::process::ExitCode;
+
+use amacrine_learn::cli::{Arguments, failed, run};
 use clap::Parser;
 
-fn main() -> miette::Result<()> {
-    amacrine_learn::cli::run(amacrine_learn::cli::Arguments::parse())
+fn main() -> ExitCode {
+    match run(Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(report) => failed(&report),
+    }
 }

@@ -1,4 +1,4 @@
-//! `docs/guides/learn-a-kernel.md`, followed to the letter: its task, its commands, what they leave.
+//! `docs/guides/learn-a-kernel.md`, followed to the letter: its task, its lines of `amacrine-learn`, what they leave.
 
 use std::{fs, path::Path, process::Command};
 
@@ -82,7 +82,12 @@ fn what_is_wrong_is_told_in_a_sentence() {
             .save(at.join(format!("small/{n}.png")))
             .unwrap();
     }
+    let text = fs::read_to_string(at.join("task.toml")).unwrap();
+    let inside = format!("{text}[scenes]\nphotographs = \"empty\"\n");
+    fs::write(at.join("inside.toml"), inside).unwrap();
     for (arguments, says) in [
+        ("inside.toml -o r", "inside.toml:7: `photographs`"),
+        ("inside.toml -o r", "no photographs"),
         ("task.toml -o r --arm dvss", "no arm `dvss` takes part"),
         ("none.toml -o r", "none.toml"),
         ("wrong.toml -o r", "interpolation"),

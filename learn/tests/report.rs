@@ -241,6 +241,85 @@ fn the_chip_keeps_a_part() {
     assert!(verdict.contains("is not shown"), "{verdict}");
 }
 
+/// The chip is shown a part of the clips: what is kept is a part of what is won on these.
+#[test]
+fn what_is_kept_and_what_is_won_are_of_the_same_clips() {
+    let few = |row: &Row| row.clip < 8;
+    let mut uneven = record();
+    uneven
+        .rows
+        .retain(|row| row.form == Form::Trained || few(row));
+    for row in uneven
+        .rows
+        .iter_mut()
+        .filter(|row| row.arm == "rgc" && !few(row))
+    {
+        row.psnr = row.psnr.map(|psnr| psnr - 0.9);
+    }
+    let mut shown = uneven.clone();
+    shown.rows.retain(few);
+    let kept = Report::new(uneven).kept().remove(0);
+    let alone = Report::new(shown);
+    assert_eq!(kept.float, alone.difference("rgc", "dvs", Metric::Psnr));
+    let share = kept.won[0].1.mean / kept.float.unwrap().mean;
+    assert!((0.4..0.8).contains(&share), "{share}");
+}
+
+/// One photograph or one seed says nothing of others, however many clips there are.
+#[test]
+fn one_of_a_kind_shows_nothing() {
+    let mut one_photograph = record();
+    one_photograph.rows.retain(|row| row.photograph == "0.jpg");
+    let mut one_seed = record();
+    one_seed.rows.retain(|row| row.seed == 0);
+    let mut one_of_both = one_seed.clone();
+    one_of_both.rows.retain(|row| row.photograph == "0.jpg");
+    let says = [
+        (one_photograph, "over seeds alone", "only one photograph"),
+        (one_seed, "over photographs alone", "only one seed"),
+        (one_of_both, "no interval", "only one seed"),
+    ];
+    for (record, interval, note) in says {
+        let report = Report::new(record);
+        let difference = report.difference("rgc", "dvs", Metric::Psnr).unwrap();
+        assert!(!difference.shown(), "{difference:?}");
+        let (table, page) = (report.table(), report.page());
+        let line = { table.lines() }.find(|line| line.starts_with("rgc minus dvs"));
+        let line = line.unwrap();
+        assert!(
+            line.contains(interval) && line.ends_with("not shown"),
+            "{line}"
+        );
+        assert!(table.contains(note) && page.contains(note), "{table}");
+        assert!(
+            !table.contains("better") && !table.contains("worse"),
+            "{table}"
+        );
+        assert!(!table.contains("at least half"), "{table}");
+    }
+    assert!(!Report::new(record()).table().contains("only one"));
+}
+
+/// What is missing is said: a metric that does not fit, a target without an event.
+#[test]
+fn what_is_missing_is_said() {
+    let mut bare = record();
+    for row in &mut bare.rows {
+        row.ssim = None;
+        if row.arm == "same" && row.target == TARGETS[0] {
+            (row.events, row.bits) = (0, 0);
+        }
+    }
+    let table = Report::new(bare).table();
+    assert!(table.contains("SSIM is not told"), "{table}");
+    assert!(
+        table.contains("same: not one event on the held-out clips where 0.02 a pixel and pair"),
+        "{table}"
+    );
+    let whole = Report::new(record()).table();
+    assert!(!whole.contains("is not told") && !whole.contains("not one event"));
+}
+
 #[test]
 fn the_surround_has_an_interval_over_seeds() {
     let found = Report::new(record()).surround().unwrap();

@@ -109,6 +109,107 @@ fn a_checkpoint_without_room_is_an_error() {
     assert!(command(&task, &run).status().unwrap().success());
 }
 
+/// Arms that are quick, and a task file of them.
+fn small(folder: &Path, from: &str, to: &str) -> std::path::PathBuf {
+    let task = folder.join("task.toml");
+    let text = TASK.replace("arms = [\"none\", \"rgc\", \"mesh\"]", "arms = [\"dvs\"]");
+    fs::write(&task, text.replace(from, to)).unwrap();
+    task
+}
+
+/// A reader that goes ends the program quietly; a full disk behind standard output is told.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_reader_that_has_gone_is_no_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = small(folder.path(), "", "");
+    let run = folder.path().join("run");
+    assert!(command(&task, &run).status().unwrap().success());
+    let other = folder.path().join("other");
+    let train = [task.as_os_str(), "-o".as_ref(), other.as_os_str()];
+    let report = ["report".as_ref(), run.as_os_str()];
+    for arguments in [&train[..], &report[..]] {
+        let program = || {
+            let mut program = Command::new(PROGRAM);
+            program.args(arguments).stderr(Stdio::piped());
+            program
+        };
+        let mut child = program().stdout(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert!(output.status.success(), "{}", told(&output));
+        assert_eq!(told(&output), "");
+        let full = fs::File::options().write(true).open("/dev/full").unwrap();
+        let output = program().stdout(full).output().unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        let text = told(&output);
+        assert!(text.contains("cannotwritetostandardoutput"), "{text}");
+        assert!(!text.contains("panicked"), "{text}");
+    }
+}
+
+/// A target that an arm cannot reach stops neither the others nor, told first, all of them.
+#[test]
+fn what_cannot_be_trained_leaves_the_rest_whatever_the_order() {
+    let folder = tempfile::tempdir().unwrap();
+    // Half of it stands still, and with such a dead time no other cell makes more than one event a pair.
+    let film = ndarray::Array3::from_shape_fn((60, 32, 32), |(t, y, x)| {
+        let place = Hash::new(1).with(y as u64).with(x as u64);
+        let moving = place.with(if x < 16 { t as u64 } else { 0 });
+        (200.0 * moving.uniform()) as u8
+    });
+    ndarray_npy::write_npy(folder.path().join("film.npy"), &film).unwrap();
+    for (targets, name) in [("[1.0, 0.05]", "first"), ("[0.05, 1.0]", "last")] {
+        let task = small(folder.path(), "[0.05]", targets);
+        let text = fs::read_to_string(&task).unwrap();
+        let text = text.replace("pan = 1", "video = \"film.npy\"");
+        let sensor = "[sensor]\nrefractory-us = 4100\nlight-noise = 0\n";
+        fs::write(&task, format!("{text}{sensor}")).unwrap();
+        let run = folder.path().join(name);
+        let output = Command::new(PROGRAM)
+            .args([task.as_os_str(), "-o".as_ref(), run.as_os_str()])
+            .output()
+            .unwrap();
+        let errors = told(&output);
+        assert_eq!(output.status.code(), Some(1), "{errors}");
+        assert!(errors.contains("1of2armscouldnotbetrained"), "{errors}");
+        assert!(errors.contains("task.toml:6:`targets`"), "{errors}");
+        assert!(
+            run.join("arms/dvs-0.05-1/finished.json").exists(),
+            "{errors}"
+        );
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(said.contains("dvs-0.05-1: done"), "{said}");
+    }
+}
+
+/// What is done is not told of as still to be trained, and what a price costs is told.
+#[test]
+fn a_dry_run_tells_what_is_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let task = small(folder.path(), "", "");
+    let run = folder.path().join("run");
+    assert!(command(&task, &run).status().unwrap().success());
+    let dry = |more: &[&str]| {
+        let mut program = Command::new(PROGRAM);
+        program.args([task.as_os_str(), "-o".as_ref(), run.as_os_str()]);
+        let output = program.args(more).arg("--dry-run").output().unwrap();
+        assert!(output.status.success(), "{}", told(&output));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let said = dry(&["--resume"]);
+    assert!(
+        said.contains(": 0 arms of 20 steps") && said.contains("; 1 more are done"),
+        "{said}"
+    );
+    assert!(!said.contains("ms a step"), "{said}");
+    let text = fs::read_to_string(&task).unwrap();
+    let text = text.replace("\"dvs\"", "\"ternary\"");
+    fs::write(&task, format!("{text}[price]\nwords = 1e-6\n")).unwrap();
+    let said = dry(&[]);
+    assert!(said.contains("for [price] at most"), "{said}");
+}
+
 /// The same on a file system that is full. It is mounted, which asks for rights of its own.
 #[test]
 #[ignore = "mounts a file system: needs root"]

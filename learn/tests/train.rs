@@ -9,13 +9,17 @@ use std::{
 };
 
 use amacrine::{
-    event::Packet,
+    array::Arithmetic,
+    event::{Packet, Polarity},
     gradient::{Clips as Light, Model},
-    number::F32,
+    isa::Device,
+    number::{F32, Format},
     plane::{Plane, Size},
     reference::{Description, MemoryRule, Reference},
     scene::Frame,
     sensor::Sensor,
+    study::expanded::Expanded,
+    unit::Micros,
 };
 use amacrine_learn::{
     network::{Adam, Network},
@@ -162,7 +166,7 @@ fn gone(text: &str, steps: u64) -> Vec<State> {
 /// the loop: its whole thresholds, its noise, its memory.
 #[test]
 fn levels_hold_still_while_the_network_learns() {
-    for arm in ["ternary", "int-5", "rgc-rounded"] {
+    for arm in ["ternary", "int-5", "rgc-rounded", "po2-2"] {
         let text = text("interpolation", &format!("{arm:?}"));
         let states = gone(&text, 12);
         let (free, held) = states.split_at(5);
@@ -202,6 +206,64 @@ fn a_price_of_events_moves_thresholds_to_the_end() {
         assert_ne!(two[0].threshold, two[1].threshold, "{}", two[1].step);
     }
     assert_eq!(states[6].kernel, states[11].kernel);
+    // That of a kernel which is given too: a high price makes it rise.
+    let text = self::text("interpolation", "\"dvs\"");
+    let states = gone(&format!("{text}[sparsity]\nweight = 1\n"), 12);
+    for two in states.windows(2) {
+        assert!(two[0].threshold < two[1].threshold, "{}", two[1].step);
+    }
+}
+
+/// What was learned at a price is what is judged and exported, not thresholds for the target.
+#[test]
+fn what_is_priced_is_judged_as_it_was_learned() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = text("interpolation", "\"dvs\", \"rgc\"").replace("steps = 12", "steps = 60");
+    let text = format!("{text}[rates]\nkernel = 0.05\n[sparsity]\nweight = 1\n");
+    let record = run(folder.path(), &text, false);
+    for arm in ["dvs", "rgc"] {
+        let learned = record.kernels.iter().rfind(|at| at.arm == arm).unwrap();
+        assert_eq!(learned.step, 60);
+        let path = folder.path().join("arms").join(format!("{arm}-0.05-1"));
+        let sensor = Description::open(path.join("sensor.toml")).unwrap();
+        assert_eq!(sensor.channels[0].thresholds[0].on, learned.on[0], "{arm}");
+        for form in [Form::Trained, Form::Silicon] {
+            let own = |row: &&amacrine_learn::record::Row| row.arm == arm && row.form == form;
+            let (events, cells) = { record.rows.iter().filter(own) }
+                .fold((0, 0), |(e, c), row| (e + row.events, c + row.cells));
+            assert!(
+                cells > 0 && events as f64 / cells as f64 * 2.0 < 0.05,
+                "{arm} {form:?}"
+            );
+        }
+    }
+}
+
+/// Thresholds that follow the target come back to it, on clips that were never seen and without being
+/// set on them.
+#[test]
+fn thresholds_follow_the_target_on_other_clips() {
+    let task = task(&text("interpolation", "\"dvs\"").replace("steps = 12", "steps = 300"));
+    let clips = clips(&task);
+    let mut trainee = Trainee::new((&task, &task.arms[0]), (0.05, 1), &clips).unwrap();
+    trainee.state.threshold *= 3.0;
+    let rate = |trainee: &Trainee<'_>| {
+        let batch = Batch::new(&clips, 100_000..100_128);
+        let kernels = trainee.applied().unwrap().unwrap().kernels;
+        let sensor = trainee.sensor(&kernels, trainee.state.threshold);
+        let light = batch.light(task.sensor.light_noise, amacrine::rng::Hash::new(8));
+        let times = task.scenes.times();
+        let model = Model::<f32>::new(sensor, batch.size(), 1).unwrap();
+        let lit = Light::new(&light, &times, batch.size()).unwrap();
+        model.forward(lit).unwrap().rate()
+    };
+    let far = rate(&trainee);
+    for _ in 0..300 {
+        trainee.step(&clips).unwrap();
+    }
+    let near = rate(&trainee);
+    assert!(far < 0.6 * near, "{far} and then {near}");
+    assert!((0.5..2.0).contains(&(near / 0.05)), "{near}");
 }
 
 /// A kernel of few values learns as a free one does. Levels that swing, and a latent kernel that
@@ -364,6 +426,65 @@ fn ten_stops_end_as_none() {
     }
 }
 
+/// The events of some frames, by the frame at which each is known, its place and its sign.
+fn seen(sensor: &mut dyn Sensor, frames: &[Frame]) -> Vec<(usize, u16, u16, bool)> {
+    let mut packet = Packet::new(sensor.size(), sensor.channels());
+    for frame in frames {
+        sensor.watch(frame, &mut packet).unwrap();
+    }
+    let times: Vec<Micros> = { frames.iter() }
+        .map(|frame| Micros::from_seconds(frame.seconds))
+        .collect();
+    let at = |event: &amacrine::event::Event| {
+        let frame = times.iter().position(|t| *t >= event.t).unwrap();
+        (frame, event.y, event.x, event.polarity == Polarity::On)
+    };
+    let mut events: Vec<_> = packet.events.iter().map(at).collect();
+    events.sort_unstable();
+    events
+}
+
+/// The sensor file of the chip's form and the program file are one sensor: in exact arithmetic they
+/// make the same events, each of them.
+#[test]
+fn the_exported_program_is_the_exported_chip_sensor() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = text("interpolation", "\"ternary\", \"int-5\"");
+    run(folder.path(), &text, false);
+    let task = task(&text);
+    let (_, held_out) = Photographs::bundled().unwrap().split();
+    let size = Size::new(24, 24);
+    let clips = Clips::new(&held_out, &Motion::default(), size, task.scenes.frames, 2).unwrap();
+    let batch = Batch::new(&clips, 0..4);
+    let light = batch.light(0.5, amacrine::rng::Hash::new(0));
+    let times = task.scenes.times();
+    for arm in ["ternary", "int-5"] {
+        let place = folder.path().join("arms").join(format!("{arm}-0.05-1"));
+        let sensor = Description::open(place.join("sensor-chip.toml")).unwrap();
+        assert!(sensor.channels[0].thresholds[0].sigma == 0.0);
+        let program = fs::read_to_string(place.join("program.scamp")).unwrap();
+        let program = Expanded::from_text("program.scamp", &program, &Device::scamp5()).unwrap();
+        let mut events = 0;
+        for clip in light.chunks(times.len() * size.pixels()) {
+            let frame = |(n, light): (usize, &[f32])| Frame {
+                index: n as u64,
+                seconds: times[n],
+                light: Plane::from_shape_fn((24, 24), |(y, x)| f64::from(light[24 * y + x])).into(),
+            };
+            let frames: Vec<Frame> = { clip.chunks(size.pixels()).enumerate() }
+                .map(frame)
+                .collect();
+            let exact = Arithmetic::Number(Format::F64);
+            let chip = program.chip(exact, size, program.settings()).unwrap();
+            let by_program = seen(&mut program.all_events(chip), &frames);
+            let mut float = Reference::in_format(Format::F64, sensor.clone(), size, 0).unwrap();
+            assert_eq!(by_program, seen(&mut float, &frames), "{arm}");
+            events += by_program.len();
+        }
+        assert!(events > 100, "{arm}: {events}");
+    }
+}
+
 #[test]
 fn what_is_judged_is_what_was_asked_for() {
     let folder = tempfile::tempdir().unwrap();
@@ -442,6 +563,71 @@ fn what_is_judged_is_what_was_asked_for() {
         mean("none"),
         mean("blend")
     );
+}
+
+/// What a video shows is what a run is known by, not its name; its place is the task file's.
+#[test]
+fn another_video_of_the_same_name_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let film = |dark: u8| {
+        let light = ndarray::Array3::from_shape_fn((20, 32, 32), |(t, y, x)| {
+            ((3 * t + 7 * y + 5 * x) % 200) as u8 / dark
+        });
+        ndarray_npy::write_npy(folder.path().join("film.npy"), &light).unwrap();
+    };
+    let path = folder.path().join("task.toml");
+    let text = text("interpolation", "\"none\"");
+    let text = text.replace("pan = 1", "frames = 3\nvideo = \"film.npy\"");
+    fs::write(&path, text).unwrap();
+    let task = Task::open(&path).unwrap();
+    let at = folder.path().join("run");
+    let train = |resume| {
+        let run = Run::new(&task, &at, resume).unwrap();
+        run.train(&run.jobs()[0], &mut |_| {})
+    };
+    film(1);
+    train(false).unwrap();
+    train(true).unwrap();
+    film(2);
+    let refused = train(true).unwrap_err().to_string();
+    assert!(refused.contains("other photographs"), "{refused}");
+}
+
+/// A run is known by what its task says, whatever the file is called; and is one process's at a time.
+#[test]
+fn a_run_goes_on_from_a_copy_of_its_task_and_is_locked() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = text("interpolation", "\"none\"");
+    run(folder.path(), &text, false);
+    let copy = text.replace("seeds = [1]", "seeds = [1, 2]");
+    let copy = Task::parse("copy.toml", &copy).unwrap();
+    let again = Run::new(&copy, folder.path(), true).unwrap();
+    assert!(again.is_done(&again.jobs()[0]).unwrap());
+    assert!(!again.is_done(&again.jobs()[1]).unwrap());
+    let other = Run::new(&copy, folder.path(), true).unwrap();
+    let lock = again.lock().unwrap();
+    assert!(matches!(other.lock(), Err(TrainError::Busy { .. })));
+    drop(lock);
+    drop(other.lock().unwrap());
+}
+
+/// What times are told by beforehand: a kernel with a long program, and every search of a price.
+#[test]
+fn what_is_told_beforehand_is_of_the_longest() {
+    let text = text("interpolation", "\"int-5\"");
+    for (price, kernels) in [("", 0), ("[price]\nwords = 1e-6\n", 75)] {
+        let task = task(&format!("{text}{price}"));
+        let clips = clips(&task);
+        let trainee = Trainee::new((&task, &task.arms[0]), (0.05, 1), &clips).unwrap();
+        assert_eq!(trainee.try_search(&clips).unwrap(), kernels);
+        let dense = trainee.dense().unwrap().applied().unwrap().unwrap();
+        let weights = dense.kernels[0].weights().iter();
+        assert!(weights.filter(|weight| **weight != 0.0).count() > 15);
+    }
+    let task = task(&text);
+    let clips = clips(&task).kept(100, false);
+    assert_eq!(clips.bytes_of(10), 10 * 9 * 16 * 16);
+    assert_eq!(clips.bytes_of(1000), 100 * 9 * 16 * 16);
 }
 
 /// A network that is trained on with the chip's events does better on them than the one before.
@@ -556,6 +742,23 @@ fn what_cannot_be_trained_says_why() {
         ("[0.05]", "[0]", "a target of 0 events"),
         ("\"dvs\"", "\"dvss\"", "dvs"),
         ("\"dvs\"", "\"dvs\", \"dvs\"", "takes part twice"),
+        ("\"dvs\"", "\"po2-9\"", "cannot be \"po2-9\""),
+        (
+            "\"dvs\"",
+            "\"ternary:zero:d4\"",
+            "cannot begin with a point",
+        ),
+        ("[0.05]", "[0.05, 0.05]", "the target 0.05 takes part twice"),
+        (
+            "[0.05]",
+            "[1e-5]",
+            "less than one event in all held-out clips",
+        ),
+        (
+            "seeds = [1]",
+            "seeds = [1, 2, 1]",
+            "the seed 1 takes part twice",
+        ),
         ("crop = 16", "crop = 17", "not a multiple of 2"),
         ("steps = 12", "stepps = 12", "steps"),
         ("pan = 1", "frames = 8", "none in the middle"),
@@ -572,6 +775,15 @@ fn what_cannot_be_trained_says_why() {
         "longer than a pair of frames",
     );
     wrong(&text("flow", "\"none\""), "flow is told from events alone");
+
+    // Arms are named by their levels too.
+    let arms = "\"po2-2\", \"int-4:zero\", \"ternary:mirror\"";
+    let named = task(&text("interpolation", arms)).arms;
+    assert_eq!(named.len(), 3);
+    assert_eq!(
+        amacrine_learn::train::name(&named[1], 0.05, 1),
+        "int-4-zero-0.05-1"
+    );
 
     // A rate that these scenes cannot make.
     let still = task(

@@ -3,7 +3,7 @@
 use super::{Arm, Cells, Few, Sight, Start};
 use crate::levels::Levels;
 
-/// Their names, in the order in which they are told.
+/// Their names, in the order in which they are told; all other [`Levels`] are arms too, by theirs.
 pub const NAMES: &[&str] = &[
     "blend",
     "none",
@@ -22,12 +22,13 @@ pub const NAMES: &[&str] = &[
     "fs-dvs",
 ];
 
-/// The arm of a name of [`NAMES`].
+/// The arm of a name: one of [`NAMES`], or that of the few values that its weights come to have.
 ///
 /// ```
 /// use amacrine_learn::arm;
 /// assert!(arm::NAMES.iter().all(|name| arm::named(name).is_some()));
 /// assert_eq!(arm::named("rgc-k4").unwrap().kinds(), 4);
+/// assert!(arm::named("po2-2:mirror").is_some() && arm::named("po2-9").is_none());
 /// ```
 #[must_use]
 pub fn named(name: &str) -> Option<Arm> {
@@ -51,10 +52,6 @@ pub fn named(name: &str) -> Option<Arm> {
             few: few("ternary", false),
             ..free()
         }),
-        "ternary" | "int-5" => Some(Cells {
-            few: few(name, true),
-            ..free()
-        }),
         // What resistors between pixels carry: the pixel, less its surround.
         "mesh" => Some(Cells {
             start: Start::Mesh([1.0, -0.3]),
@@ -70,7 +67,11 @@ pub fn named(name: &str) -> Option<Arm> {
             log: true,
             ..free()
         }),
-        _ => return None,
+        // Few values, by what they are called.
+        _ => Some(Cells {
+            few: Some(few(name, true).filter(|few| few.levels.to_string() == name)?),
+            ..free()
+        }),
     };
     let sight = match (cells, name) {
         (Some(cells), _) => Sight::Events(cells),

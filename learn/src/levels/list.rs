@@ -6,8 +6,8 @@ use amacrine::kernel::quantise::Quantiser;
 
 use super::{error::LevelsError, orbits::Symmetry};
 
-/// What a name may be.
-pub(super) const KNOWN: &str = "ternary, int-B (2 to 8 bits) or po2-N (1 to 6 exponents); then, each after a colon, `zero` for a sum of 0 and `mirror` or `d4` for a symmetry: ternary:zero:d4";
+/// What the name of levels may be.
+pub const KNOWN: &str = "ternary, int-B (2 to 8 bits) or po2-N (1 to 6 exponents); then, each after a colon, `zero` for a sum of 0 and `mirror` or `d4` for a symmetry: ternary:zero:d4";
 
 /// The few values that weights take, and what holds between them.
 ///
@@ -61,6 +61,12 @@ impl Levels {
             }
         }
         Some(levels)
+    }
+
+    /// How many different levels there are but for their sign.
+    #[must_use]
+    pub const fn count(&self) -> usize {
+        self.magnitudes.len()
     }
 
     /// The largest level.

@@ -14,7 +14,7 @@ mod search;
 
 pub use chip::{Chip, OnChip, memory_spread};
 pub use error::LevelsError;
-pub use list::Levels;
+pub use list::{KNOWN, Levels};
 pub use orbits::Symmetry;
 pub use project::Projected;
 pub use search::{Found, search};

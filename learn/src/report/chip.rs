@@ -18,7 +18,7 @@ pub struct Kept {
     pub stages: Vec<Stage>,
     /// On silicon over [`BASE`] as trained, with each decoder that there is; empty without such bits.
     pub won: Vec<(Decoder, Difference)>,
-    /// What the float kernel wins over [`BASE`].
+    /// What the float kernel wins over [`BASE`], on the clips that the chip was shown.
     pub float: Option<Difference>,
 }
 
@@ -67,7 +67,12 @@ impl Kept {
         }
         stages.iter().find(|stage| stage.form != Form::Trained)?;
         let base = (BASE, Form::Trained, Decoder::Own);
-        let against = |of| Difference::new(rows, (of, base), metric);
+        // What the float kernel wins is told on the same clips: a part of a win on others is none.
+        let rows: Vec<Row> = { rows.iter() }
+            .filter(|row| shown.contains(&row.clip))
+            .cloned()
+            .collect();
+        let against = |of| Difference::new(&rows, (of, base), metric);
         Some(Self {
             arm: arm.to_owned(),
             won: [Decoder::Own, Decoder::Retrained]
@@ -100,7 +105,11 @@ impl Kept {
             let mut ends = won.interval.map(|end| end * sign);
             ends.sort_by(f64::total_cmp);
             let own = won.mean * sign;
-            let ends = format!("{:+.digits$} to {:+.digits$}", ends[0], ends[1]);
+            let ends = if won.interval.iter().all(|end| end.is_finite()) {
+                format!("{:+.digits$} to {:+.digits$}", ends[0], ends[1])
+            } else {
+                "no interval".to_owned()
+            };
             (decoder.name(), own, ends)
         };
         let parts: Vec<_> = self.won.iter().map(on_silicon).collect();

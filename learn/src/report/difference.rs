@@ -26,7 +26,8 @@ pub struct Difference {
     /// The mean over the bits that both have in common, in the metric's unit; above 0 where the
     /// first arm's metric is larger, whether that is better or not.
     pub mean: f64,
-    /// Of 95 in 100 resamplings of photographs and seeds.
+    /// Of 95 in 100 resamplings of photographs and seeds; all numbers where there is one of each,
+    /// since one alone says nothing of others.
     pub interval: [f64; 2],
     /// The bits a pixel and pair from which to which they are compared.
     pub bits: [f64; 2],
@@ -37,9 +38,14 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Whether chance alone does not make it: the interval is on one side of 0.
+    /// Whether chance alone does not make it: the interval is on one side of 0, and is one over
+    /// several photographs and several seeds.
     #[must_use]
     pub fn shown(&self) -> bool {
+        self.photographs > 1 && self.seeds > 1 && self.beyond_zero()
+    }
+
+    fn beyond_zero(&self) -> bool {
         self.interval[0] > 0.0 || self.interval[1] < 0.0
     }
 
@@ -105,6 +111,17 @@ impl Difference {
             (0..PLACES).map(far).sum::<f64>() / PLACES as f64
         };
         let mean = between(&a, &b);
+        let (count, of_seeds) = (photographs.len(), seeds.len());
+        let told = |interval| Self {
+            mean,
+            interval,
+            bits: [low, high].map(|log| elementary::pow(2.0, log)),
+            photographs: count,
+            seeds: of_seeds,
+        };
+        if count < 2 && of_seeds < 2 {
+            return Some(told([f64::NEG_INFINITY, f64::INFINITY]));
+        }
         let mut resampled: Vec<f64> = (0..RESAMPLES)
             .filter_map(|turn| {
                 let hash = Hash::new(REASON).with(turn);
@@ -128,12 +145,6 @@ impl Difference {
             let place = (part * (resampled.len().saturating_sub(1)) as f64).round();
             resampled.get(place as usize).copied().unwrap_or(f64::NAN)
         };
-        Some(Self {
-            mean,
-            interval: [at(0.025), at(0.975)],
-            bits: [low, high].map(|log| elementary::pow(2.0, log)),
-            photographs: photographs.len(),
-            seeds: seeds.len(),
-        })
+        Some(told([at(0.025), at(0.975)]))
     }
 }

@@ -2,13 +2,14 @@
 //!
 //! [`Report::read`] takes the `learn.json` of a run; [`Report::table`] is for a terminal,
 //! [`Report::page`] one HTML file without script. A difference is "not shown" where its interval
-//! contains 0.
+//! contains 0, and where there is one photograph or one seed.
 
 mod chip;
 mod curve;
 mod difference;
 mod error;
 mod metric;
+mod notes;
 mod page;
 mod surround;
 mod table;

@@ -110,9 +110,10 @@ impl Report {
                         (self.difference_section(headline))
                         (self.chip_section(headline))
                         (self.kernel_section())
+                        @for note in self.notes() { p.verdict { (note) "." } }
                     }
                     footer {
-                        p { "Every arm has the same network from the same start, as many steps and the same target of events; bits are those of address events. An interval is the middle 95 % of 1,000 resamplings of photographs and seeds, both with replacement; a difference whose interval contains 0 is not shown. With few photographs or seeds intervals are too narrow rather than too wide." }
+                        p { "Every arm has the same network from the same start, as many steps and the same target of events; bits are those of address events. An interval is the middle 95 % of 1,000 resamplings of photographs and seeds, both with replacement; a difference whose interval contains 0 is not shown, nor is one of a single photograph or a single seed. With few photographs or seeds intervals are too narrow rather than too wide." }
                     }
                 }
             }

@@ -93,6 +93,9 @@ impl Report {
         if let Some(line) = self.surround_line() {
             let _ = writeln!(text, "\n{line}");
         }
+        for line in self.notes() {
+            let _ = writeln!(text, "\n{line}");
+        }
         text
     }
 
@@ -170,13 +173,21 @@ pub(super) fn told(difference: Option<&Difference>, metric: Metric) -> String {
     };
     let digits = metric.digits();
     let [low, high] = own.interval;
+    if !(low.is_finite() && high.is_finite()) {
+        return format!("{:+.digits$}  no interval  not shown", own.mean);
+    }
+    let over = match (own.photographs, own.seeds) {
+        (1, _) => " over seeds alone",
+        (_, 1) => " over photographs alone",
+        _ => "",
+    };
     let verdict = match (own.shown(), own.mean * metric.sign() > 0.0) {
         (false, _) => "not shown",
         (true, true) => "better",
         (true, false) => "worse",
     };
     format!(
-        "{:+.digits$}  from {low:+.digits$} to {high:+.digits$}  {verdict}",
+        "{:+.digits$}  from {low:+.digits$} to {high:+.digits$}{over}  {verdict}",
         own.mean
     )
 }

@@ -114,13 +114,13 @@ impl Clips {
         Self { kept, ..self }
     }
 
-    /// Bytes of all clips that are kept, once they are made.
+    /// Bytes of the clips that are kept, at most, once so many were drawn.
     #[must_use]
-    pub fn bytes(&self) -> usize {
+    pub fn bytes_of(&self, draws: usize) -> usize {
         let pixels = self.size.pixels();
         let each = |kept: &Arc<Kept>| {
             let flow = if kept.flow { 9 * pixels } else { 0 };
-            kept.places.len() * (self.frames * pixels + flow)
+            kept.places.len().min(draws) * (self.frames * pixels + flow)
         };
         self.kept.as_ref().map_or(0, each)
     }

@@ -1,12 +1,13 @@
 //! Video as it is: no flow is known, so it teaches interpolation only.
 
-use std::{path::PathBuf, sync::Arc};
+use std::{fmt::Write as _, path::PathBuf, sync::Arc};
 
 use amacrine::{
     plane::{Plane, Size},
     scene::{OpenOptions, open},
 };
 use ndarray::{Array3, s};
+use sha2::{Digest, Sha256};
 
 use super::{
     clip::Clip,
@@ -41,6 +42,23 @@ impl Video {
             part: (0, frames.len()),
             frames: frames.into(),
             path: PathBuf::from(spec),
+        })
+    }
+
+    /// SHA-256 of all pixels: what a run was trained with.
+    #[must_use]
+    pub fn checksum(&self) -> String {
+        let mut sum = Sha256::new();
+        for frame in self.frames.iter() {
+            let (height, width) = frame.dim();
+            sum.update((height as u64).to_le_bytes());
+            sum.update((width as u64).to_le_bytes());
+            sum.update(frame.iter().copied().collect::<Vec<u8>>());
+        }
+        let sum = sum.finalize();
+        sum.iter().fold("video ".to_owned(), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}");
+            text
         })
     }
 

@@ -5,8 +5,6 @@ use amacrine::{
     photoreceptor::Response,
 };
 
-use crate::arm;
-
 /// A task file.
 pub const FILE: File = File {
     title: "a task of amacrine-learn",
@@ -55,11 +53,11 @@ pub(super) const TASK: Table = Table::new(&[
     Key::required(
         "arms",
         Kind::List {
-            of: &Kind::Choice(arm::NAMES),
+            of: &Kind::Name,
             least: 1,
             most: 64,
         },
-        "who takes part",
+        "who takes part: arms by name, or by the few values of their weights, such as `po2-2` or `int-4:zero`",
     )
     .example("arms = [\"none\", \"dvs\", \"rgc\", \"ternary\"]"),
     Key::optional("network", Kind::Table(&NETWORK), "the network of all arms"),
@@ -67,7 +65,7 @@ pub(super) const TASK: Table = Table::new(&[
     Key::optional(
         "sparsity",
         Kind::Table(&SPARSITY),
-        "a price of an event in the loss, in place of following the targets",
+        "a price of an event in the loss: thresholds are learned in place of following the targets, which only set the first ones",
     ),
     Key::optional("scenes", Kind::Table(&SCENES), "what is seen"),
     Key::optional(
@@ -174,7 +172,7 @@ pub(super) const SCENES: Table = Table::new(&[
     Key::optional(
         "video",
         Kind::Name,
-        "a video or a pattern in place of photographs, as `amacrine run` takes it; for interpolation",
+        "a video, from the task file on, or a pattern, in place of photographs, as `amacrine run` takes it; for interpolation",
     ),
     Key::with_default(
         "clips",

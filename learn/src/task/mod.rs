@@ -16,6 +16,7 @@
 //! ```
 
 mod keys;
+mod origin;
 mod read;
 
 use std::path::PathBuf;
@@ -25,6 +26,7 @@ use amacrine::photoreceptor::Response;
 use crate::{arm::Arm, network::Plan, scene::Motion};
 
 pub use keys::FILE;
+pub use origin::Origin;
 pub use read::TaskError;
 
 /// What is learned, from what, and how long.
@@ -70,6 +72,8 @@ pub struct Task {
     pub retrain: Option<(u64, u64)>,
     /// Steps between checkpoints.
     pub checkpoint: u64,
+    /// Where it comes from.
+    pub origin: Origin,
 }
 
 /// What the network is to say.

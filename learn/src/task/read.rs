@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use amacrine::{
-    config::{Fault, Faults, Read, Section},
+    config::{Fault, Faults, Read, Section, line_column, suggestion_or},
     photoreceptor::{Curve, Response},
 };
 
-use crate::{arm, scene::Motion};
+use crate::{arm, levels, scene::Motion};
 
 use super::{
-    Goal, Scenes, Sensors, Task,
+    Goal, Origin, Scenes, Sensors, Task,
     keys::{FILE, GOALS, NETWORK, PRICE, RATES, RETRAIN, SCENES, SENSOR, SPARSITY, TASK, TEST},
 };
 
@@ -50,7 +50,7 @@ fn whole(section: Option<Section<'_>>, key: &str, otherwise: u64) -> Read<u64> {
 }
 
 impl Task {
-    /// The task of a file; its folders are relative to it.
+    /// The task of a file; its folders and its video are relative to it.
     ///
     /// # Errors
     /// When it cannot be read, or is not a task.
@@ -62,8 +62,14 @@ impl Task {
             cause,
         })?;
         let mut task = Self::parse(&file, &text)?;
-        if let (Some(folder), Some(beside)) = (&mut task.scenes.photographs, path.parent()) {
+        let beside = path.parent().unwrap_or(Path::new(""));
+        if let Some(folder) = &mut task.scenes.photographs {
             *folder = beside.join(&*folder);
+        }
+        if let Some(video) = &mut task.scenes.video
+            && !video.starts_with("pattern:")
+        {
+            *video = beside.join(&*video).to_string_lossy().into_owned();
         }
         Ok(task)
     }
@@ -75,8 +81,31 @@ impl Task {
     pub fn parse(file: &str, text: &str) -> Result<Self, Faults> {
         let stem = Path::new(file).file_stem().unwrap_or_default();
         FILE.read(file, text, |root| {
-            read(&Section::new(root, &TASK), &stem.to_string_lossy())
+            let section = Section::new(root, &TASK);
+            let mut task = read(&section, &stem.to_string_lossy())?;
+            task.origin = origin(&section, (file, text));
+            Ok(task)
         })
+    }
+}
+
+/// The file, and the lines of the keys that errors are about later on.
+fn origin(task: &Section<'_>, (file, text): (&str, &str)) -> Origin {
+    let mut lines = Vec::new();
+    let mut take = |section: Option<Section<'_>>, key| {
+        if let Some(node) = section.and_then(|section| section.get(key)) {
+            lines.push((key, line_column(text, node.place().start).0));
+        }
+    };
+    for key in ["targets", "arms", "crop", "rates"] {
+        take(Some(*task), key);
+    }
+    for key in ["photographs", "video"] {
+        take(task.table("scenes"), key);
+    }
+    Origin {
+        file: file.to_owned(),
+        lines,
     }
 }
 
@@ -137,26 +166,7 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
         let read = |retrain: Section<'_>| Ok((retrain.whole("steps")?, retrain.whole("clips")?));
         retrain.map(read).transpose()
     })?;
-    let targets = targets(task)?;
-    let mut arms = Vec::new();
-    for node in task.list("arms") {
-        let word = node.as_text().unwrap_or_default();
-        let Some(arm) = arm::named(word) else {
-            continue;
-        };
-        let twice = arms.iter().any(|other: &arm::Arm| other.name == arm.name);
-        if twice {
-            let message = format!("the arm `{word}` takes part twice");
-            return Err(Fault::error(node.place(), message, "remove one"));
-        }
-        if goal == Goal::Flow && arm.kinds() == 0 {
-            let message =
-                format!("the arm `{word}` has no events, and flow is told from events alone");
-            return Err(Fault::error(node.place(), message, "remove it"));
-        }
-        arms.push(arm);
-    }
-    let seeds = task.list("seeds");
+    let targets = targets(task, cells(test, scenes.frames))?;
     Ok(Task {
         name: task.maybe_text("name").unwrap_or_else(|| stem.to_owned()),
         goal,
@@ -164,8 +174,8 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
         batch: task.whole("batch")? as usize,
         crop,
         targets,
-        seeds: seeds.iter().filter_map(|seed| seed.as_whole()).collect(),
-        arms,
+        seeds: seeds(task)?,
+        arms: arms(task, goal)?,
         widths,
         convolutions,
         rates,
@@ -177,18 +187,87 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
         test,
         retrain,
         checkpoint: task.whole("checkpoint")?,
+        origin: Origin::default(),
     })
 }
 
+/// Who takes part.
+fn arms(task: &Section<'_>, goal: Goal) -> Read<Vec<arm::Arm>> {
+    let mut arms: Vec<arm::Arm> = Vec::new();
+    for node in task.list("arms") {
+        let word = node.as_text().unwrap_or_default();
+        let Some(arm) = arm::named(word) else {
+            let message = format!("`arms` cannot be \"{word}\"");
+            let near = suggestion_or(word, arm::NAMES.iter().copied(), "here");
+            return Err(Fault::error(node.place(), message, near).help(format!(
+                "the arms are {}; others are named by the few values of their weights: {}",
+                arm::NAMES.join(", "),
+                levels::KNOWN
+            )));
+        };
+        if arms.iter().any(|other| other.name == arm.name) {
+            let message = format!("the arm `{word}` takes part twice");
+            return Err(Fault::error(node.place(), message, "remove one"));
+        }
+        if goal == Goal::Flow && arm.kinds() == 0 {
+            let message =
+                format!("the arm `{word}` has no events, and flow is told from events alone");
+            return Err(Fault::error(node.place(), message, "remove it"));
+        }
+        let begun = { arm.cells() }.map(|cells| arm::Shape::new(cells, 0).apply(true));
+        if let Some(Err(cause)) = begun {
+            let message = format!("the arm `{word}` cannot begin with a point: {cause}");
+            return Err(Fault::error(node.place(), message, "remove it")
+                .help("take more levels, or leave the sum or the symmetry free"));
+        }
+        arms.push(arm);
+    }
+    Ok(arms)
+}
+
+/// Each once: a job is known by its arm, target and seed.
+fn seeds(task: &Section<'_>) -> Read<Vec<u64>> {
+    let mut seeds = Vec::new();
+    for node in task.list("seeds") {
+        let Some(seed) = node.as_whole() else {
+            continue;
+        };
+        if seeds.contains(&seed) {
+            let message = format!("the seed {seed} takes part twice");
+            return Err(Fault::error(node.place(), message, "remove one"));
+        }
+        seeds.push(seed);
+    }
+    Ok(seeds)
+}
+
+/// Pixels times pairs of frames of all held-out clips.
+fn cells((clips, crop): (u64, usize), frames: usize) -> f64 {
+    clips as f64 * (crop * crop) as f64 * (frames - 1) as f64
+}
+
 /// Events a pixel and pair of frames.
-fn targets(task: &Section<'_>) -> Read<Vec<f64>> {
-    let mut targets = Vec::new();
+fn targets(task: &Section<'_>, cells: f64) -> Read<Vec<f64>> {
+    let mut targets: Vec<f64> = Vec::new();
     for node in task.list("targets") {
         let target = node.as_number().unwrap_or(f64::NAN);
         if !(target > 0.0 && target <= 1.0) {
             let message = format!("a target of {target} events a pixel and pair of frames");
             return Err(Fault::error(node.place(), message, "above 0 and at most 1")
                 .help("at more than one event a pixel and pair frames are cheaper than events"));
+        }
+        if target * cells < 1.0 {
+            let message = format!(
+                "a target of {target} events a pixel and pair of frames is less than one event in all held-out clips"
+            );
+            return Err(Fault::error(node.place(), message, "here").help(format!(
+                "give at least {:.1e}, or more clips or a larger `crop` in [test]",
+                1.0 / cells
+            )));
+        }
+        if targets.contains(&target) {
+            let message = format!("the target {target} takes part twice");
+            return Err(Fault::error(node.place(), message, "remove one"));
         }
         targets.push(target);
     }

@@ -165,7 +165,7 @@ pub(super) fn other(theirs: &str, own: &str) -> String {
         return format!("made for {their_arm} (arm, target, seed), and this is {arm}");
     }
     format!(
-        "made with another task file, other photographs or another version: its digest is {their_task}, and that of this run {task}"
+        "made with another task file, other photographs, another video or another version: its digest is {their_task}, and that of this run {task}"
     )
 }
 

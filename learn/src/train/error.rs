@@ -97,6 +97,13 @@ pub enum TrainError {
         /// The folder.
         path: PathBuf,
     },
+    /// A folder in which another process trains.
+    #[error("{}: another amacrine-learn trains in it", path.display())]
+    #[diagnostic(help("wait until it has ended, or give another folder"))]
+    Busy {
+        /// The folder.
+        path: PathBuf,
+    },
     /// A kernel that the chip does not take.
     #[error("arm {arm}: {cause}")]
     Design {
@@ -113,6 +120,22 @@ pub enum TrainError {
 pub const PINNED: u64 = 200;
 
 impl TrainError {
+    /// The keys of a task that it is about, the nearest first; none where it is about none.
+    #[must_use]
+    pub const fn keys(&self) -> &'static [&'static str] {
+        match self {
+            Self::Scene(_) => &["photographs", "video", "crop"],
+            Self::Gradient { .. } | Self::Pinned { .. } => &["targets"],
+            Self::Levels { .. } | Self::Design { .. } => &["arms"],
+            Self::NotFinite { .. } => &["rates", "arms"],
+            Self::Save(_)
+            | Self::Unreadable { .. }
+            | Self::Checkpoint { .. }
+            | Self::Begun { .. }
+            | Self::Busy { .. } => &[],
+        }
+    }
+
     /// Whether it is one arm's own: others may go on.
     #[must_use]
     pub const fn is_of_the_arm(&self) -> bool {

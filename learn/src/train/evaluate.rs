@@ -38,28 +38,31 @@ pub(super) struct Told {
 
 impl Trainee<'_> {
     /// The sensor as it is judged: thresholds meet the target on the held-out clips themselves, so
-    /// that all arms are judged at the same bits.
+    /// that all arms are judged at the same bits. Where events have a price, thresholds are those that
+    /// were learned.
     ///
     /// # Errors
-    /// When no thresholds do.
+    /// When no thresholds meet the target.
     pub fn rated(&self, clips: &Clips) -> Result<Option<Rated>, TrainError> {
         let Some(applied) = self.applied()? else {
             return Ok(None);
         };
         let batch = Batch::new(clips, 0..self.task.test.0);
         let light = batch.light(self.task.sensor.light_noise, self.draw(Reason::Test, 1));
-        let sensor = self.sensor(&applied.kernels, self.state.threshold);
-        let rated = rate_threshold(
-            &sensor,
-            self.light(&light, &batch)?,
-            self.mismatch(),
-            self.target,
-        );
-        rated.map(Some).map_err(|cause| TrainError::Gradient {
-            arm: self.arm.name.clone(),
-            step: self.state.step,
-            cause,
-        })
+        let description = self.sensor(&applied.kernels, self.state.threshold);
+        let (lit, seed) = (self.light(&light, &batch)?, self.mismatch());
+        let wrong = |cause| self.gradient_error(cause);
+        if self.task.sparsity.is_none() {
+            let rated = rate_threshold(&description, lit, seed, self.target);
+            return rated.map(Some).map_err(wrong);
+        }
+        let model = Model::<f32>::new(description, batch.size(), seed).map_err(wrong)?;
+        let rate = model.forward(lit).map_err(wrong)?.rate();
+        Ok(Some(Rated {
+            description: model.description().clone(),
+            scale: 1.0,
+            rate,
+        }))
     }
 
     /// Which mismatch the arm is judged with.
@@ -207,12 +210,12 @@ fn drawn(
     let least = 1.0 / 65536.0;
     let ln = amacrine::elementary::ln;
     row.psnr = Some(10.0 * ln(255.0 * 255.0 / square.max(least)) / std::f64::consts::LN_10);
-    row.ssim = Some(ssim(&picture, &truth));
+    row.ssim = ssim(&picture, &truth);
 }
 
 /// Structural similarity (Wang et al. 2004, doi:10.1109/TIP.2003.819861): Gaussian windows of 11x11,
-/// sigma 1.5, that lie within the picture; light from 0 to 255.
-fn ssim(a: &Plane<f64>, b: &Plane<f64>) -> f64 {
+/// sigma 1.5, that lie within the picture; light from 0 to 255. `None` where no window does.
+fn ssim(a: &Plane<f64>, b: &Plane<f64>) -> Option<f64> {
     const REACH: usize = 5;
     let line: Vec<f64> = (0..=2 * REACH)
         .map(|i| amacrine::elementary::exp(-(i as f64 - REACH as f64).powi(2) / 4.5))
@@ -220,7 +223,7 @@ fn ssim(a: &Plane<f64>, b: &Plane<f64>) -> f64 {
     let total: f64 = line.iter().sum();
     let (height, width) = a.dim();
     if height <= 2 * REACH || width <= 2 * REACH {
-        return f64::NAN;
+        return None;
     }
     let mean = |value: &dyn Fn(usize, usize) -> f64| {
         let rows = Plane::from_shape_fn((height, width - 2 * REACH), |(y, x)| {
@@ -250,7 +253,7 @@ fn ssim(a: &Plane<f64>, b: &Plane<f64>) -> f64 {
         let (va, vb, cov) = (aa[at] - m * m, bb[at] - n * n, ab[at] - m * n);
         sum += (2.0 * m * n + c) * (2.0 * cov + d) / ((m * m + n * n + c) * (va + vb + d));
     }
-    sum / m.len() as f64
+    Some(sum / m.len() as f64)
 }
 
 fn moved(
@@ -287,6 +290,7 @@ mod tests {
     #[test]
     fn alike_is_one_and_noise_is_less() {
         let picture = Plane::from_shape_fn((24, 20), |(y, x)| ((67 * y + 45 * x) % 200) as f64);
+        let ssim = |a: &Plane<f64>, b: &Plane<f64>| super::ssim(a, b).unwrap();
         assert!((ssim(&picture, &picture) - 1.0).abs() < 1e-12);
         let flat = Plane::from_elem((24, 20), 100.0);
         assert!(ssim(&picture, &flat) < 0.1);
@@ -295,5 +299,7 @@ mod tests {
         let c = (0.01f64 * 255.0).powi(2);
         let want = (2.0 * 100.0 * 50.0 + c) / (100.0 * 100.0 + 50.0 * 50.0 + c);
         assert!((ssim(&flat, &darker) - want).abs() < 1e-9);
+        let small = Plane::from_elem((10, 24), 100.0);
+        assert_eq!(super::ssim(&small, &small), None);
     }
 }

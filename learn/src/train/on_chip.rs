@@ -19,7 +19,7 @@ use amacrine::{
     },
     number::Format,
     plane::{Plane, Size},
-    reference::MemoryRule,
+    reference::{Description, MemoryRule},
     save,
     scene::Frame,
     sensor::Sensor,
@@ -39,6 +39,7 @@ use super::{
     batch::Batch,
     error::TrainError,
     evaluate::Told,
+    export,
     trainee::{Reason, Trainee},
 };
 
@@ -170,8 +171,9 @@ impl Built<'_> {
 }
 
 impl Trainee<'_> {
-    /// Rows of the compiled kernel, and its program in a folder where one is given; none where a chip has no such sensor:
-    /// several kinds, patterns, a logarithm, a refractory period.
+    /// Rows of the compiled kernel; its program, and the sensor that the program is, go into a folder
+    /// where one is given, with what they are of. None where a chip has no such sensor: several kinds,
+    /// patterns, a logarithm, a refractory period.
     ///
     /// # Errors
     /// When a sensor fails, or a file cannot be written; not where the chip refuses a kernel.
@@ -179,7 +181,7 @@ impl Trainee<'_> {
         &self,
         applied: &Applied,
         rated: &Rated,
-        (clips, place): (Sources<'_>, Option<&Path>),
+        (clips, into): (Sources<'_>, Option<(&Path, &str)>),
     ) -> Result<Vec<Row>, TrainError> {
         let cells = self.arm.cells();
         // Resistors are not a program.
@@ -190,7 +192,7 @@ impl Trainee<'_> {
         if other || self.task.sensor.refractory_us > 0.0 {
             return Ok(Vec::new());
         }
-        match self.compiled(applied, unit, rated, (clips, place)) {
+        match self.compiled(applied, unit, rated, (clips, into)) {
             Ok(rows) => Ok(rows),
             Err(TrainError::Design { cause, .. }) if cause.is_refusal() => Ok(Vec::new()),
             Err(other) => Err(other),
@@ -202,7 +204,7 @@ impl Trainee<'_> {
         applied: &Applied,
         unit: &Kernel,
         rated: &Rated,
-        (clips, place): (Sources<'_>, Option<&Path>),
+        (clips, into): (Sources<'_>, Option<(&Path, &str)>),
     ) -> Result<Vec<Row>, TrainError> {
         let wrong = |cause: DesignError| TrainError::Design {
             arm: self.arm.name.clone(),
@@ -230,26 +232,9 @@ impl Trainee<'_> {
         let size = batch.size();
         let light = batch.light(self.task.sensor.light_noise, self.draw(Reason::Test, 1));
         let seen: Vec<Vec<Frame>> = self.frames(&light, size);
-        // The threshold that meets the target with the chip's memory.
         let chip = Chip::new(Device::scamp5(), Effort::default(), self.seed);
         let unit = few.norm() / power;
-        let description = Design {
-            kernel: &kernel,
-            threshold: own * unit,
-            device: chip.device(),
-            effort: Effort::default(),
-            seed: self.seed,
-        }
-        .description(MemoryRule::FilteredSnap)
-        .map_err(wrong)?;
-        let lit = Light::new(&light, self.times(), size);
-        let rating = lit.and_then(|lit| rate_threshold(&description, lit, 0, self.target));
-        let rating = rating.map_err(|cause| TrainError::Gradient {
-            arm: self.arm.name.clone(),
-            step: self.state.step,
-            cause,
-        })?;
-        let threshold = rating.description.channels[0].thresholds[0].on;
+        let threshold = self.with_memory((&kernel, own * unit), &chip, (&light, size))?;
         let made = match chip.compile(&[few], threshold / unit) {
             Ok(made) => made,
             // What the chip refuses has no rows of it.
@@ -261,7 +246,7 @@ impl Trainee<'_> {
             made,
             seed: self.seed,
         };
-        let first = (threshold * built.made.scale).round() as u32;
+        let first = ((threshold * built.made.scale).round() as u32).clamp(1, HIGHEST);
         let mut rows = Vec::new();
         let shown = self.task.retrain.map(|(steps, count)| {
             let batch = Batch::new(clips.training, 0..count);
@@ -274,12 +259,11 @@ impl Trainee<'_> {
         let mut lsb = first;
         for form in [Form::Quantised, Form::Exact, Form::Silicon] {
             // In exact arithmetic it is the threshold of the float model.
-            let packets = if form == Form::Exact {
-                if let Some(place) = place {
-                    let text = built.text(lsb);
-                    let path = place.join("program.scamp");
-                    save::save(&path, |out| out.write_all(text.as_bytes()))?;
-                }
+            if let (Form::Exact, Some(into)) = (form, into) {
+                self.export(&built, lsb, into)?;
+            }
+            // Where events have a price it is the learned one, whatever its rate.
+            let packets = if form == Form::Exact || self.task.sparsity.is_some() {
                 built.packets((form, lsb), &seen, (0, size))
             } else {
                 let found = built.at_rate(form, (self.target, lsb), (&seen, size));
@@ -308,6 +292,60 @@ impl Trainee<'_> {
             learned = Some((emitted, other));
         }
         Ok(rows)
+    }
+
+    /// The threshold that meets the target with the chip's memory, in units of kernel times light; the
+    /// one that is given where events have a price.
+    fn with_memory(
+        &self,
+        (kernel, own): (&Kernel, f64),
+        chip: &Chip,
+        (light, size): (&[f32], Size),
+    ) -> Result<f64, TrainError> {
+        if self.task.sparsity.is_some() {
+            return Ok(own);
+        }
+        let design = Design {
+            kernel,
+            threshold: own,
+            device: chip.device(),
+            effort: Effort::default(),
+            seed: self.seed,
+        };
+        let description = design.description(MemoryRule::FilteredSnap);
+        let description = description.map_err(|cause| TrainError::Design {
+            arm: self.arm.name.clone(),
+            cause,
+        })?;
+        let lit = Light::new(light, self.times(), size);
+        let rating = lit.and_then(|lit| rate_threshold(&description, lit, 0, self.target));
+        let rating = rating.map_err(|cause| self.gradient_error(cause))?;
+        Ok(rating.description.channels[0].thresholds[0].on)
+    }
+
+    /// Writes the program with a threshold of so many LSB, and the sensor that it is in exact
+    /// arithmetic: its levels, its whole threshold, its memory.
+    fn export(
+        &self,
+        built: &Built<'_>,
+        lsb: u32,
+        (place, source): (&Path, &str),
+    ) -> Result<(), TrainError> {
+        let text = built.text(lsb);
+        save::save(&place.join("program.scamp"), |out| {
+            out.write_all(text.as_bytes())
+        })?;
+        let design = built.design(built.threshold(lsb));
+        let sensor = design.description(MemoryRule::FilteredSnap);
+        let sensor = sensor.map_err(|cause| TrainError::Design {
+            arm: self.arm.name.clone(),
+            cause,
+        })?;
+        let sensor = Description {
+            name: format!("{}-chip", self.name()),
+            ..sensor
+        };
+        export::sensor(&place.join("sensor-chip.toml"), &sensor, source)
     }
 
     fn frames(&self, light: &[f32], size: Size) -> Vec<Vec<Frame>> {

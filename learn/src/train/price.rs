@@ -24,10 +24,10 @@ use super::{
 };
 
 /// Searches in a run, evenly over the part in which the chip is in the loop.
-const SEARCHES: u64 = 3;
+pub(super) const SEARCHES: u64 = 3;
 
 /// The most kernels that a search judges.
-const MOST: usize = 25;
+pub(super) const MOST: usize = 25;
 
 /// Batches that kernels are judged on.
 const JUDGED: u64 = 4;
@@ -41,11 +41,16 @@ impl Trainee<'_> {
     }
 
     /// Exchanges the kernel for the best of its neighbours, thresholds with it, where one is worth
-    /// more than it is itself.
+    /// more than it is itself; at most so many kernels are judged.
     ///
     /// # Errors
     /// When nothing is left of a kernel.
-    pub(super) fn exchange(&mut self, applied: &Applied, clips: &Clips) -> Result<(), TrainError> {
+    pub(super) fn exchange(
+        &mut self,
+        applied: &Applied,
+        clips: &Clips,
+        most: usize,
+    ) -> Result<(), TrainError> {
         let levels = self.few().map(|few| &few.levels);
         let ([kernel], [latent], Some(levels), Some(chip)) =
             (applied.few(), applied.latent(), levels, self.chip.clone())
@@ -67,7 +72,7 @@ impl Trainee<'_> {
             })
         };
         // What the chip refuses is trained on as it is.
-        let Ok(found) = search(levels, (kernel, latent), (&chip, threshold), MOST, score) else {
+        let Ok(found) = search(levels, (kernel, latent), (&chip, threshold), most, score) else {
             return Ok(());
         };
         if found.kernel.levels == kernel.levels {

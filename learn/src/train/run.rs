@@ -2,6 +2,7 @@
 
 use std::{
     fmt::Write as _,
+    fs::File,
     path::{Path, PathBuf},
     sync::atomic::{AtomicBool, AtomicUsize, Ordering},
 };
@@ -17,13 +18,13 @@ use crate::{
     arm::Arm,
     record::{self, KernelAt, Record, Row},
     scene::{Clips, Photographs, Video},
-    task::{Goal, Task},
+    task::{Goal, Origin, Task},
 };
 
 use super::{
     checkpoint,
     error::TrainError,
-    export,
+    export, lock,
     on_chip::Sources,
     trainee::{State, Trainee},
 };
@@ -91,13 +92,16 @@ impl<'a> Run<'a> {
                 path: folder.to_owned(),
             });
         }
-        // Without comments, and without the arms, targets and seeds, which may be added to later:
-        // a job's own are in its name. What the photographs are is in `seen`.
+        // Without comments and names, and without the arms, targets and seeds, which may be added to
+        // later: a job's own are in its name. What photographs and videos show is in `seen`.
         let mut rest = task.clone();
         rest.arms.clear();
         rest.targets.clear();
         rest.seeds.clear();
+        rest.name.clear();
+        rest.origin = Origin::default();
         rest.scenes.photographs = None;
+        rest.scenes.video = None;
         let mut sum = Sha256::new();
         sum.update(env!("CARGO_PKG_VERSION"));
         sum.update(format!("{rest:?}"));
@@ -108,7 +112,7 @@ impl<'a> Run<'a> {
         }
         Ok(Self {
             task,
-            identity: format!("{} {identity}", task.name),
+            identity,
             folder: folder.to_owned(),
             training,
             held_out,
@@ -158,6 +162,23 @@ impl<'a> Run<'a> {
     fn identity(&self, job: &Job<'_>) -> String {
         let name = super::name(job.arm, job.target, job.seed);
         format!("{}, {name}", self.identity)
+    }
+
+    /// Keeps other processes from training in the folder, as long as what is given lives and the
+    /// process does.
+    ///
+    /// # Errors
+    /// When another one does, or the folder cannot be made.
+    pub fn lock(&self) -> Result<File, TrainError> {
+        lock::take(&self.folder)
+    }
+
+    /// Whether a job was trained and judged.
+    ///
+    /// # Errors
+    /// When what it left is damaged, or of another task.
+    pub fn is_done(&self, job: &Job<'_>) -> Result<bool, TrainError> {
+        Ok(self.finished(job)?.is_some())
     }
 
     fn finished(&self, job: &Job<'_>) -> Result<Option<Finished>, TrainError> {
@@ -305,7 +326,12 @@ impl<'a> Run<'a> {
         let (Some(rated), Some(applied)) = (&rated, trainee.applied()?) else {
             return Ok(rows);
         };
-        if let Some((place, identity)) = into {
+        let (name, steps) = (&self.task.name, trainee.state.step);
+        let into = into.map(|(place, identity)| {
+            let source = format!("amacrine-learn, {name} {identity}, {steps} steps");
+            (place, source)
+        });
+        if let Some((place, source)) = &into {
             let whole = applied.levels.iter().flatten().map(Some);
             let kernels = applied
                 .kernels
@@ -315,16 +341,15 @@ impl<'a> Run<'a> {
                 let weights = levels.unwrap_or_else(|| kernel.weights());
                 export::kernel(&place.join(format!("kernel-{k}.npy")), weights)?;
             }
-            let source = format!("amacrine-learn, {identity}, {} steps", trainee.state.step);
             let sensor = trainee.as_built(&rated.description);
-            export::sensor(&place.join("sensor.toml"), &sensor, &source)?;
+            export::sensor(&place.join("sensor.toml"), &sensor, source)?;
         }
         let sources = Sources {
             held_out: &self.held_out,
             training: &self.training,
         };
-        let place = into.map(|(place, _)| place);
-        rows.extend(trainee.on_chip(&applied, rated, (sources, place))?);
+        let into = { into.as_ref() }.map(|(place, source)| (*place, &**source));
+        rows.extend(trainee.on_chip(&applied, rated, (sources, into))?);
         Ok(rows)
     }
 
@@ -375,11 +400,12 @@ fn clips(task: &Task) -> Result<(Clips, Clips, String), TrainError> {
     let flow = task.goal == Goal::Flow;
     let kept = |clips: Clips| clips.kept(scenes.clips, flow);
     if let Some(video) = &scenes.video {
-        let (training, held_out) = Video::open(video)?.split();
+        let video = Video::open(video)?;
+        let (training, held_out) = video.split();
         return Ok((
             kept(Clips::of_video(&training, crop, scenes.frames, TRAINING)?),
             Clips::of_video(&held_out, large, scenes.frames, HELD_OUT)?,
-            video.clone(),
+            video.checksum(),
         ));
     }
     let photographs = match &scenes.photographs {

@@ -190,7 +190,7 @@ impl<'a> Trainee<'a> {
         &self.network
     }
 
-    fn gradient_error(&self, cause: GradientError) -> TrainError {
+    pub(super) fn gradient_error(&self, cause: GradientError) -> TrainError {
         TrainError::Gradient {
             arm: self.arm.name.clone(),
             step: self.state.step,
@@ -418,10 +418,11 @@ impl<'a> Trainee<'a> {
             let voxels = seen.map_or(&[][..], |seen| seen.voxels());
             return Err(self.not_finite(&light, voxels, loss.mean));
         }
-        let learned = self.arm.cells().is_some_and(|cells| cells.learned);
-        let learning = learned && !self.held();
-        // Where events have a price, thresholds are learned with the kernel, and go on when it is held.
-        let learned = learning || learned && self.task.sparsity.is_some();
+        let learning = !self.held() && self.arm.cells().is_some_and(|cells| cells.learned);
+        // Where events have a price, thresholds are learned: those of kernels that are given too, and
+        // on when a kernel is held.
+        let priced = self.task.sparsity.is_some() && self.arm.cells().is_some();
+        let learned = learning || priced;
         let back: Vec<_> = { kept.par_iter().zip(loss.asked) }
             .map(|(seen, asked)| {
                 let mut gradient = vec![0.0; weights.len()];
@@ -460,7 +461,7 @@ impl<'a> Trainee<'a> {
                 adam.step(parameters, &kernel, rate);
                 self.settle(self.drawn(rate))?;
             }
-            if self.task.sparsity.is_some() {
+            if priced {
                 // The price of events moves the threshold as well.
                 let way = by_threshold.signum() * self.task.rates.1 * left;
                 self.state.threshold *= amacrine::elementary::exp(-way);
@@ -485,13 +486,13 @@ impl<'a> Trainee<'a> {
             && let Some(applied) = self.applied()?
         {
             self.compile(&applied);
-            self.exchange(&applied, clips)?;
+            self.exchange(&applied, clips, super::price::MOST)?;
         }
         Ok(())
     }
 
     /// Leaves kernels at length 1 after a step, and this part of the way nearer to their levels.
-    fn settle(&mut self, drawn: f64) -> Result<(), TrainError> {
+    pub(super) fn settle(&mut self, drawn: f64) -> Result<(), TrainError> {
         let Some(mut shape) = self.shape() else {
             return Ok(());
         };
@@ -713,9 +714,11 @@ const LOG_OFFSET: f64 = 0.5 / 255.0;
 /// What an arm at a target from a seed is called in files.
 #[must_use]
 pub fn name(arm: &Arm, target: f64, seed: u64) -> String {
+    // Colons are no part of a folder's name everywhere.
+    let arm_name = arm.name.replace(':', "-");
     if arm.cells().is_some() {
-        format!("{}-{target}-{seed}", arm.name)
+        format!("{arm_name}-{target}-{seed}")
     } else {
-        format!("{}-{seed}", arm.name)
+        format!("{arm_name}-{seed}")
     }
 }

@@ -1,0 +1,201 @@
+//! The command line: the only place that prints.
+
+mod bars;
+mod forecast;
+mod peak;
+mod print;
+
+use std::{
+    path::{Path, PathBuf},
+    sync::{Mutex, PoisonError},
+};
+
+use amacrine::save::save;
+use clap::{Parser, Subcommand};
+use miette::{IntoDiagnostic, Result, miette};
+
+use crate::{
+    arm,
+    report::Report,
+    task::Task,
+    train::{Progress, Run, TrainError},
+};
+
+use self::{
+    bars::Bars,
+    forecast::{announce, together},
+    print::{complain, say},
+};
+
+pub use print::failed;
+
+/// Learns kernels and thresholds of event sensors for a task, and judges them at equal bits.
+#[derive(Debug, Parser)]
+#[command(
+    name = "amacrine-learn",
+    version,
+    args_conflicts_with_subcommands = true
+)]
+pub struct Arguments {
+    #[command(subcommand)]
+    verb: Option<Verb>,
+    #[command(flatten)]
+    run: Option<RunArguments>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    /// The verdict on a run: a table, and a page in its folder
+    Report {
+        /// The run's folder
+        run: PathBuf,
+    },
+}
+
+/// What to train.
+#[derive(Debug, clap::Args)]
+struct RunArguments {
+    /// The task file, such as tasks/interpolation.toml
+    #[arg(value_name = "TASK.toml")]
+    task: PathBuf,
+    /// The run's folder
+    #[arg(short, long, value_name = "RUN")]
+    output: PathBuf,
+    /// Only this arm of the task; may be given again
+    #[arg(long, value_name = "ARM")]
+    arm: Vec<String>,
+    /// A folder of photographs in place of the task's
+    #[arg(long, value_name = "DIR")]
+    photos: Option<PathBuf>,
+    /// Threads; one for each core when left out. Results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Go on where a run in this folder has stopped
+    #[arg(long)]
+    resume: bool,
+    /// Only say what would be done, and how long it would take
+    #[arg(long)]
+    dry_run: bool,
+}
+
+/// Does what the arguments say.
+///
+/// # Errors
+/// What went wrong, as it is to be told.
+pub fn run(arguments: Arguments) -> Result<()> {
+    match (arguments.verb, arguments.run) {
+        (Some(Verb::Report { run }), _) => report(&run),
+        (None, Some(run)) => train(&run),
+        (None, None) => Err(miette!(
+            help = "amacrine-learn tasks/interpolation.toml -o RUN",
+            "no task was given"
+        )),
+    }
+}
+
+fn report(run: &Path) -> Result<()> {
+    let report = Report::read(run)?;
+    let page = run.join("report.html");
+    let text = report.page();
+    save(&page, |out| out.write_all(text.as_bytes()))?;
+    say(&format!("{}{}\n", report.table(), page.display()))
+}
+
+fn train(asked: &RunArguments) -> Result<()> {
+    if let Some(threads) = asked.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        pool.build_global().into_diagnostic()?;
+    }
+    let mut task = Task::open(&asked.task)?;
+    if let Some(photos) = &asked.photos {
+        task.scenes.photographs = Some(photos.clone());
+        task.scenes.video = None;
+    }
+    check_arms(&task, asked)?;
+    let told = |error| of_task(error, &task, asked);
+    let run = Run::new(&task, &asked.output, asked.resume || asked.dry_run).map_err(told)?;
+    // Held until all is done: two would write over each other.
+    let lock = (!asked.dry_run).then(|| run.lock());
+    let _lock = lock.transpose()?;
+    let (mut jobs, mut finished) = (Vec::new(), 0);
+    for job in run.jobs() {
+        if !asked.arm.is_empty() && !asked.arm.contains(&job.arm.name) {
+            continue;
+        }
+        if asked.resume && run.is_done(&job)? {
+            finished += 1;
+        } else {
+            jobs.push(job);
+        }
+    }
+    announce(&task, &run, &jobs, finished)?;
+    if asked.dry_run {
+        return Ok(());
+    }
+    let bars = Bars::new(&task, jobs.len());
+    let ended = Mutex::new((0, Ok(())));
+    run.train_all(&jobs, together(&jobs), &|n, progress| {
+        let job = &jobs[n];
+        let name = crate::train::name(job.arm, job.target, job.seed);
+        match progress {
+            Progress::Begun => bars.begin(n, &name),
+            Progress::Step(state) => bars.step(n, state),
+            Progress::Ended(done) => {
+                bars.end(n);
+                let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
+                let done = done.and_then(|()| run.record().map(|_| ()));
+                match done {
+                    // Nobody has to hear it: what has begun goes on, and the report tells in the end.
+                    Ok(()) => drop(say(&format!("{name}: done\n"))),
+                    // Others may well reach their targets.
+                    Err(error) if error.is_of_the_arm() => {
+                        ended.0 += 1;
+                        complain(&format!("{:?}\n", told(error)));
+                    }
+                    Err(error) => ended.1 = Err(error),
+                }
+            }
+        }
+    });
+    let (failed, done) = ended.into_inner().unwrap_or_else(PoisonError::into_inner);
+    done?;
+    run.record()?;
+    report(&asked.output)?;
+    if failed > 0 {
+        return Err(miette!(
+            "{failed} of {} arms could not be trained",
+            jobs.len()
+        ));
+    }
+    Ok(())
+}
+
+/// Whether the arms that are asked for take part.
+fn check_arms(task: &Task, asked: &RunArguments) -> Result<()> {
+    for name in &asked.arm {
+        if !task.arms.iter().any(|arm| arm.name == *name) {
+            let own: Vec<_> = task.arms.iter().map(|arm| arm.name.as_str()).collect();
+            let known = if arm::named(name).is_some() {
+                "add it to `arms` in the task file"
+            } else {
+                "give one of these"
+            };
+            return Err(miette!(
+                help = format!("{known}: {}", own.join(", ")),
+                "{}: no arm `{name}` takes part",
+                asked.task.display()
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// What went wrong, with the place in the task file that it is about.
+fn of_task(error: TrainError, task: &Task, asked: &RunArguments) -> miette::Report {
+    let given = asked.photos.is_some() && matches!(error, TrainError::Scene(_));
+    let keys = if given { &[][..] } else { error.keys() };
+    match task.origin.told(keys) {
+        Some(place) => miette::Report::from(error).wrap_err(place),
+        None => error.into(),
+    }
+}

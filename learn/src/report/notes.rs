@@ -1,0 +1,48 @@
+//! What a report cannot say, in sentences.
+
+use std::collections::BTreeSet;
+
+use super::{Report, metric::Metric};
+
+impl Report {
+    /// Why intervals, a metric or events are missing; empty where nothing is.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let (rows, mut notes) = (&self.record.rows, Vec::new());
+        let photographs: BTreeSet<&str> = rows.iter().map(|row| &*row.photograph).collect();
+        let seeds: BTreeSet<u64> = rows.iter().map(|row| row.seed).collect();
+        let lacking = [
+            (
+                photographs.len(),
+                "photograph (or video) is held out",
+                "photographs: at least 10, of which a fifth is held out",
+            ),
+            (
+                seeds.len(),
+                "seed has run",
+                "seeds, such as `seeds = [1, 2, 3]`",
+            ),
+        ];
+        for (_, what, more) in lacking.iter().filter(|(count, ..)| *count == 1) {
+            notes.push(format!(
+                "only one {what}, and one says nothing of others: no difference is shown; take more {more}"
+            ));
+        }
+        let metrics = self.metrics();
+        if metrics.contains(&Metric::Psnr) && !metrics.contains(&Metric::Ssim) {
+            notes.push(
+                "SSIM is not told: its windows of 11x11 pixels do not fit into the held-out clips; take `crop` of 11 or more in [test]"
+                    .to_owned(),
+            );
+        }
+        for arm in &self.arms {
+            let points = self.curve(arm, self.headline()).points;
+            for point in points.iter().filter(|p| p.target > 0.0 && p.events == 0.0) {
+                notes.push(format!(
+                    "{arm}: not one event on the held-out clips where {} a pixel and pair were asked for",
+                    point.target
+                ));
+            }
+        }
+        notes
+    }
+}
