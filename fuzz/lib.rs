@@ -318,10 +318,8 @@ fn vendor(text: &str) {
     static CHIP: OnceLock<Device> = OnceLock::new();
     let device = CHIP.get_or_init(Device::scamp5);
     let (program, none) = (Program::read("fuzz.cpp", text), BTreeMap::new());
-    if program.decides(device, &none) {
+    if program.layout(device, &none).is_ok_and(|it| it.decides) {
         drop(program.run_beside(device, &none, &mut Answering(50)));
-    } else {
-        drop(program.expand(device, &none));
     }
 }
 

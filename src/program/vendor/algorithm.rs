@@ -12,30 +12,6 @@ use super::{
 };
 use crate::{config::Place, order::Order};
 
-/// Algorithms that are known here.
-pub(super) const ALGORITHMS: [&str; 20] = [
-    "reverse",
-    "rotate",
-    "sort",
-    "stable_sort",
-    "fill",
-    "fill_n",
-    "iota",
-    "copy",
-    "copy_n",
-    "iter_swap",
-    "min_element",
-    "max_element",
-    "accumulate",
-    "count",
-    "find",
-    "for_each",
-    "transform",
-    "memset",
-    "memcpy",
-    "memmove",
-];
-
 /// Some elements of an array, one behind the other.
 #[derive(Clone, PartialEq)]
 struct Range {

@@ -3,10 +3,9 @@
 use std::{collections::BTreeMap, rc::Rc, sync::Arc};
 
 use super::{
-    algorithm::ALGORITHMS,
     beside::Companion,
     evaluate::{Reach, base_name},
-    host::{self, Role},
+    host::{self, ALGORITHMS, Role},
     look,
     machine::{Flow, Machine, Spot, foreign, term},
     tree::{

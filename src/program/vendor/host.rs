@@ -1,7 +1,6 @@
 //! What the vendor's library offers the micro-controller, as far as a program can be told of it.
 
 use super::{
-    algorithm::ALGORITHMS,
     tree::{Width, qualifier},
     value::Value,
 };
@@ -157,6 +156,30 @@ pub(super) fn simulates(name: &str) -> bool {
     let space = qualifier(name).unwrap_or_default();
     matches!(space.trim_start_matches("::"), "vs_sim" | "scamp5_sim")
 }
+
+/// Algorithms of the language's library that are run: [`algorithm`](super::algorithm).
+pub(super) const ALGORITHMS: [&str; 20] = [
+    "reverse",
+    "rotate",
+    "sort",
+    "stable_sort",
+    "fill",
+    "fill_n",
+    "iota",
+    "copy",
+    "copy_n",
+    "iter_swap",
+    "min_element",
+    "max_element",
+    "accumulate",
+    "count",
+    "find",
+    "for_each",
+    "transform",
+    "memset",
+    "memcpy",
+    "memmove",
+];
 
 const LIBRARY: [&str; 35] = [
     "allow_highspeed",

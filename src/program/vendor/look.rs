@@ -8,8 +8,7 @@ use std::{
 };
 
 use super::{
-    algorithm::ALGORITHMS,
-    host::{self, Role},
+    host::{self, ALGORITHMS, Role},
     machine::{Machine, foreign},
     tree::{Expr, ExprNode, Function, Stmt, StmtNode, TemplateArgument, Word, last},
     value::{Slot, Value},
