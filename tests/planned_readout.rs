@@ -104,6 +104,18 @@ fn what_nobody_says_is_not_guessed() {
     );
     let table = good(folder.path(), &compile(&["--events-per-frame", "100"]));
     assert!(table.contains("* slots for the busiest frame"), "{table}");
+    // The frame rate that stands above is that of the readout that is marked.
+    let line = |begins: &str| {
+        let mut lines = table.lines().map(str::trim_start);
+        lines
+            .find(|line| line.starts_with(begins))
+            .unwrap()
+            .to_owned()
+    };
+    let (time, marked) = (line("time"), line("* "));
+    let (_, rate) = time.split_once("busiest frame: ").unwrap();
+    let (rate, _) = rate.split_once(" frames/s").unwrap();
+    assert!(marked.contains(&format!(" {rate} ")), "{time}\n{marked}");
     assert!(table.contains("not known: "), "{table}");
 }
 
@@ -209,6 +221,13 @@ fn kinds_with_memories_in_bits_are_read_as_bits() {
 #[test]
 fn what_leaves_nothing_names_what_works() {
     let folder = TempDir::new().unwrap();
+    let zero = "name = \"zero\"\nweights = [[0, 0, 0]]\n";
+    fs::write(folder.path().join("zero.toml"), zero).unwrap();
+    refused(
+        folder.path(),
+        &["compile", "zero.toml", "--threshold", "1"],
+        &["kernel 0 has no weight but 0", "no light gives an event"],
+    );
     let faint = "name = \"faint\"\nweights = [[0.000244140625, 0, -0.000244140625]]\n";
     fs::write(folder.path().join("faint.toml"), faint).unwrap();
     let compile = [

@@ -152,15 +152,6 @@ pub enum CompileError {
         /// The noise in it, LSB.
         noise: f64,
     },
-    /// A kernel of zeros that is to fire.
-    #[error("kernel {kernel} has no weight but 0: no light gives an event")]
-    #[diagnostic(help(
-        "give it a weight; coarse digits (--to ternary) can round all of them to 0"
-    ))]
-    Zero {
-        /// Which kernel, from 0.
-        kernel: usize,
-    },
     /// An input that no number of halvings brings into range.
     #[error("an input from {low} to {high} LSB does not fit into -128…127, halved or not")]
     #[diagnostic(help("give a range with a low end below its high end, within -128 to 127 LSB"))]

@@ -227,10 +227,7 @@ pub(super) fn largest_light(device: &Device) -> f64 {
 
 /// Checks that the host can set the threshold of every kind.
 fn check_thresholds(kinds: &[CellKind], scales: &[f64]) -> Result<(), CompileError> {
-    for (number, (kind, scale)) in kinds.iter().zip(scales).enumerate() {
-        if kind.kernel.weights().iter().all(|weight| *weight == 0.0) {
-            return Err(CompileError::Zero { kernel: number });
-        }
+    for (kind, scale) in kinds.iter().zip(scales) {
         let threshold = kind.on.max(kind.off);
         if threshold * scale > MOST_THRESHOLD {
             let lsb = threshold * scale;

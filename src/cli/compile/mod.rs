@@ -408,6 +408,7 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
         })
         .collect();
     let memory = asked.remembered(arguments)?;
+    check_weights(&asked.kernels)?;
     let compiled = if memory == DriveMemory::Shared {
         shared::whole(arguments, asked, &kinds, device)?
     } else {
@@ -428,6 +429,18 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
         memory: Some(memory),
         ..compiled
     })
+}
+
+/// Refuses kernels of zeros: no light makes them fire.
+fn check_weights(kernels: &[Kernel]) -> miette::Result<()> {
+    let is_zero = |kernel: &Kernel| kernel.weights().iter().all(|weight| *weight == 0.0);
+    match kernels.iter().position(is_zero) {
+        Some(at) => Err(miette!(
+            help = "give it a weight; few values (--to ternary) can round all of them to 0",
+            "kernel {at} has no weight but 0: no light gives an event"
+        )),
+        None => Ok(()),
+    }
 }
 
 /// A program of kinds that each have a memory of their own.

@@ -218,7 +218,12 @@ impl<'a> Machine<'a> {
 
     /// One more statement or call is worked on.
     pub(super) fn work(&mut self, place: Place) {
-        self.work += 1;
+        self.works(1, place);
+    }
+
+    /// Something that takes as long as so many statements.
+    pub(super) fn works(&mut self, statements: usize, place: Place) {
+        self.work += statements;
         if self.work > WORK && !self.full {
             self.full = true;
             let before = match self.companion {

@@ -16,6 +16,9 @@ use crate::{
     program::syntax::{Item, Node},
 };
 
+/// Statements that looking at a branch without running it takes as long as.
+const LOOK: usize = 16;
+
 impl Machine<'_> {
     /// Runs statements in a scope of their own.
     pub(super) fn block(&mut self, statements: &[Stmt]) -> Flow {
@@ -361,6 +364,7 @@ impl Machine<'_> {
     /// Branches of which only the run knows which is taken. What they show is shown; what they
     /// compute is forgotten; that they change the array is a fault.
     pub(super) fn either(&mut self, on: &Expr, parts: &[&Stmt], why: &Arc<str>) -> Flow {
+        self.works(LOOK, on.place);
         let changes = parts.iter().any(|part| look::changes(self, part));
         if changes {
             let message = format!("whether this kernel runs, {why} decides");
