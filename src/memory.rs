@@ -63,7 +63,7 @@ impl Budget {
     #[must_use]
     pub fn from_machine() -> Self {
         let read = |path: &str| fs::read_to_string(Path::new(path)).ok();
-        let machine = read("/proc/meminfo").and_then(|text| total(&text));
+        let machine = read("/proc/meminfo").and_then(|text| of_system(&text, "MemTotal:"));
         let groups = read("/proc/self/cgroup").unwrap_or_default();
         let group = limits(&groups)
             .iter()
@@ -78,11 +78,15 @@ impl Budget {
     }
 }
 
-/// `MemTotal` of `/proc/meminfo`, in bytes.
-fn total(meminfo: &str) -> Option<u64> {
-    let line = meminfo
-        .lines()
-        .find_map(|line| line.strip_prefix("MemTotal:"))?;
+/// The most bytes that this process has held at once, where the system says so.
+#[must_use]
+pub fn peak() -> Option<u64> {
+    of_system(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
+}
+
+/// A size in a text of `/proc`, in bytes.
+fn of_system(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     kibibytes.checked_mul(1024)
 }
@@ -294,8 +298,12 @@ mod tests {
     #[test]
     fn what_the_system_says_is_read() {
         let meminfo = "MemTotal:       24576000 kB\nMemFree:         1 kB\n";
+        let total = |text: &str| of_system(text, "MemTotal:");
         assert_eq!(total(meminfo), Some(24_576_000 * 1024));
         assert_eq!(total("MemFree: 1 kB\n"), None);
+        let status = "VmPeak:\t  9000 kB\nVmHWM:\t    5120 kB\nVmRSS:\t  4000 kB\n";
+        assert_eq!(of_system(status, "VmHWM:"), Some(5120 * 1024));
+        assert_eq!(of_system("VmRSS:\t  4000 kB\n", "VmHWM:"), None);
         let files = limits("0::/a.slice/b.scope\n");
         assert!(files.contains(&"/sys/fs/cgroup/a.slice/memory.max".to_owned()));
         assert!(files.contains(&"/sys/fs/cgroup/a.slice/b.scope/memory.max".to_owned()));

@@ -414,6 +414,7 @@ fn algorithms_change_what_they_are_given() {
     );
     for unknown in [
         "int v[3] = {5, 6, 7}; std::partial_sort(v, v + 2, v + 3); scamp5_in(A, v[1]);",
+        "int v[3] = {5, 6, 7}; std::rotate(v, v + 3, v + 1); scamp5_in(A, v[1]);",
         "std::vector<int> v = {5, 6}; v.erase(std::remove(v.begin(), v.end(), 5), v.end()); scamp5_in(A, v.size());",
         "int s = 0; int v[2] = {1, 2}; std::all_of(v, v + 2, [&](int x) { s += x; return true; }); scamp5_in(A, s);",
         "uint8_t e[4] = {1, 2, 3, 4}; uint16_t *w = (uint16_t *)e; scamp5_in(A, w[0]);",

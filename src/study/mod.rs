@@ -7,6 +7,7 @@ pub mod expanded;
 pub mod exploration;
 pub mod feasibility;
 pub mod front;
+pub mod joint;
 pub mod pilot;
 pub mod quantisation;
 pub mod rate;

@@ -5,9 +5,10 @@ use std::{
     time::{Duration, Instant},
 };
 
+use amacrine::memory;
 use miette::{IntoDiagnostic, Result};
 
-use super::{peak::peak, print::say};
+use super::print::say;
 use crate::{
     arm::Sight,
     network::Network,
@@ -52,6 +53,7 @@ pub(super) fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>], done: usize
         rayon::current_num_threads()
     });
     let pool = pool.build().into_diagnostic()?;
+    let peak = || memory::peak().and_then(|bytes| usize::try_from(bytes).ok());
     let before = peak();
     let (mut total, mut judge, mut most) = (Duration::ZERO, Duration::ZERO, 0);
     // What has most levels is judged longest: its program is sought longest.

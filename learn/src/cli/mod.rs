@@ -2,7 +2,6 @@
 
 mod bars;
 mod forecast;
-mod peak;
 mod print;
 
 use std::{

@@ -42,11 +42,8 @@ impl Difference {
     /// several photographs and several seeds.
     #[must_use]
     pub fn shown(&self) -> bool {
-        self.photographs > 1 && self.seeds > 1 && self.beyond_zero()
-    }
-
-    fn beyond_zero(&self) -> bool {
-        self.interval[0] > 0.0 || self.interval[1] < 0.0
+        let beyond_zero = self.interval[0] > 0.0 || self.interval[1] < 0.0;
+        self.photographs > 1 && self.seeds > 1 && beyond_zero
     }
 
     /// Of two arms in two forms; `None` where they have no bits in common.

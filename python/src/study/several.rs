@@ -1,15 +1,9 @@
 //! Several kernels in one program, as `amacrine quantise` has it.
 
 use amacrine::{
-    isa::{Device, Figure},
-    kernel::quantise::{Quantised, Quantiser, Sum, Summary},
-    program::stored,
+    kernel::quantise::{Quantiser, Sum, Summary},
     rig::guard::{Guard, Warning},
-    study::{
-        design::{Design, DesignError},
-        equivalent::Likeness,
-        together::{self, Together},
-    },
+    study::{design::Design, joint::Joint},
     unit::Micros,
 };
 use miette::Report;
@@ -29,7 +23,7 @@ use crate::{
 #[derive(Serialize)]
 struct Answer {
     kernels: Vec<Kind>,
-    together: Vec<Program>,
+    together: Vec<Joint>,
     warnings: Vec<Warning>,
 }
 
@@ -50,48 +44,9 @@ struct Row {
     refused: Option<String>,
 }
 
-/// All kernels in one program, for one quantiser.
-#[derive(Serialize)]
-struct Program {
-    to: String,
-    #[serde(flatten)]
-    outcome: Outcome,
-}
-
-#[derive(Serialize)]
-#[serde(rename_all = "snake_case")]
-enum Outcome {
-    OnChip(Box<OnChip>),
-    Refused(Vec<String>),
-}
-
-/// What a program of all kernels costs and says.
-#[derive(Serialize)]
-struct OnChip {
-    memory: String,
-    against: &'static str,
-    filter_words: u64,
-    words: u64,
-    stored_words: u64,
-    store: u64,
-    array_us: f64,
-    frames_per_s: f64,
-    frames_per_s_of_compute: f64,
-    carried: usize,
-    kinds: Vec<Judged>,
-}
-
-/// One kind of it.
-#[derive(Serialize)]
-struct Judged {
-    name: String,
-    exact: Likeness,
-    silicon: Likeness,
-}
-
 /// What is asked of all kernels.
 struct Question<'a> {
-    names: Vec<&'a str>,
+    names: Vec<String>,
     floats: Vec<Design<'a>>,
     sum: Sum,
     source: &'a Source,
@@ -118,7 +73,7 @@ pub fn on_chip_together(
     let answer = pool::work(py, || {
         let floats = kernels.iter().zip(&thresholds);
         let question = Question {
-            names: of.iter().map(|(name, _)| name.as_str()).collect(),
+            names: of.iter().map(|(name, _)| name.clone()).collect(),
             floats: floats
                 .map(|(kernel, threshold)| Design {
                     kernel,
@@ -132,17 +87,17 @@ pub fn on_chip_together(
             source: &source,
             within: within(within_us, source.open()?.fps()),
         };
-        question.answer(&to, &device)
+        question.answer(&to)
     })?;
     json(&answer.map_err(|report: Report| raised(report))?)
 }
 
 impl Question<'_> {
-    fn answer(&self, to: &[Quantiser], device: &Device) -> Result<Answer, Report> {
+    fn answer(&self, to: &[Quantiser]) -> Result<Answer, Report> {
         let mut guard = Guard::new();
         let each = self.names.iter().zip(&self.floats);
         let kernels = each.map(|(name, float)| Kind {
-            name: (*name).to_owned(),
+            name: name.clone(),
             quantised: { to.iter() }
                 .map(|to| self.row(float, *to, &mut guard))
                 .collect(),
@@ -150,14 +105,15 @@ impl Question<'_> {
         let kernels = kernels.collect();
         let mut together = Vec::new();
         for to in to {
-            let outcome = match self.few(*to)? {
-                Err(why) => Outcome::Refused(vec![why]),
-                Ok(few) => self.run(*to, &few, device, &mut guard)?,
-            };
-            together.push(Program {
-                to: to.to_string(),
-                outcome,
-            });
+            let mut scene = self.source.open()?;
+            together.push(Joint::new(
+                &self.names,
+                &self.floats,
+                (*to, self.sum),
+                (self.within, &mut *scene),
+                &mut guard,
+                || (),
+            )?);
         }
         Ok(Answer {
             kernels,
@@ -178,71 +134,5 @@ impl Question<'_> {
             refused: summary.as_ref().err().map(ToString::to_string),
             summary: summary.ok(),
         }
-    }
-
-    /// All kernels in these few values; or why one of them is not to be had in them.
-    fn few(&self, to: Quantiser) -> Result<Result<Vec<Quantised>, String>, DesignError> {
-        let mut all = Vec::new();
-        for float in &self.floats {
-            match float.quantise(to, self.sum) {
-                Ok(few) => all.push(few),
-                Err(error @ DesignError::Quantise(_)) => return Ok(Err(error.to_string())),
-                Err(error) => return Err(error),
-            }
-        }
-        Ok(Ok(all))
-    }
-
-    /// Compiles all kernels into one program, and runs it beside the float sensor.
-    fn run(
-        &self,
-        to: Quantiser,
-        few: &[Quantised],
-        device: &Device,
-        guard: &mut Guard,
-    ) -> Result<Outcome, Report> {
-        let levels: Vec<Design<'_>> = { self.floats.iter().zip(few) }
-            .map(|(float, few)| float.in_levels(few))
-            .collect();
-        let program = match Together::compile(&levels, "together", None)? {
-            Err(why) => return Ok(Outcome::Refused(why)),
-            Ok(program) => program,
-        };
-        let mut scene = self.source.open()?;
-        // The frames of this run alone.
-        let mut own = Guard::new();
-        let seed = self.floats.first().map_or(0, |float| float.seed);
-        let how = (self.within, seed);
-        let (judged, _) = program.judge(&self.floats, how, &mut *scene, |frame| {
-            own.frame(frame);
-        })?;
-        for (name, kind) in self.names.iter().zip(&judged) {
-            own.packet(&format!("{to} silicon, {name}"), &kind.packet);
-            if let Some(warning) = kind.exact.warning(name) {
-                own.warn(warning);
-            }
-        }
-        own.warnings().into_iter().for_each(|it| guard.warn(it));
-        let cost = program.compiled.cost;
-        let code = &program.compiled.code;
-        Ok(Outcome::OnChip(Box::new(OnChip {
-            memory: together::name(program.memory),
-            against: program.against(),
-            filter_words: program.compiled.program.filter.words.len() as u64,
-            words: cost.words.0,
-            stored_words: (stored(&code.init, device) + stored(&code.frame, device)).0,
-            store: device.value(Figure::Store) as u64,
-            array_us: cost.array_us,
-            frames_per_s: 1e6 / cost.micros(),
-            frames_per_s_of_compute: 1e6 / cost.array_us,
-            carried: program.carried(),
-            kinds: { self.names.iter().zip(judged) }
-                .map(|(name, kind)| Judged {
-                    name: (*name).to_owned(),
-                    exact: kind.exact,
-                    silicon: kind.silicon,
-                })
-                .collect(),
-        })))
     }
 }

@@ -7,15 +7,13 @@ use miette::miette;
 use super::{Arguments, Row, drawn, erased, rows_of, short, table};
 use crate::{
     cli::{budget, kernels::Kinds, light, progress::Progress},
-    isa::{Device, Figure},
-    kernel::quantise::{Quantised, Quantiser},
-    program::stored,
+    isa::Device,
     rig::guard::{Guard, Warning},
     scene::{Observation, Scene as _},
     study::{
-        design::{Design, DesignError},
+        design::Design,
         equivalent::{self, Likeness, RUNGS},
-        together::{self, Together},
+        joint::{Joint, Outcome},
     },
 };
 
@@ -28,50 +26,11 @@ struct Kind {
     quantised: Vec<Row>,
 }
 
-/// All kernels in one program, for one quantiser.
-#[derive(serde::Serialize)]
-struct Program {
-    to: String,
-    #[serde(flatten)]
-    outcome: Outcome,
-}
-
-#[derive(serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-enum Outcome {
-    OnChip(Box<OnChip>),
-    Refused(Vec<String>),
-}
-
-/// What a program of all kernels costs and says.
-#[derive(serde::Serialize)]
-struct OnChip {
-    memory: String,
-    against: &'static str,
-    filter_words: u64,
-    words: u64,
-    stored_words: u64,
-    store: u64,
-    array_us: f64,
-    frames_per_s: f64,
-    frames_per_s_of_compute: f64,
-    carried: usize,
-    kinds: Vec<Judged>,
-}
-
-/// One kind of it.
-#[derive(serde::Serialize)]
-struct Judged {
-    name: String,
-    exact: Likeness,
-    silicon: Likeness,
-}
-
 #[derive(serde::Serialize)]
 struct Json {
     kernels: Vec<Kind>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    together: Vec<Program>,
+    together: Vec<Joint>,
     #[serde(skip_serializing_if = "Option::is_none")]
     light: Option<serde_json::Value>,
     warnings: Vec<Warning>,
@@ -144,7 +103,7 @@ fn together(
     (kinds, thresholds): (&Kinds, &[f64]),
     observation: &Observation,
     warnings: &mut Vec<Warning>,
-) -> miette::Result<Vec<Program>> {
+) -> miette::Result<Vec<Joint>> {
     let device = Device::find(arguments.chip())?;
     let scene = arguments.clip.open(observation)?;
     budget::check_study(&*scene, (RUNGS.len() + 1) * kinds.kernels.len() + 2)?;
@@ -165,64 +124,15 @@ fn together(
     let mut guard = Guard::new();
     let mut programs = Vec::new();
     for to in &arguments.to {
-        let outcome = match few(arguments, *to, &floats)? {
-            Err(why) => Outcome::Refused(why),
-            Ok(few) => {
-                let mut scene = arguments.clip.open(observation)?;
-                let levels: Vec<Design<'_>> = { floats.iter().zip(&few) }
-                    .map(|(float, few)| float.in_levels(few))
-                    .collect();
-                match Together::compile(&levels, "together", None)? {
-                    Err(why) => Outcome::Refused(why),
-                    Ok(program) => {
-                        let within = arguments.window.at(fps);
-                        let judged = program.judge(
-                            &floats,
-                            (within, arguments.seed),
-                            &mut *scene,
-                            |frame| {
-                                guard.frame(frame);
-                                progress.tick();
-                            },
-                        );
-                        let (judged, _) = judged?;
-                        for (name, kind) in kinds.names.iter().zip(&judged) {
-                            guard.packet(&format!("{to} silicon, {name}"), &kind.packet);
-                            if let Some(warning) = kind.exact.warning(name) {
-                                guard.warn(warning);
-                            }
-                        }
-                        let cost = program.compiled.cost;
-                        let code = &program.compiled.code;
-                        Outcome::OnChip(Box::new(OnChip {
-                            memory: together::name(program.memory),
-                            against: program.against(),
-                            filter_words: program.compiled.program.filter.words.len() as u64,
-                            words: cost.words.0,
-                            stored_words: (stored(&code.init, &device)
-                                + stored(&code.frame, &device))
-                            .0,
-                            store: device.value(Figure::Store) as u64,
-                            array_us: cost.array_us,
-                            frames_per_s: 1e6 / cost.micros(),
-                            frames_per_s_of_compute: 1e6 / cost.array_us,
-                            carried: program.carried(),
-                            kinds: { kinds.names.iter().zip(judged) }
-                                .map(|(name, kind)| Judged {
-                                    name: name.clone(),
-                                    exact: kind.exact,
-                                    silicon: kind.silicon,
-                                })
-                                .collect(),
-                        }))
-                    }
-                }
-            }
-        };
-        programs.push(Program {
-            to: to.to_string(),
-            outcome,
-        });
+        let mut scene = arguments.clip.open(observation)?;
+        programs.push(Joint::new(
+            &kinds.names,
+            &floats,
+            (*to, arguments.sum.into()),
+            (arguments.window.at(fps), &mut *scene),
+            &mut guard,
+            || progress.tick(),
+        )?);
     }
     progress.finish();
     let of_scene = Warning::of_scene(observation, 255.0);
@@ -234,25 +144,8 @@ fn together(
     Ok(programs)
 }
 
-/// All kernels in these few values; or why one of them is not to be had in them.
-fn few(
-    arguments: &Arguments,
-    to: Quantiser,
-    floats: &[Design<'_>],
-) -> Result<Result<Vec<Quantised>, Vec<String>>, DesignError> {
-    let mut all = Vec::new();
-    for float in floats {
-        match float.quantise(to, arguments.sum.into()) {
-            Ok(few) => all.push(few),
-            Err(error @ DesignError::Quantise(_)) => return Ok(Err(vec![error.to_string()])),
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(Ok(all))
-}
-
 /// A line for each program, and one for each of its kinds.
-fn program_table(arguments: &Arguments, programs: &[Program], kinds: usize) -> String {
+fn program_table(arguments: &Arguments, programs: &[Joint], kinds: usize) -> String {
     let mut text = format!(
         "all {kinds} kernels in one program on {}, on {}\n{:<16} {:>6} {:>6} {:>6} {:>9} {:>9} {:>8}  memory\n",
         arguments.chip(),

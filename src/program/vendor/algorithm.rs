@@ -62,13 +62,8 @@ impl Machine<'_> {
         for value in values {
             match value {
                 Value::Pointer(slot, path, _) => {
-                    let array = path.split_last().map_or(&path[..], |it| it.1);
-                    let array = match self.peek(*slot, array) {
-                        Some(Value::List(_)) => array,
-                        _ => path,
-                    };
-                    let array = array.to_vec();
-                    self.forget(*slot, &array, &why);
+                    let array = self.array_of(*slot, path);
+                    self.forget(*slot, array.map_or(path, |it| it.0), &why);
                 }
                 Value::Lambda(function) => {
                     let place = function.place;
@@ -107,17 +102,11 @@ impl Machine<'_> {
         let Value::Pointer(slot, path, _) = from else {
             return None;
         };
-        let (first, array) = match path.split_last() {
-            Some((first, array)) => (*first, array.to_vec()),
-            None => (0, Vec::new()),
-        };
-        let Some(Value::List(all)) = self.peek(*slot, &array) else {
-            return None;
-        };
+        let (array, first, length) = self.array_of(*slot, path)?;
         Some(Range {
             slot: *slot,
-            length: all.len().checked_sub(first)?,
-            array,
+            length: length.checked_sub(first)?,
+            array: array.to_vec(),
             first,
         })
     }
@@ -129,10 +118,13 @@ impl Machine<'_> {
 
     fn write(&mut self, range: &Range, values: Vec<Value>) {
         for (i, value) in values.into_iter().enumerate() {
-            let (slot, path) = range.at(i);
-            let kind = self.kind_at(slot, &path);
-            self.put(slot, &path, shape::deep(value, kind));
+            self.write_at(range.at(i), value);
         }
+    }
+
+    fn write_at(&mut self, (slot, path): Spot, value: Value) {
+        let kind = self.kind_at(slot, &path);
+        self.put(slot, &path, shape::deep(value, kind));
     }
 
     /// What moves or sets elements.
@@ -171,8 +163,10 @@ impl Machine<'_> {
             }
             ("rotate", [from, middle, to]) => {
                 let range = self.range(from, to)?;
+                let before = self.range(from, middle)?.length;
+                self.range(middle, to)?;
                 let mut all = self.values_of(&range);
-                all.rotate_left(self.range(from, middle)?.length);
+                all.rotate_left(before);
                 (range, all)
             }
             ("reverse" | "sort" | "stable_sort", [from, to]) => {
@@ -250,9 +244,7 @@ impl Machine<'_> {
         for i in 0..range.length {
             let value = self.called_with(function, range.at(i), place);
             if let Some(into) = &into {
-                let (slot, path) = into.at(i);
-                let kind = self.kind_at(slot, &path);
-                self.put(slot, &path, shape::deep(value, kind));
+                self.write_at(into.at(i), value);
             }
         }
         Some(into.map_or(Value::Whole(0), |it| it.pointer(it.length)))

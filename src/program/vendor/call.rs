@@ -848,22 +848,13 @@ impl Machine<'_> {
         let name = base_name(of);
         let reached = self.reach(of);
         let reached = self.through(reached);
-        let held = match &reached {
-            Reach::Spot(slot, path) => self.peek(*slot, path),
-            Reach::Value(value) => Some(value),
-            _ => None,
-        };
-        if let Some(Value::Record(layout, _)) = held {
+        if let Some(Value::Record(layout, _)) = self.reached(&reached) {
             let layout = Rc::clone(layout);
             if let Some(found) = self.member_call(&layout, &reached, member, given, place) {
                 return found;
             }
         }
-        let held = match &reached {
-            Reach::Spot(slot, path) => self.peek(*slot, path),
-            Reach::Value(value) => Some(value),
-            _ => None,
-        };
+        let held = self.reached(&reached);
         match (held, &reached) {
             (Some(Value::List(_)), Reach::Spot(slot, path)) => {
                 if let ("swap", [other]) = (member, given) {

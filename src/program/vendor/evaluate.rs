@@ -83,14 +83,12 @@ impl Machine<'_> {
         {
             return Value::Wide(bytes, Width::UnsignedLong);
         }
+        let unknown = || Value::Unknown(format!("`sizeof` of `{}`", base_name(of)).into());
         let (value, kind) = match self.reach(of) {
-            Reach::Spot(slot, path) => {
-                let name = format!("`sizeof` of `{}`", base_name(of));
-                if self.copied.contains(&slot) && path.is_empty() {
-                    return Value::Unknown(name.into());
-                }
-                (self.at(slot, &path), self.kind_at(slot, &path))
+            Reach::Spot(slot, path) if self.copied.contains(&slot) && path.is_empty() => {
+                return unknown();
             }
+            Reach::Spot(slot, path) => (self.at(slot, &path), self.kind_at(slot, &path)),
             Reach::Value(Value::Symbol(class)) if self.layouts.contains_key(&class) => {
                 let layout = &self.layouts[&class];
                 (super::shape::fresh(layout, &Value::Whole(0)), Kind::Any)
@@ -98,10 +96,9 @@ impl Machine<'_> {
             Reach::Value(value) => (value, Kind::Any),
             _ => (self.value(of), Kind::Any),
         };
-        super::shape::size(&value, kind).map_or_else(
-            || Value::Unknown(format!("`sizeof` of `{}`", base_name(of)).into()),
-            |(bytes, _)| Value::Wide(bytes, Width::UnsignedLong),
-        )
+        super::shape::size(&value, kind).map_or_else(unknown, |(bytes, _)| {
+            Value::Wide(bytes, Width::UnsignedLong)
+        })
     }
 
     /// `new`: memory that has no name.
@@ -399,12 +396,16 @@ impl Machine<'_> {
 
     /// Whether a pointer to an element lies there: its elements are those behind it.
     fn is_inner(&self, base: &Reach) -> bool {
-        let value = match base {
+        matches!(self.reached(base), Some(Value::Pointer(_, path, _)) if !path.is_empty())
+    }
+
+    /// The value that was reached, where it is known which.
+    pub(super) fn reached<'v>(&'v self, reach: &'v Reach) -> Option<&'v Value> {
+        match reach {
             Reach::Spot(slot, path) => self.peek(*slot, path),
             Reach::Value(value) => Some(value),
-            _ => None,
-        };
-        matches!(value, Some(Value::Pointer(_, path, _)) if !path.is_empty())
+            Reach::Lost(..) | Reach::Beyond(_) => None,
+        }
     }
 
     fn element(&mut self, base: Reach, index: &Value) -> Reach {
@@ -459,12 +460,7 @@ impl Machine<'_> {
 
     /// Where a pointer that lies somewhere leads; anything else stays where it is.
     pub(super) fn through(&self, base: Reach) -> Reach {
-        let value = match &base {
-            Reach::Spot(slot, path) => self.peek(*slot, path),
-            Reach::Value(value) => Some(value),
-            _ => None,
-        };
-        match value {
+        match self.reached(&base) {
             Some(Value::Pointer(slot, path, _)) => Reach::Spot(*slot, path.clone()),
             _ => base,
         }

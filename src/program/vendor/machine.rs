@@ -416,17 +416,28 @@ impl<'a> Machine<'a> {
         *target = value;
     }
 
+    /// The array that a pointer leads into, the element that it leads to, and the array's length.
+    pub(super) fn array_of<'p>(
+        &self,
+        slot: Slot,
+        path: &'p [usize],
+    ) -> Option<(&'p [usize], usize, usize)> {
+        let (first, array) = path
+            .split_last()
+            .map_or((0, path), |(at, array)| (*at, array));
+        match self.peek(slot, array) {
+            Some(Value::List(all)) => Some((array, first, all.len())),
+            _ => None,
+        }
+    }
+
     /// Forgets what lies where a pointer leads, and in its array behind that.
     pub(super) fn forget_from(&mut self, slot: Slot, path: &[usize], why: &Arc<str>) {
-        let Some((first, array)) = path.split_last() else {
+        let Some((array, first, length)) = self.array_of(slot, path) else {
             self.forget(slot, path, why);
             return;
         };
-        let Some(Value::List(all)) = self.peek(slot, array) else {
-            self.forget(slot, path, why);
-            return;
-        };
-        for at in *first..all.len() {
+        for at in first..length {
             self.forget(slot, &[array, &[at]].concat(), why);
         }
     }

@@ -1,0 +1,185 @@
+//! Several kernels in one program, for one quantiser: what that costs, and what each kind keeps of the
+//! float sensor.
+
+use serde::Serialize;
+
+use super::{
+    design::{Design, DesignError},
+    equivalent::{EquivalentError, Likeness},
+    together::{self, Together},
+};
+use crate::{
+    isa::Figure,
+    kernel::quantise::{Quantised, Quantiser, Sum},
+    program::stored,
+    rig::guard::Guard,
+    scene::Scene,
+    unit::Micros,
+};
+
+/// All kernels in one program, for one quantiser.
+#[derive(Debug, Serialize)]
+pub struct Joint {
+    /// The quantiser.
+    pub to: String,
+    /// What came of it.
+    #[serde(flatten)]
+    pub outcome: Outcome,
+}
+
+/// A program of all kernels, or why there is none.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// It runs.
+    OnChip(Box<OnChip>),
+    /// A kernel is not to be had in these values, or no memory holds all of them: why.
+    Refused(Vec<String>),
+}
+
+/// What a program of all kernels costs and says.
+#[derive(Debug, Serialize)]
+pub struct OnChip {
+    /// What it remembers, and where.
+    pub memory: String,
+    /// The float sensor that it is held to.
+    pub against: &'static str,
+    /// Words of the filters.
+    pub filter_words: u64,
+    /// Words of a frame.
+    pub words: u64,
+    /// Words that the chip stores.
+    pub stored_words: u64,
+    /// Words that it has room for.
+    pub store: u64,
+    /// Time of a frame's words on the array, us.
+    pub array_us: f64,
+    /// Frames a second, with all slots of the readout.
+    pub frames_per_s: f64,
+    /// Frames a second without the readout.
+    pub frames_per_s_of_compute: f64,
+    /// How many kinds like these the chip carries.
+    pub carried: usize,
+    /// What each kind keeps.
+    pub kinds: Vec<Kind>,
+}
+
+/// One kind of a program.
+#[derive(Debug, Serialize)]
+pub struct Kind {
+    /// What it is called.
+    pub name: String,
+    /// Without errors of the chip.
+    pub exact: Likeness,
+    /// With them.
+    pub silicon: Likeness,
+}
+
+impl Joint {
+    /// Quantises the kernels of these designs, compiles all of them into one program and runs it
+    /// beside the float sensor; what there is to be warned of goes to `guard`. `names` has one for
+    /// each design, and `seen` is called for each frame.
+    ///
+    /// # Errors
+    /// When a sensor cannot be made, or scene or sensor cannot go on; not where the chip refuses.
+    pub fn new(
+        names: &[String],
+        floats: &[Design<'_>],
+        (to, sum): (Quantiser, Sum),
+        (within, scene): (Micros, &mut dyn Scene),
+        guard: &mut Guard,
+        seen: impl FnMut(),
+    ) -> Result<Self, EquivalentError> {
+        let outcome = match few(floats, to, sum)? {
+            Err(why) => Outcome::Refused(vec![why]),
+            Ok(few) => {
+                let levels: Vec<Design<'_>> = { floats.iter().zip(&few) }
+                    .map(|(float, few)| float.in_levels(few))
+                    .collect();
+                match Together::compile(&levels, "together", None)? {
+                    Err(why) => Outcome::Refused(why),
+                    Ok(program) => {
+                        let kinds =
+                            run(&program, (names, floats), (within, scene), to, guard, seen)?;
+                        Outcome::OnChip(Box::new(OnChip::new(&program, kinds)))
+                    }
+                }
+            }
+        };
+        Ok(Self {
+            to: to.to_string(),
+            outcome,
+        })
+    }
+}
+
+impl OnChip {
+    fn new(program: &Together, kinds: Vec<Kind>) -> Self {
+        let compiled = &program.compiled;
+        let (cost, code, device) = (compiled.cost, &compiled.code, &compiled.device);
+        Self {
+            memory: together::name(program.memory),
+            against: program.against(),
+            filter_words: compiled.program.filter.words.len() as u64,
+            words: cost.words.0,
+            stored_words: (stored(&code.init, device) + stored(&code.frame, device)).0,
+            store: device.value(Figure::Store) as u64,
+            array_us: cost.array_us,
+            frames_per_s: 1e6 / cost.micros(),
+            frames_per_s_of_compute: 1e6 / cost.array_us,
+            carried: program.carried(),
+            kinds,
+        }
+    }
+}
+
+/// All kernels in these few values; or why one of them is not to be had in them.
+fn few(
+    floats: &[Design<'_>],
+    to: Quantiser,
+    sum: Sum,
+) -> Result<Result<Vec<Quantised>, String>, DesignError> {
+    let mut all = Vec::new();
+    for float in floats {
+        match float.quantise(to, sum) {
+            Ok(few) => all.push(few),
+            Err(error @ DesignError::Quantise(_)) => return Ok(Err(error.to_string())),
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(Ok(all))
+}
+
+/// Runs a program beside the float sensor; what each kind keeps.
+fn run(
+    program: &Together,
+    (names, floats): (&[String], &[Design<'_>]),
+    (within, scene): (Micros, &mut dyn Scene),
+    to: Quantiser,
+    guard: &mut Guard,
+    mut seen: impl FnMut(),
+) -> Result<Vec<Kind>, EquivalentError> {
+    // The frames of this run alone.
+    let mut own = Guard::new();
+    let seed = floats.first().map_or(0, |float| float.seed);
+    let (judged, _) = program.judge(floats, (within, seed), scene, |frame| {
+        own.frame(frame);
+        seen();
+    })?;
+    let mut kinds = Vec::new();
+    for (name, kind) in names.iter().zip(judged) {
+        own.packet(&format!("{to} silicon, {name}"), &kind.packet);
+        if let Some(warning) = kind.exact.warning(name) {
+            own.warn(warning);
+        }
+        kinds.push(Kind {
+            name: name.clone(),
+            exact: kind.exact,
+            silicon: kind.silicon,
+        });
+    }
+    for warning in own.warnings() {
+        guard.warn(warning);
+    }
+    Ok(kinds)
+}
