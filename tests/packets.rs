@@ -13,7 +13,7 @@ use amacrine::{
     },
     isa::{Device, HostKind},
 };
-use common::{amacrine, good, json, refused_untouched};
+use common::{amacrine, good, json, refused, refused_untouched};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -338,7 +338,14 @@ fn sizes_are_asked_for_in_order() {
             .collect();
         assert_eq!(size(verb), (Some(10), Some(6), Some(false)), "{verb:?}");
         assert_eq!(size(&given), (Some(346), Some(260), Some(true)), "{verb:?}");
-        assert_eq!(size(&stated), (Some(16), Some(8), Some(true)), "{verb:?}");
+        // What the file says is not contradicted, by a larger size either.
+        refused(
+            folder.path(),
+            &stated,
+            &["e.csv: the file says that its sensor is 16x8, and the size 346x260 was given"],
+        );
+        let same = [&stated[..stated.len() - 1], &["16x8"]].concat();
+        assert_eq!(size(&same), (Some(16), Some(8), Some(true)), "{verb:?}");
         let said = good(folder.path(), verb);
         assert!(said.contains("give --size WxH"), "{said}");
     }

@@ -538,11 +538,6 @@ impl Watched {
         let (on, off) = kinds
             .iter()
             .fold((0, 0), |sum, kind| (sum.0 + kind.0, sum.1 + kind.1));
-        let assumed = if self.fps_is_assumed {
-            " (assumed; --fps says otherwise)"
-        } else {
-            ""
-        };
         let mut lines = vec![
             format!(
                 "sensor   {} ({} {}, {}{})",
@@ -557,7 +552,7 @@ impl Watched {
                 arguments.without.told()
             ),
             format!(
-                "scene    {}, {}, {} in {:.6} s, {} frames/s{assumed}",
+                "scene    {}, {}, {} in {:.6} s, {} frames/s",
                 arguments.scene,
                 self.size,
                 light::frames(self.frames),

@@ -56,6 +56,17 @@ pub enum FileError {
         /// What the system said.
         cause: io::Error,
     },
+    /// A size was given for a file that says another.
+    #[error("{}: the file says that its sensor is {said}, and the size {asked} was given", path.display())]
+    #[diagnostic(help("leave the size out (--size): it is for files that do not say theirs"))]
+    OtherSize {
+        /// Which file.
+        path: PathBuf,
+        /// The size in the file.
+        said: Size,
+        /// The size that was given.
+        asked: Size,
+    },
     /// The file is not what its format says.
     #[error("{}:{place}: {fault}", path.display())]
     #[diagnostic(help("{}", fault.help()))]
