@@ -215,6 +215,14 @@ fn refusals() {
         &["one.csv", "a.evt3", "--size", "100x260"],
         "is off the sensor, which is 100x260",
     );
+    for compression in ["zstd", "none", "lz4"] {
+        folder.refused(
+            &["one.npy", "a.csv", "--compression", compression],
+            &format!(
+                "a.csv: compression {compression} was asked for, and csv is written in one way only"
+            ),
+        );
+    }
     folder.refused(&["nothing.npy", "a.evt3"], "nothing.npy: ");
     fs::write(folder.path("noise.raw"), [7; 64]).unwrap();
     folder.refused(

@@ -83,9 +83,9 @@ pub struct Arguments {
     /// The most events [default: any number; with --readout 100000000, or what there is memory for]
     #[arg(long)]
     max_events: Option<usize>,
-    /// What to do when a frame pair's events are too many
-    #[arg(long, value_enum, default_value = "stop")]
-    when_full: Full,
+    /// What to do when a frame pair's events are too many [default: stop]
+    #[arg(long, value_enum)]
+    when_full: Option<Full>,
     /// Print one JSON object instead of the table
     #[arg(long)]
     json: bool,
@@ -112,12 +112,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "--readout without --events: counts and voxels are of what the cells fired"
         ));
     }
-    if let Some(most) = arguments.max_events.filter(|_| arguments.events.is_none()) {
-        return Err(miette!(
-            help = "add --events FILE, or leave --max-events out",
-            "--max-events {most} without --events: it bounds the list of events, and there is none"
-        ));
-    }
+    arguments.check_list()?;
+    arguments.fidelity.check()?;
     let observation = Observation::new();
     let samples = &arguments.samples;
     let open = || samples.open(Some(&arguments.scene), arguments.fps, &observation);
@@ -147,6 +143,26 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 }
 
 impl Arguments {
+    /// Refuses what is said of the list of events where there is none.
+    fn check_list(&self) -> miette::Result<()> {
+        if self.events.is_some() {
+            return Ok(());
+        }
+        if let Some(most) = self.max_events {
+            return Err(miette!(
+                help = "add --events FILE, or leave --max-events out",
+                "--max-events {most} without --events: it bounds the list of events, and there is none"
+            ));
+        }
+        if self.when_full.is_some() {
+            return Err(miette!(
+                help = "add --events FILE, or leave --when-full out",
+                "--when-full without --events: it is about the list of events, and there is none"
+            ));
+        }
+        Ok(())
+    }
+
     /// How many events are taken, where so many may be held.
     fn limit(&self, held: usize) -> Limit {
         let all = if self.readout.is_asked() {
@@ -157,8 +173,8 @@ impl Arguments {
         Limit {
             events: self.max_events.unwrap_or(all),
             when_full: match self.when_full {
-                Full::Stop => WhenFull::Stop,
-                Full::Drop => WhenFull::Drop,
+                None | Some(Full::Stop) => WhenFull::Stop,
+                Some(Full::Drop) => WhenFull::Drop,
             },
         }
     }

@@ -35,6 +35,8 @@ pub(super) struct Entry {
     pub rewinds: bool,
     /// Whether the sensor's size is written in few bits, which limits it.
     pub few_bits_of_size: bool,
+    /// Whether its packets may be compressed as is asked for.
+    pub compresses: bool,
     /// Whether silences are counted from the first event on, not from time 0.
     pub clock_from_first: bool,
 }
@@ -53,6 +55,7 @@ impl Entry {
         streams: None,
         rewinds: true,
         few_bits_of_size: false,
+        compresses: false,
         clock_from_first: false,
     };
 }
@@ -145,6 +148,12 @@ impl Format {
     #[must_use]
     pub const fn readers(self) -> &'static str {
         self.entry().readers
+    }
+
+    /// Whether it takes a [`Compression`]; others are written in one way.
+    #[must_use]
+    pub const fn compresses(self) -> bool {
+        self.entry().compresses
     }
 
     /// Whether this build reads and writes it: some are features of the crate.
