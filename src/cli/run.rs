@@ -519,6 +519,10 @@ impl Watched {
             .kinds()
             .iter()
             .fold((0, 0), |sum, kind| (sum.0 + kind.0, sum.1 + kind.1));
+        let kinds = self.tally.kinds().iter().zip(&description.channels);
+        let kinds = kinds
+            .map(|((on, off), kind)| json!({"name": kind.name, "on": on, "off": off}))
+            .collect::<Vec<_>>();
         json!({
             "sensor": description.name,
             "scene": arguments.scene,
@@ -534,7 +538,7 @@ impl Watched {
             "events": total,
             "on": on,
             "off": off,
-            "kinds": self.tally.kinds().iter().map(|(on, off)| json!({"on": on, "off": off})).collect::<Vec<_>>(),
+            "kinds": kinds,
             "events_per_pixel_per_second": self.per_pixel_second(),
             "bits_per_event": self.bits_per_event(),
             "bits": total * u64::from(self.bits_per_event()),
