@@ -158,6 +158,21 @@ fn options() {
         &["--max-events 10 without --events", "add --events FILE"],
     );
     says(
+        &refused(SCENE, SENSOR, &["--when-full", "drop"]),
+        &["--when-full without --events", "add --events FILE"],
+    );
+    says(
+        &refused(SCENE, SENSOR, &["--fidelity", "full", "--tolerance", "5%"]),
+        &[
+            "--tolerance 5.000 % with --fidelity full",
+            "--fidelity auto",
+        ],
+    );
+    says(
+        &refused(SCENE, SENSOR, &["--upsample", "0"]),
+        &["contrast is 0", "--upsample", "such as 0.1"],
+    );
+    says(
         &refused(SCENE, SENSOR, &["--when-full", "wait"]),
         &["wait", "stop", "drop"],
     );

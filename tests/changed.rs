@@ -37,6 +37,31 @@ fn other_kernels_and_thresholds_are_another_file() {
     ];
     let two = json(folder, &asked);
     assert_eq!(two["channels"], 2, "{two}");
+    // Kinds are called as `design` calls them: by the file or the name of each kernel.
+    let names = |said: &serde_json::Value| -> Vec<String> {
+        let kinds = said["kinds"].as_array().unwrap();
+        kinds
+            .iter()
+            .map(|kind| kind["name"].as_str().unwrap().to_owned())
+            .collect()
+    };
+    assert_eq!(names(&two), ["k.npy[0]", "k.npy[1]"]);
+    let three = [&asked[..], &["--kernel", "sobel-x"]].concat();
+    assert_eq!(
+        names(&json(folder, &three)),
+        ["k.npy[0]", "k.npy[1]", "sobel-x"]
+    );
+    // Where the file has names, every verb tells them.
+    good(folder, &[&three[..], &["-o", "three.npy"]].concat());
+    let said = json(folder, &["packets", "three.npy"]);
+    assert_eq!(names(&said), ["k.npy[0]", "k.npy[1]", "sobel-x"]);
+    let table = good(folder, &["packets", "three.npy"]);
+    assert!(table.contains("\n2 sobel-x "), "{table}");
+    let compare = ["compare", "three.npy", "three.npy"];
+    let table = good(folder, &compare);
+    assert!(table.contains("\n  channel 2 sobel-x ON "), "{table}");
+    let said = json(folder, &compare);
+    assert_eq!(said["reference"]["names"][2], "sobel-x");
 }
 
 #[test]

@@ -140,9 +140,23 @@ fn the_size_and_where_it_comes_from() {
         file::read(&folder.path("b.raw")).unwrap().packet.size,
         Size::new(480, 640)
     );
-    // The file's own word goes first.
-    let said = folder.said(&["b.raw", "c.es", "--size", "1000x1000"]);
-    assert!(said.contains("640x480"), "{said}");
+    // A file that says its size is not given another.
+    for size in ["10x10", "1000x1000"] {
+        folder.refused(
+            &["b.raw", "c.es", "--size", size],
+            &format!(
+                "b.raw: the file says that its sensor is 640x480, and the size {size} was given"
+            ),
+        );
+    }
+    folder.said(&["b.raw", "c.es", "--size", "640x480"]);
+    // Text may say it with its first events.
+    let text = "# amacrine size=64x48\nt,x,y,p\n5,1,0,1\n";
+    fs::write(folder.path("d.csv"), text).unwrap();
+    folder.refused(
+        &["d.csv", "e.es", "--size", "10x10"],
+        "d.csv: the file says that its sensor is 64x48, and the size 10x10 was given",
+    );
 }
 
 #[test]
@@ -201,6 +215,14 @@ fn refusals() {
         &["one.csv", "a.evt3", "--size", "100x260"],
         "is off the sensor, which is 100x260",
     );
+    for compression in ["zstd", "none", "lz4"] {
+        folder.refused(
+            &["one.npy", "a.csv", "--compression", compression],
+            &format!(
+                "a.csv: compression {compression} was asked for, and csv is written in one way only"
+            ),
+        );
+    }
     folder.refused(&["nothing.npy", "a.evt3"], "nothing.npy: ");
     fs::write(folder.path("noise.raw"), [7; 64]).unwrap();
     folder.refused(

@@ -384,6 +384,10 @@ fn what_comes_with_the_program_is_shown_and_swept_by_name() {
         &["thing is no kind of thing"],
     );
     refused(folder, &["show", "events.npy"], &["--output"]);
+    for more in [&["show", "sensor"][..], &["show", "sensor", "-o", "x.png"]] {
+        let list = ["which one is not said", "amacrine list sensors"];
+        refused(folder, more, &list);
+    }
     let space = json(folder, &["sweep", "formats", "frames=2", "--space"]);
     assert!(space.to_string().contains("q8.8"), "{space}");
     let unknown = refused(

@@ -439,6 +439,63 @@ fn a_clip_is_run_whole_and_its_end_is_told() {
         frames == 8 && notes.contains("ends after 5 frames") && notes.contains("3 more"),
         "{notes}"
     );
+    // One picture is one frame; nobody is told of it where nothing more was asked for.
+    let one = ndarray::Array3::<f64>::zeros((1, 4, 5));
+    write_npy(bench.path("clip.npy"), &one).unwrap();
+    let (frames, notes) = said(&["--frames", "8"]);
+    assert!(
+        frames == 8 && notes.contains("ends after 1 frame;") && notes.contains("7 more"),
+        "{notes}"
+    );
+    let plain = Bench::new("init { get_image(C); }\nframe { get_image(D); }");
+    write_npy(plain.path("one.npy"), &one).unwrap();
+    let all = ["--image", "one.npy", "--json"];
+    let output = plain.command(&all).assert().success().get_output().clone();
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (&json["frames"], &json["notes"]),
+        (&2.into(), &serde_json::json!([]))
+    );
+}
+
+/// Whole bit planes are read without slots, and their events are counted all the same.
+#[test]
+fn events_of_bit_planes_are_told() {
+    let text = "init { get_image(C); }\nframe {\n get_image(D); sub(E, D, C); scamp5_in(F, 5); sub(E, E, F);\n\
+                where(E); MOV(R5, FLAG); all(); scamp5_scan_dreg(R5, on0, 0, 3); mov(C, D); }";
+    let mut clip = ndarray::Array3::<f64>::zeros((3, 4, 5));
+    clip[[1, 2, 3]] = 20.0;
+    clip[[2, 2, 3]] = 20.0;
+    clip[[2, 1, 2]] = 100.0;
+    let bench = Bench::new(text);
+    write_npy(bench.path("clip.npy"), &clip).unwrap();
+    let said = |more: &[&str]| {
+        let all = [&["--image", "clip.npy", "--fps", "100"], more].concat();
+        let output = bench.command(&all).assert().success().get_output().clone();
+        String::from_utf8(output.stdout).unwrap()
+    };
+    assert!(
+        said(&[]).contains("events   2 (2 ON, 0 OFF)\n"),
+        "{}",
+        said(&[])
+    );
+    let written = said(&["-o", "e.csv"]);
+    assert!(written.contains("events   2 (2 ON, 0 OFF)\n"), "{written}");
+}
+
+/// Only analogue cells err.
+#[test]
+fn an_error_that_is_set_where_none_is_made_is_told() {
+    let bench = Bench::new("mov(B, A);").set("A", &ramp());
+    let said = |more: &[&str]| {
+        let all = [&["--set", "A=A.in.npy", "--set", "error.noise=50"], more].concat();
+        let output = bench.command(&all).assert().success().get_output().clone();
+        line(&output.stdout)
+    };
+    let note = "note error.noise changes nothing in the domain exact";
+    assert!(said(&[]).contains(note), "{}", said(&[]));
+    let silicon = said(&["--domain", "silicon"]);
+    assert!(!silicon.contains("changes nothing"), "{silicon}");
 }
 
 #[test]

@@ -909,6 +909,20 @@ mod command {
         assert!(json["choice"]["format"].is_string() && json["offers"].is_array());
     }
 
+    /// Two runs of one model say nothing of speed.
+    #[test]
+    fn a_plan_that_leaves_nothing_out_is_no_faster() {
+        let ask = format!("plan {SCENE} --tolerance 0%");
+        let choice = &common::json(here(), &words(&ask))["choice"];
+        assert_eq!(choice, &serde_json::json!({"format": "f64", "without": []}));
+        let text = common::good(here(), &words(&format!("{ask} --verify")));
+        assert!(
+            text.contains("nothing is left out, so that there are no times"),
+            "{text}"
+        );
+        assert!(!text.contains("times as fast"), "{text}");
+    }
+
     #[test]
     fn a_run_says_what_it_left_out() {
         let run = "run --scene pattern:noise?width=48&height=40&frames=12&fps=100&speed=300 --sensor sensors/laplacian.toml --upsample 0.05";

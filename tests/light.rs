@@ -773,6 +773,33 @@ mod verbs {
         );
     }
 
+    /// Arrays and pictures state no frame rate; every verb says which one it took.
+    #[test]
+    fn a_frame_rate_that_nobody_said_is_told() {
+        let folder = folder();
+        let assumed = "fps      240 frames/s (assumed; --fps says otherwise)\n";
+        for verb in VERBS {
+            let all = [verb, &["full.npy"]].concat();
+            let said = good(folder.path(), &all);
+            assert!(said.contains(assumed), "{said}");
+            let (json, _) = both(folder.path(), &all);
+            assert_eq!(json["light"]["assumed_fps"], 240.0, "{verb:?}");
+            let all = [verb, &["full.npy", "--fps", "240"]].concat();
+            let said = good(folder.path(), &all);
+            assert!(!said.contains("assumed"), "{said}");
+        }
+        let study = "scene = \"full.npy\"\nkernel = \"csdvs-3\"\nthreshold = 20\n[[side]]\nside = \"reference\"\n";
+        fs::write(folder.path().join("study.toml"), study).unwrap();
+        let sweep = |more: &[&str]| {
+            let all = [&["sweep", "study.toml"], more].concat();
+            line(&amacrine(folder.path(), &all).output().unwrap().stderr)
+        };
+        let said = sweep(&["-o", "a"]);
+        assert!(said.contains("240 frames/s are assumed"), "{said}");
+        let said = sweep(&["fps=240", "-o", "b"]);
+        assert!(!said.contains("assumed"), "{said}");
+    }
+
     #[test]
     fn an_array_of_0_to_1_is_told_of_loudly() {
         let folder = folder();

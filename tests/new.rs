@@ -41,6 +41,16 @@ fn each_kind_begins_with_a_file_that_works() {
         ],
     );
     good(folder, &["asm", "my-program.scamp", "--chip", "my-chip"]);
+    good(folder, &["new", "chip", "wider", "--from", "scamp5-wide"]);
+    // Behind the chip's name and title.
+    let listing = |chip: &str| {
+        let said = good(folder, &["asm", "my-program.scamp", "--chip", chip]);
+        said.split_once("\ninit").unwrap().1.to_owned()
+    };
+    assert_eq!(listing("wider"), listing("scamp5-wide"));
+    let device = fs::read_to_string(folder.join("wider/device.toml")).unwrap();
+    assert!(device.contains("name = \"wider\"\n"), "{device}");
+    assert!(device.contains("extends = \"scamp5-wide\"\n"), "{device}");
     good(folder, &["sweep", "my-study.toml", "frames=2", "--space"]);
     good(
         folder,
@@ -116,8 +126,8 @@ fn nothing_is_overwritten() {
     );
     refused(
         folder,
-        &["new", "chip", "a", "--from", "scamp5"],
-        &["it extends it"],
+        &["new", "chip", "a", "--from", "scamp6"],
+        &["there is no scamp6", "scamp5-wide"],
     );
     for name in ["", "b/", ".."] {
         refused(folder, &["new", "sensor", name], &["is no name of a file"]);

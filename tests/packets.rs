@@ -309,6 +309,12 @@ fn bad_input_gets_one_message() {
         &["-o", "x.png", "--from", "2s"],
         &["nothing is in between", "0 us to 20000 us"],
     );
+    for at in ["2s", "21ms"] {
+        show(
+            &["-o", "x.png", "--view", "frame", "--at", at],
+            &["--at", "watched from 0 us to 20000 us"],
+        );
+    }
     show(&["-o", "e.csv/x.png"], &["cannot write e.csv/x.png"]);
     show(&[], &["--output"]);
 }
@@ -338,7 +344,14 @@ fn sizes_are_asked_for_in_order() {
             .collect();
         assert_eq!(size(verb), (Some(10), Some(6), Some(false)), "{verb:?}");
         assert_eq!(size(&given), (Some(346), Some(260), Some(true)), "{verb:?}");
-        assert_eq!(size(&stated), (Some(16), Some(8), Some(true)), "{verb:?}");
+        // What the file says is not contradicted, by a larger size either.
+        common::refused(
+            folder.path(),
+            &stated,
+            &["e.csv: the file says that its sensor is 16x8, and the size 346x260 was given"],
+        );
+        let same = [&stated[..stated.len() - 1], &["16x8"]].concat();
+        assert_eq!(size(&same), (Some(16), Some(8), Some(true)), "{verb:?}");
         let said = good(folder.path(), verb);
         assert!(said.contains("give --size WxH"), "{said}");
     }

@@ -23,7 +23,7 @@ use amacrine::study::sweep::{
     study::{METRICS, SETTINGS},
     table,
 };
-use common::{amacrine, json, refused};
+use common::{amacrine, good, json, refused};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -440,6 +440,19 @@ fn the_report_names_what_is_beaten_and_draws_it() {
             });
             assert_eq!(beaten, !a["dominated_by"].is_null(), "{a}");
         }
+    }
+    // What error is weighed against is printed once.
+    for (cost, column) in [
+        ("bits", "bits"),
+        ("words", "words"),
+        ("seconds_per_frame", "bits"),
+    ] {
+        let text = good(at, &["report", "out", "--cost", cost]);
+        let heading = text
+            .lines()
+            .find(|line| line.starts_with("  sensor "))
+            .unwrap();
+        assert_eq!(heading.matches(column).count(), 1, "{text}");
     }
     for file in ["front.svg", "front.png"] {
         amacrine(at, &["report", "out", "-o", file])

@@ -52,8 +52,8 @@ impl Changes {
                 ));
             }
             let several = kernels.len() > 1;
-            let kinds = kernels.into_iter().enumerate().map(|(k, kernel)| Channel {
-                name: several.then(|| format!("kernel {k}")),
+            let kinds = kernels.into_iter().map(|(name, kernel)| Channel {
+                name: several.then_some(name),
                 kernels: vec![kernel],
                 ..first.clone()
             });
@@ -89,11 +89,12 @@ impl Changes {
         Ok((sensor, Some(line)))
     }
 
-    /// The kernels of all files, one after the other.
-    fn kernels(&self) -> miette::Result<Vec<Kernel>> {
+    /// The kernels of all files, one after the other, and what each is called.
+    fn kernels(&self) -> miette::Result<Vec<(String, Kernel)>> {
         let mut all = Vec::new();
-        for name in &self.kernel {
-            all.extend(kernels::read(name)?.0);
+        for file in &self.kernel {
+            let own = kernels::read(file)?.0;
+            all.extend(kernels::names(file, own.len()).into_iter().zip(own));
         }
         kernels::check_number(all.len())?;
         Ok(all)

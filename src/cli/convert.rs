@@ -39,9 +39,9 @@ pub struct Arguments {
     from: Option<Format>,
     #[arg(long, help = format!("The format of B, where its extension does not say it: {}", Format::names()), value_name = "NAME")]
     format: Option<Format>,
-    /// How packets of aedat4 are compressed
-    #[arg(long, default_value = "lz4", value_name = "lz4|zstd|none", value_parser = compression)]
-    compression: Compression,
+    /// How packets of aedat4 are compressed [default: lz4]
+    #[arg(long, value_name = "lz4|zstd|none", value_parser = compression)]
+    compression: Option<Compression>,
     /// The size of the sensor, where A does not say it
     #[arg(long, value_name = "WxH", value_parser = recording::size)]
     size: Option<Size>,
@@ -108,6 +108,15 @@ struct Written {
 /// When A cannot be read or is damaged, or B cannot hold its events or cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let format = format(arguments)?;
+    if let Some(compression) = arguments.compression.filter(|_| !format.compresses()) {
+        let path = arguments.b.to_path_buf();
+        return Err(FileError::OneWay {
+            path,
+            format,
+            compression,
+        }
+        .into());
+    }
     if !arguments.each_kind {
         files::writes([&*arguments.b])?;
     }
@@ -296,7 +305,8 @@ fn pass(
                 .dropped
                 .filter(|_| kind.is_none() && arguments.slice.is_none()),
         };
-        let writer = Writer::create(path, format, arguments.compression, &head)?;
+        let compression = arguments.compression.unwrap_or_default();
+        let writer = Writer::create(path, format, compression, &head)?;
         writers.push((writer, *kind, None::<(Micros, Micros)>));
     }
     let progress = Progress::new("converting", None);

@@ -2,7 +2,7 @@
 
 use std::{fmt::Write as _, time::Instant};
 
-use miette::IntoDiagnostic;
+use miette::{IntoDiagnostic, miette};
 use serde_json::Value;
 
 use crate::{
@@ -69,6 +69,21 @@ impl Fidelity {
     #[must_use]
     pub fn tolerance(&self) -> f64 {
         self.tolerance.unwrap_or(0.01)
+    }
+
+    /// Refuses a tolerance of which nothing would be used.
+    ///
+    /// # Errors
+    /// When one is given, and no plan is asked for.
+    pub fn check(&self) -> miette::Result<()> {
+        match self.tolerance {
+            Some(tolerance) if !self.is_auto() => Err(miette!(
+                help = "give --fidelity auto, or leave --tolerance out",
+                "--tolerance {} with --fidelity full, which leaves nothing out",
+                share(tolerance)
+            )),
+            _ => Ok(()),
+        }
     }
 
     /// Whether a plan is asked for.

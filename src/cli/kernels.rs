@@ -40,12 +40,8 @@ impl Kinds {
             return Self::of_sensor(name, &description);
         }
         let (kernels, _) = read(name)?;
-        let names = match kernels.len() {
-            1 => vec![name.to_owned()],
-            n => (0..n).map(|i| format!("{name}[{i}]")).collect(),
-        };
         Ok(Self {
-            names,
+            names: names(name, kernels.len()),
             kernels,
             thresholds: None,
         })
@@ -111,6 +107,14 @@ impl Kinds {
             kernels: cells.kinds.into_iter().map(|kind| kind.kernel).collect(),
             thresholds: Some(thresholds),
         })
+    }
+}
+
+/// What so many kernels of one file are called.
+pub(super) fn names(file: &str, kernels: usize) -> Vec<String> {
+    match kernels {
+        1 => vec![file.to_owned()],
+        several => (0..several).map(|i| format!("{file}[{i}]")).collect(),
     }
 }
 

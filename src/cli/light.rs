@@ -122,7 +122,8 @@ impl Samples {
     }
 }
 
-/// What is said of the light, in a line; nothing where there is no scene.
+/// What is said of the light in a line, and in another of a frame rate that nobody said; nothing
+/// where there is no scene.
 pub fn line(observation: &Observation) -> String {
     let Some(light) = observation.light() else {
         return String::new();
@@ -139,7 +140,14 @@ pub fn line(observation: &Observation) -> String {
             frames(observation.frames())
         );
     }
-    line + "\n"
+    line.push('\n');
+    if let Some(fps) = observation.assumed_fps() {
+        let _ = writeln!(
+            line,
+            "fps      {fps} frames/s (assumed; --fps says otherwise)"
+        );
+    }
+    line
 }
 
 /// How many frames.
@@ -176,6 +184,7 @@ pub fn json(observation: &Observation) -> Value {
     let (least, most) = observation.extent().unzip();
     json["least"] = json!(least);
     json["most"] = json!(most);
+    json["assumed_fps"] = json!(observation.assumed_fps());
     json["cuts"] = json!(observation.cuts());
     json
 }

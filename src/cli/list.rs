@@ -88,6 +88,15 @@ pub(super) fn nothing(kind: Kind, name: &str) -> miette::Report {
     )
 }
 
+/// No chip that comes with the program has this name.
+pub(super) fn no_chip(name: &str) -> miette::Report {
+    let known: Vec<&str> = Device::shipped().collect();
+    miette!(
+        help = format!("there are {}", known.join(", ")),
+        "there is no {name} in isa"
+    )
+}
+
 /// Runs the verb.
 ///
 /// # Errors
@@ -105,20 +114,34 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     say(kind, name)
 }
 
+/// The kind of thing that this word, singular or plural, stands for, and its plural.
+fn kind_of(word: &str) -> Option<(Of, String)> {
+    Of::value_variants().iter().find_map(|of| {
+        let plural = of.to_possible_value()?.get_name().to_owned();
+        let is_meant = word == plural || Some(word) == of.one(&plural);
+        is_meant.then_some((*of, plural))
+    })
+}
+
+/// Refuses a kind of thing of which no name was given, where an event file is wanted; a file of
+/// that name goes first.
+pub(super) fn check_no_kind(word: &str) -> miette::Result<()> {
+    match kind_of(word).filter(|_| !Path::new(word).exists()) {
+        Some((_, plural)) => Err(miette!(
+            help = format!("give a name that `amacrine list {plural}` prints"),
+            "show {word}: which one is not said"
+        )),
+        None => Ok(()),
+    }
+}
+
 /// `amacrine show sensor NAME`: as `list sensors NAME`.
 ///
 /// # Errors
 /// When there is no such kind of thing, or nothing of this name.
 pub(super) fn show(of: &str, name: &str) -> miette::Result<()> {
-    let found = Of::value_variants().iter().find(|it| {
-        let plural = it.to_possible_value();
-        let plural = plural
-            .as_ref()
-            .map_or("", clap::builder::PossibleValue::get_name);
-        of == plural || Some(of) == it.one(plural)
-    });
-    match found {
-        Some(found) => say(found.kind(), name),
+    match kind_of(of) {
+        Some((found, _)) => say(found.kind(), name),
         None => Err(miette!(
             help = "give sensor, program, kernel, study, readout or chip before the name; or one event file, and -o PICTURE",
             "{of} {name}: {of} is no kind of thing that comes with the program"
@@ -134,13 +157,7 @@ fn say(kind: Option<Kind>, name: &str) -> miette::Result<()> {
                 .ok_or_else(|| nothing(kind, name))?
                 .text
         }
-        None => Device::shipped_text(name).ok_or_else(|| {
-            let known: Vec<&str> = Device::shipped().collect();
-            miette!(
-                help = format!("there are {}", known.join(", ")),
-                "there is no {name} in isa"
-            )
-        })?,
+        None => Device::shipped_text(name).ok_or_else(|| no_chip(name))?,
     };
     super::say(text);
     Ok(())

@@ -9,9 +9,14 @@ use clap::ValueEnum;
 use miette::miette;
 use serde_json::Value as Json;
 
-use super::{files, list::nothing, schema};
+use super::{
+    files,
+    list::{no_chip, nothing},
+    schema,
+};
 use crate::{
     bundled::{self, File, Kind},
+    isa::Device,
     save::save,
 };
 
@@ -25,7 +30,7 @@ pub struct Arguments {
     kind: schema::Kind,
     /// Its path, without the ending
     name: String,
-    /// Begin with this one of `amacrine list` instead of a plain one
+    /// Begin with this one of `amacrine list` instead of a plain one; a chip extends it
     #[arg(long, value_name = "NAME")]
     from: Option<String>,
 }
@@ -60,13 +65,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let written = match arguments.kind.bundled() {
         None => {
-            if arguments.from.is_some() {
-                return Err(miette!(
-                    help = "its first key is `extends`: write the other chip's name there",
-                    "a new chip is not copied from another: it extends it"
-                ));
-            }
-            vec![(name.join("device.toml"), titled(CHIP, "name", name))]
+            let text = match &arguments.from {
+                Some(from) if Device::shipped().all(|chip| chip != from.as_str()) => {
+                    return Err(no_chip(from));
+                }
+                Some(from) => extending(from),
+                None => CHIP.to_owned(),
+            };
+            vec![(name.join("device.toml"), titled(&text, "name", name))]
         }
         Some(kind) => begun(kind, arguments, name)?,
     };
@@ -84,6 +90,23 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("wrote    {}\n", path.display()));
     }
     Ok(())
+}
+
+/// A chip that is as another until it says something else.
+fn extending(chip: &str) -> String {
+    format!(
+        "# What is not stated here is as on {chip}.
+
+name = \"{chip}\"
+title = \"what if {chip} were another\"
+extends = \"{chip}\"
+
+# What differs, for example:
+# [figure.array]
+# height = {{ value = 512, unit = \"px\", source = \"what if\", evidence = \"guess\" }}
+# width = {{ value = 512, unit = \"px\", source = \"what if\", evidence = \"guess\" }}
+"
+    )
 }
 
 /// The file, and its schema where editors know what to do with one.

@@ -176,6 +176,7 @@ impl Shown<'_> {
             let word = c.book.word(kind);
             kinds.push(json!({
                 "channel": kind,
+                "name": p.names.get(usize::from(kind)),
                 "events": events,
                 "bits": word.map(|(bits, _)| bits),
                 "word": word.map(text),
@@ -286,11 +287,16 @@ impl Shown<'_> {
     fn book(&self) -> Vec<String> {
         let c = &self.counted;
         let all: u64 = c.kinds.iter().sum();
+        let called: Vec<String> = (0..self.packet.channels)
+            .map(|kind| self.packet.called(kind))
+            .collect();
+        let longest = called.iter().map(|name| name.chars().count()).max();
+        let width = longest.unwrap_or(0).max(7) + 1;
         let mut lines = vec![format!(
-            "{:<8}{:>12}{:>10}{:>10}   word",
+            "{:<width$}{:>12}{:>10}{:>10}   word",
             "channel", "events", "share", "-log2"
         )];
-        for (kind, events) in (0..).zip(&c.kinds) {
+        for ((kind, events), called) in (0..).zip(&c.kinds).zip(&called) {
             let share = *events as f64 / all.max(1) as f64;
             let ideal = if *events > 0 {
                 format!("{:.2}", -elementary::log2(share).min(0.0))
@@ -298,7 +304,7 @@ impl Shown<'_> {
                 "-".into()
             };
             lines.push(format!(
-                "{kind:<8}{events:>12}{:>8.2} %{ideal:>10}   {}",
+                "{called:<width$}{events:>12}{:>8.2} %{ideal:>10}   {}",
                 100.0 * share,
                 match c.book.word(kind) {
                     Some((0, _)) => "(empty)".into(),

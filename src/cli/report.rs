@@ -128,11 +128,22 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             .map(|s| s.name.len())
             .max()
             .unwrap_or(0);
+        // What error is weighed against has a column of its own.
+        let beside = |cost: &str, text: &str, width: usize| {
+            if report.cost == cost {
+                String::new()
+            } else {
+                format!("  {text:>width$}")
+            }
+        };
+        let columns =
+            |bits: &str, words: &str| beside("bits", bits, 10) + &beside("words", words, 5);
         let _ = writeln!(
             text,
-            "  {:<width$}   error   worst  threshold  {:>14}        bits  words  front",
+            "  {:<width$}   error   worst  threshold  {:>14}{}  front",
             "sensor",
             label(&report.cost).split(" of ").next().unwrap_or_default(),
+            columns("bits", "words"),
         );
         for sensor in &group.sensors {
             let words = sensor
@@ -147,12 +158,12 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             };
             let _ = writeln!(
                 text,
-                "  {:<width$}  {}  {}  {threshold:>9}  {:>14}  {:>10.0}  {words:>5}  {front}",
+                "  {:<width$}  {}  {}  {threshold:>9}  {:>14}{}  {front}",
                 sensor.name,
                 error(sensor.error),
                 error(sensor.worst_error),
                 shown(&report.cost, sensor.cost),
-                sensor.bits,
+                columns(&format!("{:.0}", sensor.bits), &words),
             );
         }
     }

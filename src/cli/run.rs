@@ -83,9 +83,9 @@ pub struct Arguments {
     /// The most events [default: any number; with --readout 100000000, or what there is memory for]
     #[arg(long)]
     max_events: Option<usize>,
-    /// What to do when a frame pair's events are too many
-    #[arg(long, value_enum, default_value = "stop")]
-    when_full: Full,
+    /// What to do when a frame pair's events are too many [default: stop]
+    #[arg(long, value_enum)]
+    when_full: Option<Full>,
     /// Print one JSON object instead of the table
     #[arg(long)]
     json: bool,
@@ -112,12 +112,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "--readout without --events: counts and voxels are of what the cells fired"
         ));
     }
-    if let Some(most) = arguments.max_events.filter(|_| arguments.events.is_none()) {
-        return Err(miette!(
-            help = "add --events FILE, or leave --max-events out",
-            "--max-events {most} without --events: it bounds the list of events, and there is none"
-        ));
-    }
+    arguments.check_list()?;
+    arguments.fidelity.check()?;
     let observation = Observation::new();
     let samples = &arguments.samples;
     let open = || samples.open(Some(&arguments.scene), arguments.fps, &observation);
@@ -147,6 +143,26 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 }
 
 impl Arguments {
+    /// Refuses what is said of the list of events where there is none.
+    fn check_list(&self) -> miette::Result<()> {
+        if self.events.is_some() {
+            return Ok(());
+        }
+        if let Some(most) = self.max_events {
+            return Err(miette!(
+                help = "add --events FILE, or leave --max-events out",
+                "--max-events {most} without --events: it bounds the list of events, and there is none"
+            ));
+        }
+        if self.when_full.is_some() {
+            return Err(miette!(
+                help = "add --events FILE, or leave --when-full out",
+                "--when-full without --events: it is about the list of events, and there is none"
+            ));
+        }
+        Ok(())
+    }
+
     /// How many events are taken, where so many may be held.
     fn limit(&self, held: usize) -> Limit {
         let all = if self.readout.is_asked() {
@@ -157,8 +173,8 @@ impl Arguments {
         Limit {
             events: self.max_events.unwrap_or(all),
             when_full: match self.when_full {
-                Full::Stop => WhenFull::Stop,
-                Full::Drop => WhenFull::Drop,
+                None | Some(Full::Stop) => WhenFull::Stop,
+                Some(Full::Drop) => WhenFull::Drop,
             },
         }
     }
@@ -503,6 +519,10 @@ impl Watched {
             .kinds()
             .iter()
             .fold((0, 0), |sum, kind| (sum.0 + kind.0, sum.1 + kind.1));
+        let kinds = self.tally.kinds().iter().zip(&description.channels);
+        let kinds = kinds
+            .map(|((on, off), kind)| json!({"name": kind.name, "on": on, "off": off}))
+            .collect::<Vec<_>>();
         json!({
             "sensor": description.name,
             "scene": arguments.scene,
@@ -518,7 +538,7 @@ impl Watched {
             "events": total,
             "on": on,
             "off": off,
-            "kinds": self.tally.kinds().iter().map(|(on, off)| json!({"on": on, "off": off})).collect::<Vec<_>>(),
+            "kinds": kinds,
             "events_per_pixel_per_second": self.per_pixel_second(),
             "bits_per_event": self.bits_per_event(),
             "bits": total * u64::from(self.bits_per_event()),
@@ -538,11 +558,6 @@ impl Watched {
         let (on, off) = kinds
             .iter()
             .fold((0, 0), |sum, kind| (sum.0 + kind.0, sum.1 + kind.1));
-        let assumed = if self.fps_is_assumed {
-            " (assumed; --fps says otherwise)"
-        } else {
-            ""
-        };
         let mut lines = vec![
             format!(
                 "sensor   {} ({} {}, {}{})",
@@ -557,7 +572,7 @@ impl Watched {
                 arguments.without.told()
             ),
             format!(
-                "scene    {}, {}, {} in {:.6} s, {} frames/s{assumed}",
+                "scene    {}, {}, {} in {:.6} s, {} frames/s",
                 arguments.scene,
                 self.size,
                 light::frames(self.frames),

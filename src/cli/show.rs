@@ -37,7 +37,7 @@ pub struct Arguments {
     #[command(flatten)]
     recording: Recording,
     /// The picture: .png or .svg; .gif or .apng for an animation, window by window (frames; as .apng also surfaces and kinds); .mcap for a recording that Foxglove and rerun open, events and pictures window by window
-    #[arg(short, long, value_name = "PICTURE", value_parser = Content::View, required_unless_present = "name")]
+    #[arg(short, long, value_name = "PICTURE", value_parser = Content::View)]
     output: Option<Output>,
     /// Which view of it
     #[arg(long, value_enum, default_value = "overview")]
@@ -134,9 +134,16 @@ const PIXEL: u128 = 40;
 /// When the file cannot be read, the picture's name says no kind of picture, or it cannot be
 /// written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    let file = arguments.file.display().to_string();
+    if let Some(name) = &arguments.name {
+        return list::show(&file, name);
+    }
+    list::check_no_kind(&file)?;
     let Some(output) = &arguments.output else {
-        let name = arguments.name.as_deref().unwrap_or_default();
-        return list::show(&arguments.file.display().to_string(), name);
+        return Err(miette!(
+            help = "add -o PICTURE (--output): .png, .svg, .gif, .apng or .mcap",
+            "{file}: no picture to write was named"
+        ));
     };
     let recorded = output.ending() == "mcap";
     if recorded && cfg!(not(feature = "mcap")) {
@@ -233,6 +240,12 @@ fn cut(packet: &mut Packet, arguments: &Arguments) -> miette::Result<()> {
         packet.events.retain(|e| e.t <= to);
     }
     packet.span = (from, to);
+    if let Some(at) = arguments.at.filter(|at| !(from..=to).contains(at)) {
+        return Err(miette!(
+            help = "give a time within what is shown, or leave --at out for the busiest window",
+            "--at {at}: what is shown was watched from {from} to {to}"
+        ));
+    }
     Ok(())
 }
 

@@ -132,6 +132,15 @@ pub struct Packet {
 }
 
 impl Packet {
+    /// A kind by its number, and by what it is called where that is known: `0 centre-on`.
+    #[must_use]
+    pub fn called(&self, channel: u8) -> String {
+        match self.names.get(usize::from(channel)) {
+            Some(name) => format!("{channel} {name}"),
+            None => channel.to_string(),
+        }
+    }
+
     /// An empty packet.
     #[must_use]
     pub const fn new(size: Size, channels: u8) -> Self {

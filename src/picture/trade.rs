@@ -101,12 +101,20 @@ pub fn trade(show: &TradeShow<'_>) -> Drawing {
     page.text(place, Anchor::End, Weight::Plain, ink::CAPTION, "0");
     plot.front(&mut page, &show.dots);
     // The front lies over the rest.
-    let numbered = || (1..).zip(&show.dots);
-    for (number, dot) in numbered().filter(|(_, dot)| !dot.on_front) {
-        plot.dot(&mut page, number, dot);
+    for dot in show.dots.iter().filter(|dot| !dot.on_front) {
+        plot.dot(&mut page, dot);
     }
-    for (number, dot) in numbered().filter(|(_, dot)| dot.on_front) {
-        plot.dot(&mut page, number, dot);
+    for dot in show.dots.iter().filter(|dot| dot.on_front) {
+        plot.dot(&mut page, dot);
+    }
+    let numbered = (1..).zip(&show.dots).zip(plot.numbers(&show.dots));
+    for ((number, dot), place) in numbered {
+        let ink = if dot.on_front {
+            ink::TEXT
+        } else {
+            ink::CAPTION
+        };
+        write(&mut page, place, Weight::Plain, ink, &number.to_string());
     }
     names(&mut page, area, &show.dots);
     let mut y = bottom - (show.knee.len() as f64 + 1.0) * line + line;
@@ -192,7 +200,28 @@ impl Plot {
         }
     }
 
-    fn dot(&self, page: &mut Drawing, number: usize, dot: &TradeDot) {
+    /// Where the dots' numbers stand: beside the dot, and above the number of another that is
+    /// there.
+    fn numbers(&self, dots: &[TradeDot]) -> Vec<Point> {
+        let line = f64::from(LINE);
+        let mut places: Vec<Point> = Vec::new();
+        for dot in dots {
+            let x = self.x(dot.run + dot.planning) + 6.0;
+            let mut y = self.y(dot.limit) - line + 2.0;
+            let taken = |y: f64| {
+                let covers =
+                    |at: &Point| (at.0 - x).abs() < 2.0 * LETTER && (at.1 - y).abs() < line;
+                places.iter().any(covers)
+            };
+            while taken(y) {
+                y -= 0.5 * line;
+            }
+            places.push((x, y));
+        }
+        places
+    }
+
+    fn dot(&self, page: &mut Drawing, dot: &TradeDot) {
         let ink = colour(dot);
         let half = if dot.on_front { 5.0 } else { 3.0 };
         let (x, y) = (self.x(dot.run + dot.planning), self.y(dot.limit));
@@ -200,13 +229,6 @@ impl Plot {
         page.line((self.x(dot.run), y), (x, y), 1.5, ink);
         page.line((x, self.y(dot.share)), (x, y), 1.5, ink);
         page.square((x, y), half, ink);
-        let place = (x + 6.0, y - f64::from(LINE) + 2.0);
-        let text = if dot.on_front {
-            ink::TEXT
-        } else {
-            ink::CAPTION
-        };
-        write(page, place, Weight::Plain, text, &number.to_string());
     }
 }
 
@@ -357,5 +379,15 @@ mod tests {
         assert_eq!(at(5.0, 0.0), FRONT);
         assert_eq!(at(50.0, 0.1), BEATEN);
         assert_eq!(at(0.6, 0.05), ink::PAGE);
+        // Numbers of dots that are close do not cover each other.
+        let close: Vec<TradeDot> = (0..4)
+            .map(|n| dot("close", 0.4 + 0.001 * f64::from(n), 0.1, 0.01, n == 0))
+            .collect();
+        let places = plot.numbers(&close);
+        for (n, (_, y)) in places.iter().enumerate() {
+            for (_, other) in &places[..n] {
+                assert!((y - other).abs() >= f64::from(LINE), "{places:?}");
+            }
+        }
     }
 }

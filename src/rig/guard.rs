@@ -32,6 +32,8 @@ pub enum About {
     Cut,
     /// Frames of the clip are the one before once more.
     Repeats,
+    /// A frame rate that nobody said.
+    AssumedRate,
     /// Nearly everything matches by accident within the window.
     Window,
     /// A kernel in few values has lost its surround.
@@ -52,6 +54,7 @@ impl About {
             Self::Scale => "scale",
             Self::Cut => "cut",
             Self::Repeats => "repeats",
+            Self::AssumedRate => "assumed-rate",
             Self::Window => "window",
             Self::Surround => "surround",
             Self::Lopsided => "lopsided",
@@ -308,6 +311,20 @@ impl Warning {
                 ),
             )
         })
+    }
+
+    /// A frame rate that neither the scene nor the caller said: for whoever shows no line with it;
+    /// `key` is what says another.
+    #[must_use]
+    pub fn assumed_rate(observation: &Observation, key: &str) -> Option<Self> {
+        let fps = observation.assumed_fps()?;
+        Some(Self::new(
+            About::AssumedRate,
+            "the scene",
+            format!("{fps} frames/s are assumed"),
+            "the file states no frame rate",
+            format!("say it with {key}"),
+        ))
     }
 
     /// What a scene warns of, for a sensor that takes light from 0 to `white`.

@@ -439,7 +439,9 @@ pub enum SceneError {
 
     /// A bound of the upsampling that bounds nothing.
     #[error("upsampling: {name} is {got}, expected {want}")]
-    #[diagnostic(help("a contrast of 0.1 and an offset of 1 suit 8-bit video"))]
+    #[diagnostic(help(
+        "give a contrast (`--upsample`, or `upsample` in a study) such as 0.1, which suits 8-bit video; in the library also an offset, such as 1"
+    ))]
     BadBound {
         /// Which setting.
         name: &'static str,

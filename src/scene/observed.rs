@@ -17,6 +17,7 @@ pub struct Observation(Arc<Mutex<Seen>>);
 #[derive(Debug, Default)]
 struct Seen {
     light: Option<Light>,
+    assumed_fps: Option<f64>,
     frames: u64,
     extent: Option<(f64, f64)>,
     cuts: Cuts,
@@ -38,6 +39,13 @@ impl Observation {
     #[must_use]
     pub fn light(&self) -> Option<Light> {
         self.seen().light
+    }
+
+    /// The frame rate, where it is assumed and matters: neither the scene nor the caller said one,
+    /// and there is not just one picture.
+    #[must_use]
+    pub fn assumed_fps(&self) -> Option<f64> {
+        self.seen().assumed_fps
     }
 
     /// Frames that were seen.
@@ -92,7 +100,12 @@ pub struct Observed<S> {
 impl<S: Scene> Observed<S> {
     /// Notes in `observation` what is seen.
     pub fn new(scene: S, observation: &Observation) -> Self {
-        observation.seen().light = Some(scene.outline().coding);
+        let outline = scene.outline();
+        let mut seen = observation.seen();
+        seen.light = Some(outline.coding);
+        seen.assumed_fps =
+            (outline.fps_is_assumed && outline.frames != Some(1)).then_some(outline.fps);
+        drop(seen);
         Self {
             scene,
             observation: observation.clone(),

@@ -101,6 +101,7 @@ impl Arguments {
         progress.finish();
         if parts.len() > 1 {
             light::warn(&Warning::of_scene(&observation, 255.0));
+            light::warn(Warning::assumed_rate(&observation, "--fps").as_slice());
         }
         let mut packets = packets?.into_iter();
         let first = packets.next().unwrap_or_else(|| Packet::new(size, 1));

@@ -18,11 +18,12 @@ use super::{
 use crate::{
     compare::{
         Comparison, Pair,
+        counts::Kind,
         equality::Side,
         score::{Scales, Score, scores_beside},
         window::Redraws,
     },
-    event::file::Loaded,
+    event::{Packet, file::Loaded},
     plane::Size,
     rig::guard::{Guard, Warning},
     scene::{Observation, Scene as _},
@@ -131,7 +132,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&headline.tuned());
         super::say(&headline::table(&curve));
         super::say(&head(arguments, &reference, &judged));
-        super::say(&table(&comparison));
+        super::say(&table(&comparison, &reference.packet));
         super::say(&ruler.table());
     }
     Ok(())
@@ -277,14 +278,17 @@ struct Input<'a> {
     size: Size,
     /// Otherwise the size is the smallest that holds the events of both files.
     size_known: bool,
+    /// What its kinds are called; empty where it does not say so.
+    names: &'a [String],
 }
 
 impl<'a> Input<'a> {
-    const fn new(file: &'a Path, loaded: &Loaded) -> Self {
+    fn new(file: &'a Path, loaded: &'a Loaded) -> Self {
         Self {
             file,
             size: loaded.packet.size,
             size_known: loaded.size_known,
+            names: &loaded.packet.names,
         }
     }
 }
@@ -304,16 +308,21 @@ fn head(arguments: &Arguments, reference: &Loaded, judged: &Loaded) -> String {
 }
 
 /// The plain comparison for people.
-fn table(c: &Comparison) -> String {
-    let mut rows = vec![format!("{:<22}{:>14}{:>14}", "", "reference", "judged")];
-    let mut both = |name: &str, [a, b]: [u64; 2]| rows.push(format!("{name:<22}{a:>14}{b:>14}"));
+fn table(c: &Comparison, reference: &Packet) -> String {
+    let called =
+        |kind: &Kind, sign: &str| format!("  channel {} {sign}", reference.called(kind.channel));
+    let longest = { c.kinds.iter() }.map(|kind| called(kind, "OFF").chars().count());
+    let width = longest.max().unwrap_or(0).max(21) + 1;
+    let mut rows = vec![format!("{:<width$}{:>14}{:>14}", "", "reference", "judged")];
+    let mut both =
+        |name: &str, [a, b]: [u64; 2]| rows.push(format!("{name:<width$}{a:>14}{b:>14}"));
     both("events", c.events);
     both("  ON", c.on);
     both("  OFF", c.off);
     if c.kinds.len() > 1 {
         for kind in &c.kinds {
-            both(&format!("  channel {} ON", kind.channel), kind.on);
-            both(&format!("  channel {} OFF", kind.channel), kind.off);
+            both(&called(kind, "ON"), kind.on);
+            both(&called(kind, "OFF"), kind.off);
         }
     }
     both("dropped", c.dropped);

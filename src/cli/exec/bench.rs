@@ -139,6 +139,7 @@ impl<'a> Bench<'a> {
 
     /// Refuses what cannot be run so.
     pub fn check(&self) -> miette::Result<()> {
+        self.arguments.fidelity.check()?;
         self.check_room()?;
         self.check_events()?;
         self.check_looks()
@@ -258,14 +259,39 @@ impl<'a> Bench<'a> {
         ))
     }
 
+    /// Whether the program reads events out, as addresses or in whole bit planes; one whose host
+    /// decides may.
+    pub fn reads_events(&self) -> bool {
+        let code = &self.opened.expansion.code;
+        self.opened.decides || reads_events(&code.init) || reads_events(&code.frame)
+    }
+
+    /// What is to be said beside a run of so many frames.
+    pub fn notes(&self, frames: u64) -> Vec<String> {
+        let mut notes = self.said.notes(frames);
+        notes.extend(self.unused());
+        notes
+    }
+
+    /// What is to be said of numbers of the chip that were set and change nothing.
+    fn unused(&self) -> Option<String> {
+        // A trace runs the chip's errors beside.
+        if matches!(self.arithmetic, Arithmetic::Silicon { .. }) || self.arguments.trace.is_some() {
+            return None;
+        }
+        let set = self.arguments.sets.iter().find_map(|set| match set {
+            Assignment::Figure(figure, _) if figure.key().0 == "error" => Some(figure.key().1),
+            _ => None,
+        })?;
+        Some(format!(
+            "error.{set} changes nothing in the domain {}, whose cells do not err: --domain silicon has errors",
+            self.arithmetic
+        ))
+    }
+
     /// Refuses files of events where the program reads none out.
     fn check_events(&self) -> miette::Result<()> {
-        let code = &self.opened.expansion.code;
-        if self.arguments.events.is_none()
-            || self.opened.decides
-            || reads_events(&code.init)
-            || reads_events(&code.frame)
-        {
+        if self.arguments.events.is_none() || self.reads_events() {
             return Ok(());
         }
         Err(miette!(

@@ -7,7 +7,10 @@ use std::{
 
 use miette::miette;
 
-use super::{super::files, arguments::Arguments};
+use super::{
+    super::{files, light},
+    arguments::Arguments,
+};
 use crate::{
     limit::FRAMES,
     plane::{Plane, Size},
@@ -56,7 +59,10 @@ impl Said {
         });
         let ended = ended.map(|(had, asked)| {
             let more = asked - had;
-            format!("the clip ends after {had} frames; its last picture was shown for {more} more")
+            format!(
+                "the clip ends after {}; its last picture was shown for {more} more",
+                light::frames(had)
+            )
         });
         let words = self.words.get().map(|(least, most)| {
             let words = if least == most {
@@ -182,9 +188,13 @@ impl Scene for Lasting {
             None => None,
         };
         let index = self.given;
-        // Of a still picture nobody needs to be told.
-        if let (None, true, 2..) = (&next, self.light.scene.is_some(), index)
-            && index < self.enough
+        // Of a still picture nobody needs to be told where no frames are asked for.
+        if let (None, true, true, 1..) = (
+            &next,
+            self.light.scene.is_some(),
+            self.light.frames.is_some(),
+            index,
+        ) && index < self.enough
             && self.ended.is_none()
         {
             self.ended = Some((index, self.enough));

@@ -113,13 +113,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some((path, picture)) = strip {
         write_png(path, &picture)?;
     }
-    let mut notes = bench.said.notes(frames);
+    let mut notes = bench.notes(frames);
     if let (Some(path), Some((page, said))) = (&arguments.trace, trace) {
         save(path, |out| out.write_all(page.as_bytes()))?;
         notes.extend(said);
     }
-    let mut written = written(arguments, &bench);
-    written.extend(shows.written());
+    let written = written(arguments, &bench, &shows);
     let report = Report {
         program: &bench.opened.program.file,
         chip: &*chip,
@@ -130,6 +129,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         warnings: &warnings,
         notes: &notes,
         decides: bench.opened.decides,
+        reads_events: bench.reads_events(),
         posts: &bench.said.posts.borrow(),
         written: &written,
         without: arguments.without.told(),
@@ -172,8 +172,8 @@ fn print(
     Ok(())
 }
 
-/// The files of a run, but for what the program shows.
-fn written(arguments: &Arguments, bench: &Bench<'_>) -> Vec<String> {
+/// The files of a run.
+fn written(arguments: &Arguments, bench: &Bench<'_>, shows: &Shows<'_>) -> Vec<String> {
     let files = [&arguments.events, &arguments.strip, &arguments.trace];
     let names = files.into_iter().flatten();
     let mut written: Vec<String> = names.map(|path| path.display().to_string()).collect();
@@ -181,5 +181,6 @@ fn written(arguments: &Arguments, bench: &Bench<'_>) -> Vec<String> {
         let count = dump::files(&bench.opened.device, folder).len();
         written.push(format!("{} ({count} files)", folder.display()));
     }
+    written.extend(shows.written());
     written
 }

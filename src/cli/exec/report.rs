@@ -28,6 +28,8 @@ pub struct Report<'a> {
     pub notes: &'a [String],
     /// Whether its host decides, and looks for one pixel after the other.
     pub decides: bool,
+    /// Whether it reads events out, in slots or in whole bit planes.
+    pub reads_events: bool,
     /// What the host wrote, and in which frame.
     pub posts: &'a [(u64, String)],
     /// What was written.
@@ -133,12 +135,14 @@ impl Report<'_> {
         if !light.is_empty() {
             lines.push(light.trim_end().to_owned());
         }
-        if ledger.slots > 0 {
-            lines.push(format!(
-                "events   {} ({on} ON, {off} OFF) in {} slots",
-                self.packet.events.len(),
-                ledger.slots
-            ));
+        // A host that decides may read none.
+        let events = self.packet.events.len();
+        if ledger.slots > 0 || events > 0 || (self.reads_events && !self.decides) {
+            let slots = match ledger.slots {
+                0 => String::new(),
+                slots => format!(" in {slots} slots"),
+            };
+            lines.push(format!("events   {events} ({on} ON, {off} OFF){slots}"));
         }
         if ledger.missed > 0 && !self.decides {
             lines.push(format!(

@@ -174,17 +174,17 @@ impl<M> Told<'_, M> {
         if full.is_some_and(|full| full.name == point.name) {
             return format!("{}: {}, and nothing changes", point.name, seconds(all));
         }
-        let times = all / run(point).max(1e-9);
         let how = if point.whole.is_some() {
             "of the events change"
         } else {
             "of the events change at most"
         };
         format!(
-            "{}: {} in place of {}, {times:.1} times as fast; {} {how}",
+            "{}: {} in place of {}, {}; {} {how}",
             point.name,
             seconds(run(point)),
             seconds(all),
+            as_fast(all, run(point)),
             share(point.error().unwrap_or(0.0))
         )
     }
@@ -257,13 +257,35 @@ impl<M> Told<'_, M> {
     }
 }
 
+/// Less is told as no time at all.
+const LEAST: f64 = 0.000_5;
+
+/// How much faster a run is than the full one, where both take a time that can be told.
+fn as_fast(full: f64, own: f64) -> String {
+    if own < LEAST {
+        return "too quick to compare".to_owned();
+    }
+    format!("{:.1} times as fast", full / own)
+}
+
 /// Seconds with three figures or so.
 fn seconds(seconds: f64) -> String {
-    if seconds < 0.000_5 {
+    if seconds < LEAST {
         "0 s".to_owned()
     } else if seconds < 10.0 {
         format!("{seconds:.3} s")
     } else {
         format!("{seconds:.1} s")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::as_fast;
+
+    #[test]
+    fn what_takes_no_time_is_not_compared() {
+        assert_eq!(as_fast(0.007, 0.000_02), "too quick to compare");
+        assert_eq!(as_fast(0.3, 0.1), "3.0 times as fast");
     }
 }

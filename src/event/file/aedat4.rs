@@ -46,6 +46,7 @@ pub(super) const ENTRY: Entry = Entry {
         source: |_, chunks| Ok(Box::new(source(chunks)?)),
         sink: |head, compression| Ok(Box::new(sink(head, compression))),
     }),
+    compresses: true,
     ..Entry::PLAIN
 };
 

@@ -12,6 +12,10 @@ use super::{
 };
 
 /// The entry of a format; each format's file has one.
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a statement of its own"
+)]
 pub(super) struct Entry {
     /// What `--format` calls it; also an extension that its files may have.
     pub name: &'static str,
@@ -35,6 +39,8 @@ pub(super) struct Entry {
     pub rewinds: bool,
     /// Whether the sensor's size is written in few bits, which limits it.
     pub few_bits_of_size: bool,
+    /// Whether its packets may be compressed as is asked for.
+    pub compresses: bool,
     /// Whether silences are counted from the first event on, not from time 0.
     pub clock_from_first: bool,
 }
@@ -53,6 +59,7 @@ impl Entry {
         streams: None,
         rewinds: true,
         few_bits_of_size: false,
+        compresses: false,
         clock_from_first: false,
     };
 }
@@ -145,6 +152,12 @@ impl Format {
     #[must_use]
     pub const fn readers(self) -> &'static str {
         self.entry().readers
+    }
+
+    /// Whether it takes a [`Compression`]; others are written in one way.
+    #[must_use]
+    pub const fn compresses(self) -> bool {
+        self.entry().compresses
     }
 
     /// Whether this build reads and writes it: some are features of the crate.

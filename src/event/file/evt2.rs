@@ -1,4 +1,5 @@
-//! Prophesee EVT 2.0: one 32-bit word an event, `faery.events_stream_from_file(path).to_array()`.
+//! Prophesee EVT 2.0: one 32-bit word an event, `faery.events_stream_from_file(path,
+//! file_type='evt').to_array()`, which takes any name.
 //!
 //! Bits 31 to 28 say what a word is: 0 OFF, 1 ON, with the low six bits of the time (27 to
 //! 22), x (21 to 11) and y (10 to 0); 8 carries the upper 28 bits of the time; A a trigger,
@@ -41,7 +42,7 @@ pub(super) const ENTRY: Entry = Entry {
     limits: LIMITS,
     readers: "faery, expelliarmus, evlib, eventcv",
     module: "faery",
-    python: "faery.events_stream_from_file(path).to_array()",
+    python: "faery.events_stream_from_file(path, file_type='evt').to_array()",
     sign: Sign::Line(|words| matches!(words, ["evt", "2.0" | "2", ..] | ["format", "evt2", ..])),
     streams: Some(Streams {
         source: |_, chunks| Ok(Box::new(source(chunks)?)),

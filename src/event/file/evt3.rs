@@ -1,4 +1,5 @@
-//! Prophesee EVT 3.0: 16-bit words with a state, `faery.events_stream_from_file(path).to_array()`.
+//! Prophesee EVT 3.0: 16-bit words with a state, `faery.events_stream_from_file(path,
+//! file_type='evt').to_array()`, which takes any name.
 //!
 //! Bits 15 to 12 say what a word is: 0 a row; 2 a column and a sign, that is an event; 3 the
 //! first column of a vector, with a sign; 4 and 5 the next 12 or 8 columns, a bit each; 6 and
@@ -34,7 +35,7 @@ pub(super) const ENTRY: Entry = Entry {
     limits: LIMITS,
     readers: "faery, evlib, eventcv",
     module: "faery",
-    python: "faery.events_stream_from_file(path).to_array()",
+    python: "faery.events_stream_from_file(path, file_type='evt').to_array()",
     sign: Sign::Line(|words| matches!(words, ["evt", "3.0" | "3", ..] | ["format", "evt3", ..])),
     streams: Some(Streams {
         source: |_, chunks| Ok(Box::new(source(chunks)?)),

@@ -2,7 +2,7 @@
 
 use std::{fmt, io, path::PathBuf};
 
-use super::Format;
+use super::{Format, head::Compression};
 use crate::{plane::Size, save::SaveError};
 
 /// An event file could not be read or written.
@@ -55,6 +55,28 @@ pub enum FileError {
         path: PathBuf,
         /// What the system said.
         cause: io::Error,
+    },
+    /// A compression was asked for of a format that has none to choose.
+    #[error("{}: compression {} was asked for, and {format} is written in one way only", path.display(), compression.name())]
+    #[diagnostic(help("leave the compression out (--compression), or write .aedat4"))]
+    OneWay {
+        /// Which file.
+        path: PathBuf,
+        /// Which format.
+        format: Format,
+        /// What was asked for.
+        compression: Compression,
+    },
+    /// A size was given for a file that says another.
+    #[error("{}: the file says that its sensor is {said}, and the size {asked} was given", path.display())]
+    #[diagnostic(help("leave the size out (--size): it is for files that do not say theirs"))]
+    OtherSize {
+        /// Which file.
+        path: PathBuf,
+        /// The size in the file.
+        said: Size,
+        /// The size that was given.
+        asked: Size,
     },
     /// The file is not what its format says.
     #[error("{}:{place}: {fault}", path.display())]

@@ -12,7 +12,7 @@ use crate::{event::Event, plane::Size};
 pub struct Opening {
     /// Its format, whatever its name and first bytes say.
     pub format: Option<Format>,
-    /// The size of its sensor, where the file does not give one.
+    /// The size of its sensor, where the file does not give one; another than the file gives is refused.
     pub size: Option<Size>,
 }
 
@@ -91,7 +91,10 @@ impl Reader {
             ended: false,
         };
         reader.listen();
-        Ok(reader)
+        match reader.contradiction() {
+            Some(error) => Err(error),
+            None => Ok(reader),
+        }
     }
 
     /// The format it is read as.
@@ -142,6 +145,16 @@ impl Reader {
         self.gate.about.size = self.gate.about.size.or(self.size);
     }
 
+    /// A size that was given, of a file that says another.
+    fn contradiction(&self) -> Option<FileError> {
+        let (asked, said) = (self.size?, self.gate.about.size?);
+        (said != asked).then(|| FileError::OtherSize {
+            path: self.path.clone(),
+            said,
+            asked,
+        })
+    }
+
     /// Puts the next events into `events`, in place of what was there; false at the end.
     ///
     /// # Errors
@@ -167,6 +180,11 @@ impl Reader {
                 Err(stop) => self.stopped = Some(named(&self.path, stop)),
             }
             self.listen();
+            if let Some(error) = self.contradiction() {
+                events.clear();
+                self.ended = true;
+                return Err(error);
+            }
             if let Err((at, fault)) = self.gate.admit(events) {
                 let place = self.source.place(at);
                 let stop = Stop::Fault(place, fault);

@@ -33,7 +33,8 @@ impl Writer {
     /// A file of this format that will be at `path`.
     ///
     /// # Errors
-    /// When the format cannot hold such a sensor, or the file cannot be made.
+    /// When the format cannot hold such a sensor or has no such compression, or the file cannot be
+    /// made.
     pub fn create(
         path: &Path,
         format: Format,
@@ -47,6 +48,13 @@ impl Writer {
             let path = path.to_owned();
             return Err(FileError::NotBuilt { path, format });
         };
+        if compression != Compression::default() && !entry.compresses {
+            return Err(FileError::OneWay {
+                path: path.to_owned(),
+                format,
+                compression,
+            });
+        }
         let mut sink = (streams.sink)(head, compression).map_err(|cause| {
             let path = std::env::temp_dir();
             FileError::Unreadable { path, cause }

@@ -107,6 +107,7 @@ impl CachedScene {
     /// What the scene warns of, under its own name.
     pub fn warnings(&self) -> Vec<Warning> {
         let mut warnings = Warning::of_scene(&self.observation, 255.0);
+        warnings.extend(Warning::assumed_rate(&self.observation, "the key `fps`"));
         for warning in &mut warnings {
             warning.subjects = vec![self.wanted.spec.clone()];
         }

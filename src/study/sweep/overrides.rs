@@ -115,7 +115,13 @@ type Edit = (Place, String);
 /// When the text is no TOML, or a key cannot be set.
 pub fn overridden(file: &str, text: &str, overrides: &[Override]) -> Result<String, Faults> {
     let mut text = text.to_owned();
-    for one in overrides {
+    for (n, one) in overrides.iter().enumerate() {
+        if overrides[..n].iter().any(|before| before.key == one.key) {
+            let key = one.key.join(".");
+            let help = format!("give all values at once, with commas between: {key}=a,b");
+            let fault = one.fault(format!("`{key}` is set twice"), help);
+            return Err(Faults::one(&one.text, &one.text, fault));
+        }
         let document = Document::parse(&text).map_err(|fault| Faults::one(file, &text, fault))?;
         let edits = one.edits(document.root(), &text);
         let mut edits = edits.map_err(|fault| Faults::one(&one.text, &one.text, fault))?;
@@ -315,6 +321,23 @@ mod tests {
             &["sample.points=3", "sample.method=sobol"],
             &format!("sample = {{ method = \"sobol\", points = 3 }}\n{STUDY}"),
         );
+    }
+
+    #[test]
+    fn a_key_is_set_once() {
+        let twice = |overrides: &[&str]| {
+            let overrides: Vec<Override> = { overrides.iter() }
+                .map(|text| text.parse().unwrap())
+                .collect();
+            overridden("study.toml", STUDY, &overrides)
+        };
+        let error = twice(&["threshold=40", "format=f16", "threshold=50"]).unwrap_err();
+        assert!(
+            format!("{error:?}").contains("`threshold` is set twice"),
+            "{error:?}"
+        );
+        // A side's own is another key.
+        assert!(twice(&["threshold=40", "reference.threshold=50"]).is_ok());
     }
 
     #[test]
