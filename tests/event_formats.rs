@@ -708,7 +708,7 @@ fn the_place_is_that_of_the_event() {
         (Format::Aedat3, 8),
     ] {
         let path = folder.path().join("a");
-        file::write_as(&path, format, Compression::None, &packet).unwrap();
+        file::write_as(&path, format, Compression::default(), &packet).unwrap();
         let whole = fs::read(&path).unwrap();
         // The last event goes off the sensor: the only one, and its place is known.
         let mut damaged = whole.clone();

@@ -522,3 +522,19 @@ fn no_match_on_primitives_has_an_arm_for_the_rest() {
     assert!(found >= 4, "only {found} are found");
     assert!(open.is_empty(), "{open:#?}");
 }
+
+/// A chip of fewer registers does without the macros that need another.
+#[test]
+fn a_chip_of_four_registers_has_the_macros_that_fit() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "name = \"four\"\ntitle = \"four\"\nextends = \"scamp5\"\n[registers]\nanalogue = [\"A\", \"B\", \"C\", \"D\", \"NEWS\"]\n";
+    std::fs::write(folder.path().join("device.toml"), text).unwrap();
+    let four = Device::find(folder.path().to_str().unwrap()).unwrap();
+    let forms = |device: &Device| {
+        let named = device.macros().iter().map(|it| it.signature.to_string());
+        named
+            .filter(|it| it.starts_with("scamp5_get_image"))
+            .count()
+    };
+    assert_eq!(forms(&four), forms(&Device::scamp5()) - 1);
+}

@@ -42,10 +42,12 @@ fn each_kind_begins_with_a_file_that_works() {
     );
     good(folder, &["asm", "my-program.scamp", "--chip", "my-chip"]);
     good(folder, &["new", "chip", "wider", "--from", "scamp5-wide"]);
-    // Behind the chip's name and title.
+    // Between the chip's name and what it differs from.
     let listing = |chip: &str| {
         let said = good(folder, &["asm", "my-program.scamp", "--chip", chip]);
-        said.split_once("\ninit").unwrap().1.to_owned()
+        let rest = said.split_once("\ninit").unwrap().1;
+        let (costs, rest) = rest.split_once("\nagainst").unwrap();
+        [costs, rest.split_once("\ncomputes").unwrap().1].concat()
     };
     assert_eq!(listing("wider"), listing("scamp5-wide"));
     let device = fs::read_to_string(folder.join("wider/device.toml")).unwrap();

@@ -44,6 +44,8 @@ pub struct Analogue {
     pub gain: Option<f64>,
     /// What silicon holds where the exact register is 0, in LSB; with no gain, the mean difference.
     pub offset: f64,
+    /// What of silicon follows the exact register, in LSB (standard deviation).
+    pub signal: f64,
     /// What is left, in LSB (standard deviation).
     pub noise: f64,
 }
@@ -205,6 +207,7 @@ impl Sums {
                 correlation: None,
                 gain: None,
                 offset: (b - a) / n,
+                signal: 0.0,
                 noise: vb.unwrap_or(0.0).sqrt(),
             };
         };
@@ -214,6 +217,7 @@ impl Sums {
             correlation: (vb > 0.0).then(|| covariance / (va * vb).sqrt()),
             gain: Some(gain),
             offset: b / n - gain * (a / n),
+            signal: gain.abs() * va.sqrt(),
             noise: (vb - gain * covariance).max(0.0).sqrt(),
         }
     }
@@ -231,8 +235,8 @@ mod tests {
         }
         let found = sums.analogue();
         assert_eq!(
-            (found.gain, found.offset, found.noise),
-            (Some(-2.0), 3.0, 1.0)
+            (found.gain, found.offset, found.signal, found.noise),
+            (Some(-2.0), 3.0, 10.0, 1.0)
         );
         let expected = -(100.0f64 / 101.0).sqrt();
         assert!((found.correlation.unwrap() - expected).abs() < 1e-12);

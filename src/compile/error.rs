@@ -47,11 +47,13 @@ pub enum CompileError {
     },
     /// Too few registers.
     #[error(
-        "{what}: {needed} analogue registers are needed, {free} are free: {} too few",
+        "{what}: {needed} analogue registers are needed, {free} {} free: {} too few",
+        if *free == 1 { "is" } else { "are" },
         needed.saturating_sub(*free)
     )]
     #[diagnostic(help(
-        "ask for fewer kinds or kernels, keep fewer registers, or try a chip with more, such as --chip scamp5-wide"
+        "{}keep fewer registers, or try a chip with more, such as --chip scamp5-wide",
+        if what.starts_with("one ") { "" } else { "ask for fewer kinds or kernels, " }
     ))]
     Registers {
         /// What needs them.

@@ -423,22 +423,33 @@ impl Filter {
         forecasts(&self.words, device, (input, results), kernels, signal)
     }
 
-    /// The same at the amplitude of [`Signal::AMPLITUDES`] at which the worst result is best.
+    /// The signal round zero of [`Signal::AMPLITUDES`] of which most is predicted to come out, by the
+    /// worst result.
+    #[must_use]
+    pub fn best_signal(
+        &self,
+        device: &Device,
+        registers: (Analog, &[Analog]),
+        kernels: &[Kernel],
+    ) -> Signal {
+        let tried = Signal::AMPLITUDES.map(|amplitude| {
+            let signal = Signal::around_zero(amplitude);
+            (signal, worst(&self.forecast(device, registers, kernels, signal)))
+        });
+        let best = tried.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        best.map_or(Signal::around_zero(1.0), |(signal, _)| signal)
+    }
+
+    /// The forecast for [`best_signal`](Self::best_signal).
     #[must_use]
     pub fn best_forecast(
         &self,
         device: &Device,
-        (input, results): (Analog, &[Analog]),
+        registers: (Analog, &[Analog]),
         kernels: &[Kernel],
     ) -> Vec<Forecast> {
-        let tried = Signal::AMPLITUDES.map(|amplitude| {
-            let signal = Signal::around_zero(amplitude);
-            self.forecast(device, (input, results), kernels, signal)
-        });
-        let best = tried
-            .into_iter()
-            .max_by(|a, b| worst(a).total_cmp(&worst(b)));
-        best.unwrap_or_default()
+        let signal = self.best_signal(device, registers, kernels);
+        self.forecast(device, registers, kernels, signal)
     }
 }
 

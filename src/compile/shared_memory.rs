@@ -204,6 +204,7 @@ impl Filter {
             decided: None,
             offsets: all.iter().flat_map(|f| f.offsets.clone()).collect(),
             states: all.iter().map(|f| f.states).sum(),
+            from_border: together(|f| f.from_border),
         }
     }
 }

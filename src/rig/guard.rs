@@ -138,6 +138,18 @@ impl Warning {
         Self::new(About::NoEvents, subject, seen, why, change)
     }
 
+    /// A program that never fired, since nobody gave it light.
+    #[must_use]
+    pub fn in_the_dark(subject: &str, frames: u64) -> Self {
+        Self::new(
+            About::NoEvents,
+            subject,
+            format!("no event at all in {frames} frames of the dark"),
+            "no light was given, and the program names none of its own",
+            "give --image SCENE, a clip or a pattern such as pattern:disc",
+        )
+    }
+
     /// A sensor of which most cells fire in one frame.
     #[must_use]
     pub fn most_cells(subject: &str, crowd: &Crowd) -> Self {

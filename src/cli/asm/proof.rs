@@ -202,6 +202,7 @@ impl Proof {
                     gain,
                     offset,
                     noise,
+                    ..
                 }) => format!(
                     "  {name:<4} correlation {correlation:.4}, noise {:.2}, gain {:.3}, offset {:.2} (not counted)",
                     Lsb(*noise),

@@ -7,12 +7,11 @@ use serde_json::json;
 use super::{Added, Asked, Compiled, MIDDLE, bounds::Bounds, readout::Readouts};
 use crate::{
     array::Errors,
-    compile::{Decided, DriveMemory, Filter, Forecast, Need, bound::LowerBound, carried},
+    compile::{Decided, DriveMemory, Filter, Need, bound::LowerBound, carried},
     isa::{Analog, Device, Figure},
     plane::Plane,
     program::{Cost, for_each, stored},
     study::feasibility::time,
-    unit::Lsb,
 };
 
 impl Compiled {
@@ -62,6 +61,7 @@ impl Compiled {
             "filter_words": self.filter.words.len(),
             "snake_words": self.snake,
             "border": self.filter.border,
+            "wrong_from_border_px": self.from_border(),
             "array_us": cost.array_us,
             "array_us_range": self.array_us(device),
             "host_us": cost.host_us,
@@ -73,7 +73,7 @@ impl Compiled {
             "largest_input_lsb": 127.0 / self.filter.peak,
             "offset_stores": self.filter.offsets,
             "noise_lsb": self.noises,
-            "predicted": self.forecasts,
+            "on_chip": self.on_chip,
             "exact_within_lsb": exact_within,
             "decided": decided,
             "energy_uj": self.energy_uj(device),
@@ -216,8 +216,8 @@ impl Compiled {
                 offsets.collect::<Vec<_>>().join(", ")
             ),
         );
-        for forecast in &self.forecasts {
-            line("chip", survival(forecast));
+        for on_chip in &self.on_chip {
+            line("chip", on_chip.line());
         }
         if let Some(decided) = self.decided() {
             line("events", decided);
@@ -226,12 +226,7 @@ impl Compiled {
             line("noise", noise(added));
         }
         line("energy", self.energy(device));
-        let border = if self.filter.border {
-            "right up to the border, zeros beyond it"
-        } else {
-            "not right at the border, where the kernel leaves the array"
-        };
-        line("border", border.to_owned());
+        line("border", self.border());
         line(
             "search",
             format!("{} states in {seconds:.1} s", self.filter.states),
@@ -243,6 +238,28 @@ impl Compiled {
         text.push_str("\nregisters live over the filter's words\n");
         text.push_str(&self.chart(device));
         text
+    }
+
+    /// How many pixels in from the border the results may be wrong.
+    fn from_border(&self) -> usize {
+        let far = |filter: &Filter| if filter.border { 0 } else { filter.from_border };
+        self.filters.iter().map(far).max().unwrap_or(0)
+    }
+
+    /// Whether the results are right at the border, and what follows where they are not.
+    fn border(&self) -> String {
+        let far = match self.from_border() {
+            0 => return "right up to the border, zeros beyond it".to_owned(),
+            1 => "in the outermost rows and columns".to_owned(),
+            far => format!("within {far} pixels of it"),
+        };
+        if self.memory.is_some() {
+            format!(
+                "not right at the border: {far} events differ from the float model's, in exact arithmetic too; search longer (--effort), or take a chip with more registers (--border refuses such a program)"
+            )
+        } else {
+            format!("not right at the border, {far} (--border asks for it)")
+        }
     }
 
     /// Whether anything saturates, and what that costs.
@@ -340,18 +357,6 @@ fn noise(added: &Added) -> String {
         added.fixed,
         input(added.input_temporal),
         input(added.input_fixed),
-    )
-}
-
-/// What is predicted of a result on the chip, for people.
-fn survival(forecast: &Forecast) -> String {
-    format!(
-        "correlation {:.3} with the exact filter, for inputs of ±{} LSB round their middle: {:.2} of noise and mismatch beside {:.2} of signal, {:.0} of constant (predicted from the chip's data, in part a guess)",
-        forecast.correlation,
-        forecast.amplitude,
-        Lsb(forecast.noise),
-        Lsb(forecast.signal),
-        Lsb(forecast.offset),
     )
 }
 

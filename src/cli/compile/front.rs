@@ -4,11 +4,8 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{Arguments, Asked, bare};
-use crate::{
-    compile::{Forecast, Signal},
-    isa::Device,
-};
+use super::{Arguments, Asked, bare, on_chip::OnChip};
+use crate::{compile::Signal, isa::Device};
 
 /// Prints the front of a filter.
 pub(super) fn print(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<()> {
@@ -16,41 +13,36 @@ pub(super) fn print(arguments: &Arguments, asked: &Asked, device: &Device) -> mi
     let registers = (request.input, &request.into[..]);
     let mut rows = Vec::new();
     for filter in request.front()? {
-        let forecasts = match asked.input.map(Signal::from_range) {
-            Some(signal) => filter.forecast(device, registers, &asked.kernels, signal),
-            None => filter.best_forecast(device, registers, &asked.kernels),
-        };
-        let worst = forecasts
+        let signal = asked.input.map(Signal::from_range);
+        let signal =
+            signal.unwrap_or_else(|| filter.best_signal(device, registers, &asked.kernels));
+        let worst = OnChip::run(&filter, device, &request.into, signal)?
             .into_iter()
-            .min_by(|a, b| a.correlation.total_cmp(&b.correlation));
-        rows.push((
-            filter.words.len(),
-            filter.prescale,
-            worst.unwrap_or_default(),
-        ));
+            .min_by(|a, b| a.kept().total_cmp(&b.kept()));
+        rows.extend(worst.map(|worst| (filter.words.len(), filter.prescale, worst)));
     }
     if arguments.json {
-        let row = |(words, bits, forecast): &(usize, u32, Forecast)| json!({ "words": words, "prescale_bits": bits, "predicted": forecast });
+        let row = |(words, bits, on_chip): &(usize, u32, OnChip)| json!({ "words": words, "prescale_bits": bits, "on_chip": on_chip });
         let rows: Vec<_> = rows.iter().map(row).collect();
         super::super::say(&format!("{}\n", json!(rows)));
         return Ok(());
     }
     let mut text = "words  halvings  correlation  at ±LSB  signal  noise  offset, LSB\n".to_owned();
-    for (words, bits, forecast) in rows {
-        let Forecast {
+    for (words, bits, on_chip) in rows {
+        let OnChip {
             amplitude,
-            correlation,
             signal,
             noise,
             offset,
             ..
-        } = forecast;
+        } = on_chip;
         let _ = writeln!(
             text,
-            "{words:>5}{bits:>10}{correlation:>13.4}{amplitude:>9.1}{signal:>8.2}{noise:>7.2}{offset:>13.1}"
+            "{words:>5}{bits:>10}{:>13.4}{amplitude:>9.1}{signal:>8.2}{noise:>7.2}{offset:>13.1}",
+            on_chip.kept()
         );
     }
-    text += "\npredicted from the chip's data (modelled, in part a guess), for the worst result\n";
+    text += "\nrun in the model of the chip, whose data are in part a guess; of the worst result\n";
     super::super::say(&text);
     Ok(())
 }

@@ -5,6 +5,7 @@ mod bounds;
 mod compiled;
 mod front;
 mod nearest;
+mod on_chip;
 mod proof;
 mod readout;
 mod shared;
@@ -12,6 +13,8 @@ mod shared;
 use std::time::Instant;
 
 use miette::{IntoDiagnostic, miette};
+
+use on_chip::OnChip;
 
 use super::{
     content::Content,
@@ -26,8 +29,8 @@ use crate::{
         range::{Inputs, Interval},
     },
     compile::{
-        CellKind, DriveMemory, Effort, Filter, FilterNoise, Forecast, Objective, Request,
-        SensorProgram, Signal,
+        CellKind, DriveMemory, Effort, Filter, FilterNoise, Objective, Request, SensorProgram,
+        Signal,
     },
     isa::{Analog, Device, Figure, Source, Value},
     kernel::{Kernel, quantise::Quantiser},
@@ -70,8 +73,9 @@ pub struct Arguments {
     /// What the input can be, in LSB, with --filter-only: it is halved until nothing saturates
     #[arg(long, value_name = "LO..HI", requires = "filter_only", conflicts_with_all = ["sensor", "threshold"], value_parser = interval, allow_hyphen_values = true)]
     input: Option<(f64, f64)>,
-    /// With --filter-only: right up to the border, zeros beyond it, if that can be had
-    #[arg(long, requires = "filter_only", conflicts_with_all = ["sensor", "threshold"])]
+    /// Right up to the border, zeros beyond it: with --filter-only if that can be had; a whole program
+    /// always tries, and with this is refused where it cannot
+    #[arg(long)]
     border: bool,
     /// A sensor file: its kernels and thresholds
     #[arg(long, value_name = "SENSOR.toml", conflicts_with_all = ["kernels", "threshold"])]
@@ -196,6 +200,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         save(path, |w| w.write_all(compiled.text.as_bytes()))?;
     }
     let seconds = began.elapsed().as_secs_f64();
+    if let Some(warning) = compiled.warning() {
+        super::complain(&warning);
+    }
     if arguments.json {
         super::say(&format!("{}\n", compiled.json(&asked, &device, seconds)));
         return Ok(());
@@ -326,8 +333,8 @@ struct Compiled {
     snake: u64,
     /// Whether the range of the input is known.
     ranged: bool,
-    /// What is predicted of each result on the chip.
-    forecasts: Vec<Forecast>,
+    /// Each result in the chip's model.
+    on_chip: Vec<OnChip>,
     /// What the filter adds to each result.
     noises: Vec<Added>,
     /// The filters, one after the other: with a shared memory one for each kind.
@@ -368,10 +375,9 @@ fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette:
     let request = bare(arguments, asked, device)?;
     let filter = request.filter()?;
     let registers = (request.input, &request.into[..]);
-    let forecasts = match asked.input.map(Signal::from_range) {
-        Some(signal) => filter.forecast(device, registers, &asked.kernels, signal),
-        None => filter.best_forecast(device, registers, &asked.kernels),
-    };
+    let signal = asked.input.map(Signal::from_range);
+    let signal = signal.unwrap_or_else(|| filter.best_signal(device, registers, &asked.kernels));
+    let on_chip = OnChip::run(&filter, device, &request.into, signal)?;
     let text = filter.text(device, 0);
     let scale = 2f64.powi(-(filter.prescale as i32));
     let (low, high) = asked.input.unwrap_or((0.0, 127.5));
@@ -389,7 +395,7 @@ fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette:
     let compiled = proof.compiled(text, filter, asked.input.is_some())?;
     Ok(Compiled {
         ranged: asked.input.is_some(),
-        forecasts,
+        on_chip,
         ..compiled
     })
 }
@@ -414,6 +420,12 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
     } else {
         apart(arguments, asked, &kinds, memory, device)?
     };
+    if arguments.border && !compiled.filter.border {
+        return Err(miette!(
+            help = "search longer (--effort), ask for fewer kinds, take a chip with more registers (--chip scamp5-wide), or leave --border out: events then differ near the border alone",
+            "no program was found whose filters are right up to the border of the array"
+        ));
+    }
     let words = |steps: &[Step]| Cost::of(steps, device).words.0;
     let expectation = crate::program::Expectation {
         words: Some(crate::program::ExpectedWords {
@@ -470,10 +482,7 @@ fn apart(
     let mut compiled = proof.compiled(text, program.filter, false)?;
     compiled.readouts = Some(readouts);
     let light = Signal::from_range((0.0, (254.0 * device.value(Figure::LightScale)).min(127.0)));
-    let registers = (compiled.results_in[0], &compiled.results_in[..]);
-    compiled.forecasts = compiled
-        .filter
-        .forecast(device, registers, &asked.kernels, light);
+    compiled.on_chip = OnChip::run(&compiled.filter, device, &compiled.results_in, light)?;
     compiled.ranged = true;
     let thresholds = asked.thresholds.iter();
     compiled.thresholds = thresholds

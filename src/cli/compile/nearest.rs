@@ -2,7 +2,7 @@
 
 use miette::{Report, miette};
 
-use super::{Arguments, Asked, compiled};
+use super::{Arguments, Asked, compiled, on_chip::OnChip};
 use crate::{
     compile::CompileError,
     isa::{Device, Figure},
@@ -36,7 +36,7 @@ pub(super) fn named(refused: Report, arguments: &Arguments, device: &Device) -> 
         .into_iter()
         .flatten()
         .map(|(way, words, correlation)| {
-            format!("{way}, with a predicted correlation of {correlation:.2} in {words} words")
+            format!("{way}, with a correlation of {correlation:.2} in the model of the chip, in {words} words")
         })
         .collect();
     if ways.is_empty() {
@@ -97,6 +97,6 @@ fn resized(times: f64, arguments: &Arguments, device: &Device) -> Option<((f64, 
 /// The words of the filter and the correlation of the worst result.
 fn tried(asked: &Asked, arguments: &Arguments, device: &Device) -> Option<(usize, f64)> {
     let program = compiled(arguments, asked, device).ok()?;
-    let worst = { program.forecasts.iter() }.map(|it| it.correlation);
+    let worst = { program.on_chip.iter() }.map(OnChip::kept);
     Some((program.filter.words.len(), worst.fold(1.0, f64::min)))
 }

@@ -87,7 +87,7 @@ impl Proof<'_> {
             results,
             thresholds: Vec::new(),
             ranged: false,
-            forecasts: Vec::new(),
+            on_chip: Vec::new(),
             noises: noises(&filter, self.device, Analog(0), self.results, self.kernels),
             filters: vec![filter.clone()],
             memory: None,

@@ -3,7 +3,7 @@
 
 use miette::{WrapErr, miette};
 
-use super::{Arguments, Asked, Compiled, Proof, noises, readout, request};
+use super::{Arguments, Asked, Compiled, Proof, noises, on_chip::OnChip, readout, request};
 use crate::{
     array::{
         Input, Settings,
@@ -55,7 +55,7 @@ pub(super) fn whole(
         results_in: program.drives.clone(),
         snake: 0,
         ranged: true,
-        forecasts: Vec::new(),
+        on_chip: Vec::new(),
         noises: Vec::new(),
         filter: program.filter.clone(),
         filters: program.filters.clone(),
@@ -91,10 +91,9 @@ pub(super) fn whole(
             .decided
             .map_or(most, |_| filter.exact_within.min(most).floor().max(1.0));
         let signal = Signal::around_zero(within);
-        let registers = (drive, results);
         compiled
-            .forecasts
-            .extend(filter.forecast(device, registers, kernels, signal));
+            .on_chip
+            .extend(OnChip::run(filter, device, results, signal)?);
         compiled
             .noises
             .extend(noises(filter, device, drive, results, kernels));

@@ -20,14 +20,14 @@ pub(super) fn assemble(layers: &[Layer]) -> Result<Device, LoadError> {
     let registers = registers(layers)?;
     let primitives = primitive_rows(layers)?;
     let hosts = host_rows(layers)?;
-    let (macros, owners) = all_macros(layers)?;
+    let (macros, mut owners) = all_macros(layers)?;
     let (top, below) = (&layers[layers.len() - 1], &layers[..layers.len() - 1]);
     let base = if below.is_empty() {
         None
     } else {
         Some(Arc::new(assemble(below)?))
     };
-    let device = Device {
+    let mut device = Device {
         name: top.device.name.value.clone(),
         title: top.device.title.clone(),
         registers,
@@ -37,6 +37,7 @@ pub(super) fn assemble(layers: &[Layer]) -> Result<Device, LoadError> {
         macros,
         base,
     };
+    leave_out(&mut device, &mut owners, layers.len() - 1);
     let calls = macros::check_calls(&device);
     for (at, layer) in layers.iter().enumerate() {
         let own = device.macros.iter().zip(&owners).filter(|(_, o)| **o == at);
@@ -52,4 +53,25 @@ pub(super) fn assemble(layers: &[Layer]) -> Result<Device, LoadError> {
         layer.wrong("macros.scamp", faults)?;
     }
     Ok(device)
+}
+
+/// Leaves out the macros from below the `top` layer that need a register which the chip does not
+/// have, and those that call them.
+fn leave_out(device: &mut Device, owners: &mut Vec<usize>, top: usize) {
+    let own = &device.registers.analog;
+    let lacks = |base: &Device| !base.registers.analog.iter().all(|name| own.contains(name));
+    if !device.base.as_deref().is_some_and(lacks) {
+        return;
+    }
+    loop {
+        let is_whole: Vec<bool> = { device.macros.iter().zip(&*owners) }
+            .map(|(it, owner)| *owner == top || macros::check(device, it).is_empty())
+            .collect();
+        if is_whole.iter().all(|it| *it) {
+            return;
+        }
+        let (mut macros, mut of) = (is_whole.iter(), is_whole.iter());
+        device.macros.retain(|_| macros.next() == Some(&true));
+        owners.retain(|_| of.next() == Some(&true));
+    }
 }

@@ -1,0 +1,110 @@
+//! What comes out of a filter on the chip: it is run in the model of the chip, beside itself in exact
+//! arithmetic.
+
+use super::Compiled;
+use crate::{
+    array::{
+        Settings,
+        range::{Inputs, Interval},
+        survival::{Analogue, RUNS, SIDE, Survival, survival},
+    },
+    compile::{Filter, Signal},
+    isa::{Analog, Cell, Device},
+    program::{Overrides, Program},
+    unit::Lsb,
+};
+
+/// Below this correlation nothing comes out.
+const NOTHING: f64 = 0.02;
+
+/// A chip to run on; others differ in which pixels are off by how much.
+const SEED: u64 = 0;
+
+/// A result of a filter in the chip's model, of inputs that are uniform round their middle.
+#[derive(Clone, Copy, serde::Serialize)]
+pub(super) struct OnChip {
+    /// The farthest of an input from the middle, LSB.
+    pub(super) amplitude: f64,
+    /// With the exact filter, over all pixels of all frames, its constant left out; none where a
+    /// result is the same everywhere.
+    pub(super) correlation: Option<f64>,
+    /// Standard deviation of what follows the exact filter, LSB of the result.
+    pub(super) signal: f64,
+    /// Standard deviation of what does not: noise, mismatch, saturation, LSB.
+    pub(super) noise: f64,
+    /// Where the exact result is 0, LSB.
+    pub(super) offset: f64,
+}
+
+impl OnChip {
+    /// Runs the words of a filter.
+    ///
+    /// # Errors
+    /// When the array cannot run them.
+    pub(super) fn run(
+        filter: &Filter,
+        device: &Device,
+        results: &[Analog],
+        signal: Signal,
+    ) -> miette::Result<Vec<Self>> {
+        let Signal { mean, amplitude } = signal;
+        let program = Program::parse("filter", &filter.text(device, 0))?;
+        let code = program.expand(device, &Overrides::default())?.code;
+        let inputs = Inputs {
+            registers: Interval::new(mean - amplitude, mean + amplitude),
+            ..Inputs::default()
+        };
+        let settings = Settings::from_device(device);
+        let cells: Vec<Cell> = results.iter().map(|it| Cell::Analog(*it)).collect();
+        let all = survival(&code, true, device, settings, inputs, SEED, &cells)?;
+        let of = |it: Survival| match it {
+            Survival::Analogue(found) => Some(Self::new(amplitude, found)),
+            // A filter leaves no bits.
+            Survival::Bits(_) => None,
+        };
+        Ok(all.into_iter().filter_map(of).collect())
+    }
+
+    const fn new(amplitude: f64, found: Analogue) -> Self {
+        Self {
+            amplitude,
+            correlation: found.correlation,
+            signal: found.signal,
+            noise: found.noise,
+            offset: found.offset,
+        }
+    }
+
+    /// The correlation; 0 where there is none.
+    pub(super) fn kept(&self) -> f64 {
+        self.correlation.unwrap_or(0.0)
+    }
+
+    /// For people.
+    pub(super) fn line(&self) -> String {
+        let correlation = self
+            .correlation
+            .map_or("none".to_owned(), |it| format!("{it:.3}"));
+        format!(
+            "correlation {correlation} with the exact filter, for inputs of ±{} LSB round their middle: {:.2} of noise and mismatch beside {:.2} of signal, {:.0} of constant (run in the model of the chip, {RUNS} frames of {SIDE}x{SIDE} pixels; the chip's data are in part a guess)",
+            self.amplitude,
+            Lsb(self.noise),
+            Lsb(self.signal),
+            Lsb(self.offset + 0.0),
+        )
+    }
+}
+
+impl Compiled {
+    /// What to know before a program is taken of which next to nothing comes out of the chip.
+    pub(super) fn warning(&self) -> Option<String> {
+        let worst = { self.on_chip.iter() }
+            .map(OnChip::kept)
+            .fold(1.0, f64::min);
+        (worst < NOTHING).then(|| {
+            format!(
+                "warning: next to nothing of the kernel comes out of the chip, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take fewer digits (--to), or leave --objective out\n"
+            )
+        })
+    }
+}
