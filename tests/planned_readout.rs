@@ -245,7 +245,7 @@ fn what_leaves_nothing_names_what_works() {
     let name = name.split(',').next().unwrap();
     let mut again = compile.to_vec();
     again.extend(["--to", name]);
-    let worst = &json(folder.path(), &again)["predicted"][0]["correlation"];
+    let worst = &json(folder.path(), &again)["on_chip"][0]["correlation"];
     assert!(worst.as_f64().unwrap() > 0.1, "{worst}");
 }
 

@@ -434,7 +434,10 @@ impl Filter {
     ) -> Signal {
         let tried = Signal::AMPLITUDES.map(|amplitude| {
             let signal = Signal::around_zero(amplitude);
-            (signal, worst(&self.forecast(device, registers, kernels, signal)))
+            (
+                signal,
+                worst(&self.forecast(device, registers, kernels, signal)),
+            )
         });
         let best = tried.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
         best.map_or(Signal::around_zero(1.0), |(signal, _)| signal)

@@ -6,7 +6,7 @@ use crate::{
     array::{
         Settings,
         range::{Inputs, Interval},
-        survival::{Analogue, RUNS, SIDE, Survival, survival},
+        survival::{Analogue, Survival, survival},
     },
     compile::{Filter, Signal},
     isa::{Analog, Cell, Device},
@@ -86,7 +86,7 @@ impl OnChip {
             .correlation
             .map_or("none".to_owned(), |it| format!("{it:.3}"));
         format!(
-            "correlation {correlation} with the exact filter, for inputs of ±{} LSB round their middle: {:.2} of noise and mismatch beside {:.2} of signal, {:.0} of constant (run in the model of the chip, {RUNS} frames of {SIDE}x{SIDE} pixels; the chip's data are in part a guess)",
+            "correlation {correlation} with the exact filter, for inputs of ±{} LSB round their middle: {:.2} of noise and mismatch beside {:.2} of signal, {:.0} of constant (run in the model of the chip, whose data are in part a guess)",
             self.amplitude,
             Lsb(self.noise),
             Lsb(self.signal),

@@ -1,0 +1,205 @@
+//! What `compile` says of its program is what the program does: how much of the filter comes out of
+//! other chips, how far in from the border events differ, and that nothing comes out of some.
+
+#![cfg(feature = "cli")]
+
+mod common;
+
+use std::{collections::BTreeSet, fs, path::Path};
+
+use common::{good, json, refused};
+use ndarray::{Array2, Array3};
+use tempfile::TempDir;
+
+fn kernel(folder: &Path, name: &str, rows: &[&[f64]]) {
+    let flat: Vec<f64> = rows.concat();
+    let kernel = Array2::from_shape_vec((rows.len(), rows[0].len()), flat).unwrap();
+    ndarray_npy::write_npy(folder.join(name), &kernel).unwrap();
+}
+
+/// Sums that reach the end of the range with a chip's errors on top, weights of two digits, a filter
+/// of many words, few values of a learned centre-surround.
+#[test]
+fn noise_is_that_of_other_chips() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    kernel(folder, "slope.npy", &[&[1.0, 2.0, 3.0]]);
+    let spot: [&[f64]; 3] = [&[1.0, 2.0, 1.0], &[2.0, -12.0, 2.0], &[1.0, 2.0, 1.0]];
+    kernel(folder, "spot.npy", &spot);
+    let binomial = [1.0, 6.0, 15.0, 20.0, 15.0, 6.0, 1.0];
+    let rows = binomial.map(|a| binomial.map(|b| a * b / 4096.0));
+    let rows: Vec<&[f64]> = rows.iter().map(|row| &row[..]).collect();
+    kernel(folder, "blur.npy", &rows);
+    kernel(folder, "box.npy", &[&[1.0; 3][..]; 3]);
+    for asked in [
+        &["slope.npy", "--objective", "words"][..],
+        &["spot.npy"],
+        &["blur.npy"],
+        &["csdvs-5", "--to", "int-5"],
+        &["box.npy", "--objective", "words", "--input=-20..20"],
+    ] {
+        let more = ["--filter-only", "--effort", "0.1", "-o", "f.scamp"];
+        let told = json(folder, &[&["compile"], asked, &more].concat());
+        let it = &told["on_chip"][0];
+        let [amplitude, noise, correlation] =
+            ["amplitude", "noise", "correlation"].map(|key| it[key].as_f64().unwrap());
+        let into = told["into"][0].as_str().unwrap();
+        for seed in ["1", "2"] {
+            let range = format!("--input={}..{amplitude}", -amplitude);
+            let ran = json(folder, &["asm", "f.scamp", &range, "--seed", seed]);
+            let all = ran["proof"]["registers"].as_array().unwrap();
+            let own = all.iter().find(|it| it["register"] == into).unwrap();
+            let got = own["noise_lsb"].as_f64().unwrap();
+            assert!(
+                (noise / got - 1.0).abs() < 0.05,
+                "{asked:?}: {noise} LSB of noise, chip {seed} has {got}"
+            );
+            let got = own["correlation"].as_f64().unwrap();
+            assert!(
+                (correlation - got).abs() < 0.01,
+                "{asked:?}: {correlation} {got}"
+            );
+        }
+    }
+}
+
+/// Two kernels that leave no room for the border: events of the float model and of the exact array
+/// differ as far in as is told, and no farther.
+#[test]
+fn events_differ_as_near_to_the_border_as_is_told() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let weight =
+        |(k, y, x): (usize, usize, usize)| (((7 * k + 3 * y + 5 * x + y * x) % 3) as f64) - 1.0;
+    ndarray_npy::write_npy(
+        folder.join("two.npy"),
+        &Array3::from_shape_fn((2, 5, 5), weight),
+    )
+    .unwrap();
+    let sensor = "response = \"identity\"\nmemory = \"filtered-snap\"\nborder = \"zero\"\n\
+                  [[channel]]\nkernel = \"two.npy\"\nthreshold = { on = 63, off = 63 }\n";
+    fs::write(folder.join("two.toml"), sensor).unwrap();
+    let asked = [
+        "compile",
+        "--sensor",
+        "two.toml",
+        "--objective",
+        "exact",
+        "--effort",
+        "0.05",
+    ];
+    let told = json(folder, &[&asked[..], &["-o", "two.scamp"]].concat());
+    let far = told["wrong_from_border_px"].as_u64().unwrap();
+    assert!(far > 0, "it is right at the border");
+    refused(
+        folder,
+        &[&asked[..], &["--border"]].concat(),
+        &["right up to the border", "--effort"],
+    );
+    let scene = "pattern:bar?width=40&height=32&frames=8&angle=30";
+    good(
+        folder,
+        &[
+            "run",
+            "--scene",
+            scene,
+            "--sensor",
+            "two.toml",
+            "--events",
+            "float.csv",
+        ],
+    );
+    let exact = [
+        "--image",
+        scene,
+        "--domain",
+        "exact",
+        "--events",
+        "array.csv",
+    ];
+    good(
+        folder,
+        &[&["exec", "two.scamp", "--const", "slots=2000"], &exact[..]].concat(),
+    );
+    let events = |file: &str| -> BTreeSet<String> {
+        let text = fs::read_to_string(folder.join(file)).unwrap();
+        text.lines().map(str::to_owned).collect()
+    };
+    let (float, array) = (events("float.csv"), events("array.csv"));
+    assert!(float.len() > 500, "{} events", float.len());
+    let mut farthest = 0;
+    for line in float.symmetric_difference(&array) {
+        let fields: Vec<u64> = line.split(',').map(|it| it.parse().unwrap()).collect();
+        let (x, y) = (fields[1], fields[2]);
+        farthest = farthest.max([x, 39 - x, y, 31 - y].into_iter().min().unwrap() + 1);
+    }
+    assert!(
+        (1..=far).contains(&farthest),
+        "{farthest} px in, {far} told"
+    );
+}
+
+/// A kernel of which nothing is left in the chip's range is compiled for its words with a warning.
+#[test]
+fn nothing_that_comes_out_is_warned_of() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let large: [&[f64]; 2] = [&[1912.0, -1146.0], &[-857.0, -1651.0]];
+    kernel(
+        folder,
+        "large.npy",
+        &[
+            &[large[0][0], large[0][1], 0.0],
+            &[large[1][0], large[1][1], 0.0],
+            &[0.0; 3],
+        ],
+    );
+    let asked = [
+        "compile",
+        "large.npy",
+        "--filter-only",
+        "--objective",
+        "words",
+        "--effort",
+        "0.02",
+    ];
+    let ran = common::amacrine(folder, &asked).output().unwrap();
+    let said = common::line(&ran.stderr);
+    assert!(
+        ran.status.success() && said.contains("next to nothing of the kernel"),
+        "{said}"
+    );
+    let asked = [
+        "compile",
+        "csdvs-3",
+        "--to",
+        "ternary",
+        "--filter-only",
+        "--effort",
+        "0.02",
+    ];
+    let ran = common::amacrine(folder, &asked).output().unwrap();
+    assert!(!common::line(&ran.stderr).contains("next to nothing"));
+}
+
+/// Without light a program is said to have been in the dark.
+#[test]
+fn a_program_without_light_is_told_so() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let asked = [
+        "compile",
+        "csdvs-3",
+        "--to",
+        "ternary",
+        "--threshold",
+        "24",
+        "--effort",
+        "0.02",
+    ];
+    good(folder, &[&asked[..], &["-o", "p.cpp"]].concat());
+    let ran = ["exec", "p.cpp", "--frames", "3", "--events", "e.csv"];
+    let ran = common::amacrine(folder, &ran).output().unwrap();
+    let said = common::line(&ran.stderr);
+    assert!(ran.status.success() && said.contains("--image"), "{said}");
+}
