@@ -61,7 +61,7 @@ impl Compiled {
             "filter_words": self.filter.words.len(),
             "snake_words": self.snake,
             "border": self.filter.border,
-            "wrong_from_border_px": self.from_border(),
+            "wrong_from_border_px": self.wrong_within(),
             "array_us": cost.array_us,
             "array_us_range": self.array_us(device),
             "host_us": cost.host_us,
@@ -241,14 +241,14 @@ impl Compiled {
     }
 
     /// How many pixels in from the border the results may be wrong.
-    fn from_border(&self) -> usize {
+    fn wrong_within(&self) -> usize {
         let far = |filter: &Filter| if filter.border { 0 } else { filter.from_border };
         self.filters.iter().map(far).max().unwrap_or(0)
     }
 
     /// Whether the results are right at the border, and what follows where they are not.
     fn border(&self) -> String {
-        let far = match self.from_border() {
+        let far = match self.wrong_within() {
             0 => return "right up to the border, zeros beyond it".to_owned(),
             1 => "in the outermost rows and columns".to_owned(),
             far => format!("within {far} pixels of it"),
