@@ -78,6 +78,7 @@ fn each_kind_begins_with_a_file_that_works() {
 #[test]
 fn the_schema_beside_it_holds_and_the_comments_are_keys() {
     let folder = tempfile::tempdir().unwrap();
+    let mut commented = 0;
     for kind in ["sensor", "kernel", "study", "readout"] {
         good(folder.path(), &["new", kind, kind]);
         let read = |file: String| fs::read_to_string(folder.path().join(file)).unwrap();
@@ -92,18 +93,57 @@ fn the_schema_beside_it_holds_and_the_comments_are_keys() {
             assert!(wrong.is_ok(), "{kind}: {wrong:?}\n{text}");
         };
         holds(&text);
-        // Each comment with a value is a line that may stand there.
+        // Each comment with a value is a line that may stand there, under its table's line.
+        let mut table = None;
         for line in text.lines().filter_map(|line| line.strip_prefix("# ")) {
+            if line.starts_with('[') {
+                table = Some(line);
+            }
             let Some((key, rest)) = line.split_once(" = ") else {
                 continue;
             };
-            let value = rest.split("    # ").next().unwrap();
+            let (value, says) = rest.split_once("    # ").unwrap_or((rest, ""));
             if value == "…" || key.contains(' ') {
                 continue;
             }
-            holds(&text.replace(&format!("# {line}"), &format!("{key} = {value}")));
+            commented += 1;
+            let mut with = text.replace(&format!("# {line}"), &format!("{key} = {value}"));
+            if let Some(table) = table {
+                with = with.replace(&format!("# {table}"), table);
+            }
+            if let Some((other, _)) = says
+                .strip_prefix("in place of ")
+                .and_then(|it| it.split_once(": "))
+            {
+                with = without(&with, other);
+            }
+            holds(&with);
         }
     }
+    // Of sensors, kernels and studies; also of what a channel and a table may have.
+    assert!(commented > 40, "{commented}");
+    let sensor = fs::read_to_string(folder.path().join("sensor.toml")).unwrap();
+    for key in [
+        "mesh",
+        "pattern",
+        "gain",
+        "memory-kernel",
+        "log-temporal",
+        "leak-hz",
+    ] {
+        assert!(sensor.contains(&format!("\n# {key} = ")), "{key}: {sensor}");
+    }
+}
+
+/// A file without a key, whose value may take several lines.
+fn without(text: &str, key: &str) -> String {
+    let at = text.find(&format!("\n{key} = ")).unwrap();
+    let rest = &text[at + 1..];
+    let ends = rest.match_indices('\n').map(|(end, _)| end);
+    let whole = ends
+        .map(|end| &rest[..end])
+        .find(|part| part.parse::<toml::Table>().is_ok());
+    text.replace(whole.unwrap(), "")
 }
 
 #[test]

@@ -1,21 +1,18 @@
 //! `amacrine new`: a file to start from, with what else may stand in it.
 
-use std::{
-    fmt::Write as _,
-    path::{Path, PathBuf},
-};
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use miette::miette;
 use serde_json::Value as Json;
 
 use super::{
-    files,
+    commented, files,
     list::{no_chip, nothing},
     schema,
 };
 use crate::{
-    bundled::{self, File, Kind},
+    bundled::{self, Kind},
     isa::Device,
     save::save,
 };
@@ -123,7 +120,7 @@ fn begun(kind: Kind, arguments: &Arguments, name: &Path) -> miette::Result<Vec<(
     let beside = format!("{word}.schema.json");
     let schema = schema::schema_for(arguments.kind);
     let title = if kind == Kind::Study { "title" } else { "name" };
-    let text = titled(&with_keys(&file, &schema), title, &path);
+    let text = titled(&commented::with_keys(&file, &schema), title, &path);
     let text = format!("#:schema ./{beside}\n{text}");
     let mut written = vec![(path, text)];
     let beside = name.with_file_name(beside);
@@ -160,37 +157,4 @@ fn named(name: &Path, ending: &str) -> PathBuf {
     let mut path = name.as_os_str().to_owned();
     path.push(format!(".{ending}"));
     path.into()
-}
-
-/// A file's text with the keys that it does not have, in comments, before its first table.
-fn with_keys(file: &File, schema: &Json) -> String {
-    let own: toml::Table = file.text.parse().unwrap_or_default();
-    let mut others = String::new();
-    let properties = schema["properties"].as_object();
-    for (key, about) in properties.into_iter().flatten() {
-        let plain = about["type"] != "object" && about["type"] != "array";
-        if own.contains_key(key) || !plain {
-            continue;
-        }
-        let value = match &about["default"] {
-            Json::Null => "…".to_owned(),
-            default => toml::Value::try_from(default)
-                .map_or_else(|_| default.to_string(), |value| value.to_string()),
-        };
-        let says = about["description"].as_str().unwrap_or_default();
-        // Writing to a string cannot fail.
-        let _ = writeln!(others, "# {key} = {value}    # {}", says.replace('\n', " "));
-    }
-    if others.is_empty() {
-        return file.text.to_owned();
-    }
-    let others =
-        format!("# What else may stand here, with what holds where it does not:\n{others}");
-    // Keys behind a table would be the table's.
-    let table = file.text.starts_with('[').then_some(0);
-    let table = table.or_else(|| file.text.find("\n[").map(|at| at + 1));
-    match table {
-        Some(at) => format!("{}{others}\n{}", &file.text[..at], &file.text[at..]),
-        None => format!("{}\n{others}", file.text),
-    }
 }

@@ -42,7 +42,6 @@ pub(crate) fn whole<R: Real>(d: R, per_on: R, per_off: R) -> R {
 /// crossings, by linear interpolation between the frames.
 ///
 /// Where the line does not rise, a disturbance made the crossing: it is placed at the later frame.
-/// Where the line does not rise, a disturbance made the crossing: it is seen at the frame.
 #[inline]
 pub(super) fn place<R: Real>(from: R, to: R, on: R, off: R) -> (R, R) {
     let theta = if to >= R::ZERO { on } else { off };

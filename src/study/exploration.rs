@@ -36,6 +36,7 @@ use crate::{
 };
 
 use super::{
+    balance,
     design::{Compiled, Design, DesignError},
     equivalent::{EquivalentError, Likeness},
     feasibility::time,
@@ -463,7 +464,7 @@ impl Question<'_> {
         // An event of any kind renews the memory of the pixel, which all look at: first the shares
         // are made equal, then their sum is the rate.
         let shared = together::description(memory, &self.designs(apart))?;
-        let shares = rate::balanced(&shared, rate, self.seed, open)?;
+        let shares = balance::balanced(&shared, rate, self.seed, open)?;
         let level =
             { apart.iter().zip(&shares) }.map(|(threshold, share)| threshold * share.factor);
         let level: Vec<f64> = level.collect();

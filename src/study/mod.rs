@@ -1,5 +1,7 @@
 //! Studies: many sensors on one scene, and what each loses.
 
+pub mod all_events;
+pub mod balance;
 pub mod cells;
 pub mod design;
 pub mod equivalent;

@@ -86,7 +86,7 @@ pub fn factor(
 
 /// As [`factor`], for each kind of cell by itself: `rate` events per pixel and second of each, in
 /// the same seven shows. Kinds that share a memory are not by themselves: of those it is a start
-/// ([`balanced`]).
+/// ([`balanced`](super::balance::balanced)).
 ///
 /// # Errors
 /// As [`factor`].
@@ -99,76 +99,9 @@ pub fn factors(
     search(description, (rate, Share::Each), seed, open)
 }
 
-/// Times that kinds which share a memory are brought nearer to equal rates.
-const BALANCING: usize = 8;
-
-/// Rates within this of each other are equal, in octaves: 3 %.
-const EQUAL: f64 = 0.043;
-
-/// How the rate of a kind falls with its threshold, octaves by octave, before it was seen to.
-const STEEPNESS: f64 = 2.0;
-
-/// The most that a threshold is moved at a time, in octaves.
-const STRIDE: f64 = 2.0;
-
-/// As [`factors`], for kinds that share a memory: an event of any of them renews it for all, so that
-/// they are brought to equal rates together, from thresholds that are near. They come as near as
-/// eight shows of the scene bring them, the best of these; the rates of all kinds.
-///
-/// # Errors
-/// As [`factor`].
-pub fn balanced(
-    description: &Description,
-    rate: f64,
-    seed: u64,
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-) -> Result<Vec<Rated>, RateError> {
-    check(rate)?;
-    let kinds = description.channels.len();
-    let target = rate / kinds as f64;
-    let beyond = |rate: f64| {
-        if rate > 0.0 {
-            elementary::log2(rate / target)
-        } else {
-            -STRIDE * STEEPNESS
-        }
-    };
-    let worst = |rates: &[f64]| {
-        let apart = rates.iter().map(|rate| beyond(*rate).abs());
-        apart.fold(0.0, f64::max)
-    };
-    let mut octaves = vec![0.0; kinds];
-    let mut best: Option<(f64, Vec<Rated>)> = None;
-    let mut moved = vec![octaves.clone()];
-    for _ in 0..BALANCING {
-        let shown = rates(description, (&moved, Share::Each), seed, open)?;
-        let nearest =
-            { moved.iter().zip(shown) }.min_by(|(_, a), (_, b)| worst(a).total_cmp(&worst(b)));
-        let Some((at, counted)) = nearest else { break };
-        octaves.clone_from(at);
-        let apart = worst(&counted);
-        if best.as_ref().is_none_or(|(least, _)| apart < *least) {
-            best = Some((apart, rated(&octaves, &counted)));
-        }
-        if apart < EQUAL {
-            break;
-        }
-        // One kind's events take some of another's: strides of three lengths are tried.
-        let stride = |part: f64| -> Vec<f64> {
-            let own = octaves.iter().zip(&counted);
-            own.map(|(octave, rate)| {
-                octave + (part * beyond(*rate) / STEEPNESS).clamp(-STRIDE, STRIDE)
-            })
-            .collect()
-        };
-        moved = [1.4, 0.7, 0.35].map(stride).to_vec();
-    }
-    best.map(|(_, rated)| rated).ok_or(RateError::Still)
-}
-
 /// Whose events are counted, and whose thresholds have one factor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Share {
+pub(super) enum Share {
     /// All kinds as one.
     Together,
     /// Each kind for itself.
@@ -253,7 +186,7 @@ fn search(
     Ok(rated(&octaves, counted))
 }
 
-fn check(rate: f64) -> Result<(), RateError> {
+pub(super) fn check(rate: f64) -> Result<(), RateError> {
     if rate > 0.0 && rate.is_finite() {
         Ok(())
     } else {
@@ -262,7 +195,7 @@ fn check(rate: f64) -> Result<(), RateError> {
 }
 
 /// Octaves that thresholds are moved by, and the rates there.
-fn rated(octaves: &[f64], rates: &[f64]) -> Vec<Rated> {
+pub(super) fn rated(octaves: &[f64], rates: &[f64]) -> Vec<Rated> {
     let rated = octaves.iter().zip(rates).map(|(octave, rate)| Rated {
         factor: elementary::pow(2.0, *octave),
         rate: *rate,
@@ -271,7 +204,7 @@ fn rated(octaves: &[f64], rates: &[f64]) -> Vec<Rated> {
 }
 
 /// Events per pixel and second of each group, with its thresholds at each octave that is tried.
-fn rates(
+pub(super) fn rates(
     description: &Description,
     (tries, share): (&[Vec<f64>], Share),
     seed: u64,
@@ -383,22 +316,6 @@ mod tests {
             assert_eq!(one.factor, found.factor);
         }
         assert_ne!(found[0].factor, found[2].factor);
-    }
-
-    /// Kinds that look at one memory, of kernels of different size.
-    #[test]
-    fn kinds_of_one_memory_have_equal_rates() {
-        let text = "response = { linear = 255 }\nmemory = \"raw-snap\"\nshared = true\n".to_owned()
-            + &["dvs", "csdvs-5", "sobel-x", "laplacian"].map(|kernel| format!(
-                "[[channel]]\nkernel = \"{kernel}\"\nthreshold = {{ on = 0.2, off = 0.2 }}\n"
-            )).concat();
-        let sensor = Description::parse("s.toml", &text, &|_| unreachable!()).unwrap();
-        let found = balanced(&sensor, 8.0, 3, &scene).unwrap();
-        for found in &found {
-            assert!((found.rate / 2.0 - 1.0).abs() < 0.1, "{found:?}");
-        }
-        let wrong = balanced(&sensor, -1.0, 3, &scene);
-        assert!(matches!(wrong, Err(RateError::Rate(_))), "{wrong:?}");
     }
 
     #[test]

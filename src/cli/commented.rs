@@ -1,0 +1,104 @@
+//! The keys that a file does not have, in comments, as its schema tells them.
+
+use std::fmt::Write as _;
+
+use serde_json::Value as Json;
+
+use crate::bundled::File;
+
+/// A file's text with the keys that it does not have: its own before its first table, those of its last
+/// table behind it, and the tables that it could have at the end.
+pub(super) fn with_keys(file: &File, schema: &Json) -> String {
+    let own: toml::Table = file.text.parse().unwrap_or_default();
+    let mut tables = String::new();
+    for (key, about) in properties(schema) {
+        let items = own
+            .get(key)
+            .and_then(|it| it.as_array()?.last()?.as_table());
+        if let (Some(last), "array") = (items, kind(about)) {
+            let items = &about["items"];
+            let keys = lines(last, properties(items), items);
+            if !keys.is_empty() {
+                let _ = write!(tables, "\n# What else may stand in a [[{key}]]:\n{keys}");
+            }
+        } else if is_table(about) && !own.contains_key(key) {
+            let keys = lines(&toml::Table::new(), properties(about), about);
+            let _ = write!(tables, "\n# [{key}]    # {}\n{keys}", says(about));
+        }
+    }
+    let plain = properties(schema).filter(|(_, about)| !is_table(about));
+    let others = lines(&own, plain, schema);
+    let text = format!("{}\n{tables}", file.text.trim_end());
+    if others.is_empty() {
+        return text;
+    }
+    let others =
+        format!("# What else may stand here, with what holds where it does not:\n{others}");
+    // Keys behind a table would be the table's.
+    let table = text.starts_with('[').then_some(0);
+    let table = table.or_else(|| text.find("\n[").map(|at| at + 1));
+    match table {
+        Some(at) => format!("{}{others}\n{}", &text[..at], &text[at..]),
+        None => format!("{text}\n{others}"),
+    }
+}
+
+/// A comment for each key that the table lacks.
+fn lines<'a>(
+    own: &toml::Table,
+    keys: impl Iterator<Item = (&'a String, &'a Json)>,
+    of: &Json,
+) -> String {
+    let mut text = String::new();
+    for (key, about) in keys.filter(|(key, _)| !own.contains_key(*key)) {
+        let all = [&about["default"], &about["examples"][0], &about["enum"][0]];
+        let value = all.into_iter().find(|it| !it.is_null());
+        let value = value.map_or("…".to_owned(), |value| {
+            toml::Value::try_from(value).map_or_else(|_| value.to_string(), |it| it.to_string())
+        });
+        let instead = instead(own, key, of).map(|other| format!("in place of {other}: "));
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "# {key} = {value}    # {}{}",
+            instead.unwrap_or_default(),
+            says(about)
+        );
+    }
+    text
+}
+
+/// The key of the table that excludes this one.
+fn instead(own: &toml::Table, key: &str, of: &Json) -> Option<String> {
+    let ways = of["oneOf"].as_array()?;
+    let mut needed = ways.iter().filter_map(|way| way["required"][0].as_str());
+    needed
+        .clone()
+        .any(|own| own == key)
+        .then(|| needed.find(|other| own.contains_key(*other)))?
+        .map(str::to_owned)
+}
+
+fn properties(of: &Json) -> impl Iterator<Item = (&String, &Json)> {
+    of["properties"].as_object().into_iter().flatten()
+}
+
+fn kind(about: &Json) -> &str {
+    about["type"].as_str().unwrap_or_default()
+}
+
+/// Whether it is a table of keys that are known and optional.
+fn is_table(about: &Json) -> bool {
+    kind(about) == "object" && about["examples"].is_null()
+}
+
+/// What it is for; of a key that means two things, both.
+fn says(about: &Json) -> String {
+    let own = about["description"].as_str().map(str::to_owned);
+    let each = || {
+        let ways = about["anyOf"].as_array().into_iter().flatten();
+        let ways: Vec<&str> = ways.filter_map(|way| way["description"].as_str()).collect();
+        ways.join("; or ")
+    };
+    own.unwrap_or_else(each).replace('\n', " ")
+}

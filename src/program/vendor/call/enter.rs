@@ -1,0 +1,208 @@
+//! A call of a function of the program: its arguments become its parameters.
+
+use std::{collections::BTreeMap, rc::Rc};
+
+use super::super::{
+    machine::{Flow, Machine},
+    shape,
+    tree::{Expr, Function, Kind, Parameter, TemplateArgument, Word},
+    value::Value,
+};
+use super::overload::Argument;
+use crate::config::Place;
+
+/// Calls inside each other.
+const DEPTH: usize = 64;
+
+impl Machine<'_> {
+    /// The default of a parameter, stated with the function or where it is announced.
+    pub(super) fn default(&self, function: &Function, index: usize) -> Option<Expr> {
+        let own = function.parameters.get(index)?.default.clone();
+        own.or_else(|| {
+            let announced = self.prototypes.get(&function.name)?.iter();
+            let mut alike = announced.filter(|it| {
+                let kinds =
+                    |it: &Function| it.parameters.iter().map(|p| p.kind).collect::<Vec<_>>();
+                it.space == function.space && kinds(it) == kinds(function)
+            });
+            alike.find_map(|it| it.parameters[index].default.clone())
+        })
+    }
+
+    /// Runs a function with these arguments. A lambda has with it what it uses of the names around
+    /// it.
+    pub(in crate::program::vendor) fn enter(
+        &mut self,
+        function: &Rc<Function>,
+        given: &[Expr],
+        place: Place,
+    ) -> Value {
+        let given = given.iter().map(|it| self.argument(it)).collect();
+        self.enter_with(function, given, None, place)
+    }
+
+    pub(in crate::program::vendor) fn enter_with(
+        &mut self,
+        function: &Rc<Function>,
+        given: Vec<Argument>,
+        angles: Option<Vec<TemplateArgument>>,
+        place: Place,
+    ) -> Value {
+        if self.depth == DEPTH {
+            self.error(
+                place,
+                format!("more than {DEPTH} calls inside each other"),
+                "this call",
+                "does the function call itself? write a loop",
+            );
+            return Value::Whole(0);
+        }
+        let mut scope: BTreeMap<Word, usize> = function.held.iter().cloned().collect();
+        let types = if function.template.is_empty() {
+            // A lambda inside a template has its types.
+            function.name.is_empty().then(|| self.types.clone())
+        } else {
+            Some(self.template(
+                function,
+                &given,
+                angles.unwrap_or_default(),
+                &mut scope,
+                place,
+            ))
+        };
+        let outer = std::mem::replace(&mut self.types, types.unwrap_or_default());
+        let mut given = given.into_iter();
+        for (i, parameter) in function.parameters.iter().enumerate() {
+            let kind = self.resolved(parameter.kind);
+            let slot = match (given.next(), self.default(function, i)) {
+                (Some(it), _) => match it.spot {
+                    Some((slot, path)) if parameter.reference && path.is_empty() => slot,
+                    Some((slot, path)) if parameter.reference => {
+                        self.hold(Value::Reference(slot, path), Kind::Any)
+                    }
+                    _ => self.taken(it.value, kind, parameter),
+                },
+                (None, Some(default)) => {
+                    // It sees the names of the file, not those of the caller.
+                    let base = std::mem::replace(&mut self.base, self.scopes.len());
+                    let space = std::mem::replace(&mut self.space, function.space.clone());
+                    let value = self.value(&default);
+                    (self.base, self.space) = (base, space);
+                    self.taken(value, kind, parameter)
+                }
+                // What `main` is started with.
+                (None, None) => {
+                    let why = format!("`{}`", parameter.name);
+                    self.hold(Value::Unknown(why.into()), Kind::Any)
+                }
+            };
+            scope.insert(parameter.name.clone(), slot);
+        }
+        let (base, maybe) = (self.base, self.maybe.clone());
+        let space = std::mem::replace(&mut self.space, function.space.clone());
+        self.base = self.scopes.len();
+        self.scopes.push(scope);
+        self.depth += 1;
+        let flow = self.statements(&function.body);
+        self.depth -= 1;
+        self.scopes.pop();
+        self.base = base;
+        self.space = space;
+        let returns = self.resolved(function.returns);
+        self.types = outer;
+        // Whether it returned early is its own affair, but for what it gives back.
+        let unsure = std::mem::replace(&mut self.maybe, maybe.clone());
+        match (flow, unsure) {
+            (_, Some(why)) if maybe.is_none() => Value::Unknown(why),
+            (Flow::Return(value), _) => value.converted(returns),
+            _ => Value::Whole(0),
+        }
+    }
+
+    /// The variable that a parameter is.
+    fn taken(&mut self, value: Value, kind: Kind, parameter: &Parameter) -> usize {
+        let value = match (self.layouts.get(&parameter.of), value) {
+            (Some(layout), Value::List(all)) if !parameter.pointer => {
+                shape::record(layout, all).unwrap_or_else(|why| Value::Unknown(why.into()))
+            }
+            (_, value) => shape::deep(value, kind),
+        };
+        let whole = matches!(value, Value::List(_));
+        let slot = self.hold(value, kind);
+        if whole {
+            self.copied.insert(slot);
+        }
+        slot
+    }
+
+    /// What the parameters of a template are: stated in `<…>`, taken from the arguments, or their
+    /// defaults. Values become variables, types are given back by position.
+    fn template(
+        &mut self,
+        function: &Function,
+        given: &[Argument],
+        angles: Vec<TemplateArgument>,
+        scope: &mut BTreeMap<Word, usize>,
+        place: Place,
+    ) -> Vec<Kind> {
+        let mut types = Vec::new();
+        let mut angles = angles.into_iter();
+        for (at, parameter) in function.template.iter().enumerate() {
+            let stated = angles.next();
+            let default = stated.is_none();
+            let stated = stated.or_else(|| parameter.default.clone());
+            let deduced = || {
+                let mut all = given.iter().zip(&function.parameters);
+                let it = all.find(|(_, to)| to.kind == Kind::Parameter(at))?.0;
+                Some(TemplateArgument::Type(it.kind))
+            };
+            let length = || {
+                let mut all = given.iter().zip(&function.parameters);
+                let it = all
+                    .find(|(_, to)| to.extent.as_ref() == Some(&parameter.name))?
+                    .0;
+                let (slot, path) = it.spot.as_ref()?;
+                let Some(Value::List(all)) = self.peek(*slot, path) else {
+                    return None;
+                };
+                Some(Value::Whole(all.len() as i64))
+            };
+            if let (None, false, Some(length)) = (&stated, parameter.is_type, length()) {
+                let slot = self.hold(length, Kind::INT);
+                scope.insert(parameter.name.clone(), slot);
+                types.push(Kind::Any);
+                continue;
+            }
+            let kind = match stated.or_else(deduced) {
+                Some(TemplateArgument::Type(kind)) => self.resolved(kind),
+                Some(TemplateArgument::Value(value)) if !parameter.is_type => {
+                    // A default knows the parameters before it.
+                    let around = if default {
+                        scope.clone()
+                    } else {
+                        BTreeMap::new()
+                    };
+                    self.scopes.push(around);
+                    let value = self.value(&value);
+                    self.scopes.pop();
+                    let slot = self.hold(value, Kind::Any);
+                    scope.insert(parameter.name.clone(), slot);
+                    Kind::Any
+                }
+                _ if parameter.is_type => Kind::Any,
+                _ => {
+                    let name = &function.name;
+                    self.error(
+                        place,
+                        format!("`{}` of the template `{name}` is not given", parameter.name),
+                        "this call",
+                        &format!("write `{name}<value>(…)`"),
+                    );
+                    Kind::Any
+                }
+            };
+            types.push(kind);
+        }
+        types
+    }
+}

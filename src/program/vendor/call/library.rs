@@ -1,0 +1,252 @@
+//! Functions of the language's library and of the vendor's host.
+
+use std::sync::Arc;
+
+use super::super::{
+    beside::Companion,
+    evaluate::{Reach, base_name},
+    host::{self},
+    machine::Machine,
+    tree::{Expr, ExprNode, Kind, Width},
+    value::Value,
+};
+use crate::config::{Fault, Place};
+
+impl Machine<'_> {
+    /// `static_assert(condition, "why")`
+    pub(super) fn asserted(&mut self, given: &[Expr], place: Place) -> Value {
+        let holds = given.first().map(|it| self.value(it));
+        let why = match given.get(1).map(|it| &it.node) {
+            Some(ExprNode::Text(text)) => format!(": {text}"),
+            _ => String::new(),
+        };
+        match holds.as_ref().map(Value::number) {
+            Some(Some(value)) if value != 0.0 => {}
+            Some(Some(_)) => self.error(
+                place,
+                format!("`static_assert` does not hold{why}"),
+                "this condition is false",
+                "change what it is about",
+            ),
+            _ => self.error(
+                place,
+                "`static_assert` of something that is no constant".to_owned(),
+                "this condition",
+                "give it what is known beforehand, or take it out",
+            ),
+        }
+        Value::Whole(0)
+    }
+
+    /// `std::vector name(length, value)`
+    pub(super) fn filled(&mut self, given: &[Expr], place: Place) -> Value {
+        let all: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
+        let (Some(value), Some(length)) = (all.get(1), all.first().and_then(Value::whole)) else {
+            return Value::Unknown("an array whose length only the run knows".into());
+        };
+        match usize::try_from(length) {
+            Ok(length) if length <= 1 << 20 => Value::List(vec![value.clone(); length]),
+            _ => {
+                self.error(
+                    place,
+                    format!("an array of {length} elements"),
+                    "this length",
+                    "give it a length up to 1048576",
+                );
+                Value::Whole(0)
+            }
+        }
+    }
+
+    /// `std::swap(a, b)`
+    pub(super) fn swapped(&mut self, a: &Expr, b: &Expr) -> Value {
+        let (first, second) = (self.reach(a), self.reach(b));
+        let raw = |reached: &Reach| match reached {
+            Reach::Spot(slot, path) => Some(self.at(*slot, path)),
+            _ => None,
+        };
+        let (one, other) = match (raw(&first), raw(&second)) {
+            (Some(one), Some(other)) => (one, other),
+            _ => (self.load(&first, a), self.load(&second, b)),
+        };
+        self.store(&first, other, a);
+        self.store(&second, one, b);
+        Value::Whole(0)
+    }
+
+    pub(super) fn number(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
+        let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
+        if let Some(Value::Unknown(why)) = values.iter().find(|it| matches!(it, Value::Unknown(_)))
+        {
+            return Value::Unknown(Arc::clone(why));
+        }
+        let numbers: Vec<f64> = values.iter().filter_map(Value::number).collect();
+        let whole = values
+            .iter()
+            .all(|it| matches!(it, Value::Whole(_) | Value::Wide(..)));
+        let Some(result) = host::number(name, &numbers) else {
+            self.error(
+                place,
+                format!("`{name}` of something that is no known number"),
+                "this call",
+                "give it numbers; other functions of the mathematical library are not known here: write the value",
+            );
+            return Value::Whole(0);
+        };
+        match (name, &values[..]) {
+            ("abs" | "min" | "max" | "clamp", [first, ..]) if whole => {
+                Value::from_number(result).converted(first.kind())
+            }
+            ("lround" | "lroundf" | "llround", _) => {
+                Value::Real(result).converted(Kind::Bits(64, true))
+            }
+            _ => Value::Real(result),
+        }
+    }
+
+    /// The GUI and the box. Sliders and switches are settings, with their defaults.
+    pub(super) fn library(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
+        let naming = self.naming.take();
+        let slider = match name {
+            "vs_gui_add_slider" | "vs_gui_add_slider_latched" => Some((3, 4)),
+            "vs_gui_add_switch" => Some((1, 2)),
+            _ => None,
+        };
+        if let Some((at, target)) = slider {
+            let default = given.get(at).map(|it| self.value(it));
+            let pointed = { given.get(target) }.map(|it| (self.setting(it), self.value(it)));
+            let name = match (&pointed, naming) {
+                (Some((name, _)), _) => name.clone(),
+                (None, Some(name)) => name.to_string(),
+                (None, None) => String::new(),
+            };
+            let set = self.set(&name);
+            if let (3, Some(set)) = (at, &set) {
+                self.slider_range(&name, set, given, place);
+            }
+            let value = set.or(default).unwrap_or(Value::Whole(0));
+            if let (false, Some(number)) = (name.is_empty(), value.number()) {
+                self.constants.insert(name, number);
+            }
+            if let Some((_, Value::Pointer(slot, path, _))) = pointed {
+                self.put(slot, &path, value.clone());
+            }
+            return value;
+        }
+        let mut values = Vec::new();
+        for it in given {
+            // Callbacks run when somebody moves a slider.
+            if !matches!(it.node, ExprNode::Lambda(_)) {
+                let value = self.raw(it);
+                self.keeps_register(name, &value, place);
+                values.push(value);
+            }
+        }
+        if written(name) {
+            self.written_by(name, &values);
+        }
+        match name {
+            "vs_post_text" | "printf" | "puts" => {
+                self.post(&values);
+                Value::Whole(0)
+            }
+            "scamp5_output_bitstack_begin" => {
+                self.stack = values.first().cloned();
+                Value::Whole(0)
+            }
+            "vs_gui_add_display" => match values.into_iter().next() {
+                Some(Value::Text(text)) => Value::Text(text),
+                _ => Value::Text("".into()),
+            },
+            // A handle of a slider is its value here.
+            "vs_gui_read_slider" => match values.into_iter().next() {
+                Some(value @ (Value::Whole(_) | Value::Wide(..) | Value::Real(_))) => value,
+                Some(Value::Symbol(gain)) if &*gain == "VS_GUI_FRAME_GAIN" => {
+                    let value = self.set("frame_gain").unwrap_or(Value::Whole(1));
+                    self.constants
+                        .insert("frame_gain".to_owned(), value.number().unwrap_or(1.0));
+                    value
+                }
+                _ => Value::Unknown("a slider of the GUI".into()),
+            },
+            "vs_gui_is_on" => Value::Whole(1),
+            "rand" if self.companion.is_some() => {
+                Value::Whole(self.companion.as_mut().map_or(0, Companion::random))
+            }
+            "strlen" => match values.into_iter().next() {
+                Some(Value::Text(text)) => Value::Wide(text.len() as i64, Width::UnsignedLong),
+                _ => Value::Unknown("the length of a text".into()),
+            },
+            _ => Value::Unknown(format!("`{name}`").into()),
+        }
+    }
+
+    /// What is only there where the vendor simulates the chip: here the chip is meant, but for the
+    /// pictures that are saved.
+    pub(super) fn simulated(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
+        match name {
+            "save_image" => self.show(name, given, place),
+            "is_simulation" => {
+                let value = self.set(name).unwrap_or(Value::Whole(0));
+                let number = value.number().unwrap_or_default();
+                self.constants.insert(name.to_owned(), number);
+                value
+            }
+            "pix_integrate" => {
+                self.fault(
+                    Fault::warning(
+                        place,
+                        "the light is that of the scene: `pix_integrate` does nothing",
+                        "this call",
+                    )
+                    .help("give the light by `exec --image`"),
+                );
+                Value::Whole(0)
+            }
+            _ => self.library(name, given, place),
+        }
+    }
+
+    /// The name that a slider's variable is set by: `name`, `name[0]`, `name.member`.
+    fn setting(&mut self, it: &Expr) -> String {
+        match &it.node {
+            ExprNode::Unary(_, of) | ExprNode::Convert(_, of) | ExprNode::Recast(_, of) => {
+                self.setting(of)
+            }
+            ExprNode::Member(of, member) => format!("{}.{member}", self.setting(of)),
+            ExprNode::Index(of, at) => match self.value(at).whole() {
+                Some(at) => format!("{}[{at}]", self.setting(of)),
+                None => self.setting(of),
+            },
+            _ => base_name(it),
+        }
+    }
+
+    /// A slider that is set beyond its ends, which the GUI would not do.
+    fn slider_range(&mut self, name: &str, set: &Value, given: &[Expr], place: Place) {
+        let mut ends = given
+            .iter()
+            .skip(1)
+            .take(2)
+            .map(|it| self.value(it).number());
+        let (Some(Some(low)), Some(Some(high))) = (ends.next(), ends.next()) else {
+            return;
+        };
+        let Some(value) = set.number().filter(|it| !(low..=high).contains(it)) else {
+            return;
+        };
+        self.fault(
+            Fault::warning(
+                place,
+                format!("`{name}` is set to {value}, and its slider goes from {low} to {high}"),
+                "this slider",
+            )
+            .help(format!("give `{name}` a value from {low} to {high}")),
+        );
+    }
+}
+
+/// Whether a function of the library writes what it is given the place of.
+fn written(name: &str) -> bool {
+    !name.starts_with("vs_post") && !name.starts_with("scamp5_display") && name != "printf"
+}

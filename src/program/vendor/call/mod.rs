@@ -1,0 +1,203 @@
+//! Calls: of functions of the file, of the library, of the chip.
+
+mod enter;
+mod library;
+mod method;
+mod overload;
+mod statement;
+
+pub(super) use self::overload::Argument;
+
+use std::rc::Rc;
+
+use super::{
+    evaluate::{Reach, base_name},
+    host::{self, ALGORITHMS, Role},
+    look,
+    machine::{Machine, foreign},
+    tree::{Expr, ExprNode, Function, TemplateArgument, last, qualifier},
+    value::{Slot, Value, unassigned},
+};
+use crate::config::Place;
+
+impl Machine<'_> {
+    pub(super) fn call(&mut self, callee: &Expr, given: &[Expr], place: Place) -> Value {
+        self.work(place);
+        let angles = self.angles.take();
+        match &callee.node {
+            ExprNode::Name(name) => match self.named_spot(name) {
+                Some((slot, path)) => {
+                    self.call_reached(callee, &Reach::Spot(slot, path), given, place)
+                }
+                None => self.call_named(name, given, angles, place),
+            },
+            ExprNode::Lambda(function) => {
+                let function = self.closure(function);
+                self.enter(&function, given, place)
+            }
+            // A function of an object: of a clock, a generator, a list.
+            ExprNode::Member(of, member) => self.method(callee, (of, member), given, place),
+            _ => {
+                let reached = self.reach(callee);
+                self.call_reached(callee, &reached, given, place)
+            }
+        }
+    }
+
+    /// A call of what lies somewhere: it is a function, or a kernel that is stated here.
+    fn call_reached(
+        &mut self,
+        callee: &Expr,
+        reached: &Reach,
+        given: &[Expr],
+        place: Place,
+    ) -> Value {
+        if let (Reach::Spot(slot, path), [only]) = (reached, given)
+            && let ExprNode::Lambda(function) = &only.node
+            && self.takes_kernel(*slot, path)
+        {
+            // It runs when it is launched.
+            let value = Value::Lambda(self.closure(function));
+            self.put(*slot, path, value.clone());
+            return value;
+        }
+        let value = self.load(reached, callee);
+        self.called(callee, value, given, place)
+    }
+
+    /// Whether a lambda that this is called with is a kernel that it holds from then on.
+    fn takes_kernel(&self, slot: Slot, path: &[usize]) -> bool {
+        match self.peek(slot, path) {
+            Some(Value::Lambda(function)) => function.parameters.is_empty(),
+            Some(Value::Symbol(name)) => !self.functions.contains_key(last(name)),
+            Some(_) => true,
+            None => false,
+        }
+    }
+
+    /// A call of a function of the file, of the library or of the chip.
+    fn call_named(
+        &mut self,
+        name: &str,
+        given: &[Expr],
+        angles: Option<Vec<TemplateArgument>>,
+        place: Place,
+    ) -> Value {
+        let all = self.candidates(name, given.len(), place);
+        if !all.is_empty() {
+            let given: Vec<_> = given.iter().map(|it| self.argument(it)).collect();
+            let Some(function) = self.overload(last(name), &all, &given, place) else {
+                return Value::Whole(0);
+            };
+            return self.enter_with(&function, given, angles, place);
+        }
+        if host::simulates(name) {
+            return self.simulated(last(name), given, place);
+        }
+        let standard = foreign(name) && qualifier(name).is_some_and(|it| it.ends_with("std"));
+        let name = last(name);
+        match (name, given) {
+            (super::parse::FILLED, _) => return self.filled(given, place),
+            ("static_assert", _) => return self.asserted(given, place),
+            ("swap", [a, b]) => return self.swapped(a, b),
+            ("begin" | "end" | "size", [of]) => {
+                if let Some(found) = self.of_whole(of, name) {
+                    return found;
+                }
+            }
+            _ if ALGORITHMS.contains(&name) => return self.algorithm(name, given, place),
+            _ => {}
+        }
+        match host::role(name, given.len()) {
+            Role::Chip if standard => {
+                self.outside(name, given, place);
+                Value::Unknown(format!("`{name}`").into())
+            }
+            Role::Kernel => self.kernel_mark(name, given, place),
+            Role::Sync => {
+                self.in_kernel(name, place);
+                self.sync(place);
+                Value::Whole(1)
+            }
+            Role::Number => self.number(name, given, place),
+            Role::Library => self.library(name, given, place),
+            Role::Show => self.show(name, given, place),
+            Role::Read | Role::Chip => self.chip(name, given, place),
+        }
+    }
+
+    fn called(&mut self, callee: &Expr, value: Value, given: &[Expr], place: Place) -> Value {
+        match value {
+            Value::Lambda(function) if self.is_kernel(&function) => self.launch(&function),
+            Value::Lambda(function) => self.enter(&function, given, place),
+            // A function by another name.
+            Value::Symbol(name) => self.call_named(&name, given, None, place),
+            Value::Unknown(why) if why != unassigned(&base_name(callee)) => {
+                let message = format!("what this call runs, {why} decides");
+                self.unknown(place, message, Some(callee));
+                Value::Unknown(why)
+            }
+            // An object of a library: a generator of numbers.
+            _ => {
+                self.outside(&base_name(callee), given, place);
+                Value::Unknown("what a call gives back".into())
+            }
+        }
+    }
+
+    /// Arguments of something that is not stated here: it may be given numbers, no registers.
+    fn outside(&mut self, name: &str, given: &[Expr], place: Place) -> Vec<Value> {
+        let values: Vec<Value> = given.iter().map(|it| self.raw(it)).collect();
+        for value in &values {
+            self.keeps_register(name, value, place);
+        }
+        self.written_by(name, &values);
+        values
+    }
+
+    /// Tells of a register that goes where it is not known what is done with it.
+    pub(super) fn keeps_register(&mut self, name: &str, value: &Value, place: Place) {
+        let Value::Symbol(register) = value else {
+            return;
+        };
+        if self.device.value_of(register).is_some() {
+            self.error(
+                place,
+                format!("what `{name}` does with `{register}` is not known"),
+                "this call",
+                "state it as a function of this file that takes registers, and call that",
+            );
+        }
+    }
+
+    /// A member of a class of the file is called: classes are not run, so that it must leave the
+    /// array alone.
+    fn leaves_array(&mut self, name: &str, member: &str, place: Place) -> bool {
+        let all = look::members(self, member);
+        let acts = |it: &Rc<Function>| it.body.iter().any(|it| look::changes(self, it));
+        let Some(acting) = all.into_iter().find(acts) else {
+            return true;
+        };
+        let line = self.line(acting.place);
+        self.error(
+            place,
+            format!(
+                "`{name}.{member}` runs words of the array, and members of classes are not run"
+            ),
+            "this call",
+            &format!("make `{member}`, in {line}, a function outside of the class, and call that"),
+        );
+        false
+    }
+
+    /// Whether a function is the body of a kernel: it asks words, and begins no kernel itself.
+    fn is_kernel(&self, function: &Function) -> bool {
+        self.kernel.is_none()
+            && function.parameters.is_empty()
+            && function.body.iter().any(|it| look::changes(self, it))
+            && !function
+                .body
+                .iter()
+                .any(|it| look::begins_kernel(self, it) || look::asks_host(self, it))
+    }
+}

@@ -1,0 +1,212 @@
+//! Which of several functions of a name is meant.
+
+use std::rc::Rc;
+
+use super::super::{
+    evaluate::Reach,
+    machine::{Machine, Spot, foreign},
+    tree::{Expr, ExprNode, Function, Kind, Parameter, last, qualifier},
+    value::Value,
+};
+use crate::config::Place;
+
+impl Machine<'_> {
+    /// The functions that a call by this name may mean, the last one first: those of the namespace
+    /// that is written before it, else of the one that is worked in, else those of the only one.
+    pub(super) fn candidates(
+        &mut self,
+        name: &str,
+        given: usize,
+        place: Place,
+    ) -> Vec<Rc<Function>> {
+        let mut fitting = self.fitting(last(name), given);
+        if foreign(name) || fitting.is_empty() {
+            return Vec::new();
+        }
+        let found = self.meant(qualifier(name));
+        let found = found
+            .iter()
+            .find(|space| fitting.iter().any(|it| *it.space == ***space));
+        if let Some(space) = found {
+            fitting.retain(|it| *it.space == **space);
+            return fitting;
+        }
+        if qualifier(name) == Some("") {
+            return Vec::new();
+        }
+        let first = fitting[0].space.clone();
+        if fitting.iter().any(|it| it.space != first) {
+            self.several(last(name), place);
+            fitting.retain(|it| it.space == first);
+        }
+        fitting
+    }
+
+    /// The namespaces that a name with this one before it may be of, the nearest first.
+    pub(super) fn meant(&self, stated: Option<&str>) -> Vec<String> {
+        let Some(stated) = stated else {
+            let spaces = self.spaces().map(str::to_owned);
+            return spaces.chain([String::new()]).collect();
+        };
+        let inner = self.spaces().map(|space| format!("{space}::{stated}"));
+        let inner = inner.filter(|_| !stated.is_empty());
+        let outer = stated.trim_start_matches("::").to_owned();
+        inner.chain([outer]).collect()
+    }
+
+    /// The functions of this name that take so many arguments, the last one first.
+    fn fitting(&self, name: &str, given: usize) -> Vec<Rc<Function>> {
+        let all = self.functions.get(name).into_iter().flatten();
+        let fits = |it: &&Rc<Function>| {
+            let parameters = 0..it.parameters.len();
+            let least = parameters
+                .filter(|i| self.default(it, *i).is_none())
+                .count();
+            (least..=it.parameters.len()).contains(&given)
+        };
+        all.rev().filter(fits).cloned().collect()
+    }
+
+    /// The function that fits these arguments best.
+    pub(super) fn overload(
+        &mut self,
+        name: &str,
+        all: &[Rc<Function>],
+        given: &[Argument],
+        place: Place,
+    ) -> Option<Rc<Function>> {
+        if let [one] = all {
+            return Some(Rc::clone(one));
+        }
+        let mut found: Vec<(Vec<u8>, &Rc<Function>)> = Vec::new();
+        for function in all {
+            let costs = given.iter().zip(&function.parameters);
+            let costs: Option<Vec<u8>> = costs.map(|(it, to)| self.cost(it, to)).collect();
+            found.extend(costs.map(|costs| (costs, function)));
+        }
+        if found.is_empty() {
+            self.error(
+                place,
+                format!("no `{name}` takes these arguments"),
+                "this call",
+                "the functions of this name take other registers, or other types",
+            );
+            return None;
+        }
+        // One is better where no argument fits it worse, and some fits it better.
+        let better = |a: &[u8], b: &[u8]| a.iter().zip(b).all(|(a, b)| a <= b);
+        let best = found
+            .iter()
+            .find(|(costs, _)| found.iter().all(|(other, _)| better(costs, other)));
+        let Some((costs, function)) = best else {
+            self.unclear(name, place);
+            return None;
+        };
+        let same = found.iter().filter(|(other, it)| {
+            let kinds =
+                |it: &Function| -> Vec<Kind> { it.parameters.iter().map(|p| p.kind).collect() };
+            other == costs && !Rc::ptr_eq(it, function) && kinds(it) != kinds(function)
+        });
+        if same.count() > 0 {
+            self.unclear(name, place);
+            return None;
+        }
+        Some(Rc::clone(function))
+    }
+
+    fn unclear(&mut self, name: &str, place: Place) {
+        self.error(
+            place,
+            format!("which `{name}` is meant is ambiguous"),
+            "several functions of this name fit",
+            "convert the arguments to the types of the one that is meant, such as `(int)x`",
+        );
+    }
+
+    /// How badly an argument fits a parameter; `None` where it does not.
+    pub(super) fn cost(&self, it: &Argument, to: &Parameter) -> Option<u8> {
+        const EXACT: u8 = 0;
+        const PROMOTED: u8 = 1;
+        const CONVERTED: u8 = 2;
+        const ANY: u8 = 3;
+        let pointed = matches!(
+            it.value,
+            Value::Pointer(..) | Value::List(_) | Value::Text(_)
+        );
+        match (&it.value, to.kind) {
+            (Value::Symbol(name), Kind::Analog | Kind::Digital) => {
+                use crate::isa::{Bit, Source, Value as Known};
+                let analog = match self.device.value_of(name) {
+                    Some(Known::Source(Source::Register(_))) => true,
+                    Some(Known::Bit(Bit::Register(_))) => false,
+                    _ => return Some(ANY),
+                };
+                (analog == (to.kind == Kind::Analog)).then_some(EXACT)
+            }
+            (Value::Symbol(_), Kind::Any) => Some(CONVERTED),
+            (Value::Symbol(name), _) => self.device.value_of(name).is_none().then_some(ANY),
+            (Value::Record(layout, _), _) => {
+                let exact = if layout.name == to.of { EXACT } else { ANY };
+                (exact == EXACT || to.kind == Kind::Any && !self.layouts.contains_key(&to.of))
+                    .then_some(exact)
+            }
+            (Value::Unknown(_), kind) if it.kind == Kind::Any => {
+                (!matches!(kind, Kind::Analog | Kind::Digital)).then_some(CONVERTED)
+            }
+            _ if pointed => match (to.pointer, to.kind) {
+                (true, _) => Some(EXACT),
+                (false, Kind::Any | Kind::Parameter(_)) => Some(CONVERTED),
+                _ => None,
+            },
+            (_, Kind::Analog | Kind::Digital) => None,
+            _ if to.pointer => None,
+            (_, Kind::Parameter(_)) => Some(EXACT + u8::from(it.kind == Kind::Any)),
+            (_, Kind::Any) if self.layouts.contains_key(&to.of) => None,
+            (_, Kind::Any) => Some(ANY),
+            (_, kind) if kind == it.kind => Some(EXACT),
+            (_, kind) => Some(match (it.kind, kind) {
+                (Kind::Flag | Kind::Bits(8 | 16, _), Kind::INT)
+                | (Kind::Float | Kind::Real, Kind::Float | Kind::Real) => PROMOTED,
+                _ => CONVERTED,
+            }),
+        }
+    }
+
+    /// An argument, with where it lies, evaluated once.
+    pub(super) fn argument(&mut self, it: &Expr) -> Argument {
+        let reached = self.reach(it);
+        let value = self.load(&reached, it);
+        let (spot, kind) = match reached {
+            Reach::Spot(slot, path) => {
+                let kind = self.kind_at(slot, &path);
+                (Some((slot, path)), kind)
+            }
+            _ => (None, self.written_kind(it)),
+        };
+        let kind = if kind == Kind::Any {
+            value.kind()
+        } else {
+            kind
+        };
+        Argument { value, spot, kind }
+    }
+
+    /// The type that an expression shows by how it is written.
+    fn written_kind(&self, it: &Expr) -> Kind {
+        match &it.node {
+            ExprNode::Convert(kind, _) => self.resolved(*kind),
+            ExprNode::Unary("!", _)
+            | ExprNode::Binary("<" | ">" | "<=" | ">=" | "==" | "!=" | "&&" | "||", ..) => {
+                Kind::Flag
+            }
+            _ => Kind::Any,
+        }
+    }
+}
+
+/// What a function is given: its value, where that lies, its type.
+pub(in crate::program::vendor) struct Argument {
+    pub value: Value,
+    pub spot: Option<Spot>,
+    pub kind: Kind,
+}

@@ -1,0 +1,209 @@
+//! Statements of the chip, and the kernels that they stand in.
+
+use std::{rc::Rc, sync::Arc};
+
+use super::super::{
+    chip,
+    evaluate::base_name,
+    host::{self, Role},
+    machine::{Machine, term},
+    tree::{Expr, Function},
+    value::Value,
+};
+use crate::{
+    config::{Fault, Place},
+    isa::text::Term,
+};
+
+impl Machine<'_> {
+    pub(super) fn kernel_mark(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
+        let ordinal = given.first().and_then(|it| self.value(it).whole());
+        let ordinal = ordinal.unwrap_or_default();
+        match name {
+            "scamp5_kernel_begin" | "scamp5_kernel_begin_print" => {
+                self.begin_kernel(place, ordinal, true);
+            }
+            "scamp5_dynamic_kernel_begin" => self.begin_kernel(place, ordinal, false),
+            _ => self.end_kernel(place),
+        }
+        Value::Whole(0)
+    }
+
+    /// What the micro-controller does cannot stand inside a kernel.
+    pub(super) fn in_kernel(&mut self, name: &str, place: Place) {
+        if self.kernel.is_some() {
+            self.fault(
+                Fault::warning(
+                    place,
+                    format!("`{name}` inside a kernel"),
+                    "the host does this, not the array",
+                )
+                .help("put it behind `scamp5_kernel_end();`"),
+            );
+        }
+    }
+
+    /// A register is shown: as a picture of what it holds now.
+    pub(super) fn show(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
+        let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
+        let stack = self.stack.clone().filter(|_| name.contains("bitstack"));
+        if let Some(Value::Text(title)) = stack.as_ref().or(values.get(1)) {
+            let own = self.files.own(place);
+            let (line, _) = crate::config::line_column(self.text, own.start);
+            self.titles
+                .entry(line)
+                .or_default()
+                .insert(title.to_string());
+        }
+        let Some(register) = values.first() else {
+            return Value::Whole(0);
+        };
+        let divisor = values.get(2).and_then(Value::number).unwrap_or(1.0);
+        if name == "scamp5_output_areg" && divisor > 1.0 {
+            let samples = divisor * divisor;
+            self.fault(
+                Fault::warning(
+                    place,
+                    format!(
+                        "the whole register is read here, {samples} times the samples of the chip"
+                    ),
+                    "this asks for fewer of them",
+                )
+                .help("`scamp5_scan_areg` with the same steps says what fewer samples cost"),
+            );
+        }
+        match term(register) {
+            Some(term) => {
+                self.in_kernel(name, place);
+                // What is shown changes nothing: it may run or not.
+                let maybe = self.maybe.take();
+                self.ask("scamp5_output_image", vec![term], place);
+                self.maybe = maybe;
+            }
+            None => self.no_argument(name, register, place, given.first()),
+        }
+        Value::Whole(0)
+    }
+
+    fn no_argument(&mut self, name: &str, value: &Value, place: Place, of: Option<&Expr>) {
+        match value {
+            Value::Unknown(why) => {
+                let message = format!("`{name}` takes a value of which {why} decides");
+                self.unknown(place, message, of);
+            }
+            other => {
+                let message = format!("`{name}` does not take {}", other.describe());
+                self.error(
+                    place,
+                    message,
+                    "this call",
+                    "it takes registers, directions and numbers",
+                );
+            }
+        }
+    }
+
+    /// A word, a macro or an operation of the host.
+    pub(super) fn chip(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
+        let mut values = Vec::new();
+        for it in given {
+            let place = it.place;
+            values.push((self.value(it), place, base_name(it)));
+        }
+        // A kernel object that is launched.
+        if name == "scamp5_launch_kernel" {
+            if let Some((Value::Lambda(function), ..)) = values.first() {
+                let function = Rc::clone(function);
+                return self.launch(&function);
+            }
+            self.error(
+                place,
+                "this kernel is stated nowhere".to_owned(),
+                "what it does is not known",
+                "state it before: `kernel([] { … });`",
+            );
+            return Value::Whole(0);
+        }
+        if let Some(groups) = Self::groups(&values) {
+            self.ask_groups(name, groups, place);
+            return Value::Whole(0);
+        }
+        let mut targets = Vec::new();
+        // What is shown is written into memory as well.
+        if let ("scamp5_output_boundingbox", Some((Value::Pointer(slot, path, _), ..))) =
+            (name, values.get(2))
+        {
+            targets.push((*slot, path.clone()));
+        }
+        let Some((name, values)) = chip::rewritten(self, name, values, place) else {
+            return Value::Whole(0);
+        };
+        if name == "DNEWS"
+            && let Some(directions) = chip::joined(&values)
+        {
+            chip::neighbours(self, &values, &directions, place);
+            return Value::Whole(0);
+        }
+        if self.is_host(&name) {
+            self.in_kernel(&name, place);
+        }
+        // Only what is read goes into memory; words that are not known are named for that.
+        let buffers = host::role(&name, values.len()) == Role::Read
+            || self.device.callables(&name).is_empty();
+        let mut terms = Vec::new();
+        for (i, (value, _, buffer)) in values.iter().enumerate() {
+            let term = match value {
+                Value::Pointer(..) | Value::Text(_) | Value::List(_) if !buffers => None,
+                Value::Pointer(slot, path, _) => {
+                    targets.push((*slot, path.clone()));
+                    Some(Term::Name(chip::buffer_name(buffer)))
+                }
+                Value::Text(_) => Some(Term::Name(chip::buffer_name(buffer))),
+                other => term(other),
+            };
+            if let Some(term) = term {
+                terms.push(term);
+            } else {
+                let value = value.clone();
+                self.no_argument(&name, &value, place, given.get(i));
+                return Value::Whole(0);
+            }
+        }
+        self.ask(&name, terms, place);
+        let why: Arc<str> = format!("what `{name}` reads in {}", self.line(place)).into();
+        // The count destroys a register, and is read none the less.
+        let read = host::role(&name, values.len()) == Role::Read || name == "scamp5_global_count";
+        let answer = { read.then(|| self.run_asked()) }
+            .flatten()
+            .unwrap_or_default();
+        for target in &targets {
+            match &answer.memory {
+                Some(memory) => self.fill(target, memory, &name, place),
+                None => self.forget_from(target.0, &target.1, &why),
+            }
+        }
+        if let Some(value) = answer.value {
+            return Value::Whole(value);
+        }
+        Value::Unknown(why)
+    }
+
+    /// `bus({A, B}, {C})`: arguments in braces.
+    fn groups(values: &[(Value, Place, String)]) -> Option<Vec<Vec<Term>>> {
+        if values.is_empty() {
+            return None;
+        }
+        let lists = values.iter().map(|(value, ..)| match value {
+            Value::List(all) => all.iter().map(term).collect(),
+            _ => None,
+        });
+        lists.collect()
+    }
+
+    pub(super) fn launch(&mut self, function: &Rc<Function>) -> Value {
+        self.begin_kernel(function.place, 0, false);
+        let value = self.enter(function, &[], function.place);
+        self.end_kernel(function.place);
+        value
+    }
+}

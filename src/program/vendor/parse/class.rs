@@ -1,0 +1,362 @@
+//! Classes, structs and enumerations.
+
+use std::rc::Rc;
+
+use super::super::{
+    expression::unexpected,
+    token::Token,
+    tree::{Captures, Declared, Expr, ExprNode, Function, Kind, Stmt, StmtNode, Struct, Word},
+};
+use super::{
+    Parsed, Parser,
+    types::{RESERVED, Type},
+};
+
+impl<'a> Parser<'a> {
+    pub(super) fn enumeration(&mut self) -> Parsed<StmtNode> {
+        self.at += 1;
+        // The names of an `enum class` are only its own.
+        let scoped = self.take_word("class") || self.take_word("struct");
+        let space = Some(self.word(0)).filter(|it| scoped && !it.is_empty());
+        while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
+            self.at += 1;
+        }
+        let mut all: Vec<Declared> = Vec::new();
+        if self.take("{") {
+            while !self.take("}") {
+                let place = self.place();
+                let name = self.name("the name of a constant")?;
+                let name = space.map_or(name.clone(), |space| format!("{space}::{name}").into());
+                let whole = |value| Expr {
+                    node: ExprNode::Whole(value),
+                    place,
+                };
+                let value = if self.take("=") {
+                    self.assignment()?
+                } else {
+                    match all.last() {
+                        None => whole(0),
+                        Some(before) => {
+                            let node = ExprNode::Name(before.name.clone());
+                            let before = Box::new(Expr { node, place });
+                            let node = ExprNode::Binary("+", before, Box::new(whole(1)));
+                            Expr { node, place }
+                        }
+                    }
+                };
+                all.push(Declared {
+                    name,
+                    kind: Kind::INT,
+                    of: "".into(),
+                    lengths: Vec::new(),
+                    value: Some(value),
+                    reference: false,
+                    pointer: false,
+                    library: false,
+                    outside: false,
+                    constant: true,
+                    lasting: false,
+                    place,
+                });
+                if !self.take(",") && !self.sees("}") {
+                    let place = self.place();
+                    return Err(unexpected(
+                        self.peek(0),
+                        place,
+                        "`,` or `}`",
+                        "write `enum { A, B };`",
+                    ));
+                }
+            }
+        }
+        self.skip_past(";");
+        Ok(StmtNode::Declare(all))
+    }
+
+    /// Whether the function that makes or ends an object of a class is stated here.
+    pub(super) fn is_constructor(&mut self) -> bool {
+        let start = self.at;
+        let mut names = Vec::new();
+        while !self.word(0).is_empty() {
+            names.push(self.word(0));
+            self.at += 1;
+            if !self.take("::") {
+                break;
+            }
+            if self.take("~") {
+                names.push("~");
+            }
+        }
+        let named = match &names[..] {
+            [.., class, name] => class == name || *class == "~",
+            _ => false,
+        };
+        let found = named && self.sees("(") && {
+            self.skip_group();
+            self.sees("{") || self.sees(":")
+        };
+        self.at = start;
+        found
+    }
+
+    /// Whether a class is stated here, with its members.
+    pub(super) fn is_definition(&self) -> bool {
+        let rest = self.tokens.get(self.at..).unwrap_or_default();
+        let mark = rest
+            .iter()
+            .find(|t| t.is("{") || t.is(";") || t.is("(") || t.is("="));
+        mark.is_some_and(|t| t.is("{"))
+    }
+
+    /// `typedef type name;`
+    pub(super) fn typedef(&mut self) -> Parsed<StmtNode> {
+        self.at += 1;
+        if matches!(self.word(0), "class" | "struct" | "union") && self.is_definition() {
+            return self.class(true);
+        }
+        let start = self.at;
+        if self.read_type().is_some()
+            && let Some(name) = self.peek(0).and_then(Token::name).cloned()
+        {
+            self.at = start;
+            self.alias(name);
+        }
+        self.skip_past(";");
+        Ok(StmtNode::Nothing)
+    }
+
+    /// A type that stands here has this name from now on.
+    pub(super) fn alias(&mut self, name: Word) {
+        if let Some(mut it) = self.read_type() {
+            // Of a `typedef` the name stands between the two.
+            self.take_word(&name);
+            if let Ok(lengths) = self.read_lengths() {
+                it.lengths.splice(0..0, lengths);
+            }
+            self.aliases.insert(name, it);
+        }
+    }
+
+    /// A class. Where its members are data and plain functions its objects are known, else they are
+    /// taken for unknown.
+    pub(super) fn class(&mut self, named_behind: bool) -> Parsed<StmtNode> {
+        let place = self.place();
+        let union = self.word(0) == "union";
+        self.at += 1;
+        let mut name: Word = match self.peek(0).and_then(Token::name) {
+            Some(name) => name.clone(),
+            None => format!("the class of {}", place.start).into(),
+        };
+        while self.peek(0).is_some() && !self.sees("{") && !self.sees(":") {
+            self.at += 1;
+        }
+        let plain = !union && self.sees("{") && self.template.is_empty();
+        while self.peek(0).is_some() && !self.sees("{") {
+            self.at += 1;
+        }
+        let (data, functions) = self.class_body(&name, plain);
+        let shared = std::mem::take(&mut self.shared);
+        self.pending.extend(shared);
+        if named_behind && let Some(behind) = self.peek(0).and_then(Token::name) {
+            name = behind.clone();
+        }
+        let node = data.map_or(StmtNode::Nothing, |members| {
+            StmtNode::Struct(Rc::new(Struct {
+                name: name.clone(),
+                members,
+                functions: functions.clone(),
+            }))
+        });
+        let place = place.to(self.before());
+        let functions = Stmt {
+            node: StmtNode::Class(functions),
+            place,
+        };
+        if named_behind || self.word(0).is_empty() {
+            self.skip_past(";");
+            self.pending.push(functions);
+            return Ok(node);
+        }
+        // Objects that are declared with their class.
+        let all = self.declarators(&Type {
+            name,
+            ..Type::default()
+        })?;
+        self.end_statement()?;
+        self.pending.extend([functions, Stmt { node, place }]);
+        Ok(StmtNode::Declare(all))
+    }
+
+    /// What stands between the braces of a class: its data, where nothing else matters when an
+    /// object is made, and its functions with bodies.
+    fn class_body(
+        &mut self,
+        class: &str,
+        plain: bool,
+    ) -> (Option<Vec<Declared>>, Vec<Rc<Function>>) {
+        let start = self.at;
+        self.skip_group();
+        let end = std::mem::replace(&mut self.at, start + 1);
+        let (mut data, mut functions) = (Vec::new(), Vec::new());
+        let mut plain = plain;
+        while plain && self.at + 1 < end {
+            match self.plain_member(class) {
+                Some(StmtNode::Declare(more)) => data.extend(more),
+                Some(StmtNode::Function(function)) => functions.push(function),
+                Some(_) => {}
+                None => plain = false,
+            }
+        }
+        while self.at + 1 < end {
+            if !self.word(0).is_empty()
+                && let Some(member) = self.member(class)
+            {
+                functions.push(member);
+            } else {
+                self.at += 1;
+            }
+        }
+        self.at = end;
+        let plain = plain && data.iter().all(|it: &Declared| !it.reference);
+        (plain.then_some(data), functions)
+    }
+
+    /// A member of a class that is data or a plain function; nothing where it is more than that.
+    fn plain_member(&mut self, class: &str) -> Option<StmtNode> {
+        if matches!(self.word(0), "public" | "private" | "protected") {
+            self.at += 2;
+            return Some(StmtNode::Nothing);
+        }
+        if self.take(";") {
+            return Some(StmtNode::Nothing);
+        }
+        let rest = self.tokens.get(self.at..).unwrap_or_default();
+        let mut head = rest.iter().take_while(|t| !t.is("{") && !t.is(";"));
+        let operator = head.any(|t| t.name().is_some_and(|it| &**it == "operator"));
+        if operator {
+            return None;
+        }
+        let (told, shared) = (self.faults.len(), self.word(0) == "static");
+        self.in_class = true;
+        let place = self.place();
+        let node = self.declaration();
+        self.in_class = false;
+        let clean = self.faults.len() == told;
+        self.faults.truncate(told);
+        if shared {
+            // A constant of the class; what else is shared by its objects is not run.
+            let fixed = |it: &Declared| it.constant && it.value.is_some();
+            let Ok(Some(StmtNode::Declare(mut all))) = node else {
+                return None;
+            };
+            if !clean || !all.iter().all(fixed) {
+                return None;
+            }
+            for it in &mut all {
+                it.name = format!("{class}::{}", it.name).into();
+                it.lasting = false;
+            }
+            let node = StmtNode::Declare(all);
+            self.shared.push(Stmt { node, place });
+            return Some(StmtNode::Nothing);
+        }
+        match node {
+            Ok(Some(
+                node @ (StmtNode::Declare(_) | StmtNode::Function(_) | StmtNode::Prototype(_)),
+            )) if clean => Some(node),
+            _ => None,
+        }
+    }
+
+    /// A function of a class, if the place is at its name and it has a body. Classes are not run:
+    /// what does not parse in the body is no fault as long as nobody calls it.
+    pub(super) fn member(&mut self, class: &str) -> Option<Rc<Function>> {
+        let (start, place) = (self.at, self.place());
+        let name = self.peek(0)?.name()?.clone();
+        self.at += 1;
+        if &*name == "operator" {
+            while self.peek(0).is_some_and(|t| !t.is("(") && !t.is(";")) {
+                self.at += 1;
+            }
+        }
+        let called = self.sees("(") && !RESERVED.contains(&&*name);
+        while self.sees("(") {
+            self.skip_group();
+        }
+        self.skip_to_body();
+        if !called || !self.sees("{") {
+            self.at = start;
+            return None;
+        }
+        let body = self.member_body(&name);
+        let hidden = *name == *class || &*name == "operator";
+        Some(Rc::new(Function {
+            name,
+            space: "".into(),
+            parameters: Vec::new(),
+            body,
+            hidden,
+            qualified: false,
+            place,
+            returns: Kind::Any,
+            template: Vec::new(),
+            captures: Captures::default(),
+            held: Vec::new(),
+        }))
+    }
+
+    /// A body in braces; one that does not parse calls something unknown.
+    pub(super) fn member_body(&mut self, name: &Word) -> Vec<Stmt> {
+        let (start, place, faults) = (self.at, self.place(), self.faults.len());
+        self.skip_group();
+        let end = std::mem::replace(&mut self.at, start);
+        let body = self.block().unwrap_or_default();
+        let understood = self.faults.len() == faults && self.at == end;
+        self.faults.truncate(faults);
+        self.at = end;
+        if understood {
+            return body;
+        }
+        let callee = ExprNode::Name(format!("{UNREAD}{name}").into());
+        let callee = Expr {
+            node: callee,
+            place,
+        };
+        let node = ExprNode::Call(Box::new(callee), Vec::new());
+        vec![Stmt {
+            node: StmtNode::Expr(Expr { node, place }),
+            place,
+        }]
+    }
+
+    /// From behind the parameters of a function of a class to its body, if it has one: over
+    /// `const`, `-> type`, and what a constructor sets.
+    fn skip_to_body(&mut self) {
+        if self.take(":") {
+            while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
+                while !self.word(0).is_empty() || self.sees("::") {
+                    self.at += 1;
+                    self.angles();
+                }
+                self.skip_group();
+                if !self.take(",") {
+                    return;
+                }
+            }
+            return;
+        }
+        while !self.word(0).is_empty()
+            || ["->", "::", "*", "&", "<", ">"]
+                .iter()
+                .any(|mark| self.sees(mark))
+        {
+            self.at += 1;
+        }
+        if self.sees(":") {
+            self.skip_to_body();
+        }
+    }
+}
+
+/// What the name begins with of what a function of a class calls whose body is not understood.
+pub(in crate::program::vendor) const UNREAD: &str = "the body of ";

@@ -1,0 +1,270 @@
+//! Variables, arrays and pointers.
+
+use super::super::{
+    expression::unexpected,
+    token::Token,
+    tree::{Declared, Expr, ExprNode, Kind, StmtNode, Word},
+};
+use super::{
+    Parsed, Parser,
+    types::{RESERVED, Type},
+};
+
+impl<'a> Parser<'a> {
+    /// A declaration, if one stands here.
+    pub(super) fn declaration(&mut self) -> Parsed<Option<StmtNode>> {
+        let start = self.at;
+        if let Some(node) = self.function_pointer()? {
+            return Ok(Some(node));
+        }
+        let Some(first) = self.declared_type() else {
+            return Ok(None);
+        };
+        let (mut name_at, mut name_place) = (self.at, self.place());
+        let mut name = self.name("the name of what is declared")?;
+        // A function of a class.
+        let mut qualified = Vec::new();
+        while self.sees("::") && !self.word(1).is_empty() {
+            qualified.push(self.word_before());
+            self.at += 1;
+            (name_at, name_place) = (self.at, self.place());
+            name = self.name("a name")?;
+        }
+        let next = self.peek(0);
+        let fits = next.is_none_or(|t| {
+            t.first
+                || ["=", ";", ",", "[", "(", "{", ":"]
+                    .iter()
+                    .any(|mark| t.is(mark))
+        });
+        // Two names side by side that are no declaration: something is missing between them.
+        if !fits
+            || (next.is_none_or(|t| t.first && !t.is("{") && !t.is("=") && !t.is("("))
+                && start + 1 == self.at)
+        {
+            self.at = start;
+            return Ok(None);
+        }
+        if self.sees("(")
+            && let Some(node) = self.function(&name, name_place, first.value_kind(), &qualified)?
+        {
+            return Ok(Some(node));
+        }
+        self.at = name_at;
+        let all = self.declarators(&first)?;
+        self.end_statement()?;
+        Ok(Some(StmtNode::Declare(all)))
+    }
+
+    /// The variables of a declaration, behind its type.
+    pub(super) fn declarators(&mut self, first: &Type) -> Parsed<Vec<Declared>> {
+        let mut all = Vec::new();
+        let mut of = first.clone();
+        loop {
+            let place = self.place();
+            let name = self.name("the name of what is declared")?;
+            let lengths = self.read_lengths()?;
+            let mut declared = of.declares(name, place);
+            declared.lengths.splice(0..0, lengths);
+            if self.take("=") || self.sees("{") {
+                declared.value = Some(self.assignment()?);
+            } else if self.sees("(") {
+                self.constructed(&mut declared)?;
+            }
+            declared.place = place.to(self.before());
+            all.push(declared);
+            if !self.take(",") {
+                return Ok(all);
+            }
+            // A `*` belongs to its own name.
+            (of.pointer, of.reference) = (false, false);
+            loop {
+                if self.take("*") {
+                    of.pointer = true;
+                } else if self.take("&") {
+                    of.reference = true;
+                } else {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// `(*)[…])`, the rest of the type of a pointer to an array, if that stands here.
+    pub(in crate::program::vendor) fn array_pointer(&mut self) -> bool {
+        let start = self.at;
+        if self.take("(") && self.take("*") && self.take(")") && self.sees("[") {
+            while self.sees("[") {
+                self.skip_group();
+            }
+            if self.take(")") {
+                return true;
+            }
+        }
+        self.at = start;
+        false
+    }
+
+    /// The name in `(*name)(…)`, behind the type that the function gives back: a pointer to a
+    /// function, or an array of them. In `(*name)[…]` it is one to an array, in `(&name)[…]` another
+    /// name of one.
+    pub(super) fn pointer_name(&mut self) -> Option<(Word, Pointed)> {
+        let start = self.at;
+        let open = self.take("(");
+        let reference = open && self.take("&");
+        let open = reference || open && self.take("*");
+        let name = self.peek(0).and_then(Token::name).cloned();
+        self.at += 1;
+        let array = self.sees("[");
+        if array {
+            self.skip_group();
+        }
+        let closed = open && self.take(")");
+        let pointed = if closed && reference {
+            (!array && self.sees("[")).then_some(Pointed::Reference)
+        } else if closed && self.sees("(") {
+            self.skip_group();
+            if array {
+                Some(Pointed::Functions)
+            } else {
+                Some(Pointed::Function)
+            }
+        } else if closed && !array && self.sees("[") {
+            while self.sees("[") {
+                self.skip_group();
+            }
+            let ends = ["=", ",", ")"].iter().any(|mark| self.sees(mark));
+            ends.then_some(Pointed::Array)
+        } else {
+            None
+        };
+        if pointed.is_none() {
+            self.at = start;
+        }
+        name.zip(pointed)
+    }
+
+    /// The lengths of an array, in brackets behind its name.
+    pub(super) fn read_lengths(&mut self) -> Parsed<Vec<Option<Expr>>> {
+        let mut lengths = Vec::new();
+        while self.take("[") {
+            let length = if self.sees("]") {
+                None
+            } else {
+                Some(self.expression()?)
+            };
+            self.expect("]", "an array is `type name[length];`")?;
+            lengths.push(length);
+        }
+        Ok(lengths)
+    }
+
+    /// Over the lengths of an array.
+    fn skip_lengths(&mut self) {
+        while self.sees("[") {
+            self.skip_group();
+        }
+    }
+
+    /// `type (*name)(types) = function;` or `type (*name)[length] = &array;`, if that stands here.
+    fn function_pointer(&mut self) -> Parsed<Option<StmtNode>> {
+        let (start, place) = (self.at, self.place());
+        let typed = !RESERVED.contains(&self.word(0)) && self.read_type().is_some();
+        let Some((name, pointed)) = typed.then(|| self.pointer_name()).flatten() else {
+            self.at = start;
+            return Ok(None);
+        };
+        if pointed == Pointed::Reference {
+            self.skip_lengths();
+        }
+        let mut value = if self.take("=") {
+            Some(self.assignment()?)
+        } else {
+            None
+        };
+        // Of a pointer to a whole array, `&array`, `*name` is the array: the first of these.
+        let whole = |it: &Expr| match &it.node {
+            ExprNode::Unary("&", of) => matches!(of.node, ExprNode::Name(_)),
+            node => matches!(node, ExprNode::Convert(..)),
+        };
+        let whole = pointed == Pointed::Array && value.as_ref().is_some_and(whole);
+        if whole {
+            value = value.map(|it| Expr {
+                place: it.place,
+                node: ExprNode::Braces(vec![it]),
+            });
+        }
+        let declared = Declared {
+            name,
+            kind: Kind::Any,
+            of: "".into(),
+            lengths: if whole || pointed == Pointed::Functions {
+                vec![None]
+            } else {
+                Vec::new()
+            },
+            value,
+            reference: pointed == Pointed::Reference,
+            pointer: pointed != Pointed::Reference,
+            outside: false,
+            library: false,
+            constant: false,
+            lasting: false,
+            place: place.to(self.before()),
+        };
+        self.end_statement()?;
+        Ok(Some(StmtNode::Declare(vec![declared])))
+    }
+
+    /// `name(value)`: a value for numbers, something of its own for objects.
+    fn constructed(&mut self, it: &mut Declared) -> Parsed<()> {
+        let place = self.place();
+        self.at += 1;
+        let mut given = Vec::new();
+        while !self.take(")") {
+            given.push(self.assignment()?);
+            if !self.take(",") && !self.sees(")") {
+                return Err(unexpected(
+                    self.peek(0),
+                    self.place(),
+                    "`,` or `)`",
+                    "write `type name(value);`",
+                ));
+            }
+        }
+        let number = it.kind != Kind::Any || matches!(&*it.of, "scamp5_kernel" | "auto");
+        it.value = match (it.library, given.len()) {
+            (true, 1) => {
+                it.lengths = vec![given.pop()];
+                None
+            }
+            (true, 2) => {
+                let node = ExprNode::Name(FILLED.into());
+                let callee = Box::new(Expr { node, place });
+                let node = ExprNode::Call(callee, given);
+                Some(Expr { node, place })
+            }
+            _ if number || it.pointer => given.into_iter().next(),
+            // An object of the language's library: its name stands for it.
+            _ => {
+                let node = ExprNode::Text(it.of.clone());
+                Some(Expr { node, place })
+            }
+        };
+        Ok(())
+    }
+}
+
+/// The call that makes an array of a length, filled with a value.
+pub(in crate::program::vendor) const FILLED: &str = "a filled vector";
+
+/// What a pointer in parentheses leads to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Pointed {
+    Function,
+    /// There is an array of such pointers.
+    Functions,
+    Array,
+    /// It is another name of an array.
+    Reference,
+}

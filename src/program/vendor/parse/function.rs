@@ -1,0 +1,156 @@
+//! Functions and their parameters.
+
+use std::rc::Rc;
+
+use super::super::{
+    expression::unexpected,
+    token::Token,
+    tree::{Captures, Function, Kind, Parameter, StmtNode, Word},
+};
+use super::{
+    Parsed, Parser,
+    declaration::Pointed,
+    types::{QUALIFIERS, kind_of},
+    within,
+};
+use crate::config::Place;
+
+impl<'a> Parser<'a> {
+    /// A function with its body, or a prototype, if one of them stands here.
+    pub(super) fn function(
+        &mut self,
+        name: &Word,
+        place: Place,
+        returns: Kind,
+        qualified: &[&str],
+    ) -> Parsed<Option<StmtNode>> {
+        let space: Word = within(&self.space, qualified).into();
+        let qualified = !qualified.is_empty();
+        let start = self.at;
+        self.skip_group();
+        while QUALIFIERS.contains(&self.word(0)) || self.word(0) == "override" {
+            self.at += 1;
+        }
+        let (body, prototype) = (self.sees("{") || self.sees(":"), self.sees(";"));
+        self.at = start;
+        if !(body || prototype && self.looks_like_parameters()) {
+            return Ok(None);
+        }
+        self.at += 1;
+        let parameters = self.parameters()?;
+        while QUALIFIERS.contains(&self.word(0)) || self.word(0) == "override" {
+            self.at += 1;
+        }
+        if !self.template.is_empty() {
+            self.templates.insert(name.clone());
+        }
+        let mut it = Function {
+            name: name.clone(),
+            space,
+            parameters,
+            body: Vec::new(),
+            hidden: false,
+            qualified,
+            place,
+            returns,
+            template: self.template.clone(),
+            captures: Captures::default(),
+            held: Vec::new(),
+        };
+        if self.take(";") {
+            return Ok(Some(StmtNode::Prototype(Rc::new(it))));
+        }
+        while self.peek(0).is_some() && !self.sees("{") {
+            self.at += 1;
+        }
+        it.body = if std::mem::take(&mut self.in_class) {
+            self.member_body(name)
+        } else {
+            self.block()?
+        };
+        Ok(Some(StmtNode::Function(Rc::new(it))))
+    }
+
+    /// Whether what stands in parentheses here are parameters rather than values.
+    fn looks_like_parameters(&mut self) -> bool {
+        let start = self.at;
+        self.at += 1;
+        let empty = self.sees(")");
+        let typed = self.read_type().is_some();
+        let named = typed
+            && (!self.word(0).is_empty()
+                || kind_of(self.word_before()) != Kind::Any
+                || self.word_before() == "void"
+                || self.tokens[self.at - 1].name().is_none());
+        self.at = start;
+        empty || named
+    }
+
+    pub(super) fn word_before(&self) -> &'a str {
+        let before = self.at.checked_sub(1).and_then(|at| self.tokens.get(at));
+        before.and_then(Token::name).map_or("", |n| n)
+    }
+
+    /// Parameters up to `)`.
+    pub(in crate::program::vendor) fn parameters(&mut self) -> Parsed<Vec<Parameter>> {
+        const HELP: &str = "a function is `type name(type parameter) { … }`";
+        let mut all = Vec::new();
+        while !self.take(")") {
+            if self.take("...") {
+                continue;
+            }
+            let Some(it) = self.read_type() else {
+                return Err(unexpected(self.peek(0), self.place(), "a type", HELP));
+            };
+            let function = self.pointer_name();
+            let alias = function
+                .as_ref()
+                .is_some_and(|it| it.1 == Pointed::Reference);
+            let called = function.is_some() && !alias;
+            let mut array = { &function }
+                .as_ref()
+                .is_some_and(|it| it.1 != Pointed::Function)
+                || !it.library && !it.lengths.is_empty();
+            let name = match (function, self.peek(0).and_then(Token::name)) {
+                (Some((name, _)), _) => name,
+                (None, Some(name)) => {
+                    self.at += 1;
+                    name.clone()
+                }
+                (None, None) => "".into(),
+            };
+            let extent = alias.then(|| self.word(1)).filter(|it| !it.is_empty());
+            while self.take("[") {
+                array = true;
+                while self.peek(0).is_some() && !self.take("]") {
+                    self.at += 1;
+                }
+            }
+            let default = if self.take("=") {
+                Some(self.assignment()?)
+            } else {
+                None
+            };
+            let single_void = &*it.name == "void" && name.is_empty() && !it.pointer;
+            if !single_void {
+                all.push(Parameter {
+                    name,
+                    kind: if array || called {
+                        Kind::Any
+                    } else {
+                        it.value_kind()
+                    },
+                    of: if called { "".into() } else { it.name },
+                    reference: it.reference && !it.constant && !called || alias,
+                    pointer: it.pointer && !called || array,
+                    extent: extent.map(Into::into),
+                    default,
+                });
+            }
+            if !self.take(",") && !self.sees(")") {
+                return Err(unexpected(self.peek(0), self.place(), "`,` or `)`", HELP));
+            }
+        }
+        Ok(all)
+    }
+}

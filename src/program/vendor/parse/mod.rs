@@ -1,0 +1,278 @@
+//! From tokens to statements. It recovers after a fault, so that all faults are told.
+
+mod class;
+mod declaration;
+mod function;
+mod statement;
+mod template;
+mod types;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+pub(super) use self::{class::UNREAD, declaration::FILLED, types::Type};
+use super::{
+    expression::{self, unexpected},
+    token::Token,
+    tree::{Expr, Stmt, StmtNode, TemplateParameter, Word},
+};
+use crate::{
+    config::{Fault, Place, enough},
+    limit::{CHAIN, NESTING},
+};
+
+/// Parses all of a text.
+pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
+    let mut parser = Parser {
+        tokens,
+        at: 0,
+        end,
+        depth: 0,
+        links: 0,
+        space: String::new(),
+        faults: Vec::new(),
+        pending: Vec::new(),
+        shared: Vec::new(),
+        aliases: BTreeMap::new(),
+        templates: BTreeSet::new(),
+        template: Vec::new(),
+        begun: BTreeMap::new(),
+        half: false,
+        in_class: false,
+    };
+    let statements = parser.statements(false);
+    (statements, parser.faults)
+}
+
+pub(super) struct Parser<'a> {
+    tokens: &'a [Token],
+    pub at: usize,
+    end: usize,
+    depth: usize,
+    /// How many operators and `else if`s stand one behind the other, at most: what walks the
+    /// tree goes so deep.
+    pub links: usize,
+    /// The namespace.
+    space: String,
+    faults: Vec<Fault>,
+    /// Statements that come before the one that is read.
+    pending: Vec<Stmt>,
+    /// Constants of the class that is read.
+    shared: Vec<Stmt>,
+    /// Types that have another name.
+    aliases: BTreeMap<Word, Type>,
+    /// Names of functions that are templates.
+    pub templates: BTreeSet<Word>,
+    /// The parameters of the template that is read.
+    template: Vec<TemplateParameter>,
+    /// How many kernels begin at a place: all those of a macro do at its call.
+    begun: BTreeMap<usize, i64>,
+    /// Whether the first half of a `>>` closed something.
+    half: bool,
+    /// Whether what is read belongs to a class itself.
+    in_class: bool,
+}
+
+pub(super) type Parsed<T> = Result<T, Fault>;
+
+impl<'a> Parser<'a> {
+    pub(super) fn peek(&self, ahead: usize) -> Option<&'a Token> {
+        self.tokens.get(self.at + ahead)
+    }
+
+    pub(super) fn sees(&self, mark: &str) -> bool {
+        self.peek(0).is_some_and(|t| t.is(mark))
+    }
+
+    pub(super) fn word(&self, ahead: usize) -> &'a str {
+        self.peek(ahead).and_then(Token::name).map_or("", |n| n)
+    }
+
+    pub(super) fn take(&mut self, mark: &str) -> bool {
+        let seen = self.sees(mark);
+        self.at += usize::from(seen);
+        seen
+    }
+
+    fn take_word(&mut self, word: &str) -> bool {
+        let seen = self.word(0) == word;
+        self.at += usize::from(seen);
+        seen
+    }
+
+    pub(super) fn place(&self) -> Place {
+        let end = Place::new(self.end, self.end);
+        self.peek(0).map_or(end, |t| t.place)
+    }
+
+    pub(super) fn before(&self) -> Place {
+        let before = self.at.checked_sub(1).and_then(|at| self.tokens.get(at));
+        before.map_or(Place::default(), |t| t.place)
+    }
+
+    /// How many kernels began here before this one, if any did.
+    pub(super) fn begun_before(&mut self, place: Place) -> Option<i64> {
+        let count = self.begun.entry(place.start).or_default();
+        *count += 1;
+        Some(*count - 1).filter(|before| *before > 0)
+    }
+
+    /// The token so many before the one that comes next.
+    pub(super) fn tokens_before(&self, back: usize) -> &'a Token {
+        &self.tokens[self.at - back]
+    }
+
+    pub(super) fn expect(&mut self, mark: &str, help: &str) -> Parsed<Place> {
+        let place = self.place();
+        if self.take(mark) {
+            return Ok(place);
+        }
+        Err(unexpected(self.peek(0), place, &format!("`{mark}`"), help))
+    }
+
+    pub(super) fn name(&mut self, help: &str) -> Parsed<Word> {
+        let name = self.peek(0).and_then(Token::name).cloned();
+        match name {
+            Some(name) => {
+                self.at += 1;
+                Ok(name)
+            }
+            None => Err(unexpected(self.peek(0), self.place(), "a name", help)),
+        }
+    }
+
+    pub(super) fn deeper<T>(&mut self, inner: impl FnOnce(&mut Self) -> Parsed<T>) -> Parsed<T> {
+        // Blocks of kernels inside loops inside functions go deeper than programs do.
+        if self.depth == 4 * NESTING {
+            let place = self.place();
+            return Err(Fault::error(
+                place,
+                format!("more than {} levels inside each other", 4 * NESTING),
+                "too deep",
+            )
+            .help("take it apart"));
+        }
+        self.depth += 1;
+        let result = inner(self);
+        self.depth -= 1;
+        result
+    }
+
+    /// One more operator or `else if` behind others.
+    pub(super) fn link(&mut self) -> Parsed<()> {
+        self.links += 1;
+        if self.links <= CHAIN {
+            return Ok(());
+        }
+        Err(Fault::error(
+            self.place(),
+            format!("more than {CHAIN} operators, calls or `else if`s one behind the other"),
+            "too many",
+        )
+        .help("take it apart: give names to parts of it, or use a loop"))
+    }
+
+    /// Statements up to the end, or up to the brace that closes a block.
+    pub(super) fn statements(&mut self, block: bool) -> Vec<Stmt> {
+        let mut all = Vec::new();
+        let (links, mut most) = (self.links, self.links);
+        while self.peek(0).is_some() && !enough(&self.faults) {
+            most = most.max(self.links);
+            self.links = links;
+            if self.sees("}") {
+                if block {
+                    break;
+                }
+                let place = self.place();
+                self.faults.push(
+                    Fault::error(place, "this `}` closes nothing", "no block is open")
+                        .help("remove it"),
+                );
+                self.at += 1;
+                continue;
+            }
+            let start = self.at;
+            match self.deeper(Self::statement) {
+                Ok(statement) => {
+                    all.append(&mut self.pending);
+                    if statement.node != StmtNode::Nothing {
+                        all.push(statement);
+                    }
+                }
+                Err(fault) => {
+                    self.faults.push(fault);
+                    self.recover(start);
+                }
+            }
+        }
+        self.links = most.max(self.links);
+        all
+    }
+
+    /// Behind the next `;` or block.
+    fn recover(&mut self, start: usize) {
+        self.at = self.at.max(start + 1);
+        while let Some(token) = self.peek(0) {
+            if token.is("}") || token.first {
+                return;
+            }
+            self.at += 1;
+            if token.is(";") {
+                return;
+            }
+        }
+    }
+
+    pub(super) fn block(&mut self) -> Parsed<Vec<Stmt>> {
+        let open = self.expect("{", "a block is `{ statements }`")?;
+        let statements = self.statements(true);
+        if !self.take("}") {
+            return Err(Fault::error(open, "this block has no end", "opened here")
+                .help("close it with `}`"));
+        }
+        Ok(statements)
+    }
+
+    fn skip_past(&mut self, mark: &str) {
+        while let Some(token) = self.peek(0) {
+            if token.is("{") {
+                self.skip_group();
+                continue;
+            }
+            self.at += 1;
+            if token.is(mark) {
+                return;
+            }
+        }
+    }
+
+    /// From an opening mark behind the one that closes it.
+    fn skip_group(&mut self) {
+        let mut depth = 0_usize;
+        while let Some(token) = self.peek(0) {
+            self.at += 1;
+            if token.is("(") || token.is("[") || token.is("{") {
+                depth += 1;
+            } else if token.is(")") || token.is("]") || token.is("}") {
+                depth = depth.saturating_sub(1);
+                if depth == 0 {
+                    return;
+                }
+            }
+        }
+    }
+
+    pub(super) fn expression(&mut self) -> Parsed<Expr> {
+        self.deeper(expression::comma)
+    }
+
+    pub(super) fn assignment(&mut self) -> Parsed<Expr> {
+        self.deeper(expression::assignment)
+    }
+}
+
+/// A namespace inside of another.
+fn within(outer: &str, names: &[&str]) -> String {
+    let outer = Some(outer).filter(|it| !it.is_empty());
+    let all: Vec<&str> = outer.into_iter().chain(names.iter().copied()).collect();
+    all.join("::")
+}

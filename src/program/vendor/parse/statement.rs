@@ -1,0 +1,330 @@
+//! Statements: blocks, choices and loops.
+
+use super::super::{
+    expression::unexpected,
+    token::{Kind as TokenKind, Token},
+    tree::{Expr, ExprNode, Stmt, StmtNode},
+};
+use super::{Parsed, Parser, within};
+use crate::config::{Fault, Place};
+
+impl<'a> Parser<'a> {
+    /// A statement, or what a file holds outside of functions.
+    pub(super) fn statement(&mut self) -> Parsed<Stmt> {
+        let start = self.place();
+        let node = self.statement_node()?;
+        Ok(Stmt {
+            node,
+            place: start.to(self.before()),
+        })
+    }
+
+    fn boxed(&mut self) -> Parsed<Box<Stmt>> {
+        Ok(Box::new(self.deeper(Self::statement)?))
+    }
+
+    #[allow(clippy::too_many_lines)] // One arm for each kind of statement.
+    fn statement_node(&mut self) -> Parsed<StmtNode> {
+        if self.sees("{") {
+            return Ok(StmtNode::Block(self.block()?));
+        }
+        if self.take(";") {
+            return Ok(StmtNode::Nothing);
+        }
+        match self.word(0) {
+            "if" => self.if_statement(),
+            "for" => self.for_statement(),
+            "while" => {
+                self.at += 1;
+                let condition = self.parenthesised()?;
+                Ok(StmtNode::While(condition, self.boxed()?))
+            }
+            "do" => {
+                self.at += 1;
+                let body = self.boxed()?;
+                if !self.take_word("while") {
+                    let place = self.place();
+                    let help = "a loop is `do { … } while (…);`";
+                    return Err(unexpected(self.peek(0), place, "`while`", help));
+                }
+                let condition = self.parenthesised()?;
+                self.end_statement()?;
+                Ok(StmtNode::DoWhile(body, condition))
+            }
+            "switch" => {
+                self.at += 1;
+                let (first, on) = self.headed()?;
+                let node = StmtNode::Switch(on, self.block()?);
+                Ok(self.behind(first, node))
+            }
+            "case" => {
+                self.at += 1;
+                let value = self.expression()?;
+                self.expect(":", "a case is `case value:`")?;
+                Ok(StmtNode::Case(Some(value)))
+            }
+            "default" => {
+                self.at += 1;
+                self.expect(":", "a case is `default:`")?;
+                Ok(StmtNode::Case(None))
+            }
+            "break" => self.jump(StmtNode::Break),
+            "continue" => self.jump(StmtNode::Continue),
+            "return" => {
+                self.at += 1;
+                let value = if self.sees(";") {
+                    None
+                } else {
+                    Some(self.expression()?)
+                };
+                self.end_statement()?;
+                Ok(StmtNode::Return(value))
+            }
+            "typedef" => self.typedef(),
+            "using" => {
+                self.at += 1;
+                let name = self.peek(0).and_then(Token::name).cloned();
+                if let (Some(name), true) = (name, self.peek(1).is_some_and(|t| t.is("="))) {
+                    self.at += 2;
+                    self.alias(name);
+                }
+                self.skip_past(";");
+                Ok(StmtNode::Nothing)
+            }
+            "delete" => {
+                self.at += 1;
+                if self.take("[") {
+                    self.take("]");
+                }
+                self.expression()?;
+                self.end_statement()?;
+                Ok(StmtNode::Nothing)
+            }
+            "template" => {
+                self.at += 1;
+                let template = self.template_parameters()?;
+                let outer = std::mem::replace(&mut self.template, template);
+                let node = self.statement_node();
+                self.template = outer;
+                node
+            }
+            "namespace" => self.namespace(),
+            "enum" => self.enumeration(),
+            "class" | "struct" | "union" if self.is_definition() => self.class(false),
+            "extern" if matches!(self.peek(1).map(|t| &t.kind), Some(TokenKind::Text(_))) => {
+                self.at += 2;
+                if self.sees("{") {
+                    return Ok(StmtNode::Block(self.block()?));
+                }
+                self.statement_node()
+            }
+            _ if self.is_constructor() => {
+                while self.sees("::") || self.sees("~") || self.peek(1).is_some_and(|t| t.is("::"))
+                {
+                    self.at += 1;
+                }
+                let class = self.word(0);
+                let member = self.member(class);
+                Ok(StmtNode::Class(member.into_iter().collect()))
+            }
+            "init" | "frame" | "repeat" if self.peek(1).is_some_and(|t| t.is("{")) => {
+                Err(Fault::error(
+                    self.place(),
+                    format!("`{}` is no C++", self.word(0)),
+                    "this block",
+                )
+                .help("in C++ write `while (1) { … }` for the frames, `for` for a repetition"))
+            }
+            _ => {
+                if let Some(node) = self.declaration()? {
+                    Ok(node)
+                } else {
+                    let value = self.expression()?;
+                    self.end_statement()?;
+                    Ok(StmtNode::Expr(value))
+                }
+            }
+        }
+    }
+
+    pub(super) fn namespace(&mut self) -> Parsed<StmtNode> {
+        self.at += 1;
+        let mut names = Vec::new();
+        while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
+            names.extend(Some(self.word(0)).filter(|it| !it.is_empty()));
+            self.at += 1;
+        }
+        if self.take(";") {
+            return Ok(StmtNode::Nothing);
+        }
+        let outer = self.space.clone();
+        self.space = within(&outer, &names);
+        let body = self.block();
+        let space = std::mem::replace(&mut self.space, outer);
+        Ok(StmtNode::Namespace(space.into(), body?))
+    }
+
+    fn jump(&mut self, node: StmtNode) -> Parsed<StmtNode> {
+        self.at += 1;
+        self.end_statement()?;
+        Ok(node)
+    }
+
+    /// `;`, or the end of the line in text that has none.
+    pub(super) fn end_statement(&mut self) -> Parsed<()> {
+        if self.take(";") || self.sees("}") || self.peek(0).is_none_or(|t| t.first) {
+            return Ok(());
+        }
+        let end = self.before().end;
+        Err(Fault::error(
+            Place::new(end, end),
+            "expected `;` here",
+            "a statement ends with `;` or with its line",
+        )
+        .help("a statement is `name(argument, argument);`"))
+    }
+
+    fn parenthesised(&mut self) -> Parsed<Expr> {
+        self.expect("(", "the condition stands in parentheses")?;
+        let value = self.expression()?;
+        self.expect(")", "close the parenthesis")?;
+        Ok(value)
+    }
+
+    fn if_statement(&mut self) -> Parsed<StmtNode> {
+        // `else if` is no deeper than the `if` before it, but where it declares something.
+        let depth = self.depth;
+        let node = self.if_chain();
+        self.depth = depth;
+        node
+    }
+
+    fn if_chain(&mut self) -> Parsed<StmtNode> {
+        let (mut parts, mut otherwise) = (Vec::new(), None);
+        let (links, mut most) = (self.links, self.links);
+        loop {
+            let start = self.place();
+            self.at += 1;
+            self.take_word("constexpr");
+            self.links = links + parts.len();
+            self.link()?;
+            let (first, condition) = self.headed()?;
+            if first.is_some() {
+                self.deeper(|_| Ok(()))?;
+                self.depth += 1;
+            }
+            parts.push((start, first, condition, self.boxed()?));
+            most = most.max(self.links);
+            if !self.take_word("else") {
+                break;
+            }
+            if self.word(0) != "if" {
+                self.links = links + parts.len();
+                otherwise = Some(self.boxed()?);
+                break;
+            }
+        }
+        self.links = most.max(self.links);
+        let end = self.before();
+        while let Some((start, first, condition, yes)) = parts.pop() {
+            let node = self.behind(first, StmtNode::If(condition, yes, otherwise.take()));
+            if parts.is_empty() {
+                return Ok(node);
+            }
+            let place = start.to(end);
+            otherwise = Some(Box::new(Stmt { node, place }));
+        }
+        Ok(StmtNode::Nothing)
+    }
+
+    /// A condition in parentheses, and what stands before it: `(first; condition)`, or a variable
+    /// that is declared there and is the condition.
+    fn headed(&mut self) -> Parsed<(Option<Stmt>, Expr)> {
+        let (start, place) = (self.at, self.place());
+        self.skip_group();
+        let inside = self.tokens.get(start + 1..self.at).unwrap_or_default();
+        self.at = start;
+        if inside.iter().any(|t| t.is(";")) && !inside.iter().any(|t| t.is("{")) {
+            self.at += 1;
+            let first = self.statement()?;
+            let condition = self.expression()?;
+            self.expect(")", "close the parenthesis")?;
+            return Ok((Some(first), condition));
+        }
+        self.at += 1;
+        if let Some(it) = self.declared_type()
+            && self.peek(1).is_some_and(|t| t.is("=") || t.is("{"))
+        {
+            let all = self.declarators(&it)?;
+            self.expect(")", "close the parenthesis")?;
+            let node = ExprNode::Name(all[0].name.clone());
+            let node = Expr { node, place };
+            let declare = StmtNode::Declare(all);
+            return Ok((
+                Some(Stmt {
+                    node: declare,
+                    place,
+                }),
+                node,
+            ));
+        }
+        self.at = start;
+        Ok((None, self.parenthesised()?))
+    }
+
+    /// A statement in a block with what stands before it.
+    pub(super) fn behind(&self, first: Option<Stmt>, node: StmtNode) -> StmtNode {
+        match first {
+            None => node,
+            Some(first) => {
+                let place = first.place.to(self.before());
+                StmtNode::Block(vec![first, Stmt { node, place }])
+            }
+        }
+    }
+
+    fn for_statement(&mut self) -> Parsed<StmtNode> {
+        const HELP: &str = "a loop is `for (int i = 0; i < 10; i++) { … }`";
+        self.at += 1;
+        self.expect("(", HELP)?;
+        if let Some(node) = self.range_for()? {
+            return Ok(node);
+        }
+        let start = if self.take(";") {
+            None
+        } else {
+            Some(self.boxed()?)
+        };
+        let condition = if self.sees(";") {
+            None
+        } else {
+            Some(self.expression()?)
+        };
+        self.expect(";", HELP)?;
+        let step = if self.sees(")") {
+            None
+        } else {
+            Some(self.expression()?)
+        };
+        self.expect(")", HELP)?;
+        Ok(StmtNode::For(start, condition, step, self.boxed()?))
+    }
+
+    /// `for (type x : list) …`, if it is that.
+    fn range_for(&mut self) -> Parsed<Option<StmtNode>> {
+        let start = self.at;
+        if let Some(it) = self.declared_type()
+            && self.peek(1).is_some_and(|t| t.is(":"))
+        {
+            let place = self.place();
+            let name = self.name("the name of the element")?;
+            let element = Box::new(it.declares(name, place));
+            self.at += 1;
+            let list = self.expression()?;
+            self.expect(")", "a loop is `for (auto x : list) { … }`")?;
+            return Ok(Some(StmtNode::Each(element, list, self.boxed()?)));
+        }
+        self.at = start;
+        Ok(None)
+    }
+}
