@@ -336,6 +336,55 @@ fn long_runs_hold_few_variables() {
     assert_eq!(said, ["18000 7"]);
 }
 
+/// Boxes in places that `<random>` draws, as the vendor's tutorial on shapes has them.
+#[test]
+fn random_numbers_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "#include <random>
+int main() {
+    std::random_device rd;
+    std::mt19937 gen(rd());
+    std::uniform_int_distribution<> distr(4, 7);
+    std::uniform_real_distribution<float> real{-1.0f, 1.0f};
+    std::bernoulli_distribution coin(1.0);
+    std::normal_distribution<> bell;
+    while (1) {
+        vs_frame_loop_control();
+        int row = distr(gen);
+        float part = real(gen);
+        scamp5_load_rect(R5, row, 1, row + 2, 3);
+        vs_post_text(\"%d %d %d %.3f\\n\", row, part >= -1.0f && part < 1.0f, (int)coin(gen), bell(gen));
+        scamp5_output_image(R5, 0);
+    }
+}
+";
+    fs::write(folder.path().join("p.cpp"), text).unwrap();
+    let scene = "pattern:disc?width=16&height=16&frames=12";
+    let run = |more: &[&str]| {
+        let all = [&["exec", "p.cpp", "--image", scene, "--frames", "12"], more].concat();
+        json(folder.path(), &all)["posts"].clone()
+    };
+    let posts = run(&[]);
+    let posts = posts.as_array().unwrap();
+    assert_eq!(posts.len(), 12, "{posts:?}");
+    let mut rows = Vec::new();
+    for post in posts {
+        let words: Vec<&str> = post["text"].as_str().unwrap().split_whitespace().collect();
+        rows.push(words[0].parse::<u8>().unwrap());
+        assert_eq!(words[1..3], ["1", "1"], "{post}");
+        assert!(words[3].parse::<f64>().unwrap().abs() < 5.0, "{post}");
+    }
+    assert!(rows.iter().all(|row| (4..=7).contains(row)), "{rows:?}");
+    assert!(rows.windows(2).any(|pair| pair[0] != pair[1]), "{rows:?}");
+    // The same numbers in every run.
+    assert_eq!(run(&["--domain", "q8.8"]).as_array(), Some(posts));
+    refused(
+        folder.path(),
+        &["asm", "p.cpp"],
+        &["p.cpp:13:", "a random number decides"],
+    );
+}
+
 #[test]
 fn posts_are_written_as_c_does() {
     let all = posts(

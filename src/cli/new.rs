@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use miette::miette;
-use serde_json::Value as Json;
 
 use super::{
     commented, files,

@@ -7,7 +7,7 @@ use crate::{
     limit::ARRAY_SIDE,
     plane::Size,
     program::{Code, Cost, Overrides, Program},
-    sensor::{Sensor, SensorError},
+    sensor::SensorError,
 };
 
 /// A program's text expanded on its chip.

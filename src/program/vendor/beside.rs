@@ -106,6 +106,11 @@ impl<'a> Companion<'a> {
         self.drawn += 1;
         (crate::rng::Hash::new(0).with(self.drawn).bits() >> 33) as i64
     }
+
+    /// The next random number, even from 0 up to 1.
+    pub(super) fn even(&mut self) -> f64 {
+        self.random() as f64 / f64::from(1_u32 << 31)
+    }
 }
 
 impl Machine<'_> {

@@ -218,3 +218,47 @@ const LIBRARY: [&str; 35] = [
     "puts",
     "scamp5_verbose_str",
 ];
+
+/// What an object of `<random>` draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Random {
+    /// 32 bits.
+    Bits,
+    /// Whole numbers from the first parameter to the second.
+    Whole,
+    /// Reals from the first parameter up to the second.
+    Real,
+    /// Normally distributed, of a mean and a deviation.
+    Normal,
+    /// True with a probability.
+    Flag,
+}
+
+impl Random {
+    /// Of a class of the library.
+    pub(super) fn named(class: &str) -> Option<Self> {
+        Some(match class {
+            "random_device"
+            | "mt19937"
+            | "mt19937_64"
+            | "default_random_engine"
+            | "minstd_rand"
+            | "minstd_rand0" => Self::Bits,
+            "uniform_int_distribution" => Self::Whole,
+            "uniform_real_distribution" => Self::Real,
+            "normal_distribution" => Self::Normal,
+            "bernoulli_distribution" => Self::Flag,
+            _ => return None,
+        })
+    }
+
+    /// The parameters of an object that was made without.
+    pub(super) const fn parameters(self) -> [f64; 2] {
+        match self {
+            Self::Bits => [0.0, 0.0],
+            Self::Whole => [0.0, i32::MAX as f64],
+            Self::Real | Self::Normal => [0.0, 1.0],
+            Self::Flag => [0.5, 0.0],
+        }
+    }
+}

@@ -188,7 +188,8 @@ fn leads_to(value: &Value, all: &mut Vec<Slot>) {
         | Value::Unknown(_)
         | Value::Symbol(_)
         | Value::Symbols(_)
-        | Value::Text(_) => {}
+        | Value::Text(_)
+        | Value::Random(..) => {}
     }
 }
 

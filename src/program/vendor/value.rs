@@ -4,6 +4,7 @@ use std::{rc::Rc, sync::Arc};
 
 use super::{
     constant,
+    host::Random,
     tree::{Function, Kind, Width, Word},
 };
 
@@ -34,6 +35,8 @@ pub(super) enum Value {
     /// A variable, or an element of it, with the name that it was given.
     Pointer(Slot, Vec<usize>, Word),
     Lambda(Rc<Function>),
+    /// An object of the language's library that draws random numbers, with its parameters.
+    Random(Random, [f64; 2]),
     /// An object, with the values of its members.
     Record(Rc<Layout>, Vec<Value>),
     /// Another name for an element of a variable.
@@ -286,6 +289,7 @@ impl Value {
             Self::Text(_) => "a text".to_owned(),
             Self::List(_) => "an array".to_owned(),
             Self::Lambda(_) => "a function".to_owned(),
+            Self::Random(..) => "a source of random numbers".to_owned(),
             Self::Record(layout, _) => format!("an object of `{}`", layout.name),
             Self::Reference(..) => "a reference".to_owned(),
         }

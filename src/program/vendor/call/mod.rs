@@ -4,6 +4,7 @@ mod enter;
 mod library;
 mod method;
 mod overload;
+mod random;
 mod statement;
 
 pub(super) use self::overload::Argument;
@@ -12,7 +13,7 @@ use std::rc::Rc;
 
 use super::{
     evaluate::{Reach, base_name},
-    host::{self, ALGORITHMS, Role},
+    host::{self, ALGORITHMS, Random, Role},
     look,
     machine::{Machine, foreign},
     tree::{Expr, ExprNode, Function, TemplateArgument, last, qualifier},
@@ -105,6 +106,7 @@ impl Machine<'_> {
                     return found;
                 }
             }
+            _ if let Some(random) = Random::named(name) => return self.random(random, given),
             _ if ALGORITHMS.contains(&name) => return self.algorithm(name, given, place),
             _ => {}
         }
@@ -137,7 +139,8 @@ impl Machine<'_> {
                 self.unknown(place, message, Some(callee));
                 Value::Unknown(why)
             }
-            // An object of a library: a generator of numbers.
+            Value::Random(random, parameters) => self.draws(random, parameters, given),
+            // An object of a library.
             _ => {
                 self.outside(&base_name(callee), given, place);
                 Value::Unknown("what a call gives back".into())

@@ -2,13 +2,15 @@
 
 use super::super::{
     expression::unexpected,
+    host::Random,
     token::Token,
-    tree::{Declared, Expr, ExprNode, Kind, StmtNode, Word},
+    tree::{Declared, Expr, ExprNode, Kind, StmtNode, Word, last},
 };
 use super::{
     Parsed, Parser,
     types::{RESERVED, Type},
 };
+use crate::config::Place;
 
 impl<'a> Parser<'a> {
     /// A declaration, if one stands here.
@@ -70,6 +72,8 @@ impl<'a> Parser<'a> {
                 declared.value = Some(self.assignment()?);
             } else if self.sees("(") {
                 self.constructed(&mut declared)?;
+            } else if declared.lengths.is_empty() && Random::named(last(&declared.of)).is_some() {
+                declared.value = Some(made(&declared.of, Vec::new(), place));
             }
             declared.place = place.to(self.before());
             all.push(declared);
@@ -232,19 +236,16 @@ impl<'a> Parser<'a> {
                 ));
             }
         }
+        let draws = Random::named(last(&it.of)).is_some();
         let number = it.kind != Kind::Any || matches!(&*it.of, "scamp5_kernel" | "auto");
         it.value = match (it.library, given.len()) {
             (true, 1) => {
                 it.lengths = vec![given.pop()];
                 None
             }
-            (true, 2) => {
-                let node = ExprNode::Name(FILLED.into());
-                let callee = Box::new(Expr { node, place });
-                let node = ExprNode::Call(callee, given);
-                Some(Expr { node, place })
-            }
+            (true, 2) => Some(made(FILLED, given, place)),
             _ if number || it.pointer => given.into_iter().next(),
+            _ if draws => Some(made(&it.of, given, place)),
             // An object of the language's library: its name stands for it.
             _ => {
                 let node = ExprNode::Text(it.of.clone());
@@ -267,4 +268,12 @@ pub(super) enum Pointed {
     Array,
     /// It is another name of an array.
     Reference,
+}
+
+/// An object of a class, made of these.
+fn made(class: &str, given: Vec<Expr>, place: Place) -> Expr {
+    let node = ExprNode::Name(class.into());
+    let callee = Box::new(Expr { node, place });
+    let node = ExprNode::Call(callee, given);
+    Expr { node, place }
 }
