@@ -12,7 +12,7 @@ use super::{
     types::{RESERVED, Type},
 };
 
-impl<'a> Parser<'a> {
+impl Parser<'_> {
     pub(super) fn enumeration(&mut self) -> Parsed<StmtNode> {
         self.at += 1;
         // The names of an `enum class` are only its own.

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::config::Place;
 
-impl<'a> Parser<'a> {
+impl Parser<'_> {
     /// A declaration, if one stands here.
     pub(super) fn declaration(&mut self) -> Parsed<Option<StmtNode>> {
         let start = self.at;

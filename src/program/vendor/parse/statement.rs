@@ -8,7 +8,7 @@ use super::super::{
 use super::{Parsed, Parser, within};
 use crate::config::{Fault, Place};
 
-impl<'a> Parser<'a> {
+impl Parser<'_> {
     /// A statement, or what a file holds outside of functions.
     pub(super) fn statement(&mut self) -> Parsed<Stmt> {
         let start = self.place();

@@ -7,7 +7,7 @@ use super::super::{
 };
 use super::{Parsed, Parser};
 
-impl<'a> Parser<'a> {
+impl Parser<'_> {
     /// What stands in `template <…>`.
     pub(super) fn template_parameters(&mut self) -> Parsed<Vec<TemplateParameter>> {
         let start = self.at;

@@ -102,7 +102,7 @@ impl Type {
     }
 }
 
-impl<'a> Parser<'a> {
+impl Parser<'_> {
     /// What a number of the type of this name becomes.
     pub(in crate::program::vendor) fn kind_named(&self, name: &str) -> Kind {
         let at = self
