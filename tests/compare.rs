@@ -887,7 +887,7 @@ mod verb {
         assert_eq!(json["bits"], serde_json::json!([55000, 49500]));
         assert_eq!(json["reference"]["size_known"], true);
         assert_eq!(json["judged"]["size_known"], false);
-        assert_eq!(json["judged"]["size"]["width"], 20);
+        assert_eq!(json["judged"]["width"], 20);
         for key in ["on", "off", "f1", "kinds", "cells", "dropped"] {
             assert!(!json[key].is_null(), "{key}");
         }

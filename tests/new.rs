@@ -93,7 +93,8 @@ fn the_schema_beside_it_holds_and_the_comments_are_keys() {
             assert!(wrong.is_ok(), "{kind}: {wrong:?}\n{text}");
         };
         holds(&text);
-        // Each comment with a value is a line that may stand there, under its table's line.
+        // Each comment with a value is a line that may stand there; those of a table stand there
+        // together.
         let mut table = None;
         for line in text.lines().filter_map(|line| line.strip_prefix("# ")) {
             if line.starts_with('[') {
@@ -109,7 +110,10 @@ fn the_schema_beside_it_holds_and_the_comments_are_keys() {
             commented += 1;
             let mut with = text.replace(&format!("# {line}"), &format!("{key} = {value}"));
             if let Some(table) = table {
-                with = with.replace(&format!("# {table}"), table);
+                let (before, keys) = text.split_once(table).unwrap();
+                let keys = keys.split("\n\n").next().unwrap();
+                let before = before.strip_suffix("# ").unwrap();
+                with = format!("{before}{table}{}", keys.replace("\n# ", "\n"));
             }
             if let Some((other, _)) = says
                 .strip_prefix("in place of ")

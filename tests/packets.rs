@@ -359,7 +359,7 @@ fn sizes_are_asked_for_in_order() {
         folder.path(),
         &["compare", "bare.csv", "bare.csv", "--size", "40x30"],
     );
-    assert_eq!(compared["reference"]["size"]["width"], 40);
+    assert_eq!(compared["reference"]["width"], 40);
     refused_untouched(
         folder.path(),
         &["packets", "bare.csv", "--size", "9x9"],

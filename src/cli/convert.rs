@@ -140,7 +140,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "read": {
                 "file": arguments.a,
                 "format": seen.format.name(),
-                "size": [seen.size.width, seen.size.height],
+                "width": seen.size.width,
+                "height": seen.size.height,
                 "size_known": seen.size_known,
                 "kinds": seen.channels,
                 "left_out": seen.skipped,

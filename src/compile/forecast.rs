@@ -95,38 +95,76 @@ impl Forecast {
     }
 }
 
-/// Weights over the places round a pixel: a square of odd side.
+/// Weights over the places round a pixel: a square of odd side, row by row, of which only the places
+/// from the first weight to the last are held.
 #[derive(Clone, Debug)]
 struct Field {
     reach: i32,
+    /// The place of the first of `weights`.
+    first: usize,
     weights: Vec<f64>,
 }
 
 impl Field {
-    fn new(reach: i32) -> Self {
-        let side = (2 * reach + 1) as usize;
+    const fn new(reach: i32) -> Self {
         Self {
             reach,
-            weights: vec![0.0; side * side],
+            first: 0,
+            weights: Vec::new(),
         }
+    }
+
+    /// One at the pixel itself.
+    fn one(reach: i32) -> Self {
+        let mut field = Self::new(reach);
+        let middle = field.at((0, 0));
+        field.hold(middle, 1)[0] = 1.0;
+        field
     }
 
     fn at(&self, (y, x): (i32, i32)) -> usize {
         ((y + self.reach) * (2 * self.reach + 1) + x + self.reach) as usize
     }
 
+    /// So many places from one on, held from now on.
+    fn hold(&mut self, from: usize, count: usize) -> &mut [f64] {
+        if self.weights.is_empty() {
+            self.first = from;
+        }
+        if let Some(before) = self.first.checked_sub(from) {
+            self.weights.splice(0..0, std::iter::repeat_n(0.0, before));
+            self.first = from;
+        }
+        let at = from - self.first;
+        if self.weights.len() < at + count {
+            self.weights.resize(at + count, 0.0);
+        }
+        &mut self.weights[at..at + count]
+    }
+
     /// Adds `times` the other, moved by one place or none. Nothing lies at the rim: the square is
     /// wider than the words reach.
     fn add(&mut self, other: &Self, place: (i32, i32), times: f64) {
-        if times == 0.0 {
+        if times == 0.0 || other.weights.is_empty() {
             return;
         }
         let by = place.0 * (2 * self.reach + 1) + place.1;
-        let (to, from) = (by.max(0) as usize, (-by).max(0) as usize);
-        let cells = self.weights[to..].iter_mut();
-        for (cell, weight) in cells.zip(&other.weights[from..]) {
+        let from = other.first.saturating_add_signed(by as isize);
+        let cells = self.hold(from, other.weights.len()).iter_mut();
+        for (cell, weight) in cells.zip(&other.weights) {
             *cell += times * weight;
         }
+    }
+
+    /// The sum of the products with another.
+    fn dot(&self, other: &Self) -> f64 {
+        let from = self.first.max(other.first);
+        let of = |field: &Self| from - field.first;
+        let (own, other) = (
+            self.weights.iter().skip(of(self)),
+            other.weights.iter().skip(of(other)),
+        );
+        own.zip(other).map(|(a, b)| a * b).sum()
     }
 
     fn power(&self) -> f64 {
@@ -207,8 +245,7 @@ pub(super) fn forecasts(
     let mut forms = vec![blank.clone(); cells];
     let mut levels = vec![0.0; cells];
     let start = usize::from(input.0);
-    let middle = blank.at((0, 0));
-    forms[start].weights[middle] = 1.0;
+    forms[start] = Field::one(blank.reach);
     levels[start] = signal.mean;
     let mut stores: Vec<Vec<Stored>> = Vec::with_capacity(words.len());
     for word in &words {
@@ -257,12 +294,7 @@ pub(super) fn forecasts(
         let exact = exact(kernel, &blank);
         let form = &forms[cell];
         let own = form.power() * variance;
-        let both: f64 = exact
-            .weights
-            .iter()
-            .zip(&form.weights)
-            .map(|(a, b)| a * b)
-            .sum();
+        let both = exact.dot(form);
         let size = exact.power();
         let aligned = if size > 0.0 {
             both * both / size * variance
@@ -293,7 +325,7 @@ fn exact(kernel: &Kernel, blank: &Field) -> Field {
     let weights: &Plane<f64> = kernel.weights();
     for ((y, x), weight) in weights.indexed_iter() {
         let at = field.at((y as i32 - rows as i32, x as i32 - columns as i32));
-        field.weights[at] = *weight;
+        field.hold(at, 1)[0] = *weight;
     }
     field
 }
@@ -312,10 +344,7 @@ impl Backwards<'_> {
     fn variances(&self, result: usize) -> (f64, f64) {
         let errors = self.errors;
         let mut adjoint: Vec<Option<Field>> = vec![None; self.cells];
-        let mut start = self.blank.clone();
-        let middle = start.at((0, 0));
-        start.weights[middle] = 1.0;
-        adjoint[result] = Some(start);
+        adjoint[result] = Some(Field::one(self.blank.reach));
         let (mut temporal, mut other) = (0.0, 0.0);
         let mut gains = vec![self.blank.clone(); self.cells];
         let mut offsets = vec![self.blank.clone(); self.cells];

@@ -292,7 +292,12 @@ impl<'a> Request<'a> {
             },
             border: self.border,
             seed: self.seed,
-            states: effort.states,
+            // Of kernels of zeros there is nothing to look for.
+            states: if goals.iter().all(LinearForm::is_zero) {
+                0
+            } else {
+                effort.states
+            },
             limits,
             shortest: self.objective == Objective::Words,
         }

@@ -275,6 +275,7 @@ fn number(value: Option<f64>) -> String {
 #[derive(serde::Serialize)]
 struct Input<'a> {
     file: &'a Path,
+    #[serde(flatten)]
     size: Size,
     /// Otherwise the size is the smallest that holds the events of both files.
     size_known: bool,

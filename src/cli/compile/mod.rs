@@ -200,7 +200,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         save(path, |w| w.write_all(compiled.text.as_bytes()))?;
     }
     let seconds = began.elapsed().as_secs_f64();
-    if let Some(warning) = compiled.warning() {
+    if let Some(warning) = compiled.warning(&asked.kernels) {
         super::complain(&warning);
     }
     if arguments.json {

@@ -10,6 +10,7 @@ use crate::{
     },
     compile::{Filter, Signal},
     isa::{Analog, Cell, Device},
+    kernel::Kernel,
     program::{Overrides, Program},
     unit::Lsb,
 };
@@ -97,10 +98,10 @@ impl OnChip {
 
 impl Compiled {
     /// What to know before a program is taken of which next to nothing comes out of the chip.
-    pub(super) fn warning(&self) -> Option<String> {
-        let worst = { self.on_chip.iter() }
-            .map(OnChip::kept)
-            .fold(1.0, f64::min);
+    pub(super) fn warning(&self, kernels: &[Kernel]) -> Option<String> {
+        let is_asked = |kernel: &Kernel| kernel.weights().iter().any(|weight| *weight != 0.0);
+        let asked = { self.on_chip.iter().zip(kernels) }.filter(|(_, kernel)| is_asked(kernel));
+        let worst = asked.map(|(it, _)| it.kept()).fold(1.0, f64::min);
         (worst < NOTHING).then(|| {
             format!(
                 "warning: next to nothing of the kernel comes out of the chip, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take fewer digits (--to), or leave --objective out\n"

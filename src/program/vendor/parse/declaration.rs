@@ -68,11 +68,16 @@ impl Parser<'_> {
             let lengths = self.read_lengths()?;
             let mut declared = of.declares(name, place);
             declared.lengths.splice(0..0, lengths);
+            let draws = Random::named(last(&declared.of)).is_some();
             if self.take("=") || self.sees("{") {
-                declared.value = Some(self.assignment()?);
+                let value = self.assignment()?;
+                declared.value = Some(match value.node {
+                    ExprNode::Braces(given) if draws => made(&declared.of, given, value.place),
+                    node => Expr { node, ..value },
+                });
             } else if self.sees("(") {
                 self.constructed(&mut declared)?;
-            } else if declared.lengths.is_empty() && Random::named(last(&declared.of)).is_some() {
+            } else if declared.lengths.is_empty() && draws {
                 declared.value = Some(made(&declared.of, Vec::new(), place));
             }
             declared.place = place.to(self.before());
