@@ -674,6 +674,10 @@ fn rates_that_show_nothing_are_refused() {
         let is_rate = matches!(error, WaterfallError::Rate { most: 4000, .. });
         let is_bad = matches!(error, WaterfallError::Scene(_));
         assert!(if rate >= 1.0 { is_rate } else { is_bad }, "{error}");
+        // The same is known before anything is compiled.
+        let scene = open().unwrap();
+        let early = choice(&[rate], 1).check(scene.frames().unwrap(), scene.fps());
+        assert_eq!(early.unwrap_err().to_string(), error.to_string());
     }
 }
 

@@ -284,6 +284,9 @@ impl Arguments {
             within: self.window.within,
         };
         let mut answer = || {
+            if let Some(frames) = scene.frames() {
+                choice.check(frames, scene.fps())?;
+            }
             check_crossings(designs, &mut *open()?)?;
             let falls = match designs {
                 [_] => vec![Fall::new(question)?],

@@ -56,6 +56,15 @@ pub fn waterfall(
     );
     let answer = pool::work(py, || {
         let mut shown = source.open()?;
+        let choice = rates.map(|rates| falls::Choice {
+            rates,
+            chips,
+            tiles,
+            within: within_us.map(Micros),
+        });
+        if let (Some(choice), Some(frames)) = (&choice, shown.frames()) {
+            choice.check(frames, shown.fps())?;
+        }
         let fall = Fall::new(falls::Question {
             design: Design {
                 kernel: &kernel,
@@ -71,15 +80,9 @@ pub fn waterfall(
             within: within(within_us, shown.fps()),
         })?;
         let steps = fall.steps(&mut *shown, |_| ())?;
-        let Some(rates) = rates else {
+        let Some(choice) = choice else {
             let drawing = svg(&steps.drawing(&title));
             return Ok((steps, None, drawing));
-        };
-        let choice = falls::Choice {
-            rates,
-            chips,
-            tiles,
-            within: within_us.map(Micros),
         };
         let rates = fall.rates(&choice, &|| source.open(), &|| ())?;
         let drawing = svg(&rates.drawing(&title));

@@ -43,6 +43,43 @@ pub struct Choice {
     pub within: Option<Micros>,
 }
 
+impl Choice {
+    /// Refuses rates that a scene of so many frames cannot be shown at, before anything is compiled.
+    ///
+    /// # Errors
+    /// [`WaterfallError::Rate`], or a rate that is none.
+    pub fn check(&self, frames: u64, fps: f64) -> Result<(), WaterfallError> {
+        // Which stretch of the scene it will be is not known; how long it is, is.
+        let stretch = Stretch::new(&[], frames, fps, longest(fps));
+        check(&self.rates, stretch.seconds())
+    }
+}
+
+/// The longest stretch that is shown, in seconds of a scene of this rate.
+fn longest(fps: f64) -> f64 {
+    SECONDS.min(FRAMES / fps)
+}
+
+/// Refuses rates at which so many seconds are too few frames or too many.
+fn check(rates: &[f64], seconds: f64) -> Result<(), WaterfallError> {
+    for rate in rates {
+        if !(rate.is_finite() && *rate > 0.0) {
+            return Err(SceneError::BadRate { fps: *rate }.into());
+        }
+        // Half a microsecond decides nothing; `as` saturates.
+        let frames = ((seconds + 5e-7) * rate) as u64 + 1;
+        if !(2..=MOST_FRAMES).contains(&frames) {
+            return Err(WaterfallError::Rate {
+                fps: *rate,
+                seconds,
+                frames,
+                most: MOST_FRAMES,
+            });
+        }
+    }
+    Ok(())
+}
+
 impl Default for Choice {
     fn default() -> Self {
         Self {
@@ -157,7 +194,7 @@ impl Fall<'_> {
         let said = rig::watch(&mut *scene, &mut [&mut *float], |_| frames += 1)?;
         drop(scene);
         let said = said.first().ok_or(WaterfallError::Packet)?;
-        let stretch = Stretch::new(&said.events, frames, fps, SECONDS.min(FRAMES / fps));
+        let stretch = Stretch::new(&said.events, frames, fps, longest(fps));
         let events = stretch.events(&said.events);
         if events.is_empty() {
             return Err(question.silent());
@@ -228,21 +265,7 @@ impl Fall<'_> {
         }
         rates.sort_by(f64::total_cmp);
         rates.dedup();
-        for rate in &rates {
-            if !(rate.is_finite() && *rate > 0.0) {
-                return Err(SceneError::BadRate { fps: *rate }.into());
-            }
-            // Half a microsecond decides nothing; `as` saturates.
-            let frames = ((seconds + 5e-7) * rate) as u64 + 1;
-            if !(2..=MOST_FRAMES).contains(&frames) {
-                return Err(WaterfallError::Rate {
-                    fps: *rate,
-                    seconds,
-                    frames,
-                    most: MOST_FRAMES,
-                });
-            }
-        }
+        check(&rates, seconds)?;
         Ok(rates)
     }
 
