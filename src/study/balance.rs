@@ -64,7 +64,7 @@ pub fn balanced(
             own.map(|(octave, step)| octave + part * step).collect()
         });
         let mut shown = tried(&moved)?;
-        // What lies nearest is learned last.
+        // What lies farthest is learned last: it says most of the way that is left.
         for tried in shown.iter().rev() {
             answers.learn(&best, tried);
         }
