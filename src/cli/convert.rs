@@ -108,14 +108,8 @@ struct Written {
 /// When A cannot be read or is damaged, or B cannot hold its events or cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let format = format(arguments)?;
-    if let Some(compression) = arguments.compression.filter(|_| !format.compresses()) {
-        let path = arguments.b.to_path_buf();
-        return Err(FileError::OneWay {
-            path,
-            format,
-            compression,
-        }
-        .into());
+    if let Some(compression) = arguments.compression {
+        format.check_compression(&arguments.b, compression)?;
     }
     if !arguments.each_kind {
         files::writes([&*arguments.b])?;

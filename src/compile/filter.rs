@@ -4,11 +4,12 @@ use std::fmt::Write as _;
 
 use super::{
     decided::Decided,
-    linear_form::{LinearForm, step},
+    linear_form::LinearForm,
     plan::StoreErrors,
     solve::{FINE, Solved, fine},
+    wired::{Extent, wired},
 };
-use crate::isa::{Analog, Device, Direction, Figure, Primitive, Source, Target};
+use crate::isa::{Analog, Device, Figure, Primitive, Source, Target};
 
 /// A filter in instruction words.
 #[derive(Clone, Debug)]
@@ -129,53 +130,20 @@ fn exact_within(solved: &Solved, unit: i64, device: &Device) -> f64 {
     most.fold(high, f64::min).max(0.0)
 }
 
-/// The pixels on the way of a value, as a box round its own: the northmost, southmost, westmost and
-/// eastmost.
-type Way = [i32; 4];
-
 /// How far from the pixel the ways of the results go: farther from the border all of them are on
 /// the array.
 fn from_border(words: &[Primitive], results: &[Analog], device: &Device) -> usize {
-    let news = usize::from(device.news().0);
-    let mut held: Vec<Way> = vec![[0; 4]; device.registers().analog.len()];
-    let moved = |way: Way, (y, x): (i32, i32)| [way[0] + y, way[1] + y, way[2] + x, way[3] + x];
-    let place = |direction: Direction| {
-        let (y, x) = step(Some(direction));
-        (i32::from(y), i32::from(x))
-    };
-    let joined = |a: Way, b: Way| {
-        [
-            a[0].min(b[0]),
-            a[1].max(b[1]),
-            a[2].min(b[2]),
-            a[3].max(b[3]),
-        ]
-    };
-    for word in words {
-        let Primitive::Bus { targets, sources } = word else {
-            continue;
-        };
-        let read = sources.iter().map(|source| match source {
-            Source::Register(register) => held[usize::from(register.0)],
-            Source::Neighbour(direction) => moved(held[news], place(*direction)),
-            Source::Pix | Source::In => [0; 4],
-        });
-        let way = read.fold([0; 4], joined);
-        for target in targets {
-            match target {
-                Target::Register(register) => held[usize::from(register.0)] = way,
-                // What lies in NEWS came from the other side.
-                Target::Neighbour(direction) => {
-                    let came = moved(way, place(direction.opposite()));
-                    held[news] = joined(came, [0; 4]);
-                }
-            }
+    let pixel = Extent::default();
+    let mut held = vec![pixel; device.registers().analog.len()];
+    for word in wired(words, device) {
+        let read = { word.sources.iter() }.map(|(cell, at)| held[*cell].moved(*at));
+        let way = read.fold(pixel, Extent::joined);
+        for (cell, at) in word.targets {
+            held[cell] = way.moved((-at.0, -at.1)).joined(pixel);
         }
     }
-    let ways = results.iter().flat_map(|it| held[usize::from(it.0)]);
-    ways.map(|far| far.unsigned_abs() as usize)
-        .max()
-        .unwrap_or(0)
+    let far = results.iter().map(|it| held[usize::from(it.0)].farthest());
+    far.max().unwrap_or(0) as usize
 }
 
 /// The transfer error that is left in each of `results`, in errors of one store, for an input

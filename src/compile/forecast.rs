@@ -20,7 +20,7 @@
 
 use super::{
     filter::Filter,
-    wired::{Wired, wired},
+    wired::{Extent, Wired, wired},
 };
 use crate::{
     elementary::{exp, hypot},
@@ -79,6 +79,9 @@ pub struct Forecast {
 }
 
 impl Forecast {
+    /// Below this correlation nothing comes out.
+    pub const NOTHING: f64 = 0.02;
+
     /// Takes the constant for noise: the correlation becomes that of values round zero.
     pub(super) fn count_offset(&mut self) {
         let all = hypot(hypot(self.signal, self.noise), self.offset);
@@ -194,32 +197,15 @@ struct Stored {
 /// How far from its pixel the inputs lie that a register may hold. The fields hold twice that,
 /// since a value may first be moved away and then back.
 fn reach(words: &[Wired], cells: usize) -> i32 {
-    // The box of places, as the extremes of rows and of columns; a constant counts as an input.
-    type Extremes = [i32; 4];
-    let moved = |[top, bottom, left, right]: Extremes, (y, x): (i32, i32)| -> Extremes {
-        [top + y, bottom + y, left + x, right + x]
-    };
-    let mut boxes: Vec<Extremes> = vec![[0; 4]; cells];
+    // A constant counts as an input.
+    let mut held = vec![Extent::default(); cells];
     let mut most = 0;
     for word in words {
-        let own = word
-            .sources
-            .iter()
-            .map(|(cell, at)| moved(boxes[*cell], *at));
-        let joined = own.reduce(|a, b| {
-            [
-                a[0].min(b[0]),
-                a[1].max(b[1]),
-                a[2].min(b[2]),
-                a[3].max(b[3]),
-            ]
-        });
+        let own = { word.sources.iter() }.map(|(cell, at)| held[*cell].moved(*at));
+        let own = own.reduce(Extent::joined).unwrap_or_default();
         for (cell, at) in &word.targets {
-            let stored = moved(joined.unwrap_or_default(), (-at.0, -at.1));
-            boxes[*cell] = stored;
-            most = stored
-                .iter()
-                .fold(most, |most: i32, end| most.max(end.abs()));
+            held[*cell] = own.moved((-at.0, -at.1));
+            most = most.max(held[*cell].farthest());
         }
     }
     most
@@ -239,17 +225,17 @@ pub(super) fn forecasts(
     let words = wired(words, device);
     let kernel_reach = kernels.iter().map(|k| k.reach().0.max(k.reach().1));
     let half = reach(&words, cells).max(kernel_reach.max().unwrap_or(0) as i32);
-    let blank = Field::new(2 * half + 1);
+    let wide = 2 * half + 1;
     let variance = signal.amplitude * signal.amplitude / 3.0;
     // Forwards.
-    let mut forms = vec![blank.clone(); cells];
+    let mut forms = vec![Field::new(wide); cells];
     let mut levels = vec![0.0; cells];
     let start = usize::from(input.0);
-    forms[start] = Field::one(blank.reach);
+    forms[start] = Field::one(wide);
     levels[start] = signal.mean;
     let mut stores: Vec<Vec<Stored>> = Vec::with_capacity(words.len());
     for word in &words {
-        let mut bus = blank.clone();
+        let mut bus = Field::new(wide);
         let mut level = 0.0;
         for (cell, place) in &word.sources {
             bus.add(&forms[*cell], *place, 1.0);
@@ -265,7 +251,7 @@ pub(super) fn forecasts(
         let clipped = limited(mean, slope * spread, slope * most, errors.range);
         let mut own = Vec::with_capacity(word.targets.len());
         for (cell, place) in &word.targets {
-            let mut form = blank.clone();
+            let mut form = Field::new(wide);
             let opposite = (-place.0, -place.1);
             form.add(&bus, opposite, -slope * clipped.kept / count);
             forms[*cell] = form;
@@ -285,13 +271,13 @@ pub(super) fn forecasts(
         errors,
         words: &words,
         stores: &stores,
-        blank: &blank,
+        wide,
         cells,
     };
     let one = |(result, kernel): (&Analog, &Kernel)| {
         let cell = usize::from(result.0);
         let (temporal, other) = backwards.variances(cell);
-        let exact = exact(kernel, &blank);
+        let exact = exact(kernel, wide);
         let form = &forms[cell];
         let own = form.power() * variance;
         let both = exact.dot(form);
@@ -319,8 +305,8 @@ pub(super) fn forecasts(
 }
 
 /// A kernel as a field.
-fn exact(kernel: &Kernel, blank: &Field) -> Field {
-    let mut field = blank.clone();
+fn exact(kernel: &Kernel, wide: i32) -> Field {
+    let mut field = Field::new(wide);
     let (rows, columns) = kernel.reach();
     let weights: &Plane<f64> = kernel.weights();
     for ((y, x), weight) in weights.indexed_iter() {
@@ -335,7 +321,8 @@ struct Backwards<'a> {
     errors: Errors,
     words: &'a [Wired],
     stores: &'a [Vec<Stored>],
-    blank: &'a Field,
+    /// The reach of its fields.
+    wide: i32,
     cells: usize,
 }
 
@@ -344,17 +331,17 @@ impl Backwards<'_> {
     fn variances(&self, result: usize) -> (f64, f64) {
         let errors = self.errors;
         let mut adjoint: Vec<Option<Field>> = vec![None; self.cells];
-        adjoint[result] = Some(Field::one(self.blank.reach));
+        adjoint[result] = Some(Field::one(self.wide));
         let (mut temporal, mut other) = (0.0, 0.0);
-        let mut gains = vec![self.blank.clone(); self.cells];
-        let mut offsets = vec![self.blank.clone(); self.cells];
-        let mut splits = vec![self.blank.clone(); 2];
+        let mut gains = vec![Field::new(self.wide); self.cells];
+        let mut offsets = vec![Field::new(self.wide); self.cells];
+        let mut splits = vec![Field::new(self.wide); 2];
         let (slope, apart) = (-errors.gain(0.0), errors.apart());
         for (word, stores) in self.words.iter().zip(self.stores).rev() {
-            let mut bus = self.blank.clone();
+            let mut bus = Field::new(self.wide);
             let count = stores.len() as f64;
             let mut moving = 0.0;
-            let mut uneven = vec![self.blank.clone(); stores.len().saturating_sub(1).min(2)];
+            let mut uneven = vec![Field::new(self.wide); stores.len().saturating_sub(1).min(2)];
             let taken: Vec<_> = stores.iter().map(|s| adjoint[s.cell].take()).collect();
             let mut read = false;
             for (part, (stored, field)) in stores.iter().zip(taken).enumerate() {
@@ -393,7 +380,7 @@ impl Backwards<'_> {
             }
             for (cell, place) in &word.sources {
                 adjoint[*cell]
-                    .get_or_insert_with(|| self.blank.clone())
+                    .get_or_insert_with(|| Field::new(self.wide))
                     .add(&bus, *place, 1.0);
             }
         }
@@ -452,8 +439,25 @@ impl Filter {
         forecasts(&self.words, device, (input, results), kernels, signal)
     }
 
-    /// The signal round zero of [`Signal::AMPLITUDES`] of which most is predicted to come out, by the
-    /// worst result.
+    /// The same at the amplitude of [`Signal::AMPLITUDES`] at which the worst result is best.
+    #[must_use]
+    pub fn best_forecast(
+        &self,
+        device: &Device,
+        (input, results): (Analog, &[Analog]),
+        kernels: &[Kernel],
+    ) -> Vec<Forecast> {
+        let tried = Signal::AMPLITUDES.map(|amplitude| {
+            let signal = Signal::around_zero(amplitude);
+            self.forecast(device, (input, results), kernels, signal)
+        });
+        let best = tried
+            .into_iter()
+            .max_by(|a, b| worst(a).total_cmp(&worst(b)));
+        best.unwrap_or_default()
+    }
+
+    /// The signal of [`best_forecast`](Self::best_forecast).
     #[must_use]
     pub fn best_signal(
         &self,
@@ -461,27 +465,8 @@ impl Filter {
         registers: (Analog, &[Analog]),
         kernels: &[Kernel],
     ) -> Signal {
-        let tried = Signal::AMPLITUDES.map(|amplitude| {
-            let signal = Signal::around_zero(amplitude);
-            (
-                signal,
-                worst(&self.forecast(device, registers, kernels, signal)),
-            )
-        });
-        let best = tried.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
-        best.map_or(Signal::around_zero(1.0), |(signal, _)| signal)
-    }
-
-    /// The forecast for [`best_signal`](Self::best_signal).
-    #[must_use]
-    pub fn best_forecast(
-        &self,
-        device: &Device,
-        registers: (Analog, &[Analog]),
-        kernels: &[Kernel],
-    ) -> Vec<Forecast> {
-        let signal = self.best_signal(device, registers, kernels);
-        self.forecast(device, registers, kernels, signal)
+        let best = self.best_forecast(device, registers, kernels);
+        Signal::around_zero(best.first().map_or(1.0, |it| it.amplitude))
     }
 }
 

@@ -45,9 +45,6 @@ const EQUAL_DB: f64 = 0.25;
 /// Below this correlation a plan is worth more words than [`slack`] allows.
 const ENOUGH: f64 = 0.95;
 
-/// Below this correlation nothing comes out.
-const NOTHING: f64 = 0.02;
-
 /// A request as the choice sees it.
 pub(super) struct Survival<'a> {
     pub(super) request: &'a Request<'a>,
@@ -118,7 +115,7 @@ impl Survival<'_> {
                 return Ok(other);
             }
         }
-        if best.correlation() < NOTHING && self.goals.iter().any(|goal| !goal.is_zero()) {
+        if best.correlation() < Forecast::NOTHING && self.goals.iter().any(|goal| !goal.is_zero()) {
             let first = best.forecasts.first().copied().unwrap_or_default();
             return Err(CompileError::Nothing {
                 correlation: best.correlation(),

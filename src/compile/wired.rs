@@ -8,6 +8,33 @@ pub(super) struct Wired {
     pub(super) sources: Vec<(usize, (i32, i32))>,
 }
 
+/// The box round a pixel in which places lie: the northmost, southmost, westmost and eastmost. At
+/// first the pixel alone.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Extent([i32; 4]);
+
+impl Extent {
+    pub(super) const fn moved(self, (y, x): (i32, i32)) -> Self {
+        let [top, bottom, left, right] = self.0;
+        Self([top + y, bottom + y, left + x, right + x])
+    }
+
+    pub(super) fn joined(self, other: Self) -> Self {
+        let (a, b) = (self.0, other.0);
+        Self([
+            a[0].min(b[0]),
+            a[1].max(b[1]),
+            a[2].min(b[2]),
+            a[3].max(b[3]),
+        ])
+    }
+
+    /// How far from the pixel they come.
+    pub(super) fn farthest(self) -> i32 {
+        self.0.iter().fold(0, |most, end| most.max(end.abs()))
+    }
+}
+
 fn place(direction: Direction) -> (i32, i32) {
     let (y, x) = direction.step();
     (y as i32, x as i32)

@@ -207,6 +207,12 @@ impl Kernel {
         (height / 2, width / 2)
     }
 
+    /// Whether all weights are 0.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        self.weights.iter().all(|weight| *weight == 0.0)
+    }
+
     /// The response to uniform light.
     #[must_use]
     pub fn sum(&self) -> f64 {

@@ -5,17 +5,14 @@ use std::fmt::Write as _;
 use serde_json::json;
 
 use super::{Arguments, Asked, bare, on_chip::OnChip};
-use crate::{compile::Signal, isa::Device};
+use crate::isa::Device;
 
 /// Prints the front of a filter.
 pub(super) fn print(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<()> {
     let request = bare(arguments, asked, device)?;
-    let registers = (request.input, &request.into[..]);
     let mut rows = Vec::new();
     for filter in request.front()? {
-        let signal = asked.input.map(Signal::from_range);
-        let signal =
-            signal.unwrap_or_else(|| filter.best_signal(device, registers, &asked.kernels));
+        let signal = asked.signal(&filter, &request);
         let worst = OnChip::run(&filter, device, &request.into, signal)?
             .into_iter()
             .min_by(|a, b| a.kept().total_cmp(&b.kept()));

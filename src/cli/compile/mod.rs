@@ -244,6 +244,14 @@ struct Asked {
 }
 
 impl Asked {
+    /// The input that a filter alone is run on: that which was given, else the one of which most is
+    /// predicted to come out.
+    fn signal(&self, filter: &Filter, request: &Request<'_>) -> Signal {
+        let registers = (request.input, &request.into[..]);
+        let best = || filter.best_signal(request.device, registers, &self.kernels);
+        self.input.map_or_else(best, Signal::from_range)
+    }
+
     /// What the program is to remember.
     fn remembered(&self, arguments: &Arguments) -> miette::Result<DriveMemory> {
         let asked = arguments.memory.map(|memory| memory.0);
@@ -374,10 +382,12 @@ fn bare<'a>(
 fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
     let request = bare(arguments, asked, device)?;
     let filter = request.filter()?;
-    let registers = (request.input, &request.into[..]);
-    let signal = asked.input.map(Signal::from_range);
-    let signal = signal.unwrap_or_else(|| filter.best_signal(device, registers, &asked.kernels));
-    let on_chip = OnChip::run(&filter, device, &request.into, signal)?;
+    let on_chip = OnChip::run(
+        &filter,
+        device,
+        &request.into,
+        asked.signal(&filter, &request),
+    )?;
     let text = filter.text(device, 0);
     let scale = 2f64.powi(-(filter.prescale as i32));
     let (low, high) = asked.input.unwrap_or((0.0, 127.5));
@@ -445,8 +455,7 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
 
 /// Refuses kernels of zeros: no light makes them fire.
 fn check_weights(kernels: &[Kernel]) -> miette::Result<()> {
-    let is_zero = |kernel: &Kernel| kernel.weights().iter().all(|weight| *weight == 0.0);
-    match kernels.iter().position(is_zero) {
+    match kernels.iter().position(Kernel::is_zero) {
         Some(at) => Err(miette!(
             help = "give it a weight; few values (--to ternary) can round all of them to 0",
             "kernel {at} has no weight but 0: no light gives an event"

@@ -8,15 +8,12 @@ use crate::{
         range::{Inputs, Interval},
         survival::{Analogue, Survival, survival},
     },
-    compile::{Filter, Signal},
+    compile::{Filter, Forecast, Signal},
     isa::{Analog, Cell, Device},
     kernel::Kernel,
     program::{Overrides, Program},
     unit::Lsb,
 };
-
-/// Below this correlation nothing comes out.
-const NOTHING: f64 = 0.02;
 
 /// A chip to run on; others differ in which pixels are off by how much.
 const SEED: u64 = 0;
@@ -99,10 +96,9 @@ impl OnChip {
 impl Compiled {
     /// What to know before a program is taken of which next to nothing comes out of the chip.
     pub(super) fn warning(&self, kernels: &[Kernel]) -> Option<String> {
-        let is_asked = |kernel: &Kernel| kernel.weights().iter().any(|weight| *weight != 0.0);
-        let asked = { self.on_chip.iter().zip(kernels) }.filter(|(_, kernel)| is_asked(kernel));
+        let asked = { self.on_chip.iter().zip(kernels) }.filter(|(_, kernel)| !kernel.is_zero());
         let worst = asked.map(|(it, _)| it.kept()).fold(1.0, f64::min);
-        (worst < NOTHING).then(|| {
+        (worst < Forecast::NOTHING).then(|| {
             format!(
                 "warning: next to nothing of the kernel comes out of the chip, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take fewer digits (--to), or leave --objective out\n"
             )

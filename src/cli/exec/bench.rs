@@ -201,13 +201,15 @@ impl<'a> Bench<'a> {
         // A host that decides looks for one pixel after the other, and knows what it leaves.
         if !self.opened.decides {
             // A program that reads no events out, and a single frame, have none to miss.
-            let is_dark =
-                self.arguments.image.is_none() && self.opened.program.settings.image.is_none();
-            let is_empty = packet.events.is_empty() && packet.dropped.no_slot == 0;
-            if chip.ledger().slots > 0 && frames > 1 && is_dark && is_empty {
-                guard.warn(Warning::in_the_dark(program, frames));
-            } else if chip.ledger().slots > 0 && frames > 1 {
-                guard.packet(program, packet);
+            if chip.ledger().slots > 0 && frames > 1 {
+                let is_dark =
+                    self.arguments.image.is_none() && self.opened.program.settings.image.is_none();
+                let is_empty = packet.events.is_empty() && packet.dropped.no_slot == 0;
+                if is_dark && is_empty {
+                    guard.warn(Warning::in_the_dark(program, frames));
+                } else {
+                    guard.packet(program, packet);
+                }
             } else if packet.dropped.no_slot > 0 {
                 let kept = packet.events.len() as u64;
                 guard.warn(Warning::slots(program, packet.dropped.no_slot, kept));

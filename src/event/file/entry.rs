@@ -4,7 +4,7 @@ use std::{fmt, io, path::Path};
 
 use super::{
     chunks::Chunks,
-    fault::Stop,
+    fault::{FileError, Stop},
     format::{Format, formats},
     head::{Compression, Head},
     origin::Origin,
@@ -154,10 +154,19 @@ impl Format {
         self.entry().readers
     }
 
-    /// Whether it takes a [`Compression`]; others are written in one way.
-    #[must_use]
-    pub const fn compresses(self) -> bool {
-        self.entry().compresses
+    /// Refuses a compression that was asked for of a format that is written in one way.
+    ///
+    /// # Errors
+    /// [`FileError::OneWay`].
+    pub fn check_compression(self, path: &Path, compression: Compression) -> Result<(), FileError> {
+        if self.entry().compresses {
+            return Ok(());
+        }
+        Err(FileError::OneWay {
+            path: path.to_owned(),
+            format: self,
+            compression,
+        })
     }
 
     /// Whether this build reads and writes it: some are features of the crate.

@@ -48,12 +48,9 @@ impl Writer {
             let path = path.to_owned();
             return Err(FileError::NotBuilt { path, format });
         };
-        if compression != Compression::default() && !entry.compresses {
-            return Err(FileError::OneWay {
-                path: path.to_owned(),
-                format,
-                compression,
-            });
+        // Who leaves it open has the default, which says nothing of this format.
+        if compression != Compression::default() {
+            format.check_compression(path, compression)?;
         }
         let mut sink = (streams.sink)(head, compression).map_err(|cause| {
             let path = std::env::temp_dir();

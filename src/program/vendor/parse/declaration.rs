@@ -68,7 +68,7 @@ impl Parser<'_> {
             let lengths = self.read_lengths()?;
             let mut declared = of.declares(name, place);
             declared.lengths.splice(0..0, lengths);
-            let draws = Random::named(last(&declared.of)).is_some();
+            let draws = draws(&declared);
             if self.take("=") || self.sees("{") {
                 let value = self.assignment()?;
                 declared.value = Some(match value.node {
@@ -241,7 +241,6 @@ impl Parser<'_> {
                 ));
             }
         }
-        let draws = Random::named(last(&it.of)).is_some();
         let number = it.kind != Kind::Any || matches!(&*it.of, "scamp5_kernel" | "auto");
         it.value = match (it.library, given.len()) {
             (true, 1) => {
@@ -250,7 +249,7 @@ impl Parser<'_> {
             }
             (true, 2) => Some(made(FILLED, given, place)),
             _ if number || it.pointer => given.into_iter().next(),
-            _ if draws => Some(made(&it.of, given, place)),
+            _ if draws(it) => Some(made(&it.of, given, place)),
             // An object of the language's library: its name stands for it.
             _ => {
                 let node = ExprNode::Text(it.of.clone());
@@ -273,6 +272,11 @@ pub(super) enum Pointed {
     Array,
     /// It is another name of an array.
     Reference,
+}
+
+/// Whether it draws random numbers.
+fn draws(it: &Declared) -> bool {
+    Random::named(last(&it.of)).is_some()
 }
 
 /// An object of a class, made of these.
