@@ -192,6 +192,13 @@ fn a_loop_that_a_variable_ends() {
 fn posts_places_and_ends() {
     let text = posts("vs_post_text(\"%d %s %g %g\", k, 3, 1e-7, 1e10);", 1, &[]);
     assert_eq!(text, ["0 ? 1e-07 1e+10"]);
+    // Halves are rounded to even, as the C library does.
+    let text = posts(
+        "vs_post_text(\"%.1f %.1f %.0f %.0f %6.2f\", 0.25, 0.75, 2.5, 3.5, -1.005);",
+        1,
+        &[],
+    );
+    assert_eq!(text, ["0.2 0.8 2 4  -1.00"]);
     let folder = tempfile::tempdir().unwrap();
     let light = Array3::from_elem((5, 16, 16), 20u8);
     light

@@ -439,6 +439,13 @@ fn functions_of_plain_classes() {
          Box c[2] = {{1, 2}, {3, 9}}; scamp5_in(A, c[1].width()); scamp5_in(A, sizeof(Box) + sizeof(c) / sizeof(c[0]));",
         &[10, 0, 12, 5, 1, 25, 7, 10],
     );
+    // What is static has no object; the data of the others stay known.
+    numbers_with(
+        "struct C { int gain; int thr; static int most() { return 9; } static int half(int x) { return x / 2; } };\n\
+         C c = {2, 40};",
+        "scamp5_in(A, c.thr); scamp5_in(A, C::most()); scamp5_in(A, c.half(c.gain)); scamp5_in(A, C::half(8));",
+        &[40, 9, 1, 4],
+    );
 }
 
 #[test]
@@ -530,6 +537,12 @@ fn smaller_constructs() {
     ] {
         refused_for(inside, "is out of bounds: `a`");
     }
+    numbers(
+        "std::vector<std::vector<int>> v(2, std::vector<int>(3, 7)); scamp5_in(A, v[1][2]);\n\
+         v[0][1] = 4; scamp5_in(A, v[0][1] + v[1][1]); scamp5_in(A, v[0].size());\n\
+         std::vector<int> w = std::vector<int>(4); scamp5_in(A, w[3] + w.size());",
+        &[7, 11, 3, 4],
+    );
     refused_for("none = 3; nop();", "`none` is not stated");
     // One fault, not one of the body as well.
     for inside in ["ADD(A);", "scamp5_in(A, ADD(1));"] {
@@ -650,6 +663,11 @@ fn sliders_are_settings_with_defaults() {
     );
     let found = expand(text, &[]).unwrap().constants;
     assert_eq!((found["t"], found["on"], found["rate"]), (12.0, 0.0, 4.0));
+    // What a type does not hold is refused.
+    let refused = |text: &str, set: (&str, f64)| expand(text, &[set]).unwrap_err().to_string();
+    assert!(refused(text, ("t", 2.5)).contains("`t` is set to 2.5, of which its type makes 2"));
+    let narrow = "int8_t level = 3;\nint main() { scamp5_in(A, level); }";
+    assert!(refused(narrow, ("level", 300.0)).contains("its type makes 44"));
     assert!(
         expand(text, &[("s", 1.0)])
             .unwrap_err()
@@ -701,6 +719,39 @@ fn what_is_shown_and_read() {
         "uint8_t off1[9]; scamp5_scan_events(R5, off1, 4, 1);",
         "scamp5_scan_events(R5, off1, 4, 1);",
     );
+    // A word of a buffer's name says which events it takes.
+    for (name, takes) in [
+        ("ev_off", "off"),
+        ("eventsNeg", "off"),
+        ("OFF_EVENTS", "off"),
+        ("falling3", "off"),
+        ("offsets", "on"),
+        ("officer", "off"),
+        ("ev_on", "on"),
+        ("negate", "on"),
+    ] {
+        same(
+            &format!("uint8_t {name}[20]; scamp5_scan_events(R5, {name}, 10);"),
+            &format!("scamp5_scan_events(R5, {takes}, 10);"),
+        );
+    }
+    // A variable of the name of a buffer is another thing.
+    same(
+        "const bool on = true; bool off = false; vs_gui_add_switch(\"off\", false, &off); uint8_t e[20];\n\
+         scamp5_scan_events(R5, e, 10); scamp5_in(A, on + off);",
+        "scamp5_scan_events(R5, on, 10); scamp5_in(A, 1);",
+    );
+    let text = "int main() { uint8_t a[20], b[20], b_off[20]; scamp5_scan_events(R5, a, 10);\n\
+                scamp5_scan_events(R6, b, 10); scamp5_scan_events(R7, b_off, 10); }";
+    let warned = expand(text, &[]).unwrap().warnings;
+    assert!(
+        matches!(&warned[..], [one] if one.message == "the events of `a` and `b` are taken for one kind"),
+        "{warned:?}"
+    );
+    // What is only printed decides nothing, now and then or always.
+    let text = "uint8_t ev[200];\nint main() { int n = 0; while (1) { vs_frame_loop_control();\n\
+                scamp5_scan_events(R5, ev, 100); if (n % 10 == 0) vs_post_text(\"%d\", ev[0]); n++; } }";
+    whole(text, "scamp5_scan_events(R5, on, 100);");
     same(
         "scamp5_output_events(R5, 0, 10);",
         "scamp5_scan_events(R5, on, 10);",

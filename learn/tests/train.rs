@@ -86,11 +86,14 @@ fn one_batch_is_learned_by_heart() {
     }
 }
 
-/// The gradient of the loss is its difference.
+/// The gradient of each loss is its difference.
 #[test]
 fn losses_fall_where_their_gradient_says() {
-    for goal in ["interpolation", "flow"] {
-        let task = task(&text(goal, "\"dvs\""));
+    let goals = ["interpolation", "flow"];
+    let all = goals.map(|goal| ["charbonnier", "l1"].map(|loss| (goal, loss)));
+    let mut means = Vec::new();
+    for (goal, loss) in all.into_iter().flatten() {
+        let task = task(&format!("loss = {loss:?}\n{}", text(goal, "\"dvs\"")));
         let clips = clips(&task);
         let batch = Batch::new(&clips, 0..2);
         let network = Network::<f32>::new(task.plan(&task.arms[0]), batch.size(), 2);
@@ -110,6 +113,7 @@ fn losses_fall_where_their_gradient_says() {
                 *value += step;
             }
         }
+        means.push(loss.mean);
         let moved = Loss::new(&task, shape, &batch, &answers).mean - loss.mean;
         let want = f64::from(asked * step);
         assert!(
@@ -117,6 +121,42 @@ fn losses_fall_where_their_gradient_says() {
             "{goal}: {moved} {want}"
         );
     }
+    // An error that is rounded off at 0 is larger than itself, by the thousandth at most.
+    for pair in means.chunks(2) {
+        let more = pair[0] - pair[1];
+        assert!(more > 0.0 && more <= 1e-3, "{means:?}");
+    }
+}
+
+#[test]
+fn what_is_seen_is_what_the_task_says() {
+    let usual = task(&text("interpolation", "\"dvs\"")).scenes.motion;
+    assert_eq!(
+        usual,
+        Motion {
+            pan: [0.2, 1.0],
+            ..Motion::default()
+        }
+    );
+    let keys =
+        "pan = 1\nturn = 0\nzoom = 0\nshear = 0\ngain = [1, 1]\ngamma = [1, 2]\noccluded = 0";
+    let own = text("interpolation", "\"dvs\"").replace("pan = 1", keys);
+    let own = task(&own);
+    assert_eq!(
+        own.scenes.motion,
+        Motion {
+            pan: [0.2, 1.0],
+            turn: 0.0,
+            zoom: 0.0,
+            shear: 0.0,
+            occluder: 0.0,
+            gain: [1.0; 2],
+            gamma: [1.0, 2.0],
+        }
+    );
+    // All of a clip then moves alike.
+    let flow = clips(&own).clip(0).flow.unwrap();
+    assert!(flow.u.iter().all(|u| (u - flow.u[[0, 0]]).abs() < 1e-5));
 }
 
 fn trained(threads: usize, arm: &str) -> State {
@@ -762,6 +802,13 @@ fn what_cannot_be_trained_says_why() {
         ("crop = 16", "crop = 17", "not a multiple of 2"),
         ("steps = 12", "stepps = 12", "steps"),
         ("pan = 1", "frames = 8", "none in the middle"),
+        (
+            "pan = 1",
+            "gain = [1.2, 0.7]",
+            "`gain` is the least and the most",
+        ),
+        ("pan = 1", "gamma = [1]", "gamma"),
+        ("steps = 12", "loss = \"l2\"\nsteps = 12", "charbonnier"),
         (
             "pan = 1",
             "video = \"a.mp4\"\nphotographs = \"b\"",

@@ -203,6 +203,11 @@ def forward(
     seed: int,
     phase: float | None,
 ) -> Seen: ...
+def learned_text(
+    sensor: Sensor,
+    parameters: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]],
+    name: str | None,
+) -> str: ...
 def check_room(what: str, bytes: int, help: str) -> None: ...
 def voxels(
     npy: bytes, size: tuple[int, int] | None, channels: int, how: Voxels, end: int | None

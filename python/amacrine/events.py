@@ -34,14 +34,17 @@ RANGES = {"t": (0, (1 << 63) - 1), "x": (0, 65535), "y": (0, 65535), "channel": 
 
 
 class NamedEvents(np.ndarray[Any, np.dtype[np.void]]):
-    """Events whose kinds of cells have names: those of a file that says them. Parts of it know them,
-    too; :func:`amacrine.write` writes them."""
+    """Events of a sensor whose size is known, or whose kinds of cells have names: those of a file that
+    says them. Parts of it know them, too; :func:`amacrine.write` writes them."""
 
     names: list[str] | None = None
     """What the kinds of cells are called, in the order of their numbers."""
+    sensor_size: tuple[int, int] | None = None
+    """Height and width of the sensor."""
 
     def __array_finalize__(self, of: Any) -> None:
         self.names = getattr(of, "names", None)
+        self.sensor_size = getattr(of, "sensor_size", None)
 
     def __getitem__(self, key: Any) -> Any:
         found = super().__getitem__(key)
@@ -50,15 +53,17 @@ class NamedEvents(np.ndarray[Any, np.dtype[np.void]]):
         return found.view(np.ndarray) if plain else found
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return named, (self.view(np.ndarray), self.names)
+        return named, (self.view(np.ndarray), self.names, self.sensor_size)
 
 
-def named(events: Events, names: list[str] | None) -> Events:
-    """The same events, with the names of their kinds of cells where there are any."""
-    if not names:
+def named(events: Events, names: list[str] | None, size: tuple[int, int] | None) -> Events:
+    """The same events, with the names of their kinds of cells and the size of their sensor, where they
+    are known."""
+    if not names and size is None:
         return events
     known = events.view(NamedEvents)
-    known.names = list(names)
+    known.names = list(names) if names else None
+    known.sensor_size = size
     return known
 
 
@@ -234,7 +239,7 @@ def voxels(
         _placed(events, size), size, count, how, until
     )
     one = voxel.shape(how, (height, width), kinds, polarity)
-    return flat.reshape(-1, *one).astype(number, copy=False)
+    return voxel.narrowed(flat, number).reshape(-1, *one)
 
 
 def time_surfaces(

@@ -68,13 +68,14 @@ def read(
         size: Height and width of the sensor, where the file does not say them.
 
     Returns:
-        A structured array as :meth:`Sensor.events` gives it. Where the file says what its kinds of
-        cells are called, so does the array: ``.names``, which :func:`write` writes.
+        A structured array as :meth:`Sensor.events` gives it. Where the file says how large its
+        sensor is and what its kinds of cells are called, so does the array: ``.sensor_size`` and
+        ``.names``, which :func:`write` writes.
     """
     records, channels, text = _read(path, format, size)
     events, about = view(records, channels), _about(text)
     check_addresses(path, events, about.size)
-    return named(events, about.names)
+    return named(events, about.names, about.size if about.size_known else None)
 
 
 def _read(path: Any, format: Any, size: Any) -> tuple[npt.NDArray[np.uint8], int, str]:
@@ -107,8 +108,8 @@ def write(
         path: The file.
         events: A structured array, or a pandas data frame, with the fields t (us), x, y, p and, of
             several kinds of cells, channel; integers of any width, in any order.
-        size: Height and width of the sensor; the smallest that holds the events where it is left
-            out.
+        size: Height and width of the sensor; where it is left out, that of the sensor or the file
+            that the events are of, else the smallest that holds them.
         channels: Kinds of cells, where some said nothing.
         names: What the kinds of cells are called, one for each; those that :func:`read` found where
             they are left out. Formats without a place for them leave them out.
@@ -118,8 +119,9 @@ def write(
     What a format cannot hold is an :class:`Error`, never clipped or flattened.
     """
     place, kinds = arguments.size(size), arguments.kinds(channels)
-    if names is None and isinstance(events, NamedEvents):
-        names = events.names
+    if isinstance(events, NamedEvents):
+        names = events.names if names is None else names
+        place = events.sensor_size if place is None else place
     called = [] if names is None else arguments.names("names", names)
     if called and kinds is not None and kinds != len(called):
         raise Error(
@@ -165,6 +167,7 @@ def compare(
         identical packet and accident. ``docs/ruler.md`` has them all.
     """
     window, place = arguments.micros("within", within), arguments.size(size)
+    _check_kinds(reference, judged)
     text = _amacrine.compare(
         _side(reference, "the reference", place),
         _side(judged, "the judged", place),
@@ -175,6 +178,26 @@ def compare(
         arguments.whole("seed", seed),
     )
     return Answer.parse(text, rows="curve")
+
+
+def _check_kinds(reference: Packet, judged: Packet) -> None:
+    """Refuses kinds of cells against none, of arrays, which do not say how many there are."""
+
+    def several(packet: Packet, other: Packet) -> bool | None:
+        if not isinstance(packet, (str, PathLike)):
+            fields = getattr(packet, "columns", getattr(packet, "dtype", None))
+            return "channel" in (getattr(fields, "names", None) or list(fields or ()))
+        # Files say it themselves to each other.
+        between = isinstance(other, (str, PathLike))
+        return None if between else about(packet).channels > 1
+
+    both = several(reference, judged), several(judged, reference)
+    if both in ((True, False), (False, True)):
+        one, other = ("several kinds", "one kind") if both[0] else ("one kind", "several kinds")
+        raise Error(
+            f"the reference has {one} of cells, the judged packet {other}\n"
+            "help: judge one kind at a time, such as events[events['channel'] == 0] without the field"
+        )
 
 
 def _side(

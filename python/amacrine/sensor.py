@@ -95,7 +95,7 @@ class EventSensor(ABC):
 
         def watch(b: int) -> tuple[Events, Said]:
             run = self._watch(given.size, fps, given.scale)
-            events = named(view(run.events(given.clip(b)), kinds), called)
+            events = named(view(run.events(given.clip(b)), kinds), called, given.size)
             return events, run.warnings(self.name)
 
         seen = _all(given, watch)
@@ -186,7 +186,7 @@ class EventSensor(ABC):
                 return run.warnings(self.name)
 
             caution_of(_all(given, watch))
-            cast = out.astype(number, copy=False)
+            cast = voxel.narrowed(out, number)
             return cast if given.batched else cast[0]
         seconds = max(given.frames - 1, 0) / fps
         length = seconds or 1.0 if window is None else window
@@ -200,7 +200,7 @@ class EventSensor(ABC):
             clip = given.clip(b)
             parts = (clip[n : n + PART] for n in range(0, len(clip), PART))
             for to, values in zip(shared[b], _windows(run, parts, how, (size, kinds), fps)):
-                to[...] = values.reshape(one)
+                to[...] = voxel.narrowed(values, number).reshape(one)
             return run.warnings(self.name)
 
         caution_of(_all(given, bin))
@@ -255,10 +255,10 @@ class EventSensor(ABC):
                     opened = _amacrine.Stream(how, size, len(self.channels))
                     one = voxel.shape(how, size, len(self.channels), polarity)
                 for values in run.windows(clip[n : n + PART], opened):
-                    yield values.reshape(one).astype(number, copy=False)
+                    yield voxel.narrowed(values, number).reshape(one)
         if opened is not None:
             for values in opened.rest(round(max(stream.seen - 1, 0) / stream.fps * 1e6)):
-                yield values.reshape(one).astype(number, copy=False)
+                yield voxel.narrowed(values, number).reshape(one)
         stream._caution(over=True)
 
     def stream(self, fps: float, *, scale: float | None = None) -> Stream:
@@ -303,8 +303,9 @@ class Stream:
     def _events(self, frames: Any) -> Events:
         run, clip = self._next(frames)
         check_side((clip.shape[1], clip.shape[2]))
+        size = clip.shape[1], clip.shape[2]
         events = view(run.events(clip), len(self._sensor.channels))
-        return named(events, self._sensor._called)
+        return named(events, self._sensor._called, size)
 
     def counts(self, frames: Any) -> npt.NDArray[np.int32]:
         """The counts of the next frames, (n,K,H,W), one less of the very first."""
@@ -490,8 +491,9 @@ class Sensor(EventSensor):
 
     @property
     def kernels(self) -> list[npt.NDArray[np.float64]]:
-        """For each kind of cell its kernel, (k,k), row 0 to the north; (4,k,k) of a 2x2 pattern."""
-        return [np.stack(own) if len(own) > 1 else own[0] for own in self._native.kernels]
+        """For each kind of cell its kernel, (k,k), row 0 to the north; (4,k,k) of a 2x2 pattern, whose
+        smaller kernels have zeros round them."""
+        return [_stacked(own) if len(own) > 1 else own[0] for own in self._native.kernels]
 
     @property
     def thresholds(self) -> list[npt.NDArray[np.float64]]:
@@ -541,7 +543,8 @@ class Sensor(EventSensor):
             to: The few values that kernels are brought to: a quantiser such as ``"ternary"`` or
                 ``"int-5"``, or ``"exact"`` for weights as they are.
             domain: What the cells of the array hold: ``"silicon"`` (with the errors of the chip),
-                ``"exact"``, ``"f16"``, ``"q8.8"``, …
+                ``"exact"``, ``"f16"``, ``"q8.8"``, …; in all of them registers end at the chip's
+                range, as in studies (``.program.run`` does so with ``clip=True``).
             chip: A shipped chip by name, or the folder of another.
             sum: What the quantised kernels must sum to: ``"free"``, ``"zero"`` or ``"kept"``.
             memory: What the program remembers: ``"analogue"``, the drive of each kind, for which
@@ -779,3 +782,15 @@ def _threshold(given: Any) -> dict[str, Any]:
         f"{given!r} is no threshold\n"
         "help: give a number, a pair (on, off), or a table with on, off and sigma"
     )
+
+
+def _stacked(kernels: list[npt.NDArray[np.float64]]) -> npt.NDArray[np.float64]:
+    """Kernels of several sizes as one array: each has its middle in the middle."""
+    height = max(kernel.shape[0] for kernel in kernels)
+    width = max(kernel.shape[1] for kernel in kernels)
+
+    def padded(kernel: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        rows, columns = (height - kernel.shape[0]) // 2, (width - kernel.shape[1]) // 2
+        return np.pad(kernel, ((rows, rows), (columns, columns)))
+
+    return np.stack([padded(kernel) for kernel in kernels])

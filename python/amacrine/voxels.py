@@ -54,6 +54,17 @@ def number(dtype: npt.DTypeLike) -> np.dtype[Any]:
     return found
 
 
+def narrowed(values: npt.NDArray[Any], number: np.dtype[Any]) -> npt.NDArray[Any]:
+    """Voxels in this type, which must hold them."""
+    most = float(np.abs(values).max(initial=0.0))
+    if number.itemsize == 2 and most >= 65520:
+        raise Error(
+            f"a voxel of {most:.6g} events is beyond {number}, which ends at 65504\n"
+            "help: give dtype=np.float32, shorter windows, more bins, or normalise"
+        )
+    return values.astype(number, copy=False)
+
+
 def shape(
     how: _amacrine.Voxels, size: tuple[int, int], channels: int, polarity: str
 ) -> tuple[int, ...]:

@@ -120,7 +120,7 @@ impl Chip {
     /// Brings the kernels to few values, finds a program for them, and reads it back.
     pub fn new(description: &Description, asked: &Asked<'_>) -> PyResult<Self> {
         let to = match asked.to {
-            "exact" => None,
+            "exact" | "none" => None,
             name => Some(quantiser(name)?),
         };
         let sum = sum(asked.sum)?;

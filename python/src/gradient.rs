@@ -187,6 +187,21 @@ pub fn forward(
     ))
 }
 
+/// The text of the sensor that has these kernels and thresholds, (K,k,k) and (K,3).
+///
+/// # Errors
+/// When a sensor cannot have them.
+#[pyfunction]
+pub fn learned_text(
+    sensor: &Bound<'_, Sensor>,
+    parameters: Learned<'_>,
+    name: Option<String>,
+) -> PyResult<String> {
+    let mut description = learned(&sensor.get().description, &parameters)?;
+    description.name = name.unwrap_or(description.name);
+    Ok(description.to_toml())
+}
+
 /// The rule of this name; that which suits the sensor's memory where there is none.
 fn rule<R: Float>(name: Option<&str>, model: &Model<R>) -> PyResult<Rule> {
     match name {

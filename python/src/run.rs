@@ -252,11 +252,11 @@ impl Run {
 }
 
 impl Watch {
-    /// As `amacrine run` warns; the first frame sets the memory, and nobody fires.
+    /// As `amacrine run` warns.
     fn warnings(&self, subject: &str) -> Vec<Warning> {
         let mut guard = Guard::new();
         let lost = self.packet.dropped.no_slot;
-        if self.fired == 0 && lost == 0 && self.seen > 1 {
+        if self.fired == 0 && lost == 0 {
             guard.warn(Warning::no_events(subject, Some(self.seen)));
         }
         if self.crowd.over > 0 {

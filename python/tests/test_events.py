@@ -246,3 +246,16 @@ def test_sensors_come_by_name(tmp_path: Path, frames: Frames) -> None:
     assert again.events(frames, FPS).tobytes() == sensor.events(frames, FPS).tobytes()
     for name in amacrine.names("sensors"):
         amacrine.Sensor.from_file(name)
+
+
+def test_a_clip_in_which_nothing_can_fire_is_told_of(frames: Frames) -> None:
+    for few in (frames[:0], frames[:1]):
+        with pytest.warns(amacrine.Caution, match="no event at all"):
+            assert len(amacrine.Sensor("dvs", 0.2).events(few, FPS)) == 0
+
+
+def test_kernels_of_several_sizes() -> None:
+    sensor = amacrine.Sensor.from_file("mosaic")
+    assert sensor == amacrine.Sensor.from_file("mosaic")
+    pattern = next(own for own in sensor.kernels if own.ndim == 3)
+    assert len(pattern) == 4 and pattern.shape[1] % 2 == 1

@@ -148,3 +148,38 @@ def test_a_data_frame_is_events(tmp_path: Path, events: Any) -> None:
     assert amacrine.read(tmp_path / "frame.npy").tobytes() == events.tobytes()
     got = amacrine.events.voxels(pandas.DataFrame(events), bins=3)
     assert np.array_equal(got, amacrine.events.voxels(events, bins=3))
+
+
+def test_events_know_the_size_of_their_sensor(tmp_path: Path, events: Any) -> None:
+    assert events.sensor_size == (61, 83)
+    part = events[events["x"] < 40]
+    amacrine.write(tmp_path / "part.npy", part)
+    about = amacrine.about(tmp_path / "part.npy")
+    assert about.size == (61, 83) and about.size_known
+    again = amacrine.read(tmp_path / "part.npy")
+    assert again.sensor_size == pickle.loads(pickle.dumps(again)).sensor_size == (61, 83)
+    # What is said goes first; of bare arrays nothing is known.
+    amacrine.write(tmp_path / "other.npy", part, size=(70, 90))
+    assert amacrine.about(tmp_path / "other.npy").size == (70, 90)
+    bare = np.array(part.view(np.ndarray))
+    amacrine.write(tmp_path / "bare.npy", bare)
+    assert amacrine.about(tmp_path / "bare.npy").size == (
+        int(bare["y"].max()) + 1,
+        int(bare["x"].max()) + 1,
+    )
+
+
+def test_one_kind_is_not_judged_against_several(tmp_path: Path, frames: Frames) -> None:
+    several = np.asarray(amacrine.Sensor(kernels(2), 0.4).events(frames, FPS))
+    one = np.asarray(amacrine.Sensor(kernels(1), 0.4).events(frames, FPS))
+    amacrine.write(tmp_path / "one.npy", one)
+    amacrine.write(tmp_path / "several.npy", several)
+    for pair in [
+        (several, one),
+        (one, several),
+        (several, tmp_path / "one.npy"),
+        (tmp_path / "several.npy", one),
+    ]:
+        with pytest.raises(amacrine.Error, match="kinds? of cells"):
+            amacrine.compare(*pair)
+    assert amacrine.compare(several, tmp_path / "several.npy")["f1"] == 1

@@ -45,6 +45,36 @@ def test_it_is_the_sensor_that_it_becomes(dtype: str, memory: str, frames: Frame
     assert layer.to_sensor("other").name == "other"
 
 
+def test_it_begins_as_the_sensor_that_it_is_given(frames: Frames) -> None:
+    """Thresholds that single precision does not hold, mismatch, a seed, and tables in any order."""
+    text = """
+name = "x [[channel]] y"
+memory = "filtered-snap"
+response = { linear = 255 }
+
+[[ channel ]]
+kernel = "csdvs-3"
+threshold = { on = 0.1, off = 0.13, sigma = 0.02 }
+
+[refractory]   # [[channel]]
+us = 20000
+"""
+    sensor = amacrine.Sensor.from_text(text, seed=9)
+    counts = sensor.counts(frames, 120)
+    layer = EventSensor.from_sensor(sensor, fps=120, dtype=torch.float64)
+    np.testing.assert_allclose(layer.thresholds.detach().numpy(), [[0.1, 0.13]], rtol=1e-15)
+    seen = layer(torch.from_numpy(frames)).counts.detach().numpy()
+    assert counts.any() and np.array_equal(seen, counts)
+    for again in (layer.to_sensor(), layer.to_sensor("other")):
+        assert np.array_equal(again.counts(frames, 120), counts)
+    two = amacrine.Sensor(kernels(2), [{"on": 0.3, "off": 0.3, "sigma": 0.1}, 0.3])
+    with pytest.raises(amacrine.Error, match="give one for all"):
+        EventSensor.from_sensor(two, fps=120)
+    assert EventSensor.from_sensor(two, fps=120, mismatch=0.1).mismatch == 0.1
+    with pytest.raises(amacrine.Error, match="kernels of one size"):
+        EventSensor.from_sensor(amacrine.Sensor.from_file("mosaic"), fps=120)
+
+
 @pytest.mark.parametrize("rule", ["through", "reset", "authors", "mean"])
 def test_its_gradients_are_those_of_the_model(rule: Any, frames: Frames) -> None:
     layer = EventSensor(kernels(2), 0.3, fps=120, rule=rule, dtype=torch.float64)

@@ -175,3 +175,11 @@ def test_a_recording_that_begins_at_0_keeps_its_first_events(bins: int, share: s
         assert voxels[0, 0, 1, 0, 0, 1] == 1 and voxels[0, 0, 0, 0, 0, 2] == 1
     later = amacrine.events.voxels(events, bins=1, start=40e-6, polarity="split")
     assert later.sum() == pytest.approx(2)
+
+
+def test_what_half_precision_does_not_hold_is_refused() -> None:
+    many = np.zeros(70000, amacrine.EVENT)
+    many["p"] = 1
+    with pytest.raises(amacrine.Error, match="70000 events is beyond float16"):
+        amacrine.events.voxels(many, bins=1, dtype=np.float16, size=(2, 2))
+    assert amacrine.events.voxels(many, bins=1, size=(2, 2)).max() == 70000

@@ -6,7 +6,8 @@ use miette::{WrapErr, miette};
 use super::{event_rate::event_rate, files::Named, kernels};
 use crate::{
     kernel::Kernel,
-    reference::{Channel, Description},
+    number::Format,
+    reference::{Channel, Description, Threshold},
     scene::{Scene, SceneError},
     study::rate,
 };
@@ -35,7 +36,7 @@ impl Changes {
     pub(super) fn of(
         &self,
         mut sensor: Description,
-        seed: u64,
+        (seed, format): (u64, Format),
         open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
     ) -> miette::Result<(Description, Option<String>)> {
         if !self.kernel.is_empty() {
@@ -81,9 +82,17 @@ impl Changes {
         let sensor = rate::times(&sensor, found.factor);
         let thresholds = thresholds(&sensor).map(|own| format!("{own:.5}"));
         let thresholds: Vec<String> = thresholds.collect();
+        let spreads = |own: &Threshold| own.sigma > 0.0;
+        let mut all = sensor.channels.iter().flat_map(|kind| &kind.thresholds);
+        let sigma = if all.any(spreads) { " (sigma too)" } else { "" };
+        let other = match format {
+            Format::F64 => String::new(),
+            format => format!(" in f64; {format} may give another"),
+        };
         let line = format!(
-            "rate     {asked} events per pixel and second asked for: threshold {} gives {:.4}\n",
+            "rate     {asked} events per pixel and second asked for: threshold {}, the file's times {:.5}{sigma}, gives {:.4}{other}\n",
             thresholds.join(", "),
+            found.factor,
             found.rate
         );
         Ok((sensor, Some(line)))

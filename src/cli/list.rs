@@ -63,9 +63,10 @@ impl Of {
     }
 }
 
-/// What comes with the program under the name that stands for a file; one that is there goes first.
+/// What comes with the program under the name that stands for a file; one that is there goes first,
+/// and a folder is none.
 pub(super) fn bundled(kind: Kind, path: &Path) -> Option<File> {
-    let name = path.to_str().filter(|_| !path.exists())?;
+    let name = path.to_str().filter(|_| !path.exists() || path.is_dir())?;
     bundled::find(kind, name)
 }
 

@@ -4,7 +4,6 @@ pub mod asm;
 mod budget;
 mod changed;
 mod clip;
-mod commented;
 pub mod compare;
 pub mod compile;
 pub mod completions;

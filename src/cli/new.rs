@@ -6,12 +6,13 @@ use clap::ValueEnum;
 use miette::miette;
 
 use super::{
-    commented, files,
+    files,
     list::{no_chip, nothing},
     schema,
 };
 use crate::{
     bundled::{self, Kind},
+    config,
     isa::Device,
     save::save,
 };
@@ -119,7 +120,7 @@ fn begun(kind: Kind, arguments: &Arguments, name: &Path) -> miette::Result<Vec<(
     let beside = format!("{word}.schema.json");
     let schema = schema::schema_for(arguments.kind);
     let title = if kind == Kind::Study { "title" } else { "name" };
-    let text = titled(&commented::with_keys(&file, &schema), title, &path);
+    let text = titled(&config::with_keys(file.text, &schema), title, &path);
     let text = format!("#:schema ./{beside}\n{text}");
     let mut written = vec![(path, text)];
     let beside = name.with_file_name(beside);

@@ -123,13 +123,17 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         let scene = samples.open(Some(&arguments.scene), arguments.fps, &unseen)?;
         upsample::by_contrast(scene, arguments.upsample)
     };
-    let (description, rated) = arguments.changes.of(description, arguments.seed, &shown)?;
+    // Thresholds for a rate are those of what runs.
+    let name = arguments.sensor.display().to_string();
+    let description = arguments.without.leave_out(&name, &description)?;
+    let (description, rated) =
+        arguments
+            .changes
+            .of(description, (arguments.seed, arguments.format), &shown)?;
     if let Some(line) = rated.filter(|_| !arguments.json) {
         super::say(&line);
     }
     if !arguments.fidelity.is_auto() {
-        let shown = arguments.sensor.display().to_string();
-        let description = arguments.without.leave_out(&shown, &description)?;
         return watched(arguments, &description, None, (open()?, &observation));
     }
     let (plan, scene) = arguments.planned(&description, open)?;
@@ -572,12 +576,22 @@ impl Watched {
                 arguments.without.told()
             ),
             format!(
-                "scene    {}, {}, {} in {:.6} s, {} frames/s",
+                "scene    {}, {}, {}{} in {:.6} s, {} frames/s{}",
                 arguments.scene,
                 self.size,
                 light::frames(self.frames),
+                if arguments.upsample.is_some() {
+                    " with those put in,"
+                } else {
+                    ""
+                },
                 self.seconds,
-                self.fps
+                self.fps,
+                if arguments.upsample.is_some() {
+                    " of the scene"
+                } else {
+                    ""
+                },
             ),
             light.trim_end().to_owned(),
             format!(

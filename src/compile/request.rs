@@ -128,6 +128,16 @@ impl<'a> Request<'a> {
         })
     }
 
+    /// Moves results out of registers that are kept, into others where there are enough.
+    pub fn into_free(&mut self) {
+        let free = |register: &Analog| !self.keep.contains(register);
+        let all = ordinary_registers(self.device).into_iter().filter(free);
+        let into: Vec<Analog> = all.take(self.kernels.len()).collect();
+        if into.len() == self.kernels.len() {
+            self.into = into;
+        }
+    }
+
     /// Filters none of which has both fewer words and more signal over noise than another, the
     /// shortest first.
     ///

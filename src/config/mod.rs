@@ -14,6 +14,7 @@
 //! Places, faults and suggestions serve other texts as well: programs and macros.
 
 mod check;
+mod commented;
 mod document;
 mod fault;
 mod file;
@@ -26,6 +27,7 @@ pub mod schema;
 mod section;
 mod unknown;
 
+pub use commented::with_keys;
 pub use document::{Document, Name, Node};
 pub use fault::{Fault, Faults, Located, Read, Severity, enough, thin};
 pub use file::File;

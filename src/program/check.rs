@@ -23,6 +23,7 @@ pub(super) fn check(expansion: &Expansion, device: &Device, faults: &mut Vec<Fau
     };
     walk.entries(&expansion.init, true);
     walk.entries(&expansion.frame, true);
+    walk.carried(&expansion.frame);
     if !expansion.bare {
         // The next frame starts with the state that this one leaves.
         walk.entries(&expansion.frame, false);
@@ -98,6 +99,35 @@ impl Walk<'_> {
             if statement.effect.writes.contains(cell) {
                 self.destroyed.remove(cell);
             }
+        }
+    }
+
+    /// Warns of a frame that leaves FLAG 0 somewhere to the next, which stores before it sets FLAG.
+    fn carried(&mut self, frame: &[Entry]) {
+        let Some(spot) = self.partial.clone() else {
+            return;
+        };
+        let (mut is_set, mut stores) = (false, None);
+        for_each(frame, &mut |statement: &Expanded| {
+            let masked = statement
+                .effect
+                .writes
+                .iter()
+                .any(|cell| matches!(cell, Cell::Analog(_)));
+            if masked && !is_set && !statement.whole_flag && stores.is_none() {
+                stores = Some(statement.place);
+            }
+            // Where FLAG must be 1 everywhere, the next frame is an error.
+            is_set |= statement.effect.flag.is_some() || statement.whole_flag;
+        });
+        if let Some(place) = stores {
+            let message = format!(
+                "FLAG may be 0 somewhere when the frame ends, since `{}` in line {}, and the next one stores only where it is 1",
+                spot.name, spot.line
+            );
+            let fault = Fault::warning(place, message, "in later frames this skips pixels");
+            let fault = fault.also(spot.place, "FLAG may be 0 after this");
+            self.report(fault.help("end the frame with `all();`"));
         }
     }
 

@@ -40,6 +40,8 @@ pub enum About {
     Surround,
     /// A symmetric kernel is not symmetric in few values.
     Lopsided,
+    /// Weights of a kernel lie beyond its levels.
+    Clipped,
 }
 
 impl About {
@@ -58,13 +60,14 @@ impl About {
             Self::Window => "window",
             Self::Surround => "surround",
             Self::Lopsided => "lopsided",
+            Self::Clipped => "clipped",
         }
     }
 
     /// Whether it is about a kernel, whatever the scene.
     #[must_use]
     pub const fn is_of_kernel(self) -> bool {
-        matches!(self, Self::Surround | Self::Lopsided)
+        matches!(self, Self::Surround | Self::Lopsided | Self::Clipped)
     }
 }
 
@@ -196,6 +199,11 @@ impl Warning {
                 About::Lopsided,
                 "too few weights are left to keep the sum evenly",
                 "take more values (another --to), or leave the sum free",
+            ),
+            Erasure::Clipped { .. } => (
+                About::Clipped,
+                "the scale of fixed point is 1, whatever the kernel's is",
+                "take more bits before the point, or int-B, whose scale fits the kernel",
             ),
         };
         Self::new(about, subject, erasure.to_string(), why, change)

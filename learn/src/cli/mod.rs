@@ -1,6 +1,7 @@
 //! The command line: the only place that prints.
 
 mod bars;
+mod begin;
 mod forecast;
 mod print;
 
@@ -49,6 +50,17 @@ enum Verb {
         /// The run's folder
         run: PathBuf,
     },
+    /// A task file to start from, with all keys that it may have
+    New {
+        /// Its path, without the ending
+        name: PathBuf,
+    },
+    /// The keys of a task file as JSON Schema, for editors and checkers
+    Schema {
+        /// Write it to a file instead
+        #[arg(short, long, value_name = "FILE.json")]
+        output: Option<PathBuf>,
+    },
 }
 
 /// What to train.
@@ -84,9 +96,11 @@ struct RunArguments {
 pub fn run(arguments: Arguments) -> Result<()> {
     match (arguments.verb, arguments.run) {
         (Some(Verb::Report { run }), _) => report(&run),
+        (Some(Verb::New { name }), _) => begin::task(&name),
+        (Some(Verb::Schema { output }), _) => begin::schema(output.as_deref()),
         (None, Some(run)) => train(&run),
         (None, None) => Err(miette!(
-            help = "amacrine-learn tasks/interpolation.toml -o RUN",
+            help = "amacrine-learn tasks/interpolation.toml -o RUN; `amacrine-learn new NAME` writes a task to start from",
             "no task was given"
         )),
     }

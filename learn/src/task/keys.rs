@@ -15,6 +15,16 @@ pub const FILE: File = File {
 /// What the network is to say.
 pub(super) const GOALS: &[&str] = &["interpolation", "flow"];
 
+/// How far an answer is from the truth.
+pub(super) const LOSSES: &[&str] = &["charbonnier", "l1"];
+
+/// A lower and an upper bound.
+const BOUNDS: Kind = Kind::List {
+    of: &Kind::Number(Range::POSITIVE),
+    least: 2,
+    most: 2,
+};
+
 const fn whole(least: u64, most: u64) -> Kind {
     Kind::Whole { least, most }
 }
@@ -24,9 +34,15 @@ pub(super) const TASK: Table = Table::new(&[
         "name",
         Kind::Name,
         "what it is called; the file's name when left out",
-    ),
+    )
+    .example("name = \"mine\""),
     Key::required("goal", Kind::Choice(GOALS), "what the network is to say")
         .example("goal = \"interpolation\""),
+    Key::optional(
+        "loss",
+        Kind::Choice(LOSSES),
+        "how far an answer is from the truth, of white or in px/frame; \"charbonnier\" for interpolation and \"l1\" for flow when left out",
+    ),
     Key::with_default("steps", whole(1, 100_000_000), "20000", "steps of each arm"),
     Key::with_default("batch", whole(1, 1024), "8", "clips in a step"),
     Key::with_default("crop", whole(8, 1024), "32", "rows and columns of a clip").unit("px"),
@@ -132,7 +148,8 @@ pub(super) const NETWORK: Table = Table::new(&[
             most: 8,
         },
         "channels of each level, the full size first; [16, 24, 32] when left out",
-    ),
+    )
+    .example("widths = [16, 24, 32]"),
     Key::with_default(
         "convolutions",
         whole(1, 8),
@@ -168,12 +185,14 @@ pub(super) const SCENES: Table = Table::new(&[
         "photographs",
         Kind::Name,
         "a folder of pictures, from the task file on; those that come with the program when left out",
-    ),
+    )
+    .example("photographs = \"a/folder\""),
     Key::optional(
         "video",
         Kind::Name,
         "a video, from the task file on, or a pattern, in place of photographs, as `amacrine run` takes it; for interpolation",
-    ),
+    )
+    .example("video = \"a/video.mp4\""),
     Key::with_default(
         "clips",
         whole(0, 10_000_000),
@@ -196,6 +215,37 @@ pub(super) const SCENES: Table = Table::new(&[
     )
     .unit("px/frame"),
     Key::with_default(
+        "turn",
+        Kind::Number(Range::between(0.0, 45.0)),
+        "1.0",
+        "the most that a picture turns, either way",
+    )
+    .unit("degrees/frame"),
+    Key::with_default(
+        "zoom",
+        Kind::Number(Range::between(0.0, 0.5)),
+        "0.01",
+        "the most that a picture grows or shrinks, as a part of its size a frame",
+    ),
+    Key::with_default(
+        "shear",
+        Kind::Number(Range::between(0.0, 0.5)),
+        "0.004",
+        "the most that a picture is stretched and sheared, as a part of its size a frame",
+    ),
+    Key::optional(
+        "gain",
+        BOUNDS,
+        "what the light of a clip is multiplied by, after the gamma: the least and the most; [0.7, 1.2] when left out",
+    )
+    .example("gain = [0.7, 1.2]"),
+    Key::optional(
+        "gamma",
+        BOUNDS,
+        "the exponent of the light of a clip, in parts of white: the least and the most; [0.8, 1.25] when left out",
+    )
+    .example("gamma = [0.8, 1.25]"),
+    Key::with_default(
         "occluded",
         Kind::Number(Range::between(0.0, 1.0)),
         "0.6",
@@ -208,7 +258,8 @@ pub(super) const SENSOR: Table = Table::new(&[
         "response",
         Response::KIND,
         "from light to signal; { linear = 255 } when left out",
-    ),
+    )
+    .example("response = { linear = 255 }"),
     Key::with_default(
         "refractory-us",
         Kind::Number(Range::NOT_NEGATIVE),

@@ -36,6 +36,8 @@ pub struct Task {
     pub name: String,
     /// What the network is to say.
     pub goal: Goal,
+    /// How far an answer is from the truth.
+    pub loss: Distance,
     /// Steps of each arm.
     pub steps: u64,
     /// Clips in a step.
@@ -95,6 +97,33 @@ impl Goal {
         }
     }
 }
+
+/// How far an answer is from the truth, pixel by pixel; of a flow, where it is seen at both ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Distance {
+    /// `sqrt(e² + 0.001²)` (Charbonnier et al. 1994).
+    Charbonnier,
+    /// `|e|`.
+    Absolute,
+}
+
+impl Distance {
+    /// That of an error, and its slope.
+    #[must_use]
+    pub fn of(self, error: f32) -> (f32, f32) {
+        match self {
+            Self::Charbonnier => {
+                let size = (error * error + EDGE * EDGE).sqrt();
+                (size, error / size)
+            }
+            Self::Absolute if error == 0.0 => (0.0, 0.0),
+            Self::Absolute => (error.abs(), error.signum()),
+        }
+    }
+}
+
+/// What Charbonnier's distance is rounded off by.
+const EDGE: f32 = 1e-3;
 
 /// What is seen.
 #[derive(Clone, Debug, PartialEq)]

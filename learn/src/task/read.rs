@@ -10,8 +10,10 @@ use amacrine::{
 use crate::{arm, levels, scene::Motion};
 
 use super::{
-    Goal, Origin, Scenes, Sensors, Task,
-    keys::{FILE, GOALS, NETWORK, PRICE, RATES, RETRAIN, SCENES, SENSOR, SPARSITY, TASK, TEST},
+    Distance, Goal, Origin, Scenes, Sensors, Task,
+    keys::{
+        FILE, GOALS, LOSSES, NETWORK, PRICE, RATES, RETRAIN, SCENES, SENSOR, SPARSITY, TASK, TEST,
+    },
 };
 
 /// A task file that cannot be used.
@@ -113,6 +115,12 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
     let goal = task.word("goal", &[Goal::Interpolation, Goal::Flow])?;
     debug_assert_eq!(GOALS.len(), 2);
     let goal = goal.unwrap_or(Goal::Interpolation);
+    let loss = task.word("loss", &[Distance::Charbonnier, Distance::Absolute])?;
+    debug_assert_eq!(LOSSES.len(), 2);
+    let loss = loss.unwrap_or(match goal {
+        Goal::Interpolation => Distance::Charbonnier,
+        Goal::Flow => Distance::Absolute,
+    });
     let (widths, convolutions) = part(task, "network", |network| {
         debug_assert!(NETWORK.key("widths").is_some());
         let widths: Vec<usize> = network.map_or_else(Vec::new, |network| {
@@ -170,6 +178,7 @@ fn read(task: &Section<'_>, stem: &str) -> Read<Task> {
     Ok(Task {
         name: task.maybe_text("name").unwrap_or_else(|| stem.to_owned()),
         goal,
+        loss,
         steps: task.whole("steps")?,
         batch: task.whole("batch")? as usize,
         crop,
@@ -301,19 +310,44 @@ fn scenes_of(task: &Section<'_>, scenes: Option<Section<'_>>, goal: Goal) -> Rea
             "give either `photographs` or `video`, and `video` with goal = \"interpolation\" only",
         ));
     }
-    let usual = Motion::default();
     Ok(Scenes {
         photographs: text("photographs").map(Into::into),
         video,
         clips: whole(scenes, "clips", 8192)?,
         frames,
         fps: number(scenes, "fps", 240.0)?,
-        motion: Motion {
-            pan: [usual.pan[0], number(scenes, "pan", usual.pan[1])?],
-            occluder: number(scenes, "occluded", usual.occluder)?,
-            ..usual
-        },
+        motion: motion_of(scenes)?,
     })
+}
+
+fn motion_of(scenes: Option<Section<'_>>) -> Read<Motion> {
+    let usual = Motion::default();
+    Ok(Motion {
+        pan: [usual.pan[0], number(scenes, "pan", usual.pan[1])?],
+        turn: number(scenes, "turn", usual.turn)?,
+        zoom: number(scenes, "zoom", usual.zoom)?,
+        shear: number(scenes, "shear", usual.shear)?,
+        occluder: number(scenes, "occluded", usual.occluder)?,
+        gain: bounds(scenes, "gain", usual.gain)?,
+        gamma: bounds(scenes, "gamma", usual.gamma)?,
+    })
+}
+
+/// The least and the most of something.
+fn bounds(scenes: Option<Section<'_>>, key: &str, otherwise: [f64; 2]) -> Read<[f64; 2]> {
+    let Some(scenes) = scenes.filter(|scenes| scenes.get(key).is_some()) else {
+        return Ok(otherwise);
+    };
+    let all: Vec<f64> = { scenes.list(key).into_iter() }
+        .filter_map(amacrine::config::Node::as_number)
+        .collect();
+    match all[..] {
+        [least, most] if least <= most => Ok([least, most]),
+        _ => {
+            let message = format!("`{key}` is the least and the most, in this order");
+            Err(Fault::error(scenes.place_of(key), message, "here"))
+        }
+    }
 }
 
 fn sensor_of(task: &Section<'_>, sensor: Option<Section<'_>>, scenes: &Scenes) -> Read<Sensors> {

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::{
     network::{Maps, Shape},
     scene::{Clip, Clips},
-    task::{Goal, Task},
+    task::{Distance, Goal, Task},
 };
 
 /// Some clips.
@@ -136,22 +136,20 @@ pub struct Loss {
     pub asked: Vec<Maps<f32>>,
 }
 
-/// What a loss is rounded off by, of 1: `sqrt(e² + EDGE²)` (Charbonnier et al. 1994).
-const EDGE: f32 = 1e-3;
-
 impl Loss {
-    /// Charbonnier's loss of the middle frame that answers add to the mean of the two others; or
-    /// the mean distance, coordinate by coordinate, of the flow where it is seen at both ends.
+    /// The mean distance of the middle frame that answers add to the mean of the two others; or that
+    /// of the flow, coordinate by coordinate, where it is seen at both ends.
     #[must_use]
     pub fn new(task: &Task, shape: &Shape<f32>, batch: &Batch, answers: &[Maps<f32>]) -> Self {
         let count = batch.clips.len() as f32;
         let each = |(clips, answer): (Range<usize>, &Maps<f32>)| {
             let mut asked = Maps::zeros(shape, answer.channels());
-            let own = |(place, clip): (usize, &Clip)| match task.goal {
-                Goal::Interpolation => {
-                    interpolation(clip, (shape, place, count), answer, &mut asked)
+            let own = |(place, clip): (usize, &Clip)| {
+                let part = (shape, place, count);
+                match task.goal {
+                    Goal::Interpolation => interpolation(task.loss, clip, part, answer, &mut asked),
+                    Goal::Flow => flow(task.loss, clip, part, answer, &mut asked),
                 }
-                Goal::Flow => flow(clip, (shape, place, count), answer, &mut asked),
             };
             let losses: Vec<f64> = batch.clips[clips].iter().enumerate().map(own).collect();
             (losses, asked)
@@ -172,6 +170,7 @@ pub(super) fn blend(clip: &Clip, y: usize, x: usize) -> f32 {
 }
 
 fn interpolation(
+    loss: Distance,
     clip: &Clip,
     (shape, place, clips): (&Shape<f32>, usize, f32),
     answer: &Maps<f32>,
@@ -185,15 +184,16 @@ fn interpolation(
         for (x, asked) in asked.row_mut(shape, (place, 0), y).iter_mut().enumerate() {
             let truth = clip.light[[clip.middle(), y, x]] / 255.0;
             let error = blend(clip, y, x) + said[x] - truth;
-            let size = (error * error + EDGE * EDGE).sqrt();
+            let (size, slope) = loss.of(error);
             sum += f64::from(size);
-            *asked = error / size / count / clips;
+            *asked = slope / count / clips;
         }
     }
     sum / f64::from(count)
 }
 
 fn flow(
+    loss: Distance,
     clip: &Clip,
     (shape, place, clips): (&Shape<f32>, usize, f32),
     answer: &Maps<f32>,
@@ -212,12 +212,9 @@ fn flow(
             for x in 0..width {
                 if truth.seen[[y, x]] {
                     let error = said[x] - truth_of[[y, x]];
-                    sum += f64::from(error.abs());
-                    asked[x] = if error == 0.0 {
-                        0.0
-                    } else {
-                        error.signum() / count / clips
-                    };
+                    let (size, slope) = loss.of(error);
+                    sum += f64::from(size);
+                    asked[x] = slope / count / clips;
                 }
             }
         }

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
+import numpy.typing as npt
 import torch
 from torch.autograd.function import once_differentiable
 
-from .. import _amacrine, arguments, toml
+from .. import _amacrine, arguments
 from .._amacrine import Error
 from ..gradient import Rule, Slope, seconds
 from ..kernels import Kernels
@@ -46,7 +48,7 @@ class EventSensor(torch.nn.Module):
             logarithms are learned, so that they stay above 0.
         fps: Frames per second.
         scale: What frames are multiplied by to be light from 0 to 255: 255 where they are 0 to 1.
-            ``uint8`` frames are light as they are.
+            ``uint8`` frames are light as they are, unless it is given.
         rule: What flows back through the memory: ``"through"``, ``"reset"``, ``"authors"`` or
             ``"mean"``; ``"through"`` where the memory steps and ``"reset"`` where it snaps if it is left
             out. Where events are few, ``"mean"`` points where the loss falls.
@@ -97,15 +99,20 @@ class EventSensor(torch.nn.Module):
         scale: float | None = None,
         rule: Rule | None = None,
         slope: Slope = "all",
-        mismatch: float = 0.0,
+        mismatch: float | None = None,
         phase: float | None = None,
-        seed: int = 0,
+        seed: int | None = None,
         dtype: torch.dtype = torch.float32,
     ) -> EventSensor:
-        """The layer that begins as this sensor, each of whose kinds of cells has one kernel."""
+        """The layer that begins as this sensor, each of whose kinds of cells has one kernel; with its
+        mismatch and its seed, where they are left out."""
         self = cls.__new__(cls)
         torch.nn.Module.__init__(self)
         self._begin(sensor, dtype)
+        if mismatch is None:
+            mismatch = _mismatch(sensor)
+        if seed is None:
+            seed = sensor._seed
         self._set(fps, scale, rule, slope, mismatch, phase, seed)
         return self
 
@@ -118,13 +125,11 @@ class EventSensor(torch.nn.Module):
                 "help: give every kind one kernel (k,k), without a pattern, a mesh or log-temporal"
             )
         weights = torch.stack([torch.from_numpy(kernel) for kernel in kernels])
-        limits = torch.tensor([limit[:2].tolist() for limit in sensor.thresholds]).double()
+        limits = [limit[:2].tolist() for limit in sensor.thresholds]
+        logarithms = torch.tensor(limits, dtype=torch.float64).log()
         self.kernels = torch.nn.Parameter(weights.to(dtype))
-        self.log_thresholds = torch.nn.Parameter(limits.log().to(dtype))
+        self.log_thresholds = torch.nn.Parameter(logarithms.to(dtype))
         self._template = sensor
-        self._names = sensor._native.channels
-        # What is said of the sensor before its kinds of cells.
-        self._head = sensor.text.partition("[[channel]]")[0]
 
     def _set(
         self,
@@ -203,23 +208,10 @@ class EventSensor(torch.nn.Module):
     def to_sensor(self, name: str | None = None) -> Sensor:
         """The sensor as it is now, which makes the same counts and voxels; its ``text`` is the file
         that ``amacrine run --sensor`` takes."""
-        kernels = self.kernels.detach().cpu().double().numpy()
-        limits = self.thresholds.detach().cpu().double()
-        sigmas = (self.mismatch * limits.mean(1)).tolist()
-        head = self._head.splitlines(keepends=True)
-        if name is not None:
-            head = [line for line in head if not line.startswith("name =")]
-            head.insert(0, toml.table({"name": name}))
-        text = "".join(head)
-        for k, kernel in enumerate(kernels):
-            on, off = limits[k].tolist()
-            text += "\n[[channel]]\n" + toml.table(
-                {
-                    "name": self._names[k],
-                    "kernel": kernel,
-                    "threshold": {"on": on, "off": off, "sigma": sigmas[k]},
-                }
-            )
+        limits = self.thresholds.detach().double()
+        sigma = self.mismatch * limits.mean(1, keepdim=True)
+        parameters = _parameters(self.kernels, limits, sigma)
+        text = _amacrine.learned_text(self._template._native, parameters, name)
         format = "f32" if self.kernels.dtype == torch.float32 else "f64"
         return Sensor.from_text(text, seed=self.seed, format=format)
 
@@ -233,6 +225,27 @@ def _check_dtype(dtype: torch.dtype) -> None:
     """Refuses what the adjoint is not computed in."""
     if dtype not in (torch.float32, torch.float64):
         raise Error(f"a sensor in {dtype}\nhelp: give torch.float32 or torch.float64")
+
+
+def _mismatch(sensor: Sensor) -> float:
+    """The mismatch of a sensor's thresholds, as a share of their mean."""
+    shares = [float(limit[2] / limit[:2].mean()) for limit in sensor.thresholds]
+    if max(shares) - min(shares) > 1e-9:
+        told = ", ".join(f"{share:.4g}" for share in shares)
+        raise Error(
+            f"{sensor.name}: the mismatch of its kinds of cells is {told} of their thresholds\n"
+            "help: give one for all, such as mismatch=0.1"
+        )
+    return shares[0]
+
+
+def _parameters(
+    kernels: torch.Tensor, limits: torch.Tensor, sigma: torch.Tensor
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Kernels (K,k,k) and thresholds with their mismatch (K,3), as the library takes them."""
+    weights = kernels.detach().cpu().double().contiguous().numpy()
+    both = torch.cat([limits.detach().cpu().double(), sigma.cpu()], 1)
+    return weights, both.contiguous().numpy()
 
 
 class _How(NamedTuple):
@@ -258,11 +271,9 @@ class _Watch(torch.autograd.Function):
         light: torch.Tensor,
         how: _How,
     ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-        weights = kernels.detach().cpu().double().contiguous().numpy()
-        limits = torch.cat([thresholds.detach().cpu().double(), how.sigma.cpu()], 1)
         seen = _amacrine.forward(
             how.native,
-            (weights, limits.contiguous().numpy()),
+            _parameters(kernels, thresholds, how.sigma),
             light.detach().cpu().contiguous().numpy(),
             how.times,
             how.seed,

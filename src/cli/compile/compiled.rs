@@ -317,7 +317,7 @@ impl Compiled {
         };
         self.filters.iter().any(|filter| filter.decided.is_some()).then(|| {
             format!(
-                "F1 {} on the chip, {} in exact arithmetic, against the kernel itself (predicted on moving light)",
+                "F1 {} on the chip, {} in exact arithmetic, against the kernel in its levels (predicted on moving light)",
                 f1(|it| it.silicon),
                 f1(|it| it.exact),
             )

@@ -200,7 +200,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         save(path, |w| w.write_all(compiled.text.as_bytes()))?;
     }
     let seconds = began.elapsed().as_secs_f64();
-    if let Some(warning) = compiled.warning(&asked.kernels) {
+    for warning in { compiled.warning(&asked.kernels) }
+        .into_iter()
+        .chain(compiled.unreached())
+    {
         super::complain(&warning);
     }
     if arguments.json {
@@ -270,7 +273,7 @@ impl Asked {
     }
 }
 
-/// `exact`, or a quantiser.
+/// `exact`, which studies call `none`, or a quantiser.
 #[derive(Clone, Copy, Debug)]
 struct To(Option<Quantiser>);
 
@@ -278,7 +281,7 @@ impl std::str::FromStr for To {
     type Err = String;
 
     fn from_str(name: &str) -> Result<Self, String> {
-        if name == "exact" {
+        if matches!(name, "exact" | "none") {
             return Ok(Self(None));
         }
         super::quantiser::quantiser(name).map(|to| Self(Some(to)))
@@ -373,6 +376,9 @@ fn bare<'a>(
         request.into = named(&arguments.into, device)?;
     }
     request.keep = named(&arguments.keep, device)?;
+    if arguments.into.is_empty() {
+        request.into_free();
+    }
     check_registers(&request, asked)?;
     request.border = arguments.border;
     request.range = asked.input;

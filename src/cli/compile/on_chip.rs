@@ -96,11 +96,37 @@ impl OnChip {
 impl Compiled {
     /// What to know before a program is taken of which next to nothing comes out of the chip.
     pub(super) fn warning(&self, kernels: &[Kernel]) -> Option<String> {
+        // Without a word the input is the result.
+        if self.filter.words.is_empty() {
+            return None;
+        }
         let asked = { self.on_chip.iter().zip(kernels) }.filter(|(_, kernel)| !kernel.is_zero());
         let worst = asked.map(|(it, _)| it.kept()).fold(1.0, f64::min);
         (worst < Forecast::NOTHING).then(|| {
             format!(
                 "warning: next to nothing of the kernel comes out of the chip, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take fewer digits (--to), or leave --objective out\n"
+            )
+        })
+    }
+
+    /// What to know of thresholds that no change of the light reaches.
+    pub(super) fn unreached(&self) -> Option<String> {
+        let all = self.thresholds.iter().zip(&self.results).enumerate();
+        let beyond =
+            all.filter(|(_, (both, result))| both[0].min(both[1]) > result.high - result.low);
+        let told: Vec<String> = beyond
+            .map(|(kind, (both, result))| {
+                format!(
+                    "kind {kind} has a threshold of {:.1} LSB, and its result changes by {:.1} at most",
+                    both[0].min(both[1]),
+                    result.high - result.low
+                )
+            })
+            .collect();
+        (!told.is_empty()).then(|| {
+            format!(
+                "warning: no light gives an event: {}; take a lower threshold\n",
+                told.join("; ")
             )
         })
     }

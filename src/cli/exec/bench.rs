@@ -23,6 +23,7 @@ use crate::{
     isa::{Device, Figure},
     limit::THREADS,
     memory::Need,
+    number::Format,
     plane::{At, Size},
     program::{Action, Expansion, Exposure, Host, Program, Step},
     rig::{
@@ -156,6 +157,16 @@ impl<'a> Bench<'a> {
     pub fn chip(&self, seed: u64) -> miette::Result<Box<dyn Array + Send>> {
         let arithmetic = self.arithmetic.with_seed(seed);
         self.chip_in(arithmetic, &self.opened.device, self.machine.clone())
+    }
+
+    /// What is left out by hand.
+    pub fn left_out(&self) -> miette::Result<Option<Machine>> {
+        let exact = self.arithmetic == Arithmetic::Number(Format::F64);
+        if exact && self.arguments.trace.is_some() {
+            // Only the cells of the page are analogue.
+            return Ok(None);
+        }
+        self.arguments.without.machine(self.arithmetic)
     }
 
     /// A chip in this arithmetic, with the numbers of this device.

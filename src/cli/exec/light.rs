@@ -110,10 +110,12 @@ impl Light {
             .transpose()?;
         let found = scene.as_deref().map_or(ASSUMED_FPS, <dyn Scene>::fps);
         let own = program.settings.frames;
-        // A clip that was asked for is not cut by what the program says of its own.
+        // A clip that was asked for is not cut by what the program says of its own; a pattern is one
+        // where it says how many frames it has.
+        let goes_on = |image: &str| image.starts_with("pattern:") && !image.contains("frames=");
         let clip = arguments.image.is_some()
             && scene.as_deref().is_some_and(|scene| {
-                !image.is_some_and(|image| image.starts_with("pattern:"))
+                !image.is_some_and(goes_on)
                     && scene.frames().is_none_or(|all| all > own.unwrap_or(all))
             });
         let cut = own.filter(|_| clip && arguments.frames.is_none());

@@ -62,13 +62,18 @@ impl<'a> Tracer<'a> {
         } else {
             bench.arithmetic
         };
+        let without = &bench.arguments.without;
+        let plainer = match &bench.machine {
+            None => without.machine(arithmetic)?,
+            plainer => plainer.clone(),
+        };
         let quiet = if arithmetic == silicon {
             let device = device.clone().what_if(Figure::StoreNoise, 0.0)?;
-            Some(bench.chip_in(silicon, &device, None)?)
+            Some(bench.chip_in(silicon, &device, plainer.clone())?)
         } else {
             None
         };
-        let mut machine = format!("{} in {arithmetic}", device.name());
+        let mut machine = format!("{} in {arithmetic}{}", device.name(), without.told());
         if quiet.is_some() {
             machine = format!("{machine} (chip {})", bench.arguments.seed);
         }
@@ -84,7 +89,7 @@ impl<'a> Tracer<'a> {
         Ok(Self {
             opened,
             machine,
-            chip: bench.chip_in(arithmetic, device, None)?,
+            chip: bench.chip_in(arithmetic, device, plainer)?,
             twin: bench.chip_in(exact, device, None)?,
             quiet,
             registers,

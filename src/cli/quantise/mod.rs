@@ -394,8 +394,11 @@ fn rows_of(weights: &Plane<f64>) -> Vec<Vec<f64>> {
 fn write(path: &Output, arguments: &Arguments, quantised: &Quantised) -> miette::Result<()> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let source = format!(
-        "{} as {}, sum {:?}; times {} it is the kernel: divide thresholds by that",
-        arguments.kernels, arguments.to[0], arguments.sum, quantised.scale
+        "{} as {}, sum {}; times {} it is the kernel: divide thresholds by that",
+        arguments.kernels,
+        arguments.to[0],
+        arguments.sum.name(),
+        quantised.scale
     );
     let mut text = format!("name = {name:?}\nsource = {source:?}\nweights = [\n");
     for row in rows_of(quantised.levels.weights()) {

@@ -102,9 +102,24 @@ impl TensorFile {
     /// Adds a layer: as many values as its shape has.
     ///
     /// # Errors
-    /// When the disk does not take it.
+    /// When the disk does not take it, or 16 bits do not hold it.
     pub fn push(&mut self, layer: &[f32]) -> Result<(), SaveError> {
         self.count += 1;
+        if self.layers.precision == Precision::Half {
+            let most = layer
+                .iter()
+                .fold(0.0f32, |most, value| most.max(value.abs()));
+            if f16::from_f32(most).is_infinite() {
+                let cause = io::Error::new(
+                    io::ErrorKind::InvalidData,
+                    format!(
+                        "a value of {most} is beyond 16 bits, which end at {}: take 32 bits, shorter windows or more bins, or normalise",
+                        f16::MAX
+                    ),
+                );
+                return Err(self.file.failed(cause));
+            }
+        }
         let written = match &mut self.body {
             Body::Npy => self.file.write_all(&bytes(layer, self.layers.precision)),
             Body::Npz(rest) => rest.write_all(&bytes(layer, self.layers.precision)),

@@ -30,6 +30,13 @@ pub enum Erasure {
         /// What of the sum of magnitudes of the levels has no partner.
         share: f64,
     },
+    /// Weights lie beyond the levels, whose scale is not free.
+    Clipped {
+        /// How many do.
+        weights: usize,
+        /// What they lose of the sum of magnitudes.
+        share: f64,
+    },
 }
 
 /// What may go without a word, as a part of the sum of magnitudes.
@@ -46,7 +53,23 @@ impl Quantised {
         let lost = surround(weights, levels).or_else(|| sign(weights, levels));
         let share = lopsided(weights, levels);
         let lopsided = (share > LEAST).then_some(Erasure::Lopsided { share });
-        lost.into_iter().chain(lopsided).collect()
+        let clipped = self.clipped(weights);
+        lost.into_iter().chain(lopsided).chain(clipped).collect()
+    }
+
+    /// Weights beyond the levels of fixed point, whose scale is 1: of others the scale makes room.
+    fn clipped(&self, weights: &Plane<f64>) -> Option<Erasure> {
+        let levels = self.levels.weights();
+        let most = levels.iter().fold(0.0, |most: f64, l| most.max(l.abs()));
+        let beyond = weights.iter().zip(levels);
+        let beyond: Vec<f64> = { beyond.filter(|(w, l)| w.abs() > most && *w * *l > 0.0) }
+            .map(|(w, l)| w.abs() - l.abs())
+            .collect();
+        let share = beyond.iter().sum::<f64>() / magnitude(weights);
+        (self.scale == 1.0 && share >= LEAST).then_some(Erasure::Clipped {
+            weights: beyond.len(),
+            share,
+        })
     }
 }
 
@@ -147,6 +170,11 @@ impl fmt::Display for Erasure {
                 "lopsided: the kernel is symmetric, and {:.0} % of its levels have no partner",
                 100.0 * share
             ),
+            Self::Clipped { weights, share } => write!(
+                f,
+                "clipped: {weights} weights lie beyond the largest level, and {:.0} % of |w| is lost",
+                100.0 * share
+            ),
         }
     }
 }
@@ -174,6 +202,29 @@ mod tests {
                 .to_string()
                 .contains("8 weights off the centre, 50 %")
         );
+    }
+
+    #[test]
+    fn weights_beyond_fixed_point_are_told_of() {
+        let rows = [
+            vec![1.0, 2.0, 0.0],
+            vec![0.0, 3.0, -1.0],
+            vec![0.0, 0.0, -4.0],
+        ];
+        let kernel = Kernel::from_rows(&rows).unwrap();
+        let found = |to: &str| {
+            let to: Quantiser = to.parse().unwrap();
+            to.quantise(&kernel, Sum::Free, 0)
+                .unwrap()
+                .erasures(&kernel)
+        };
+        let gone = found("q2.3");
+        let [Erasure::Clipped { weights: 2, share }] = gone[..] else {
+            panic!("{gone:?}");
+        };
+        // 3 becomes 1.875, and -4 becomes -2.
+        assert!((share - 3.125 / 11.0).abs() < 1e-12);
+        assert!(found("q4.3").is_empty() && found("int-4").is_empty());
     }
 
     #[test]

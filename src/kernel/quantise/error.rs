@@ -45,7 +45,7 @@ pub enum QuantiseError {
     },
     /// A sum over levels that have no common step.
     #[error("the two scales of ternary-split leave the sum as it comes")]
-    #[diagnostic(help("take `ternary`, which can keep the sum"))]
+    #[diagnostic(help("leave the sum free (--sum free), or take `ternary`, which can keep it"))]
     SplitSum,
     /// Everything became 0.
     #[error("every weight becomes 0 in {quantiser}; the largest is {largest}")]

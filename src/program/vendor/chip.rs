@@ -191,19 +191,35 @@ fn variant(machine: &Machine<'_>, name: &str, given: usize) -> String {
     name.to_owned()
 }
 
-/// The name of a buffer as this program has it: `on…` and `off…` say which events it takes.
+/// The name of a buffer as this program has it, which says which events it takes. With a number, so
+/// that a variable of the same name is another one.
 pub(super) fn buffer_name(name: &str) -> String {
-    let polarity = ["on", "off"].iter().any(|word| {
-        let rest = name.strip_prefix(word);
-        rest.is_some_and(|rest| rest.chars().all(|c| c.is_ascii_digit()))
-    });
-    if polarity && buffer(name).is_some() {
+    let digits = name.trim_start_matches(|c: char| c.is_ascii_alphabetic());
+    let word = &name[..name.len() - digits.len()];
+    let is_number = !digits.is_empty() && digits.bytes().all(|c| c.is_ascii_digit());
+    if matches!(word, "on" | "off") && is_number && buffer(name).is_some() {
         return name.to_owned();
     }
-    if name.to_ascii_lowercase().starts_with("off") {
-        return "off".to_owned();
+    if takes_off(name) { "off0" } else { "on0" }.to_owned()
+}
+
+/// Whether a buffer is named for what gets darker: `off`, `ev_off`, `eventsNeg`.
+fn takes_off(name: &str) -> bool {
+    let (mut words, mut before) = (vec![String::new()], ' ');
+    for c in name.chars() {
+        let begins = c.is_ascii_uppercase() && before.is_ascii_lowercase();
+        if begins || !c.is_ascii_alphabetic() {
+            words.push(String::new());
+        }
+        if let (true, Some(word)) = (c.is_ascii_alphabetic(), words.last_mut()) {
+            word.push(c.to_ascii_lowercase());
+        }
+        before = c;
     }
-    "on".to_owned()
+    let whole = name.to_ascii_lowercase();
+    let is_off =
+        |word: &String| matches!(&**word, "off" | "neg" | "negative" | "minus" | "falling");
+    words.iter().any(is_off) || whole.starts_with("off") && !whole.starts_with("offs")
 }
 
 /// The directions of a `DNEWS` that takes several of them.

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::{
     parse::{Parsed, Parser},
     token::{Kind as TokenKind, Token, unescaped},
-    tree::{Capture, Captures, Expr, ExprNode, Function, Kind, TemplateArgument},
+    tree::{Capture, Captures, Expr, ExprNode, FILLED, Function, Kind, TemplateArgument},
 };
 use crate::config::{Fault, Place};
 
@@ -294,6 +294,10 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
     }
     if std {
         it.angles();
+        if matches!(&*name, "vector" | "deque") && it.sees("(") {
+            let node = ExprNode::Name(FILLED.into());
+            return Ok(Expr { node, place });
+        }
     }
     let kind = it.kind_named(&name);
     if kind != Kind::Any && (it.sees("(") || it.sees("{")) {

@@ -14,6 +14,32 @@ use crate::{
     program::syntax::{Item, Node},
 };
 
+/// Whether something that is known has another value.
+fn differs(old: &Value, new: &Value) -> bool {
+    match (old, new) {
+        (Value::Unknown(_), _) => false,
+        (Value::List(old), Value::List(new)) if old.len() == new.len() => {
+            old.iter().zip(new).any(|(old, new)| differs(old, new))
+        }
+        _ => old != new,
+    }
+}
+
+/// What has another value is not known; an array stays one, of elements of which some are not.
+fn unknown_where_other(old: &mut Value, new: &Value, why: &Arc<str>) {
+    if !differs(old, new) {
+        return;
+    }
+    match (old, new) {
+        (Value::List(old), Value::List(new)) if old.len() == new.len() => {
+            for (old, new) in old.iter_mut().zip(new) {
+                unknown_where_other(old, new, why);
+            }
+        }
+        (old, _) => *old = Value::Unknown(Arc::clone(why)),
+    }
+}
+
 /// Turns after which what still changes is called unknown.
 const TURNS: usize = 24;
 
@@ -59,8 +85,9 @@ impl Machine<'_> {
             let after = self.snapshot();
             let mut changed = false;
             for (slot, (old, new)) in known.iter_mut().zip(&after).enumerate() {
-                if old != new && !matches!(old, Value::Unknown(_)) {
-                    *old = Value::Unknown(self.named(slot).unwrap_or_else(|| Arc::clone(&why)));
+                if differs(old, new) {
+                    let why = self.named(slot).unwrap_or_else(|| Arc::clone(&why));
+                    unknown_where_other(old, new, &why);
                     changed = true;
                 }
             }

@@ -117,6 +117,8 @@ pub(super) struct Machine<'a> {
     pub naming: Option<Word>,
     /// What is shown, by its line: the display's title.
     pub titles: BTreeMap<u32, BTreeSet<String>>,
+    /// Buffers that events were read into, by the names that programs have for them.
+    pub scanned: BTreeMap<String, String>,
     /// The display that a stack of bits goes to.
     pub stack: Option<Value>,
     /// Whether the loop over the frames was run.
@@ -170,6 +172,7 @@ impl<'a> Machine<'a> {
             depth: 0,
             naming: None,
             titles: BTreeMap::new(),
+            scanned: BTreeMap::new(),
             stack: None,
             looped: false,
             bare: false,
@@ -373,6 +376,22 @@ impl<'a> Machine<'a> {
         let value = *self.overrides.get(name)?;
         self.constants.insert(name.to_owned(), value);
         Some(Value::from_number(value))
+    }
+
+    /// What is set from outside must be a number that its variable can hold.
+    pub(super) fn set_within(&mut self, name: &str, (set, kind): (&Value, Kind), place: Place) {
+        let made = set.clone().converted(kind).number();
+        if let (Some(asked), Some(made)) = (set.number(), made)
+            && asked != made
+            && !matches!(kind, Kind::Float)
+        {
+            self.error(
+                place,
+                format!("`{name}` is set to {asked}, of which its type makes {made}"),
+                "its declaration",
+                "give a number that this type holds",
+            );
+        }
     }
 
     pub(super) fn at(&self, slot: Slot, path: &[usize]) -> Value {

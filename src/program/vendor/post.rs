@@ -1,6 +1,6 @@
 //! What a host writes for people.
 
-use sprintf::{ConversionSpecifier, Printf};
+use sprintf::{ConversionSpecifier, ConversionType, NumericParam, Printf};
 
 use super::{machine::Machine, tree::Width, value::Value};
 
@@ -33,6 +33,21 @@ impl Printf for Printed<'_> {
     }
 }
 
+/// What `%f` shows of a number, halves to even as C rounds them: `sprintf` rounds them away from 0.
+fn rounded(number: f64, spec: &ConversionSpecifier) -> f64 {
+    let fixed = matches!(
+        spec.conversion_type,
+        ConversionType::DecFloatLower | ConversionType::DecFloatUpper
+    );
+    match spec.precision {
+        NumericParam::Literal(digits @ 0..=300) if fixed => {
+            let text = format!("{number:.*}", digits as usize);
+            text.parse().unwrap_or(number)
+        }
+        _ => number,
+    }
+}
+
 impl Printed<'_> {
     /// Fails where the value is of another type than the format asks for.
     fn printed(&self, spec: &ConversionSpecifier) -> sprintf::Result<String> {
@@ -50,7 +65,7 @@ impl Printed<'_> {
             Value::Wide(number, _) => (number as u64).format(spec),
             Value::Real(number) => {
                 let whole = || (number as i32).format(spec);
-                let text = number.format(spec).or_else(|_| whole())?;
+                let text = rounded(number, spec).format(spec).or_else(|_| whole())?;
                 // `%g` has no point without a digit behind it.
                 Ok(text.replace(".e", "e"))
             }

@@ -194,6 +194,9 @@ impl Machine<'_> {
             _ => None,
         };
         let fixed = self.companion.is_some() && set.is_some();
+        if let Some(set) = &set {
+            self.set_within(&it.name, (set, self.resolved(it.kind)), it.place);
+        }
         let value = match (set, stated) {
             (Some(value), _) | (None, Some(value)) => value,
             (None, None) if it.lengths.is_empty() => {

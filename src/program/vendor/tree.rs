@@ -7,6 +7,9 @@ use crate::config::Place;
 /// A name.
 pub(super) type Word = Arc<str>;
 
+/// The call that makes an array of a length, filled with a value.
+pub(super) const FILLED: &str = "a filled vector";
+
 /// A name without the namespaces and classes before it.
 pub(super) fn last(name: &str) -> &str {
     name.rsplit("::").next().unwrap_or(name)

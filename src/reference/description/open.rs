@@ -41,7 +41,8 @@ impl Description {
         path: &Path,
         read: &dyn Fn(&Path) -> io::Result<Vec<u8>>,
     ) -> Result<Self, OpenError> {
-        let name = path.to_str().filter(|_| !path.exists());
+        // A folder is no sensor.
+        let name = path.to_str().filter(|_| !path.exists() || path.is_dir());
         if let Some(file) = name.and_then(|name| bundled::find(Kind::Sensor, name)) {
             // None of them names another file.
             let read = |_: &str| Err(io::ErrorKind::NotFound.into());

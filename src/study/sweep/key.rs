@@ -323,7 +323,7 @@ pub const KEYS: &[Key] = &[
         sides: ARRAY,
         kind: Kind::Spelled(quantiser),
         default: Absent::Is("\"none\""),
-        what: "the kernel in few values, as in `amacrine quantise --to`; `none` takes its weights as they are",
+        what: "the kernel in few values, as in `amacrine quantise --to`; `none`, or `exact` as `compile` calls it, takes its weights as they are",
     },
     Key {
         name: "sum",
@@ -403,8 +403,9 @@ where
 }
 
 fn quantiser(name: &str) -> Result<String, (String, String)> {
-    if name == "none" {
-        return Ok(name.to_owned());
+    // `exact` is the word of `compile --to` and of Python.
+    if matches!(name, "none" | "exact") {
+        return Ok("none".to_owned());
     }
     spelled::<Quantiser>(name).map_err(|(what, help)| (what, format!("none, {help}")))
 }

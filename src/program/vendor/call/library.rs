@@ -38,12 +38,13 @@ impl Machine<'_> {
         Value::Whole(0)
     }
 
-    /// `std::vector name(length, value)`
+    /// `std::vector name(length, value)`, `std::vector<type>(length)`
     pub(super) fn filled(&mut self, given: &[Expr], place: Place) -> Value {
         let all: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
-        let (Some(value), Some(length)) = (all.get(1), all.first().and_then(Value::whole)) else {
+        let Some(length) = all.first().map_or(Some(0), Value::whole) else {
             return Value::Unknown("an array whose length only the run knows".into());
         };
+        let value = all.get(1).unwrap_or(&Value::Whole(0));
         match usize::try_from(length) {
             Ok(length) if length <= 1 << 20 => Value::List(vec![value.clone(); length]),
             _ => {
@@ -124,7 +125,15 @@ impl Machine<'_> {
             if let (3, Some(set)) = (at, &set) {
                 self.slider_range(&name, set, given, place);
             }
+            let kind = match &pointed {
+                Some((_, Value::Pointer(slot, path, _))) => self.kind_at(*slot, path),
+                _ => Kind::Any,
+            };
+            if let Some(set) = &set {
+                self.set_within(&name, (set, kind), place);
+            }
             let value = set.or(default).unwrap_or(Value::Whole(0));
+            let value = value.converted(kind);
             if let (false, Some(number)) = (name.is_empty(), value.number()) {
                 self.constants.insert(name, number);
             }

@@ -98,7 +98,7 @@ impl Machine<'_> {
         let standard = foreign(name) && qualifier(name).is_some_and(|it| it.ends_with("std"));
         let name = last(name);
         match (name, given) {
-            (super::parse::FILLED, _) => return self.filled(given, place),
+            (super::tree::FILLED, _) => return self.filled(given, place),
             ("static_assert", _) => return self.asserted(given, place),
             ("swap", [a, b]) => return self.swapped(a, b),
             ("begin" | "end" | "size", [of]) => {

@@ -169,6 +169,9 @@ impl Machine<'_> {
                 return Value::Whole(0);
             }
         }
+        if let ("scamp5_scan_events", Some((_, at, buffer))) = (&*name, values.get(1)) {
+            self.scanned_twice(buffer, *at);
+        }
         self.ask(&name, terms, place);
         let why: Arc<str> = format!("what `{name}` reads in {}", self.line(place)).into();
         // The count destroys a register, and is read none the less.
@@ -186,6 +189,19 @@ impl Machine<'_> {
             return Value::Whole(value);
         }
         Value::Unknown(why)
+    }
+
+    /// Two buffers of one sign and channel: their events cannot be told apart.
+    fn scanned_twice(&mut self, buffer: &str, at: Place) {
+        let known = self.scanned.entry(chip::buffer_name(buffer));
+        let first = known.or_insert_with(|| buffer.to_owned());
+        if first == buffer {
+            return;
+        }
+        let message = format!("the events of `{first}` and `{buffer}` are taken for one kind");
+        self.fault(Fault::warning(at, message, "of the same sign").help(
+            "a buffer takes OFF events where a word of its name is `off`, `neg`, `negative`, `minus` or `falling`, else ON; `on1` and `off1` are a kind of their own",
+        ));
     }
 
     /// `bus({A, B}, {C})`: arguments in braces.

@@ -244,10 +244,18 @@ impl Parser<'_> {
         let clean = self.faults.len() == told;
         self.faults.truncate(told);
         if shared {
-            // A constant of the class; what else is shared by its objects is not run.
+            // A function or a constant of the class; what else its objects share is not run.
             let fixed = |it: &Declared| it.constant && it.value.is_some();
-            let Ok(Some(StmtNode::Declare(mut all))) = node else {
-                return None;
+            let mut all = match node {
+                Ok(Some(StmtNode::Declare(all))) => all,
+                Ok(Some(StmtNode::Function(function))) if clean => {
+                    // By the name of the class, or of an object.
+                    let node = StmtNode::Function(Rc::clone(&function));
+                    let node = StmtNode::Namespace(class.into(), vec![Stmt { node, place }]);
+                    self.shared.push(Stmt { node, place });
+                    return Some(StmtNode::Function(function));
+                }
+                _ => return None,
             };
             if !clean || !all.iter().all(fixed) {
                 return None;

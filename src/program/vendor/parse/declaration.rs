@@ -4,7 +4,7 @@ use super::super::{
     expression::unexpected,
     host::Random,
     token::Token,
-    tree::{Declared, Expr, ExprNode, Kind, StmtNode, Word, last},
+    tree::{Declared, Expr, ExprNode, FILLED, Kind, StmtNode, Word, last},
 };
 use super::{
     Parsed, Parser,
@@ -259,9 +259,6 @@ impl Parser<'_> {
         Ok(())
     }
 }
-
-/// The call that makes an array of a length, filled with a value.
-pub(in crate::program::vendor) const FILLED: &str = "a filled vector";
 
 /// What a pointer in parentheses leads to.
 #[derive(Clone, Copy, PartialEq, Eq)]

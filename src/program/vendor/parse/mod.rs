@@ -9,7 +9,7 @@ mod types;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-pub(super) use self::{class::UNREAD, declaration::FILLED, types::Type};
+pub(super) use self::{class::UNREAD, types::Type};
 use super::{
     expression::{self, unexpected},
     token::Token,

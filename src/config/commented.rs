@@ -4,12 +4,11 @@ use std::fmt::Write as _;
 
 use serde_json::Value as Json;
 
-use crate::bundled::File;
-
-/// A file's text with the keys that it does not have: its own before its first table, those of its last
-/// table behind it, and the tables that it could have at the end.
-pub(super) fn with_keys(file: &File, schema: &Json) -> String {
-    let own: toml::Table = file.text.parse().unwrap_or_default();
+/// A text of TOML with the keys that it does not have, in comments: its own before its first table,
+/// those of its last table behind it, and the tables that it could have at the end.
+#[must_use]
+pub fn with_keys(text: &str, schema: &Json) -> String {
+    let own: toml::Table = text.parse().unwrap_or_default();
     let mut tables = String::new();
     for (key, about) in properties(schema) {
         let items = own
@@ -28,18 +27,18 @@ pub(super) fn with_keys(file: &File, schema: &Json) -> String {
     }
     let plain = properties(schema).filter(|(_, about)| !is_table(about));
     let others = lines(&own, plain, schema);
-    let text = format!("{}\n{tables}", file.text.trim_end());
+    let text = text.trim_end();
     if others.is_empty() {
-        return text;
+        return format!("{text}\n{tables}");
     }
     let others =
         format!("# What else may stand here, with what holds where it does not:\n{others}");
-    // Keys behind a table would be the table's.
+    // Keys behind a table would be the table's, behind one in comments too once it is none.
     let table = text.starts_with('[').then_some(0);
     let table = table.or_else(|| text.find("\n[").map(|at| at + 1));
     match table {
-        Some(at) => format!("{}{others}\n{}", &text[..at], &text[at..]),
-        None => format!("{text}\n{others}"),
+        Some(at) => format!("{}{others}\n{}\n{tables}", &text[..at], &text[at..]),
+        None => format!("{text}\n\n{others}{tables}"),
     }
 }
 
