@@ -156,7 +156,7 @@ def test_events_know_the_size_of_their_sensor(tmp_path: Path, events: Any) -> No
     amacrine.write(tmp_path / "part.npy", part)
     about = amacrine.about(tmp_path / "part.npy")
     assert about.size == (61, 83) and about.size_known
-    again = amacrine.read(tmp_path / "part.npy")
+    again: Any = amacrine.read(tmp_path / "part.npy")
     assert again.sensor_size == pickle.loads(pickle.dumps(again)).sensor_size == (61, 83)
     # What is said goes first; of bare arrays nothing is known.
     amacrine.write(tmp_path / "other.npy", part, size=(70, 90))
@@ -174,12 +174,13 @@ def test_one_kind_is_not_judged_against_several(tmp_path: Path, frames: Frames) 
     one = np.asarray(amacrine.Sensor(kernels(1), 0.4).events(frames, FPS))
     amacrine.write(tmp_path / "one.npy", one)
     amacrine.write(tmp_path / "several.npy", several)
-    for pair in [
+    pairs: list[tuple[Any, Any]] = [
         (several, one),
         (one, several),
         (several, tmp_path / "one.npy"),
         (tmp_path / "several.npy", one),
-    ]:
+    ]
+    for pair in pairs:
         with pytest.raises(amacrine.Error, match="kinds? of cells"):
             amacrine.compare(*pair)
     assert amacrine.compare(several, tmp_path / "several.npy")["f1"] == 1
