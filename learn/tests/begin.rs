@@ -44,10 +44,7 @@ fn a_task_to_start_from_has_every_key() {
     assert_eq!(begun.name, "mine");
     // What is in comments is what holds without it; photographs and a video exclude each other.
     let text = fs::read_to_string(&path).unwrap();
-    let all = all_said(
-        &text,
-        &["photographs", "video", "weight", "[sparsity]", "[retrain]"],
-    );
+    let all = all_said(&text, &["photographs", "video", "weight", "[sparsity]"]);
     assert_ne!(all, text);
     let all = Task::parse("mine.toml", &all).unwrap_or_else(|faults| panic!("{faults}\n{all}"));
     let same = |task: &Task| {
