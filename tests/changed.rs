@@ -76,6 +76,29 @@ fn a_rate_is_reached() {
     assert_eq!(said["rate"]["asked"], 12.0);
     assert_eq!(said["rate"]["thresholds"].as_array().unwrap().len(), 4);
     assert!(good(folder, &asked).contains("asked for: threshold"));
+    // Of the sensor that runs, whose thresholds are scaled with their spread.
+    let plain = [
+        "run",
+        "--scene",
+        SCENE,
+        "--sensor",
+        "rgc",
+        "--rate",
+        "8",
+        "--without",
+        "mismatch",
+    ];
+    let without = json(folder, &plain);
+    let with = json(folder, &plain[..7]);
+    assert_ne!(without["rate"]["thresholds"], with["rate"]["thresholds"]);
+    let rate = without["events"].as_f64().unwrap() / pixels / seconds;
+    let told = good(folder, &plain);
+    let told = told.lines().next().unwrap();
+    assert!(
+        told.ends_with(&format!("gives {rate:.4}")),
+        "{rate}: {told}"
+    );
+    assert!(good(folder, &plain[..7]).contains("(sigma too)"));
     // With its unit, and the events by the short name of their option.
     let unit = [
         "run", "--scene", SCENE, "--sensor", "rgc-4", "--rate", "12/px/s",

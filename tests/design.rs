@@ -353,6 +353,19 @@ fn voxels_of_a_file() {
     assert_eq!(said["dtype"], "float16");
     let bytes = |name: &str| fs::metadata(folder.join(name)).unwrap().len();
     assert!(bytes("h.h5") < bytes("v.h5") && bytes("v.h5") < bytes("v.npy"));
+    // What 16 bits do not hold is refused, and nothing is written.
+    fs::write(
+        folder.join("many.csv"),
+        "t,x,y,p\n".to_owned() + &"5,0,0,1\n".repeat(70_000),
+    )
+    .unwrap();
+    let many = [
+        "voxels", "many.csv", "--window", "1s", "--bins", "1", "-o", "m.npy",
+    ];
+    good(folder, &many);
+    let half = [&many[..7], &["n.npy", "--half"]].concat();
+    refused(folder, &half, &["70000 is beyond 16 bits", "65504"]);
+    assert!(!folder.join("n.npy").exists());
     let none = ["voxels", "e.npy", "--window", "0us", "-o", "n.npy"];
     refused(folder, &none, &["the window is 0 s"]);
 }

@@ -439,6 +439,15 @@ fn a_clip_is_run_whole_and_its_end_is_told() {
         frames == 8 && notes.contains("ends after 5 frames") && notes.contains("3 more"),
         "{notes}"
     );
+    // A pattern that says how many frames it has is a clip; others go on.
+    let pattern = |more: &str| {
+        let image = format!("pattern:noise?width=5&height=4{more}");
+        let all = ["--image", &image, "--json"];
+        let output = bench.command(&all).assert().success().get_output().clone();
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        json["frames"].as_u64().unwrap()
+    };
+    assert_eq!((pattern("&frames=5"), pattern("")), (5, 2));
     // One picture is one frame; nobody is told of it where nothing more was asked for.
     let one = ndarray::Array3::<f64>::zeros((1, 4, 5));
     write_npy(bench.path("clip.npy"), &one).unwrap();

@@ -48,6 +48,9 @@ fn a_file_goes_before_a_name() {
     let with = |name| [&scene[..], &[name]].concat();
     refused(folder, &with("dvs"), &["dvs:1:"]);
     refused(folder, &with("dvss"), &["dvss", "amacrine list sensors"]);
+    // A folder is no sensor.
+    fs::create_dir(folder.join("rgc")).unwrap();
+    good(folder, &with("rgc"));
     refused(
         folder,
         &["exec", "snapp"],

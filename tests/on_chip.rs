@@ -199,3 +199,49 @@ fn a_program_without_light_is_told_so() {
     let said = common::line(&ran.stderr);
     assert!(ran.status.success() && said.contains("--image"), "{said}");
 }
+
+/// A threshold that no light reaches is told, one within reach is not; an input that is its own result
+/// is not taken for nothing.
+#[test]
+fn thresholds_that_nothing_reaches_are_told() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    kernel(folder, "id.npy", &[&[1.0]]);
+    let said = |threshold: &str| {
+        let asked = [
+            "compile",
+            "id.npy",
+            "--threshold",
+            threshold,
+            "-o",
+            "p.scamp",
+        ];
+        let ran = common::amacrine(folder, &asked).output().unwrap();
+        common::line(&ran.stderr)
+    };
+    assert!(said("300").contains("no light gives an event: kind 0 has a threshold of"));
+    assert_eq!(said("100"), "");
+}
+
+/// Results lie in registers that are not kept, wherever others are free.
+#[test]
+fn results_stay_out_of_what_is_kept() {
+    let folder = TempDir::new().unwrap();
+    let asked = [
+        "compile",
+        "sobel-x",
+        "sobel-y",
+        "--filter-only",
+        "--effort",
+        "0.1",
+        "--keep",
+        "B",
+    ];
+    let told = json(folder.path(), &asked);
+    assert_eq!(told["into"], serde_json::json!(["A", "C"]));
+    let words = told["text"].as_str().unwrap();
+    assert!(
+        !words.contains("bus(B") && !words.contains(", B"),
+        "{words}"
+    );
+}

@@ -237,6 +237,36 @@ fn the_first_pixel_that_parts_is_told() {
     assert!(ask("exact").contains("chip and exact part first"));
 }
 
+/// The cells of the page err by what the run was left of errors.
+#[test]
+fn what_is_left_out_is_left_out_of_the_page() {
+    let folder = TempDir::new().unwrap();
+    fs::write(
+        folder.path().join("p.scamp"),
+        "get_image(A);\nmov(B, A);\nadd(C, A, B);\n",
+    )
+    .unwrap();
+    let exec = [
+        "exec",
+        "p.scamp",
+        "--image",
+        "pattern:disc?width=8&height=8",
+        "--frames",
+        "1",
+    ];
+    let errors = "noise,mismatch,transfer,converter,saturation,decay";
+    let all = ["--trace", "t.html", "--without", errors];
+    let said = |more: &[&str]| {
+        let said = json(folder.path(), &[&exec[..], more].concat());
+        said["notes"].to_string()
+    };
+    assert!(said(&all[..2]).contains("part first"));
+    for domain in [&[][..], &["--domain", "silicon"]] {
+        let said = said(&[&all[..], domain].concat());
+        assert!(said.contains("no pixel parts by more than 1 LSB"), "{said}");
+    }
+}
+
 #[test]
 fn what_does_not_go_with_it_is_refused() {
     let folder = TempDir::new().unwrap();

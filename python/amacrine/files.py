@@ -181,23 +181,26 @@ def compare(
 
 
 def _check_kinds(reference: Packet, judged: Packet) -> None:
-    """Refuses kinds of cells against none, of arrays, which do not say how many there are."""
-
-    def several(packet: Packet, other: Packet) -> bool | None:
-        if not isinstance(packet, (str, PathLike)):
-            fields = getattr(packet, "columns", getattr(packet, "dtype", None))
-            return "channel" in (getattr(fields, "names", None) or list(fields or ()))
-        # Files say it themselves to each other.
-        between = isinstance(other, (str, PathLike))
-        return None if between else about(packet).channels > 1
-
-    both = several(reference, judged), several(judged, reference)
-    if both in ((True, False), (False, True)):
-        one, other = ("several kinds", "one kind") if both[0] else ("one kind", "several kinds")
+    """Refuses several kinds of cells against one where an array is among the two: it does not say how
+    many there are. Two files say it to each other."""
+    both = reference, judged
+    if all(isinstance(packet, (str, PathLike)) for packet in both):
+        return
+    told = ["several kinds" if _has_kinds(packet) else "one kind" for packet in both]
+    if told[0] != told[1]:
         raise Error(
-            f"the reference has {one} of cells, the judged packet {other}\n"
+            f"the reference has {told[0]} of cells, the judged packet {told[1]}\n"
             "help: judge one kind at a time, such as events[events['channel'] == 0] without the field"
         )
+
+
+def _has_kinds(packet: Packet) -> bool:
+    """Whether there are several kinds of cells."""
+    if isinstance(packet, (str, PathLike)):
+        return about(packet).channels > 1
+    # Of a data frame the columns, of an array the fields.
+    fields = packet.columns if hasattr(packet, "columns") else packet.dtype.names or ()
+    return "channel" in fields
 
 
 def _side(

@@ -302,8 +302,8 @@ class Stream:
 
     def _events(self, frames: Any) -> Events:
         run, clip = self._next(frames)
-        check_side((clip.shape[1], clip.shape[2]))
         size = clip.shape[1], clip.shape[2]
+        check_side(size)
         events = view(run.events(clip), len(self._sensor.channels))
         return named(events, self._sensor._called, size)
 

@@ -56,12 +56,14 @@ def number(dtype: npt.DTypeLike) -> np.dtype[Any]:
 
 def narrowed(values: npt.NDArray[Any], number: np.dtype[Any]) -> npt.NDArray[Any]:
     """Voxels in this type, which must hold them."""
-    most = float(np.abs(values).max(initial=0.0))
-    if number.itemsize == 2 and most >= 65520:
-        raise Error(
-            f"a voxel of {most:.6g} events is beyond {number}, which ends at 65504\n"
-            "help: give dtype=np.float32, shorter windows, more bins, or normalise"
-        )
+    if number.itemsize == 2:
+        most = float(np.abs(values).max(initial=0.0))
+        # What is nearer to 65504 than to the number after it is rounded to it.
+        if most >= 65520:
+            raise Error(
+                f"a voxel of {most:.6g} events is beyond {number}, which ends at 65504\n"
+                "help: give dtype=np.float32, shorter windows, more bins, or normalise"
+            )
     return values.astype(number, copy=False)
 
 

@@ -184,3 +184,7 @@ def test_one_kind_is_not_judged_against_several(tmp_path: Path, frames: Frames) 
         with pytest.raises(amacrine.Error, match="kinds? of cells"):
             amacrine.compare(*pair)
     assert amacrine.compare(several, tmp_path / "several.npy")["f1"] == 1
+    table: Any = pytest.importorskip("pandas").DataFrame(several)
+    assert amacrine.compare(table, several)["f1"] == 1
+    with pytest.raises(amacrine.Error, match="kinds? of cells"):
+        amacrine.compare(table, one)

@@ -159,18 +159,28 @@ const BLOCK: usize = 256;
 ))]
 fn store_run(run: &Run<'_>, operands: &[&[f32]], cells: &mut [f32]) {
     let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
+    let n = cells.len();
     match *operands {
-        [a] if wide => run.store::<BLOCK, 1>([a], cells),
-        [a, b] if wide => run.store::<BLOCK, 2>([a, b], cells),
-        [a, b, c] if wide => run.store::<BLOCK, 3>([a, b, c], cells),
+        [a] if wide => {
+            let a = &a[..n];
+            run.store::<BLOCK>(|i, _| 0.0 + a[i], cells);
+        }
+        [a, b] if wide => {
+            let (a, b) = (&a[..n], &b[..n]);
+            run.store::<BLOCK>(|i, _| 0.0 + a[i] + b[i], cells);
+        }
+        [a, b, c] if wide => {
+            let (a, b, c) = (&a[..n], &b[..n], &c[..n]);
+            run.store::<BLOCK>(|i, _| 0.0 + a[i] + b[i] + c[i], cells);
+        }
         _ => {
             cells.fill(0.0);
             for operand in operands {
-                for (sum, operand) in cells.iter_mut().zip(*operand) {
+                for (sum, operand) in cells.iter_mut().zip(&operand[..n]) {
                     *sum += operand;
                 }
             }
-            run.store::<BLOCK, 0>([], cells);
+            run.store::<BLOCK>(|_, sum| sum, cells);
         }
     }
 }
@@ -200,48 +210,38 @@ impl Run<'_> {
         }
     }
 
-    /// Stores what is on the bus of each cell, so many cells at once: the sum of the operands, or
-    /// what the cell holds where there are none.
+    /// Stores what is on the bus of each cell, so many cells at once: `sum`, of its number and
+    /// what it holds.
     #[inline(always)]
-    fn store<const BLOCK: usize, const N: usize>(&self, operands: [&[f32]; N], cells: &mut [f32]) {
+    fn store<const BLOCK: usize>(&self, sum: impl Fn(usize, f32) -> f32, cells: &mut [f32]) {
+        if let Some([one, two]) = self.more {
+            let [first, second] = self.split;
+            self.each::<BLOCK>(cells, |i, held, error| {
+                let more = one * first[i] + two * second[i];
+                let current = isa::split(sum(i, held) / self.by, more);
+                isa::stored(current, self.gain[i], error + self.division)
+            });
+        } else {
+            self.each::<BLOCK>(cells, |i, held, error| {
+                isa::stored(sum(i, held) / self.by, self.gain[i], error)
+            });
+        }
+    }
+
+    /// Each cell, from its number, what it holds and its error; limited to the range.
+    #[inline(always)]
+    fn each<const BLOCK: usize>(&self, cells: &mut [f32], value: impl Fn(usize, f32, f32) -> f32) {
         // What makes a normal number of 0.
         let mut drawn = [1020; BLOCK];
         for (k, cells) in cells.chunks_mut(BLOCK).enumerate() {
-            let (from, count) = (k * BLOCK, cells.len());
-            let drawn = &mut drawn[..count];
+            let from = k * BLOCK;
+            let drawn = &mut drawn[..cells.len()];
             if self.noise != 0.0 {
                 self.draw(from, drawn);
             }
-            // As long as the cells, which spares a check of each index.
-            let [gain, offset, first, second] =
-                [self.gain, self.offset, self.split[0], self.split[1]]
-                    .map(|plane| &plane[from..][..count]);
-            let operands = operands.map(|operand| &operand[from..][..count]);
-            let current = |i: usize, held: f32| {
-                let sum = match N {
-                    0 => held,
-                    _ => operands.iter().fold(0.0, |sum, operand| sum + operand[i]),
-                };
-                sum / self.by
-            };
-            // `clamp` would check its ends for each cell.
-            let (low, high) = self.range;
-            let limited = |value: f32| {
-                let value = if value < low { low } else { value };
-                if value > high { high } else { value }
-            };
-            if let Some([one, two]) = self.more {
-                for i in 0..count {
-                    let error = self.error(offset[i], drawn[i]) + self.division;
-                    let more = one * first[i] + two * second[i];
-                    let current = isa::split(current(i, cells[i]), more);
-                    cells[i] = limited(isa::stored(current, gain[i], error));
-                }
-            } else {
-                for i in 0..count {
-                    let error = self.error(offset[i], drawn[i]);
-                    cells[i] = limited(isa::stored(current(i, cells[i]), gain[i], error));
-                }
+            for (j, cell) in cells.iter_mut().enumerate() {
+                let error = self.error(self.offset[from + j], drawn[j]);
+                *cell = value(from + j, *cell, error).clamp(self.range.0, self.range.1);
             }
         }
     }
@@ -294,8 +294,8 @@ impl Domain for Silicon {
 
     #[inline]
     fn store(&self, sum: &f32, share: Share, place: Place) -> f32 {
-        let mut cell = [*sum];
-        self.run(share, place, 1).store::<1, 0>([], &mut cell);
+        let mut cell = [0.0];
+        self.run(share, place, 1).store::<1>(|_, _| *sum, &mut cell);
         cell[0]
     }
 

@@ -562,6 +562,10 @@ impl Watched {
         let (on, off) = kinds
             .iter()
             .fold((0, 0), |sum, kind| (sum.0 + kind.0, sum.1 + kind.1));
+        let (put_in, own) = match arguments.upsample {
+            Some(_) => (" with those put in,", " of the scene"),
+            None => ("", ""),
+        };
         let mut lines = vec![
             format!(
                 "sensor   {} ({} {}, {}{})",
@@ -580,18 +584,10 @@ impl Watched {
                 arguments.scene,
                 self.size,
                 light::frames(self.frames),
-                if arguments.upsample.is_some() {
-                    " with those put in,"
-                } else {
-                    ""
-                },
+                put_in,
                 self.seconds,
                 self.fps,
-                if arguments.upsample.is_some() {
-                    " of the scene"
-                } else {
-                    ""
-                },
+                own,
             ),
             light.trim_end().to_owned(),
             format!(

@@ -11,7 +11,7 @@ use miette::{Result, miette};
 use super::print::say;
 use crate::task;
 
-/// What a task begins with: an hour of one core on a folder of photographs.
+/// What a task begins with.
 const TASK: &str = r#"# Keys behind a # hold where nothing else is said. What comes out: docs/guides/learn-a-kernel.md.
 goal = "interpolation"           # or "flow", from events alone
 steps = 2000

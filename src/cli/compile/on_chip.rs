@@ -111,18 +111,16 @@ impl Compiled {
 
     /// What to know of thresholds that no change of the light reaches.
     pub(super) fn unreached(&self) -> Option<String> {
-        let all = self.thresholds.iter().zip(&self.results).enumerate();
-        let beyond =
-            all.filter(|(_, (both, result))| both[0].min(both[1]) > result.high - result.low);
-        let told: Vec<String> = beyond
-            .map(|(kind, (both, result))| {
+        let of = |(kind, ([on, off], result)): (usize, (&[f64; 2], &Interval))| {
+            let (least, most) = (on.min(*off), result.high - result.low);
+            (least > most).then(|| {
                 format!(
-                    "kind {kind} has a threshold of {:.1} LSB, and its result changes by {:.1} at most",
-                    both[0].min(both[1]),
-                    result.high - result.low
+                    "kind {kind} has a threshold of {least:.1} LSB, and its result changes by {most:.1} at most"
                 )
             })
-            .collect();
+        };
+        let all = self.thresholds.iter().zip(&self.results).enumerate();
+        let told: Vec<String> = all.filter_map(of).collect();
         (!told.is_empty()).then(|| {
             format!(
                 "warning: no light gives an event: {}; take a lower threshold\n",

@@ -72,7 +72,8 @@ pub struct Arguments {
     pub(super) strip: Option<Output>,
     /// Write a page for a browser that steps through the words of the last frames, forwards and
     /// backwards: every register as a picture, on the chip (silicon, where --domain names no
-    /// other arithmetic that errs) and in exact arithmetic beside, the first pixel that parts, noise on and off
+    /// other arithmetic that errs) and in exact arithmetic beside, the first pixel that parts, noise
+    /// on and off
     #[arg(long, value_name = "PAGE.html", value_parser = Content::Page)]
     pub(super) trace: Option<Output>,
     /// Run so many times, with this seed and those that follow; print mean and spread

@@ -14,32 +14,6 @@ use crate::{
     program::syntax::{Item, Node},
 };
 
-/// Whether something that is known has another value.
-fn differs(old: &Value, new: &Value) -> bool {
-    match (old, new) {
-        (Value::Unknown(_), _) => false,
-        (Value::List(old), Value::List(new)) if old.len() == new.len() => {
-            old.iter().zip(new).any(|(old, new)| differs(old, new))
-        }
-        _ => old != new,
-    }
-}
-
-/// What has another value is not known; an array stays one, of elements of which some are not.
-fn unknown_where_other(old: &mut Value, new: &Value, why: &Arc<str>) {
-    if !differs(old, new) {
-        return;
-    }
-    match (old, new) {
-        (Value::List(old), Value::List(new)) if old.len() == new.len() => {
-            for (old, new) in old.iter_mut().zip(new) {
-                unknown_where_other(old, new, why);
-            }
-        }
-        (old, _) => *old = Value::Unknown(Arc::clone(why)),
-    }
-}
-
 /// Turns after which what still changes is called unknown.
 const TURNS: usize = 24;
 
@@ -280,5 +254,31 @@ fn always(it: &Expr) -> bool {
         ExprNode::Whole(value) | ExprNode::Wide(value, _) => *value != 0,
         ExprNode::Convert(_, of) => always(of),
         _ => false,
+    }
+}
+
+/// Whether something that is known has another value.
+fn differs(old: &Value, new: &Value) -> bool {
+    match (old, new) {
+        (Value::Unknown(_), _) => false,
+        (Value::List(old), Value::List(new)) if old.len() == new.len() => {
+            old.iter().zip(new).any(|(old, new)| differs(old, new))
+        }
+        _ => old != new,
+    }
+}
+
+/// What has another value is not known; an array stays one, of elements of which some are not.
+fn unknown_where_other(old: &mut Value, new: &Value, why: &Arc<str>) {
+    if !differs(old, new) {
+        return;
+    }
+    match (old, new) {
+        (Value::List(old), Value::List(new)) if old.len() == new.len() => {
+            for (old, new) in old.iter_mut().zip(new) {
+                unknown_where_other(old, new, why);
+            }
+        }
+        (old, _) => *old = Value::Unknown(Arc::clone(why)),
     }
 }
