@@ -752,6 +752,9 @@ fn what_is_shown_and_read() {
     let text = "uint8_t ev[200];\nint main() { int n = 0; while (1) { vs_frame_loop_control();\n\
                 scamp5_scan_events(R5, ev, 100); if (n % 10 == 0) vs_post_text(\"%d\", ev[0]); n++; } }";
     whole(text, "scamp5_scan_events(R5, on, 100);");
+    // Of an array that changes, what stays is known.
+    let text = "int main() { int a[2] = {0, 5}; while (1) { vs_frame_loop_control(); a[0]++; scamp5_in(A, a[1]); } }";
+    whole(text, "scamp5_in(A, 5);");
     same(
         "scamp5_output_events(R5, 0, 10);",
         "scamp5_scan_events(R5, on, 10);",
