@@ -241,6 +241,12 @@ impl fmt::Display for Words {
     }
 }
 
+/// So many of a thing whose plural ends in s, in words: `1 frame`, `2 frames`.
+pub fn counted(number: impl Copy + fmt::Display + PartialEq + From<u8>, thing: &str) -> String {
+    let plural = if number == 1.into() { "" } else { "s" };
+    format!("{number} {thing}{plural}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

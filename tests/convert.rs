@@ -123,6 +123,70 @@ fn slices_kinds_and_json() {
     }
 }
 
+/// Times of the day, as cameras write them.
+const DAY: u64 = 1_700_000_000_000_000;
+
+#[test]
+fn times_of_the_day_begin_at_zero_where_that_is_asked_for() {
+    let folder = Folder::new();
+    let mut packet = file::read(&folder.path("kinds.npy")).unwrap().packet;
+    packet.span = (Micros(DAY + 500), Micros(DAY + 3_000_000));
+    packet.events.retain(|e| e.t.0 > 0);
+    for event in &mut packet.events {
+        event.t.0 += DAY;
+    }
+    file::write(&folder.path("day.npy"), &packet).unwrap();
+    packet.channels = 1;
+    for event in &mut packet.events {
+        event.channel = 0;
+    }
+    file::write(&folder.path("day.csv"), &packet).unwrap();
+    folder.refused(&["day.csv", "a.dat"], "`convert --from-zero`");
+    // A span says where the recording begins, else the first event does.
+    let first = |name: &str, more: &[&str]| {
+        folder.said(&[&[name, "out.npy", "--from-zero"], more].concat());
+        let packet = file::read(&folder.path("out.npy")).unwrap().packet;
+        (packet.span, packet.events[0].t.0, packet.events.len())
+    };
+    let whole = (Micros(0), Micros(2_999_500));
+    assert_eq!(first("day.npy", &[]), (whole, 500, 2999));
+    assert_eq!(first("day.npy", &["--kind", "1"]), (whole, 500, 1000));
+    let (_, at, events) = first("day.csv", &["--size", "346x260"]);
+    assert_eq!((at, events), (0, 2999));
+    let slice = format!("{}us..{}us", DAY + 1_000_000, DAY + 1_500_000);
+    let cut = (Micros(0), Micros(500_000));
+    assert_eq!(first("day.npy", &["--slice", &slice]), (cut, 0, 500));
+    folder.said(&["day.csv", "day.dat", "--from-zero", "--size", "346x260"]);
+    let dat = file::read(&folder.path("day.dat")).unwrap().packet;
+    assert_eq!((dat.events[0].t.0, dat.events.len()), (0, 2999));
+}
+
+/// The windows of such a recording are those in which it lies.
+#[test]
+fn windows_begin_where_the_recording_does() {
+    let folder = Folder::new();
+    let mut packet = file::read(&folder.path("one.npy")).unwrap().packet;
+    let windows = |name: &str, more: &[&str]| {
+        let asked = [
+            "voxels", name, "-o", "v.npy", "--window", "500ms", "--bins", "2",
+        ];
+        let all = [&asked[..], more].concat();
+        let said = common::json(folder.0.path(), &all);
+        (said["shape"][0].as_u64(), said["from_us"].as_u64())
+    };
+    assert_eq!(windows("one.npy", &[]), (Some(6), Some(0)));
+    packet.span = (Micros(DAY + 700_000), Micros(DAY + 3_000_000));
+    packet.events.retain(|e| e.t.0 > 700_000);
+    for event in &mut packet.events {
+        event.t.0 += DAY;
+    }
+    file::write(&folder.path("day.npy"), &packet).unwrap();
+    assert_eq!(windows("day.npy", &[]), (Some(5), Some(DAY + 500_000)));
+    let from = format!("{}us", DAY + 1_000_000);
+    let (count, start) = windows("day.npy", &["--from", &from]);
+    assert_eq!((count, start), (Some(4), Some(DAY + 1_000_000)));
+}
+
 #[test]
 fn the_size_and_where_it_comes_from() {
     let folder = Folder::new();
@@ -180,11 +244,23 @@ fn damage_and_what_is_kept() {
             .len(),
         1999
     );
+    // Of an archive nothing is kept, and it is not said that something could be.
+    folder.said(&["one.npy", "a.npz"]);
+    let bytes = fs::read(folder.path("a.npz")).unwrap();
+    fs::write(folder.path("cut.npz"), &bytes[..bytes.len() / 2]).unwrap();
+    let salvage = ["cut.npz", "b.csv", "--salvage"];
+    folder.refused(&salvage, "nothing is kept of it");
 }
 
 #[test]
 fn refusals() {
     let folder = Folder::new();
+    folder.refused(&["-", "a.npy", "--from", "npy"], "- is no file");
+    #[cfg(unix)]
+    folder.refused(
+        &["/dev/null", "a.npy", "--from", "npy"],
+        "reads what it converts twice",
+    );
     folder.refused(
         &["one.npy", "a.raw"],
         "`.raw` files come in several formats: evt2, evt2.1, evt3",
@@ -196,7 +272,7 @@ fn refusals() {
     folder.refused(&["kinds.npy", "a.evt3"], ".evt3 has no place for them");
     folder.refused(
         &["kinds.npy", "a.evt3", "--kind", "3"],
-        "there is no kind 3, only 3",
+        "there is no kind 3: it has 3 kinds",
     );
     folder.refused(
         &["one.npy", "a.evt3", "--format", "evt4"],

@@ -128,7 +128,7 @@ fn registers_are_pictures() {
 #[test]
 fn the_host_s_readings_are_told_and_the_table_follows() {
     let text = Bench::new().script("b 14\nc\ns\ns\nquit\n");
-    assert!(text.contains("  4 events were read out\n"), "{text}");
+    assert!(text.contains("  4 events read out\n"), "{text}");
     assert!(text.contains("  read line 15: ADC 129\n"), "{text}");
     assert!(text.contains("frames   "), "the usual table: {text}");
 }

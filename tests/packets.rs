@@ -410,7 +410,7 @@ fn pictures_are_of_what_was_asked_for() {
     );
     assert_eq!(
         show(&["d.apng", "--from", "1ms"]),
-        "wrote    d.apng: 2 events in 1 frames\n"
+        "wrote    d.apng: 2 events in 1 frame\n"
     );
     let said = show(&["e.svg", "--title", "a title", "--json"]);
     let said: Value = serde_json::from_str(&said).unwrap();

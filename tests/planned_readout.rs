@@ -102,6 +102,11 @@ fn what_nobody_says_is_not_guessed() {
         &["compile", "csdvs-3", "--filter-only", "--readout", "planes"],
         &["--filter-only"],
     );
+    refused(
+        folder.path(),
+        &compile(&["--events-per-frame", "65537"]),
+        &["of 1 kind on 256 x 256 pixels", "give at most 65536"],
+    );
     let table = good(folder.path(), &compile(&["--events-per-frame", "100"]));
     assert!(table.contains("* slots for the busiest frame"), "{table}");
     // The frame rate that stands above is that of the readout that is marked.
@@ -145,6 +150,10 @@ fn every_way_runs_and_bits_are_the_same_events() {
     assert!(slots.len() > 50, "{} events", slots.len());
     written("planes.scamp", &["--readout", "planes"]);
     assert_eq!(events(folder.path(), "planes.scamp"), slots);
+    // A scene has fewer rows than the chip, which reads all of its own.
+    let whole = written("whole.scamp", &["--scene", SCENE, "--readout", "planes"]);
+    let text = whole["text"].as_str().unwrap();
+    assert!(text.contains("scamp5_scan_dreg(R5, on, 0, 255);"), "{text}");
     // On a scene the rows are counted, with the chip's errors; they hold the events without them.
     let region = written("region.scamp", &["--scene", SCENE, "--readout", "region"]);
     let rows = ends(&plan(&region, "region")["rows"]);

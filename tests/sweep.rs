@@ -901,3 +901,28 @@ fn the_cluster_examples_run() {
         );
     }
 }
+
+/// Without an event there is no error either, and a point that cannot be is not silent.
+#[test]
+fn points_that_say_nothing_are_told() {
+    let text = format!(
+        "scene = \"{SCENE}\"\nkernel = \"csdvs-5\"\nthreshold = [20, 2000]\n[[side]]\nside = \"reference\"\nformat = \"f32\"\n\
+         [[side]]\nside = \"array\"\nquantise = \"ternary\"\n"
+    );
+    let folder = folder(&text);
+    let sweep = ["sweep", "study.toml", "--output", "out", "--threads", "1"];
+    let said = json(folder.path(), &sweep);
+    assert_eq!(said["jobs"], 1);
+    let rows = csv_reader(&folder.path().join("out/results.csv"));
+    let outcome = rows[0].iter().position(|name| name == "outcome").unwrap();
+    let refused = rows.iter().filter(|row| row[outcome] == "refused").count();
+    assert_eq!(said["refused"], refused);
+    let warned = |said: &Value| {
+        let warnings = said["warnings"].as_array().unwrap().clone();
+        warnings.iter().any(|it| {
+            it["about"] == "no-events" && it["subjects"].to_string().contains("of 4 points")
+        })
+    };
+    assert!(warned(&said), "{said}");
+    assert!(warned(&json(folder.path(), &["report", "out"])));
+}

@@ -463,6 +463,52 @@ fn objects_of_plain_classes() {
 }
 
 #[test]
+fn objects_are_made_by_constructors() {
+    let classes = "class Edge { int t, gain_; public: int made = 1;\n\
+         explicit Edge(int t, int gain = 2) : t(t), gain_{gain} { made += t; }\n\
+         Edge() : t(4), gain_(1) {} ~Edge() {}\n\
+         int level() const { return t * gain_; } };\n\
+         struct Pair { int a, b; Pair(int a, int b) noexcept { this->a = a; this->b = b; } };\n\
+         struct Same { int a = 6; Same() = default; Same(const Same &) = delete; };\n\
+         Edge strong(10, 3); int level(Edge e) { return e.level(); } Pair swapped(Pair p) { return Pair(p.b, p.a); }";
+    numbers_with(
+        classes,
+        "Edge plain; Edge one{7}; Edge copy = Edge(5); Edge other(copy); Edge all[2]; Edge *p = new Edge(6, 1);\n\
+         Edge *q = new Edge; auto r = Edge{8}; scamp5_in(A, strong.level()); scamp5_in(A, plain.level());\n\
+         scamp5_in(A, one.level()); scamp5_in(A, copy.made); scamp5_in(A, other.level()); scamp5_in(A, all[1].level());\n\
+         scamp5_in(A, p->level()); scamp5_in(A, q->level()); scamp5_in(A, r.level()); scamp5_in(A, level(Edge(3)));\n\
+         scamp5_in(A, swapped(Pair(1, 2)).a); Pair b = {5, 9}; scamp5_in(A, b.b); Same s; scamp5_in(A, s.a);",
+        &[30, 4, 14, 6, 10, 4, 6, 4, 16, 6, 2, 9, 6],
+    );
+    // By the kinds of what is given, as functions are.
+    numbers_with(
+        "struct Level { int n; Level(int n) : n(n) {} Level(double x) { n = x * 10; } Level(areg_t a) : n(99) {}\n\
+         int of(int) { return 1; } int of(double) { return 2; } };",
+        "Level a(3); Level b(1.5); Level c(B); scamp5_in(A, a.n); scamp5_in(A, b.n); scamp5_in(A, c.n);\n\
+         scamp5_in(A, a.of(1)); scamp5_in(A, a.of(1.0));",
+        &[3, 15, 99, 1, 2],
+    );
+    numbers_with(
+        "struct Twin { int n; Twin(int n) : n(n) {} Twin(const Twin &it) : n(it.n + 1) {} };",
+        "Twin a(3); Twin b(a); Twin c = b; scamp5_in(A, b.n);",
+        &[4],
+    );
+    // What it asks of the array is asked where the object is made.
+    same(
+        "struct Start { Start(areg_t a) { res(a); } void go() { mov(A, B); } };\n\
+         scamp5_kernel_begin(); Start s(C); s.go(); scamp5_kernel_end();",
+        "res(C); mov(A, B);",
+    );
+    told(
+        classes,
+        "Pair p(1);",
+        1,
+        "no constructor of `Pair` takes 1 value",
+        "one of its constructors",
+    );
+}
+
+#[test]
 fn lambdas_take_along_what_they_say() {
     numbers(
         "int x = 3; auto f = [x]() { return x; }; auto g = [&]() { return x; }; auto h = [=] { return x; };\n\
@@ -1099,6 +1145,29 @@ fn compile_writes_cpp() {
     compile(&["-o", "p.cpp"]);
     compile(&["-o", "p.scamp"]);
     assert!(compile(&["--as", "cpp"]).contains("scamp5_kernel_begin();"));
+    let other = |language: &str, file: &str, words: &[&str]| {
+        let asked = [
+            "compile",
+            "csdvs-3",
+            "--threshold",
+            "16",
+            "--as",
+            language,
+            "-o",
+            file,
+        ];
+        refused(folder.path(), &asked, words);
+    };
+    other(
+        "scamp",
+        "a.cpp",
+        &["--as scamp, and a.cpp", "name it a.scamp"],
+    );
+    other(
+        "cpp",
+        "a.scamp",
+        &["--as cpp, and a.scamp", "name it a.cpp"],
+    );
     let words = |file: &str| good(folder.path(), &["disasm", file]);
     assert_eq!(words("p.cpp"), words("p.scamp"));
     // Thresholds that are no whole LSB are written as the converter sets them.
@@ -1220,7 +1289,7 @@ fn functions_have_other_names() {
 
 #[test]
 fn members_of_classes_do_not_run_kernels_unseen() {
-    let class = "struct Filter { int n; Filter() : n{3} { n++; } void run(areg_t a) const { scamp5_kernel_begin(); mov(a, B); scamp5_kernel_end(); }\n\
+    let class = "struct Filter { int n; int operator[](int i) { return n; } void run(areg_t a) const { scamp5_kernel_begin(); mov(a, B); scamp5_kernel_end(); }\n\
                  int get() { return n; } void later(); void all() { run(A); } };\n\
                  void Filter::later() { res(A); }";
     let message = |member: &str| format!("`f.{member}` runs words of the array");
@@ -1259,13 +1328,18 @@ fn members_of_classes_do_not_run_kernels_unseen() {
         "what `other.run` does with `A` is not known",
         "function",
     );
-    told(
-        "class G { G(int n) { res(C); } };",
-        "",
-        0,
-        "`G` runs words of the array where no call",
-        "outside of the class",
-    );
+    for class in [
+        "class G { int n; ~G() { res(C); } };",
+        "class G : H { G() { res(C); } };",
+    ] {
+        told(
+            class,
+            "",
+            0,
+            "`G` runs words of the array where no call",
+            "outside of the class",
+        );
+    }
     told(
         "class G { G(int n); }; G::G(int n) { res(C); }",
         "",

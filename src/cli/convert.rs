@@ -2,6 +2,7 @@
 
 use std::{
     ffi::{OsStr, OsString},
+    fs,
     path::{Path, PathBuf},
 };
 
@@ -20,7 +21,7 @@ use crate::{
         file::{Compression, FileError, Format, Head, Opening, Reader, Writer},
     },
     plane::Size,
-    unit::Micros,
+    unit::{Micros, counted},
 };
 
 /// What `convert` is asked to do.
@@ -28,6 +29,7 @@ use crate::{
 #[command(
     after_help = "Examples:\n  amacrine convert out/reference.npy out/reference.evt3\n  amacrine convert recording.raw part.aedat4 --slice 1s..2.5s\n  amacrine convert rgc.npy rgc.evt2 --each-kind\n\ndocs/formats.md has what each format holds and who reads it."
 )]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct Arguments {
     /// The event file to read
     a: Input,
@@ -48,6 +50,10 @@ pub struct Arguments {
     /// Only the events from FROM on and before TO, each with its unit; either may be left out
     #[arg(long, value_name = "FROM..TO", value_parser = slice)]
     slice: Option<(Micros, Micros)>,
+    /// Times from the start of the recording on, or of the slice: for formats that hold no times of
+    /// the day
+    #[arg(long)]
+    from_zero: bool,
     /// Only this kind of cell (which of the ganglion cells of a pixel), from 0
     #[arg(long, value_name = "N", conflicts_with = "each_kind")]
     kind: Option<u8>,
@@ -93,6 +99,8 @@ struct Seen {
     skipped: u64,
     note: Option<&'static str>,
     damage: Option<FileError>,
+    /// Where the recording begins, where that is asked for.
+    start: Micros,
 }
 
 /// A file that was written.
@@ -114,13 +122,21 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if !arguments.each_kind {
         files::writes([&*arguments.b])?;
     }
+    let is_pipe = |it: fs::Metadata| !it.is_file() && !it.is_dir();
+    if &*arguments.a == Path::new("-") || fs::metadata(&arguments.a).is_ok_and(is_pipe) {
+        return Err(miette!(
+            help = "write the events to a file first, and give its name",
+            "{} is no file: `convert` reads what it converts twice",
+            arguments.a.display()
+        ));
+    }
     let mut seen = look(arguments)?;
     if let Some(kind) = arguments.kind.filter(|kind| *kind >= seen.channels) {
         return Err(miette!(
             help = "kinds count from 0",
-            "{}: there is no kind {kind}, only {}",
+            "{}: there is no kind {kind}: it has {}",
             arguments.a.display(),
-            seen.channels
+            counted(seen.channels, "kind")
         ));
     }
     let targets = targets(arguments, &seen);
@@ -189,12 +205,20 @@ fn file_json(format: Format, written: &Written) -> serde_json::Value {
     })
 }
 
-fn open(arguments: &Arguments) -> Result<Reader, FileError> {
+fn open(arguments: &Arguments) -> miette::Result<Reader> {
     let opening = Opening {
         format: arguments.from,
         size: arguments.size,
     };
-    Reader::open(&arguments.a, &opening)
+    Reader::open(&arguments.a, &opening).map_err(|error| {
+        if arguments.salvage && matches!(error, FileError::Bad { .. }) {
+            return miette!(
+                help = "nothing is kept of it: what is damaged is needed to read the first event",
+                "{error}"
+            );
+        }
+        error.into()
+    })
 }
 
 /// The size and the kinds: from the file, else from all of its events.
@@ -209,14 +233,20 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
         skipped: 0,
         note: None,
         damage: None,
+        start: Micros(0),
     };
     let mut events = Vec::new();
+    let mut start = match (arguments.from_zero, arguments.slice) {
+        (false, _) => Some(Micros(0)),
+        (true, Some((from, _))) => Some(from),
+        (true, None) => reader.about().span.map(|(first, _)| first),
+    };
     // Text says what it is with its first events.
     let progress = Progress::new("looking", None);
     loop {
         let about = reader.about();
         let channels = about.channels.or((!format.limits().channels).then_some(1));
-        if let (Some(size), Some(channels)) = (about.size, channels) {
+        if let (Some(size), Some(channels), Some(_)) = (about.size, channels, start) {
             (seen.size, seen.channels) = (size, channels);
             seen.size_known = true;
             break;
@@ -227,6 +257,7 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
             Err(_) if arguments.salvage => break,
             Err(error) => return Err(error.into()),
         }
+        start = start.or_else(|| events.first().map(|event: &Event| event.t));
         seen.size_known = about.size.is_some();
         (seen.size, seen.channels) = (
             about.size.unwrap_or(reader.reach()),
@@ -235,6 +266,7 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
         progress.tick();
     }
     progress.finish();
+    seen.start = start.unwrap_or_default();
     Ok(seen)
 }
 
@@ -277,6 +309,8 @@ fn pass(
     let mut reader = open(arguments)?;
     let about = reader.about();
     let (from, to) = arguments.slice.unwrap_or((Micros(0), Micros(u64::MAX)));
+    let zero = seen.start;
+    let since = |t: Micros| Micros(t.0.saturating_sub(zero.0));
     let mut writers = Vec::new();
     for (path, kind) in targets {
         let head = Head {
@@ -294,7 +328,7 @@ fn pass(
             },
             span: about
                 .span
-                .map(|(first, last)| (first.clamp(from, to), last.clamp(from, to))),
+                .map(|(first, last)| (since(first.clamp(from, to)), since(last.clamp(from, to)))),
             // What is missing is missing of all kinds and all times together.
             dropped: about
                 .dropped
@@ -317,7 +351,7 @@ fn pass(
             Err(error) => return Err(error.into()),
         }
         for (writer, kind, ends) in &mut writers {
-            let part = choose(&events, &mut chosen, from, to, *kind);
+            let part = choose(&events, &mut chosen, (from, to), zero, *kind);
             writer.put(part)?;
             if let (Some(first), Some(last)) = (part.first(), part.last()) {
                 *ends = Some((ends.map_or(first.t, |(first, _)| first), last.t));
@@ -342,23 +376,29 @@ fn pass(
     Ok(written)
 }
 
-/// The events of a slice and a kind; a kind of its own is kind 0.
+/// The events of a slice and a kind, in times from `zero` on; a kind of its own is kind 0.
 fn choose<'a>(
     events: &'a [Event],
     chosen: &'a mut Vec<Event>,
-    from: Micros,
-    to: Micros,
+    (from, to): (Micros, Micros),
+    zero: Micros,
     kind: Option<u8>,
 ) -> &'a [Event] {
     let start = events.partition_point(|e| e.t < from);
     let end = events.partition_point(|e| e.t < to);
     let part = &events[start..end];
-    let Some(kind) = kind else {
+    if kind.is_none() && zero == Micros(0) {
         return part;
-    };
+    }
+    let of_kind = part
+        .iter()
+        .filter(|e| kind.is_none_or(|kind| e.channel == kind));
     chosen.clear();
-    let of_kind = part.iter().filter(|e| e.channel == kind);
-    chosen.extend(of_kind.map(|e| Event { channel: 0, ..*e }));
+    chosen.extend(of_kind.map(|e| Event {
+        t: Micros(e.t.0 - zero.0),
+        channel: if kind.is_some() { 0 } else { e.channel },
+        ..*e
+    }));
     chosen
 }
 
@@ -398,8 +438,9 @@ fn table(arguments: &Arguments, format: Format, seen: &Seen, written: &[Written]
             format!(", {:.6} to {:.6} s", first.seconds(), last.seconds())
         });
         lines.push(format!(
-            "wrote    {}, {format}, {events} events{when}",
-            path.display()
+            "wrote    {}, {format}, {}{when}",
+            path.display(),
+            counted(*events, "event")
         ));
     }
     for Written { path, .. } in written {

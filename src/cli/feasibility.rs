@@ -47,6 +47,7 @@ use super::{
 /// What `feasibility` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
+    override_usage = "amacrine feasibility [OPTIONS] <KERNELS>...",
     after_help = "Examples:\n  amacrine feasibility rgc-5x5 --threshold 128 -o report.html\n  amacrine feasibility learned.npy --threshold 40 --to int-5 --scene clip.mp4 --chip isa/mine -o report.html\n  amacrine feasibility csdvs-3,sobel-x --threshold 40,100 -o report.html\n\nSeveral kernels: each on its own, and all of them in one program. The page is one file: no network, no script; docs/feasibility.md says how each of its numbers is found."
 )]
 pub struct Arguments {

@@ -6,7 +6,6 @@ use miette::miette;
 
 use super::{
     files::Named,
-    light::counted,
     list::{bundled, meant},
 };
 use crate::{
@@ -17,6 +16,7 @@ use crate::{
     reference::Description,
     source,
     study::cells,
+    unit::counted,
 };
 
 /// The kinds of cells that a kernel file, an array of kernels or a sensor file states.

@@ -14,6 +14,7 @@ use crate::{
         Coding, Observation, Observed, OpenOptions, Range, Scene, SceneError, Transfer,
         bundled_with, open,
     },
+    unit::counted,
 };
 
 /// The name of the bundled clip.
@@ -137,7 +138,7 @@ pub fn line(observation: &Observation) -> String {
             "; from {} to {} in the {} shown",
             brief(least),
             brief(most),
-            frames(observation.frames())
+            counted(observation.frames(), "frame")
         );
     }
     line.push('\n');
@@ -148,17 +149,6 @@ pub fn line(observation: &Observation) -> String {
         );
     }
     line
-}
-
-/// How many frames.
-pub fn frames(count: u64) -> String {
-    counted(count as usize, "frame")
-}
-
-/// How many of a thing whose plural ends in s.
-pub fn counted(number: usize, thing: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{number} {thing}{plural}")
 }
 
 /// A number in four digits, or in all of a whole one.

@@ -9,6 +9,7 @@ use super::{
     files::{Input, Output},
 };
 use crate::study::sweep::merge;
+use crate::unit::counted;
 
 /// What `merge` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -65,8 +66,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if tables.failed > 0 {
         let _ = writeln!(
             text,
-            "failed   {} points: compute them again with `amacrine sweep STUDY --output {}`",
-            tables.failed,
+            "failed   {}: compute again with `amacrine sweep STUDY --output {}`",
+            counted(tables.failed, "point"),
             arguments.output.display()
         );
     }
@@ -75,8 +76,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         let more = if missing.len() > SHOWN { ", …" } else { "" };
         let _ = writeln!(
             text,
-            "missing  {} points: numbers {}{more}; compute them with `amacrine sweep STUDY --output {}`",
-            missing.len(),
+            "missing  {}: number {}{more}; compute with `amacrine sweep STUDY --output {}`",
+            counted(missing.len(), "point"),
             first.join(", "),
             arguments.output.display()
         );

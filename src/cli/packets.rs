@@ -17,7 +17,7 @@ use crate::{
         file::Loaded,
         readout::{Frame, ReadOut, settings::Description},
     },
-    unit::Micros,
+    unit::{Micros, counted},
 };
 
 /// What `packets` is asked to do.
@@ -109,9 +109,16 @@ impl Counted {
         if !given.is_empty() && given.len() != kinds.len() {
             return Err(miette!(
                 help = "give one number for each kind, 0 for a kind that never comes",
-                "--frequencies has {} numbers; the packet has {} kinds",
-                given.len(),
-                kinds.len()
+                "--frequencies has {}; the packet has {}",
+                counted(given.len(), "number"),
+                counted(kinds.len(), "kind")
+            ));
+        }
+        if !given.is_empty() && given.iter().all(|frequency| *frequency == 0) {
+            return Err(miette!(
+                help =
+                    "give how often each kind comes, or leave --frequencies out: they are counted",
+                "--frequencies says of every kind that it never comes"
             ));
         }
         let book = CodeBook::from_counts(if given.is_empty() { &kinds } else { given });
@@ -220,12 +227,11 @@ impl Shown<'_> {
         } = self;
         let events = p.events.len() as u64;
         let note = recording::guessed(self.loaded.size_known);
-        let kinds = if p.channels == 1 { "kind" } else { "kinds" };
         let mut lines = vec![format!(
-            "packet   {}, {}{note}, {} {kinds}, {:.6} s",
+            "packet   {}, {}{note}, {}, {:.6} s",
             a.file.display(),
             p.size,
-            p.channels,
+            counted(p.channels, "kind"),
             self.seconds()
         )];
         if let Some((description, read)) = self.read {

@@ -14,7 +14,7 @@ use crate::{
     reference::{Description, Limit, Reference},
     scene::{Observation, kept::Kept},
     study::pilot::{Change, Choice, Plan, Question, model::Model, plan::BUDGET},
-    unit::Micros,
+    unit::{Micros, counted},
 };
 
 use super::{
@@ -309,15 +309,20 @@ impl Told<'_> {
         if let Some([full, plain]) = plan.expected {
             let _ = writeln!(
                 text,
-                "time     {:.3} s for the sensor where the full one takes {:.3} s (expected); the pilot took {:.3} s",
-                plain, full, plan.seconds
+                "time     {plain:.3} s for the sensor where the full one{} takes {full:.3} s (expected); the pilot took {:.3} s",
+                if plan.free.is_empty() {
+                    ""
+                } else {
+                    ", without what is free,"
+                },
+                plan.seconds
             );
         }
         if let Some(ran) = self.planned {
             let _ = writeln!(
                 text,
-                "run      {} events in {:.3} s",
-                ran.packet.events.len(),
+                "run      {} in {:.3} s",
+                counted(ran.packet.events.len(), "event"),
                 ran.time.as_secs_f64()
             );
         }
@@ -342,8 +347,8 @@ impl Told<'_> {
             };
             let _ = writeln!(
                 text,
-                "verified {} events in {:.3} s by the full model: {missing} missing, {extra} extra, {} changed; {times}, and its limit {held}",
-                verified.full.packet.events.len(),
+                "verified {} in {:.3} s by the full model: {missing} missing, {extra} extra, {} changed; {times}, and its limit {held}",
+                counted(verified.full.packet.events.len(), "event"),
                 verified.full.time.as_secs_f64(),
                 share(changed),
             );

@@ -11,6 +11,7 @@ use crate::{
     },
     source,
     unit::Picos,
+    unit::counted,
 };
 
 /// Which readout, and with which settings.
@@ -79,8 +80,9 @@ impl Choice {
 pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> {
     let [before, behind] = statistics.events;
     let mut lines = vec![format!(
-        "readout  {}: {before} events fired, {behind} arrived",
-        description.name()
+        "readout  {}: {} fired, {behind} arrived",
+        description.name(),
+        counted(before, "event")
     )];
     for (key, setting) in description.settings() {
         let evidence = setting.evidence.map_or(String::new(), |e| {
@@ -127,8 +129,8 @@ pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> 
     }
     if statistics.ambiguous > 0 {
         lines.push(format!(
-            "note     {} events at the chip's (0,0): a host that takes (0,0) for the end of the list loses them, and what follows",
-            statistics.ambiguous
+            "note     {} at the chip's (0,0): a host that takes (0,0) for the end of the list loses what comes from there on",
+            counted(statistics.ambiguous, "event")
         ));
     }
     lines

@@ -13,6 +13,7 @@ use super::{
 use crate::{
     picture::front::{Dot, FrontShow, fronts},
     study::sweep::{Report, key::Side, report::Group, store, study::COSTS},
+    unit::counted,
 };
 
 /// What `report` is asked to do.
@@ -48,7 +49,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             arguments.folder.display()
         ));
     }
-    light::warn(tables.warning.as_slice());
+    light::warn(&tables.warnings);
     let report = Report::new(&manifest, &rows, &arguments.cost, arguments.pool);
     if let Some(path) = &arguments.output {
         path.draw(&fronts(&shows(&report)))?;
@@ -56,7 +57,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.json {
         let mut said = json!(report);
         if let Some(said) = said.as_object_mut() {
-            said.insert("warnings".to_owned(), json!(tables.warning.as_slice()));
+            said.insert("warnings".to_owned(), json!(tables.warnings));
             said.insert("computed_by".to_owned(), json!(tables.computed_by));
         }
         super::say(&format!("{said}\n"));
@@ -170,15 +171,19 @@ fn table(report: &Report, arguments: &Arguments) -> String {
     for refused in &report.refused {
         let _ = writeln!(
             text,
-            "\ncannot   {} ({} points): {}",
-            refused.name, refused.points, refused.reason
+            "\ncannot   {} ({}): {}",
+            refused.name,
+            counted(refused.points, "point"),
+            refused.reason
         );
     }
     for failed in &report.failed {
         let _ = writeln!(
             text,
-            "\nfailed   {} ({} points): {}",
-            failed.name, failed.points, failed.reason
+            "\nfailed   {} ({}): {}",
+            failed.name,
+            counted(failed.points, "point"),
+            failed.reason
         );
     }
     if !report.without.is_empty() {

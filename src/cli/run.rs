@@ -22,7 +22,7 @@ use crate::{
     scene::{Observation, Scene, SceneError, upsample},
     source,
     study::pilot::{Effect, Plan},
-    unit::Micros,
+    unit::{Micros, counted},
 };
 
 use super::{
@@ -437,7 +437,7 @@ fn events(
 ) -> miette::Result<usize> {
     let size = scene.size();
     let cells = (channels * size.pixels()) as u128;
-    let [counted, binned, listed] = [
+    let [planes, binned, listed] = [
         arguments.counts.is_some(),
         arguments.voxels.is_some() || arguments.json,
         arguments.events.is_some(),
@@ -446,11 +446,11 @@ fn events(
     let need = budget::of_scene(scene)
         .and("the sensor's cells", sensor)
         // The planes, and one on its way to the file.
-        .and("counts", counted * (cells + size.pixels() as u128) * 4)
+        .and("counts", planes * (cells + size.pixels() as u128) * 4)
         .and("voxels", binned * (2 * cells + size.pixels() as u128) * 8);
-    let kinds = if channels == 1 { "kind" } else { "kinds" };
     let what = format!(
-        "a run of {size} with {channels} {kinds} of cells in {}",
+        "a run of {size} with {} of cells in {}",
+        counted(channels, "kind"),
         arguments.format
     );
     let help = "take a smaller scene, fewer kinds of cells or a narrower --format";
@@ -568,14 +568,9 @@ impl Watched {
         };
         let mut lines = vec![
             format!(
-                "sensor   {} ({} {}, {}{})",
+                "sensor   {} ({}, {}{})",
                 description.name,
-                kinds.len(),
-                if kinds.len() == 1 {
-                    "channel"
-                } else {
-                    "channels"
-                },
+                counted(kinds.len(), "channel"),
                 arguments.format,
                 arguments.without.told()
             ),
@@ -583,7 +578,7 @@ impl Watched {
                 "scene    {}, {}, {}{} in {:.6} s, {} frames/s{}",
                 arguments.scene,
                 self.size,
-                light::frames(self.frames),
+                counted(self.frames, "frame"),
                 put_in,
                 self.seconds,
                 self.fps,

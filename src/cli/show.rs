@@ -16,7 +16,7 @@ use crate::{
         view::{self, Look, View},
         write_frames,
     },
-    unit::Micros,
+    unit::{Micros, counted},
 };
 
 /// What `show` is asked to do.
@@ -87,8 +87,18 @@ impl Arguments {
     /// A picture of the whole packet does not move, and a GIF holds few colours.
     fn can_move(&self, to: &Output) -> miette::Result<()> {
         let output = to.display();
+        if to.ending() == "gif" && self.hold < Micros(10_000) {
+            return Err(miette!(
+                help = "give --hold 10ms or more, or a name that ends in .apng",
+                "{output}: a GIF counts its time in hundredths of a second"
+            ));
+        }
         match self.view {
-            _ if to.ending() == "mcap" => Ok(()),
+            Shown::Overview | Shown::Frame if to.ending() == "mcap" => Ok(()),
+            _ if to.ending() == "mcap" => Err(miette!(
+                help = "leave --view out",
+                "{output}: it holds events and frames of them, no other view"
+            )),
             Shown::Surface | Shown::Kinds if to.ending() == "gif" => Err(miette!(
                 help = "give a name that ends in .apng, or leave --view out",
                 "{output}: a GIF has too few colours for this view"
@@ -194,13 +204,16 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         });
         super::say(&format!("{said}\n"));
     } else {
-        let frames = frames.map_or(String::new(), |n| format!(" in {n} frames"));
+        let frames = frames.map_or(String::new(), |n| format!(" in {}", counted(n, "frame")));
         let output = output.display();
         let of = match recording::guessed(size_known) {
             "" => String::new(),
             note => format!(" of {}{note}", packet.size),
         };
-        super::say(&format!("wrote    {output}: {events} events{of}{frames}\n"));
+        super::say(&format!(
+            "wrote    {output}: {}{of}{frames}\n",
+            counted(events, "event")
+        ));
     }
     Ok(())
 }

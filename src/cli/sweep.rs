@@ -5,7 +5,6 @@ use std::{
     io::{self, BufRead as _, Read as _},
     path::{Path, PathBuf},
     sync::OnceLock,
-    thread,
     time::Instant,
 };
 
@@ -31,6 +30,7 @@ use crate::study::sweep::{
     store::Tables,
     verify::{Share, Verified},
 };
+use crate::unit::counted;
 use crate::{limit::POINT_BYTES, memory::Need, source};
 
 /// What `sweep` is asked to do.
@@ -171,7 +171,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     light::warn(&plan.warnings());
     let jobs = match arguments.jobs {
         Some(jobs) => jobs.into(),
-        None => thread::available_parallelism().map_or(1, usize::from),
+        None => rayon::current_num_threads(),
     };
     let scenes = Need::new().and("scenes that are kept", plan.held());
     budget::check(&scenes, "a sweep", "take smaller scenes, or fewer")?;
@@ -205,7 +205,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let did = run.complete(&store, begin, || progress.tick())?;
     progress.finish();
     let tables = store.write_tables(arguments.parquet)?;
-    light::warn(tables.warning.as_slice());
+    light::warn(&tables.warnings);
     let said = Said {
         plan: &plan,
         output: &output,
@@ -352,8 +352,8 @@ fn searched(search: &Searched, all: usize) -> String {
         let whole = number == search.rungs.len();
         let _ = writeln!(
             text,
-            "rung {number}   {} points on {}: {:.0} point-frames{}",
-            rung.points,
+            "rung {number}   {} on {}: {:.0} point-frames{}",
+            counted(rung.points, "point"),
             if whole {
                 "the whole scene"
             } else {
@@ -402,7 +402,8 @@ impl Said<'_> {
             "damaged": self.did.damaged,
             "missing": self.tables.missing.len(),
             "computed_by": self.tables.computed_by,
-            "warnings": self.tables.warning.as_slice(),
+            "refused": self.tables.refused,
+            "warnings": self.tables.warnings,
             "search": self.did.search,
             "jobs": self.jobs,
             "seconds": self.seconds,
@@ -430,7 +431,7 @@ impl Said<'_> {
             "computed {} in {:.1} s on {}, {} were there already",
             self.did.computed,
             self.seconds,
-            light::counted(self.jobs, "thread"),
+            counted(self.jobs, "thread"),
             self.did.found
         );
         let output = self.output.display();
@@ -439,7 +440,7 @@ impl Said<'_> {
             let _ = writeln!(
                 text,
                 "damaged  {} of points, set aside in {output}/damaged:{}",
-                light::counted(damaged.len(), "file"),
+                counted(damaged.len(), "file"),
                 listed(
                     damaged
                         .iter()
@@ -450,14 +451,22 @@ impl Said<'_> {
         if self.tables.failed > 0 {
             let _ = writeln!(
                 text,
-                "failed   {} points, computed again by the next run:{}",
-                self.tables.failed,
+                "failed   {}, computed again by the next run:{}",
+                counted(self.tables.failed, "point"),
                 listed(
                     self.did
                         .failed
                         .iter()
                         .map(|f| format!("point {}: {}", f.point, f.reason))
                 )
+            );
+        }
+        if self.tables.refused > 0 {
+            let _ = writeln!(
+                text,
+                "refused  {} of {}: the report says why",
+                self.tables.refused,
+                counted(self.tables.finished, "point")
             );
         }
         if let Some(search) = &self.did.search {
@@ -472,8 +481,8 @@ impl Said<'_> {
         }
         let _ = write!(
             text,
-            "wrote    {output}/results.csv and results.jsonl, {} rows\nnext     amacrine report {output}\n",
-            self.tables.finished + self.tables.failed
+            "wrote    {output}/results.csv and results.jsonl, {}\nnext     amacrine report {output}\n",
+            counted(self.tables.finished + self.tables.failed, "row")
         );
         text
     }

@@ -42,6 +42,10 @@ pub struct Arguments {
     /// How long a window is
     #[arg(long, value_name = "TIME")]
     window: Micros,
+    /// Where the first window begins [default: so many windows after 0 that the recording's start lies
+    /// in the first]
+    #[arg(long, value_name = "TIME")]
+    from: Option<Micros>,
     /// From one window to the next [default: the window's length]
     #[arg(long, value_name = "TIME")]
     every: Option<Micros>,
@@ -87,10 +91,6 @@ where
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let every = arguments.every.unwrap_or(arguments.window);
     let windows = Windows::new(arguments.window.seconds(), every.seconds(), arguments.align)?;
-    let mut how = Voxels::new(arguments.bins, windows)?;
-    how.share = arguments.share;
-    how.sides = arguments.polarity;
-    how.normalise = arguments.normalise;
     let container = match arguments.output.ending() {
         "npz" => Container::Npz,
         "h5" | "hdf5" => Container::Hdf5,
@@ -104,6 +104,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     // Once for the size, the kinds and the end, where the file does not say them.
     let about = Extent::of(arguments)?;
     let (size, channels) = (about.size, about.channels);
+    let windows = match arguments.from {
+        Some(from) => windows.from(from),
+        None => windows.reaching(about.start),
+    };
+    let mut how = Voxels::new(arguments.bins, windows)?;
+    how.share = arguments.share;
+    how.sides = arguments.polarity;
+    how.normalise = arguments.normalise;
     let each = how.len(size, channels) as u128 * 4;
     let overlap = u128::from(arguments.window.0.div_ceil(every.0.max(1)) + 1);
     // One more as it is written.
@@ -144,6 +152,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "file": arguments.file,
             "output": arguments.output,
             "shape": all,
+            "from_us": windows.start(),
             "dtype": if arguments.half { "float16" } else { "float32" },
             "kinds": about.names,
             "size_known": about.size_known,
@@ -153,8 +162,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let [kinds, sides, bins, height, width] = shape;
     super::say(&format!(
-        "wrote    {}: ({count}, {kinds}, {sides}, {bins}, {height}, {width}): windows, kinds, sides, bins, rows, columns{}\n",
+        "wrote    {}: ({count}, {kinds}, {sides}, {bins}, {height}, {width}): windows, kinds, sides, bins, rows, columns{}{}\n",
         arguments.output.display(),
+        match windows.start() {
+            Micros(0) => String::new(),
+            start => format!("; the first window begins at {:.6} s", start.seconds()),
+        },
         recording::guessed(about.size_known)
     ));
     Ok(())
@@ -165,6 +178,7 @@ struct Extent {
     size: crate::plane::Size,
     channels: u8,
     names: Vec<String>,
+    start: Micros,
     end: Micros,
     size_known: bool,
 }
@@ -173,11 +187,13 @@ impl Extent {
     fn of(arguments: &Arguments) -> miette::Result<Self> {
         let mut reader = Reader::open(&arguments.file, &arguments.opening())?;
         let mut block: Vec<Event> = Vec::new();
-        let mut last = Micros(0);
+        let (mut first, mut last) = (None, Micros(0));
         // Only the events themselves say where they end and what they reach.
         while reader.next_block(&mut block)? {
+            first = first.or_else(|| block.first().map(|event| event.t));
             last = block.last().map_or(last, |event| event.t);
         }
+        let stated = reader.about().span.map(|(start, _)| start);
         let (packet, size_known) = {
             let (loaded, damage, _) = file::up_to(reader, 0);
             if let Some(damage) = damage {
@@ -196,6 +212,7 @@ impl Extent {
             size: packet.size,
             channels: packet.channels,
             names: packet.names,
+            start: stated.or(first).unwrap_or_default(),
             end: last.max(packet.span.1),
             size_known,
         })

@@ -43,6 +43,7 @@ use super::{
 /// What `waterfall` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
+    override_usage = "amacrine waterfall [OPTIONS] <KERNELS>...",
     after_help = "Examples:\n  amacrine waterfall rgc-5x5 --to int-5 --sum zero --threshold 128 -o waterfall.svg\n  amacrine waterfall csdvs-3 --threshold 20 --rates 10,40,130 --chips 20\n  amacrine waterfall csdvs-3 --threshold 20 --to int-5 --scene clip.mp4 --json\n  amacrine waterfall dog --threshold 20 --to ternary --format q8.8 --steps\n\ndocs/waterfall.md says what each cause is, how it is told from the others, and which sensors\nare run."
 )]
 pub struct Arguments {

@@ -18,7 +18,9 @@ use crate::{
 pub enum CompareError {
     /// Sensors of different sizes.
     #[error("the reference is {reference}, the judged packet {judged}")]
-    #[diagnostic(help("compare packets of one size; crop or convert one of them first"))]
+    #[diagnostic(help(
+        "compare packets of one size; a sensor beside a packet needs a scene (`--scene`) of the packet's size"
+    ))]
     Size {
         /// Size of the reference.
         reference: Size,

@@ -5,13 +5,16 @@ pub(super) const MOST_THRESHOLD: f64 = 128.0;
 
 /// What part of a threshold of so many LSB, more than can be set, can be: three digits, rounded
 /// down.
-fn part_that_fits(lsb: f64) -> f64 {
+fn part_that_fits(lsb: f64) -> String {
     let part = MOST_THRESHOLD / lsb;
+    if part < 1e-6 {
+        return format!("{:.1e}", 0.95 * part);
+    }
     let mut place = 1000.0;
     while part * place < 100.0 && place < 1e300 {
         place *= 10.0;
     }
-    (part * place).floor() / place
+    ((part * place).floor() / place).to_string()
 }
 
 /// Kernels that cannot be compiled as asked.
@@ -118,7 +121,8 @@ pub enum CompileError {
     },
     /// A threshold that the chip's converter cannot set.
     #[error(
-        "a threshold is {lsb:.0} LSB in the program, more than the {} that the host can set",
+        "a threshold is {} LSB in the program, more than the {} that the host can set",
+        if *lsb < 1e6 { format!("{lsb:.0}") } else { format!("{lsb:.2e}") },
         MOST_THRESHOLD
     )]
     #[diagnostic(help("take a lower threshold: {} times this one, or less", part_that_fits(*lsb)))]

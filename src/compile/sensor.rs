@@ -17,6 +17,7 @@ use crate::{
     elementary,
     isa::{Analog, Device, Figure},
     kernel::Kernel,
+    unit::counted,
 };
 
 /// The one-bit registers that memories may take. R0 and R12 serve logic; R5, R6 and R11 the
@@ -397,8 +398,8 @@ impl Writer<'_> {
         };
         let _ = writeln!(
             text,
-            "//!\n//! # Compiled. The light is halved {} times on the way, {range}; the\n//! # filter is {reach}. The memory is the drive at the last event (filtered-snap).",
-            self.filter.prescale,
+            "//!\n//! # Compiled. The light is halved {} on the way, {range}; the\n//! # filter is {reach}. The memory is the drive at the last event (filtered-snap).",
+            counted(self.filter.prescale, "time"),
         );
         // A count writes to a register what depends on the place, so that no frame is read back.
         if let ([kind], false) = (self.kinds, self.readout == EventReadout::Counts) {

@@ -99,7 +99,7 @@ impl Kind {
             Self::Flag => "true or false".to_owned(),
             Self::Number(range) => range.words(),
             Self::Whole { least, most } if *most >= i64::MAX as u64 => {
-                format!("a whole number of at least {least}")
+                format!("a whole number of at least {least}, written without a point")
             }
             Self::Whole { least, most } => format!("a whole number from {least} to {most}"),
             Self::List { .. } => "a list".to_owned(),

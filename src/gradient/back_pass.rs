@@ -56,6 +56,8 @@ pub(super) struct BackPass<'a, R: Float> {
     over: Vec<R>,
     /// `dL/dS`, (frames, channels, rows, columns), where the light's gradient is wanted.
     pub(super) light: Vec<R>,
+    /// Whether all is finite that the loss asks of this piece.
+    pub(super) finite: bool,
 }
 
 impl<'a, R: Float> BackPass<'a, R> {
@@ -89,6 +91,7 @@ impl<'a, R: Float> BackPass<'a, R> {
             parts: Parts::default(),
             over: Vec::new(),
             light: vec![R::ZERO; if ask.light { light } else { 0 }],
+            finite: true,
         }
     }
 
@@ -210,6 +213,9 @@ impl<'a, R: Float> BackPass<'a, R> {
             later: voxels(pair + 1),
             signed: self.ask.counts.map_or(none, |counts| &counts[of_pair]),
         };
+        // Each row once: the last bin is of no other pair. They are in the cache here.
+        let last = if pair + 2 == frames { input.later } else { &[] };
+        self.finite &= finite(input.earlier) && finite(input.signed) && finite(last);
         let shared = Pair {
             silence: R::from_f64(silence),
             duration: R::from_f64(dt),
@@ -380,6 +386,16 @@ struct Output<'a, R> {
     before: &'a mut [R],
     on: &'a mut [R],
     off: &'a mut [R],
+}
+
+/// Whether all are finite: 0 times infinity or NaN is NaN.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn finite<R: Real>(values: &[R]) -> bool {
+    let mut all = true;
+    for value in values {
+        all &= *value * R::ZERO == R::ZERO;
+    }
+    all
 }
 
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]

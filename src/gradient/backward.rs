@@ -1,10 +1,9 @@
 //! The way back: from what a loss asks of voxels and counts to the gradient of what a sensor is made
 //! of. `back_pass` takes a piece of a clip back; their sums are added up here, in order.
 
-use multiversion::multiversion;
 use rayon::prelude::*;
 
-use crate::{number::Real, plane::Plane};
+use crate::plane::Plane;
 
 use super::{
     back_pass::BackPass,
@@ -87,20 +86,23 @@ impl<R: Float> Model<R> {
                 help: "use memory = \"filtered-step\" with rule = \"dead-time\", or another rule of the gradient",
             });
         }
-        check(seen, Tensor::Voxels, ask.voxels, seen.voxels.len(), 0)?;
-        check(seen, Tensor::Counts, ask.counts, seen.counts.len(), 1)?;
+        shape(seen, Tensor::Voxels, ask.voxels, seen.voxels.len(), 0)?;
+        shape(seen, Tensor::Counts, ask.counts, seen.counts.len(), 1)?;
         let pieces = Piece::all(seen.clips, self.size);
-        let back = |(n, piece): (usize, &Piece)| {
-            let mut pass = BackPass::new(self, seen, ask, rule, piece);
+        let back = |n: usize| {
+            let mut pass = BackPass::new(self, seen, ask, rule, &pieces[n]);
             pass.run(&seen.tapes[n]);
-            (pass.sums, pass.light)
+            pass
         };
-        let (sums, drives): (Vec<_>, Vec<_>) = pieces
-            .par_iter()
-            .enumerate()
-            .map(back)
-            .collect::<Vec<_>>()
+        let passes = (0..pieces.len()).into_par_iter().map(back);
+        let passes: Vec<_> = passes.collect();
+        if !passes.iter().all(|pass| pass.finite) {
+            numbers(seen, Tensor::Voxels, ask.voxels, 0)?;
+            numbers(seen, Tensor::Counts, ask.counts, 1)?;
+        }
+        let (sums, drives): (Vec<_>, Vec<_>) = passes
             .into_iter()
+            .map(|pass| (pass.sums, pass.light))
             .unzip();
         let mut channels = Vec::with_capacity(self.channels());
         for k in 0..self.channels() {
@@ -140,31 +142,40 @@ impl ChannelGradient {
     }
 }
 
-/// Whether a gradient has the shape of what it is a gradient of, and is finite.
-fn check<R: Float>(
+/// Whether a gradient has the shape of what it is a gradient of, which has `less` planes in time than
+/// there are frames.
+fn shape<R: Float>(
     seen: &Forward<R>,
     tensor: Tensor,
     values: Option<&[R]>,
     want: usize,
     less: usize,
 ) -> Result<(), GradientError> {
-    let Some(values) = values else { return Ok(()) };
+    let Some(values) = values.filter(|values| values.len() != want) else {
+        return Ok(());
+    };
     let [clips, frames, channels, height, width] = seen.shape();
     let shape = [clips, frames - less, channels, height, width];
-    if values.len() != want {
-        return Err(GradientError::Shape {
-            tensor,
-            got: values.len(),
-            want: format!("{want}, {shape:?},"),
-        });
-    }
-    let pixels = height * width;
-    let all_are_numbers = values.par_chunks(pixels).all(finite);
-    if all_are_numbers {
+    Err(GradientError::Shape {
+        tensor,
+        got: values.len(),
+        want: format!("{want}, {shape:?},"),
+    })
+}
+
+/// Whether a gradient of such a shape is finite; the error names the first value that is not.
+fn numbers<R: Float>(
+    seen: &Forward<R>,
+    tensor: Tensor,
+    values: Option<&[R]>,
+    less: usize,
+) -> Result<(), GradientError> {
+    let values = values.unwrap_or_default();
+    let Some(n) = values.iter().position(|v| !v.to_f64().is_finite()) else {
         return Ok(());
-    }
-    let n = values.iter().position(|v| !v.to_f64().is_finite());
-    let n = n.unwrap_or(0);
+    };
+    let [clips, frames, channels, height, width] = seen.shape();
+    let shape = [clips, frames - less, channels, height, width];
     let mut at = vec![0; shape.len()];
     let mut rest = n;
     for (at, side) in at.iter_mut().zip(shape).rev() {
@@ -172,14 +183,4 @@ fn check<R: Float>(
     }
     let value = values[n].to_f64();
     Err(GradientError::NotFinite { tensor, at, value })
-}
-
-/// Whether all are finite: 0 times infinity or NaN is NaN.
-#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-fn finite<R: Real>(values: &[R]) -> bool {
-    let mut all = true;
-    for value in values {
-        all &= *value * R::ZERO == R::ZERO;
-    }
-    all
 }

@@ -137,7 +137,7 @@ pub enum FormatError {
         name: String,
     },
     /// A fixed-point format that no integer holds.
-    #[error("number format `{name}` has {bits} bits, not 8, 16 or 32")]
+    #[error("number format `{name}` has {bits} bit{}, not 8, 16 or 32", if *bits == 1 { "" } else { "s" })]
     #[diagnostic(help(
         "M (with the sign) and N in qM.N must be 8, 16 or 32 together, for instance q8.8 or q8.24"
     ))]

@@ -1,6 +1,6 @@
 //! Static checks of a program: FLAG, values destroyed as scratch, and the size of the kernel store.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{
     cost,
@@ -29,7 +29,33 @@ pub(super) fn check(expansion: &Expansion, device: &Device, faults: &mut Vec<Fau
         walk.entries(&expansion.frame, false);
     }
     faults.append(&mut walk.faults);
+    if !expansion.bare {
+        unwritten(expansion, device, faults);
+    }
     store(expansion, device, faults);
+}
+
+/// Warns of one-bit registers that are read and that nothing in the program writes: masks and
+/// directions that are 0 everywhere make an instruction do nothing, in silence.
+fn unwritten(expansion: &Expansion, device: &Device, faults: &mut Vec<Fault>) {
+    let (mut read, mut written) = (BTreeMap::new(), BTreeSet::new());
+    let mut see = |statement: &Expanded| {
+        for cell in &statement.effect.reads {
+            read.entry(*cell).or_insert_with(|| Spot::new(statement));
+        }
+        written.extend(statement.effect.writes.iter().copied());
+    };
+    for_each(&expansion.init, &mut see);
+    for_each(&expansion.frame, &mut see);
+    for (cell, spot) in read {
+        if matches!(cell, Cell::Digital(_)) && !written.contains(&cell) {
+            let register = cell.name(device);
+            let message = format!("nothing in this program writes {register}: it is 0 everywhere");
+            let label = format!("`{}` reads {register}", spot.name);
+            let help = format!("write it first, as by `SET({register});`");
+            faults.push(Fault::warning(spot.place, message, label).help(help));
+        }
+    }
 }
 
 /// A statement, for messages.

@@ -11,7 +11,7 @@ use crate::{
     kernel::quantise::Erasure,
     plane::Size,
     scene::{Cut, Frame, Light, Observation, Repeated},
-    unit::Micros,
+    unit::{Micros, counted},
 };
 
 /// What a warning is about.
@@ -128,7 +128,7 @@ impl Warning {
                 "show a scene of two frames at least",
             ),
             Some(frames) => (
-                format!("no event at all in {frames} frames"),
+                format!("no event at all in {}", counted(frames, "frame")),
                 "what its cells see never moves by a threshold: the light is small against it, or it does not change",
                 lower,
             ),
@@ -147,7 +147,10 @@ impl Warning {
         Self::new(
             About::NoEvents,
             subject,
-            format!("no event at all in {frames} frames of the dark"),
+            format!(
+                "no event at all in {} of the dark",
+                counted(frames, "frame")
+            ),
             "no light was given, and the program names none of its own",
             "give --image SCENE, a clip or a pattern such as pattern:disc",
         )
@@ -184,6 +187,18 @@ impl Warning {
                 "take a shorter window (within), or a longer scene",
             )
         })
+    }
+
+    /// Two packets without an event, which differ in nothing.
+    #[must_use]
+    pub fn nothing_to_compare(subject: &str) -> Self {
+        Self::new(
+            About::NoEvents,
+            subject,
+            "it is 0, since neither sensor has an event",
+            "the threshold is above what changes anywhere",
+            "leave such points out: lower the thresholds, or show a scene that moves",
+        )
     }
 
     /// What a kernel in few values has lost of its shape.

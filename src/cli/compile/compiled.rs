@@ -12,6 +12,7 @@ use crate::{
     plane::Plane,
     program::{Cost, for_each, stored},
     study::feasibility::time,
+    unit::counted,
 };
 
 impl Compiled {
@@ -108,9 +109,9 @@ impl Compiled {
         };
         let needed = Need::new(memory, kinds).analogue;
         format!(
-            "{what}: {needed} of {} analogue registers at least; the chip carries {} kinds like these",
+            "{what}: {needed} of {} analogue registers at least; the chip carries {} like these",
             Need::free(device),
-            self.carried(memory, device)
+            counted(self.carried(memory, device), "kind")
         )
     }
 
@@ -271,17 +272,19 @@ impl Compiled {
         let range = match (self.saturations, self.filter.prescale) {
             (0, 0) => "nothing saturates".to_owned(),
             (0, bits) if self.filters.len() == 1 => format!(
-                "nothing saturates; the input is halved {bits} times on the way, which costs {bits} bits"
+                "nothing saturates; the input is halved {} on the way, which costs {}",
+                counted(bits, "time"),
+                counted(bits, "bit")
             ),
             (0, _) => {
-                let each = self.each(|filter| filter.prescale.to_string());
                 format!(
-                    "nothing saturates; the difference is halved {each} times on the way, which costs as many bits"
+                    "nothing saturates; the difference is halved {} on the way, which costs as many bits",
+                    self.halvings()
                 )
             }
             (n, _) => format!(
-                "{n} {} can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
-                if n == 1 { "store" } else { "stores" },
+                "{} can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
+                counted(n, "store"),
                 127.0 / self.filter.peak
             ),
         };
@@ -299,11 +302,27 @@ impl Compiled {
             Some(DriveMemory::Shared) => ("each difference", "changes of a pixel"),
             _ => ("the light", "light"),
         };
+        let within = match &self.filters[..] {
+            filters if filters.iter().all(|filter| filter.exact_within < 1.0) => {
+                format!("a sum may saturate for any {where_}")
+            }
+            _ => format!(
+                "nothing saturates for {where_} of at most {} LSB, above that a sum may",
+                self.each(|filter| format!("{:.0}", filter.exact_within.floor()))
+            ),
+        };
         format!(
-            "{what} is halved {} times on the way, for the most events on the chip; nothing saturates for {where_} of at most {} LSB, above that a sum may, and a decision in exact arithmetic differ from the kernel's (--objective exact halves until none does)",
-            self.each(|filter| filter.prescale.to_string()),
-            self.each(|filter| format!("{:.0}", filter.exact_within.floor())),
+            "{what} is halved {} on the way, for the most events on the chip; {within}, and a decision in exact arithmetic differ from the kernel's (--objective exact halves until none does)",
+            self.halvings()
         )
+    }
+
+    /// How often each filter halves, in words.
+    fn halvings(&self) -> String {
+        match &self.filters[..] {
+            [one] => counted(one.prescale, "time"),
+            _ => format!("{} times", self.each(|filter| filter.prescale.to_string())),
+        }
     }
 
     /// How well each filter decides.

@@ -44,6 +44,7 @@ use crate::{
 #[derive(Debug, clap::Args)]
 #[expect(clippy::struct_excessive_bools, reason = "switches of a command line")]
 #[command(
+    override_usage = "amacrine compile [OPTIONS] <KERNELS>...\n       amacrine compile [OPTIONS] --sensor <SENSOR.toml>",
     after_help = "Examples:\n  amacrine compile sobel-x --filter-only\n  amacrine compile csdvs-3 --threshold 16 -o csdvs.scamp\n  amacrine compile rgc-5x5 --to ternary --threshold 128 --events-per-frame 300 -o rgc.scamp\n  amacrine compile four.npy --to int-5 --threshold 128 --memory shared -o four.scamp\n  amacrine compile --sensor rgc-4-on-chip --to ternary -o four.scamp"
 )]
 pub struct Arguments {
@@ -105,9 +106,9 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t, conflicts_with = "filter_only")]
     readout: readout::Asking,
     /// How the program is written: in the language of programs/, or as C++ for the vendor's tools,
-    /// which `asm` and `exec` read as well; an output that ends in .cpp is C++
-    #[arg(long = "as", value_enum, default_value_t, value_name = "LANGUAGE")]
-    language: Language,
+    /// which `asm` and `exec` read as well [default: as the output's ending says, else scamp]
+    #[arg(long = "as", value_enum, value_name = "LANGUAGE")]
+    language: Option<Language>,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
     chip: Named,
@@ -146,20 +147,41 @@ enum Aim {
 }
 
 /// How a program is written.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Language {
     /// The language of the shipped programs
-    #[default]
     Scamp,
     /// C++ for the vendor's tools
     Cpp,
 }
 
 impl Arguments {
-    fn is_cpp(&self) -> bool {
+    /// How the program is written. The readers go by the ending too, so both must say the same.
+    fn language(&self) -> miette::Result<Language> {
         let ending = self.output.as_ref().and_then(|path| path.extension());
-        let ending = ending.and_then(|ending| ending.to_str());
-        self.language == Language::Cpp || ending.is_some_and(|it| matches!(it, "cpp" | "hpp"))
+        let by_name = match ending.and_then(|ending| ending.to_str()) {
+            Some("cpp" | "hpp") => Some(Language::Cpp),
+            Some(_) => Some(Language::Scamp),
+            None => None,
+        };
+        match (self.language, by_name, &self.output) {
+            (Some(asked), Some(named), Some(output)) if asked != named => {
+                let (asked, ending) = match asked {
+                    Language::Scamp => ("scamp", "scamp"),
+                    Language::Cpp => ("cpp", "cpp"),
+                };
+                let help = format!(
+                    "name it {}, or leave out --as",
+                    output.with_extension(ending).display()
+                );
+                Err(miette!(
+                    help = help,
+                    "--as {asked}, and {} would be read as another language by its ending",
+                    output.display()
+                ))
+            }
+            (asked, named, _) => Ok(asked.or(named).unwrap_or(Language::Scamp)),
+        }
     }
 }
 
@@ -184,6 +206,7 @@ fn interval(text: &str) -> Result<(f64, f64), String> {
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let began = Instant::now();
     let device = Device::find(&arguments.chip)?;
+    let language = arguments.language()?;
     let asked = Asked::read(arguments)?;
     if arguments.front {
         return front::print(arguments, &asked, &device);
@@ -192,7 +215,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut compiled = compiled(arguments, &asked, &device)
         .map_err(|refused| nearest::named(refused, arguments, &device))?;
     progress.finish();
-    if arguments.is_cpp() {
+    if language == Language::Cpp {
         let program = Program::parse("compiled", &compiled.text)?;
         compiled.text = cpp(&program, &device)?;
     }

@@ -23,6 +23,7 @@ use crate::{
     scene::open,
     sensor::Sensor,
     study::{design, feasibility::time},
+    unit::counted,
 };
 
 /// How a program reads its events out.
@@ -76,14 +77,23 @@ pub(super) fn planned(
     let array_us =
         time::array_us(&code.frame, device).unwrap_or([Cost::of(&code.frame, device).array_us; 2]);
     let mut not_known = vec![LINK];
-    let mut rows = device.value(Figure::Height) as usize;
+    let rows = device.value(Figure::Height) as usize;
+    let cells = device.value(Figure::Width) as usize * rows * kinds.len();
     let (demand, basis) = if let Some(events) = arguments.events_per_frame {
+        if events > cells as u64 {
+            let help = format!("give at most {cells}: a cell has one event in a frame at most");
+            return Err(miette!(
+                help = help,
+                "--events-per-frame {events}, of {} on {rows} x {} pixels",
+                counted(kinds.len(), "kind"),
+                device.value(Figure::Width)
+            ));
+        }
         not_known.push("the rows in which events lie: give --scene instead for a region");
         let demand = Demand::expected(events);
         (Some(demand), format!("--events-per-frame {events}"))
     } else if let Some(scene) = &arguments.scene {
         let (packet, frames) = watched(arguments, asked, program, kinds, device)?;
-        rows = packet.size.height;
         (Some(Demand::new(&packet, frames)), scene.to_string())
     } else {
         not_known.push("how many events a frame has: give --events-per-frame N or --scene");
@@ -210,7 +220,8 @@ impl Readouts {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
-                "for {busiest} events of one sign and kind in the busiest frame ({}); exposure is in no frame rate",
+                "for {} of one sign and kind in the busiest frame ({}); exposure is in no frame rate",
+                counted(busiest, "event"),
                 self.basis
             );
         }

@@ -40,6 +40,7 @@ use crate::{
 /// What `design` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
+    override_usage = "amacrine design [OPTIONS] <KERNELS>...",
     after_help = "Examples:\n  amacrine design rgc-5x5 --rate 2 -o centre\n  amacrine design four.npy --scene clip.mp4 --rate 4 -o four\n  amacrine design four.npy --scene clip.mp4 --rate 4 --to ternary,int-5 --pick 2 -o four\n  amacrine design rgc-4-on-chip\n\nEvery row of the table was compiled and has run on the model of the chip. Without -o nothing is written."
 )]
 pub struct Arguments {

@@ -9,6 +9,7 @@ use crate::{
         equivalent::{kept, rate},
         exploration::{NEARLY, Refused},
     },
+    unit::counted,
 };
 
 /// All of it.
@@ -76,13 +77,13 @@ pub(super) fn text(
     let candidate = &found.candidates[picked];
     let _ = writeln!(
         text,
-        "\ntaken    {}: {}, {}; {} words, {} of {} kinds that the chip carries",
+        "\ntaken    {}: {}, {}; {} words, {} of {} that the chip carries",
         picked + 1,
         candidate.to,
         candidate.memory,
         candidate.words,
         candidate.kinds.len(),
-        candidate.carried
+        counted(candidate.carried, "kind")
     );
     let width = { candidate.kinds.iter() }
         .map(|kind| kind.name.chars().count())

@@ -23,7 +23,7 @@ use crate::{
     plane::{Plane, Size},
     program::{Action, Step},
     source,
-    unit::{Lsb, Micros},
+    unit::{Lsb, Micros, counted},
 };
 
 const HELP: &str = "\
@@ -174,7 +174,7 @@ impl<'a> Debugger<'a> {
             *left -= 1;
             let new = packet.events.len() - events;
             if matches!(step.action, Action::Host(_)) && new > 0 {
-                say(&format!("  {new} events were read out\n"));
+                say(&format!("  {} read out\n", counted(new, "event")));
             }
             for reading in chip.readings().get(readings..).unwrap_or_default() {
                 say(&format!("  read {}\n", reading::line(reading)));

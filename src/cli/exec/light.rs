@@ -7,15 +7,13 @@ use std::{
 
 use miette::miette;
 
-use super::{
-    super::{files, light},
-    arguments::Arguments,
-};
+use super::{super::files, arguments::Arguments};
 use crate::{
     limit::FRAMES,
     plane::{Plane, Size},
     program::{Exposure, Program},
     scene::{ASSUMED_FPS, Frame, Image, Observation, Outline, Scene, SceneError},
+    unit::counted,
 };
 
 /// The light, as it is asked for.
@@ -61,7 +59,7 @@ impl Said {
             let more = asked - had;
             format!(
                 "the clip ends after {}; its last picture was shown for {more} more",
-                light::frames(had)
+                counted(had, "frame")
             )
         });
         let words = self.words.get().map(|(least, most)| {
@@ -75,9 +73,11 @@ impl Said {
         let adds = (frames > 1 && self.exposure.get().adds_up()).then(|| {
             "no frame resets the photodiodes: on the chip light adds up from frame to frame, here each frame is one exposure".to_owned()
         });
-        let plural = if frames == 1 { "" } else { "s" };
         let left = self.left.get().then(|| {
-            format!("the program ended after {frames} frame{plural}, before its light did")
+            format!(
+                "the program ended after {}, before its light did",
+                counted(frames, "frame")
+            )
         });
         cut.into_iter()
             .chain(ended)

@@ -26,6 +26,7 @@ use self::{
     statistics::Statistics, strip::Strip, trace::Tracer,
 };
 use super::files;
+use crate::unit::counted;
 use crate::{picture::write_png, rig::guard::Guard, save::save};
 
 /// Runs the verb.
@@ -179,7 +180,7 @@ fn written(arguments: &Arguments, bench: &Bench<'_>, shows: &Shows<'_>) -> Vec<S
     let mut written: Vec<String> = names.map(|path| path.display().to_string()).collect();
     if let Some(folder) = &arguments.dump {
         let count = dump::files(&bench.opened.device, folder).len();
-        written.push(format!("{} ({count} files)", folder.display()));
+        written.push(format!("{} ({})", folder.display(), counted(count, "file")));
     }
     written.extend(shows.written());
     written

@@ -19,6 +19,7 @@ use crate::{
         Answer, Chips, Machine, Measure, Quicker, order,
         plan::{BUDGET, KEPT},
     },
+    unit::counted,
 };
 
 /// Domains that may be taken in place of the one that was asked for, beside `exact`.
@@ -27,7 +28,7 @@ const FORMATS: [&str; 2] = ["f32", "q8.8"];
 /// What is left out of a run, and the order in which the array is worked on.
 pub struct Planned {
     pub answer: Answer<Machine>,
-    /// A quicker schedule than the one that was asked for, if there is one.
+    /// A quicker schedule than the usual one, if there is one and none was asked for.
     pub quicker: Option<Quicker>,
 }
 
@@ -84,7 +85,11 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Planned> {
         limits_only: false,
     };
     let answer = measure.ask(&family, &family.candidates(&formats))?;
-    let quicker = order::quicker(&family, &answer.choice, &kept, BUDGET, &clock);
+    // A schedule that was asked for stays.
+    let quicker = match arguments.schedule {
+        Some(_) => None,
+        None => order::quicker(&family, &answer.choice, &kept, BUDGET, &clock),
+    };
     Ok(Planned { answer, quicker })
 }
 
@@ -99,8 +104,8 @@ pub fn check(plan: Option<&Planned>, packet: &Packet) -> miette::Result<()> {
     }
     Err(miette!(
         help = "run it without --fidelity, or with more slots",
-        "{} events found no slot: which ones depends on the whole array, and a pilot has no limit on what its changes do to that",
-        packet.dropped.no_slot
+        "{} found no slot: which ones depends on the whole array, and a pilot has no limit on what its changes do to that",
+        counted(packet.dropped.no_slot, "event")
     ))
 }
 

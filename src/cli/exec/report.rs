@@ -8,6 +8,7 @@ use crate::{
     event::{Packet, Polarity},
     rig::guard::Warning,
     scene::Observation,
+    unit::counted,
 };
 
 /// Readings that the table shows.
@@ -151,12 +152,10 @@ impl Report<'_> {
             ));
         }
         if ledger.ambiguous > 0 {
-            let (count, plural, it) = match ledger.ambiguous {
-                1 => (1, "", "it"),
-                count => (count, "s", "them"),
-            };
+            let it = if ledger.ambiguous == 1 { "it" } else { "them" };
+            let events = counted(ledger.ambiguous, "event");
             lines.push(format!(
-                "note     {count} event{plural} at the chip's (0,0), the top right pixel, kept here: a host that takes (0,0) for the end of the list would lose {it}"
+                "note     {events} at the chip's (0,0), the top right pixel, kept here: a host that takes (0,0) for the end of the list would lose {it}"
             ));
         }
         // A host that looks again and again reads much.

@@ -7,6 +7,7 @@ use crate::{
     array::{Array, Readings},
     picture::{panel, write_png},
     plane::Plane,
+    unit::counted,
 };
 
 /// The pictures of a run.
@@ -56,9 +57,9 @@ impl<'a> Shows<'a> {
     pub fn written(&self) -> Option<String> {
         let folder = self.folder?;
         Some(format!(
-            "{} ({} files)",
+            "{} ({})",
             folder.display(),
-            self.written.len()
+            counted(self.written.len(), "file")
         ))
     }
 }

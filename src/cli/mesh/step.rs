@@ -21,7 +21,7 @@ use crate::{
     rig,
     save::save,
     scene::{Frame, Observation, Scene, part::First},
-    unit::Micros,
+    unit::{Micros, counted},
 };
 
 /// What `mesh step` is asked to do.
@@ -159,8 +159,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         _ => String::new(),
     };
     say(&format!(
-        "{}  {frames} frames of {size}{steps}\n{}",
+        "{}  {} of {size}{steps}\n{}",
         arguments.output.display(),
+        counted(frames, "frame"),
         light::line(&observation)
     ));
     Ok(())

@@ -41,6 +41,7 @@ use super::{
 /// What `quantise` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
+    override_usage = "amacrine quantise [OPTIONS] --to <QUANTISER> <KERNELS>...",
     after_help = after_help()
 )]
 pub struct Arguments {

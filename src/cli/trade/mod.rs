@@ -26,7 +26,7 @@ use crate::{
         pilot::{Family, Look, Survey, plan::KEPT},
         trade::{Ask, Trade, trade},
     },
-    unit::Micros,
+    unit::{Micros, counted},
 };
 
 /// What `trade` is asked to do.
@@ -74,7 +74,7 @@ pub struct Arguments {
     /// An event that is moved by more than this is changed
     #[arg(long, default_value = "100us", value_name = "TIME")]
     within: Micros,
-    /// The part of the sensor that is run, such as 10%
+    /// The part of the sensor that is run, such as 10%; twelve tiles at least
     #[arg(long, default_value = "5%", value_name = "PERCENT", value_parser = part)]
     sample: f64,
     /// How many runs of a model share what it took to know its error
@@ -155,7 +155,7 @@ impl Arguments {
                 help = "give a scene of at least three frames",
                 "{} has {}: nothing can be measured",
                 self.scene,
-                super::light::frames(kept.len() as u64)
+                counted(kept.len(), "frame")
             ));
         }
         Ok(Scened {

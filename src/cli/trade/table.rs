@@ -7,11 +7,15 @@ use serde_json::{Value, json};
 
 use super::{super::fidelity::share, Arguments, Scened};
 use crate::{
+    compare::window,
     picture::{self, Drawing, TradeDot, TradeShow},
+    rig::guard::Warning,
+    scene::Scene as _,
     study::{
         pilot::Known,
         trade::{FULL, Point, Trade},
     },
+    unit::counted,
 };
 
 /// What there is to tell.
@@ -34,8 +38,10 @@ impl<M> Told<'_, M> {
             let events = trade.points.iter().find_map(|point| point.sampled);
             let events = events.map_or(0, |known| known.change.events);
             lines.push(format!(
-                "{} of {} tiles, {events} events of the full model in them",
-                tiles.tiles, tiles.of
+                "{} of {} tiles, {} of the full model in them",
+                tiles.tiles,
+                tiles.of,
+                counted(events, "event")
             ));
         }
         lines.push(match (&trade.no_tiles, self.arguments.verify) {
@@ -54,6 +60,10 @@ impl<M> Told<'_, M> {
                 "plan: seconds that it took to know the error on the tiles, {shared}; sum: both, what the front is drawn by"
             ));
         }
+        let headline = window::headline(self.scened.kept.scene().fps());
+        if let Some(warning) = Warning::window(headline, trade.floor()) {
+            lines.push(format!("kept says nothing here: {}", warning.seen));
+        }
         if trade.without_slot > 0 {
             let more = if trade.no_tiles.is_none() && !self.arguments.verify {
                 "; --verify counts what that changes"
@@ -61,8 +71,8 @@ impl<M> Told<'_, M> {
                 ""
             };
             lines.push(format!(
-                "{} events found no slot of the readout: which ones depends on the whole array{more}",
-                trade.without_slot
+                "{} found no slot of the readout: which ones depends on the whole array{more}",
+                counted(trade.without_slot, "event")
             ));
         }
         lines

@@ -343,7 +343,7 @@ impl Fault {
     pub const fn help(&self) -> &'static str {
         match self {
             Self::Late { .. } | Self::Silence { .. } => {
-                "write aedat4, npy or csv, which hold any time; or cut the recording with `convert --slice`"
+                "write aedat4, npy or csv, which hold any time; or let times begin at 0 (`convert --from-zero`), and cut what is longer (`--slice`)"
             }
             Self::Large { .. } => "write aedat4, npy or csv, which hold larger sensors",
             Self::Layout { .. } | Self::Word { .. } => {

@@ -38,7 +38,8 @@ pub struct Windows {
     length: f64,
     every: f64,
     alignment: Alignment,
-    start: f64,
+    /// In microseconds, so that recordings with times of the day lose no digit.
+    start: i64,
 }
 
 impl Windows {
@@ -51,27 +52,46 @@ impl Windows {
             length: time("the window", length)?,
             every: time("the time from window to window", every)?,
             alignment,
-            start: 0.0,
+            start: 0,
         })
     }
 
-    /// The same, from `seconds` on.
+    /// The same, from a time on.
     #[must_use]
-    pub const fn from(mut self, seconds: f64) -> Self {
-        self.start = seconds;
+    pub const fn from(mut self, start: Micros) -> Self {
+        self.start = if start.0 > i64::MAX as u64 {
+            i64::MAX
+        } else {
+            start.0 as i64
+        };
         self
+    }
+
+    /// The same, without those that end before a time: the first is the one in which it lies.
+    #[must_use]
+    pub fn reaching(self, first: Micros) -> Self {
+        let skipped = (first.seconds() / self.every).floor();
+        let start = micros(skipped * self.every).min(first.0 as i64);
+        self.from(Micros(start.max(0) as u64))
+    }
+
+    /// Where the first begins, or has its middle.
+    #[must_use]
+    pub const fn start(&self) -> Micros {
+        Micros(self.start as u64)
     }
 
     /// Start and end of window `n`, in microseconds; the start may lie before 0.
     #[must_use]
     pub fn bounds(&self, n: u64) -> (i64, i64) {
-        let at = n as f64 * self.every + self.start;
+        let at = n as f64 * self.every;
         let (from, to) = match self.alignment {
             Alignment::Causal => (at + (self.every - self.length), at + self.every),
             Alignment::Centred => (at - self.length / 2.0, at + self.length / 2.0),
         };
-        let from = micros(from);
-        (from, micros(to).max(from + 1))
+        let from = self.start.saturating_add(micros(from));
+        let to = self.start.saturating_add(micros(to));
+        (from, to.max(from.saturating_add(1)))
     }
 
     /// The events of window `n` are after this time, and up to its end.
@@ -82,7 +102,8 @@ impl Windows {
     /// How many windows it takes for what ends at `end`: at least one.
     #[must_use]
     pub fn count(&self, end: Micros) -> u64 {
-        let (end, seconds) = (end.0 as i64, end.seconds() - self.start);
+        let end = end.0 as i64;
+        let seconds = end.saturating_sub(self.start) as f64 * 1e-6;
         // Near it, and then exactly: bounds are rounded.
         let mut count = (seconds / self.every).max(2.0) as u64 - 1;
         match self.alignment {
@@ -95,7 +116,7 @@ impl Windows {
                 }
             }
             Alignment::Centred => {
-                let middle = |n: u64| micros(n as f64 * self.every + self.start);
+                let middle = |n: u64| self.start.saturating_add(micros(n as f64 * self.every));
                 while count > 1 && middle(count - 1) > end {
                     count -= 1;
                 }
@@ -150,7 +171,7 @@ mod tests {
         assert_eq!(windows.bounds(5), (33_333, 200_000));
         let windows = Windows::new(0.1, 0.1, Alignment::Centred)
             .unwrap()
-            .from(1.0);
+            .from(Micros(1_000_000));
         assert_eq!(windows.bounds(0), (950_000, 1_050_000));
         for wrong in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(Windows::new(wrong, 1.0, Alignment::Causal).is_err());

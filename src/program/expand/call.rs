@@ -7,6 +7,7 @@ use crate::isa::{
     signature::{Bound, Given, Mismatch, Signature},
     text::{Argument, Statement},
 };
+use crate::unit::counted;
 
 impl<'d> Lowering<'d> {
     /// What a statement means, and the values of its parameters.
@@ -107,10 +108,10 @@ impl<'d> Lowering<'d> {
                 statement.name
             )
         } else {
-            let plural = if count == 1 { "" } else { "s" };
             format!(
-                "`{}` does not take {count} argument{plural} like these",
-                statement.name
+                "`{}` does not take {} like these",
+                statement.name,
+                counted(count, "argument")
             )
         };
         Fault::error(statement.place, message, "this statement")

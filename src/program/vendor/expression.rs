@@ -388,7 +388,7 @@ fn size_of(it: &mut Parser<'_>, place: Place) -> Parsed<Expr> {
     })
 }
 
-/// `new type`, `new type[length]`, `new type(value)`.
+/// `new type`, `new type[length]`, `new type(values)`.
 fn allocation(it: &mut Parser<'_>, place: Place) -> Parsed<Expr> {
     const SHAPE: &str = "memory is asked for by `new type[length]`";
     let Some(of) = it.read_type() else {
@@ -399,11 +399,18 @@ fn allocation(it: &mut Parser<'_>, place: Place) -> Parsed<Expr> {
         declared.lengths.insert(0, Some(it.expression()?));
         it.expect("]", SHAPE)?;
     }
+    let makes = it.makes(&declared);
     if it.sees("{") {
         declared.value = Some(braces(it)?);
-    } else if it.take("(") && !it.take(")") {
-        declared.value = Some(it.expression()?);
-        it.expect(")", SHAPE)?;
+    } else if it.sees("(") {
+        let given = arguments(it, SHAPE)?;
+        declared.value = if makes {
+            Some(Expr::made(&declared.of, given, place))
+        } else {
+            given.into_iter().next()
+        };
+    } else if makes {
+        declared.value = Some(Expr::made(&declared.of, Vec::new(), place));
     }
     Ok(Expr {
         node: ExprNode::New(Box::new(declared)),
@@ -495,24 +502,29 @@ fn captures(it: &mut Parser<'_>) -> Parsed<Captures> {
     Ok(all)
 }
 
+/// `(value, value)`; `help` says what is written so.
+pub(super) fn arguments(it: &mut Parser<'_>, help: &str) -> Parsed<Vec<Expr>> {
+    it.at += 1;
+    let mut given = Vec::new();
+    it.link()?;
+    let (links, mut most) = (it.links, it.links);
+    while !it.take(")") {
+        it.links = links;
+        given.push(it.assignment()?);
+        most = most.max(it.links);
+        if !it.take(",") && !it.sees(")") {
+            return Err(unexpected(it.peek(0), it.place(), "`,` or `)`", help));
+        }
+    }
+    it.links = most;
+    Ok(given)
+}
+
 fn postfix(it: &mut Parser<'_>, mut value: Expr) -> Parsed<Expr> {
     loop {
         let start = value.place;
         let node = if it.sees("(") {
-            it.at += 1;
-            let mut given = Vec::new();
-            it.link()?;
-            let (links, mut most) = (it.links, it.links);
-            while !it.take(")") {
-                it.links = links;
-                given.push(it.assignment()?);
-                most = most.max(it.links);
-                if !it.take(",") && !it.sees(")") {
-                    let help = "a call is `name(argument, argument)`";
-                    return Err(unexpected(it.peek(0), it.place(), "`,` or `)`", help));
-                }
-            }
-            it.links = most;
+            let mut given = arguments(it, "a call is `name(argument, argument)`")?;
             if let ExprNode::Name(name) = &value.node
                 && name.starts_with("scamp5_kernel_begin")
                 && let Some(ordinal) = it.begun_before(start)
@@ -528,6 +540,15 @@ fn postfix(it: &mut Parser<'_>, mut value: Expr) -> Parsed<Expr> {
                 }
                 _ => ExprNode::Call(Box::new(value), given),
             }
+        } else if it.sees("{")
+            && let ExprNode::Name(class) = &value.node
+            && it.constructs(class)
+        {
+            let given = match braces(it)?.node {
+                ExprNode::Braces(given) => given,
+                _ => Vec::new(),
+            };
+            Expr::made(class, given, start.to(it.before())).node
         } else if it.sees("[") {
             it.link()?;
             it.at += 1;

@@ -31,7 +31,6 @@ mod host;
 mod light;
 mod look;
 mod machine;
-mod member;
 mod memory;
 mod parse;
 mod post;

@@ -212,7 +212,7 @@ impl Machine<'_> {
                     _ => empty,
                 }
             }
-            (None, None) => Value::List(Vec::new()),
+            (None, None) => self.objects(it).unwrap_or(Value::List(Vec::new())),
         };
         let value = self.shaped(it, value);
         self.settle(it, &value);
@@ -231,6 +231,19 @@ impl Machine<'_> {
         if it.lasting {
             self.lasting.insert(it.place.start, slot);
         }
+    }
+
+    /// What an array of objects begins with, where a constructor makes each.
+    fn objects(&mut self, it: &Declared) -> Option<Value> {
+        let layout = self
+            .layouts
+            .get(&it.of)
+            .filter(|it| it.constructs())?
+            .clone();
+        let lengths: Option<Vec<usize>> = self.lengths(it).into_iter().collect();
+        let count = lengths?.into_iter().product();
+        let all = (0..count).map(|_| self.constructed(&layout, &[], it.place));
+        (!it.pointer).then(|| Value::List(all.collect()))
     }
 
     /// Where a variable of the file is stated, if that is where control is.

@@ -28,6 +28,16 @@ pub(super) struct Expr {
     pub place: Place,
 }
 
+impl Expr {
+    /// An object of a class, made of these.
+    pub(super) fn made(class: &str, given: Vec<Self>, place: Place) -> Self {
+        let node = ExprNode::Name(class.into());
+        let callee = Box::new(Self { node, place });
+        let node = ExprNode::Call(callee, given);
+        Self { node, place }
+    }
+}
+
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum ExprNode {
     Whole(i64),

@@ -1,5 +1,7 @@
 //! Noise events in a row of cells.
 
+use std::ops::Range;
+
 use crate::{
     number::Number,
     reference::{
@@ -60,16 +62,20 @@ impl<N: Number> Band<N> {
             }
         }
         self.report.events += noise_events.len() as u64;
-        while !noise_events.is_empty() {
+        // Of each cell, which of them are left.
+        let mut left: Vec<Range<usize>> = Vec::new();
+        for of_cell in noise_events.chunk_by(|a, b| a.0 == b.0) {
+            let start = left.last().map_or(0, |before| before.end);
+            left.push(start..start + of_cell.len());
+        }
+        while !left.is_empty() {
             trains.counts.fill(0);
-            let mut passed = None;
-            noise_events.retain(|(x, train)| {
-                if passed == Some(*x) {
-                    return true;
+            left.retain_mut(|events| {
+                let next = events.next().and_then(|n| noise_events.get(n));
+                if let Some((x, train)) = next {
+                    trains.set(*x, Some(*train));
                 }
-                passed = Some(*x);
-                trains.set(*x, Some(*train));
-                false
+                events.start < events.end
             });
             sink.row(trains)?;
         }

@@ -6,6 +6,7 @@ use crate::{
     photoreceptor::Response,
     plane::Plane,
     reference::{noise::Noise, surround::Surrounds},
+    unit::counted,
 };
 
 use super::{
@@ -227,12 +228,6 @@ fn names(given: Option<Node<'_>>, kinds: Option<usize>) -> Read<Vec<String>> {
             "give one name, or a list of as many as the file has kernels",
         )),
     }
-}
-
-/// A number of things, in words.
-fn counted(number: usize, thing: &str) -> String {
-    let plural = if number == 1 { "" } else { "s" };
-    format!("{number} {thing}{plural}")
 }
 
 /// One threshold, or four for a pattern, or one for each of the kinds of a file.

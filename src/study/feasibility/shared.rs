@@ -17,6 +17,7 @@ use crate::{
         quantisation::{Headline, Outcome},
         together::{Together, name},
     },
+    unit::counted,
 };
 
 /// All kernels in one program.
@@ -269,7 +270,7 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
     (
         headline.to_owned(),
         format!(
-            "One program has {}, with {}: {} words of the {} in the store, {} of {} analogue registers, at most {ceiling} for the {fps} that the scene asks for. The chip carries {} kinds like these in that way. {} judged against {}. {loss}",
+            "One program has {}, with {}: {} words of the {} in the store, {} of {} analogue registers, at most {ceiling} for the {fps} that the scene asks for. The chip carries {} like {} in that way. {} judged against {}. {loss}",
             if count == 1 {
                 "the kernel".to_owned()
             } else {
@@ -280,7 +281,8 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
             program.store.low,
             program.registers,
             program.registers_of,
-            program.carried,
+            counted(program.carried, "kind"),
+            if count == 1 { "this" } else { "these" },
             if count == 1 {
                 "It is"
             } else {

@@ -9,7 +9,7 @@ use crate::{
     plane::Size,
     scene::{Scene as _, kept::Kept},
     sensor::SensorError,
-    unit::Micros,
+    unit::{Micros, counted},
 };
 
 use super::{
@@ -506,7 +506,12 @@ fn said(change: Estimate, tolerance: f64) -> String {
         tiles,
         ..
     } = change;
-    let measured = format!("{changes} changes in {events} events of {tiles} tiles");
+    let measured = format!(
+        "{} in {} of {}",
+        counted(changes, "change"),
+        counted(events, "event"),
+        counted(tiles, "tile")
+    );
     match change.limit {
         None => format!("{measured}: too few events to say anything"),
         Some(limit) if limit <= tolerance => measured,

@@ -103,8 +103,8 @@ pub struct Plan {
     pub window: Option<Window>,
     /// Seconds that the pilot took, the reading of the scene not included.
     pub seconds: f64,
-    /// Seconds that the full model and the choice are expected to take, the scene not included;
-    /// none where nothing was run.
+    /// Seconds that the full model, without what is free, and the choice are expected to take, the
+    /// scene not included; none where nothing was run.
     pub expected: Option<[f64; 2]>,
 }
 

@@ -60,6 +60,8 @@ pub struct Known {
     pub f1: f64,
     /// What of F1 is more than accident, within 100 ms or the time from frame to frame.
     pub kept: f64,
+    /// What accident scores within that time; 0 of the full model.
+    pub floor: f64,
     /// Seconds that it takes for the whole scene, the making of its light included.
     pub seconds: f64,
     /// Seconds that it took to know this; none where it was run whole.
@@ -243,6 +245,7 @@ impl<F: Family> Begun<'_, F> {
             },
             f1: 1.0,
             kept: 1.0,
+            floor: 0.0,
             seconds: self.full_seconds + self.light_of(&self.full.model),
             // Nothing need be known to run it.
             planning: Some(0.0),
@@ -276,6 +279,7 @@ impl<F: Family> Begun<'_, F> {
             change: Estimate::new(&tiles, unseen, RISK / self.models.max(1) as f64),
             f1: self.f1(&pair, within),
             kept: window::kept(self.f1(&pair, headline), self.floor),
+            floor: self.floor,
             seconds: seconds + self.light_of(&ran.model),
             planning: Some(self.spent + self.on_tiles(ran) + timing),
         })
@@ -431,6 +435,7 @@ impl<'a, F: Family> Whole<'a, F> {
             change: all_of(self.full.events.len() as u64, 0),
             f1: 1.0,
             kept: 1.0,
+            floor: 0.0,
             seconds: self.seconds,
             planning: None,
         }
@@ -456,10 +461,12 @@ impl<'a, F: Family> Whole<'a, F> {
         let [full, plain] = pair.events();
         let matched = matching::matched(&pair, within);
         let headline = window::headline(self.survey.kept.scene().fps());
+        let point = window::Point::new(&pair, &self.redraws, headline);
         Ok(Known {
             change: all_of(full, full + plain - 2 * matched),
             f1: window::f1(&pair, within),
-            kept: window::Point::new(&pair, &self.redraws, headline).kept,
+            kept: point.kept,
+            floor: point.floor,
             seconds,
             planning: None,
         })

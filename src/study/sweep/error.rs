@@ -7,13 +7,13 @@ use super::{
     difference::Disagreement,
     provenance::{NUMERICS, Provenance, SCHEMA},
 };
-use crate::save::SaveError;
+use crate::{save::SaveError, unit::counted};
 
-/// A number of points in words.
-fn points_in_words(points: usize) -> String {
-    match points {
-        1 => "1 point".to_owned(),
-        several => format!("{several} points"),
+/// What to do about something that cannot be read.
+fn reading(cause: &io::Error) -> &'static str {
+    match cause.kind() {
+        io::ErrorKind::PermissionDenied => "give yourself the right to read it",
+        _ => "give a folder that `amacrine sweep` has written",
     }
 }
 
@@ -36,7 +36,7 @@ pub enum StoreError {
     },
     /// Something cannot be read.
     #[error("cannot read {}: {cause}", path.display())]
-    #[diagnostic(help("give a folder that `amacrine sweep` has written"))]
+    #[diagnostic(help("{}", reading(cause)))]
     Unreadable {
         /// Which file.
         path: PathBuf,
@@ -66,7 +66,7 @@ pub enum StoreError {
     /// A folder that holds something else.
     #[error("{} is not a folder of results: it has no sweep.json", folder.display())]
     #[diagnostic(help(
-        "give one that `amacrine sweep` has written, or as --output one that does not exist yet"
+        "give one that `amacrine sweep` or `amacrine merge` has written; as the --output of these two, one that does not exist yet"
     ))]
     Foreign {
         /// Which folder.
@@ -124,10 +124,12 @@ pub enum StoreError {
     #[error(
         "{} holds the study \"{held}\" ({}), not \"{asked}\" ({}): their points differ",
         folder.display(),
-        points_in_words(*held_points),
-        points_in_words(*asked_points)
+        counted(*held_points, "point"),
+        counted(*asked_points, "point")
     )]
-    #[diagnostic(help("give another --output; nothing was changed"))]
+    #[diagnostic(help(
+        "give another --output; nothing was changed. Points are other ones where any key of theirs is, `fidelity`, `tolerance` and seeds among them"
+    ))]
     Study {
         /// Which folder.
         folder: PathBuf,

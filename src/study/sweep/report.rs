@@ -109,10 +109,28 @@ pub struct Refused {
     pub reason: String,
 }
 
+/// What makes the figures of these rows mean something else than they seem to.
+#[must_use]
+pub fn warnings(rows: &[Row]) -> Vec<Warning> {
+    by_accident(rows).into_iter().chain(silent(rows)).collect()
+}
+
+/// That neither sensor has an event at some points, which count as no error at all.
+fn silent(rows: &[Row]) -> Option<Warning> {
+    let none = |row: &&Row| {
+        let number = |name: &str| row.get(name).and_then(serde_json::Value::as_f64);
+        number("events") == Some(0.0) && number("reference_events") == Some(0.0)
+    };
+    let (points, of) = (rows.iter().filter(none).count(), rows.len());
+    (points > 0).then(|| {
+        let subject = format!("the error at {points} of {of} points");
+        Warning::nothing_to_compare(&subject)
+    })
+}
+
 /// That accident scores as much as anything at some points of these rows, told of the point where
 /// it scores most.
-#[must_use]
-pub fn by_accident(rows: &[Row]) -> Option<Warning> {
+fn by_accident(rows: &[Row]) -> Option<Warning> {
     let warned = rows.iter().filter_map(|row| {
         let number = |name: &str| row.get(name).and_then(serde_json::Value::as_f64);
         let floor = number("floor").filter(|_| number("reference_events") > Some(0.0))?;

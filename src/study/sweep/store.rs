@@ -23,7 +23,7 @@ use super::{
     provenance::Provenance,
     record::{LONGEST, Record, Wrong},
     regular::{self, FILE, FOLDER, Unusable},
-    report::by_accident,
+    report,
     table::{self, Row},
 };
 use crate::{
@@ -63,8 +63,10 @@ pub struct Tables {
     pub missing: Vec<usize>,
     /// Who computed them.
     pub computed_by: Vec<ComputedBy>,
-    /// That accident scores as much as anything at some of the points.
-    pub warning: Option<Warning>,
+    /// Points among them that cannot be.
+    pub refused: usize,
+    /// What makes their figures mean something else than they seem to.
+    pub warnings: Vec<Warning>,
 }
 
 /// Points that were computed by one build on one kind of processor.
@@ -291,7 +293,10 @@ fn believed(folder: &Path, manifest: &Manifest) -> Kept<(Vec<Row>, Tables)> {
     }
     let computed_by = computed_by.into_iter();
     let tables = Tables {
-        warning: by_accident(&rows),
+        refused: { rows.iter() }
+            .filter(|row| table::cell(row, "outcome") == "refused")
+            .count(),
+        warnings: report::warnings(&rows),
         finished: rows.len() - failed,
         failed,
         missing,

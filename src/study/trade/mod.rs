@@ -69,6 +69,15 @@ pub struct Trade<M> {
     pub without_slot: u64,
 }
 
+impl<M> Trade<M> {
+    /// The most that accident scores where `kept` is measured.
+    #[must_use]
+    pub fn floor(&self) -> f64 {
+        let floors = self.points.iter().filter_map(Point::known);
+        floors.map(|known| known.floor).fold(0.0, f64::max)
+    }
+}
+
 impl<M> Point<M> {
     /// What is known best: of the whole scene, else of the tiles.
     #[must_use]
@@ -337,6 +346,7 @@ mod tests {
             },
             f1: 1.0 - share,
             kept: 1.0 - share,
+            floor: 0.0,
             seconds,
             planning: Some(planning),
         }

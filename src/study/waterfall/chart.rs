@@ -8,7 +8,7 @@ use crate::{
         waterfall,
     },
     study::equivalent,
-    unit::Micros,
+    unit::{Micros, counted},
 };
 
 impl Waterfall {
@@ -50,11 +50,11 @@ impl Waterfall {
                 windows.narrow, windows.wide
             ),
             format!(
-                "{} on cells of {}: {} words a frame, the light halved {} times, a threshold of {:.3} LSB",
+                "{} on cells of {}: {} words a frame, the light halved {}, a threshold of {:.3} LSB",
                 self.to,
                 self.arithmetic,
                 program.words,
-                program.prescale_bits,
+                counted(program.prescale_bits, "time"),
                 program.threshold_lsb
             ),
         ]

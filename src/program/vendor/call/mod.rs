@@ -2,6 +2,7 @@
 
 mod enter;
 mod library;
+mod member;
 mod method;
 mod overload;
 mod random;
@@ -84,6 +85,9 @@ impl Machine<'_> {
         angles: Option<Vec<TemplateArgument>>,
         place: Place,
     ) -> Value {
+        if let Some(layout) = self.layouts.get(last(name)).filter(|it| it.constructs()) {
+            return self.constructed(&layout.clone(), given, place);
+        }
         let all = self.candidates(name, given.len(), place);
         if !all.is_empty() {
             let given: Vec<_> = given.iter().map(|it| self.argument(it)).collect();

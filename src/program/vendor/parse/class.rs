@@ -200,7 +200,11 @@ impl Parser<'_> {
         let (mut data, mut functions) = (Vec::new(), Vec::new());
         let mut plain = plain;
         while plain && self.at + 1 < end {
-            match self.plain_member(class) {
+            let member = match self.constructor(class) {
+                None => self.plain_member(class),
+                Some(read) => read.ok(),
+            };
+            match member {
                 Some(StmtNode::Declare(more)) => data.extend(more),
                 Some(StmtNode::Function(function)) => functions.push(function),
                 Some(_) => {}
@@ -217,7 +221,16 @@ impl Parser<'_> {
             }
         }
         self.at = end;
-        let plain = plain && data.iter().all(|it: &Declared| !it.reference);
+        // An object that holds others with constructors is made in more steps than are followed.
+        let whole = |it: &Declared| !it.reference && (it.pointer || !self.constructs(&it.of));
+        let plain = plain && data.iter().all(whole);
+        let constructors = |it: &&mut Rc<Function>| *it.name == *class && !it.hidden;
+        for constructor in functions.iter_mut().filter(constructors) {
+            Rc::make_mut(constructor).hidden = !plain;
+            if plain {
+                self.constructed.insert(class.into());
+            }
+        }
         (plain.then_some(data), functions)
     }
 

@@ -1,7 +1,7 @@
 //! Variables, arrays and pointers.
 
 use super::super::{
-    expression::unexpected,
+    expression::arguments,
     host::Random,
     token::Token,
     tree::{Declared, Expr, ExprNode, FILLED, Kind, StmtNode, Word, last},
@@ -10,7 +10,6 @@ use super::{
     Parsed, Parser,
     types::{RESERVED, Type},
 };
-use crate::config::Place;
 
 impl Parser<'_> {
     /// A declaration, if one stands here.
@@ -68,17 +67,19 @@ impl Parser<'_> {
             let lengths = self.read_lengths()?;
             let mut declared = of.declares(name, place);
             declared.lengths.splice(0..0, lengths);
-            let draws = draws(&declared);
+            let makes = self.makes(&declared);
             if self.take("=") || self.sees("{") {
                 let value = self.assignment()?;
                 declared.value = Some(match value.node {
-                    ExprNode::Braces(given) if draws => made(&declared.of, given, value.place),
+                    ExprNode::Braces(given) if makes => {
+                        Expr::made(&declared.of, given, value.place)
+                    }
                     node => Expr { node, ..value },
                 });
             } else if self.sees("(") {
                 self.constructed(&mut declared)?;
-            } else if declared.lengths.is_empty() && draws {
-                declared.value = Some(made(&declared.of, Vec::new(), place));
+            } else if makes {
+                declared.value = Some(Expr::made(&declared.of, Vec::new(), place));
             }
             declared.place = place.to(self.before());
             all.push(declared);
@@ -97,6 +98,13 @@ impl Parser<'_> {
                 }
             }
         }
+    }
+
+    /// Whether it is one object, made by a call: one that draws random numbers, or of a class with
+    /// constructors.
+    pub(in crate::program::vendor) fn makes(&self, it: &Declared) -> bool {
+        let plain = it.lengths.is_empty() && !it.pointer && !it.reference && !it.outside;
+        plain && (Random::named(last(&it.of)).is_some() || self.constructs(&it.of))
     }
 
     /// `(*)[…])`, the rest of the type of a pointer to an array, if that stands here.
@@ -228,28 +236,16 @@ impl Parser<'_> {
     /// `name(value)`: a value for numbers, something of its own for objects.
     fn constructed(&mut self, it: &mut Declared) -> Parsed<()> {
         let place = self.place();
-        self.at += 1;
-        let mut given = Vec::new();
-        while !self.take(")") {
-            given.push(self.assignment()?);
-            if !self.take(",") && !self.sees(")") {
-                return Err(unexpected(
-                    self.peek(0),
-                    self.place(),
-                    "`,` or `)`",
-                    "write `type name(value);`",
-                ));
-            }
-        }
+        let mut given = arguments(self, "write `type name(value);`")?;
         let number = it.kind != Kind::Any || matches!(&*it.of, "scamp5_kernel" | "auto");
         it.value = match (it.library, given.len()) {
             (true, 1) => {
                 it.lengths = vec![given.pop()];
                 None
             }
-            (true, 2) => Some(made(FILLED, given, place)),
+            (true, 2) => Some(Expr::made(FILLED, given, place)),
             _ if number || it.pointer => given.into_iter().next(),
-            _ if draws(it) => Some(made(&it.of, given, place)),
+            _ if self.makes(it) => Some(Expr::made(&it.of, given, place)),
             // An object of the language's library: its name stands for it.
             _ => {
                 let node = ExprNode::Text(it.of.clone());
@@ -269,17 +265,4 @@ pub(super) enum Pointed {
     Array,
     /// It is another name of an array.
     Reference,
-}
-
-/// Whether it draws random numbers.
-fn draws(it: &Declared) -> bool {
-    Random::named(last(&it.of)).is_some()
-}
-
-/// An object of a class, made of these.
-fn made(class: &str, given: Vec<Expr>, place: Place) -> Expr {
-    let node = ExprNode::Name(class.into());
-    let callee = Box::new(Expr { node, place });
-    let node = ExprNode::Call(callee, given);
-    Expr { node, place }
 }

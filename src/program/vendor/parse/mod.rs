@@ -1,6 +1,7 @@
 //! From tokens to statements. It recovers after a fault, so that all faults are told.
 
 mod class;
+mod constructor;
 mod declaration;
 mod function;
 mod statement;
@@ -38,6 +39,7 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
         begun: BTreeMap::new(),
         half: false,
         in_class: false,
+        constructed: BTreeSet::new(),
     };
     let statements = parser.statements(false);
     (statements, parser.faults)
@@ -70,6 +72,8 @@ pub(super) struct Parser<'a> {
     half: bool,
     /// Whether what is read belongs to a class itself.
     in_class: bool,
+    /// Classes whose constructors are run.
+    constructed: BTreeSet<Word>,
 }
 
 pub(super) type Parsed<T> = Result<T, Fault>;

@@ -1,0 +1,148 @@
+//! Functions of classes that hold data and nothing more: they are run with their object.
+
+use std::rc::Rc;
+
+use super::{
+    super::{
+        evaluate::Reach,
+        machine::{Machine, Spot},
+        parse::UNREAD,
+        shape,
+        tree::{Expr, ExprNode, Function, Kind, StmtNode, Word},
+        value::{Layout, Slot, Value, unassigned},
+    },
+    Argument,
+};
+use crate::{config::Place, unit::counted};
+
+impl Machine<'_> {
+    /// Calls a function of an object; nothing where its class states none that can be run.
+    pub(super) fn member_call(
+        &mut self,
+        layout: &Rc<Layout>,
+        object: &Reach,
+        member: &str,
+        given: &[Expr],
+        place: Place,
+    ) -> Option<Value> {
+        let fitting = layout.fitting(member, given.len());
+        if fitting.is_empty() {
+            return None;
+        }
+        let spot = match object {
+            Reach::Spot(slot, path) => (*slot, path.clone()),
+            Reach::Value(value) => (self.hold(value.clone(), Kind::Any), Vec::new()),
+            Reach::Lost(..) | Reach::Beyond(_) => return None,
+        };
+        let given: Vec<_> = given.iter().map(|it| self.argument(it)).collect();
+        let Some(function) = self.overload(member, &fitting, &given, place) else {
+            return Some(Value::Whole(0));
+        };
+        Some(self.enter_member(layout, &function, &spot, given, place))
+    }
+
+    /// Runs a function of an object.
+    fn enter_member(
+        &mut self,
+        layout: &Rc<Layout>,
+        function: &Function,
+        object: &Spot,
+        given: Vec<Argument>,
+        place: Place,
+    ) -> Value {
+        let mut held = self.members_of(layout, object);
+        for other in layout.functions.iter().filter(|it| runs(it)) {
+            let mut own = Function::clone(other);
+            own.held.clone_from(&held);
+            let slot = self.hold(Value::Lambda(own.into()), Kind::Any);
+            held.push((other.name.clone(), slot));
+        }
+        let mut function = function.clone();
+        function.held = held;
+        self.enter_with(&function.into(), given, None, place)
+    }
+
+    /// An object of a class with constructors, made of these.
+    pub(in crate::program::vendor) fn constructed(
+        &mut self,
+        layout: &Rc<Layout>,
+        given: &[Expr],
+        place: Place,
+    ) -> Value {
+        let name = &layout.name;
+        let fitting = layout.fitting(name, given.len());
+        let given: Vec<_> = given.iter().map(|it| self.argument(it)).collect();
+        let copies = |it: &Rc<Function>| it.parameters.first().is_some_and(|of| of.of == *name);
+        let mut copying = fitting.iter().filter(|it| copies(it)).cloned();
+        let same = |it: &Value| matches!(it, Value::Record(of, _) if of.name == *name);
+        let copying = match &given[..] {
+            [only] if same(&only.value) => match copying.next() {
+                Some(own) => Some(own),
+                None => return only.value.clone(),
+            },
+            _ => None,
+        };
+        let unknown = Value::Unknown(format!("an object of `{name}`").into());
+        if fitting.is_empty() {
+            let given = counted(given.len(), "value");
+            self.error(
+                place,
+                format!("no constructor of `{name}` takes {given}"),
+                "made here",
+                "give what one of its constructors takes",
+            );
+            return unknown;
+        }
+        let overload = || self.overload(name, &fitting, &given, place);
+        let Some(function) = copying.or_else(overload) else {
+            return unknown;
+        };
+        let fresh = shape::fresh(layout, &Value::Unknown(unassigned(name)));
+        let slot = self.hold(fresh, Kind::Any);
+        self.enter_member(layout, &function, &(slot, Vec::new()), given, place);
+        self.slots[slot].clone()
+    }
+
+    /// What the functions of an object call its members by.
+    fn members_of(&mut self, layout: &Layout, (slot, path): &Spot) -> Vec<(Word, Slot)> {
+        let mut held: Vec<(Word, Slot)> = Vec::new();
+        for (i, member) in layout.members.iter().enumerate() {
+            let own = Value::Reference(*slot, [&path[..], &[i]].concat());
+            held.push((member.name.clone(), self.hold(own, Kind::Any)));
+        }
+        let this = Value::Pointer(*slot, path.clone(), "this".into());
+        held.push(("this".into(), self.hold(this, Kind::Any)));
+        held
+    }
+}
+
+impl Layout {
+    /// The functions of this name that take so many arguments and can be run.
+    fn fitting(&self, name: &str, given: usize) -> Vec<Rc<Function>> {
+        let fits = |it: &&Rc<Function>| {
+            let least = it.parameters.iter().filter(|it| it.default.is_none());
+            *it.name == *name && (least.count()..=it.parameters.len()).contains(&given) && runs(it)
+        };
+        self.functions.iter().filter(fits).cloned().collect()
+    }
+
+    /// Whether its objects are made by a constructor.
+    pub(in crate::program::vendor) fn constructs(&self) -> bool {
+        self.functions
+            .iter()
+            .any(|it| it.name == self.name && !it.hidden)
+    }
+}
+
+/// Whether all of a function was understood.
+fn runs(it: &Function) -> bool {
+    it.template.is_empty()
+        && !it.hidden
+        && it.body.iter().all(|part| match &part.node {
+            StmtNode::Expr(Expr {
+                node: ExprNode::Call(callee, _),
+                ..
+            }) => !matches!(&callee.node, ExprNode::Name(name) if name.starts_with(UNREAD)),
+            _ => true,
+        })
+}
