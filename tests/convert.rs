@@ -161,6 +161,24 @@ fn times_of_the_day_begin_at_zero_where_that_is_asked_for() {
     assert_eq!((dat.events[0].t.0, dat.events.len()), (0, 2999));
 }
 
+/// A span that begins after the first event is stated, not true: no event is lost to it.
+#[test]
+fn no_event_comes_before_the_start() {
+    let folder = Folder::new();
+    let mut packet = file::read(&folder.path("one.npy")).unwrap().packet;
+    packet.span = (Micros(1_500_000), Micros(3_000_000));
+    file::write(&folder.path("late.npy"), &packet).unwrap();
+    folder.said(&["late.npy", "out.npy", "--from-zero"]);
+    let out = file::read(&folder.path("out.npy")).unwrap().packet;
+    assert_eq!(out.events, packet.events);
+    let voxels = ["voxels", "late.npy", "-o", "v.npy", "--window", "500ms"];
+    let said = common::json(folder.0.path(), &voxels);
+    assert_eq!(
+        (said["shape"][0].as_u64(), said["from_us"].as_u64()),
+        (Some(6), Some(0))
+    );
+}
+
 /// The windows of such a recording are those in which it lies.
 #[test]
 fn windows_begin_where_the_recording_does() {

@@ -345,7 +345,7 @@ fn sizes_are_asked_for_in_order() {
         assert_eq!(size(verb), (Some(10), Some(6), Some(false)), "{verb:?}");
         assert_eq!(size(&given), (Some(346), Some(260), Some(true)), "{verb:?}");
         // What the file says is not contradicted, by a larger size either.
-        common::refused(
+        common::refused_untouched(
             folder.path(),
             &stated,
             &["e.csv: the file says that its sensor is 16x8, and the size 346x260 was given"],
@@ -411,6 +411,27 @@ fn pictures_are_of_what_was_asked_for() {
     assert_eq!(
         show(&["d.apng", "--from", "1ms"]),
         "wrote    d.apng: 2 events in 1 frame\n"
+    );
+    let mistaken = |more: &[&str], words: &[&str]| {
+        refused_untouched(
+            folder.path(),
+            &[&["show", "e.csv", "-o"], more].concat(),
+            words,
+        );
+    };
+    mistaken(
+        &["f.gif", "--hold", "4ms"],
+        &["hundredths of a second", "--hold 10ms"],
+    );
+    mistaken(
+        &["f.mcap", "--view", "cloud"],
+        &["no other view", "leave --view out"],
+    );
+    let never = ["packets", "e.csv", "--frequencies", "0,0,0,0"];
+    refused_untouched(
+        folder.path(),
+        &never,
+        &["never comes", "leave --frequencies out"],
     );
     let said = show(&["e.svg", "--title", "a title", "--json"]);
     let said: Value = serde_json::from_str(&said).unwrap();

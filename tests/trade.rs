@@ -358,3 +358,16 @@ fn what_is_left_out_by_hand_is_left_out() {
         "{said}"
     );
 }
+
+/// A clip as short as the window of `kept`: all events are partners of all others.
+#[test]
+fn what_kept_does_not_say_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "pattern:bar?width=64&height=48&frames=20";
+    let said = good(
+        folder.path(),
+        &["trade", "--scene", scene, "--sensor", "dvs-v2e"],
+    );
+    assert!(said.contains("kept says nothing here: within"), "{said}");
+    assert!(said.contains("accident scores 1.000 of 1"), "{said}");
+}

@@ -239,7 +239,7 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
     let mut start = match (arguments.from_zero, arguments.slice) {
         (false, _) => Some(Micros(0)),
         (true, Some((from, _))) => Some(from),
-        (true, None) => reader.about().span.map(|(first, _)| first),
+        (true, None) => None,
     };
     // Text says what it is with its first events.
     let progress = Progress::new("looking", None);
@@ -257,7 +257,10 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
             Err(_) if arguments.salvage => break,
             Err(error) => return Err(error.into()),
         }
-        start = start.or_else(|| events.first().map(|event: &Event| event.t));
+        // A span may be stated that begins after the first event.
+        let stated = || reader.about().span.map(|(from, _)| from);
+        let first = events.first().map(|event: &Event| event.t);
+        start = start.or_else(|| first.map(|first| stated().map_or(first, |it| it.min(first))));
         seen.size_known = about.size.is_some();
         (seen.size, seen.channels) = (
             about.size.unwrap_or(reader.reach()),
@@ -266,7 +269,8 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
         progress.tick();
     }
     progress.finish();
-    seen.start = start.unwrap_or_default();
+    let stated = reader.about().span.map(|(from, _)| from);
+    seen.start = start.or(stated).unwrap_or_default();
     Ok(seen)
 }
 

@@ -8,8 +8,7 @@ use super::{
     content::Content,
     files::{Input, Output},
 };
-use crate::study::sweep::merge;
-use crate::unit::counted;
+use crate::{study::sweep::merge, unit::counted};
 
 /// What `merge` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -76,7 +75,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         let more = if missing.len() > SHOWN { ", …" } else { "" };
         let _ = writeln!(
             text,
-            "missing  {}: number {}{more}; compute with `amacrine sweep STUDY --output {}`",
+            "missing  {}: numbered {}{more}; compute with `amacrine sweep STUDY --output {}`",
             counted(missing.len(), "point"),
             first.join(", "),
             arguments.output.display()

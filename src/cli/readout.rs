@@ -10,8 +10,7 @@ use crate::{
         readout::{Latency, ReadOut, Statistics, settings::Description},
     },
     source,
-    unit::Picos,
-    unit::counted,
+    unit::{Picos, counted},
 };
 
 /// Which readout, and with which settings.

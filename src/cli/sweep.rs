@@ -30,8 +30,7 @@ use crate::study::sweep::{
     store::Tables,
     verify::{Share, Verified},
 };
-use crate::unit::counted;
-use crate::{limit::POINT_BYTES, memory::Need, source};
+use crate::{limit::POINT_BYTES, memory::Need, source, unit::counted};
 
 /// What `sweep` is asked to do.
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]

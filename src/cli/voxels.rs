@@ -212,7 +212,10 @@ impl Extent {
             size: packet.size,
             channels: packet.channels,
             names: packet.names,
-            start: stated.or(first).unwrap_or_default(),
+            // A span may be stated that begins after the first event.
+            start: { stated.into_iter().chain(first) }
+                .min()
+                .unwrap_or_default(),
             end: last.max(packet.span.1),
             size_known,
         })

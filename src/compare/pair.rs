@@ -10,7 +10,7 @@ use rayon::{
 use crate::{
     event::{Event, Packet, Polarity},
     plane::Size,
-    unit::Micros,
+    unit::{Micros, counted},
 };
 
 /// Two packets cannot be compared.
@@ -28,7 +28,7 @@ pub enum CompareError {
         judged: Size,
     },
     /// Different numbers of kinds of cells.
-    #[error("the reference has {reference} channel{}, the judged packet {judged}", if *reference == 1 { "" } else { "s" })]
+    #[error("the reference has {}, the judged packet {judged}", counted(*reference, "channel"))]
     #[diagnostic(help("compare packets of the same kinds of cells"))]
     Channels {
         /// Channels of the reference.

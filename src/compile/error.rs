@@ -4,7 +4,7 @@
 pub(super) const MOST_THRESHOLD: f64 = 128.0;
 
 /// What part of a threshold of so many LSB, more than can be set, can be: three digits, rounded
-/// down.
+/// down; a tiny one in two, with its power of ten, and a twentieth less.
 fn part_that_fits(lsb: f64) -> String {
     let part = MOST_THRESHOLD / lsb;
     if part < 1e-6 {

@@ -166,13 +166,13 @@ impl Arguments {
         };
         match (self.language, by_name, &self.output) {
             (Some(asked), Some(named), Some(output)) if asked != named => {
-                let (asked, ending) = match asked {
-                    Language::Scamp => ("scamp", "scamp"),
-                    Language::Cpp => ("cpp", "cpp"),
+                let asked = match asked {
+                    Language::Scamp => "scamp",
+                    Language::Cpp => "cpp",
                 };
                 let help = format!(
                     "name it {}, or leave out --as",
-                    output.with_extension(ending).display()
+                    output.with_extension(asked).display()
                 );
                 Err(miette!(
                     help = help,

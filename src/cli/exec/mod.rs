@@ -26,8 +26,7 @@ use self::{
     statistics::Statistics, strip::Strip, trace::Tracer,
 };
 use super::files;
-use crate::unit::counted;
-use crate::{picture::write_png, rig::guard::Guard, save::save};
+use crate::{picture::write_png, rig::guard::Guard, save::save, unit::counted};
 
 /// Runs the verb.
 ///

@@ -12,7 +12,7 @@ use super::Fault;
 use crate::{
     event::{Dropped, Packet},
     plane::Size,
-    unit::Micros,
+    unit::{self, Micros},
 };
 
 /// The word that the comment starts with.
@@ -209,8 +209,7 @@ fn named(word: &str) -> Option<String> {
 fn counted(events: u64) -> String {
     match events {
         0 => "no event".into(),
-        1 => "1 event".into(),
-        more => format!("{more} events"),
+        more => unit::counted(more, "event"),
     }
 }
 

@@ -456,17 +456,11 @@ fn lambda(it: &mut Parser<'_>) -> Parsed<Expr> {
     let body = it.block()?;
     let place = place.to(it.before());
     let function = Function {
-        name: "".into(),
-        space: "".into(),
         parameters,
         body,
-        hidden: false,
-        qualified: false,
-        place,
         returns,
-        template: Vec::new(),
         captures,
-        held: Vec::new(),
+        ..Function::new("".into(), place)
     };
     Ok(Expr {
         node: ExprNode::Lambda(Rc::new(function)),

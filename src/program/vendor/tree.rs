@@ -218,6 +218,23 @@ pub(super) struct Function {
 }
 
 impl Function {
+    /// One that takes nothing and does nothing.
+    pub(super) fn new(name: Word, place: Place) -> Self {
+        Self {
+            name,
+            space: "".into(),
+            parameters: Vec::new(),
+            body: Vec::new(),
+            hidden: false,
+            qualified: false,
+            place,
+            returns: Kind::Any,
+            template: Vec::new(),
+            captures: Captures::default(),
+            held: Vec::new(),
+        }
+    }
+
     /// Whether a call cannot tell the two apart.
     pub(super) fn same_form(&self, other: &Self) -> bool {
         let form = |it: &Self| -> Vec<(Kind, bool, Word)> {

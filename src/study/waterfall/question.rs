@@ -14,7 +14,7 @@ use crate::{
     scene::SceneError,
     sensor::SensorError,
     study::design::{Compiled, Design, DesignError},
-    unit::Micros,
+    unit::{Micros, counted},
 };
 
 /// What is asked.
@@ -176,7 +176,7 @@ pub enum WaterfallError {
     ))]
     Refused(Vec<String>),
     /// Too few frames at a rate, or too many.
-    #[error("at {fps} frames/s the {seconds:.3} s of the scene have {frames} frame{}", if *frames == 1 { "" } else { "s" })]
+    #[error("at {fps} frames/s the {seconds:.3} s of the scene have {}", counted(*frames, "frame"))]
     #[diagnostic(help("give rates that show 2 to {most} frames in that time"))]
     Rate {
         /// The rate.

@@ -72,16 +72,16 @@ impl Machine<'_> {
         let name = &layout.name;
         let fitting = layout.fitting(name, given.len());
         let given: Vec<_> = given.iter().map(|it| self.argument(it)).collect();
-        let copies = |it: &Rc<Function>| it.parameters.first().is_some_and(|of| of.of == *name);
-        let mut copying = fitting.iter().filter(|it| copies(it)).cloned();
         let same = |it: &Value| matches!(it, Value::Record(of, _) if of.name == *name);
-        let copying = match &given[..] {
-            [only] if same(&only.value) => match copying.next() {
-                Some(own) => Some(own),
-                None => return only.value.clone(),
-            },
+        let copied = match &given[..] {
+            [only] if same(&only.value) => Some(only.value.clone()),
             _ => None,
         };
+        let copies = |it: &&Rc<Function>| it.parameters.first().is_some_and(|of| of.of == *name);
+        let copying = fitting.iter().find(copies).cloned();
+        if let (Some(copied), None) = (&copied, &copying) {
+            return copied.clone();
+        }
         let unknown = Value::Unknown(format!("an object of `{name}`").into());
         if fitting.is_empty() {
             let given = counted(given.len(), "value");
@@ -93,8 +93,11 @@ impl Machine<'_> {
             );
             return unknown;
         }
-        let overload = || self.overload(name, &fitting, &given, place);
-        let Some(function) = copying.or_else(overload) else {
+        let function = match copied {
+            Some(_) => copying,
+            None => self.overload(name, &fitting, &given, place),
+        };
+        let Some(function) = function else {
             return unknown;
         };
         let fresh = shape::fresh(layout, &Value::Unknown(unassigned(name)));

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::super::{
     expression::unexpected,
     token::Token,
-    tree::{Captures, Declared, Expr, ExprNode, Function, Kind, Stmt, StmtNode, Struct, Word},
+    tree::{Declared, Expr, ExprNode, Function, Kind, Stmt, StmtNode, Struct, Word},
 };
 use super::{
     Parsed, Parser,
@@ -312,17 +312,9 @@ impl Parser<'_> {
         let body = self.member_body(&name);
         let hidden = *name == *class || &*name == "operator";
         Some(Rc::new(Function {
-            name,
-            space: "".into(),
-            parameters: Vec::new(),
             body,
             hidden,
-            qualified: false,
-            place,
-            returns: Kind::Any,
-            template: Vec::new(),
-            captures: Captures::default(),
-            held: Vec::new(),
+            ..Function::new(name, place)
         }))
     }
 

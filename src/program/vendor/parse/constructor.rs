@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::super::tree::{Captures, Expr, ExprNode, Function, Kind, Stmt, StmtNode, last};
+use super::super::tree::{Expr, ExprNode, Function, Stmt, StmtNode, last};
 use super::{Parsed, Parser, types::QUALIFIERS};
 
 impl Parser<'_> {
@@ -71,17 +71,10 @@ impl Parser<'_> {
             body.extend(self.block()?);
         }
         Ok(Some(StmtNode::Function(Rc::new(Function {
-            name: class.into(),
             space: self.space.as_str().into(),
             parameters,
             body,
-            hidden: false,
-            qualified: false,
-            place,
-            returns: Kind::Any,
-            template: Vec::new(),
-            captures: Captures::default(),
-            held: Vec::new(),
+            ..Function::new(class.into(), place)
         }))))
     }
 

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::super::{
     expression::unexpected,
     token::Token,
-    tree::{Captures, Function, Kind, Parameter, StmtNode, Word},
+    tree::{Function, Kind, Parameter, StmtNode, Word},
 };
 use super::{
     Parsed, Parser,
@@ -45,17 +45,12 @@ impl<'a> Parser<'a> {
             self.templates.insert(name.clone());
         }
         let mut it = Function {
-            name: name.clone(),
             space,
             parameters,
-            body: Vec::new(),
-            hidden: false,
             qualified,
-            place,
             returns,
             template: self.template.clone(),
-            captures: Captures::default(),
-            held: Vec::new(),
+            ..Function::new(name.clone(), place)
         };
         if self.take(";") {
             return Ok(Some(StmtNode::Prototype(Rc::new(it))));
