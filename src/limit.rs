@@ -25,6 +25,13 @@ pub const NESTING: usize = 32;
 /// Tokens that a text of vendor C++ becomes, those of its macros included.
 pub const VENDOR_TOKENS: usize = 1 << 20;
 
+/// Statements and calls of vendor C++ that are run before the program is known, or in one frame: a
+/// second or two. Code that counts its coverage takes ten times as long.
+pub const VENDOR_WORK: usize = if cfg!(fuzzing) { 1 << 17 } else { 1 << 21 };
+
+/// Values in one variable of vendor C++.
+pub const VENDOR_VALUES: usize = 1 << 20;
+
 /// Operators and calls one behind the other in a value of vendor C++, or `else if`s of one `if`.
 pub const CHAIN: usize = 1024;
 
@@ -172,6 +179,10 @@ table! {
         "nobody reads more", "levels inside each other";
     VENDOR_TOKENS, "what vendor C++ becomes before it is parsed: tokens, those of its macros included", "tokens",
         "four for each of the words that a program can become", "more than 1048576 tokens";
+    VENDOR_WORK, "what the host of a vendor C++ program does in a frame, or before its program is known", "statements",
+        "a second or two; large copies count as many", "statements run";
+    VENDOR_VALUES, "values in one variable of vendor C++", "values",
+        "sixteen for each cell of a chip", "values in one variable";
     CHAIN, "operators and calls in one value of vendor C++, `else if`s of one `if`", "operators",
         "nobody reads more", "one behind the other";
     KERNEL_SIDE, "rows or columns of a kernel", "px",

@@ -269,9 +269,9 @@ fn what_is_read_out_may_hang_on_what_was_read() {
         ];
         let said = json(folder.path(), &run);
         assert_eq!(said["events"], 20, "{scan} {said}");
-        // What looks at the steps goes without it, and says so.
-        let looked = [&run[..6], &["--strip", "strip.png"]].concat();
-        let warned = line(&amacrine(folder.path(), &looked).output().unwrap().stderr);
+        // What looks at the steps before the run goes without it, and says so.
+        let looked = amacrine(folder.path(), &["asm", "p.cpp"]).output().unwrap();
+        let warned = line(&looked.stderr);
         assert!(warned.contains("left out"), "{warned}");
     }
 }
@@ -413,6 +413,70 @@ fn posts_are_written_as_c_does() {
 }
 
 #[test]
+fn sliders_that_programs_move_loops_that_count_and_texts() {
+    // Handles lead to what a slider writes, or to a number of its own.
+    let all = posts(
+        "static int v = 2; static int h = vs_gui_add_slider(\"v\", 0, 10, v, &v);\n\
+         static auto own = vs_gui_add_slider(\"own\", 0, 10, 5);\n\
+         vs_post_text(\"%d %d %d %d\", v, vs_gui_read_slider(h), vs_gui_read_slider(own), vs_gui_read_slider(VS_GUI_FRAME_GAIN));\n\
+         vs_gui_move_slider(h, v + 3); vs_gui_move_slider(own, v); vs_gui_move_slider(VS_GUI_FRAME_GAIN, 4);",
+        2,
+        &[],
+    );
+    assert_eq!(all, ["2 2 5 1", "5 5 5 4"]);
+    let all = posts(
+        "vs_post_text(\"%d %u\", (int)vs_loop_counter_get(), VS_LC);",
+        3,
+        &[],
+    );
+    assert_eq!(all, ["0 0", "1 1", "2 2"]);
+    let all = posts(
+        "std::string s = \"RED\", t; t += s; t += \"/\" + std::to_string(7); t.append(s);\n\
+         std::pair<int, int> p = {3, 4}; auto [x, y] = p; auto f = [](int a) { return std::make_pair(a, 2 * a); };\n\
+         struct Pair { int a; int b; }; Pair q = {5, 6}; auto &[a, b] = q; b = 9;\n\
+         vs_post_text(\"%s %d %s %d %d %d %d %d\", t.c_str(), (int)t.size(), s.empty() ? \"\" : \"full\", x, y, p.second, a, q.b);",
+        1,
+        &[],
+    );
+    assert_eq!(all, ["RED/7RED 8 full 3 4 4 5 9"]);
+    // A stopwatch that was just set back is divided by.
+    let all = posts(
+        "vs_stopwatch t; t.reset(); vs_post_text(\"%d\", 1000000 / t.get_usec());",
+        1,
+        &[],
+    );
+    assert_eq!(all, ["1000000"]);
+}
+
+#[test]
+fn what_is_shown_may_hang_on_a_clock_and_readouts_have_their_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "int main() { vs_stopwatch t; t.reset(); auto d = vs_gui_add_display(\"d\", 0, 0);\n\
+        int before = scamp5_global_sum_fast(A);\n\
+        while (1) { vs_frame_loop_control(); get_image(A, F);\n\
+        int now = scamp5_global_sum_fast(A);\n\
+        if (t.get_usec() > 1000000)\n\
+        scamp5_output_image(A, d); } }";
+    fs::write(folder.path().join("p.cpp"), text).unwrap();
+    let exec = [
+        "exec",
+        "p.cpp",
+        "--image",
+        "pattern:disc?width=16&height=16&frames=3",
+    ];
+    let said = json(folder.path(), &exec);
+    let lines: Vec<i64> = said["readings"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|it| it["line"].as_i64().unwrap())
+        .collect();
+    assert_eq!(lines, [4], "{said}");
+    let output = good(folder.path(), &["asm", "p.cpp"]);
+    assert!(!output.contains("scamp5_output_image"), "{output}");
+}
+
+#[test]
 fn spots_are_counted() {
     let folder = tempfile::tempdir().unwrap();
     // Five spots of two rows and more, one of a single pixel.
@@ -481,15 +545,35 @@ fn spots_are_counted() {
     );
     let table = good(folder.path(), &["exec", &program, "--image", "clip.npy"]);
     assert!(table.contains("post     frame 2: 0 spots"), "{table}");
-    // What needs the words before says so.
-    for option in [["--trace", "t.html"], ["--strip", "s.png"]] {
-        let words = ["the host of", "decides in the run", option[0]];
-        refused(
-            folder.path(),
-            &["exec", &program, option[0], option[1]],
-            &words,
-        );
-    }
+    // What needs the words before says so; what looks at them runs them again.
+    refused(
+        folder.path(),
+        &[
+            "exec",
+            &program,
+            "--image",
+            "clip.npy",
+            "--fidelity",
+            "auto",
+        ],
+        &["the host of", "decides in the run", "--fidelity auto"],
+    );
+    let strip = ["--image", "clip.npy", "--frames", "1", "--strip", "s.png"];
+    let table = good(folder.path(), &[&["exec", &program][..], &strip].concat());
+    assert!(table.contains("post     frame 0: 5 spots"), "{table}");
+    assert!(folder.path().join("s.png").is_file());
+    let debug = amacrine(
+        folder.path(),
+        &["exec", &program, "--image", "clip.npy", "--debug"],
+    )
+    .write_stdin("break 17\nc\nc\nc\nc\nc\nc\nc\nc\nprint R10 1 2\nquit\n")
+    .assert()
+    .success();
+    let debug = String::from_utf8(debug.get_output().stdout.clone()).unwrap();
+    // Five spots and a single pixel in the first frame, then two and one.
+    let stops = debug.matches("line 17: NOT(R6, R11)").count();
+    assert_eq!(stops, 8, "{debug}");
+    assert!(debug.contains("frame 1"), "{debug}");
     refused(
         folder.path(),
         &["asm", &program],

@@ -214,6 +214,27 @@ fn only_some_rooms_touch_the_world() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// A width that is wider than another has to name what the other has: `target_cfg_f!` asks for what
+/// is named, not for what that brings with it, and would take the loop of CPUs without it.
+#[test]
+fn wide_vectors_are_not_taken_for_narrow_ones() {
+    let mut wide = 0;
+    for (file, _, code) in code() {
+        for target in code
+            .split('"')
+            .filter(|it| it.starts_with("x86_64+") && it.contains("avx512"))
+        {
+            assert!(
+                target.split('+').any(|it| it == "avx2"),
+                "{}: {target}",
+                file.display()
+            );
+            wide += 1;
+        }
+    }
+    assert!(wide > 10, "{wide}");
+}
+
 /// `rig::play` is the one loop over the frames of a scene.
 #[test]
 fn one_loop_shows_frames() {

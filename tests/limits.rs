@@ -196,6 +196,16 @@ fn case(name: &str, value: usize, beyond: bool) -> Option<Case> {
         "VENDOR_TOKENS" => Case::new(&["asm", "p.cpp"])
             .file("p.cpp", ";\n".repeat(n))
             .wrong_anyway(),
+        "VENDOR_WORK" => {
+            // A turn is two statements, and some values that are looked at.
+            let turns = if beyond { n } else { n / 4 };
+            let text = format!("int main() {{ for (int i = 0; i < {turns}; i++) ; nop(); }}");
+            Case::new(&["asm", "p.cpp"]).file("p.cpp", text)
+        }
+        "VENDOR_VALUES" => {
+            let text = format!("int a[{n}]; int main() {{ nop(); }}");
+            Case::new(&["asm", "p.cpp"]).file("p.cpp", text)
+        }
         "CHAIN" => {
             // The call is one.
             let sum = "+0\n".repeat(n - 1);

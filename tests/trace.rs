@@ -11,7 +11,8 @@ use amacrine::plane::Plane;
 use base64::{Engine, prelude::BASE64_STANDARD};
 use common::{amacrine, chromium, good, json, refused_untouched};
 use flate2::read::DeflateDecoder;
-use ndarray_npy::ReadNpyExt;
+use ndarray::Array3;
+use ndarray_npy::{ReadNpyExt, WriteNpyExt};
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 use tempfile::TempDir;
@@ -130,10 +131,15 @@ fn stands_alone(text: &str) {
     assert!(text.contains(&policy.replace('\'', "&#39;")) || text.contains(&policy));
 }
 
-/// The program on both, and its page.
+/// A program that ships on both, and its page.
 fn traced(program: &str, more: &[&str]) -> Page {
+    traced_at(&here().join("programs").join(program), more)
+}
+
+/// The program on both, and its page.
+fn traced_at(program: &Path, more: &[&str]) -> Page {
     let folder = TempDir::new().unwrap();
-    let program = here().join("programs").join(program).display().to_string();
+    let program = program.display().to_string();
     let page = folder.path().join("t.html");
     for (variant, domain) in [(0, "exact"), (1, "silicon")] {
         let mut ask = vec!["exec", &program, "--domain", domain, "--frames", "3"];
@@ -158,6 +164,31 @@ fn replayed_it_ends_where_the_program_does() {
         stands_alone(&page.text);
         assert_eq!(page.description["quiet"], true, "{program}");
     }
+}
+
+/// The host decides in the arithmetic that is asked for; its words run again on both.
+#[test]
+fn a_host_that_decides_is_traced_as_it_ran() {
+    let program = here().join("tests/data/vendor/spots.cpp");
+    let folder = TempDir::new().unwrap();
+    let mut clip = Array3::<u8>::zeros((3, 24, 32));
+    clip.slice_mut(ndarray::s![0, 3..8, 4..9]).fill(200);
+    clip.slice_mut(ndarray::s![1, 3..8, 6..11]).fill(200);
+    clip.slice_mut(ndarray::s![1, 12..16, 20..24]).fill(200);
+    let light = folder.path().join("clip.npy");
+    clip.write_npy(fs::File::create(&light).unwrap()).unwrap();
+    let page = traced_at(&program, &["--image", light.to_str().unwrap()]);
+    stands_alone(&page.text);
+    assert!(
+        page.text
+            .contains("he host decided by what it read in silicon")
+    );
+    let steps = page.description["steps"].as_array().unwrap();
+    assert!(
+        steps
+            .iter()
+            .any(|step| step.to_string().contains("scamp5_scan_boundingbox"))
+    );
 }
 
 #[test]

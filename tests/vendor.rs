@@ -809,9 +809,10 @@ fn what_is_shown_and_read() {
         "uint8_t b[4]; scamp5_output_boundingbox(R5, 0, b); int w = b[2] - b[0]; vs_post_text(\"%d\", w);",
         "scamp5_scan_boundingbox(R5, mem);",
     );
+    // Whether it is shown, the run decides.
     same(
-        "if (vs_loop_counter_get() % 30 == 0) { scamp5_output_image(A, 0); }",
-        "scamp5_output_image(A);",
+        "get_image(A, F); if (vs_loop_counter_get() % 30 == 0) { scamp5_output_image(A, 0); }",
+        "get_image(A, F);",
     );
     same(
         "int s = scamp5_global_sum_64(A); if (s > 9) { s = 9; vs_led_on(VS_LED_2); }",
@@ -1425,6 +1426,69 @@ fn each_frame_is_one_or_is_refused() {
 }
 
 #[test]
+fn warnings_and_faults_are_told_where_they_stand() {
+    let warned = |text: &str| -> Vec<(usize, String)> {
+        let expansion = expand(text, &[]).unwrap_or_else(|faults| panic!("{faults:?}"));
+        let line = |start: usize| text[..start].matches('\n').count() + 1;
+        let all = expansion.warnings.iter();
+        all.map(|it| (line(it.place.start), it.message.clone()))
+            .collect()
+    };
+    // The same mistake in two places is told twice.
+    let both = warned(
+        "void p(AREG y, AREG x) { scamp5_kernel_begin(); mov(y, x); scamp5_kernel_end(); }\n\
+         void q(DREG y, DREG x) { scamp5_kernel_begin(); MOV(y, x); scamp5_kernel_end(); }\n\
+         int main() { while (1) { vs_frame_loop_control(); get_image(A, C); p(B, A); p(D, A); SET(R6, R8); q(R5, R6); q(R7, R8); } }",
+    );
+    let other = |it: &&(usize, String)| it.1.contains("other words than at its first launch");
+    let lines: Vec<usize> = both.iter().filter(other).map(|it| it.0).collect();
+    assert_eq!(lines, [1, 2], "{both:?}");
+    let faults = expand("int main() {\nnone(A);\nnone(A);\n}", &[]).unwrap_err();
+    assert_eq!(faults.faults.len(), 2, "{faults:?}");
+    // Nothing writes what is shown.
+    let shown = warned(
+        "int main() { auto d = vs_gui_add_display(\"d\", 0, 0); while (1) { vs_frame_loop_control(); scamp5_get_image(A, C);\n\
+         scamp5_output_image(R7, d); } }",
+    );
+    assert_eq!(shown.len(), 1, "{shown:?}");
+    assert!(
+        shown[0].0 == 2 && shown[0].1.contains("nothing in this program writes R7"),
+        "{shown:?}"
+    );
+    // Light falls once a frame.
+    let twice = warned(
+        "int main() { while (1) { vs_frame_loop_control();\n\
+         scamp5_kernel_begin(); get_image(C); respix(F); scamp5_kernel_end(); vs_wait(500);\n\
+         scamp5_kernel_begin(); getpix(D, F); scamp5_kernel_end(); } }",
+    );
+    assert!(
+        twice
+            .iter()
+            .any(|it| it.0 == 3 && it.1.contains("reads no light")),
+        "{twice:?}"
+    );
+    let once =
+        warned("int main() { while (1) { vs_frame_loop_control(); getpix(D, F); respix(F); } }");
+    assert!(
+        !once.iter().any(|it| it.1.contains("reads no light")),
+        "{once:?}"
+    );
+    // What is announced has its body somewhere.
+    let faults = expand(
+        "void later(int x);\nint main() { while (1) { vs_frame_loop_control(); later(3); } }",
+        &[],
+    );
+    let faults = faults.unwrap_err().faults;
+    assert!(
+        faults[0]
+            .fault
+            .message
+            .contains("`later` is announced in line 1"),
+        "{faults:?}"
+    );
+}
+
+#[test]
 fn macros_and_chains_have_limits() {
     let doubling = (1..40).fold("#define L0 1\n".to_owned(), |text, i| {
         format!("{text}#define L{i} L{0}+L{0}\n", i - 1)
@@ -1464,6 +1528,45 @@ fn macros_and_chains_have_limits() {
             "{message}: {faults:#?}"
         );
     }
+    // What is copied, looked through or made counts as well as what is run.
+    for text in [
+        "vector<int> v; vector<int> w; for (int i = 0; i < 100000; i++) v.push_back(i); for (int i = 0; i < 10000; i++) w = v;".to_owned(),
+        "vector<int> v; for (int i = 0; i < 1000000; i++) v.push_front(i);".to_owned(),
+        "vector<int> v(100000); int n = 0; for (int i = 0; i < 100000; i++) std::for_each(v.begin(), v.end(), [&](int x) { n += x; });".to_owned(),
+        "struct S { int a[1000]; }; S s[1000]; for (int i = 0; i < 1000; i++) { S t[1000]; t[0] = s[0]; }".to_owned(),
+        "struct S { int a; S() { a = 1; } int get() { return a; } }; for (int i = 0; i < 100; i++) { S s[200000]; }".to_owned(),
+        format!("int n = 0; for (int i = 0; i < 1000000; i++) {{ auto f = [&](int x) {{ {} }}; }}", "n = x + 1;".repeat(1000)),
+        format!("int n; for (int i = 0; i < 1000000; i++) {{ if (n) {{ {} }} }}", "n = n + 1;".repeat(1000)),
+    ] {
+        let faults = expand(&format!("int main() {{ {text} nop(); }}"), &[]).unwrap_err().faults;
+        let said = &faults[0].fault.message;
+        assert!(said.contains("statements run before the program is known"), "{text}: {said}");
+    }
+    for text in [
+        "int a[1000000][1000000];",
+        "int a[1000000000][0];",
+        "struct S { int a[2000]; }; S s[1000];",
+        "struct S { int a[2000]; }; struct T { S s[1000]; }; T t;",
+        "vector<vector<int>> v(2000, vector<int>(2000));",
+    ] {
+        let faults = expand(&format!("int main() {{ {text} nop(); }}"), &[])
+            .unwrap_err()
+            .faults;
+        let said = &faults[0].fault.message;
+        assert!(
+            said.contains("more than 1048576 values in one variable"),
+            "{text}: {said}"
+        );
+    }
+    // Where the beginning of a value fits a type, both are tried: inside each other, not for ever.
+    let casts = format!("int x = {}1{};", "(array<int,".repeat(60), ")".repeat(60));
+    let faults = expand(&casts, &[]).unwrap_err().faults;
+    assert!(!faults.is_empty());
+    // Directions that are joined again and again are the same ones.
+    same(
+        "auto d = north; for (int i = 0; i < 100; i++) d = d | d; DNEWS(R5, R6, d);",
+        "DNEWS(R5, R6, north);",
+    );
     // An `else if` is no deeper than its `if`.
     let branches = (0..400).fold("if (0) { }".to_owned(), |text, i| {
         format!("{text} else if (x == {i}) {{ scamp5_in(A, {i} % 100); }}")

@@ -113,10 +113,11 @@ fn packet(npy: Vec<u8>, size: Option<(usize, usize)>, channels: u8) -> Result<Pa
     Ok(packet)
 }
 
+const FEWER: &str = "take fewer of them, or a part of the events";
+
 /// Whether there is room for so many values of four bytes.
 fn room(what: &str, values: u128) -> Result<(), Report> {
-    let need = Need::new().and(what, values * 4);
-    within(&need, what, "take fewer of them, or a part of the events")
+    within(&Need::new().and(what, values * 4), what, FEWER)
 }
 
 /// Refuses what this machine's memory does not hold.
@@ -158,11 +159,19 @@ pub fn voxels<'py>(
 ) -> PyResult<(Bound<'py, PyArray1<f32>>, Place)> {
     let made = pool::work(py, || {
         let mut packet = packet(npy, size, channels)?;
-        let last = packet.events.iter().map(|event| event.t).max();
+        let times = || packet.events.iter().map(|event| event.t);
+        let (first, last) = (times().min(), times().max());
         packet.span.1 = end.map_or(last.unwrap_or_default(), Micros);
         let count = how.how.windows.count(packet.span.1);
         let each = how.how.len(packet.size, packet.channels);
-        room("voxels", u128::from(count) * each as u128)?;
+        // Recordings with times of the day begin with years of nothing.
+        let first = first.filter(|first| first.0 > packet.span.1.0 / 2);
+        let help = first.map_or(FEWER.to_owned(), |first| {
+            let first = first.seconds();
+            format!("windows begin {first} s before the first event: give a later `start`, in seconds")
+        });
+        let need = Need::new().and("voxels", u128::from(count) * each as u128 * 4);
+        within(&need, "voxels", &help)?;
         let mut voxels = vec![0.0; count as usize * each];
         how.how.fill(&packet, &mut voxels);
         Ok((voxels, place(&packet)))

@@ -161,6 +161,10 @@ def test_a_recording_that_begins_late(frames: Frames) -> None:
     how: dict[str, Any] = {"bins": 4, "window": 0.03, "size": (61, 83)}
     want = amacrine.events.voxels(events, **how)
     assert np.array_equal(amacrine.events.voxels(late, start=1000.0, **how), want)
+    # A recording of a clock: what there is no room for names the way out.
+    late["t"] += 10**15
+    with pytest.raises(amacrine.Error, match="before the first event: give a later `start`"):
+        amacrine.events.voxels(late, **how)
 
 
 @pytest.mark.parametrize("share", ["bilinear", "whole"])

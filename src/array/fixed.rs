@@ -152,7 +152,7 @@ impl<T: Width> RowOps for Fixed<T> {
 
 /// Stores along a row.
 #[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2",
     "aarch64+neon"
 ))]
@@ -171,7 +171,7 @@ fn saturated_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
 }
 
 #[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2",
     "aarch64+neon"
 ))]
@@ -181,7 +181,7 @@ fn wrapped_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
 
 /// Stores where the bit is 1; whether the operands are so few.
 #[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2",
     "aarch64+neon"
 ))]
@@ -198,7 +198,7 @@ fn saturated_some<T: Width>(operands: &[&[T]], words: &[u64], cells: &mut [T]) -
 
 /// Two stores at once.
 #[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2",
     "aarch64+neon"
 ))]
@@ -237,7 +237,7 @@ fn saturated_pair<T: Width>(
 
 /// Whether each sum is above zero.
 #[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2",
     "aarch64+neon"
 ))]
@@ -254,7 +254,7 @@ fn positives<T: Width>(operands: &[&[T]], bytes: &mut [u8]) {
 
 /// The same in words of bits; whether the operands are so few.
 #[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2",
     "aarch64+neon"
 ))]

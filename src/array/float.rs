@@ -88,7 +88,7 @@ fn summed<N: Number, U>(
 
 /// Stores along a row, divided.
 #[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2",
     "aarch64+neon"
 ))]
@@ -111,7 +111,7 @@ fn row<N: Number>(number: N, operands: &[&[N::Held]], by: u32, cells: &mut [N::H
 
 /// Two stores at once, the first divided by a power of two.
 #[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2",
     "aarch64+neon"
 ))]
@@ -155,7 +155,7 @@ fn two_more<N: Number>(number: N, part: N::Real) -> impl Fn(N::Held, N::Held, N:
 
 /// Whether each sum is above zero.
 #[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2",
     "aarch64+neon"
 ))]

@@ -1,10 +1,12 @@
 //! The registers of a chip by name, and what they hold.
 
+use std::collections::BTreeSet;
+
 use super::Array;
 use crate::{
     isa::{Analog, Bit, Cell, Device, Digital, Source, Value},
     plane::Plane,
-    program::{Effect, Expansion},
+    program::{Effect, Step},
 };
 
 /// Something that every pixel has one of, in the order of the chip.
@@ -80,12 +82,11 @@ impl Register {
             .collect()
     }
 
-    /// All that a program writes, in the order of the chip, FLAG last.
+    /// All that the parts of a program write, in the order of the chip, FLAG last.
     #[must_use]
-    pub fn written(expansion: &Expansion, device: &Device) -> Vec<Self> {
-        let code = &expansion.code;
-        let mut cells = Effect::of(&code.init, device).writes;
-        cells.extend(Effect::of(&code.frame, device).writes);
+    pub fn written(parts: &[&[Step]], device: &Device) -> Vec<Self> {
+        let each = parts.iter().map(|steps| Effect::of(steps, device).writes);
+        let cells: BTreeSet<_> = each.flatten().collect();
         cells.into_iter().map(Self::from).collect()
     }
 

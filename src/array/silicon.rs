@@ -153,7 +153,7 @@ const BLOCK: usize = 256;
 
 /// Stores the bus of each cell. A cell costs so many instructions that the call does not matter.
 #[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2",
     "aarch64+neon"
 ))]

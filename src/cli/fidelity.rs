@@ -32,7 +32,7 @@ pub struct Fidelity {
 
 #[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
 enum How {
-    /// All that the sensor file says
+    /// All that the sensor file or the chip says
     Full,
     /// What is left of it within the tolerance
     Auto,

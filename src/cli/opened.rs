@@ -153,13 +153,13 @@ impl Source {
 
     /// As [`Source::open_with`], for whoever can run a program with its host beside the array: one
     /// whose host decides there what the array does, or any of vendor C++ if it is asked for.
-    /// `looks` keeps the steps before the run where there are any.
+    /// `before` takes the steps that are known before the run, where there are any.
     pub fn open_to_run(
         &self,
         figures: &[(Figure, f64)],
         constants: &[(String, f64)],
         host: bool,
-        looks: bool,
+        before: bool,
     ) -> miette::Result<Opened> {
         let (program, device, overrides) = self.on_chip(figures, constants)?;
         if host && !program.is_vendor() {
@@ -170,7 +170,7 @@ impl Source {
             ));
         }
         let Layout { expansion, decides } = program.layout(&device, &overrides)?;
-        let decides = decides && !(looks && expansion.is_some());
+        let decides = decides && !(before && expansion.is_some());
         let opened = Opened {
             program,
             device,

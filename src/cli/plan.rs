@@ -107,12 +107,18 @@ struct Verified {
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let description = read_sensor(&arguments.sensor)?;
     let readout = arguments.readout.open()?.map(|d| d.readout()).transpose()?;
+    let mut formats = Vec::new();
+    for format in &arguments.asked.formats {
+        if !formats.contains(format) {
+            formats.push(*format);
+        }
+    }
     let question = Question {
         description: &description,
         seed: arguments.seed,
         tolerance: arguments.asked.tolerance,
         within: arguments.asked.within,
-        formats: &arguments.asked.formats,
+        formats: &formats,
         upsample: arguments.upsample,
         readout,
         crop: true,

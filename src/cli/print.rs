@@ -68,6 +68,10 @@ pub(super) fn failed(report: &miette::Report) -> ExitCode {
 
 /// Prints help, a version, or what is wrong with the command line; the exit code.
 pub(super) fn usage(error: &clap::Error) -> ExitCode {
+    if let Some(plain) = unread_number(error) {
+        complain(&plain);
+        return ExitCode::from(2);
+    }
     let printed = error.print();
     if error.use_stderr() {
         return ExitCode::from(2);
@@ -76,6 +80,28 @@ pub(super) fn usage(error: &clap::Error) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(cause) => ExitCode::from(lost(&cause)),
     }
+}
+
+/// What is said of a number that is none, in words that say what is expected.
+fn unread_number(error: &clap::Error) -> Option<String> {
+    const WORDS: [(&str, &str); 4] = [
+        (
+            "invalid digit found in string",
+            "give a whole number, from 0 on",
+        ),
+        (
+            "cannot parse integer from empty string",
+            "give a whole number, from 0 on",
+        ),
+        (
+            "number too large to fit in target type",
+            "give a smaller number",
+        ),
+        ("invalid float literal", "give a number, such as 0.5"),
+    ];
+    let said = error.render().to_string();
+    let (cause, expected) = WORDS.iter().find(|(cause, _)| said.contains(cause))?;
+    Some(said.replace(cause, expected))
 }
 
 /// Standard output takes no more; the exit code.

@@ -118,7 +118,8 @@ impl Faults {
     pub fn new(file: &str, text: &str, mut faults: Vec<Fault>) -> Self {
         let more = faults.len() > FAULTS;
         faults.order_by_key(|fault| (fault.place.start, fault.place.end));
-        faults.dedup();
+        // Places are always equal; the same mistake in two places is told twice.
+        faults.dedup_by(|a, b| a == b && a.place.is(b.place));
         if faults.len() > FAULTS {
             // No warning takes the place of an error.
             faults.order_by_key(|fault| fault.severity != Severity::Error);

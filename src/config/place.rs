@@ -27,6 +27,12 @@ impl Place {
         Self { start, end }
     }
 
+    /// Whether it is the very same place.
+    #[must_use]
+    pub const fn is(self, other: Self) -> bool {
+        self.start == other.start && self.end == other.end
+    }
+
     /// From the start of this place to the end of the other.
     #[must_use]
     pub const fn to(self, other: Self) -> Self {

@@ -84,7 +84,7 @@ fn add_columns<R: Float, const LANES: usize>(h: &[R], source: &[R], sums: &mut [
 }
 
 #[multiversion(targets(
-    "x86_64+avx512f+avx512vl+avx512dq+avx512bw",
+    "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2",
     "aarch64+neon"
 ))]

@@ -30,14 +30,15 @@ pub(super) fn check(expansion: &Expansion, device: &Device, faults: &mut Vec<Fau
     }
     faults.append(&mut walk.faults);
     if !expansion.bare {
-        unwritten(expansion, device, faults);
+        faults.extend(unwritten(expansion, device));
     }
     store(expansion, device, faults);
 }
 
 /// Warns of one-bit registers that are read and that nothing in the program writes: masks and
 /// directions that are 0 everywhere make an instruction do nothing, in silence.
-fn unwritten(expansion: &Expansion, device: &Device, faults: &mut Vec<Fault>) {
+pub(super) fn unwritten(expansion: &Expansion, device: &Device) -> Vec<Fault> {
+    let mut faults = Vec::new();
     let (mut read, mut written) = (BTreeMap::new(), BTreeSet::new());
     let mut see = |statement: &Expanded| {
         for cell in &statement.effect.reads {
@@ -56,6 +57,7 @@ fn unwritten(expansion: &Expansion, device: &Device, faults: &mut Vec<Fault>) {
             faults.push(Fault::warning(spot.place, message, label).help(help));
         }
     }
+    faults
 }
 
 /// A statement, for messages.

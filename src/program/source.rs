@@ -8,6 +8,7 @@ use crate::{
 };
 
 use super::{
+    check,
     code::Code,
     expand::{self, Expansion, Overrides},
     parse,
@@ -233,6 +234,13 @@ impl Program {
         expansion
             .warnings
             .extend(told.filter(|it| !it.is_error()).cloned());
+        // Bare statements of the frame language may find their registers set; a whole program does
+        // not.
+        if expansion.bare && read.loops && read.undecided.is_empty() {
+            expansion
+                .warnings
+                .extend(check::unwritten(&expansion, device));
+        }
         faults.append(&mut read.faults);
         faults.extend(self.faults.iter().cloned());
         (expansion, faults, read.undecided)

@@ -35,7 +35,7 @@ const BLOCK: usize = 16;
 /// Removes the events of a row of trains that a dead time of `seconds` loses; `fired` has the time
 /// at which each cell last fired, in seconds.
 #[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2",
     "aarch64+neon"
 ))]
@@ -200,7 +200,7 @@ pub(super) fn awake(u: f64, scene: Option<&Train>, before: f64, r: f64) -> bool 
 /// the counts agree to the last event. Blocks of cells too near to their memory to fire take none
 /// of them.
 #[multiversion(targets(
-    "x86_64+avx512f+avx512bw+avx512dq+avx512vl",
+    "x86_64+avx2+avx512f+avx512bw+avx512dq+avx512vl",
     "x86_64+avx2",
     "aarch64+neon"
 ))]

@@ -27,7 +27,7 @@ pub struct Arguments {
     #[arg(long = "set", value_name = "NAME=FILE.npy|NUMBER", value_parser = assignment)]
     pub(super) sets: Vec<Assignment>,
     /// The light: a picture, a clip, or pattern:NAME?key=value; a still picture is shown again and again
-    #[arg(long)]
+    #[arg(long, visible_alias = "scene")]
     pub(super) image: Option<Named>,
     #[command(flatten)]
     pub(super) samples: Samples,
@@ -93,14 +93,9 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// What looks at the steps of a program before it runs, and whether it is asked for.
-    pub(super) fn looks(&self) -> [(&'static str, bool); 4] {
-        [
-            ("--strip", self.strip.is_some()),
-            ("--trace", self.trace.is_some()),
-            ("--debug", self.debug),
-            ("--fidelity auto", self.fidelity.is_auto()),
-        ]
+    /// Whether a frame is run step by step, and looked at.
+    pub(super) fn looks(&self) -> bool {
+        self.strip.is_some() || self.trace.is_some() || self.debug
     }
 }
 

@@ -1,6 +1,6 @@
 //! The program on its arrays, as often as is asked for.
 
-use std::ops::ControlFlow;
+use std::{ops::ControlFlow, sync::Arc};
 
 use miette::{WrapErr, miette};
 
@@ -10,9 +10,9 @@ use super::{
         opened::Opened,
     },
     arguments::{Arguments, Assignment, Switch},
-    beside,
+    beside::{self, Run},
     light::{Lasting, Light, Said},
-    moment::{Moment, begin},
+    moment::{Moment, Part, begin},
     saturation::{Saturated, Saturation},
     set::Set,
     strip, trace,
@@ -50,6 +50,8 @@ pub struct Bench<'a> {
     pub(super) settings: Settings,
     /// What runs in place of the arithmetic that was asked for.
     pub machine: Option<Machine>,
+    /// What a host that decides asked for, frame by frame, where that is looked at.
+    recorded: Vec<Arc<[Step]>>,
 }
 
 impl<'a> Bench<'a> {
@@ -72,8 +74,8 @@ impl<'a> Bench<'a> {
             .collect();
         let opened = {
             let source = &arguments.source;
-            let looks = arguments.looks().iter().any(|it| it.1);
-            source.open_to_run(&figures, &constants, arguments.host, looks)?
+            let before = arguments.fidelity.is_auto();
+            source.open_to_run(&figures, &constants, arguments.host, before)?
         };
         let Opened {
             program, device, ..
@@ -97,6 +99,7 @@ impl<'a> Bench<'a> {
             arithmetic: arithmetic(arguments, program)?,
             settings: settings(arguments, program, device)?,
             machine: None,
+            recorded: Vec::new(),
             arguments,
             planes,
             opened,
@@ -105,15 +108,13 @@ impl<'a> Bench<'a> {
 
     /// What a run holds, without its events.
     fn need(&self) -> Need {
-        let Opened {
-            device, expansion, ..
-        } = &self.opened;
+        let device = &self.opened.device;
         let arguments = self.arguments;
         let pixels = self.size.pixels() as u128;
         let written = self.written().len() as u128;
         // Numbers, and a picture of them.
         let looked = match arguments.strip {
-            Some(_) => 11 * written * strip::columns(expansion) as u128,
+            Some(_) => 11 * written * strip::columns(&self.codes()) as u128,
             None if arguments.repeat.is_some() => 8 * (2 * written + 3),
             None => 16 * u128::from(arguments.dump.is_some()),
         };
@@ -143,7 +144,32 @@ impl<'a> Bench<'a> {
         self.arguments.fidelity.check()?;
         self.check_room()?;
         self.check_events()?;
-        self.check_looks()
+        self.check_known()
+    }
+
+    /// Runs a program whose host decides, to know its steps, where they are looked at one by one.
+    pub fn record(&mut self) -> miette::Result<()> {
+        if !self.opened.decides || !self.arguments.looks() {
+            return Ok(());
+        }
+        let mut chip = self.chip(self.arguments.seed)?;
+        self.recorded = beside::record(self, &mut *chip)?;
+        self.check_room()
+    }
+
+    /// The steps of all frames that differ.
+    pub fn codes(&self) -> Vec<&[Step]> {
+        if self.recorded.is_empty() {
+            let code = &self.opened.expansion.code;
+            return vec![&code.init, &code.frame];
+        }
+        let mut all: Vec<&[Step]> = Vec::new();
+        for steps in &self.recorded {
+            if !all.contains(&&**steps) {
+                all.push(steps);
+            }
+        }
+        all
     }
 
     /// Refuses an array for which there is no room.
@@ -252,27 +278,24 @@ impl<'a> Bench<'a> {
         Saturation::new(ends.unwrap_or(chip), ends.is_none())
     }
 
-    /// The registers that the program writes: any of them, where its host decides.
+    /// The registers that the program writes: any of them, where its host decides as it goes.
     pub fn written(&self) -> Vec<Register> {
-        let Opened {
-            device, expansion, ..
-        } = &self.opened;
-        if self.opened.decides {
+        let device = &self.opened.device;
+        if self.opened.decides && self.recorded.is_empty() {
             Register::all(device)
         } else {
-            Register::written(expansion, device)
+            Register::written(&self.codes(), device)
         }
     }
 
-    /// Refuses what looks at the steps of a program before it runs, where its host decides them.
-    fn check_looks(&self) -> miette::Result<()> {
-        let looks = self.arguments.looks();
-        let Some((option, _)) = looks.iter().find(|it| it.1 && self.opened.decides) else {
+    /// Refuses what needs the steps of a program before it runs, where its host decides them.
+    fn check_known(&self) -> miette::Result<()> {
+        if !(self.opened.decides && self.arguments.fidelity.is_auto()) {
             return Ok(());
-        };
+        }
         Err(miette!(
-            help = "--displays, --dump, --events and --json show what it does",
-            "the host of {} decides in the run which words come next: {option} needs them before",
+            help = "leave --fidelity out, or give --domain and --without by hand",
+            "the host of {} decides in the run which words come next: --fidelity auto needs them before",
             self.opened.program.file
         ))
     }
@@ -329,8 +352,11 @@ impl<'a> Bench<'a> {
         chip: &mut dyn Array,
         mut run: impl FnMut(&mut dyn Array, &Moment<'_>, &mut Packet) -> miette::Result<ControlFlow<()>>,
     ) -> miette::Result<(Packet, u64)> {
-        if self.opened.decides {
+        if self.opened.decides && self.recorded.is_empty() {
             return beside::watch(self, chip, &mut run);
+        }
+        if self.opened.decides {
+            return self.watch_recorded(chip, &mut run);
         }
         let light = Light::open(self.arguments, &self.opened.program, &self.observation)?;
         let Expansion { code, bare, .. } = &self.opened.expansion;
@@ -350,8 +376,7 @@ impl<'a> Bench<'a> {
                 since,
                 light: &frame.light,
                 steps: if is_init { &code.init } else { &code.frame },
-                is_init,
-                ran: false,
+                part: if is_init { Part::Init } else { Part::Frame },
             };
             index += 1;
             let flow = run(chip, &moment, &mut packet)?;
@@ -365,6 +390,42 @@ impl<'a> Bench<'a> {
         exposure.see(&code.frame, &self.opened.device);
         self.said.exposure.set(exposure);
         Ok((packet, frames))
+    }
+
+    /// Shows the same light once more: what the host asked for in each frame runs again.
+    fn watch_recorded(
+        &self,
+        chip: &mut dyn Array,
+        run: &mut Run<'_>,
+    ) -> miette::Result<(Packet, u64)> {
+        // What is to be said of it was said.
+        let light = Light::open(self.arguments, &self.opened.program, &Observation::new())?;
+        let mut light = Lasting::new(light, self.size, beside::FRAMES);
+        let mut packet = Packet::new(chip.size(), chip.channels());
+        let growth = self.growth();
+        let mut before: Option<f64> = None;
+        let mut index = 0;
+        rig::play(&mut light, |frame| {
+            let Some(steps) = self.recorded.get(index as usize) else {
+                return Ok::<_, miette::Report>(ControlFlow::Break(()));
+            };
+            let (t, since) = begin(chip, &frame, before, &mut packet)?;
+            before = Some(frame.seconds);
+            let moment = Moment {
+                index,
+                t,
+                since,
+                light: &frame.light,
+                steps,
+                part: Part::Recorded,
+            };
+            index += 1;
+            let flow = run(chip, &moment, &mut packet)?;
+            growth.check(&packet, &self.opened.program.file)?;
+            Ok(flow)
+        })?;
+        packet.names = self.opened.program.names_of(packet.channels)?;
+        Ok((packet, index))
     }
 }
 

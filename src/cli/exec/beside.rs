@@ -1,6 +1,6 @@
 //! A program whose host decides as it goes, beside the array.
 
-use std::ops::ControlFlow;
+use std::{ops::ControlFlow, sync::Arc};
 
 use miette::miette;
 
@@ -8,7 +8,7 @@ use super::{
     super::{budget::Growth, complain},
     bench::Bench,
     light::{Lasting, Light},
-    moment::{Moment, begin},
+    moment::{Moment, Part, begin},
 };
 use crate::{
     array::{Array, answered},
@@ -18,8 +18,14 @@ use crate::{
     unit::Micros,
 };
 
+/// How many frames a still picture is shown for.
+pub const FRAMES: u64 = 2;
+
+/// Frames before, with which one may share its steps.
+const KNOWN: usize = 16;
+
 /// What is done in each frame.
-type Run<'r> =
+pub type Run<'r> =
     dyn FnMut(&mut dyn Array, &Moment<'_>, &mut Packet) -> miette::Result<ControlFlow<()>> + 'r;
 
 /// The array and its light, as the host sees them.
@@ -41,6 +47,9 @@ struct Companion<'r> {
     words: Option<(u64, u64)>,
     /// What the host wrote, and in which frame.
     posts: Vec<(u64, String)>,
+    /// What the host asked for in this frame, and in those before; nothing where nobody asks.
+    asked: Option<Vec<Step>>,
+    recorded: Vec<Arc<[Step]>>,
     stopped: Option<miette::Report>,
     /// Whether there is no light any more.
     over: bool,
@@ -52,6 +61,23 @@ pub fn watch(
     chip: &mut dyn Array,
     run: &mut Run<'_>,
 ) -> miette::Result<(Packet, u64)> {
+    let (packet, frames, _) = ran(bench, chip, run, None)?;
+    Ok((packet, frames))
+}
+
+/// Runs the program with its host beside this chip; the steps of each frame.
+pub fn record(bench: &Bench<'_>, chip: &mut dyn Array) -> miette::Result<Vec<Arc<[Step]>>> {
+    let mut on = |_: &mut dyn Array, _: &Moment<'_>, _: &mut Packet| Ok(ControlFlow::Continue(()));
+    let (_, _, recorded) = ran(bench, chip, &mut on, Some(Vec::new()))?;
+    Ok(recorded)
+}
+
+fn ran(
+    bench: &Bench<'_>,
+    chip: &mut dyn Array,
+    run: &mut Run<'_>,
+    asked: Option<Vec<Step>>,
+) -> miette::Result<(Packet, u64, Vec<Arc<[Step]>>)> {
     let opened = &bench.opened;
     let light = Light::open(bench.arguments, &opened.program, &bench.observation)?;
     let mut array = Companion {
@@ -59,7 +85,7 @@ pub fn watch(
         before: chip.ledger().words().0,
         chip,
         program: &opened.program.file,
-        light: Lasting::new(light, bench.size, 2),
+        light: Lasting::new(light, bench.size, FRAMES),
         run,
         growth: bench.growth(),
         now: None,
@@ -67,6 +93,8 @@ pub fn watch(
         exposure: Exposure::default(),
         words: None,
         posts: Vec::new(),
+        asked,
+        recorded: Vec::new(),
         stopped: None,
         over: false,
     };
@@ -90,7 +118,7 @@ pub fn watch(
     bench.said.posts.replace(array.posts);
     let mut packet = array.packet;
     packet.names = opened.program.names_of(packet.channels)?;
-    Ok((packet, array.frames))
+    Ok((packet, array.frames, array.recorded))
 }
 
 impl Companion<'_> {
@@ -108,9 +136,15 @@ impl Companion<'_> {
             since,
             light: &frame.light,
             steps: &[],
-            is_init: false,
-            ran: true,
+            part: Part::Ran,
         };
+        if let Some(asked) = &mut self.asked {
+            let steps = std::mem::take(asked);
+            // Most frames are alike.
+            let known = self.recorded.iter().rev().take(KNOWN);
+            let known = known.into_iter().find(|it| ***it == *steps).cloned();
+            self.recorded.push(known.unwrap_or_else(|| steps.into()));
+        }
         self.frames += 1;
         // What ends a run early is only there where its steps are known.
         let _ = (self.run)(self.chip, &moment, &mut self.packet)?;
@@ -142,6 +176,9 @@ impl Beside for Companion<'_> {
         let t = self.now.as_ref().map_or(Micros(0), |now| now.1);
         if self.frames > 0 {
             self.exposure.see(steps, self.chip.device());
+        }
+        if let Some(asked) = &mut self.asked {
+            asked.extend_from_slice(steps);
         }
         let answer = answered(self.chip, steps, t, &mut self.packet);
         answer.map_err(|why| self.stopped = Some(why.into())).ok()

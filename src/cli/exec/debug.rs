@@ -12,6 +12,7 @@ use miette::{Diagnostic, miette};
 
 use super::{
     super::{content::Content, files::Output, opened::Opened, print::say},
+    bench::Bench,
     moment::Moment,
     reading,
 };
@@ -56,6 +57,8 @@ enum Mode {
 /// A program that is stepped through.
 pub struct Debugger<'a> {
     opened: &'a Opened,
+    /// Lines on which an instruction begins.
+    lines: BTreeSet<u32>,
     mode: Mode,
     breaks: BTreeSet<u32>,
     /// The line of the instruction before.
@@ -70,11 +73,16 @@ pub struct Debugger<'a> {
 }
 
 impl<'a> Debugger<'a> {
-    pub fn new(opened: &'a Opened) -> Self {
+    pub fn new(bench: &'a Bench<'_>) -> Self {
+        let mut lines = BTreeSet::new();
+        for steps in bench.codes() {
+            collect(steps, &mut lines);
+        }
         let plain = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
         let columns = std::env::var("COLUMNS").ok().and_then(|c| c.parse().ok());
         Self {
-            opened,
+            opened: &bench.opened,
+            lines,
             mode: Mode::Step(0),
             breaks: BTreeSet::new(),
             last: None,
@@ -314,14 +322,10 @@ impl<'a> Debugger<'a> {
         let number: u32 = text
             .parse()
             .map_err(|_| format!("`{text}` is not a line"))?;
-        let mut lines = BTreeSet::new();
-        let code = &self.opened.expansion.code;
-        collect(&code.init, &mut lines);
-        collect(&code.frame, &mut lines);
-        if lines.contains(&number) {
+        if self.lines.contains(&number) {
             return Ok(number);
         }
-        Err(match lines.range(number..).next() {
+        Err(match self.lines.range(number..).next() {
             Some(next) => format!("no instruction is on line {number}; the next is on line {next}"),
             None => format!("no instruction is on line {number} or below"),
         })

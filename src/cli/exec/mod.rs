@@ -52,6 +52,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(quicker) = plan.as_ref().and_then(|plan| plan.quicker) {
         bench.settings.schedule = Some(quicker.schedule);
     }
+    bench.record()?;
     if let Some(folder) = &arguments.dump {
         files::writes(dump::files(&bench.opened.device, folder))?;
     }
@@ -59,7 +60,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         return repeat(&bench, runs);
     }
     let mut chip = bench.chip(arguments.seed)?;
-    let mut strip = Strip::default();
+    let mut strip = Strip::new(bench.written());
     let mut tracer = match arguments.trace {
         Some(_) => Some(Tracer::new(&bench)?),
         None => None,
@@ -68,7 +69,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut saturation = bench.saturation();
     let mut shows = Shows::new(&bench.opened, arguments.displays.as_deref());
     let (packet, frames) = if arguments.debug {
-        let mut debugger = Debugger::new(&bench.opened);
+        let mut debugger = Debugger::new(&bench);
         let seen = bench.watch(&mut *chip, |chip, moment, packet| {
             guard.frame_at(moment.t);
             let flow = debugger.frame(chip, moment, packet)?;

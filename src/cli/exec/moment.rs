@@ -41,21 +41,31 @@ pub struct Moment<'a> {
     pub light: &'a Plane<f64>,
     /// What is to run: the whole program if it is bare, else `init` or `frame`.
     pub steps: &'a [Step],
-    /// Whether that is `init`.
-    pub is_init: bool,
-    /// Whether it ran already, with the host beside the array.
-    pub ran: bool,
+    /// Which part of the program that is.
+    pub part: Part,
+}
+
+/// What a frame runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// `init`.
+    Init,
+    /// `frame`.
+    Frame,
+    /// What the host asked for in this frame of an earlier run.
+    Recorded,
+    /// Nothing more: it ran with the host beside the array.
+    Ran,
 }
 
 impl Moment<'_> {
     /// Runs all of it, if that is still to be done.
     pub fn run(&self, chip: &mut dyn Array, packet: &mut Packet) -> Result<(), RunError> {
-        if self.ran {
-            Ok(())
-        } else if self.is_init {
-            chip.run_init(self.t, packet)
-        } else {
-            chip.run_frame(self.t, packet)
+        match self.part {
+            Part::Init => chip.run_init(self.t, packet),
+            Part::Frame => chip.run_frame(self.t, packet),
+            Part::Recorded => chip.run_steps(self.steps, self.t, packet),
+            Part::Ran => Ok(()),
         }
     }
 }

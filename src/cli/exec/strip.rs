@@ -10,22 +10,30 @@ use crate::{
     isa::Figure,
     picture::{StripCell, panel, strip},
     plane::Plane,
-    program::{Action, Code, Effect, Expansion, Step},
+    program::{Action, Effect, Step},
 };
 
 /// The lines of one frame, with what registers held behind each.
-#[derive(Default)]
 pub struct Strip {
+    /// Those that the program writes.
+    registers: Vec<Register>,
     columns: Vec<Column>,
 }
 
 struct Column {
     line: u32,
-    /// Of the registers that the program writes: what they hold, and whether this line wrote.
+    /// Of each register: what it holds, and whether this line wrote.
     cells: Vec<(Plane<f64>, bool)>,
 }
 
 impl Strip {
+    pub const fn new(registers: Vec<Register>) -> Self {
+        Self {
+            registers,
+            columns: Vec::new(),
+        }
+    }
+
     /// Runs a frame line by line; what an earlier frame left is forgotten.
     pub fn frame(
         &mut self,
@@ -35,7 +43,6 @@ impl Strip {
         packet: &mut Packet,
     ) -> miette::Result<()> {
         self.columns.clear();
-        let registers = Register::written(&opened.expansion, &opened.device);
         for line in lines(moment.steps) {
             chip.run_steps(line, moment.t, packet)?;
             let written = Effect::of(line, &opened.device).writes;
@@ -44,7 +51,7 @@ impl Strip {
                 continue;
             }
             let names: Vec<String> = written.iter().map(|c| c.name(&opened.device)).collect();
-            let cells = registers.iter().map(|register| {
+            let cells = self.registers.iter().map(|register| {
                 let wrote = names.contains(&register.name(&opened.device));
                 (register.values(chip), wrote)
             });
@@ -59,7 +66,7 @@ impl Strip {
     /// The picture: a row for each register, a column for each line that writes.
     pub fn picture(&self, opened: &Opened) -> miette::Result<RgbImage> {
         let device = &opened.device;
-        let registers = Register::written(&opened.expansion, device);
+        let registers = &self.registers;
         let (low, high) = (device.value(Figure::Lowest), device.value(Figure::Highest));
         let text: Vec<&str> = opened.program.text.lines().collect();
         let columns = self.columns.iter().map(|column| {
@@ -94,9 +101,12 @@ impl Strip {
 }
 
 /// The most columns of a strip of this program.
-pub fn columns(expansion: &Expansion) -> usize {
-    let Code { init, frame, .. } = &expansion.code;
-    lines(init).count().max(lines(frame).count())
+pub fn columns(parts: &[&[Step]]) -> usize {
+    parts
+        .iter()
+        .map(|steps| lines(steps).count())
+        .max()
+        .unwrap_or(0)
 }
 
 /// The steps, cut where the line changes.

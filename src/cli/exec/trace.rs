@@ -47,6 +47,8 @@ pub struct Tracer<'a> {
     unseen: usize,
     every: usize,
     parting: Option<TraceParting>,
+    /// In which arithmetic the host decided what runs, if it did.
+    decided: Option<Arithmetic>,
 }
 
 impl<'a> Tracer<'a> {
@@ -77,10 +79,10 @@ impl<'a> Tracer<'a> {
         if quiet.is_some() {
             machine = format!("{machine} (chip {})", bench.arguments.seed);
         }
-        let registers = touched(opened);
-        let code = &opened.expansion.code;
-        let both = [&code.init, &code.frame].map(|steps| planes(steps, device));
-        let planes = both[0].max(both[1]) + registers.len();
+        let codes = bench.codes();
+        let registers = touched(&codes, device);
+        let most = codes.iter().map(|steps| planes(steps, device)).max();
+        let planes = most.unwrap_or(0) + registers.len();
         let shown = |every: usize| {
             bench.size.height.div_ceil(every) * bench.size.width.div_ceil(every) * planes
         };
@@ -98,6 +100,7 @@ impl<'a> Tracer<'a> {
             unseen: 0,
             every: every.unwrap_or(longest),
             parting: None,
+            decided: opened.decides.then_some(bench.arithmetic),
         })
     }
 
@@ -238,6 +241,11 @@ impl<'a> Tracer<'a> {
             program, device, ..
         } = self.opened;
         let mut notes = Vec::new();
+        if let Some(arithmetic) = self.decided {
+            notes.push(format!(
+                "the host decided by what it read in {arithmetic}; the same words ran here"
+            ));
+        }
         if self.dropped > 0 {
             notes.push(format!(
                 "the first {} frames were run and are left out: --frames runs fewer",
@@ -310,10 +318,9 @@ fn parting(register: Register, chip: &Plane<f64>, twin: &Plane<f64>) -> Option<(
 }
 
 /// What a program touches, in the order of the chip: photodiodes, analogue registers, bits, FLAG.
-fn touched(opened: &Opened) -> Vec<Register> {
-    let code = &opened.expansion.code;
-    let uses = [&code.init, &code.frame].map(|steps| uses(steps, &opened.device));
-    let mut all: Vec<Register> = uses.into_iter().flatten().flatten().collect();
+fn touched(codes: &[&[Step]], device: &Device) -> Vec<Register> {
+    let uses = codes.iter().map(|steps| uses(steps, device));
+    let mut all: Vec<Register> = uses.flatten().flatten().collect();
     all.sort_unstable();
     all.dedup();
     all

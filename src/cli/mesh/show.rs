@@ -20,22 +20,18 @@ use crate::{
 /// What `mesh show` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine mesh show --lambda 3 --output mesh.png\n  amacrine mesh show --kernel csdvs-5 --output fit.png\n\nWith --kernel the sheets are those that fit it best."
+    after_help = "Examples:\n  amacrine mesh show --lambda 3 --output mesh.png\n  amacrine mesh show --kernel csdvs-5 --output fit.png\n\nWith --kernel the sheets are those that fit it best.",
+    group = clap::ArgGroup::new("sheet").required(true)
 )]
 pub struct Arguments {
     /// Space constant in pixels
-    #[arg(
-        long,
-        value_name = "L",
-        required_unless_present = "kernel",
-        conflicts_with = "kernel"
-    )]
+    #[arg(long, value_name = "L", group = "sheet")]
     lambda: Option<f64>,
     /// Another space constant down the columns
     #[arg(long, value_name = "L", requires = "lambda")]
     lambda_y: Option<f64>,
     /// A kernel to be fitted: a file (.toml or .npy), or the name of a built-in
-    #[arg(long)]
+    #[arg(long, group = "sheet")]
     kernel: Option<Named>,
     /// Sheets that may fit the kernel, 1 to 3
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]

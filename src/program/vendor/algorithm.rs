@@ -242,6 +242,9 @@ impl Machine<'_> {
             _ => return None,
         };
         for i in 0..range.length {
+            if self.done() {
+                break;
+            }
             let value = self.called_with(function, range.at(i), place);
             if let Some(into) = &into {
                 self.write_at(into.at(i), value);
@@ -251,6 +254,7 @@ impl Machine<'_> {
     }
 
     fn called_with(&mut self, function: &Rc<Function>, spot: Spot, place: Place) -> Value {
+        self.work(place);
         let value = self.at(spot.0, &spot.1);
         let kind = self.kind_at(spot.0, &spot.1);
         let argument = Argument {

@@ -114,6 +114,18 @@ impl<'a> Companion<'a> {
 }
 
 impl Machine<'_> {
+    /// How many frames were waited for before this one, where that is known: the vendor's counter
+    /// of the loop.
+    pub(super) fn loop_counter(&self) -> Value {
+        match &self.companion {
+            Some(companion) => {
+                let before = companion.frames.saturating_sub(1);
+                Value::Wide(before as i64, Width::Unsigned)
+            }
+            None => Value::Unknown("how many frames have passed".into()),
+        }
+    }
+
     /// A stopwatch (`vs_stopwatch`): the host's own work takes no time in it.
     pub(super) fn stopwatch(&mut self, slot: Slot, member: &str) -> Option<Value> {
         self.companion.as_ref()?;
@@ -128,7 +140,9 @@ impl Machine<'_> {
             }
             "get_usec" => {
                 let start = companion.clocks.get(&slot).copied().unwrap_or_default();
-                Some(Value::Wide((now - start).ceil() as i64, Width::Unsigned))
+                // What the host itself does takes time on the chip: programs divide by this.
+                let passed = (now - start).ceil().max(1.0);
+                Some(Value::Wide(passed as i64, Width::Unsigned))
             }
             _ => None,
         }
@@ -167,7 +181,11 @@ impl Machine<'_> {
             let last = items.iter().rfind(|it| begins(it) || ends(it));
             companion.drawing = last.filter(|it| begins(it)).cloned();
         }
-        if let Some((_, steps)) = companion.known.iter().find(|it| it.0 == items) {
+        let here = |(known, _): &&(Vec<Item>, _)| {
+            let places = known.iter().zip(&items);
+            *known == items && { places }.all(|(a, b)| a.place.is(b.place))
+        };
+        if let Some((_, steps)) = companion.known.iter().find(here) {
             return Some(Arc::clone(steps));
         }
         let syntax = Syntax {
@@ -198,6 +216,7 @@ impl Machine<'_> {
     /// captures the light.
     pub(super) fn next_frame(&mut self) {
         self.run_asked();
+        self.dark = false;
         let Some(companion) = self.companion.as_mut().filter(|it| !it.over) else {
             return;
         };

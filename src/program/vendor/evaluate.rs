@@ -136,6 +136,9 @@ impl Machine<'_> {
             }
             // A function keeps its namespace.
             let own = self.functions.contains_key(plain) && !foreign(name);
+            if plain == "VS_LC" && !own {
+                return self.loop_counter();
+            }
             if let (Some(value), false) = (super::host::constant(plain), own) {
                 return value;
             }
@@ -468,22 +471,19 @@ impl Machine<'_> {
 
     pub(super) fn member(&mut self, base: Reach, name: &str) -> Reach {
         let base = self.through(base);
-        let value = match &base {
-            Reach::Spot(slot, path) => self.at(*slot, path),
-            Reach::Value(value) => value.clone(),
-            Reach::Lost(slot, path, why) => {
-                return Reach::Lost(*slot, path.clone(), Arc::clone(why));
-            }
-            Reach::Beyond(at) => return Reach::Beyond(*at),
-        };
+        if matches!(base, Reach::Lost(..) | Reach::Beyond(_)) {
+            return base;
+        }
         let unknown = || Reach::Value(Value::Unknown(format!("`{name}` of an object").into()));
-        match value {
+        match self.reached(&base) {
             // The words of a register, which are only ever compared.
-            Value::Symbol(register) => {
+            Some(Value::Symbol(register)) => {
                 Reach::Value(Value::Symbol(format!("{register}.{name}").into()))
             }
-            Value::Record(layout, all) => {
-                let Some(at) = layout.members.iter().position(|it| &*it.name == name) else {
+            Some(Value::Record(layout, all)) => {
+                let named = layout.members.iter().position(|it| &*it.name == name);
+                let bound = || name.parse().ok().filter(|at| *at < all.len());
+                let Some(at) = named.or_else(bound) else {
                     return unknown();
                 };
                 match base {
@@ -494,8 +494,20 @@ impl Machine<'_> {
                     _ => Reach::Value(all[at].clone()),
                 }
             }
-            // An array of an object that is not known, such as that of a frame.
-            Value::List(_) => base,
+            Some(Value::List(all)) => {
+                let Some(at) = numbered(name) else {
+                    // An array of an object that is not known, such as that of a frame.
+                    return base;
+                };
+                let value = all.get(at).cloned();
+                match base {
+                    Reach::Spot(slot, mut path) => {
+                        path.push(at);
+                        Reach::Spot(slot, path)
+                    }
+                    _ => value.map_or_else(unknown, Reach::Value),
+                }
+            }
             _ => unknown(),
         }
     }
@@ -565,6 +577,10 @@ impl Machine<'_> {
             Reach::Spot(slot, path) => {
                 if self.beyond(reached, to) {
                     return value;
+                }
+                if matches!(&value, Value::Pointer(of, way, _) if of == slot && way == path) {
+                    // A slider that writes the variable that its handle goes to.
+                    return self.at(*slot, path);
                 }
                 let value = self.fitted(*slot, path, value);
                 self.put(*slot, path, value.clone());
@@ -652,7 +668,7 @@ impl Machine<'_> {
                 made.held.push((capture.name.clone(), slot));
             }
         }
-        for name in super::look::names(function) {
+        for name in super::look::names(self, function) {
             let own = self.scopes.get(self.base.max(1)..).unwrap_or_default();
             let found = own.iter().rev().find_map(|scope| scope.get(&name)).copied();
             let named = captures.named.iter().find(|it| it.name == name);
@@ -691,6 +707,15 @@ pub(super) enum Reach {
     Beyond(i64),
     /// A value that lies nowhere.
     Value(Value),
+}
+
+/// A member of a pair, or the name that a structured binding has for one.
+fn numbered(name: &str) -> Option<usize> {
+    match name {
+        "first" => Some(0),
+        "second" => Some(1),
+        name => name.parse().ok(),
+    }
 }
 
 /// A character of a text, which ends with a 0.

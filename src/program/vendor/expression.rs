@@ -292,11 +292,16 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
         name = it.name(HELP)?;
         full = format!("{full}::{name}");
     }
-    if std {
-        it.angles();
-        if matches!(&*name, "vector" | "deque") && it.sees("(") {
+    let array = matches!(&*name, "vector" | "deque");
+    if std || array {
+        let start = it.at;
+        let angles = it.angles();
+        if array && (std || angles) && it.sees("(") {
             let node = ExprNode::Name(FILLED.into());
             return Ok(Expr { node, place });
+        }
+        if !std {
+            it.at = start;
         }
     }
     let kind = it.kind_named(&name);
@@ -456,8 +461,8 @@ fn lambda(it: &mut Parser<'_>) -> Parsed<Expr> {
     let body = it.block()?;
     let place = place.to(it.before());
     let function = Function {
-        parameters,
-        body,
+        parameters: parameters.into(),
+        body: body.into(),
         returns,
         captures,
         ..Function::new("".into(), place)

@@ -110,6 +110,7 @@ impl Machine<'_> {
     /// One turn: what it asks, cut where frames begin.
     fn turn(&mut self, body: &Stmt, step: Option<&Expr>) -> Vec<Vec<Item>> {
         self.maybe = None;
+        self.dark = false;
         let flow = self.scoped(body);
         self.maybe = None;
         if matches!(flow, Flow::Next | Flow::Continue)

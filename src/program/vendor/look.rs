@@ -24,6 +24,11 @@ pub(super) fn reads(machine: &Machine<'_>, it: &Stmt) -> bool {
     asks(machine, it, &|role| role == Role::Read)
 }
 
+/// Whether it shows something of the array.
+pub(super) fn shows(machine: &Machine<'_>, it: &Stmt) -> bool {
+    asks(machine, it, &|role| role == Role::Show)
+}
+
 /// A value as a statement.
 pub(super) fn statement(it: &Expr) -> Stmt {
     Stmt {
@@ -172,16 +177,22 @@ fn reach(
     let mut locals = Locals::new();
     let mut seen = BTreeSet::new();
     let mut queue: Vec<Rc<Function>> = Vec::new();
-    scan(machine, it, &mut locals, &mut queue, part, leaf);
+    let mut parts = 0;
+    let mut part = |it: &Part<'_>| {
+        parts += 1;
+        part(it);
+    };
+    scan(machine, it, &mut locals, &mut queue, &mut part, leaf);
     while let Some(function) = queue.pop() {
         if seen.insert(Rc::as_ptr(&function)) {
             took(machine, &function, &mut locals);
-            for it in &function.body {
-                scan(machine, it, &mut locals, &mut queue, part, leaf);
+            for it in function.body.iter() {
+                scan(machine, it, &mut locals, &mut queue, &mut part, leaf);
             }
             all.push(function);
         }
     }
+    machine.looks(parts);
     all
 }
 
@@ -314,7 +325,9 @@ fn assigned(machine: &Machine<'_>, it: &Stmt) -> (Vec<Word>, Vec<Rc<Function>>) 
             ExprNode::Unary("&", of) => names.extend(base(of)),
             ExprNode::Call(callee, given) => {
                 // An array that is given may be written.
-                names.extend(given.iter().filter_map(base).filter(list));
+                let reads = matches!(&callee.node, ExprNode::Name(name) if last(name) == "vs_gui_read_slider");
+                let given_away = given.iter().filter(|_| !reads);
+                names.extend(given_away.filter_map(base).filter(list));
                 // So may the object that a function belongs to.
                 if let ExprNode::Member(of, _) = &callee.node {
                     names.extend(base(of));
@@ -521,26 +534,28 @@ fn values(it: &Expr, act: &mut dyn FnMut(Part<'_>)) {
 /// Whether a function calls another.
 pub(super) fn calls_function(it: &super::tree::Function, name: &str) -> bool {
     let mut found = false;
-    for statement in &it.body {
+    for statement in it.body.iter() {
         calls(statement, &mut |called, _| found |= called == name);
     }
     found && *it.name != *name
 }
 
 /// The names that a lambda uses, and those inside it.
-pub(super) fn names(function: &super::tree::Function) -> BTreeSet<Word> {
-    let mut found = BTreeSet::new();
-    for statement in &function.body {
+pub(super) fn names(machine: &Machine<'_>, function: &super::tree::Function) -> BTreeSet<Word> {
+    let (mut found, mut parts) = (BTreeSet::new(), 0);
+    for statement in function.body.iter() {
         walk(statement, false, &mut |part| {
+            parts += 1;
             let Part::Expr(value) = part else { return };
             match &value.node {
                 ExprNode::Name(name) => {
                     found.insert(name.clone());
                 }
-                ExprNode::Lambda(inner) => found.extend(names(inner)),
+                ExprNode::Lambda(inner) => found.extend(names(machine, inner)),
                 _ => {}
             }
         });
     }
+    machine.looks(parts);
     found
 }

@@ -1,6 +1,7 @@
 //! The micro-controller: its variables, and what it has asked of the array so far.
 
 use std::{
+    cell::Cell,
     collections::{BTreeMap, BTreeSet},
     rc::Rc,
     sync::Arc,
@@ -19,20 +20,27 @@ use crate::{
         Callable, Device,
         text::{Argument, Expression, Statement, Term},
     },
+    limit::{VENDOR_VALUES, VENDOR_WORK},
     program::{
         Overrides,
         syntax::{Item, Node},
     },
 };
 
-/// Statements and calls that are worked on before it is called endless.
-const WORK: usize = 1 << 21;
+/// A statement takes about as long as copying so many values.
+const STATEMENT: usize = 32;
+
+/// A part of the text that is looked at takes about as long as copying so many values.
+const PART: usize = 4;
 
 /// Frames that are laid out one after the other, where no loop over the frames is.
 const FRAMES: usize = 64;
 
 /// Statements that may be asked of the array.
 const ASKED: usize = crate::limit::EXPANDED_STEPS;
+
+/// The slider of the gain, which every program has.
+pub(super) const GAIN: Slot = 0;
 
 /// Where a value lies: a variable, and the way to an element of it.
 pub(super) type Spot = (Slot, Vec<usize>);
@@ -121,11 +129,14 @@ pub(super) struct Machine<'a> {
     pub scanned: BTreeMap<String, String>,
     /// The display that a stack of bits goes to.
     pub stack: Option<Value>,
+    /// Whether light was captured, or the photodiodes were reset, in the frame that is worked on.
+    pub dark: bool,
     /// Whether the loop over the frames was run.
     pub looped: bool,
     /// Whether every frame does the same, the first one too.
     pub bare: bool,
-    work: usize,
+    /// What was worked on, in values that are copied.
+    work: Cell<usize>,
     asked: usize,
     /// Whether a limit was met.
     pub full: bool,
@@ -152,9 +163,9 @@ impl<'a> Machine<'a> {
             prototypes: BTreeMap::new(),
             fixed: BTreeSet::new(),
             homes: BTreeMap::new(),
-            slots: Vec::new(),
+            slots: vec![Value::Whole(1)],
             free: Vec::new(),
-            kinds: Vec::new(),
+            kinds: vec![Kind::INT],
             copied: BTreeSet::new(),
             layouts: BTreeMap::new(),
             types: Vec::new(),
@@ -174,9 +185,10 @@ impl<'a> Machine<'a> {
             titles: BTreeMap::new(),
             scanned: BTreeMap::new(),
             stack: None,
+            dark: false,
             looped: false,
             bare: false,
-            work: 0,
+            work: Cell::new(0),
             asked: 0,
             full: false,
         }
@@ -215,19 +227,25 @@ impl<'a> Machine<'a> {
     }
 
     /// A frame may be as much work as the one before.
-    pub(super) const fn works_anew(&mut self) {
-        self.work = 0;
+    pub(super) fn works_anew(&mut self) {
+        self.work.set(0);
+    }
+
+    /// So many values are copied or looked through; the next statement tells where that is too
+    /// much.
+    pub(super) fn passes(&self, values: usize) {
+        self.work.set(self.work.get().saturating_add(values));
+    }
+
+    /// So many parts of the text are looked at, without running them.
+    pub(super) fn looks(&self, parts: usize) {
+        self.passes(PART.saturating_mul(parts));
     }
 
     /// One more statement or call is worked on.
     pub(super) fn work(&mut self, place: Place) {
-        self.works(1, place);
-    }
-
-    /// Something that takes as long as so many statements.
-    pub(super) fn works(&mut self, statements: usize, place: Place) {
-        self.work += statements;
-        if self.work > WORK && !self.full {
+        self.passes(STATEMENT);
+        if self.work.get() > STATEMENT * VENDOR_WORK && !self.full {
             self.full = true;
             let before = match self.companion {
                 Some(_) => "run in one frame",
@@ -235,11 +253,24 @@ impl<'a> Machine<'a> {
             };
             self.error(
                 place,
-                format!("more than {WORK} statements {before}"),
+                format!("more than {VENDOR_WORK} statements {before}"),
                 "here there is no end in sight",
-                "loops need bounds that are known before the run; one that waits for somebody at the GUI ends by `--const NAME=VALUE`",
+                "loops need bounds that are known before the run, and copies of large arrays count as many statements; a loop that waits for somebody at the GUI ends by `--const NAME=VALUE`",
             );
         }
+    }
+
+    /// Whether so many values may be held in one variable; tells where they may not.
+    pub(super) fn fits(&mut self, values: usize, place: Place) -> bool {
+        if values > VENDOR_VALUES {
+            self.error(
+                place,
+                format!("more than {VENDOR_VALUES} values in one variable"),
+                "this declaration",
+                "give it fewer elements: no chip reads out as many",
+            );
+        }
+        values <= VENDOR_VALUES
     }
 
     // ---- names ------------------------------------------------------------------------------
@@ -297,6 +328,7 @@ impl<'a> Machine<'a> {
 
     /// A new variable, without a name.
     pub(super) fn hold(&mut self, value: Value, kind: Kind) -> Slot {
+        self.passes(value.size());
         let slot = self.free.pop().unwrap_or(self.slots.len());
         if slot == self.slots.len() {
             self.slots.push(value);
@@ -396,7 +428,9 @@ impl<'a> Machine<'a> {
 
     pub(super) fn at(&self, slot: Slot, path: &[usize]) -> Value {
         let beyond = || Value::Unknown("what lies beyond an array".into());
-        self.peek(slot, path).cloned().unwrap_or_else(beyond)
+        let value = self.peek(slot, path).cloned().unwrap_or_else(beyond);
+        self.passes(value.size());
+        value
     }
 
     /// The value that lies somewhere; `None` beyond an array or a variable.
@@ -415,24 +449,26 @@ impl<'a> Machine<'a> {
     }
 
     pub(super) fn put(&mut self, slot: Slot, path: &[usize], value: Value) {
+        self.passes(value.size());
+        if let Some(target) = self.target(slot, path) {
+            *target = value;
+        }
+    }
+
+    /// Where something can be written; `None` beyond an array, or where nothing is known for good.
+    pub(super) fn target(&mut self, slot: Slot, path: &[usize]) -> Option<&mut Value> {
         if self.fixed.contains(&slot) {
-            return;
+            return None;
         }
         let mut target = &mut self.slots[slot];
         for index in path {
             match target {
-                Value::List(all) | Value::Record(_, all) => {
-                    if *index >= all.len() {
-                        return;
-                    }
-                    target = &mut all[*index];
-                }
-                // Of this memory nothing is known, nor will be.
-                Value::Unknown(_) => return,
+                Value::List(all) | Value::Record(_, all) => target = all.get_mut(*index)?,
+                Value::Unknown(_) => return None,
                 _ => break,
             }
         }
-        *target = value;
+        Some(target)
     }
 
     /// The array that a pointer leads into, the element that it leads to, and the array's length.
@@ -581,6 +617,7 @@ impl<'a> Machine<'a> {
 
     /// A new frame begins.
     pub(super) fn sync(&mut self, place: Place) {
+        self.dark = false;
         if self.companion.is_some() {
             self.next_frame();
             return;

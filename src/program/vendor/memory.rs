@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use super::{
     beside::HELD,
-    machine::{Machine, Spot},
+    machine::{GAIN, Machine, Spot},
     shape,
     tree::{Expr, ExprNode, Kind},
     value::{Slot, Value},
 };
-use crate::config::Place;
+use crate::{config::Place, limit::VENDOR_VALUES};
 
 impl Machine<'_> {
     /// Writes what was read to where the host wanted it.
@@ -103,9 +103,10 @@ impl Machine<'_> {
 
     /// The numbers that so many bytes hold from a place on.
     fn cells(&self, slot: Slot, path: &[usize], bytes: i64) -> Option<Vec<Vec<usize>>> {
-        let most = usize::try_from(bytes).ok()?.min(1 << 20);
+        let most = usize::try_from(bytes).ok()?.min(VENDOR_VALUES);
         let mut all = Vec::new();
         leaves(&self.slots[slot], path, &mut Vec::new(), most, &mut all);
+        self.passes(2 * all.len());
         // A whole object, or a whole array of them: between its members may lie unused bytes.
         let held = self.at(slot, path);
         if shape::size(&held, self.kind_at(slot, path)).map(|it| it.0) == Some(bytes) {
@@ -141,6 +142,7 @@ impl Machine<'_> {
             .iter()
             .flat_map(|it| it.values().copied())
             .collect();
+        open.push(GAIN);
         open.extend(self.lasting.values());
         if let Some(stack) = &self.stack {
             leads_to(stack, &mut open);

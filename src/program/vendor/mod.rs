@@ -74,6 +74,8 @@ pub(super) struct Read {
     pub undecided: Vec<Fault>,
     /// Titles of what is shown, by line.
     pub titles: BTreeMap<u32, BTreeSet<String>>,
+    /// Whether it has a loop over the frames.
+    pub loops: bool,
 }
 
 /// The files that a text asks for by `#include "…"`, which lie beside it, and those that hold the
@@ -161,6 +163,7 @@ pub(super) fn read(
         faults: placed(machine.faults),
         undecided: placed(machine.undecided),
         titles: machine.titles,
+        loops: machine.looped,
     }
 }
 

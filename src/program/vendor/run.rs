@@ -7,7 +7,7 @@ use super::{
     look,
     machine::{Flow, Machine, item},
     shape::{self, Leaf},
-    tree::{Declared, Expr, Kind, Stmt, StmtNode},
+    tree::{Declared, Expr, Kind, Stmt, StmtNode, last},
     value::{Layout, Member, Value, unassigned},
 };
 use crate::{
@@ -15,9 +15,6 @@ use crate::{
     isa::text::{Expression, Term},
     program::syntax::{Item, Node},
 };
-
-/// Statements that looking at a branch without running it takes as long as.
-const LOOK: usize = 16;
 
 impl Machine<'_> {
     /// Runs statements in a scope of their own.
@@ -209,6 +206,7 @@ impl Machine<'_> {
                 };
                 match self.layouts.get(&it.of) {
                     Some(layout) if !it.pointer => shape::fresh(layout, &empty),
+                    _ if last(&it.of) == "string" && !it.pointer => Value::Text("".into()),
                     _ => empty,
                 }
             }
@@ -241,9 +239,13 @@ impl Machine<'_> {
             .filter(|it| it.constructs())?
             .clone();
         let lengths: Option<Vec<usize>> = self.lengths(it).into_iter().collect();
-        let count = lengths?.into_iter().product();
-        let all = (0..count).map(|_| self.constructed(&layout, &[], it.place));
-        (!it.pointer).then(|| Value::List(all.collect()))
+        let count: usize = lengths?.into_iter().product();
+        let mut all = Vec::new();
+        while !it.pointer && all.len() < count && !self.done() {
+            self.work(it.place);
+            all.push(self.constructed(&layout, &[], it.place));
+        }
+        (!it.pointer).then_some(Value::List(all))
     }
 
     /// Where a variable of the file is stated, if that is where control is.
@@ -321,17 +323,22 @@ impl Machine<'_> {
         self.layouts.insert(it.name.clone(), layout.into());
     }
 
-    /// The lengths of an array.
+    /// The lengths of an array; none is known where it is too large.
     fn lengths(&mut self, it: &Declared) -> Vec<Option<usize>> {
         let mut lengths = Vec::new();
         for length in &it.lengths {
             let value = length.as_ref().map(|length| self.value(length));
             let whole = value.as_ref().and_then(Value::whole);
-            lengths.push(
-                whole
-                    .and_then(|n| usize::try_from(n).ok())
-                    .filter(|n| *n <= 1 << 20),
-            );
+            lengths.push(whole.and_then(|n| usize::try_from(n).ok()));
+        }
+        let layout = self.layouts.get(&it.of).filter(|_| !it.pointer);
+        let one = layout.map_or(1, |it| it.size());
+        let known = lengths.iter().flatten();
+        if !self.fits(
+            known.fold(one, |all, it| all.saturating_mul((*it).max(1))),
+            it.place,
+        ) {
+            lengths.fill(None);
         }
         lengths
     }
@@ -380,20 +387,21 @@ impl Machine<'_> {
     /// Branches of which only the run knows which is taken. What they show is shown; what they
     /// compute is forgotten; that they change the array is a fault.
     pub(super) fn either(&mut self, on: &Expr, parts: &[&Stmt], why: &Arc<str>) -> Flow {
-        self.works(LOOK, on.place);
         let changes = parts.iter().any(|part| look::changes(self, part));
         if changes {
             let message = format!("whether this kernel runs, {why} decides");
             self.unknown(on.place, message, Some(on));
         } else if parts.iter().any(|part| look::reads(self, part)) {
             self.unread(on.place, "whether this is read out", why);
+        } else if parts.iter().any(|part| look::shows(self, part)) {
+            self.unread(on.place, "whether this is shown", why);
         }
         for part in parts {
             look::forget(self, part, why);
             if changes {
                 // For the faults that are in it.
                 self.scoped(part);
-            } else {
+            } else if self.companion.is_some() {
                 look::show(self, part);
             }
             look::forget(self, part, why);
@@ -580,9 +588,13 @@ impl Machine<'_> {
             self.unknown(it.place, message, Some(condition));
         } else if each.iter().flatten().any(|it| look::reads(self, it)) {
             self.unread(it.place, "how often this is read out", why);
+        } else if each.iter().flatten().any(|it| look::shows(self, it)) {
+            self.unread(it.place, "how often this is shown", why);
         }
         look::forget(self, body, why);
-        look::show(self, body);
+        if self.companion.is_some() {
+            look::show(self, body);
+        }
         for part in each.into_iter().flatten() {
             look::forget(self, part, why);
         }

@@ -200,8 +200,8 @@ pub(super) struct Function {
     pub name: Word,
     /// The namespace that it is in; empty for the file's own.
     pub space: Word,
-    pub parameters: Vec<Parameter>,
-    pub body: Vec<Stmt>,
+    pub parameters: Rc<[Parameter]>,
+    pub body: Rc<[Stmt]>,
     /// Whether it runs without a call by its name: a constructor, a destructor, an operator.
     pub hidden: bool,
     /// Whether it is stated as `name::name`, as functions of classes can be.
@@ -223,8 +223,8 @@ impl Function {
         Self {
             name,
             space: "".into(),
-            parameters: Vec::new(),
-            body: Vec::new(),
+            parameters: Rc::default(),
+            body: Rc::default(),
             hidden: false,
             qualified: false,
             place,

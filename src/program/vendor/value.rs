@@ -7,6 +7,7 @@ use super::{
     host::Random,
     tree::{Function, Kind, Width, Word},
 };
+use crate::limit::VENDOR_VALUES;
 
 /// The index of a variable.
 pub(super) type Slot = usize;
@@ -62,9 +63,30 @@ pub(super) struct Member {
     pub default: Option<Value>,
 }
 
+impl Layout {
+    /// How many values an object holds.
+    pub(super) fn size(&self) -> usize {
+        let members = self.members.iter().map(|member| {
+            let one = member.layout.as_ref().map_or(1, |it| it.size());
+            let known = member.lengths.iter().flatten();
+            known.fold(one, |all, it| all.saturating_mul((*it).max(1)))
+        });
+        members.fold(1, usize::saturating_add)
+    }
+}
+
 impl Value {
     pub(super) fn flag(value: bool) -> Self {
         Self::Whole(i64::from(value))
+    }
+
+    /// How many values there are in it.
+    pub(super) fn size(&self) -> usize {
+        match self {
+            Self::List(all) | Self::Record(_, all) => 1 + all.iter().map(Self::size).sum::<usize>(),
+            Self::Text(text) => 1 + text.len() / 64,
+            _ => 1,
+        }
     }
 
     pub(super) fn number(&self) -> Option<f64> {
@@ -258,6 +280,12 @@ impl Value {
                     ),
                 }
             }
+            (Self::Text(a), Self::Text(b)) if mark == "+" => {
+                if a.len() + b.len() > VENDOR_VALUES {
+                    return Err(format!("a text of more than {VENDOR_VALUES} characters"));
+                }
+                Self::Text(format!("{a}{b}").into())
+            }
             _ if matches!(mark, "==" | "!=") => Self::flag((left == right) == (mark == "==")),
             _ if mark == "&&" || mark == "||" => {
                 let (a, b) = (left.truth().unwrap_or(true), right.truth().unwrap_or(true));
@@ -265,7 +293,11 @@ impl Value {
             }
             _ => match (mark, names(left), names(right)) {
                 ("|" | "+", Some(mut a), Some(b)) => {
-                    a.extend(b);
+                    for name in b {
+                        if !a.contains(&name) {
+                            a.push(name);
+                        }
+                    }
                     Symbols(a)
                 }
                 _ => {

@@ -152,12 +152,12 @@ impl Machine<'_> {
             let default = stated.is_none();
             let stated = stated.or_else(|| parameter.default.clone());
             let deduced = || {
-                let mut all = given.iter().zip(&function.parameters);
+                let mut all = given.iter().zip(function.parameters.iter());
                 let it = all.find(|(_, to)| to.kind == Kind::Parameter(at))?.0;
                 Some(TemplateArgument::Type(it.kind))
             };
             let length = || {
-                let mut all = given.iter().zip(&function.parameters);
+                let mut all = given.iter().zip(function.parameters.iter());
                 let it = all
                     .find(|(_, to)| to.extent.as_ref() == Some(&parameter.name))?
                     .0;

@@ -6,7 +6,7 @@ use super::super::{
     beside::Companion,
     evaluate::{Reach, base_name},
     host::{self},
-    machine::Machine,
+    machine::{GAIN, Machine},
     tree::{Expr, ExprNode, Kind, Width},
     value::Value,
 };
@@ -46,14 +46,13 @@ impl Machine<'_> {
         };
         let value = all.get(1).unwrap_or(&Value::Whole(0));
         match usize::try_from(length) {
-            Ok(length) if length <= 1 << 20 => Value::List(vec![value.clone(); length]),
-            _ => {
-                self.error(
-                    place,
-                    format!("an array of {length} elements"),
-                    "this length",
-                    "give it a length up to 1048576",
-                );
+            Ok(length) if self.fits(length.saturating_mul(value.size()), place) => {
+                Value::List(vec![value.clone(); length])
+            }
+            Ok(_) => Value::Whole(0),
+            Err(_) => {
+                let message = format!("an array of {length} elements");
+                self.error(place, message, "this length", "give it a length from 0 on");
                 Value::Whole(0)
             }
         }
@@ -129,18 +128,30 @@ impl Machine<'_> {
                 Some((_, Value::Pointer(slot, path, _))) => self.kind_at(*slot, path),
                 _ => Kind::Any,
             };
-            if let Some(set) = &set {
+            // A variable of its own name was told of where it is declared.
+            let declared =
+                matches!(&pointed, Some((_, Value::Pointer(_, path, _))) if path.is_empty());
+            if let (Some(set), false) = (&set, declared) {
                 self.set_within(&name, (set, kind), place);
             }
+            let fixed = self.companion.is_some() && set.is_some();
             let value = set.or(default).unwrap_or(Value::Whole(0));
             let value = value.converted(kind);
             if let (false, Some(number)) = (name.is_empty(), value.number()) {
                 self.constants.insert(name, number);
             }
-            if let Some((_, Value::Pointer(slot, path, _))) = pointed {
-                self.put(slot, &path, value.clone());
+            // A handle leads to what the slider writes, or to a number of its own.
+            let (slot, path) = match pointed {
+                Some((_, Value::Pointer(slot, path, _))) => {
+                    self.put(slot, &path, value);
+                    (slot, path)
+                }
+                _ => (self.hold(value, kind), Vec::new()),
+            };
+            if fixed && path.is_empty() {
+                self.fixed.insert(slot);
             }
-            return value;
+            return Value::Pointer(slot, path, "a slider".into());
         }
         let mut values = Vec::new();
         for it in given {
@@ -167,16 +178,22 @@ impl Machine<'_> {
                 Some(Value::Text(text)) => Value::Text(text),
                 _ => Value::Text("".into()),
             },
-            // A handle of a slider is its value here.
             "vs_gui_read_slider" => match values.into_iter().next() {
-                Some(value @ (Value::Whole(_) | Value::Wide(..) | Value::Real(_))) => value,
-                Some(Value::Symbol(gain)) if &*gain == "VS_GUI_FRAME_GAIN" => {
-                    let value = self.set("frame_gain").unwrap_or(Value::Whole(1));
-                    self.constants
-                        .insert("frame_gain".to_owned(), value.number().unwrap_or(1.0));
-                    value
-                }
+                Some(Value::Pointer(slot, path, _)) => self.at(slot, &path),
+                Some(Value::Symbol(gain)) if &*gain == "VS_GUI_FRAME_GAIN" => self.frame_gain(),
                 _ => Value::Unknown("a slider of the GUI".into()),
+            },
+            "vs_gui_move_slider" => {
+                self.move_slider(&values);
+                Value::Whole(0)
+            }
+            "vs_loop_counter_get" => self.loop_counter(),
+            "to_string" => match &values[..] {
+                [Value::Whole(value)] | [Value::Wide(value, _)] => {
+                    Value::Text(value.to_string().into())
+                }
+                [Value::Real(value)] => Value::Text(format!("{value:.6}").into()),
+                _ => Value::Unknown("a number as text".into()),
             },
             "vs_gui_is_on" => Value::Whole(1),
             "rand" if self.companion.is_some() => {
@@ -187,6 +204,29 @@ impl Machine<'_> {
                 _ => Value::Unknown("the length of a text".into()),
             },
             _ => Value::Unknown(format!("`{name}`").into()),
+        }
+    }
+
+    /// The slider of the gain, which every program has.
+    fn frame_gain(&mut self) -> Value {
+        let set = self.set("frame_gain");
+        let value = set.unwrap_or_else(|| self.at(GAIN, &[]));
+        let number = value.number().unwrap_or(1.0);
+        self.constants.insert("frame_gain".to_owned(), number);
+        value
+    }
+
+    /// A program moves a slider itself.
+    fn move_slider(&mut self, values: &[Value]) {
+        match values {
+            [Value::Pointer(slot, path, _), value] => {
+                let kind = self.kind_at(*slot, path);
+                self.put(*slot, path, value.clone().converted(kind));
+            }
+            [Value::Symbol(gain), value] if &**gain == "VS_GUI_FRAME_GAIN" => {
+                self.put(GAIN, &[], value.clone());
+            }
+            _ => {}
         }
     }
 
@@ -257,5 +297,8 @@ impl Machine<'_> {
 
 /// Whether a function of the library writes what it is given the place of.
 fn written(name: &str) -> bool {
-    !name.starts_with("vs_post") && !name.starts_with("scamp5_display") && name != "printf"
+    !name.starts_with("vs_post")
+        && !name.starts_with("vs_gui")
+        && !name.starts_with("scamp5_display")
+        && name != "printf"
 }

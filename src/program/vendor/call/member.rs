@@ -51,9 +51,12 @@ impl Machine<'_> {
         place: Place,
     ) -> Value {
         let mut held = self.members_of(layout, object);
+        // Each name is a variable, and is looked up in the call.
+        self.looks(8 * (layout.members.len() + layout.functions.len()));
         for other in layout.functions.iter().filter(|it| runs(it)) {
             let mut own = Function::clone(other);
             own.held.clone_from(&held);
+            self.passes(8 * held.len());
             let slot = self.hold(Value::Lambda(own.into()), Kind::Any);
             held.push((other.name.clone(), slot));
         }

@@ -6,13 +6,10 @@ use super::super::{
     evaluate::{Reach, base_name},
     machine::{Machine, Spot},
     shape,
-    tree::{Expr, Width},
+    tree::{Expr, Width, Word},
     value::Value,
 };
-use crate::config::Place;
-
-/// Elements of an array that grows.
-const LONGEST: usize = 1 << 20;
+use crate::{config::Place, limit::VENDOR_VALUES};
 
 impl Machine<'_> {
     /// A call of `object.member`.
@@ -47,6 +44,17 @@ impl Machine<'_> {
                         Value::Unknown(why)
                     })
             }
+            (Some(Value::Text(text)), _) => {
+                let text = text.clone();
+                let found = self.text_method(&text, &reached, member, given);
+                found.unwrap_or_else(|| {
+                    let why: Arc<str> = format!("`{name}.{member}`").into();
+                    if let Reach::Spot(slot, path) = &reached {
+                        self.put(*slot, path, Value::Unknown(Arc::clone(&why)));
+                    }
+                    Value::Unknown(why)
+                })
+            }
             (Some(Value::Record(layout, _)), _)
                 if layout.members.iter().any(|it| &*it.name == member) =>
             {
@@ -73,60 +81,96 @@ impl Machine<'_> {
         }
     }
 
-    fn list_method(&mut self, spot: Spot, member: &str, given: &[Expr]) -> Option<Value> {
+    /// A function of a text of the language's library.
+    fn text_method(
+        &mut self,
+        text: &Word,
+        reached: &Reach,
+        member: &str,
+        given: &[Expr],
+    ) -> Option<Value> {
         let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
-        let Some(Value::List(all)) = self.peek(spot.0, &spot.1) else {
+        let written = match (member, &values[..]) {
+            ("c_str" | "data", []) => return Some(Value::Text(text.clone())),
+            ("size" | "length", []) => {
+                return Some(Value::Wide(text.len() as i64, Width::UnsignedLong));
+            }
+            ("empty", []) => return Some(Value::flag(text.is_empty())),
+            ("append", [more @ Value::Text(_)]) => {
+                Value::binary("+", &Value::Text(text.clone()), more).ok()?
+            }
+            ("clear", []) => Value::Text("".into()),
+            _ => return None,
+        };
+        let Reach::Spot(slot, path) = reached else {
             return None;
         };
-        if matches!(member, "size" | "length") {
-            return Some(Value::Wide(all.len() as i64, Width::UnsignedLong));
-        }
-        let all = all.clone();
-        self.of_array(spot, all, member, &values)
+        self.put(*slot, path, written.clone());
+        Some(written)
     }
 
-    /// A function of an array of the language's library.
-    fn of_array(
-        &mut self,
-        (slot, path): Spot,
-        mut all: Vec<Value>,
-        member: &str,
-        given: &[Value],
-    ) -> Option<Value> {
+    fn list_method(&mut self, spot: Spot, member: &str, given: &[Expr]) -> Option<Value> {
+        let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
+        self.asked_of_array(&spot, member, &values)
+            .or_else(|| self.of_array(spot, member, &values))
+    }
+
+    /// A function that leaves an array of the language's library as it is.
+    fn asked_of_array(&self, (slot, path): &Spot, member: &str, given: &[Value]) -> Option<Value> {
+        let Some(Value::List(all)) = self.peek(*slot, path) else {
+            return None;
+        };
+        let to = |at: usize| Value::Pointer(*slot, [&path[..], &[at]].concat(), "data".into());
+        match (member, given) {
+            ("size" | "length", _) => Some(Value::Wide(all.len() as i64, Width::UnsignedLong)),
+            ("empty", []) => Some(Value::flag(all.is_empty())),
+            ("data" | "begin" | "cbegin", []) => Some(to(0)),
+            ("end" | "cend", []) => Some(to(all.len())),
+            ("front", []) => all.first().cloned(),
+            ("back", []) => all.last().cloned(),
+            ("at", [index]) => all.get(usize::try_from(index.whole()?).ok()?).cloned(),
+            ("reserve" | "shrink_to_fit", _) => Some(Value::Whole(0)),
+            _ => None,
+        }
+    }
+
+    /// A function that changes an array of the language's library; where it is not known, the
+    /// array is no more.
+    fn of_array(&mut self, (slot, path): Spot, member: &str, given: &[Value]) -> Option<Value> {
         let kind = self.kind_at(slot, &path);
+        let Value::List(all) = self.target(slot, &path)? else {
+            return None;
+        };
         let length = all.len();
         let of_kind = |value: &Value| shape::deep(value.clone(), kind);
-        let to = |at: usize| Value::Pointer(slot, [&path[..], &[at]].concat(), "data".into());
         let place = |value: &Value| match value {
             Value::Pointer(of, way, _) if *of == slot => way.last().copied(),
             _ => None,
         };
-        let count = |value: &Value| {
-            usize::try_from(value.whole()?)
-                .ok()
-                .filter(|it| *it <= LONGEST)
+        let count = |length: &Value, value: &Value| {
+            let length = usize::try_from(length.whole()?).ok()?;
+            (length.checked_mul(value.size())? <= VENDOR_VALUES).then_some(length)
         };
+        let zero = Value::Whole(0);
         // What a new element of an array of arrays is, is not known here.
         let plain = all.first().is_none_or(|it| it.number().is_some());
         let mut found = Value::Whole(0);
         match (member, given) {
-            ("empty", []) => return Some(Value::flag(all.is_empty())),
-            ("data" | "begin" | "cbegin", []) => return Some(to(0)),
-            ("end" | "cend", []) => return Some(to(length)),
-            ("front", []) => return all.first().cloned(),
-            ("back", []) => return all.last().cloned(),
-            ("at", [index]) => return all.get(count(index)?).cloned(),
-            ("reserve" | "shrink_to_fit", _) => return Some(found),
+            ("push_back" | "emplace_back" | "push_front" | "emplace_front" | "insert", _)
+                if length >= VENDOR_VALUES =>
+            {
+                return None;
+            }
             ("push_back" | "emplace_back", [value]) => all.push(of_kind(value)),
             ("push_front" | "emplace_front", [value]) => all.insert(0, of_kind(value)),
             ("pop_back", []) => drop(all.pop()),
             ("pop_front", []) => drop(all.drain(..length.min(1))),
             ("clear", []) => all.clear(),
-            ("fill", [value]) => all.fill(of_kind(value)),
-            ("resize", [length]) if plain => all.resize(count(length)?, of_kind(&Value::Whole(0))),
-            ("resize", [length, value]) => all.resize(count(length)?, of_kind(value)),
-            ("assign", [length, value]) if count(length).is_some() => {
-                all = vec![of_kind(value); count(length)?];
+            ("fill", [value]) if length * value.size() <= VENDOR_VALUES => all.fill(of_kind(value)),
+            ("resize", [length]) if plain => all.resize(count(length, &zero)?, of_kind(&zero)),
+            ("resize", [length, value]) => all.resize(count(length, value)?, of_kind(value)),
+            ("assign", [length, value]) if count(length, value).is_some() => {
+                *all = vec![of_kind(value); count(length, value)?];
             }
             ("insert", [at, value]) if place(at)? <= length => {
                 found = at.clone();
@@ -142,7 +186,11 @@ impl Machine<'_> {
             }
             _ => return None,
         }
-        self.put(slot, &path, Value::List(all));
+        let moved = match member {
+            "push_back" | "emplace_back" | "pop_back" => given.iter().map(Value::size).sum(),
+            _ => length + all.iter().map(Value::size).sum::<usize>(),
+        };
+        self.passes(moved);
         Some(found)
     }
 

@@ -80,7 +80,7 @@ impl Machine<'_> {
         }
         let mut found: Vec<(Vec<u8>, &Rc<Function>)> = Vec::new();
         for function in all {
-            let costs = given.iter().zip(&function.parameters);
+            let costs = given.iter().zip(function.parameters.iter());
             let costs: Option<Vec<u8>> = costs.map(|(it, to)| self.cost(it, to)).collect();
             found.extend(costs.map(|costs| (costs, function)));
         }

@@ -103,6 +103,29 @@ impl Machine<'_> {
         }
     }
 
+    /// Warns where light is read a second time in a frame: it is that of one exposure.
+    fn light(&mut self, name: &str, place: Place) {
+        let captures = matches!(name, "get_image" | "scamp5_get_image" | "getpix");
+        if captures && self.dark {
+            self.fault(
+                Fault::warning(
+                    place,
+                    format!("`{name}` reads no light: the photodiodes were reset in this frame"),
+                    "light falls once a frame here",
+                )
+                .help("give each exposure a frame of its own, by `vs_frame_loop_control();`"),
+            );
+        }
+        self.dark |= captures && name != "getpix" || name == "respix";
+    }
+
+    /// Where a function is announced whose body is nowhere, and that is nothing of the chip's.
+    fn announced(&self, name: &str) -> Option<String> {
+        let place = self.prototypes.get(name)?.first()?.place;
+        let known = !self.device.callables(name).is_empty();
+        (!known).then(|| self.line(place))
+    }
+
     /// A word, a macro or an operation of the host.
     pub(super) fn chip(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
         let mut values = Vec::new();
@@ -135,6 +158,18 @@ impl Machine<'_> {
         {
             targets.push((*slot, path.clone()));
         }
+        if let Some(announced) = self.announced(name) {
+            self.error(
+                place,
+                format!(
+                    "`{name}` is announced in {announced}, and no file that is read has its body"
+                ),
+                "this call",
+                "`#include` the file that has it, or put it into this one",
+            );
+            return Value::Whole(0);
+        }
+        self.light(name, place);
         let Some((name, values)) = chip::rewritten(self, name, values, place) else {
             return Value::Whole(0);
         };

@@ -312,7 +312,7 @@ impl Parser<'_> {
         let body = self.member_body(&name);
         let hidden = *name == *class || &*name == "operator";
         Some(Rc::new(Function {
-            body,
+            body: body.into(),
             hidden,
             ..Function::new(name, place)
         }))

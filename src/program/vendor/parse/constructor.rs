@@ -72,8 +72,8 @@ impl Parser<'_> {
         }
         Ok(Some(StmtNode::Function(Rc::new(Function {
             space: self.space.as_str().into(),
-            parameters,
-            body,
+            parameters: parameters.into(),
+            body: body.into(),
             ..Function::new(class.into(), place)
         }))))
     }

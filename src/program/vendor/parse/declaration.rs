@@ -18,6 +18,9 @@ impl Parser<'_> {
         if let Some(node) = self.function_pointer()? {
             return Ok(Some(node));
         }
+        if let Some(node) = self.binding()? {
+            return Ok(Some(node));
+        }
         let Some(first) = self.declared_type() else {
             return Ok(None);
         };
@@ -54,6 +57,53 @@ impl Parser<'_> {
         self.at = name_at;
         let all = self.declarators(&first)?;
         self.end_statement()?;
+        Ok(Some(StmtNode::Declare(all)))
+    }
+
+    /// `auto [a, b] = value;`, if that stands here: names of the members of a value.
+    fn binding(&mut self) -> Parsed<Option<StmtNode>> {
+        let (start, place) = (self.at, self.place());
+        while self.word(0) == "const" {
+            self.at += 1;
+        }
+        let auto = self.word(0) == "auto";
+        self.at += usize::from(auto);
+        let reference = auto && (self.take("&") || self.take("&&"));
+        if !(auto && self.sees("[")) {
+            self.at = start;
+            return Ok(None);
+        }
+        self.at += 1;
+        let mut names = Vec::new();
+        loop {
+            let place = self.place();
+            names.push((self.name("the name of a member")?, place));
+            if !self.take(",") {
+                break;
+            }
+        }
+        self.expect("]", "members get names by `auto [a, b] = value;`")?;
+        self.expect("=", "members get names by `auto [a, b] = value;`")?;
+        let value = self.assignment()?;
+        self.end_statement()?;
+        let of = Type {
+            reference,
+            ..Type::default()
+        };
+        let whole: Word = format!("[{}]", names[0].0).into();
+        let mut all = vec![of.declares(whole.clone(), place)];
+        all[0].value = Some(value);
+        let member = Type {
+            reference: true,
+            ..Type::default()
+        };
+        for (at, (name, place)) in names.into_iter().enumerate() {
+            let node = ExprNode::Name(whole.clone());
+            let node = ExprNode::Member(Box::new(Expr { node, place }), at.to_string().into());
+            let mut it = member.declares(name, place);
+            it.value = Some(Expr { node, place });
+            all.push(it);
+        }
         Ok(Some(StmtNode::Declare(all)))
     }
 
@@ -244,13 +294,10 @@ impl Parser<'_> {
                 None
             }
             (true, 2) => Some(Expr::made(FILLED, given, place)),
-            _ if number || it.pointer => given.into_iter().next(),
+            _ if number || it.pointer || last(&it.of) == "string" => given.into_iter().next(),
             _ if self.makes(it) => Some(Expr::made(&it.of, given, place)),
-            // An object of the language's library: its name stands for it.
-            _ => {
-                let node = ExprNode::Text(it.of.clone());
-                Some(Expr { node, place })
-            }
+            // An object of the language's library, of which nothing is known.
+            _ => None,
         };
         Ok(())
     }

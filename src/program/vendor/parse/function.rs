@@ -46,7 +46,7 @@ impl<'a> Parser<'a> {
         }
         let mut it = Function {
             space,
-            parameters,
+            parameters: parameters.into(),
             qualified,
             returns,
             template: self.template.clone(),
@@ -58,11 +58,12 @@ impl<'a> Parser<'a> {
         while self.peek(0).is_some() && !self.sees("{") {
             self.at += 1;
         }
-        it.body = if std::mem::take(&mut self.in_class) {
+        let body = if std::mem::take(&mut self.in_class) {
             self.member_body(name)
         } else {
             self.block()?
         };
+        it.body = body.into();
         Ok(Some(StmtNode::Function(Rc::new(it))))
     }
 

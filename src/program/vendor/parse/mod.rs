@@ -21,6 +21,10 @@ use crate::{
     limit::{CHAIN, NESTING},
 };
 
+/// Expressions, statements and types that are tried for each token, before a text has too many
+/// ways to be read.
+const TRIES: usize = 64;
+
 /// Parses all of a text.
 pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
     let mut parser = Parser {
@@ -28,6 +32,8 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
         at: 0,
         end,
         depth: 0,
+        tries: 0,
+        lost: None,
         links: 0,
         space: String::new(),
         faults: Vec::new(),
@@ -42,6 +48,10 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
         constructed: BTreeSet::new(),
     };
     let statements = parser.statements(false);
+    if let Some(place) = parser.lost {
+        // What was tried may have been given up in silence.
+        parser.faults = vec![too_many_ways(place)];
+    }
     (statements, parser.faults)
 }
 
@@ -50,6 +60,9 @@ pub(super) struct Parser<'a> {
     pub at: usize,
     end: usize,
     depth: usize,
+    tries: usize,
+    /// Where no more was tried.
+    lost: Option<Place>,
     /// How many operators and `else if`s stand one behind the other, at most: what walks the
     /// tree goes so deep.
     pub links: usize,
@@ -154,6 +167,12 @@ impl<'a> Parser<'a> {
                 "too deep",
             )
             .help("take it apart"));
+        }
+        self.tries += 1;
+        if self.tries > TRIES * (self.tokens.len() + NESTING) {
+            let place = self.lost.unwrap_or(self.place());
+            self.lost = Some(place);
+            return Err(too_many_ways(place));
         }
         self.depth += 1;
         let result = inner(self);
@@ -272,6 +291,13 @@ impl<'a> Parser<'a> {
     pub(super) fn assignment(&mut self) -> Parsed<Expr> {
         self.deeper(expression::assignment)
     }
+}
+
+/// Of a text whose beginnings each fit several things, inside each other.
+fn too_many_ways(place: Place) -> Fault {
+    let message = "there are too many ways to read this".to_owned();
+    Fault::error(place, message, "here it was given up")
+        .help("take it apart: give names to the types and the values in it")
 }
 
 /// A namespace inside of another.

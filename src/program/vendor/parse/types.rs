@@ -237,7 +237,7 @@ impl Parser<'_> {
     /// The elements of `array<type, length>` or `vector<type>`.
     fn elements(&mut self, of: &str) -> Option<(Kind, Word, Vec<Option<Expr>>)> {
         self.at += 1;
-        let inner = self.read_type()?;
+        let inner = self.deeper(|it| Ok(it.read_type())).ok()??;
         let mut lengths = vec![None];
         if of == "array" {
             if !self.take(",") {
