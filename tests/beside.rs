@@ -476,8 +476,8 @@ fn what_is_shown_may_hang_on_a_clock_and_readouts_have_their_lines() {
     assert!(!output.contains("scamp5_output_image"), "{output}");
 }
 
-#[test]
-fn spots_are_counted() {
+/// A clip of spots in a folder of its own.
+fn clip_of_spots() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     // Five spots of two rows and more, one of a single pixel.
     let mut clip = Array3::<u8>::zeros((3, 24, 32));
@@ -492,6 +492,34 @@ fn spots_are_counted() {
     }
     let path = folder.path().join("clip.npy");
     clip.write_npy(fs::File::create(&path).unwrap()).unwrap();
+    folder
+}
+
+#[test]
+fn a_host_that_decides_is_looked_at_word_by_word() {
+    let folder = clip_of_spots();
+    let program = format!("{VENDOR}/spots.cpp");
+    let strip = ["--image", "clip.npy", "--frames", "1", "--strip", "s.png"];
+    let table = good(folder.path(), &[&["exec", &program][..], &strip].concat());
+    assert!(table.contains("post     frame 0: 5 spots"), "{table}");
+    assert!(folder.path().join("s.png").is_file());
+    let debug = amacrine(
+        folder.path(),
+        &["exec", &program, "--image", "clip.npy", "--debug"],
+    )
+    .write_stdin("break 17\nc\nc\nc\nc\nc\nc\nc\nc\nprint R10 1 2\nquit\n")
+    .assert()
+    .success();
+    let debug = String::from_utf8(debug.get_output().stdout.clone()).unwrap();
+    // Five spots and a single pixel in the first frame, the other stops in the second.
+    let stops = debug.matches("line 17: NOT(R6, R11)").count();
+    assert_eq!(stops, 8, "{debug}");
+    assert!(debug.contains("frame 1"), "{debug}");
+}
+
+#[test]
+fn spots_are_counted() {
+    let folder = clip_of_spots();
     let program = format!("{VENDOR}/spots.cpp");
     for domain in ["exact", "silicon"] {
         let said = json(
@@ -558,22 +586,6 @@ fn spots_are_counted() {
         ],
         &["the host of", "decides in the run", "--fidelity auto"],
     );
-    let strip = ["--image", "clip.npy", "--frames", "1", "--strip", "s.png"];
-    let table = good(folder.path(), &[&["exec", &program][..], &strip].concat());
-    assert!(table.contains("post     frame 0: 5 spots"), "{table}");
-    assert!(folder.path().join("s.png").is_file());
-    let debug = amacrine(
-        folder.path(),
-        &["exec", &program, "--image", "clip.npy", "--debug"],
-    )
-    .write_stdin("break 17\nc\nc\nc\nc\nc\nc\nc\nc\nprint R10 1 2\nquit\n")
-    .assert()
-    .success();
-    let debug = String::from_utf8(debug.get_output().stdout.clone()).unwrap();
-    // Five spots and a single pixel in the first frame, then two and one.
-    let stops = debug.matches("line 17: NOT(R6, R11)").count();
-    assert_eq!(stops, 8, "{debug}");
-    assert!(debug.contains("frame 1"), "{debug}");
     refused(
         folder.path(),
         &["asm", &program],

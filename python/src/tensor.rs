@@ -168,7 +168,9 @@ pub fn voxels<'py>(
         let first = first.filter(|first| first.0 > packet.span.1.0 / 2);
         let help = first.map_or(FEWER.to_owned(), |first| {
             let first = first.seconds();
-            format!("windows begin {first} s before the first event: give a later `start`, in seconds")
+            format!(
+                "windows begin {first} s before the first event: give a later `start`, in seconds"
+            )
         });
         let need = Need::new().and("voxels", u128::from(count) * each as u128 * 4);
         within(&need, "voxels", &help)?;

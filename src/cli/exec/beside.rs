@@ -28,6 +28,23 @@ const KNOWN: usize = 16;
 pub type Run<'r> =
     dyn FnMut(&mut dyn Array, &Moment<'_>, &mut Packet) -> miette::Result<ControlFlow<()>> + 'r;
 
+/// What the host asked for in this frame, and in those before.
+#[derive(Default)]
+struct Recorder {
+    asked: Vec<Step>,
+    frames: Vec<Arc<[Step]>>,
+}
+
+impl Recorder {
+    fn end_frame(&mut self) {
+        let steps = std::mem::take(&mut self.asked);
+        // Most frames are alike.
+        let mut known = self.frames.iter().rev().take(KNOWN);
+        let known = known.find(|it| ***it == *steps).cloned();
+        self.frames.push(known.unwrap_or_else(|| steps.into()));
+    }
+}
+
 /// The array and its light, as the host sees them.
 struct Companion<'r> {
     chip: &'r mut dyn Array,
@@ -47,9 +64,8 @@ struct Companion<'r> {
     words: Option<(u64, u64)>,
     /// What the host wrote, and in which frame.
     posts: Vec<(u64, String)>,
-    /// What the host asked for in this frame, and in those before; nothing where nobody asks.
-    asked: Option<Vec<Step>>,
-    recorded: Vec<Arc<[Step]>>,
+    /// What keeps the steps, where somebody looks at them.
+    recorder: &'r mut Option<Recorder>,
     stopped: Option<miette::Report>,
     /// Whether there is no light any more.
     over: bool,
@@ -61,23 +77,24 @@ pub fn watch(
     chip: &mut dyn Array,
     run: &mut Run<'_>,
 ) -> miette::Result<(Packet, u64)> {
-    let (packet, frames, _) = ran(bench, chip, run, None)?;
+    let (packet, frames) = ran(bench, chip, run, &mut None)?;
     Ok((packet, frames))
 }
 
 /// Runs the program with its host beside this chip; the steps of each frame.
 pub fn record(bench: &Bench<'_>, chip: &mut dyn Array) -> miette::Result<Vec<Arc<[Step]>>> {
     let mut on = |_: &mut dyn Array, _: &Moment<'_>, _: &mut Packet| Ok(ControlFlow::Continue(()));
-    let (_, _, recorded) = ran(bench, chip, &mut on, Some(Vec::new()))?;
-    Ok(recorded)
+    let mut recorder = Some(Recorder::default());
+    ran(bench, chip, &mut on, &mut recorder)?;
+    Ok(recorder.map_or_else(Vec::new, |it| it.frames))
 }
 
 fn ran(
     bench: &Bench<'_>,
     chip: &mut dyn Array,
     run: &mut Run<'_>,
-    asked: Option<Vec<Step>>,
-) -> miette::Result<(Packet, u64, Vec<Arc<[Step]>>)> {
+    recorder: &mut Option<Recorder>,
+) -> miette::Result<(Packet, u64)> {
     let opened = &bench.opened;
     let light = Light::open(bench.arguments, &opened.program, &bench.observation)?;
     let mut array = Companion {
@@ -93,8 +110,7 @@ fn ran(
         exposure: Exposure::default(),
         words: None,
         posts: Vec::new(),
-        asked,
-        recorded: Vec::new(),
+        recorder,
         stopped: None,
         over: false,
     };
@@ -118,7 +134,7 @@ fn ran(
     bench.said.posts.replace(array.posts);
     let mut packet = array.packet;
     packet.names = opened.program.names_of(packet.channels)?;
-    Ok((packet, array.frames, array.recorded))
+    Ok((packet, array.frames))
 }
 
 impl Companion<'_> {
@@ -138,12 +154,8 @@ impl Companion<'_> {
             steps: &[],
             part: Part::Ran,
         };
-        if let Some(asked) = &mut self.asked {
-            let steps = std::mem::take(asked);
-            // Most frames are alike.
-            let known = self.recorded.iter().rev().take(KNOWN);
-            let known = known.into_iter().find(|it| ***it == *steps).cloned();
-            self.recorded.push(known.unwrap_or_else(|| steps.into()));
+        if let Some(recorder) = self.recorder {
+            recorder.end_frame();
         }
         self.frames += 1;
         // What ends a run early is only there where its steps are known.
@@ -177,8 +189,8 @@ impl Beside for Companion<'_> {
         if self.frames > 0 {
             self.exposure.see(steps, self.chip.device());
         }
-        if let Some(asked) = &mut self.asked {
-            asked.extend_from_slice(steps);
+        if let Some(recorder) = self.recorder {
+            recorder.asked.extend_from_slice(steps);
         }
         let answer = answered(self.chip, steps, t, &mut self.packet);
         answer.map_err(|why| self.stopped = Some(why.into())).ok()

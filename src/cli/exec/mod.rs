@@ -61,10 +61,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let mut chip = bench.chip(arguments.seed)?;
     let mut strip = Strip::new(bench.written());
-    let mut tracer = match arguments.trace {
-        Some(_) => Some(Tracer::new(&bench)?),
-        None => None,
-    };
+    let traced = arguments.trace.as_ref();
+    let mut tracer = traced.map(|_| Tracer::new(&bench)).transpose()?;
     let mut guard = Guard::new();
     let mut saturation = bench.saturation();
     let mut shows = Shows::new(&bench.opened, arguments.displays.as_deref());

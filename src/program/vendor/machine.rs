@@ -68,6 +68,7 @@ pub(super) struct Kernel {
     pub start: usize,
 }
 
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub(super) struct Machine<'a> {
     pub text: &'a str,
     pub files: &'a Files,

@@ -189,7 +189,7 @@ impl Machine<'_> {
             }
             "vs_loop_counter_get" => self.loop_counter(),
             "to_string" => match &values[..] {
-                [Value::Whole(value)] | [Value::Wide(value, _)] => {
+                [Value::Whole(value) | Value::Wide(value, _)] => {
                     Value::Text(value.to_string().into())
                 }
                 [Value::Real(value)] => Value::Text(format!("{value:.6}").into()),
