@@ -417,7 +417,7 @@ fn sliders_that_programs_move_loops_that_count_and_texts() {
     // Handles lead to what a slider writes, or to a number of its own.
     let all = posts(
         "static int v = 2; static int h = vs_gui_add_slider(\"v\", 0, 10, v, &v);\n\
-         static auto own = vs_gui_add_slider(\"own\", 0, 10, 5);\n\
+         static auto own = vs_gui_add_slider(\"own\", 0, 10, 5); vs_on_gui_update(own, [&](int32_t x) { });\n\
          vs_post_text(\"%d %d %d %d\", v, vs_gui_read_slider(h), vs_gui_read_slider(own), vs_gui_read_slider(VS_GUI_FRAME_GAIN));\n\
          vs_gui_move_slider(h, v + 3); vs_gui_move_slider(own, v); vs_gui_move_slider(VS_GUI_FRAME_GAIN, 4);",
         2,

@@ -1489,6 +1489,27 @@ fn warnings_and_faults_are_told_where_they_stand() {
 }
 
 #[test]
+fn bodies_lie_beside_under_the_names_of_functions() {
+    let text = "void later(areg_t y);\nvoid here();\nvoid here() { }\n\
+                int main() { while (1) { vs_frame_loop_control(); here(); later(B); } }";
+    let asked = included(text);
+    assert!(asked.contains(&"later.cpp".to_owned()), "{asked:?}");
+    assert!(!asked.contains(&"here.cpp".to_owned()), "{asked:?}");
+    let with = |body: &str| {
+        let includes = Includes::from([("later.cpp".to_owned(), body.into())]);
+        Program::read_with("p.cpp", text, &includes).expand(&Device::scamp5(), &Overrides::new())
+    };
+    let body = "void later(areg_t y) { scamp5_kernel_begin(); mov(y, A); scamp5_kernel_end(); }";
+    assert_eq!(bare(with(body).unwrap().code), own_code("mov(B, A);"));
+    // Another program is not read.
+    let other = with(&format!("{body}\nint main() {{ }}")).unwrap_err();
+    assert!(
+        other.to_string().contains("`later` is announced in line 1"),
+        "{other}"
+    );
+}
+
+#[test]
 fn macros_and_chains_have_limits() {
     let doubling = (1..40).fold("#define L0 1\n".to_owned(), |text, i| {
         format!("{text}#define L{i} L{0}+L{0}\n", i - 1)

@@ -10,12 +10,14 @@ pub type Includes = BTreeMap<String, Arc<str>>;
 /// The files that may hold the bodies of what a header announces.
 pub(super) fn bodies(header: &str) -> Vec<String> {
     match header.rsplit_once('.') {
-        Some((stem, "hpp" | "hh" | "hxx" | "h")) => {
-            let endings = ["cpp", "cc", "cxx", "c"];
-            endings.map(|it| format!("{stem}.{it}")).to_vec()
-        }
+        Some((stem, "hpp" | "hh" | "hxx" | "h")) => named(stem).to_vec(),
         _ => Vec::new(),
     }
+}
+
+/// The files that may hold what has this name.
+pub(super) fn named(stem: &str) -> [String; 4] {
+    ["cpp", "cc", "cxx", "c"].map(|it| format!("{stem}.{it}"))
 }
 
 /// A file's name without the folders before it.

@@ -19,6 +19,7 @@
 //! Text whose statements end with their lines, as an open simulator takes it, is read as well.
 
 mod algorithm;
+mod announced;
 mod beside;
 mod call;
 mod chip;
@@ -79,12 +80,15 @@ pub(super) struct Read {
 }
 
 /// The files that a text asks for by `#include "…"`, which lie beside it, and those that hold the
-/// bodies of what headers announce, if they are there.
+/// bodies of what headers and the text itself announce, if they are there.
 #[must_use]
 pub fn included(text: &str) -> Vec<String> {
     let asked = preprocess::asked(text);
-    let bodies: Vec<String> = asked.iter().flat_map(|it| files::bodies(it)).collect();
-    [asked, bodies].concat()
+    let mut all: Vec<String> = asked.iter().flat_map(|it| files::bodies(it)).collect();
+    for (name, _) in announced::announced(text) {
+        all.extend(files::named(&name));
+    }
+    [asked, all].concat()
 }
 
 /// Endings of files that are C++.

@@ -6,7 +6,8 @@ use std::{
 };
 
 use super::{
-    files::{Files, Includes, bodies, plain},
+    announced::{announced, is_program},
+    files::{Files, Includes, bodies, named, plain},
     token::{Kind, Token, tokens},
 };
 use crate::{
@@ -347,19 +348,35 @@ impl Preprocessor<'_> {
         self.text(text, base, depth);
     }
 
-    /// Reads what lies beside the headers under their names: the vendor's tools build all of it.
+    /// Reads what lies beside the headers under their names, and under those of functions that are
+    /// announced: the vendor's tools build all of it.
     fn bodies(&mut self, own: &str) {
+        for (name, place) in announced(own) {
+            self.beside(&named(&name), place, own);
+        }
         let mut at = 0;
         while let Some((header, place)) = self.read.get(at).cloned() {
             at += 1;
-            for name in bodies(&header) {
-                let known = |it: &(String, Place)| plain(&it.0) == plain(&name);
-                if let Some(text) = self.includes.get(&name).cloned()
-                    && !self.read.iter().any(known)
-                    && *text != *own
-                {
-                    self.file(&name, &text, place, 1);
-                }
+            self.beside(&bodies(&header), place, own);
+            let Some(text) = self.includes.get(&header).cloned() else {
+                continue;
+            };
+            for (name, _) in announced(&text) {
+                self.beside(&named(&name), place, own);
+            }
+        }
+    }
+
+    /// Reads the files of these names that are there, were not read, and are no other program.
+    fn beside(&mut self, names: &[String], place: Place, own: &str) {
+        for name in names {
+            let known = |it: &(String, Place)| plain(&it.0) == plain(name);
+            if let Some(text) = self.includes.get(name).cloned()
+                && !self.read.iter().any(known)
+                && *text != *own
+                && !is_program(&text)
+            {
+                self.file(name, &text, place, 1);
             }
         }
     }

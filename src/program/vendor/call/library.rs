@@ -299,6 +299,7 @@ impl Machine<'_> {
 fn written(name: &str) -> bool {
     !name.starts_with("vs_post")
         && !name.starts_with("vs_gui")
+        && !name.starts_with("vs_on_")
         && !name.starts_with("scamp5_display")
         && name != "printf"
 }
