@@ -264,3 +264,29 @@ fn fit_and_show_say_what_a_mesh_can_do() {
     refused(&["show", "--lambda", "-3", "--output", "c.png"], here);
     assert!(!here.join("c.png").exists());
 }
+
+/// What the command line says of a number that is none is what it expects, whatever the verb.
+#[test]
+fn numbers_that_are_none_are_told_what_is_expected() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, words) in [
+        (
+            &["exec", "x.scamp", "--seed", "-1"][..],
+            "give a whole number, from 0 on",
+        ),
+        (
+            &["exec", "x.scamp", "--fps", "fast"],
+            "give a number, such as 0.5",
+        ),
+        (
+            &["exec", "x.scamp", "--frames", "99999999999999999999"],
+            "give a smaller number",
+        ),
+        (
+            &["mesh", "show", "--output", "m.png"],
+            "<--lambda <L>|--kernel <KERNEL>>",
+        ),
+    ] {
+        common::refused(folder.path(), arguments, &[words]);
+    }
+}

@@ -157,19 +157,20 @@ impl<'a> Bench<'a> {
         self.check_room()
     }
 
-    /// The steps of all frames that differ.
+    /// The steps of the frames, without those that are others' again.
     pub fn codes(&self) -> Vec<&[Step]> {
         if self.recorded.is_empty() {
             let code = &self.opened.expansion.code;
             return vec![&code.init, &code.frame];
         }
-        let mut all: Vec<&[Step]> = Vec::new();
+        // Frames that are alike share their steps.
+        let mut all: Vec<&Arc<[Step]>> = Vec::new();
         for steps in &self.recorded {
-            if !all.contains(&&**steps) {
+            if !all.iter().any(|it| Arc::ptr_eq(it, steps)) {
                 all.push(steps);
             }
         }
-        all
+        all.into_iter().map(|it| &**it).collect()
     }
 
     /// Refuses an array for which there is no room.
@@ -352,39 +353,25 @@ impl<'a> Bench<'a> {
         chip: &mut dyn Array,
         mut run: impl FnMut(&mut dyn Array, &Moment<'_>, &mut Packet) -> miette::Result<ControlFlow<()>>,
     ) -> miette::Result<(Packet, u64)> {
-        if self.opened.decides && self.recorded.is_empty() {
-            return beside::watch(self, chip, &mut run);
-        }
         if self.opened.decides {
-            return self.watch_recorded(chip, &mut run);
+            return match &self.recorded[..] {
+                [] => beside::watch(self, chip, &mut run),
+                recorded => self.watch_recorded(chip, recorded, &mut run),
+            };
         }
         let light = Light::open(self.arguments, &self.opened.program, &self.observation)?;
         let Expansion { code, bare, .. } = &self.opened.expansion;
         let mut light = Lasting::new(light, self.size, if *bare { 1 } else { 2 });
         let mut packet = Packet::new(chip.size(), chip.channels());
         packet.names = self.opened.program.names(code)?;
-        let growth = self.growth();
-        let mut before: Option<f64> = None;
-        let mut index = 0;
-        let frames = rig::play(&mut light, |frame| {
-            let (t, since) = begin(chip, &frame, before, &mut packet)?;
-            before = Some(frame.seconds);
-            let is_init = !*bare && index == 0;
-            let moment = Moment {
-                index,
-                t,
-                since,
-                light: &frame.light,
-                steps: if is_init { &code.init } else { &code.frame },
-                part: if is_init { Part::Init } else { Part::Frame },
-            };
-            index += 1;
-            let flow = run(chip, &moment, &mut packet)?;
-            if flow.is_continue() {
-                growth.check(&packet, &self.opened.program.file)?;
-            }
-            Ok::<_, miette::Report>(flow)
-        })?;
+        let steps = |index| {
+            Some(if *bare || index > 0 {
+                (&code.frame[..], Part::Frame)
+            } else {
+                (&code.init[..], Part::Init)
+            })
+        };
+        let frames = self.play(&mut light, chip, &mut packet, &steps, &mut run)?;
         self.said.set(&light);
         let mut exposure = Exposure::default();
         exposure.see(&code.frame, &self.opened.device);
@@ -396,20 +383,36 @@ impl<'a> Bench<'a> {
     fn watch_recorded(
         &self,
         chip: &mut dyn Array,
+        recorded: &[Arc<[Step]>],
         run: &mut Run<'_>,
     ) -> miette::Result<(Packet, u64)> {
         // What is to be said of it was said.
         let light = Light::open(self.arguments, &self.opened.program, &Observation::new())?;
         let mut light = Lasting::new(light, self.size, beside::FRAMES);
         let mut packet = Packet::new(chip.size(), chip.channels());
+        let steps = |index| Some((&**recorded.get(index as usize)?, Part::Recorded));
+        let frames = self.play(&mut light, chip, &mut packet, &steps, run)?;
+        packet.names = self.opened.program.names_of(packet.channels)?;
+        Ok((packet, frames))
+    }
+
+    /// Shows the light to the chip as long as there are steps for a frame; how many frames it saw.
+    fn play<'s>(
+        &self,
+        light: &mut Lasting,
+        chip: &mut dyn Array,
+        packet: &mut Packet,
+        steps: &dyn Fn(u64) -> Option<(&'s [Step], Part)>,
+        run: &mut Run<'_>,
+    ) -> miette::Result<u64> {
         let growth = self.growth();
         let mut before: Option<f64> = None;
         let mut index = 0;
-        rig::play(&mut light, |frame| {
-            let Some(steps) = self.recorded.get(index as usize) else {
+        rig::play(light, |frame| {
+            let Some((steps, part)) = steps(index) else {
                 return Ok::<_, miette::Report>(ControlFlow::Break(()));
             };
-            let (t, since) = begin(chip, &frame, before, &mut packet)?;
+            let (t, since) = begin(chip, &frame, before, packet)?;
             before = Some(frame.seconds);
             let moment = Moment {
                 index,
@@ -417,15 +420,16 @@ impl<'a> Bench<'a> {
                 since,
                 light: &frame.light,
                 steps,
-                part: Part::Recorded,
+                part,
             };
             index += 1;
-            let flow = run(chip, &moment, &mut packet)?;
-            growth.check(&packet, &self.opened.program.file)?;
+            let flow = run(chip, &moment, packet)?;
+            if flow.is_continue() {
+                growth.check(packet, &self.opened.program.file)?;
+            }
             Ok(flow)
         })?;
-        packet.names = self.opened.program.names_of(packet.channels)?;
-        Ok((packet, index))
+        Ok(index)
     }
 }
 

@@ -65,7 +65,7 @@ struct Companion<'r> {
     /// What the host wrote, and in which frame.
     posts: Vec<(u64, String)>,
     /// What keeps the steps, where somebody looks at them.
-    recorder: &'r mut Option<Recorder>,
+    recorder: Option<&'r mut Recorder>,
     stopped: Option<miette::Report>,
     /// Whether there is no light any more.
     over: bool,
@@ -77,23 +77,22 @@ pub fn watch(
     chip: &mut dyn Array,
     run: &mut Run<'_>,
 ) -> miette::Result<(Packet, u64)> {
-    let (packet, frames) = ran(bench, chip, run, &mut None)?;
-    Ok((packet, frames))
+    ran(bench, chip, run, None)
 }
 
 /// Runs the program with its host beside this chip; the steps of each frame.
 pub fn record(bench: &Bench<'_>, chip: &mut dyn Array) -> miette::Result<Vec<Arc<[Step]>>> {
     let mut on = |_: &mut dyn Array, _: &Moment<'_>, _: &mut Packet| Ok(ControlFlow::Continue(()));
-    let mut recorder = Some(Recorder::default());
-    ran(bench, chip, &mut on, &mut recorder)?;
-    Ok(recorder.map_or_else(Vec::new, |it| it.frames))
+    let mut recorder = Recorder::default();
+    ran(bench, chip, &mut on, Some(&mut recorder))?;
+    Ok(recorder.frames)
 }
 
 fn ran(
     bench: &Bench<'_>,
     chip: &mut dyn Array,
     run: &mut Run<'_>,
-    recorder: &mut Option<Recorder>,
+    recorder: Option<&mut Recorder>,
 ) -> miette::Result<(Packet, u64)> {
     let opened = &bench.opened;
     let light = Light::open(bench.arguments, &opened.program, &bench.observation)?;
@@ -154,7 +153,7 @@ impl Companion<'_> {
             steps: &[],
             part: Part::Ran,
         };
-        if let Some(recorder) = self.recorder {
+        if let Some(recorder) = &mut self.recorder {
             recorder.end_frame();
         }
         self.frames += 1;
@@ -189,7 +188,7 @@ impl Beside for Companion<'_> {
         if self.frames > 0 {
             self.exposure.see(steps, self.chip.device());
         }
-        if let Some(recorder) = self.recorder {
+        if let Some(recorder) = &mut self.recorder {
             recorder.asked.extend_from_slice(steps);
         }
         let answer = answered(self.chip, steps, t, &mut self.packet);

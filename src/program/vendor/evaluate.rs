@@ -474,41 +474,33 @@ impl Machine<'_> {
         if matches!(base, Reach::Lost(..) | Reach::Beyond(_)) {
             return base;
         }
-        let unknown = || Reach::Value(Value::Unknown(format!("`{name}` of an object").into()));
-        match self.reached(&base) {
+        let at = match self.reached(&base) {
             // The words of a register, which are only ever compared.
             Some(Value::Symbol(register)) => {
-                Reach::Value(Value::Symbol(format!("{register}.{name}").into()))
+                return Reach::Value(Value::Symbol(format!("{register}.{name}").into()));
             }
             Some(Value::Record(layout, all)) => {
                 let named = layout.members.iter().position(|it| &*it.name == name);
-                let bound = || name.parse().ok().filter(|at| *at < all.len());
-                let Some(at) = named.or_else(bound) else {
-                    return unknown();
-                };
-                match base {
-                    Reach::Spot(slot, mut path) => {
-                        path.push(at);
-                        Reach::Spot(slot, path)
-                    }
-                    _ => Reach::Value(all[at].clone()),
-                }
+                named.or_else(|| name.parse().ok().filter(|at| *at < all.len()))
             }
-            Some(Value::List(all)) => {
-                let Some(at) = numbered(name) else {
-                    // An array of an object that is not known, such as that of a frame.
-                    return base;
-                };
-                let value = all.get(at).cloned();
-                match base {
-                    Reach::Spot(slot, mut path) => {
-                        path.push(at);
-                        Reach::Spot(slot, path)
-                    }
-                    _ => value.map_or_else(unknown, Reach::Value),
-                }
+            Some(Value::List(_)) => match numbered(name) {
+                // An array of an object that is not known, such as that of a frame.
+                None => return base,
+                at => at,
+            },
+            _ => None,
+        };
+        match (at, base) {
+            (Some(at), Reach::Spot(slot, mut path)) => {
+                path.push(at);
+                Reach::Spot(slot, path)
             }
-            _ => unknown(),
+            (Some(at), Reach::Value(Value::List(mut all) | Value::Record(_, mut all)))
+                if at < all.len() =>
+            {
+                Reach::Value(all.swap_remove(at))
+            }
+            _ => Reach::Value(Value::Unknown(format!("`{name}` of an object").into())),
         }
     }
 

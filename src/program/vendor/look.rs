@@ -326,8 +326,9 @@ fn assigned(machine: &Machine<'_>, it: &Stmt) -> (Vec<Word>, Vec<Rc<Function>>) 
             ExprNode::Call(callee, given) => {
                 // An array that is given may be written.
                 let reads = matches!(&callee.node, ExprNode::Name(name) if last(name) == "vs_gui_read_slider");
-                let given_away = given.iter().filter(|_| !reads);
-                names.extend(given_away.filter_map(base).filter(list));
+                if !reads {
+                    names.extend(given.iter().filter_map(base).filter(list));
+                }
                 // So may the object that a function belongs to.
                 if let ExprNode::Member(of, _) = &callee.node {
                     names.extend(base(of));

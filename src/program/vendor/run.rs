@@ -333,11 +333,7 @@ impl Machine<'_> {
         }
         let layout = self.layouts.get(&it.of).filter(|_| !it.pointer);
         let one = layout.map_or(1, |it| it.size());
-        let known = lengths.iter().flatten();
-        if !self.fits(
-            known.fold(one, |all, it| all.saturating_mul((*it).max(1))),
-            it.place,
-        ) {
+        if !self.fits(shape::count(one, &lengths), it.place) {
             lengths.fill(None);
         }
         lengths
@@ -384,8 +380,8 @@ impl Machine<'_> {
         }
     }
 
-    /// Branches of which only the run knows which is taken. What they show is shown; what they
-    /// compute is forgotten; that they change the array is a fault.
+    /// Branches of which only the run knows which is taken. What they show is shown beside the array
+    /// alone; what they compute is forgotten; that they change the array is a fault.
     pub(super) fn either(&mut self, on: &Expr, parts: &[&Stmt], why: &Arc<str>) -> Flow {
         let changes = parts.iter().any(|part| look::changes(self, part));
         if changes {

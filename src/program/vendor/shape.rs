@@ -133,6 +133,12 @@ fn members(layout: &Rc<Layout>, rest: &mut VecDeque<Value>) -> Result<Value, Str
     Ok(Value::Record(Rc::clone(layout), all))
 }
 
+/// How many values an array of these lengths holds, of so many each; an empty one is made as well.
+pub(super) fn count(one: usize, lengths: &[Option<usize>]) -> usize {
+    let known = lengths.iter().flatten();
+    known.fold(one, |all, it| all.saturating_mul((*it).max(1)))
+}
+
 /// An object to whose members nothing was assigned.
 pub(super) fn fresh(layout: &Rc<Layout>, empty: &Value) -> Value {
     let all = layout.members.iter().map(|member| {

@@ -5,6 +5,7 @@ use std::{rc::Rc, sync::Arc};
 use super::{
     constant,
     host::Random,
+    shape,
     tree::{Function, Kind, Width, Word},
 };
 use crate::limit::VENDOR_VALUES;
@@ -68,8 +69,7 @@ impl Layout {
     pub(super) fn size(&self) -> usize {
         let members = self.members.iter().map(|member| {
             let one = member.layout.as_ref().map_or(1, |it| it.size());
-            let known = member.lengths.iter().flatten();
-            known.fold(one, |all, it| all.saturating_mul((*it).max(1)))
+            shape::count(one, &member.lengths)
         });
         members.fold(1, usize::saturating_add)
     }

@@ -36,24 +36,13 @@ impl Machine<'_> {
                     return self.swapped(of, other);
                 }
                 let spot = (*slot, path.clone());
-                self.list_method(spot.clone(), member, given)
-                    .unwrap_or_else(|| {
-                        // It may be longer or shorter now.
-                        let why: Arc<str> = format!("`{name}.{member}`").into();
-                        self.put(spot.0, &spot.1, Value::Unknown(Arc::clone(&why)));
-                        Value::Unknown(why)
-                    })
+                self.list_method(spot, member, given)
+                    .unwrap_or_else(|| self.changed(&reached, &name, member))
             }
             (Some(Value::Text(text)), _) => {
                 let text = text.clone();
-                let found = self.text_method(&text, &reached, member, given);
-                found.unwrap_or_else(|| {
-                    let why: Arc<str> = format!("`{name}.{member}`").into();
-                    if let Reach::Spot(slot, path) = &reached {
-                        self.put(*slot, path, Value::Unknown(Arc::clone(&why)));
-                    }
-                    Value::Unknown(why)
-                })
+                self.text_method(&text, &reached, member, given)
+                    .unwrap_or_else(|| self.changed(&reached, &name, member))
             }
             (Some(Value::Record(layout, _)), _)
                 if layout.members.iter().any(|it| &*it.name == member) =>
@@ -79,6 +68,15 @@ impl Machine<'_> {
                 Value::Unknown(format!("`{name}.{member}`").into())
             }
         }
+    }
+
+    /// A function that is not known may have changed what it belongs to, its length too.
+    fn changed(&mut self, reached: &Reach, name: &str, member: &str) -> Value {
+        let why: Arc<str> = format!("`{name}.{member}`").into();
+        if let Reach::Spot(slot, path) = reached {
+            self.put(*slot, path, Value::Unknown(Arc::clone(&why)));
+        }
+        Value::Unknown(why)
     }
 
     /// A function of a text of the language's library.
