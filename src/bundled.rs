@@ -92,9 +92,14 @@ pub fn all(kind: Kind) -> impl Iterator<Item = File> {
 }
 
 /// The file of this kind and name. Without its folder a name will do where only one has it:
-/// `snap` is `dvs/snap`.
+/// `snap` is `dvs/snap`. A path as in the sources, `sensors/rgc-4.toml`, is one too.
 #[must_use]
 pub fn find(kind: Kind, name: &str) -> Option<File> {
+    let inside = name
+        .strip_prefix(kind.folder())
+        .and_then(|it| it.strip_prefix('/'));
+    let plain = inside.and_then(|it| it.strip_suffix(kind.extension())?.strip_suffix('.'));
+    let name = plain.unwrap_or(name);
     if let Some(file) = all(kind).find(|file| file.name == name) {
         return Some(file);
     }
@@ -128,6 +133,21 @@ pub fn meant(kind: Kind, name: &str, otherwise: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_path_of_the_sources_is_a_name() {
+        let found = |name| find(Kind::Program, name).map(|file| file.name);
+        assert_eq!(found("programs/dvs/snap.scamp"), Some("dvs/snap"));
+        assert_eq!(found("programs/snap.scamp"), Some("dvs/snap"));
+        for name in [
+            "programs/dvs/snap",
+            "sensors/rgc.toml",
+            "snap.scamp",
+            "programs/",
+        ] {
+            assert_eq!(found(name), None, "{name}");
+        }
+    }
 
     #[test]
     fn every_file_of_the_folders_is_there() {

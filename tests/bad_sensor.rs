@@ -71,7 +71,7 @@ const MESSAGES: &[(&str, usize, usize, &str, &str)] = &[
     ("unknown_response", 1, 12, "unknown value `cubic`, expected \"identity\", { linear = 255 }, { log = { white = 255,", "docs/reference.md lists every key of a sensor file"),
     ("unknown_response_curve", 1, 14, "unknown key `gamma`, expected one of `linear`, `log`, `lin-log`", "docs/reference.md lists every key of a sensor file"),
     ("unknown_threshold_key", 6, 36, "unknown key `sd`, expected one of `on`, `off`, `sigma`", "docs/reference.md lists every key of a sensor file"),
-    ("zero_gain", 6, 8, "gain is 0", "give a finite number other than zero: -1 exchanges ON and"),
+    ("zero_gain", 6, 8, "`gain` is 0", "give a number other than 0: scales the weights; -1 exchanges ON and OFF"),
     ("zero_threshold", 6, 20, "`threshold.on` is 0", "give a number above 0: for ON events"),
 ];
 

@@ -10,7 +10,7 @@ use amacrine::{
     plane::Size,
     unit::Micros,
 };
-use common::{good, refused_untouched};
+use common::{good, json, refused, refused_untouched};
 
 struct Folder(tempfile::TempDir);
 
@@ -323,4 +323,46 @@ fn refusals() {
         &["noise.raw", "a.evt3"],
         "neither the extension nor the first bytes say",
     );
+}
+
+/// A recording without events has the size that was given, and none is written as a fact where none
+/// is known.
+#[test]
+fn a_recording_without_events_has_the_size_that_was_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("none.csv"), "t,x,y,p\n").unwrap();
+    refused(
+        folder,
+        &["convert", "none.csv", "none.npz"],
+        &["does not say how large its sensor is", "give --size WxH"],
+    );
+    assert!(!folder.join("none.npz").exists());
+    for name in ["none.aedat4", "none.npz", "none.es", "none.h5"] {
+        let said = json(
+            folder,
+            &["convert", "none.csv", name, "--size", "48x32", "--json"],
+        );
+        assert_eq!(said["read"]["width"], 48, "{name}");
+        let said = good(folder, &["packets", name]);
+        assert!(said.contains("48x32"), "{name}: {said}");
+    }
+}
+
+/// As spreadsheets write it, and with the column of the field that is wrong.
+#[test]
+fn csv_of_spreadsheets() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    std::fs::write(folder.join("a.csv"), "\u{feff}t,x,y,p\n1,2,3,1\n").unwrap();
+    good(folder, &["convert", "a.csv", "a.npy"]);
+    for (line, place) in [
+        ("1,70000,3,1", ":2:3: `x` is 70000"),
+        ("1,2,3,5", ":2:7:"),
+        ("-1,2,3,1", ":2:1:"),
+        ("1,2,-3,1", ":2:5: `y` is -3"),
+    ] {
+        std::fs::write(folder.join("b.csv"), format!("t,x,y,p\n{line}\n")).unwrap();
+        refused(folder, &["convert", "b.csv", "b.npy"], &[place]);
+    }
 }

@@ -305,16 +305,16 @@ const BAD: [(&str, &str); 34] = [
     ),
     (
         "polarity.csv",
-        ":3:1: `p` should be 1 for ON, 0 or -1 for OFF, found 2",
+        ":3:8: `p` should be 1 for ON, 0 or -1 for OFF, found 2",
     ),
     (
         "x_too_large.csv",
-        ":2:1: `x` is 65536; it should be 0 to 65535",
+        ":2:4: `x` is 65536; it should be 0 to 65535",
     ),
-    ("negative_y.csv", ":2:1: `y` is -1; it should be 0 to 65535"),
+    ("negative_y.csv", ":2:6: `y` is -1; it should be 0 to 65535"),
     (
         "channel_too_large.csv",
-        ":2:1: `channel` is 255; it should be 0 to 254",
+        ":2:10: `channel` is 255; it should be 0 to 254",
     ),
     (
         "off_the_sensor.csv",

@@ -900,7 +900,7 @@ mod command {
             "dead time",
             "plan ",
             "verified",
-            "limit held",
+            "nothing is left out",
         ] {
             assert!(text.contains(part), "{part} is not in\n{text}");
         }

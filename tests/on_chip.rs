@@ -245,3 +245,94 @@ fn results_stay_out_of_what_is_kept() {
         "{words}"
     );
 }
+
+/// What `compile` says of its program is what `asm` says of it, and what it says of its range holds.
+#[test]
+fn two_verbs_say_the_same_of_a_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    kernel(
+        folder,
+        "k.npy",
+        &[
+            &[2.0, 1.0, 0.0, -2.0, -1.0],
+            &[-3.0, -3.0, -3.0, -2.0, 2.0],
+            &[1.0, 3.0, 0.0, 1.0, 3.0],
+            &[2.0, 1.0, 0.0, 0.0, 3.0],
+            &[-2.0, 2.0, 1.0, -3.0, -1.0],
+        ],
+    );
+    for objective in ["exact", "silicon"] {
+        let arguments = [
+            "compile",
+            "k.npy",
+            "--threshold",
+            "640",
+            "--objective",
+            objective,
+            "--effort",
+            "0.3",
+        ];
+        let said = json(
+            folder,
+            &[&arguments[..], &["-o", "k.scamp", "--json"]].concat(),
+        );
+        let asm = json(folder, &["asm", "k.scamp", "--json"]);
+        assert_eq!(
+            good(folder, &["asm", "k.scamp"])
+                .lines()
+                .find(|line| line.starts_with("store"))
+                .and_then(|line| line.split_whitespace().nth(1)),
+            asm["stored_words"]
+                .as_u64()
+                .map(|n| n.to_string())
+                .as_deref()
+        );
+        let text = good(folder, &[&arguments[..], &["-o", "k.scamp"]].concat());
+        let store = format!("store     {} words", asm["stored_words"]);
+        assert!(text.contains(&store), "{store}: {text}");
+        if objective == "exact" {
+            assert!(
+                text.contains("nothing saturates for light up to 254 of 255"),
+                "{text}"
+            );
+            assert_eq!(said["saturating_stores"], 0);
+            let within = said["exact_within_lsb"][0].as_f64().unwrap();
+            assert!(within > 60.0, "{within}");
+            assert!(
+                said["on_chip"][0]["correlation"].as_f64().unwrap() > 0.5,
+                "{text}"
+            );
+        }
+    }
+}
+
+/// Weights that are kept as they are keep their sum, and a kernel of zeros is told by its number.
+#[test]
+fn kernels_that_cannot_be_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    kernel(
+        folder,
+        "a.npy",
+        &[&[1.0, 2.0, 1.0], &[2.0, 4.0, 2.0], &[1.0, 2.0, 1.0]],
+    );
+    kernel(folder, "zero.npy", &[&[0.0; 3], &[0.0; 3], &[0.0; 3]]);
+    refused(
+        folder,
+        &["compile", "a.npy", "--filter-only", "--sum", "zero"],
+        &["exact weights keep the sum", "--to"],
+    );
+    refused(
+        folder,
+        &[
+            "compile",
+            "a.npy",
+            "zero.npy",
+            "--filter-only",
+            "--into",
+            "A,B",
+        ],
+        &["kernel 1 has no weight but 0"],
+    );
+}

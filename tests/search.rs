@@ -333,3 +333,81 @@ fn points_told_one_by_one_are_those_of_a_sweep() {
         &["f63"],
     );
 }
+
+/// What would change nothing is refused, with what to do.
+#[test]
+fn keys_that_no_side_takes_are_told() {
+    let side =
+        "kernel = \"dvs\"\nthreshold = 8\n[[side]]\nside = \"reference\"\nformat = \"f32\"\n";
+    let scene = "scene = \"pattern:disc?width=16&height=16&frames=4\"\n";
+    let at = folder(&format!("{scene}format = \"zzz\"\n{side}"));
+    refused_untouched(
+        at.path(),
+        &["sweep", "study.toml", "-o", "out"],
+        &["study.toml:2:1", "every side that has it sets its own"],
+    );
+    let search = "sample = { method = \"search\", points = 200, cost = \"words\" }\n";
+    let at = folder(&format!("{scene}{search}{side}"));
+    refused_untouched(
+        at.path(),
+        &["sweep", "study.toml", "-o", "out"],
+        &["no point has `words`", "[[side]]"],
+    );
+    // Of a list of tables each is set.
+    let list = "refractory = [{ us = 0 }, { us = 2000 }]\n";
+    let at = folder(&format!("{scene}{list}{side}"));
+    let said = refused_untouched(
+        at.path(),
+        &["sweep", "study.toml", "refractory.us=0,3000", "--space"],
+        &["set all of it: refractory='{ us = 0 },{ us = 3000 }'"],
+    );
+    assert!(!said.is_empty());
+    good(
+        at.path(),
+        &[
+            "sweep",
+            "study.toml",
+            "refractory={ us = 0 },{ us = 3000 }",
+            "--space",
+        ],
+    );
+}
+
+/// Each value of the space is one that a point may have.
+#[test]
+fn values_of_the_space_are_taken_again() {
+    let at = folder(
+        r#"
+        scene = "pattern:noise?width=24&height=24&frames=6"
+        kernel = "dvs"
+        threshold = 8
+        fidelity = "auto"
+        [[side]]
+        side = "reference"
+        response = ["identity", { linear = 255 }]
+        noise = ["none", "noisy"]
+        "#,
+    );
+    let space: Value =
+        serde_json::from_str(&good(at.path(), &["sweep", "study.toml", "--space"])).unwrap();
+    let axes = space["sides"][0]["axes"].as_array().unwrap();
+    let values = |name: &str| {
+        let axis = axes.iter().find(|axis| axis["name"] == name).unwrap();
+        axis["values"].as_array().unwrap().clone()
+    };
+    let mut ids = Vec::new();
+    for response in values("response") {
+        for noise in values("noise") {
+            let point = json!({"side": 0, "response": response, "noise": noise}).to_string();
+            let said = good(at.path(), &["sweep", "study.toml", "--point", &point]);
+            let row: Value = serde_json::from_str(&said).unwrap();
+            assert_ne!(row["outcome"], "wrong", "{row}");
+            ids.push(row["id"].clone());
+        }
+    }
+    assert_eq!(ids.len(), 4);
+    // A point that is told is computed in full, and is another than the one of the sweep.
+    good(at.path(), &["sweep", "study.toml", "-o", "out"]);
+    let swept = rows(&at.path().join("out"));
+    assert!(swept.iter().all(|row| !ids.contains(&row["id"])));
+}

@@ -589,6 +589,11 @@ fn smaller_constructs() {
          std::vector<int> w = std::vector<int>(4); scamp5_in(A, w[3] + w.size());",
         &[7, 11, 3, 4],
     );
+    numbers(
+        "for (int i = 0; i < 6; i++) switch (i) { case 1 ... 3: scamp5_in(A, i); break; case 5: scamp5_in(A, 50); }",
+        &[1, 2, 3, 50],
+    );
+    refused_for("again: nop(); goto again;", "`goto` is not followed");
     refused_for("none = 3; nop();", "`none` is not stated");
     // One fault, not one of the body as well.
     for inside in ["ADD(A);", "scamp5_in(A, ADD(1));"] {

@@ -21,7 +21,7 @@ use crate::{
         file::{Compression, FileError, Format, Head, Opening, Reader, Writer},
     },
     plane::Size,
-    unit::{Micros, counted},
+    unit::{Micros, counted, exact_seconds},
 };
 
 /// What `convert` is asked to do.
@@ -251,12 +251,11 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
             seen.size_known = true;
             break;
         }
-        match reader.next_block(&mut events) {
-            Ok(true) => (),
-            Ok(false) => break,
+        let more = match reader.next_block(&mut events) {
+            Ok(more) => more,
             Err(_) if arguments.salvage => break,
             Err(error) => return Err(error.into()),
-        }
+        };
         // A span may be stated that begins after the first event.
         let stated = || reader.about().span.map(|(from, _)| from);
         let first = events.first().map(|event: &Event| event.t);
@@ -266,9 +265,15 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
             about.size.unwrap_or(reader.reach()),
             channels.unwrap_or(reader.kinds()),
         );
+        if !more {
+            break;
+        }
         progress.tick();
     }
     progress.finish();
+    if seen.size.pixels() == 0 && !arguments.salvage {
+        return Err(recording::sizeless(&arguments.a));
+    }
     let stated = reader.about().span.map(|(from, _)| from);
     seen.start = start.or(stated).unwrap_or_default();
     Ok(seen)
@@ -439,7 +444,8 @@ fn table(arguments: &Arguments, format: Format, seen: &Seen, written: &[Written]
     }
     for Written { path, events, ends } in written {
         let when = ends.map_or(String::new(), |(first, last)| {
-            format!(", {:.6} to {:.6} s", first.seconds(), last.seconds())
+            let (first, last) = (exact_seconds(first.0), exact_seconds(last.0));
+            format!(", {} to {last}", first.trim_end_matches(" s"))
         });
         lines.push(format!(
             "wrote    {}, {format}, {}{when}",
@@ -447,7 +453,7 @@ fn table(arguments: &Arguments, format: Format, seen: &Seen, written: &[Written]
             counted(*events, "event")
         ));
     }
-    for Written { path, .. } in written {
+    for Written { path, .. } in written.iter().filter(|it| it.path.as_os_str() != "-") {
         lines.push(format!("open     {}", format.opened_by(path)));
     }
     lines.join("\n") + "\n"

@@ -1,6 +1,9 @@
 //! `amacrine new`: a file to start from, with what else may stand in it.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
 
 use clap::ValueEnum;
 use miette::miette;
@@ -12,9 +15,11 @@ use super::{
 };
 use crate::{
     bundled::{self, Kind},
-    config,
+    config::{self, Faults},
     isa::Device,
+    reference::Description,
     save::save,
+    study::sweep::Study,
 };
 
 /// What `new` is asked to do.
@@ -62,6 +67,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let written = match arguments.kind.bundled() {
         None => {
+            let own = name.file_name().unwrap_or_default();
+            if Device::shipped().any(|chip| own == chip) {
+                return Err(miette!(
+                    help = "give it a name of its own: chips extend each other by name",
+                    "`{}` is a shipped chip",
+                    own.display()
+                ));
+            }
             let text = match &arguments.from {
                 Some(from) if Device::shipped().all(|chip| chip != from.as_str()) => {
                     return Err(no_chip(from));
@@ -120,7 +133,9 @@ fn begun(kind: Kind, arguments: &Arguments, name: &Path) -> miette::Result<Vec<(
     let beside = format!("{word}.schema.json");
     let schema = schema::schema_for(arguments.kind);
     let title = if kind == Kind::Study { "title" } else { "name" };
-    let text = titled(&config::with_keys(file.text, &schema), title, &path);
+    let text = config::with_keys(file.text, &schema);
+    let text = config::that_hold(&text, &|text| read(kind, text));
+    let text = titled(&text, title, &path);
     let text = format!("#:schema ./{beside}\n{text}");
     let mut written = vec![(path, text)];
     let beside = name.with_file_name(beside);
@@ -129,6 +144,16 @@ fn begun(kind: Kind, arguments: &Arguments, name: &Path) -> miette::Result<Vec<(
         written.push((beside, format!("{schema:#}\n")));
     }
     Ok(written)
+}
+
+/// Reads a text that stands beside no other file.
+fn read(kind: Kind, text: &str) -> Result<(), Faults> {
+    let none = |_: &str| Err(io::ErrorKind::NotFound.into());
+    match kind {
+        Kind::Sensor => Description::parse("new", text, &none).map(drop),
+        Kind::Study => Study::parse("new", text).map(drop),
+        Kind::Kernel | Kind::Readout | Kind::Program => Ok(()),
+    }
 }
 
 /// A text whose first line of this key says what the file or folder is called.

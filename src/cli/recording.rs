@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use miette::miette;
+
 use super::budget::{budget, check};
 use crate::{
     event::file::{self, Loaded, Opening, Reader},
@@ -49,6 +51,15 @@ impl Recording {
         }
         Ok(loaded)
     }
+}
+
+/// A file without events that says no size.
+pub fn sizeless(path: &Path) -> miette::Report {
+    miette!(
+        help = "give --size WxH",
+        "{}: no events, and it does not say how large its sensor is",
+        path.display()
+    )
 }
 
 /// What to say beside a size that nobody gave; else nothing.

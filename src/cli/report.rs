@@ -113,8 +113,13 @@ fn heading(group: &Group, number: usize, all: usize, pool: bool) -> String {
 }
 
 fn table(report: &Report, arguments: &Arguments) -> String {
+    let left = if report.finished < report.points {
+        ": the others are not computed yet, or were left out by a search"
+    } else {
+        ""
+    };
     let mut text = format!(
-        "study    {}\npoints   {} of {} finished\n",
+        "study    {}\npoints   {} of {} finished{left}\n",
         report.title, report.finished, report.points
     );
     for (number, group) in (1..).zip(&report.groups) {

@@ -621,7 +621,10 @@ impl Watched {
                 self.report.without_sign,
                 "crossings without a sign of their own pixel, not emitted (polarity = \"pixel\")",
             ),
-            (self.dropped, "events dropped: the list was full"),
+            (
+                self.dropped,
+                "of the events are not in the file: the list was full (what is counted above, --counts and --voxels have all)",
+            ),
         ];
         lines.extend(
             notes

@@ -93,6 +93,12 @@ impl Arguments {
                 "{output}: a GIF counts its time in hundredths of a second"
             ));
         }
+        if to.ending() == "gif" && self.hold > Micros(655_350_000) {
+            return Err(miette!(
+                help = "give --hold 655s or less, or a name that ends in .apng",
+                "{output}: a frame of a GIF lasts 655.35 s at most"
+            ));
+        }
         match self.view {
             Shown::Overview | Shown::Frame if to.ending() == "mcap" => Ok(()),
             _ if to.ending() == "mcap" => Err(miette!(

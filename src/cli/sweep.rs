@@ -233,7 +233,8 @@ fn named(path: &Path, arguments: &Arguments, plan: &Plan) -> PathBuf {
 
 /// Answers points with their rows, one JSON object a line.
 fn tell(arguments: &Arguments, study: &Study, folder: &Path) -> miette::Result<()> {
-    let mut asked = Asked::new(study, folder);
+    let study = study.clone().in_full();
+    let mut asked = Asked::new(&study, folder);
     let start = Instant::now();
     let clock = || start.elapsed().as_secs_f64();
     let limits = Limits {

@@ -1,6 +1,6 @@
 //! `amacrine voxels`: an event file as the tensors that networks take.
 
-use miette::{Diagnostic as _, miette};
+use miette::Diagnostic as _;
 use serde_json::json;
 
 use super::{
@@ -20,7 +20,7 @@ use crate::{
         },
     },
     memory::{Bytes, Need},
-    unit::Micros,
+    unit::{Micros, exact_seconds},
 };
 
 /// What `voxels` is asked to do.
@@ -42,8 +42,9 @@ pub struct Arguments {
     /// How long a window is
     #[arg(long, value_name = "TIME")]
     window: Micros,
-    /// Where the first window begins [default: so many windows after 0 that the recording's start lies
-    /// in the first]
+    /// The time from which windows are counted: the first ends one --every later, or, centred, has
+    /// its middle there [default: so many times --every after 0 that the recording's start lies
+    /// before the next]
     #[arg(long, value_name = "TIME")]
     from: Option<Micros>,
     /// From one window to the next [default: the window's length]
@@ -152,7 +153,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "file": arguments.file,
             "output": arguments.output,
             "shape": all,
-            "from_us": windows.start(),
+            "from_us": how.windows.bounds(0).0,
             "dtype": if arguments.half { "float16" } else { "float32" },
             "kinds": about.names,
             "size_known": about.size_known,
@@ -164,9 +165,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     super::say(&format!(
         "wrote    {}: ({count}, {kinds}, {sides}, {bins}, {height}, {width}): windows, kinds, sides, bins, rows, columns{}{}\n",
         arguments.output.display(),
-        match windows.start() {
-            Micros(0) => String::new(),
-            start => format!("; the first window begins at {:.6} s", start.seconds()),
+        match how.windows.bounds(0).0 {
+            0 => String::new(),
+            from => format!("; the first window begins at {}", exact_seconds(from)),
         },
         recording::guessed(about.size_known)
     ));
@@ -202,11 +203,7 @@ impl Extent {
             (loaded.packet, loaded.size_known)
         };
         if packet.size.pixels() == 0 {
-            return Err(miette!(
-                help = "give --size WxH",
-                "{}: no events, and it does not say how large its sensor is",
-                arguments.file.display()
-            ));
+            return Err(recording::sizeless(&arguments.file));
         }
         Ok(Self {
             size: packet.size,

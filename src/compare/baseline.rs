@@ -18,7 +18,7 @@ use rayon::{
     slice::ParallelSliceMut,
 };
 
-use super::{Cell, Pair, pair::Trains};
+use super::{Cell, Pair, trains::Trains};
 use crate::rng::{GOLDEN, Hash, mix};
 
 /// Keys of the random numbers.

@@ -38,12 +38,14 @@ mod pair;
 mod pearson;
 pub mod rates;
 pub mod score;
+mod trains;
 pub mod van_rossum;
 pub mod victor_purpura;
 pub mod voxel;
 pub mod window;
 
-pub use pair::{Cell, CompareError, Pair, Signed, Sorted, Times};
+pub use pair::{CompareError, Pair, Signed, Sorted, Times};
+pub use trains::Cell;
 
 use crate::{
     event::{Packet, address::AddressWord},

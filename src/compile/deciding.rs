@@ -75,6 +75,9 @@ impl Survival<'_> {
             }
         }
         all.extend(self.best(fitting));
+        if request.objective == Objective::Exact {
+            self.keep_in_range(&mut all, range);
+        }
         self.keep_usable(&mut all);
         let (Some(result), Some(kernel)) = (request.into.first(), request.kernels.first()) else {
             return Err(Request::too_few(1, self.all.len()));
@@ -108,9 +111,22 @@ impl Survival<'_> {
         let Some((mut best, decided)) = best else {
             return Ok(None);
         };
-        best.decided = Some(decided);
+        // Of what nothing saturates no more is said than that.
+        best.decided = Some(decided).filter(|_| request.objective != Objective::Exact);
         best.solved.holds = self.fits(&best.solved.plan, best.bits, range);
         Ok(Some(self.built(best, seen)))
+    }
+
+    /// Keeps the candidates in which nothing saturates: with the chip's errors where there are such,
+    /// else without them.
+    fn keep_in_range(&self, all: &mut Vec<Candidate>, range: (f64, f64)) {
+        let lenient = Self {
+            strict: false,
+            ..*self
+        };
+        let fits = |who: &Self, it: &Candidate| who.fits(&it.solved.plan, it.bits, range);
+        let strictly = all.iter().any(|it| fits(self, it));
+        all.retain(|it| fits(if strictly { self } else { &lenient }, it));
     }
 
     /// A plan behind each number of halvings, up to the first with which nothing saturates and the

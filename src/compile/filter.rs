@@ -59,10 +59,10 @@ impl Filter {
     }
 
     /// A solved plan behind `words`, which halve the input `prescale` times; its results are in
-    /// `into`.
+    /// `into`. `range`: of the input, if it is known.
     pub(super) fn from_solved(
-        device: &Device,
-        into: &[Analog],
+        (device, into): (&Device, &[Analog]),
+        range: Option<(f64, f64)>,
         solved: &Solved,
         unit: i64,
         prescale: u32,
@@ -81,7 +81,7 @@ impl Filter {
             prescale,
             border: solved.border,
             holds: solved.holds,
-            exact_within: exact_within(solved, unit, device),
+            exact_within: exact_within(solved, unit, device, range),
             decided: None,
             peak: stored(solved, unit)
                 .map(|form| form.bounds(-1.0, 1.0).1 / fine(unit))
@@ -118,14 +118,20 @@ fn stored(solved: &Solved, unit: i64) -> impl Iterator<Item = LinearForm> {
 }
 
 /// The largest input with which no store but the last saturates, LSB; limited to a register's range.
-fn exact_within(solved: &Solved, unit: i64, device: &Device) -> f64 {
+/// An input that is never negative, as light, reaches less of it.
+fn exact_within(solved: &Solved, unit: i64, device: &Device, range: Option<(f64, f64)>) -> f64 {
+    let least = match range {
+        Some((least, _)) if least >= 0.0 => 0.0,
+        _ => -1.0,
+    };
     let (low, high) = (device.value(Figure::Lowest), device.value(Figure::Highest));
     let darks = solved.plan.dark(0.0, StoreErrors::from_device(device));
     let mut forms: Vec<_> = stored(solved, unit).zip(darks).collect();
     forms.pop();
     let most = forms.iter().map(|(form, dark)| {
-        let size = form.bounds(-1.0, 1.0).1 / fine(unit);
-        (high - dark.max(0.0)).min(dark.min(0.0) - low) / size
+        let (down, up) = form.bounds(least, 1.0);
+        let room = [high - dark.max(0.0), dark.min(0.0) - low];
+        (room[0] * fine(unit) / up).min(room[1] * fine(unit) / down.abs())
     });
     most.fold(high, f64::min).max(0.0)
 }

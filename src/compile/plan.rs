@@ -18,7 +18,7 @@ pub(super) enum Store {
 }
 
 /// The errors that every store adds on the chip, LSB.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct StoreErrors {
     /// The transfer error.
     pub(super) transfer: f64,

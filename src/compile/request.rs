@@ -59,8 +59,9 @@ pub enum Objective {
     /// then the fewest words.
     Events,
     /// The signal-to-noise ratio that is predicted on the chip, and no input of the range saturates:
-    /// in exact arithmetic a program decides as the kernel itself does, whatever it is shown. Among
-    /// equals, the fewest words.
+    /// in exact arithmetic a program decides as the kernel itself does, whatever it is shown. Where it
+    /// is known with what one result is compared, the plan of these that decides best. Among equals,
+    /// the fewest words.
     Exact,
     /// The fewest words.
     Words,
@@ -153,6 +154,7 @@ impl<'a> Request<'a> {
             unit,
             all: &all,
             effort: self.effort,
+            strict: true,
         }
         .front()
     }
@@ -168,6 +170,7 @@ impl<'a> Request<'a> {
                 unit,
                 all,
                 effort,
+                strict: true,
             }
             .filter(),
         }
@@ -210,6 +213,7 @@ impl<'a> Request<'a> {
             unit,
             all,
             effort,
+            strict: true,
         };
         let Ok(Some(other)) = other.shortest() else {
             return front;
@@ -232,7 +236,8 @@ impl<'a> Request<'a> {
         (all, effort): (&[Analog], Effort),
     ) -> Result<Filter, CompileError> {
         let built = |solved: &Solved, bits, first| {
-            Filter::from_solved(self.device, &self.into, solved, unit, bits, first)
+            let place = (self.device, &self.into[..]);
+            Filter::from_solved(place, self.range, solved, unit, bits, first)
         };
         let Some((low, high)) = self.range else {
             let plus = self.solve(goals, unit, (self.input, all, effort), None)?;

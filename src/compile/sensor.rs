@@ -391,10 +391,12 @@ impl Writer<'_> {
         } else {
             "right where the kernel lies on the array, not at its border"
         };
-        let range = if self.filter.decided.is_some() {
-            "for the\n//! # most events on the chip; large sums may leave the range"
-        } else {
-            "so that no sum leaves the range"
+        let range = match (self.filter.decided, self.filter.holds) {
+            (Some(_), false) => {
+                "for the\n//! # most events on the chip; large sums may leave the range"
+            }
+            (Some(_), true) => "for the\n//! # most events on the chip; no sum leaves the range",
+            (None, _) => "so that no sum leaves the range",
         };
         let _ = writeln!(
             text,

@@ -14,12 +14,13 @@ use std::sync::Arc;
 use super::{
     allocate::allocate,
     decided::Decided,
+    decision::Compared,
     error::CompileError,
     filter::Filter,
     forecast::{Forecast, Signal, forecasts, worst},
     found::{Found, found},
     linear_form::LinearForm,
-    plan::{Plan, Store, Word},
+    plan::{Plan, Store, StoreErrors, Word},
     request::{Effort, Objective, Request},
     separable::compose,
     solve::{FINE, Problem, Solved, slack},
@@ -52,6 +53,8 @@ pub(super) struct Survival<'a> {
     pub(super) unit: i64,
     pub(super) all: &'a [Analog],
     pub(super) effort: Effort,
+    /// Whether nothing may saturate with the chip's errors either, where nothing may without.
+    pub(super) strict: bool,
 }
 
 /// A plan with its registers and what is predicted of it.
@@ -91,6 +94,9 @@ impl Survival<'_> {
         {
             let decides = match self.request.objective {
                 Objective::Silicon | Objective::Events => self.deciding(range, decision)?,
+                Objective::Exact if decision.compared == Compared::Drives => {
+                    self.deciding(range, decision)?
+                }
                 Objective::Exact | Objective::Words => None,
             };
             if let Some(filter) = decides {
@@ -101,8 +107,19 @@ impl Survival<'_> {
             None => self.anywhere()?,
             Some(range) => self.within(range)?,
         };
-        let Some(best) = self.best(candidates) else {
-            // Nothing that stays in range, errors included: what does without them.
+        let best = self.best(candidates);
+        // Where nothing stays in range with the errors: what does without them.
+        let best = match (best, self.request.range) {
+            (None, Some(range)) => {
+                let lenient = Survival {
+                    strict: false,
+                    ..*self
+                };
+                lenient.best(lenient.within(range)?.0)
+            }
+            (best, _) => best,
+        };
+        let Some(best) = best else {
             return self
                 .request
                 .shortest(self.goals, self.unit, (self.all, self.effort));
@@ -175,8 +192,8 @@ impl Survival<'_> {
         };
         let request = self.request;
         let filter = Filter::from_solved(
-            request.device,
-            &request.into,
+            (request.device, &request.into),
+            request.range,
             &solved,
             self.unit << best.bits,
             best.bits,
@@ -318,7 +335,11 @@ impl Survival<'_> {
         let Some(trace) = unit.checked_mul(FINE).and_then(|_| plan.trace(unit * FINE)) else {
             return false;
         };
-        self.request.limits(range).fits(plan, &trace, unit)
+        let mut limits = self.request.limits(range);
+        if !self.strict {
+            limits.errors = StoreErrors::default();
+        }
+        limits.fits(plan, &trace, unit)
     }
 
     /// A plan with registers, and what is predicted of it.

@@ -70,12 +70,12 @@ impl Check<'_> {
                 }
                 // The place of a table says which of the list it is.
                 let tables = matches!(of, Kind::Table(_) | Kind::Cases { .. });
-                let path = if tables { "" } else { path };
                 for item in list {
                     if enough(&self.faults) {
                         return;
                     }
-                    self.value(of, item, path, what);
+                    let is_told = tables && item.as_table().is_some();
+                    self.value(of, item, if is_told { "" } else { path }, what);
                 }
             }
             (Kind::Table(table), _) if node.as_table().is_some() => self.table(table, node, path),
@@ -122,6 +122,11 @@ impl Check<'_> {
                 self.wrong(node.place(), message, help);
             }
             ([_], Some(faults)) => self.faults.extend(faults),
+            ([Kind::Number(_), ..], _) if node.as_number().is_some() => {
+                let number = node.as_number().unwrap_or_default();
+                let message = format!("`{path}` is {number}");
+                self.wrong(node.place(), message, give(kind, what));
+            }
             _ => {
                 let message = format!("`{path}` takes {}", kind.words());
                 self.wrong(node.place(), message, self.see);

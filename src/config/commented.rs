@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 
 use serde_json::Value as Json;
 
+use super::{CHANGES_NOTHING, Faults, Located};
+
 /// A text of TOML with the keys that it does not have, in comments: its own before its first table,
 /// those of its last table behind it, and the tables that it could have at the end.
 #[must_use]
@@ -40,6 +42,41 @@ pub fn with_keys(text: &str, schema: &Json) -> String {
         Some(at) => format!("{}{others}\n{}\n{tables}", &text[..at], &text[at..]),
         None => format!("{text}\n\n{others}{tables}"),
     }
+}
+
+/// The same text, in which each key in a comment of a table that is there holds when it stands there
+/// alone: where it does not, its value is left open, and what would change nothing is left out.
+/// `read` reads a text.
+#[must_use]
+pub fn that_hold(text: &str, read: &dyn Fn(&str) -> Result<(), Faults>) -> String {
+    let lines: Vec<&str> = text.lines().collect();
+    let mut all = String::new();
+    // Of a table that is in a comment itself all keys go together.
+    let mut of_comment = false;
+    for (at, line) in lines.iter().enumerate() {
+        let heads = line.starts_with("# [");
+        of_comment = heads || of_comment && line.starts_with('#');
+        let key = line.strip_prefix("# ").filter(|_| !of_comment);
+        let parts =
+            key.and_then(|key| Some((key, key.split_once(" = ")?, key.split_once("    # ")?)));
+        let Some((key, (name, _), (_, about))) = parts.filter(|it| !it.1.1.starts_with('…'))
+        else {
+            all.push_str(line);
+            all.push('\n');
+            continue;
+        };
+        let tried = [&lines[..at], &[key], &lines[at + 1..]].concat().join("\n");
+        let idle = |it: &Located| it.fault.label == CHANGES_NOTHING;
+        match read(&tried) {
+            Ok(()) => all.push_str(line),
+            Err(faults) if faults.faults.iter().any(idle) => continue,
+            Err(_) => {
+                let _ = write!(all, "# {name} = …    # {about}");
+            }
+        }
+        all.push('\n');
+    }
+    all
 }
 
 /// A comment for each key that the table lacks.

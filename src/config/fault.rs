@@ -20,6 +20,9 @@ pub enum Severity {
 /// What was read, or what is wrong with it.
 pub type Read<T> = Result<T, Fault>;
 
+/// The label of a key that is right, and of no use where it stands.
+pub const CHANGES_NOTHING: &str = "changes nothing";
+
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {

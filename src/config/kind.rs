@@ -65,6 +65,19 @@ pub struct Spelling {
 }
 
 impl Kind {
+    /// Any finite number but 0.
+    pub const NONZERO: Self = Self::Either {
+        ways: &[
+            Self::Number(Range::POSITIVE),
+            Self::Number(Range {
+                most: 0.0,
+                below: true,
+                ..Range::FINITE
+            }),
+        ],
+        expected: "a number other than 0",
+    };
+
     /// A list of any length.
     #[must_use]
     pub const fn list(of: &'static Self) -> Self {

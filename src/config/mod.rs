@@ -27,9 +27,9 @@ pub mod schema;
 mod section;
 mod unknown;
 
-pub use commented::with_keys;
+pub use commented::{that_hold, with_keys};
 pub use document::{Document, Name, Node};
-pub use fault::{Fault, Faults, Located, Read, Severity, enough, thin};
+pub use fault::{CHANGES_NOTHING, Fault, Faults, Located, Read, Severity, enough, thin};
 pub use file::File;
 pub use key::{Absent, Key, Table};
 pub use kind::{Kind, Spelling};

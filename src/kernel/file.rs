@@ -24,7 +24,8 @@ use crate::{
 pub const SHAPES: &str = "give an array of shape (k,k), (K,k,k) or (K,1,k,k), k odd, of finite floats or integers; numpy.pad adds rows and columns of zeros";
 
 /// What to give instead of too many kernels.
-pub const FEWER: &str = "give fewer kernels: a sensor, and a program, have a kind of cell for each";
+pub const FEWER: &str =
+    "give as many as that: a sensor, and a program, have a kind of cell for each kernel";
 
 /// That there are so many kernels, where there may not be.
 #[must_use]

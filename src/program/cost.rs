@@ -60,7 +60,8 @@ impl Cost {
     }
 }
 
-/// Instruction words that some steps take in the kernel store: a repetition is stored once.
+/// Instruction words that some steps take in the kernel store, whoever launches them: a repetition is
+/// stored once. Of a program it is [`Expansion::stored`](super::Expansion::stored).
 #[must_use]
 pub fn stored(steps: &[Step], device: &Device) -> Words {
     steps

@@ -6,8 +6,12 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::{
-    config::{Fault, File, Key, Kind, Name, Node, Place, Range, Read, Section, Table, schema},
+    config::{
+        Fault, File, Key, Kind, Name, Node, Place, Range, Read, Section, Spelling, Table, schema,
+    },
     kernel,
+    limit::ARRAY_SIDE,
+    number::Format,
 };
 
 const SEE: &str = "docs/guides and the shipped programs show what can stand here";
@@ -43,6 +47,14 @@ pub fn json_schema() -> serde_json::Value {
 /// Any number: whoever uses it says what it may be.
 const NUMBER: Kind = Kind::Number(Range::FREE);
 
+/// The name of an arithmetic.
+const DOMAIN: Kind = Kind::Spelled(&Spelling {
+    what: "exact, f32, f16, bf16, qM.N (for instance q8.8) or silicon, in quotes",
+    // As `PATTERN` of number formats, or that.
+    pattern: "",
+    holds: |name| name == "silicon" || name.parse::<Format>().is_ok(),
+});
+
 const WHOLE: Kind = Kind::Whole {
     least: 0,
     most: i64::MAX as u64,
@@ -60,23 +72,29 @@ const SETTINGS: Table = Table::new(&[
         Kind::Text,
         "a picture or scene to run it on, relative to the program's folder, or a pattern",
     ),
-    Key::optional("fps", NUMBER, "frames per second").unit("Hz"),
-    Key::optional("frames", WHOLE, "how many frames to run"),
+    Key::optional("fps", Kind::Number(Range::POSITIVE), "frames per second").unit("Hz"),
+    Key::optional(
+        "frames",
+        Kind::Whole {
+            least: 1,
+            most: i64::MAX as u64,
+        },
+        "how many frames to run",
+    ),
     Key::optional(
         "size",
         Kind::List {
-            of: &WHOLE,
+            of: &Kind::Whole {
+                least: 1,
+                most: ARRAY_SIDE as u64,
+            },
             least: 2,
             most: 2,
         },
         "height and width of the array",
     )
     .unit("px"),
-    Key::optional(
-        "domain",
-        Kind::Text,
-        "the arithmetic: exact, f32, f16, bf16, qM.N, silicon",
-    ),
+    Key::optional("domain", DOMAIN, "the arithmetic"),
     Key::optional(
         "clip",
         Kind::Flag,
@@ -84,7 +102,7 @@ const SETTINGS: Table = Table::new(&[
     ),
     Key::optional(
         "edge",
-        NUMBER,
+        Kind::Number(Range::FINITE),
         "the value of analogue registers off the array",
     )
     .unit("LSB"),
@@ -126,7 +144,7 @@ const COMPUTES: Table = Table::new(&[
     .example("kernel = [[0, -1, 0], [-1, 4, -1], [0, -1, 0]]"),
     Key::required(
         "scale",
-        NUMBER,
+        Kind::NONZERO,
         "from light (0 to 255) times weights to LSB",
     )
     .example("scale = 1"),

@@ -323,7 +323,7 @@ impl Warning {
                 first.correlation
             ),
             format!(
-                "split the clip there: its first {} frames are one scene (ffmpeg -frames:v {}; `frames` in a study)",
+                "split the clip there: its first {} frames are one scene (of a video file: ffmpeg -frames:v {}; `frames` in a study)",
                 first.frame, first.frame
             ),
         ))
@@ -341,7 +341,7 @@ impl Warning {
                 format!("{frames} of {of} frames are the frame before once more"),
                 "the file has a higher frame rate than the camera had: what moves stands still and then jumps, and events come in bursts",
                 format!(
-                    "leave them out and show the {new} others at {:.0} % of the rate (ffmpeg -i CLIP -vf mpdecimate -fps_mode passthrough FRAMES/%06d.png, then --fps)",
+                    "leave them out and show the {new} others at {:.0} % of the rate (of a video file: ffmpeg -i CLIP -vf mpdecimate -fps_mode passthrough FRAMES/%06d.png, then --fps)",
                     100.0 * new as f64 / of as f64
                 ),
             )

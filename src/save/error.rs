@@ -9,7 +9,12 @@ use std::{
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("cannot write {}: {cause}", path.display())]
 #[diagnostic(help(
-    "check that its folder can be written to and has room; what was there before is as it was"
+    "{}what was there before is as it was",
+    if cause.kind() == io::ErrorKind::InvalidData {
+        ""
+    } else {
+        "check that its folder can be written to and has room; "
+    }
 ))]
 pub struct SaveError {
     /// The file that was to be written.

@@ -3,7 +3,7 @@
 //! A frame is one where the light of the pixels changes by more than [`RATIO`] times what it
 //! usually does there (the median of the changes up to [`NEAR`] frames before and after), and
 //! what is seen at a place no longer resembles what was seen there (Pearson's correlation below
-//! [`ALIKE`]). A flash changes much and keeps the picture; fast motion loses the picture, but
+//! [`ALIKE`]) nearly everywhere ([`CHANGED`]). A flash changes much and keeps the picture; fast motion loses the picture, but
 //! frame after frame. Some thousand pixels of a frame are looked at.
 
 use super::Image;
@@ -14,6 +14,9 @@ const RATIO: f64 = 3.0;
 
 /// Pictures that correlate by less are two.
 const ALIKE: f64 = 0.65;
+
+/// A new picture changes at least this part of the pixels.
+const CHANGED: f64 = 0.25;
 
 /// Changes on either side that say what is usual.
 const NEAR: usize = 12;
@@ -53,6 +56,8 @@ pub(super) struct Cuts {
 struct Change {
     seconds: f64,
     mean: f64,
+    /// The part of the pixels whose light changes.
+    part: f64,
     correlation: f64,
 }
 
@@ -72,6 +77,7 @@ impl Cuts {
             self.changes.push(Change {
                 seconds,
                 mean: mean_change(&self.before, &looked),
+                part: changed(&self.before, &looked),
                 correlation: correlation(&self.before, &looked),
             });
         }
@@ -83,7 +89,8 @@ impl Cuts {
         let each = self.changes.iter().enumerate();
         each.filter_map(|(at, change)| {
             let usual = self.usual(at)?;
-            let is_cut = change.correlation < ALIKE && change.mean > RATIO * usual;
+            let is_other = change.correlation < ALIKE && change.part >= CHANGED;
+            let is_cut = is_other && change.mean > RATIO * usual;
             is_cut.then(|| Cut {
                 frame: at as u64 + 1,
                 seconds: change.seconds,
@@ -108,6 +115,11 @@ impl Cuts {
 fn mean_change(a: &[f64], b: &[f64]) -> f64 {
     let sum: f64 = a.iter().zip(b).map(|(a, b)| (b - a).abs()).sum();
     sum / a.len() as f64
+}
+
+fn changed(a: &[f64], b: &[f64]) -> f64 {
+    let changed = a.iter().zip(b).filter(|(a, b)| a != b);
+    changed.count() as f64 / a.len() as f64
 }
 
 /// Pearson's; between two even frames 1, between an even one and a picture 0.
@@ -175,5 +187,15 @@ mod tests {
         assert!(found((0..20).map(dim)).is_empty());
         let even = |n: usize| Plane::from_elem((32, 32), if n < 8 { 10.0 } else { 200.0 });
         assert!(found((0..20).map(even)).is_empty());
+        // Nor is a spot in an even picture.
+        let spot = |n: usize| {
+            Plane::from_shape_fn(
+                (32, 32),
+                |at| {
+                    if n >= 8 && at == (4, 4) { 250.0 } else { 128.0 }
+                },
+            )
+        };
+        assert!(found((0..20).map(spot)).is_empty());
     }
 }

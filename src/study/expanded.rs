@@ -8,6 +8,7 @@ use crate::{
     plane::Size,
     program::{Code, Cost, Overrides, Program},
     sensor::SensorError,
+    unit::Words,
 };
 
 /// A program's text expanded on its chip.
@@ -19,6 +20,8 @@ pub struct Expanded {
     pub code: Code,
     /// What a frame costs.
     pub cost: Cost,
+    /// Words that it takes in the kernel store.
+    pub stored: Words,
     /// The chip.
     pub device: Device,
 }
@@ -30,10 +33,13 @@ impl Expanded {
     /// When the text is no program, or more than the chip takes.
     pub fn from_text(title: &str, text: &str, device: &Device) -> Result<Self, DesignError> {
         let parsed = Program::parse(title, text)?;
-        let code = parsed.expand(device, &Overrides::default())?.code;
+        let expansion = parsed.expand(device, &Overrides::default())?;
+        let stored = expansion.stored(device);
+        let code = expansion.code;
         Ok(Self {
             title: title.to_owned(),
             cost: Cost::of(&code.frame, device),
+            stored,
             code,
             device: device.clone(),
         })

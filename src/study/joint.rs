@@ -11,7 +11,6 @@ use super::{
 use crate::{
     isa::Figure,
     kernel::quantise::{Quantised, Quantiser, Sum},
-    program::stored,
     rig::guard::Guard,
     scene::Scene,
     unit::Micros,
@@ -116,13 +115,13 @@ impl Joint {
 impl OnChip {
     fn new(program: &Together, kinds: Vec<Kind>) -> Self {
         let compiled = &program.compiled;
-        let (cost, code, device) = (compiled.cost, &compiled.code, &compiled.device);
+        let (cost, device) = (compiled.cost, &compiled.device);
         Self {
             memory: together::name(program.memory),
             against: program.against(),
             filter_words: compiled.program.filter.words.len() as u64,
             words: cost.words.0,
-            stored_words: (stored(&code.init, device) + stored(&code.frame, device)).0,
+            stored_words: compiled.stored.0,
             store: device.value(Figure::Store) as u64,
             array_us: cost.array_us,
             frames_per_s: 1e6 / cost.micros(),

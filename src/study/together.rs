@@ -14,7 +14,6 @@ use crate::{
     compile::{DriveMemory, EventReadout, MEMORY_BITS, carried},
     event::{Event, Packet},
     number::Format,
-    program::stored,
     reference::{Description, MemoryRule},
     rig,
     scene::{Frame, Scene},
@@ -179,9 +178,8 @@ impl Together {
     #[must_use]
     pub fn carried(&self) -> usize {
         let Compiled { program, expanded } = &self.compiled;
-        let Expanded { code, device, .. } = expanded;
-        let words = stored(&code.init, device) + stored(&code.frame, device);
-        carried(self.memory, device, (program.drives.len(), words.0))
+        let Expanded { stored, device, .. } = expanded;
+        carried(self.memory, device, (program.drives.len(), stored.0))
     }
 }
 

@@ -2,7 +2,6 @@
 
 use serde_json::json;
 
-use super::kept;
 use crate::{
     isa::{Device, Figure},
     program::{Cost, Expansion, Overrides, Program},
@@ -31,7 +30,7 @@ impl Changes {
         let base = device.base()?;
         let of = |expansion: &Expansion, device: &Device| {
             let cost = Cost::of(&expansion.code.frame, device);
-            (cost.words.0, cost.micros(), kept(expansion, device))
+            (cost.words.0, cost.micros(), expansion.stored(device).0)
         };
         Some(Self {
             base: base.name().to_owned(),

@@ -10,7 +10,7 @@ use super::opened::{Opened, Source};
 use crate::{
     array::range::Interval,
     isa::{Device, Figure},
-    program::{Cell, Cost, Entry, Expanded, Expansion, Program, for_each, stored, vendor_text},
+    program::{Cell, Cost, Entry, Expanded, Expansion, Program, vendor_text},
 };
 
 /// What `asm` is asked to do.
@@ -117,8 +117,8 @@ fn listing(
             words.0
         ));
     }
-    let (kept, room) = (kept(expansion, device), device.value(Figure::Store));
-    lines.push(format!("store   {kept:>6} words of {room}"));
+    let (stored, room) = (expansion.stored(device).0, device.value(Figure::Store));
+    lines.push(format!("store   {stored:>6} words of {room}"));
     let (used, destroyed) = registers(expansion, device);
     lines.push(format!("uses      {}", or_none(&used)));
     lines.push(format!("destroys  {}", or_none(&destroyed)));
@@ -153,19 +153,6 @@ fn costs(expansion: &Expansion, device: &Device) -> Vec<(&'static str, Cost)> {
     }
     list.push((frame, Cost::of(&expansion.code.frame, device)));
     list
-}
-
-/// The words in the kernel store; kernels of the host are not there.
-fn kept(expansion: &Expansion, device: &Device) -> u64 {
-    let mut words = 0;
-    let mut add = |statement: &Expanded| {
-        if !statement.host {
-            words += stored(&statement.steps, device).0;
-        }
-    };
-    for_each(&expansion.init, &mut add);
-    for_each(&expansion.frame, &mut add);
-    words
 }
 
 fn rows(lines: &mut Vec<String>, entries: &[Entry], device: &Device, level: usize) {
@@ -265,7 +252,7 @@ fn json(
         "init": list(&expansion.init, device),
         "frame": list(&expansion.frame, device),
         "cost": costs,
-        "stored_words": kept(expansion, device),
+        "stored_words": expansion.stored(device).0,
         "uses": used,
         "destroys": destroyed,
         "constants": expansion.constants,

@@ -9,7 +9,7 @@ use super::{
         complain,
         kernels::{self, check_number},
     },
-    Arguments, Asked,
+    Arguments, Asked, Total,
 };
 use crate::{
     kernel::quantise::Quantiser,
@@ -103,13 +103,24 @@ impl Asked {
         arguments: &Arguments,
     ) -> miette::Result<Self> {
         let Some(to) = to else {
+            if matches!(arguments.sum, Total::Zero) {
+                return Err(miette!(
+                    help = "give a quantiser (--to int-5), or leave --sum out",
+                    "--sum zero, and exact weights keep the sum that they have"
+                ));
+            }
             return Ok(self);
         };
         let mut guard = Guard::new();
         for (i, kernel) in self.kernels.iter_mut().enumerate() {
             let quantised = to.quantise(kernel, arguments.sum.into(), arguments.seed)?;
             for erasure in quantised.erasures(kernel) {
-                guard.warn(Warning::erased(&to.to_string(), erasure));
+                let own = match &self.names[i] {
+                    Some(name) => format!("{name} as {to}"),
+                    None if self.scales.len() > 1 => format!("kernel {i} as {to}"),
+                    None => to.to_string(),
+                };
+                guard.warn(Warning::erased(&own, erasure));
             }
             let quantised = if arguments.filter_only {
                 quantised

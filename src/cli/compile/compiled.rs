@@ -10,7 +10,7 @@ use crate::{
     compile::{Decided, DriveMemory, Filter, Need, bound::LowerBound, carried},
     isa::{Analog, Device, Figure},
     plane::Plane,
-    program::{Cost, for_each, stored},
+    program::{Cost, for_each},
     study::feasibility::time,
     unit::counted,
 };
@@ -88,8 +88,7 @@ impl Compiled {
 
     /// Words that the program takes of the chip's store.
     fn stored(&self, device: &Device) -> u64 {
-        let code = &self.expansion.code;
-        (stored(&code.init, device) + stored(&code.frame, device)).0
+        self.expansion.stored(device).0
     }
 
     /// Kinds like these that the chip carries.
@@ -259,7 +258,12 @@ impl Compiled {
                 "not right at the border: {far} events differ from the float model's, in exact arithmetic too; search longer (--effort), or take a chip with more registers (--border refuses such a program)"
             )
         } else {
-            format!("not right at the border, {far} (--border asks for it)")
+            let way = if self.to_border {
+                "no plan was found that is: search longer (--effort)"
+            } else {
+                "--border asks for it"
+            };
+            format!("not right at the border, {far} ({way})")
         }
     }
 
@@ -282,11 +286,22 @@ impl Compiled {
                     self.halvings()
                 )
             }
+            (n, _) if self.memory.is_some() => format!(
+                "{} can saturate: search longer (--effort), or take fewer digits (--to)",
+                counted(n, "store")
+            ),
             (n, _) => format!(
                 "{} can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
                 counted(n, "store"),
                 127.0 / self.filter.peak
             ),
+        };
+        // The brightest of 8 bits is half an LSB beyond the register's end.
+        let range = match range.strip_prefix("nothing saturates") {
+            Some(rest) if self.memory.is_some() => {
+                format!("nothing saturates for light up to 254 of 255{rest}")
+            }
+            _ => range,
         };
         let errors = if self.filter.holds || !self.ranged {
             ""

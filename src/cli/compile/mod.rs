@@ -188,6 +188,9 @@ impl Arguments {
 /// Longer filters are proved by an impulse.
 const TRACED: usize = 100;
 
+/// Of longer ones the ranges are bounds.
+const RANGED: usize = 1000;
+
 /// `lo..hi`, for the command line.
 fn interval(text: &str) -> Result<(f64, f64), String> {
     let wrong = || format!("`{text}` is not LO..HI, such as 0..127");
@@ -242,7 +245,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(to) = arguments.to.0 {
         let scales: Vec<String> = asked.scales.iter().map(|s| format!("{s:.4}")).collect();
         super::say(&format!(
-            "levels    {to}; times {} they are the kernel: thresholds are divided by it\n",
+            "levels    {to}; the program's kernel times {} is the one asked for: thresholds are divided by it\n",
             scales.join(", ")
         ));
     }
@@ -367,6 +370,8 @@ struct Compiled {
     snake: u64,
     /// Whether the range of the input is known.
     ranged: bool,
+    /// Whether it was to be right at the border.
+    to_border: bool,
     /// Each result in the chip's model.
     on_chip: Vec<OnChip>,
     /// What the filter adds to each result.
@@ -405,10 +410,27 @@ fn bare<'a>(
     check_registers(&request, asked)?;
     request.border = arguments.border;
     request.range = asked.input;
+    let ends = [Figure::Lowest, Figure::Highest].map(|end| device.value(end));
+    // Half a level beyond is what light has at most.
+    if let Some((low, high)) = asked
+        .input
+        .filter(|it| it.0 < ends[0] || it.1 > ends[1] + 0.5)
+    {
+        return Err(miette!(
+            help = "give what a register can hold, such as --input 0..127",
+            "--input {low}..{high}: a register holds {} to {} LSB",
+            ends[0],
+            ends[1]
+        ));
+    }
     Ok(request)
 }
 
 fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
+    if asked.kernels.len() > 1 {
+        // Nothing comes out of one of zeros, and nothing is to be measured of it.
+        check_weights(&asked.kernels)?;
+    }
     let request = bare(arguments, asked, device)?;
     let filter = request.filter()?;
     let on_chip = OnChip::run(
@@ -434,6 +456,7 @@ fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette:
     let compiled = proof.compiled(text, filter, asked.input.is_some())?;
     Ok(Compiled {
         ranged: asked.input.is_some(),
+        to_border: arguments.border,
         on_chip,
         ..compiled
     })

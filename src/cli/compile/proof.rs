@@ -2,7 +2,7 @@
 
 use miette::{WrapErr, miette};
 
-use super::{Compiled, Proof, TRACED, noises};
+use super::{Compiled, Proof, RANGED, TRACED, noises};
 use crate::{
     array::{
         Arithmetic, Input, Settings,
@@ -33,7 +33,8 @@ impl Proof<'_> {
         let steps = &expansion.code.frame;
         let settings = Settings::from_device(self.device);
         let mut kernels = Vec::new();
-        let long = filter.words.len() > TRACED;
+        let filter_words = filter.words.len();
+        let long = filter_words > TRACED;
         for (kernel, register) in self.kernels.iter().zip(self.results) {
             let (read, others) = if long {
                 (self.impulse(&expansion.code, *register)?, false)
@@ -59,7 +60,7 @@ impl Proof<'_> {
             }
             kernels.extend(found);
         }
-        let (results, saturations) = if long {
+        let (results, saturations) = if filter_words > RANGED {
             let high = match self.input {
                 Input::Light => self.inputs.light.high * settings.gain,
                 Input::Register(_) => self.inputs.registers.high,
@@ -77,7 +78,7 @@ impl Proof<'_> {
             let results: Vec<Interval> = self.results.iter().filter_map(of).collect();
             (results, ranges.saturations.len())
         };
-        if limited && saturations > 0 && !long {
+        if limited && saturations > 0 && filter_words <= RANGED {
             return Err(miette!(
                 help = "this is a fault of amacrine: please report the kernel and the command",
                 "the compiled program saturates for the input that it was made for"
@@ -87,6 +88,7 @@ impl Proof<'_> {
             results,
             thresholds: Vec::new(),
             ranged: false,
+            to_border: false,
             on_chip: Vec::new(),
             noises: noises(&filter, self.device, Analog(0), self.results, self.kernels),
             filters: vec![filter.clone()],

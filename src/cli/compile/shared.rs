@@ -55,6 +55,7 @@ pub(super) fn whole(
         results_in: program.drives.clone(),
         snake: 0,
         ranged: true,
+        to_border: false,
         on_chip: Vec::new(),
         noises: Vec::new(),
         filter: program.filter.clone(),

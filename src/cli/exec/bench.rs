@@ -30,7 +30,7 @@ use crate::{
         self,
         guard::{Guard, Warning},
     },
-    scene::{Observation, Scene},
+    scene::{Observation, Scene, kept::Kept},
     study::pilot::{Chips, Machine},
 };
 
@@ -46,6 +46,8 @@ pub struct Bench<'a> {
     pub said: Said,
     /// Bytes of the frames of its light.
     frames: u128,
+    /// Its clip, where it was read before.
+    pub read: Option<Kept>,
     pub arithmetic: Arithmetic,
     pub(super) settings: Settings,
     /// What runs in place of the arithmetic that was asked for.
@@ -99,6 +101,7 @@ impl<'a> Bench<'a> {
             arithmetic: arithmetic(arguments, program)?,
             settings: settings(arguments, program, device)?,
             machine: None,
+            read: None,
             recorded: Vec::new(),
             arguments,
             planes,
@@ -359,7 +362,10 @@ impl<'a> Bench<'a> {
                 recorded => self.watch_recorded(chip, recorded, &mut run),
             };
         }
-        let light = Light::open(self.arguments, &self.opened.program, &self.observation)?;
+        let mut light = Light::open(self.arguments, &self.opened.program, &self.observation)?;
+        if let Some(read) = &self.read {
+            light.scene = Some(Box::new(read.scene()));
+        }
         let Expansion { code, bare, .. } = &self.opened.expansion;
         let mut light = Lasting::new(light, self.size, if *bare { 1 } else { 2 });
         let mut packet = Packet::new(chip.size(), chip.channels());

@@ -12,7 +12,9 @@ use crate::{
     limit::FRAMES,
     plane::{Plane, Size},
     program::{Exposure, Program},
-    scene::{ASSUMED_FPS, Frame, Image, Observation, Outline, Scene, SceneError},
+    scene::{
+        ASSUMED_FPS, Frame, Image, Observation, Outline, Scene, SceneError, kept::Kept, part::First,
+    },
     unit::counted,
 };
 
@@ -138,6 +140,18 @@ impl Light {
             cut,
             fps: asked.unwrap_or(found),
         })
+    }
+
+    /// Reads its scene, so far as it is shown, into memory, and shows it from there; none where that
+    /// takes more than so many bytes.
+    pub fn keep(&mut self, most: usize) -> miette::Result<Option<Kept>> {
+        let Some(scene) = self.scene.take() else {
+            return Ok(None);
+        };
+        let mut shown = First::new(scene, self.frames.unwrap_or(u64::MAX));
+        let kept = Kept::new(&mut shown, most)?;
+        self.scene = kept.as_ref().map(|kept| Box::new(kept.scene()) as _);
+        Ok(kept)
     }
 }
 

@@ -40,11 +40,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let mut bench = Bench::new(arguments)?;
     bench.check()?;
-    let plan = if arguments.fidelity.is_auto() {
+    let mut plan = if arguments.fidelity.is_auto() {
         Some(pilot::plan(&bench)?)
     } else {
         None
     };
+    bench.read = plan.as_mut().and_then(|plan| plan.read.take());
     bench.machine = match &plan {
         Some(plan) => Some(plan.answer.choice.clone()),
         None => bench.left_out()?,

@@ -30,6 +30,8 @@ pub struct Planned {
     pub answer: Answer<Machine>,
     /// A quicker schedule than the usual one, if there is one and none was asked for.
     pub quicker: Option<Quicker>,
+    /// The clip, which was read for it.
+    pub read: Option<Kept>,
 }
 
 /// Asks a pilot what may be left out of a run.
@@ -53,7 +55,8 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Planned> {
             "--fidelity auto takes programs of `init` and `frame` that see nothing but light"
         ));
     }
-    let light = Light::open(arguments, &opened.program, &bench.observation)?;
+    let mut light = Light::open(arguments, &opened.program, &bench.observation)?;
+    let (lit, read) = (light.scene.is_some(), light.keep(KEPT)?);
     let mut light = Lasting::new(light, bench.size, 2);
     let family = Chips {
         name: &opened.program.file,
@@ -62,7 +65,12 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Planned> {
         settings: bench.settings,
         arithmetic: bench.arithmetic,
     };
-    let Some(kept) = Kept::new(&mut light, KEPT)? else {
+    let kept = if lit && read.is_none() {
+        None
+    } else {
+        Kept::new(&mut light, KEPT)?
+    };
+    let Some(kept) = kept else {
         return Err(miette!(
             help = "run it without --fidelity, or show a shorter clip",
             "the light is too long to be kept in memory, and a pilot looks at all of it"
@@ -86,11 +94,16 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Planned> {
     };
     let answer = measure.ask(&family, &family.candidates(&formats))?;
     // A schedule that was asked for stays.
+    let left = (BUDGET.0, BUDGET.1 - answer.seconds);
     let quicker = match arguments.schedule {
         Some(_) => None,
-        None => order::quicker(&family, &answer.choice, &kept, BUDGET, &clock),
+        None => order::quicker(&family, &answer.choice, &kept, left, &clock),
     };
-    Ok(Planned { answer, quicker })
+    Ok(Planned {
+        answer,
+        quicker,
+        read,
+    })
 }
 
 /// A readout whose slots are full loses events for others, wherever they are: then the pilot's
@@ -127,6 +140,7 @@ pub fn lines(plan: &Planned, arguments: &Arguments) -> String {
     let Planned {
         answer: plan,
         quicker,
+        ..
     } = plan;
     let choice = plan.choice.to_string();
     let mut text = told(

@@ -142,7 +142,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     };
     let warnings = match &answer {
         Some(answer) => answer.warnings.clone(),
-        None => erased(kernel, &all),
+        None => erased(None, kernel, &all),
     };
     let good: Vec<&Quantised> = { all.iter() }
         .filter_map(|(_, quantised)| quantised.as_ref().ok())
@@ -243,11 +243,12 @@ impl Arguments {
 type Tried = (Quantiser, Result<Quantised, QuantiseError>);
 
 /// What few values have taken from the kernel.
-fn erased(kernel: &Kernel, all: &[Tried]) -> Vec<Warning> {
+fn erased(name: Option<&str>, kernel: &Kernel, all: &[Tried]) -> Vec<Warning> {
     let mut guard = Guard::new();
     for (to, quantised) in all {
         for erasure in quantised.iter().flat_map(|q| q.erasures(kernel)) {
-            guard.warn(Warning::erased(&to.to_string(), erasure));
+            let own = name.map_or_else(|| to.to_string(), |name| format!("{name} as {to}"));
+            guard.warn(Warning::erased(&own, erasure));
         }
     }
     guard.warnings()

@@ -57,7 +57,7 @@ pub(super) fn run(
     let (mut all, mut warnings) = (Vec::new(), Vec::new());
     for (name, kernel) in kinds.names.iter().zip(&kinds.kernels) {
         let tried = arguments.quantised(name, kernel)?;
-        warnings.extend(erased(kernel, &tried));
+        warnings.extend(erased(Some(name), kernel, &tried));
         let rows = { tried.iter() }.map(|(to, few)| Row::new(*to, kernel, few.as_ref()));
         all.push(Kind {
             name: name.clone(),

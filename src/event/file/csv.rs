@@ -144,6 +144,13 @@ impl Rows for Csv {
         }
     }
 
+    fn column(&self, line: &Line<'_>, name: &str) -> usize {
+        let columns = self.columns.iter().flatten();
+        let mut fields = line.text.split(|b| *b == b',').zip(columns);
+        let field = fields.find(|(_, column)| column.name() == name);
+        field.map_or(0, |(field, _)| line.column_of(field))
+    }
+
     fn end(&self) -> Result<(), Stop> {
         if self.columns.is_some() {
             return Ok(());

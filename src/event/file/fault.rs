@@ -10,7 +10,14 @@ use crate::{plane::Size, save::SaveError};
 pub enum FileError {
     /// The extension names no format.
     #[error("{}: `{extension}` is not a known kind of event file; known are {}", path.display(), known())]
-    #[diagnostic(help("rename the file so that its extension says what is in it"))]
+    #[diagnostic(help(
+        "{}",
+        if path.as_os_str() == "-" {
+            "an event file is read by its name: write it to a file first"
+        } else {
+            "rename the file so that its extension says what is in it, or say it with `amacrine convert --from NAME`"
+        }
+    ))]
     Extension {
         /// Which file.
         path: PathBuf,
@@ -332,6 +339,16 @@ pub enum Fault {
 }
 
 impl Fault {
+    /// The field whose value is wrong, where it is one.
+    pub(super) const fn field(&self) -> Option<&'static str> {
+        match self {
+            Self::Range { name, .. } => Some(name),
+            Self::Polarity { .. } => Some("p"),
+            Self::Time { .. } => Some("t"),
+            _ => None,
+        }
+    }
+
     /// What a file says in one place, and what in the other.
     pub(super) fn twice(format: Format, one: impl Into<String>, other: impl Into<String>) -> Self {
         let (one, other) = (one.into(), other.into());
@@ -365,8 +382,11 @@ impl Fault {
             }
             Self::Backwards { .. } => "sort the events by time",
             Self::Polarity { .. } => "write 1 for ON and 0 for OFF",
-            Self::Range { name, .. } => match name.as_bytes() {
+            Self::Range { name, value, .. } => match name.as_bytes() {
                 b"channel" => "number the channels from 0",
+                _ if *value < 0 || *value > 65535 => {
+                    "coordinates count from 0 at the top left, to 65535 at most"
+                }
                 _ => {
                     "coordinates count from 0 at the top left; if this one is right, another format may hold it"
                 }

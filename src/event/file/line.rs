@@ -16,6 +16,11 @@ pub trait Rows: Send {
         None
     }
 
+    /// Where the value of a field of this name begins in a line of an event.
+    fn column(&self, _line: &Line<'_>, _name: &str) -> usize {
+        0
+    }
+
     /// At the end of the file.
     fn end(&self) -> Result<(), Stop> {
         Ok(())
@@ -73,6 +78,9 @@ impl<R: Rows> Text<R> {
     /// Reads one line; returns its event, if it has one.
     fn take(&mut self, text: &[u8]) -> Result<Option<Event>, Stop> {
         self.number += 1;
+        // The byte order mark of some spreadsheets.
+        let mark = (self.number == 1).then(|| text.strip_prefix(b"\xef\xbb\xbf"));
+        let text = mark.flatten().unwrap_or(text);
         let line = Line::new(self.number, text.trim_ascii_end());
         if line.text.trim_ascii_start().is_empty() {
             return Ok(None);
@@ -92,7 +100,12 @@ impl<R: Rows> Text<R> {
             return Ok(None);
         };
         self.begun = true;
-        raw.event().map(Some).map_err(|fault| line.stop(0, fault))
+        raw.event().map(Some).map_err(|fault| {
+            let column = fault
+                .field()
+                .map_or(0, |name| self.rows.column(&line, name));
+            line.stop(column, fault)
+        })
     }
 }
 

@@ -142,7 +142,9 @@ impl Reader {
 
     fn listen(&mut self) {
         self.gate.about = self.source.about();
-        self.gate.about.size = self.gate.about.size.or(self.size);
+        // No sensor is without pixels: some writers mean that they do not know.
+        let said = self.gate.about.size.filter(|it| it.pixels() > 0);
+        self.gate.about.size = said.or(self.size);
     }
 
     /// A size that was given, of a file that says another.

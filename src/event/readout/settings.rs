@@ -197,7 +197,10 @@ pub enum ReadoutError {
     },
     /// A setting is missing.
     #[error("{readout}: `{key}` is not set")]
-    #[diagnostic(help("the settings of `{readout}` are {}", keys(readout).join(", ")))]
+    #[diagnostic(help(
+        "state it in the file, below [settings], or give --with {key}=VALUE; the settings of `{readout}` are {}",
+        keys(readout).join(", ")
+    ))]
     Missing {
         /// Which readout.
         readout: String,

@@ -75,7 +75,7 @@ impl Windows {
         self.from(Micros(start.max(0) as u64))
     }
 
-    /// Where the first begins, or has its middle.
+    /// The time from which they are counted.
     #[must_use]
     pub const fn start(&self) -> Micros {
         Micros(self.start as u64)
@@ -120,7 +120,8 @@ impl Windows {
                 while count > 1 && middle(count - 1) > end {
                     count -= 1;
                 }
-                while middle(count) <= end {
+                // The largest time stands for all that are beyond it.
+                while middle(count) <= end.min(i64::MAX - 1) {
                     count += 1;
                 }
             }
@@ -160,6 +161,16 @@ mod tests {
             let middle = |n: u64| (n as f64 * every * 1e6).round();
             prop_assert!(count == 1 || middle(count - 1) <= end as f64);
             prop_assert!(middle(count) > end as f64);
+        }
+    }
+
+    #[test]
+    fn the_largest_time_has_an_end() {
+        for alignment in [Alignment::Causal, Alignment::Centred] {
+            let windows = Windows::new(0.05, 0.05, alignment).unwrap();
+            let last = Micros(i64::MAX as u64);
+            let windows = windows.reaching(Micros(last.0 - 5_000_000));
+            assert!((95..=105).contains(&windows.count(last)), "{alignment:?}");
         }
     }
 

@@ -50,6 +50,17 @@ pub fn known() -> String {
     each.collect::<Vec<_>>().join(", ")
 }
 
+/// A regular expression that all names match, and hardly another.
+#[must_use]
+pub fn pattern() -> String {
+    let each = ENTRIES.iter().map(|entry| match entry.parameters {
+        Parameters::None => format!("{}$", entry.form.replace('.', r"\.")),
+        Parameters::One(..) => format!("{}[0-9]+$", entry.stem()),
+        Parameters::Fixed => format!("{}[0-9]", entry.stem()),
+    });
+    format!("^({})", each.collect::<Vec<_>>().join("|"))
+}
+
 /// A question, where a name is like none and yet near to one.
 fn meant(name: &str, why: &str) -> String {
     let forms = ENTRIES.iter().map(|entry| entry.form);

@@ -27,7 +27,7 @@ pub use digits::FINEST;
 pub use entry::{Chosen, Entry, Parameters, Quantiser, Rounding, Sum};
 pub use erasure::Erasure;
 pub use error::QuantiseError;
-pub use list::{ENTRIES, QuantiserNameError, known};
+pub use list::{ENTRIES, QuantiserNameError, known, pattern};
 pub use quantised::Quantised;
 pub use response::Change;
 pub use summary::Summary;

@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 
 use crate::{
     config::{Fault, Place},
-    isa::Cell,
+    isa::{Cell, Device},
+    unit::Words,
 };
 
 use super::super::{
     code::{Code, Step},
+    cost,
     effect::Effect,
 };
 
@@ -31,6 +33,23 @@ pub struct Expansion {
     pub constants: BTreeMap<String, f64>,
     /// Warnings: what may not be meant.
     pub warnings: Vec<Fault>,
+}
+
+impl Expansion {
+    /// Instruction words that it takes in the kernel store: a repetition is stored once, and the
+    /// host's own kernels are not there.
+    #[must_use]
+    pub fn stored(&self, device: &Device) -> Words {
+        let mut words = Words(0);
+        let mut add = |statement: &Expanded| {
+            if !statement.host {
+                words = words + cost::stored(&statement.steps, device);
+            }
+        };
+        for_each(&self.init, &mut add);
+        for_each(&self.frame, &mut add);
+        words
+    }
 }
 
 /// A statement and what it became.

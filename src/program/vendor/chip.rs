@@ -264,7 +264,7 @@ pub(super) fn neighbours(
     machine.ask("CLR", all.iter().map(|it| name(it)).collect(), place);
     machine.ask("SET", enabled.iter().map(|it| name(it)).collect(), place);
     let operands = given.iter().take(2);
-    let operands: Option<Vec<Term>> = operands.map(|it| super::machine::term(&it.0)).collect();
+    let operands: Option<Vec<Term>> = operands.map(|it| super::ask::term(&it.0)).collect();
     let word = if boundary { "DNEWS1" } else { "DNEWS0" };
     machine.ask(word, operands.unwrap_or_default(), place);
 }

@@ -9,7 +9,8 @@ use std::{
 
 use super::{
     host::{self, ALGORITHMS, Role},
-    machine::{Machine, foreign},
+    machine::Machine,
+    scope::foreign,
     tree::{Expr, ExprNode, Function, Stmt, StmtNode, TemplateArgument, Word, last},
     value::{Slot, Value},
 };

@@ -20,10 +20,12 @@
 
 mod algorithm;
 mod announced;
+mod ask;
 mod beside;
 mod call;
 mod chip;
 mod constant;
+mod declare;
 mod evaluate;
 mod expression;
 mod files;
@@ -31,16 +33,20 @@ mod frames;
 mod host;
 mod light;
 mod look;
+mod loops;
 mod machine;
 mod memory;
 mod parse;
 mod post;
 mod preprocess;
+mod reach;
 mod run;
+mod scope;
 mod shape;
 mod token;
 mod tree;
 mod value;
+mod variable;
 mod write;
 
 pub use beside::{Answer, Beside};
@@ -50,9 +56,10 @@ pub use write::{WriteError, cpp};
 use std::collections::{BTreeMap, BTreeSet};
 
 use self::{
+    ask::item,
     beside::Companion,
     files::Files,
-    machine::{Machine, item},
+    machine::Machine,
     tree::{Function, Stmt, StmtNode},
 };
 use super::{

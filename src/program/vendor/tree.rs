@@ -147,7 +147,7 @@ pub(super) enum StmtNode {
     While(Expr, Box<Stmt>),
     DoWhile(Box<Stmt>, Expr),
     Switch(Expr, Vec<Stmt>),
-    /// `case value:`, or `default:`.
+    /// `case value:`, `case {first, last}:` for all between them, or `default:`.
     Case(Option<Expr>),
     Break,
     Continue,

@@ -74,6 +74,17 @@ pub fn cpp(program: &Program, device: &Device) -> Result<String, WriteError> {
     if let Some(title) = &program.settings.title {
         let _ = writeln!(text, "// {title}");
     }
+    if let Some(chip) = program
+        .settings
+        .chip
+        .as_ref()
+        .filter(|chip| *chip != "scamp5")
+    {
+        let _ = writeln!(
+            text,
+            "// for {chip}: asm and exec read it with --chip {chip}"
+        );
+    }
     text.push_str("#include <scamp5.hpp>\n\nusing namespace SCAMP5_PE;\n\n");
     for (name, bytes) in &writer.buffers {
         let _ = writeln!(text, "uint8_t {name}[{bytes}];");

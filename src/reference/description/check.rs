@@ -72,13 +72,6 @@ impl Reader<'_> {
         let four = section.get("pattern").is_some();
         let log_temporal = section.flag("log-temporal");
         let gain = section.number("gain")?;
-        if gain == 0.0 {
-            return Err(wrong(
-                section.place_of("gain"),
-                "gain is 0",
-                "give a finite number other than zero: -1 exchanges ON and OFF",
-            ));
-        }
         let surrounds = match section.get("mesh") {
             None => None,
             Some(mesh) => {

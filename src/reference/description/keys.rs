@@ -164,9 +164,9 @@ const CHANNEL: Table = Table {
         ),
         Key::with_default(
             "gain",
-            Kind::Number(Range::FINITE),
+            Kind::NONZERO,
             "1",
-            "scales the weights; not 0, and -1 exchanges ON and OFF",
+            "scales the weights; -1 exchanges ON and OFF",
         ),
         Key::optional(
             "memory-kernel",

@@ -112,8 +112,7 @@ pub(super) fn answered(
         Ok(compiled) => {
             let threshold = question.threshold / quantised.scale * compiled.program.scale;
             let time = time::time(question, compiled, &busy, (scene.height, scene.fps))?;
-            let (program, code) = (&compiled.program, &compiled.code);
-            let chip = OnChip::new(program, code, question.device, threshold, time);
+            let chip = OnChip::new(compiled, question.device, threshold, time);
             Fit::OnChip(Box::new(chip))
         }
         Err(why) => Fit::Refused(why.clone()),

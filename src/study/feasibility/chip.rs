@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use super::{estimate::Estimate, named::Named, time::Time};
+use super::{super::design::Compiled, estimate::Estimate, named::Named, time::Time};
 use crate::{
     compile::SensorProgram,
     isa::{Analog, Device, Evidence, Figure},
-    program::{Cell, Code, Cost, Effect, stored},
+    program::{Cell, Code, Cost, Effect},
 };
 
 /// A program on its chip.
@@ -61,17 +61,17 @@ const MIDDLE: f64 = 64.0;
 impl OnChip {
     /// Of a compiled program and the threshold that it compares with, in LSB.
     pub(super) fn new(
-        program: &SensorProgram,
-        code: &Code,
+        compiled: &Compiled,
         device: &Device,
         threshold_lsb: f64,
         time: Time,
     ) -> Self {
+        let (program, code) = (&compiled.program, &compiled.code);
         let filter = &program.filter;
         Self {
             filter_words: filter.words.len() as u64,
             frame_words: Cost::of(&code.frame, device).words.0,
-            stored_words: (stored(&code.init, device) + stored(&code.frame, device)).0,
+            stored_words: compiled.stored.0,
             store: Estimate::figure(device, Figure::Store),
             registers: registers(code, device),
             registers_of: device.registers().analog.len() - 1,

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     isa::Figure,
     kernel::quantise::{Quantised, Quantiser},
-    program::{readout::Demand, stored},
+    program::readout::Demand,
     scene::{Frame, Scene},
     study::{
         design::Design,
@@ -199,7 +199,7 @@ impl SharedProgram {
             filter_words: filter.words.len() as u64,
             frame_words: compiled.cost.words.0,
             frame_words_apart: apart.sum(),
-            stored_words: (stored(&code.init, device) + stored(&code.frame, device)).0,
+            stored_words: compiled.stored.0,
             store: Estimate::figure(device, Figure::Store),
             registers: registers(code, device),
             registers_of: device.registers().analog.len() - 1,

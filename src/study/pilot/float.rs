@@ -140,7 +140,9 @@ impl Family for Floats<'_> {
     fn unseen(&self, model: &Choice, look: &Look) -> Unseen {
         let saturates =
             model.format != Format::F64 && rule::may_saturate(model.format, self.description, look);
-        if saturates {
+        let of_the_scene = [Effect::InsertedFrames, Effect::DeadTime, Effect::Bandwidth];
+        let left_out = |effect| model.leaves_out(effect) && !self.base.leaves_out(effect);
+        if saturates || of_the_scene.into_iter().any(left_out) {
             Unseen::Tile
         } else {
             Unseen::Cell
@@ -162,5 +164,50 @@ impl Family for Floats<'_> {
 
     fn parts(&self, size: Size) -> usize {
         bands_of(size)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        plane::Size,
+        study::pilot::look::{Grid, Look},
+    };
+
+    /// What the scene makes of a dead time or of frames is in a place: a sample without a change says
+    /// nothing of a tile that was not in it. Rounding and each cell's own noise are everywhere.
+    #[test]
+    fn what_the_scene_makes_changes_whole_tiles() {
+        let description = Description::open("dvs-v2e").unwrap();
+        let base = Choice::full().and_without(Effect::DeadTime);
+        let family = Floats {
+            description: &description,
+            seed: 0,
+            base: &base,
+        };
+        let size = Size::new(8, 8);
+        let look = Look {
+            grid: Grid { size, side: 4 },
+            activity: vec![1.0; 4],
+            extremes: Vec::new(),
+            range: (0.0, 255.0),
+            steepest: 100.0,
+            seconds: 1.0,
+            changing: (0..8, 0..8),
+        };
+        let unseen = |effect| family.unseen(&base.clone().and_without(effect), &look);
+        for effect in [Effect::InsertedFrames, Effect::Bandwidth] {
+            assert_eq!(unseen(effect), Unseen::Tile, "{effect}");
+        }
+        // What is free is left out of the full model as well.
+        for effect in [
+            Effect::DeadTime,
+            Effect::Strays,
+            Effect::Leak,
+            Effect::Jitter,
+        ] {
+            assert_eq!(unseen(effect), Unseen::Cell, "{effect}");
+        }
     }
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use crate::{
     plane::{At, Size},
+    rng::Hash,
     scene::kept::{Kept, Pixels},
 };
 
@@ -64,7 +65,8 @@ pub struct Look {
     pub changing: (Range<usize>, Range<usize>),
 }
 
-/// How much is looked at for activity: so many pixels of all frames together.
+/// How much is looked at for activity, about: so many pixels of all frames together. Rows are left
+/// out, not frames: each tile is looked at in every frame.
 const LOOKED_AT: usize = 1 << 22;
 
 /// Light of a pixel.
@@ -102,7 +104,7 @@ impl Look {
         };
         let mut places = [0; 3];
         let pairs = kept.len().saturating_sub(1);
-        let skip = (grid.size.pixels() * pairs / LOOKED_AT).max(1);
+        let skip = (grid.size.pixels() * pairs / LOOKED_AT).clamp(1, grid.side);
         for n in 0..kept.len() {
             let Some((_, seconds, now)) = kept.frame(n) else {
                 break;
@@ -112,10 +114,9 @@ impl Look {
                 continue;
             };
             look.seconds += seconds - start;
-            let (dt, counts) = (seconds - start, n % skip == 0);
             let how = How {
-                dt,
-                counts,
+                dt: seconds - start,
+                rows: Rows { frame: n, skip },
                 relative,
             };
             match (before, now) {
@@ -182,12 +183,13 @@ impl Look {
                 *place = y * width + at.unwrap_or(0);
             }
             let first = y / side * self.grid.across();
+            let counts = how.rows.count(y / side, y % side);
             let tiles = a.chunks(side).zip(b.chunks(side));
             for ((a, b), activity) in tiles.zip(&mut self.activity[first..]) {
                 if *activity < 0.0 && a != b {
                     *activity = 0.0;
                 }
-                if how.counts {
+                if counts {
                     let sum: f64 = a.iter().zip(b).map(change).sum();
                     let light: f64 = a.iter().map(|a| a.light().max(0.0)).sum();
                     let of = if how.relative {
@@ -264,8 +266,24 @@ fn largest_change<T: Value>(a: &[T], b: &[T]) -> f64 {
 #[derive(Clone, Copy)]
 struct How {
     dt: f64,
-    counts: bool,
+    rows: Rows,
     relative: bool,
+}
+
+/// The rows of tiles that are looked at in a frame, one in so many.
+#[derive(Clone, Copy)]
+struct Rows {
+    frame: usize,
+    skip: usize,
+}
+
+impl Rows {
+    /// Whether a row of the tiles that lie side by side counts: by chance, so that nothing that comes
+    /// again and again falls between them.
+    fn count(self, tiles: usize, row: usize) -> bool {
+        let offset = || Hash::new(self.frame as u64).with(tiles as u64).bits() as usize;
+        self.skip == 1 || (row + offset() % self.skip).is_multiple_of(self.skip)
+    }
 }
 
 #[cfg(test)]
@@ -305,5 +323,35 @@ mod tests {
         let still: Vec<usize> = (0..9).filter(|tile| seen[*tile] < 0.0).collect();
         assert_eq!(still, [0]);
         assert_eq!(look.seen_from(0), look.activity);
+    }
+
+    /// Long scenes are looked at in part; what moves in every other frame is not missed by that.
+    #[test]
+    fn what_comes_again_and_again_is_seen() {
+        let size = Size::new(64, 64);
+        for phase in 0..2 {
+            // Square 0 moves in these frames, square 1 in the others.
+            let mut square = [0.0; 2];
+            let frames: Vec<Frame> = (0..2200u64)
+                .map(|index| {
+                    square[usize::from(index % 2 == phase)] = index as f64 % 97.0;
+                    let light = |(y, x)| match (y / 16, x / 16) {
+                        (1, 1) => square[0],
+                        (2, 2) => square[1],
+                        _ => 7.0,
+                    };
+                    Frame {
+                        index,
+                        seconds: index as f64 * 0.01,
+                        light: Plane::from_shape_fn(size.shape(), light).into(),
+                    }
+                })
+                .collect();
+            let mut scene = Held::new(frames, size, 100.0);
+            let kept = Kept::new(&mut scene, 1 << 30).unwrap().unwrap();
+            let look = Look::new(&kept, Grid { size, side: 16 }, false);
+            let (a, b) = (look.activity[5], look.activity[10]);
+            assert!(a > 0.0 && b > 0.0 && (a / b - 1.0).abs() < 0.2, "{a} {b}");
+        }
     }
 }

@@ -158,6 +158,10 @@ impl Measure<'_> {
             measure: self,
             start,
             frames: Stage::frames(self.kept, between.as_ref()),
+            light: match &between {
+                Some(_) => stage::seconds_of_light(self.kept, between.as_ref(), self.clock),
+                None => [0.0; 2],
+            },
             trial: Trial {
                 family,
                 kept: self.kept,
@@ -201,6 +205,8 @@ struct Pilot<'a, F> {
     start: f64,
     /// With the inserted frames, and without.
     frames: [usize; 2],
+    /// Seconds of their light on the whole sensor, where frames are inserted.
+    light: [f64; 2],
     trial: Trial<'a, F>,
     look: Look,
     activity: Vec<f64>,
@@ -230,6 +236,7 @@ impl<F: Family> Pilot<'_, F> {
     /// would save too little, and says how many tiles can be afforded.
     fn afford(&self, answer: &mut Answer<F::Model>) -> Step<usize> {
         let Self { trial, measure, .. } = self;
+        let on_the_whole = self.time_to_try(answer)?;
         let few = self.drawn((TRIED_PIXELS / trial.pixels()).max(LEAST_TILES));
         if few.is_empty() {
             return because("nothing ever changes");
@@ -251,11 +258,13 @@ impl<F: Family> Pilot<'_, F> {
             size.pixels() as f64 / parts.max(1) as f64
         };
         let larger = share(measure.kept.size()) / share(mosaic.size());
-        let expected = |ran: &Ran<F::Model>| match self.on_the_whole(&ran.model) {
-            Some(seconds) => seconds,
-            None => larger * self.whole_scene(ran),
+        let of_tiles =
+            |ran: &Ran<F::Model>| larger * self.whole_scene(ran) + self.light_of(&ran.model);
+        let expected = |ran: &Ran<F::Model>| {
+            let whole = self.on_the_whole(&ran.model);
+            whole.unwrap_or_else(|| of_tiles(ran))
         };
-        let whole = expected(reference);
+        let whole = on_the_whole.unwrap_or_else(|| of_tiles(reference));
         answer.expected = Some([whole, whole]);
         let mut each = self.whole_scene(reference);
         let full = Sorted::new(&reference.packet).ok();
@@ -276,7 +285,12 @@ impl<F: Family> Pilot<'_, F> {
             }
         }
         if answer.offers.iter().all(|offer| !offer.why.is_empty()) {
-            return because("nothing to win: what could be left out takes hardly any time");
+            let saves = |offer: &Offer<_>| offer.why != SAVES_LITTLE && offer.why != NOT_TRIED;
+            return because(if answer.offers.iter().any(saves) {
+                "nothing to win: what would save time changes too much"
+            } else {
+                "nothing to win: what could be left out takes hardly any time"
+            });
         }
         // A sample costs time now and saves some later: no more than half of what may be saved.
         let going = answer.offers.iter().filter(|offer| offer.why.is_empty());
@@ -288,11 +302,36 @@ impl<F: Family> Pilot<'_, F> {
         let tile = each / mosaic.tiles().len() as f64;
         let affordable = ((0.7 * left).min(saves / 2.0) / tile) as usize;
         if affordable < LEAST_TILES {
-            return because(
-                "the full model is too quick: a sample that says anything would take longer than it may save",
-            );
+            return because(TOO_QUICK);
         }
         Ok(affordable.min(trial.grid.tiles()))
+    }
+
+    /// Seconds of the full model, where only the whole sensor tells them. Candidates are then tried
+    /// on the whole sensor as well: so many of the first as there is time for.
+    fn time_to_try(&self, answer: &mut Answer<F::Model>) -> Step<Option<f64>> {
+        let start = (self.measure.clock)();
+        let Some(whole) = self.on_the_whole(&self.trial.family.full()) else {
+            return Ok(None);
+        };
+        let now = (self.measure.clock)();
+        answer.expected = Some([whole, whole]);
+        // The rest is for the sample. `as` saturates.
+        let left = TRYING * (self.allowed(whole) - (now - self.start));
+        let most = (left / (now - start)) as usize;
+        if most == 0 {
+            return because(TOO_QUICK);
+        }
+        for offer in answer.offers.iter_mut().skip(most) {
+            NOT_TRIED.clone_into(&mut offer.why);
+        }
+        Ok(Some(whole))
+    }
+
+    /// Seconds that the light of a model takes, beyond that of the scene's own frames.
+    fn light_of(&self, model: &F::Model) -> f64 {
+        let sees = self.trial.family.sees_inserted(model);
+        self.light[usize::from(!sees)]
     }
 
     /// Seconds that a model takes for the whole scene, from its first frames on the whole sensor;
@@ -454,6 +493,14 @@ impl<F: Family> Pilot<'_, F> {
 
 const SAVES_LITTLE: &str = "it would save too little";
 
+const NOT_TRIED: &str = "there is no time to try it";
+
+const TOO_QUICK: &str =
+    "the full model is too quick: a sample that says anything would take longer than it may save";
+
+/// The part of a pilot's time that may go into trying what candidates cost on the whole sensor.
+const TRYING: f64 = 0.4;
+
 /// What candidates are judged by.
 struct Judge<'a, F: Family> {
     pilot: &'a Pilot<'a, F>,
@@ -492,7 +539,9 @@ impl<F: Family> Judge<'_, F> {
         // Who wants limits only asks for no times.
         let timed = (!measure.limits_only).then(|| self.pilot.on_the_whole(&ran.model));
         let seconds = timed.flatten().unwrap_or_else(|| {
-            whole * self.pilot.whole_scene(ran) / self.pilot.whole_scene(self.reference)
+            let [full, own] = [self.reference, ran].map(|ran| self.pilot.light_of(&ran.model));
+            let part = self.pilot.whole_scene(ran) / self.pilot.whole_scene(self.reference);
+            (whole - full) * part + own
         });
         offer.seconds = Some([seconds, whole]);
     }

@@ -36,6 +36,9 @@ pub fn quicker(
     budget: (f64, f64),
     clock: &(dyn Fn() -> f64 + Sync),
 ) -> Option<Quicker> {
+    if budget.1 < 0.0 {
+        return None;
+    }
     let asked = family.settings.schedule;
     let asked = asked.unwrap_or_else(|| Schedule::for_size(kept.size()));
     let other = match asked {

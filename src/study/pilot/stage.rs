@@ -35,6 +35,33 @@ pub fn between(kept: &Kept, contrast: f64) -> Option<Between> {
     Some(all)
 }
 
+/// Seconds for the light of the whole scene: with the frames that are inserted, and without.
+pub fn seconds_of_light(
+    kept: &Kept,
+    between: Option<&Between>,
+    clock: &(dyn Fn() -> f64 + Sync),
+) -> [f64; 2] {
+    let [all, own] = Stage::frames(kept, between).map(|frames| frames as f64);
+    let start = clock();
+    let planes: Vec<_> = (0..2.min(kept.len()))
+        .filter_map(|n| kept.plane(n))
+        .collect();
+    let each = (clock() - start) / planes.len().max(1) as f64;
+    let mut inserted = 0.0;
+    if let [a, b] = &planes[..]
+        && all > own
+    {
+        let start = clock();
+        let between = ndarray::Zip::from(a)
+            .and(b)
+            .map_collect(|a, b| at(*a, *b, 0.5));
+        std::hint::black_box(between);
+        inserted = (clock() - start) * (all - own);
+    }
+    let own = each * own;
+    [own + inserted, own]
+}
+
 /// A mosaic's light.
 pub struct Stage<'a> {
     kept: &'a Kept,

@@ -9,15 +9,11 @@ use std::ops::ControlFlow;
 
 use crate::{
     compare::{Cell, Pair, Times, baseline, matching, window},
-    event::Packet,
+    event::{Event, Packet},
     mosaic::Mosaic,
     plane::Size,
     rig,
-    scene::{
-        Scene as _,
-        kept::Kept,
-        upsample::{self, at},
-    },
+    scene::{Scene as _, kept::Kept, upsample},
     sensor::{Sensor, SensorError},
     unit::Micros,
 };
@@ -188,7 +184,7 @@ impl<'a> Survey<'a> {
         let mut begun = Begun {
             survey: self,
             frames: Stage::frames(kept, between),
-            light: [0.0; 2],
+            light: stage::seconds_of_light(kept, between, self.clock),
             floor: 0.0,
             full_seconds: 0.0,
             probabilities: drawn.iter().map(|one| one.probability).collect(),
@@ -202,7 +198,6 @@ impl<'a> Survey<'a> {
         };
         (begun.full_seconds, begun.dropped) = begun.whole_sensor(&begun.full);
         begun.spent = (self.clock)() - start;
-        begun.light = begun.light();
         begun.floor = begun.floor()?;
         Ok(begun)
     }
@@ -234,7 +229,9 @@ impl<F: Family> Begun<'_, F> {
     /// The full model beside itself.
     #[must_use]
     pub fn full(&self) -> Known {
-        let events = self.full.packet.events.len() as u64;
+        // What cells of halos fire is not theirs.
+        let own = |event: &&Event| self.mosaic.tile(event.y.into(), event.x.into()).is_some();
+        let events = self.full.packet.events.iter().filter(own).count() as u64;
         Known {
             change: Estimate {
                 share: 0.0,
@@ -318,31 +315,6 @@ impl<F: Family> Begun<'_, F> {
     fn light_of(&self, model: &F::Model) -> f64 {
         let sees = self.trial.family.sees_inserted(model);
         self.light[usize::from(!sees)]
-    }
-
-    /// Seconds for the light of the whole scene: with the inserted frames, and without.
-    fn light(&self) -> [f64; 2] {
-        let kept = self.survey.kept;
-        let clock = self.survey.clock;
-        let [all, own] = self.frames.map(|frames| frames as f64);
-        let start = clock();
-        let planes: Vec<_> = (0..2.min(kept.len()))
-            .filter_map(|n| kept.plane(n))
-            .collect();
-        let each = (clock() - start) / planes.len().max(1) as f64;
-        let mut inserted = 0.0;
-        if let [a, b] = &planes[..]
-            && all > own
-        {
-            let start = clock();
-            let between = ndarray::Zip::from(a)
-                .and(b)
-                .map_collect(|a, b| at(*a, *b, 0.5));
-            std::hint::black_box(between);
-            inserted = (clock() - start) * (all - own);
-        }
-        let own = each * own;
-        [own + inserted, own]
     }
 
     /// What accident scores on these tiles.

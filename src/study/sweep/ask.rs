@@ -7,7 +7,7 @@ use serde_json::{Map, Value as Json, json};
 
 use super::{
     grid::{Axes, Axis},
-    key::{Key, Side},
+    key::{Key, Kind, Side},
     limits::Limits,
     measure::measure,
     plan::{Opened, Plan},
@@ -42,7 +42,10 @@ fn axis(axis: &Axis) -> Json {
     let mut json = json!({"name": axis.key.name, "what": axis.key.what});
     match &axis.values {
         Values::List(list) => {
-            json["values"] = list.iter().map(|(value, _)| said(value)).collect();
+            json["values"] = list
+                .iter()
+                .map(|(value, _)| said(axis.key, value))
+                .collect();
         }
         Values::Ramp(ramp) => {
             let whole = matches!(axis.at(0), Some(Value::Whole(_)));
@@ -57,8 +60,13 @@ fn axis(axis: &Axis) -> Json {
 }
 
 /// A value as a point takes it again.
-fn said(value: &Value) -> Json {
+fn said(key: &Key, value: &Value) -> Json {
     match value {
+        // As TOML has it.
+        Value::Word(word) if matches!(key.kind, Kind::Response | Kind::Noise) => {
+            let table: Result<toml::Table, _> = format!("it = {word}").parse();
+            table.map_or_else(|_| json!(word), |table| json!(table["it"]))
+        }
         Value::Number(number) => json!(number),
         Value::Whole(number) => json!(number),
         Value::Word(word) => json!(word),
@@ -96,16 +104,14 @@ pub struct Asked<'a> {
 }
 
 impl<'a> Asked<'a> {
-    /// Of a study whose files are in `folder`.
+    /// Of a study whose files are in `folder`, and in which nothing is left out ([`Study::in_full`]):
+    /// what stands for a point is measured for many of them.
     #[must_use]
     pub fn new(study: &'a Study, folder: &'a Path) -> Self {
-        let mut own = study.clone();
-        // What stands for a point is measured for many of them.
-        own.settings.tolerance = None;
         Self {
             opened: Opened::new(study, folder),
             plan: Plan {
-                study: own,
+                study: study.clone(),
                 entries: Vec::new(),
                 named: 0,
             },

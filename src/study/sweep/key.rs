@@ -10,8 +10,8 @@ pub use crate::config::Absent;
 use crate::{
     array::Arithmetic,
     config::{self, Range},
-    kernel::quantise::Quantiser,
-    number::Format,
+    kernel::quantise::{self, Quantiser},
+    number::{FORMAT_PATTERN, Format},
     photoreceptor::Response,
     reference::{Noise, keys},
 };
@@ -87,8 +87,8 @@ pub enum Kind {
     },
     /// One of these words.
     Choice(&'static [&'static str]),
-    /// A name with a grammar of its own.
-    Spelled(Spell),
+    /// A name with a grammar of its own, and the regular expression that it matches.
+    Spelled(Spell, fn() -> String),
     /// A number, or `{ on, off, sigma }`.
     Threshold,
     /// `{ us, rule }`.
@@ -129,7 +129,7 @@ impl Kind {
             }),
             Self::Whole { least, most } => config::Kind::Whole { least, most },
             Self::Choice(words) => config::Kind::Choice(words),
-            Self::Spelled(_) => config::Kind::Text,
+            Self::Spelled(..) => config::Kind::Text,
             Self::Threshold => THRESHOLD,
             Self::Refractory => config::Kind::Table(&keys::REFRACTORY),
             Self::Noise => NOISE,
@@ -300,7 +300,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "format",
         sides: FLOAT,
-        kind: Kind::Spelled(spelled::<Format>),
+        kind: Kind::Spelled(spelled::<Format>, || FORMAT_PATTERN.to_owned()),
         default: Absent::Is("\"f64\""),
         what: "number format of signals, weights and memory: f64, f32, f16, bf16, qM.N",
     },
@@ -321,7 +321,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "quantise",
         sides: ARRAY,
-        kind: Kind::Spelled(quantiser),
+        kind: Kind::Spelled(quantiser, quantisers),
         default: Absent::Is("\"none\""),
         what: "the kernel in few values, as in `amacrine quantise --to`; `none`, or `exact` as `compile` calls it, takes its weights as they are",
     },
@@ -335,7 +335,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "memory",
         sides: ARRAY,
-        kind: Kind::Spelled(remembered),
+        kind: Kind::Spelled(remembered, || "^(analogue|bits:0*[1-8])$".to_owned()),
         default: Absent::Is("\"analogue\""),
         what: "where the drives of the last events are kept: `analogue`, or `bits:N` for N one-bit registers",
     },
@@ -349,7 +349,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "domain",
         sides: ARRAY,
-        kind: Kind::Spelled(spelled::<Arithmetic>),
+        kind: Kind::Spelled(spelled::<Arithmetic>, arithmetic),
         default: Absent::Is("\"exact\""),
         what: "arithmetic of the array: exact, f32, f16, bf16, qM.N, silicon",
     },
@@ -408,6 +408,16 @@ fn quantiser(name: &str) -> Result<String, (String, String)> {
         return Ok("none".to_owned());
     }
     spelled::<Quantiser>(name).map_err(|(what, help)| (what, format!("none, {help}")))
+}
+
+/// What names of arithmetics match.
+fn arithmetic() -> String {
+    FORMAT_PATTERN.replacen("^(", "^(silicon|", 1)
+}
+
+/// What names of quantisers match.
+fn quantisers() -> String {
+    quantise::pattern().replacen("^(", "^(none$|exact$|", 1)
 }
 
 fn remembered(name: &str) -> Result<String, (String, String)> {

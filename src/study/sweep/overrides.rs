@@ -10,6 +10,7 @@ use std::{fmt, str::FromStr};
 
 use super::{
     key::{KEYS, Side},
+    sides::takes_none,
     study::SETTINGS,
 };
 use crate::{
@@ -143,8 +144,13 @@ impl Override {
             return self.of_side(side, rest, root, text);
         }
         if KEYS.iter().any(|key| key.name == first) {
-            let mut edits = self.within(root, &self.key, text, 0)?;
-            for side in root.get("side").and_then(Node::as_list).unwrap_or_default() {
+            let sides = root.get("side").and_then(Node::as_list).unwrap_or_default();
+            // Above the sides it is for those that have it and do not set it themselves.
+            let mut edits = Vec::new();
+            if root.get(first).is_some() || !sides.iter().all(|side| takes_none(side, first)) {
+                edits = self.within(root, &self.key, text, 0)?;
+            }
+            for side in sides {
                 if side.get(first).is_some() {
                     edits.extend(self.within(side, &self.key, text, 0)?);
                 }
@@ -164,6 +170,20 @@ impl Override {
             format!("a study has no key `{first}`"),
             suggestion_or(first, known(), "docs/sweeps.md lists every key of a study; array.domain=exact sets one of the array's sides"),
         ))
+    }
+
+    /// Tables with this key, one for each value.
+    fn each(&self, keys: &[String]) -> String {
+        let open: String = keys.iter().map(|key| format!("{{ {key} = ")).collect();
+        let close = " }".repeat(keys.len());
+        let value: Option<toml::Table> = format!("it = {}", self.value).parse().ok();
+        let list = value.as_ref().and_then(|it| it.get("it")?.as_array());
+        let values = list.map_or_else(
+            || vec![self.value.clone()],
+            |all| all.iter().map(ToString::to_string).collect(),
+        );
+        let each = values.iter().map(|value| format!("{open}{value}{close}"));
+        each.collect::<Vec<_>>().join(",")
     }
 
     fn of_side(
@@ -243,7 +263,7 @@ impl Override {
                     "`{first}` is {} in the study, and has no keys",
                     node.found()
                 ),
-                format!("set all of it: {first}='{}'", nested(rest)),
+                format!("set all of it: {first}='{}'", self.each(rest)),
             )),
             None => {
                 // At the top before all tables; in a side after its name.

@@ -37,7 +37,7 @@ pub(super) fn value(key: &Key, node: Node<'_>) -> Read<Value> {
         Kind::Name | Kind::Choice(_) => Ok(Value::Word(word.to_owned())),
         Kind::Number { .. } => Ok(Value::Number(node.as_number().unwrap_or_default())),
         Kind::Whole { .. } => Ok(Value::Whole(node.as_whole().unwrap_or_default())),
-        Kind::Spelled(spell) => spell(word)
+        Kind::Spelled(spell, _) => spell(word)
             .map(Value::Word)
             .map_err(|(what, help)| Fault::error(node.place(), what, "here").help(help)),
         Kind::Threshold => {

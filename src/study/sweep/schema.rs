@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use serde_json::{Map, Value as Json, json};
 
 use super::{
-    key::{Absent, Key, Side},
+    key::{Absent, Key, Kind, Side},
     read::RAMP,
     study::SETTINGS,
 };
@@ -67,7 +67,10 @@ fn of_side(side: Side) -> Json {
 }
 
 fn axis(key: &Key) -> Json {
-    let one = schema::kind(&key.kind.value_kind());
+    let mut one = schema::kind(&key.kind.value_kind());
+    if let Kind::Spelled(_, pattern) = key.kind {
+        schema::add(&mut one, "pattern", pattern());
+    }
     let mut ways = vec![
         one.clone(),
         json!({"type": "array", "minItems": 1, "items": one}),

@@ -7,7 +7,9 @@ use super::{
     study::{Entry, Reader, SETTINGS},
     value::Values,
 };
-use crate::config::{Document, Fault, Name, Node, Place, Read, choice, unknown_key};
+use crate::config::{
+    CHANGES_NOTHING, Document, Fault, Name, Node, Place, Read, choice, unknown_key,
+};
 
 impl Reader<'_> {
     /// The axes of every side; what stands above them holds for all that have the key.
@@ -64,11 +66,12 @@ impl Reader<'_> {
         Some(Axes { side, axes, place })
     }
 
-    /// An axis that no side has would change nothing.
-    pub fn unused(&mut self, axes: &[Entry<'_>], sides: &[Axes]) {
+    /// An axis that no side takes would change nothing, and would not be checked either.
+    pub fn unused(&mut self, axes: &[Entry<'_>], node: Node<'_>, sides: &[Axes]) {
         if sides.is_empty() {
             return;
         }
+        let tables = node.as_list().unwrap_or_default();
         for (key, _) in axes {
             let name = key.text;
             let has = |axes: &Axes| Key::on_side(axes.side).any(|key| key.name == name);
@@ -79,15 +82,26 @@ impl Reader<'_> {
                     .map(|side| format!("\"{side}\""))
                     .collect();
                 let what = format!("`{name}` is set, and no side of this study has it");
-                self.faults.push(
-                    Fault::error(key.place, what, "changes nothing").help(format!(
+                self.faults
+                    .push(Fault::error(key.place, what, CHANGES_NOTHING).help(format!(
                         "leave it out, or add a [[side]] with side = {}",
                         who.join(" or ")
-                    )),
-                );
+                    )));
+            } else if tables.iter().all(|side| takes_none(side, name)) {
+                let what = format!("`{name}` is set, and every side that has it sets its own");
+                self.faults
+                    .push(Fault::error(key.place, what, CHANGES_NOTHING).help("leave it out"));
             }
         }
     }
+}
+
+/// Whether a side does without a key that stands above the sides.
+pub(super) fn takes_none(side: &Node<'_>, name: &str) -> bool {
+    let kind = side.get("side").and_then(Node::as_text).unwrap_or_default();
+    let kind = Side::ALL.into_iter().find(|side| side.name() == kind);
+    side.get(name).is_some()
+        || !kind.is_some_and(|kind| Key::on_side(kind).any(|key| key.name == name))
 }
 
 fn axis(key: &'static Key, node: Node<'_>, sampled: bool) -> Read<Axis> {

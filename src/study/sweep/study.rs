@@ -2,6 +2,7 @@
 
 use super::{
     grid::{self, Axes},
+    key::Side,
     overrides::{Override, overridden},
     point::Point,
     read::SEE,
@@ -12,8 +13,8 @@ use crate::{
     compare::window,
     compile::Effort,
     config::{
-        self, Document, Fault, Faults, Kind, Name, Node, Place, Range, Read, Section, Spelling,
-        Table, unknown_key,
+        self, CHANGES_NOTHING, Document, Fault, Faults, Kind, Name, Node, Place, Range, Read,
+        Section, Spelling, Table, unknown_key,
     },
     unit::Micros,
 };
@@ -177,7 +178,7 @@ const SAMPLE: Table = Table::new(&[
         Kind::Choice(&["random", "sobol", "search"]),
         "how points are drawn; `search` tries them on parts of the scene and computes the best",
     )
-    .example("method = \"sobol\""),
+    .example("method = \"search\""),
     config::Key::required(
         "points",
         Kind::Whole {
@@ -335,6 +336,13 @@ impl Study {
         points.map_err(|fault| self.fault(fault))
     }
 
+    /// The same study with each point computed in full, whatever `fidelity` says.
+    #[must_use]
+    pub fn in_full(mut self) -> Self {
+        self.settings.tolerance = None;
+        self
+    }
+
     /// A fault in this file.
     #[must_use]
     pub fn fault(&self, fault: Fault) -> Faults {
@@ -395,8 +403,17 @@ impl Reader<'_> {
             return None;
         };
         let sides = self.sides(section, &axes, root.get("sample").is_some());
-        self.unused(&axes, &sides);
+        self.unused(&axes, section, &sides);
         let (settings, sample) = read?;
+        let cost = sample.and_then(|sample| sample.search).map(|it| it.cost);
+        if cost == Some("words") && sides.iter().all(|side| side.side != Side::Array) {
+            let place = root.get("sample").map_or(Place::default(), Node::place);
+            let what = "no point has `words`: only the array has, and there is no such side";
+            self.faults.push(
+                Fault::error(place, what, "weighs error against words")
+                    .help("take another cost, or add a [[side]] with side = \"array\""),
+            );
+        }
         let title = root.get("title").and_then(Node::as_text);
         let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
         let title = title.unwrap_or_else(|| name.strip_suffix(".toml").unwrap_or(name));
@@ -472,7 +489,7 @@ fn sample_of(settings: &Section<'_>) -> Read<Option<Sample>> {
         .find(|key| sample.get(key).is_some())
     {
         let what = format!("`sample.{key}` is of a search, and nothing is searched for");
-        let fault = Fault::error(sample.place_of(key), what, "changes nothing");
+        let fault = Fault::error(sample.place_of(key), what, CHANGES_NOTHING);
         return Err(fault.help("leave it out, or set method = \"search\""));
     }
     Ok(Some(Sample {

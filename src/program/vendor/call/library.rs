@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::super::{
     beside::Companion,
-    evaluate::{Reach, base_name},
     host::{self},
     machine::{GAIN, Machine},
+    reach::{Reach, base_name},
     tree::{Expr, ExprNode, Kind, Width},
     value::Value,
 };

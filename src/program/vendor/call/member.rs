@@ -4,9 +4,9 @@ use std::rc::Rc;
 
 use super::{
     super::{
-        evaluate::Reach,
         machine::{Machine, Spot},
         parse::UNREAD,
+        reach::Reach,
         shape,
         tree::{Expr, ExprNode, Function, Kind, StmtNode, Word},
         value::{Layout, Slot, Value, unassigned},

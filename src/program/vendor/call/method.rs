@@ -3,8 +3,8 @@
 use std::{rc::Rc, sync::Arc};
 
 use super::super::{
-    evaluate::{Reach, base_name},
     machine::{Machine, Spot},
+    reach::{Reach, base_name},
     shape,
     tree::{Expr, Width, Word},
     value::Value,

@@ -13,10 +13,11 @@ pub(super) use self::overload::Argument;
 use std::rc::Rc;
 
 use super::{
-    evaluate::{Reach, base_name},
     host::{self, ALGORITHMS, Random, Role},
     look,
-    machine::{Machine, foreign},
+    machine::Machine,
+    reach::{Reach, base_name},
+    scope::foreign,
     tree::{Expr, ExprNode, Function, TemplateArgument, last, qualifier},
     value::{Slot, Value, unassigned},
 };

@@ -3,8 +3,9 @@
 use std::rc::Rc;
 
 use super::super::{
-    evaluate::Reach,
-    machine::{Machine, Spot, foreign},
+    machine::{Machine, Spot},
+    reach::Reach,
+    scope::foreign,
     tree::{Expr, ExprNode, Function, Kind, Parameter, last, qualifier},
     value::Value,
 };

@@ -3,10 +3,11 @@
 use std::{rc::Rc, sync::Arc};
 
 use super::super::{
+    ask::term,
     chip,
-    evaluate::base_name,
     host::{self, Role},
-    machine::{Machine, term},
+    machine::Machine,
+    reach::base_name,
     tree::{Expr, Function},
     value::Value,
 };

@@ -59,7 +59,12 @@ impl Parser<'_> {
             }
             "case" => {
                 self.at += 1;
-                let value = self.expression()?;
+                let mut value = self.expression()?;
+                if self.take("...") {
+                    let (place, last) = (value.place, self.expression()?);
+                    let node = ExprNode::Braces(vec![value, last]);
+                    value = Expr { node, place };
+                }
                 self.expect(":", "a case is `case value:`")?;
                 Ok(StmtNode::Case(Some(value)))
             }
@@ -68,6 +73,15 @@ impl Parser<'_> {
                 self.expect(":", "a case is `default:`")?;
                 Ok(StmtNode::Case(None))
             }
+            // A label, which only a `goto` is for.
+            name if !name.is_empty() && self.peek(1).is_some_and(|t| t.is(":")) => {
+                self.at += 2;
+                Ok(StmtNode::Nothing)
+            }
+            "goto" => Err(
+                Fault::error(self.place(), "`goto` is not followed", "this jump")
+                    .help("write a loop with `break` or `continue`, or an `if`, in its place"),
+            ),
             "break" => self.jump(StmtNode::Break),
             "continue" => self.jump(StmtNode::Continue),
             "return" => {

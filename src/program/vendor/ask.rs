@@ -1,0 +1,231 @@
+//! What the micro-controller asks of the array.
+
+use super::{
+    look,
+    machine::{Kernel, Machine},
+    tree::{Expr, last},
+    value::Value,
+};
+use crate::{
+    config::{Fault, Place},
+    isa::{
+        Callable,
+        text::{Argument, Expression, Statement, Term},
+    },
+    program::syntax::{Item, Node},
+};
+
+/// Frames that are laid out one after the other, where no loop over the frames is.
+const FRAMES: usize = 64;
+
+/// Statements that may be asked of the array.
+const ASKED: usize = crate::limit::EXPANDED_STEPS;
+
+impl Machine<'_> {
+    /// Whether the host does this, outside of kernels.
+    pub(super) fn is_host(&self, name: &str) -> bool {
+        let all = self.device.callables(name);
+        all.iter().any(|it| match it {
+            Callable::Host(..) => true,
+            Callable::Macro(it) => it.host,
+            Callable::Primitive(..) => false,
+        })
+    }
+
+    pub(super) fn line(&self, place: Place) -> String {
+        self.files.line(self.text, place)
+    }
+
+    /// Asks something of the array.
+    pub(super) fn ask(&mut self, name: &str, arguments: Vec<Term>, place: Place) {
+        if let Some(why) = self.maybe.clone() {
+            let message = format!("whether `{name}` runs, {why} decides");
+            self.unknown(place, message, None);
+        }
+        self.asked += 1;
+        if self.asked > ASKED {
+            if !self.full {
+                self.full = true;
+                self.error(
+                    place,
+                    format!("the program becomes more than {ASKED} statements"),
+                    "here there is no room left",
+                    "loop less often, or give loops outside of kernels the same body in every turn",
+                );
+            }
+            return;
+        }
+        let origin = self.files.origin(place);
+        let place = self.files.own(place);
+        let arguments = arguments
+            .into_iter()
+            .map(|term| Argument::One(Expression { term, place }));
+        self.push(
+            Node::Statement(Statement {
+                name: name.to_owned(),
+                name_place: place,
+                arguments: arguments.collect(),
+                place,
+                origin,
+            }),
+            place,
+        );
+    }
+
+    /// Asks something whose arguments stand in braces.
+    pub(super) fn ask_groups(&mut self, name: &str, groups: Vec<Vec<Term>>, place: Place) {
+        let origin = self.files.origin(place);
+        let place = self.files.own(place);
+        let groups = groups.into_iter().map(|terms| Argument::Group {
+            items: terms
+                .into_iter()
+                .map(|term| Expression { term, place })
+                .collect(),
+            place,
+        });
+        self.push(
+            Node::Statement(Statement {
+                name: name.to_owned(),
+                name_place: place,
+                arguments: groups.collect(),
+                place,
+                origin,
+            }),
+            place,
+        );
+    }
+
+    pub(super) fn push(&mut self, node: Node, place: Place) {
+        self.items.push(item(node, place));
+    }
+
+    /// A fault that something depends on what only the run knows.
+    pub(super) fn unknown(&mut self, place: Place, message: String, of: Option<&Expr>) {
+        let name = of.and_then(|it| look::unknown(self, it));
+        let name = name.as_deref().map_or("NAME", last);
+        let (label, help) = match self.companion {
+            Some(_) => (
+                "not known here",
+                format!("give the value with `--const {name}=VALUE`, or take this out"),
+            ),
+            None => (
+                "only the run knows",
+                format!(
+                    "`exec` runs it, with the host beside the array. Here a program is the same words in every frame: give the value with `--const {name}=VALUE`, or take this out"
+                ),
+            ),
+        };
+        self.undecided(Fault::error(place, message, label).help(help));
+    }
+
+    /// Warns of a readout of which only the run knows: a program that has to be known before goes
+    /// without it.
+    pub(super) fn unread(&mut self, place: Place, what: &str, why: &str) {
+        if self.companion.is_some() {
+            return;
+        }
+        let message = format!("{what}, {why} decides: here it is left out");
+        self.undecided(
+            Fault::warning(place, message, "only the run knows")
+                .help("`exec` runs it, with the host beside the array"),
+        );
+    }
+
+    /// A new frame begins.
+    pub(super) fn sync(&mut self, place: Place) {
+        self.dark = false;
+        if self.companion.is_some() {
+            self.next_frame();
+            return;
+        }
+        if self.frames.len() == FRAMES && !self.full {
+            self.full = true;
+            let message = format!("more than {FRAMES} frames, one after the other");
+            self.undecided(Fault::error(place, message, "here another one").help(
+                "`exec` runs it, with the host beside the array. Here a program is the same in every frame: its loop is `while (1)`",
+            ));
+        }
+        let items = std::mem::take(&mut self.items);
+        self.frames.push(items);
+    }
+
+    pub(super) fn begin_kernel(&mut self, place: Place, ordinal: i64, fixed: bool) {
+        if self.kernel.is_some() {
+            self.error(
+                place,
+                "a kernel inside a kernel".to_owned(),
+                "begins here",
+                "end the first one with `scamp5_kernel_end();`",
+            );
+        }
+        self.kernel = Some(Kernel {
+            place,
+            ordinal,
+            fixed,
+            start: self.items.len(),
+        });
+    }
+
+    pub(super) fn end_kernel(&mut self, place: Place) {
+        let Some(kernel) = self.kernel.take() else {
+            self.error(
+                place,
+                "this ends no kernel".to_owned(),
+                "none is open",
+                "begin it with `scamp5_kernel_begin();`",
+            );
+            return;
+        };
+        let start = kernel.start.min(self.items.len());
+        let body = self.items.split_off(start);
+        if body.is_empty() {
+            return;
+        }
+        let at = self.files.own(kernel.place);
+        self.push(Node::Kernel(body.clone()), at);
+        let key = (kernel.place.start, kernel.ordinal);
+        let known = self.stored.entry(key).or_default();
+        if known.contains(&body) {
+            return;
+        }
+        let first = known.is_empty();
+        known.push(body);
+        if kernel.fixed && !first {
+            self.fault(
+                Fault::warning(
+                    kernel.place,
+                    "this kernel has other words than at its first launch",
+                    "the chip keeps those of the first",
+                )
+                .help("begin it with `scamp5_dynamic_kernel_begin();`"),
+            );
+        }
+    }
+}
+
+pub(super) const fn item(node: Node, place: Place) -> Item {
+    Item {
+        node,
+        blank_before: false,
+        trailing: None,
+        place,
+    }
+}
+
+/// A value as an argument of a statement; `None` where it is none.
+pub(super) fn term(value: &Value) -> Option<Term> {
+    let place = Place::default();
+    Some(match value {
+        Value::Whole(_) | Value::Wide(..) | Value::Real(_) => {
+            let number = value.number()?;
+            if number < 0.0 {
+                let term = Term::Number(-number);
+                Term::Negate(Box::new(Expression { term, place }))
+            } else {
+                Term::Number(number)
+            }
+        }
+        Value::Symbol(name) => Term::Name(name.to_string()),
+        _ => return None,
+    })
+}

@@ -1,0 +1,265 @@
+//! Declarations: functions, classes and variables.
+
+use std::rc::Rc;
+
+use super::{
+    look,
+    machine::Machine,
+    reach::Reach,
+    shape::{self, Leaf},
+    tree::{Declared, Function, Kind, Struct, last},
+    value::{Layout, Member, Value, unassigned},
+};
+use crate::config::Place;
+
+impl Machine<'_> {
+    /// A function is announced, with its default arguments.
+    pub(super) fn announce(&mut self, function: &Rc<Function>) {
+        let known = self.prototypes.entry(function.name.clone()).or_default();
+        if !known.contains(function) {
+            known.push(std::rc::Rc::clone(function));
+        }
+    }
+
+    /// A function is stated.
+    pub(super) fn state(&mut self, function: &Rc<Function>) {
+        let known = self.functions.entry(function.name.clone()).or_default();
+        if known.contains(function) {
+            return;
+        }
+        let alike = known.iter().find(|it| it.same_form(function));
+        let alike = alike.map(|it| it.place);
+        known.push(std::rc::Rc::clone(function));
+        if let Some(before) = alike {
+            self.stated_twice(&function.name, before, function.place);
+        }
+    }
+
+    /// Files are read as one here: a name of one is a name of all.
+    fn stated_twice(&mut self, name: &str, before: Place, place: Place) {
+        if self.files.name(before) == self.files.name(place) {
+            return;
+        }
+        let message = format!("`{name}` is stated in {} as well", self.line(before));
+        let help = "files are read as one here: give one of the two another name";
+        self.error(place, message, "stated again", help);
+    }
+
+    /// The functions of a class.
+    pub(super) fn state_members(&mut self, members: &[Rc<Function>]) {
+        for function in members {
+            let known = self.members.entry(function.name.clone()).or_default();
+            if !known.contains(function) {
+                known.push(std::rc::Rc::clone(function));
+            }
+        }
+    }
+
+    /// Objects are made and ended without a call that could be refused: what does that must leave
+    /// the array alone.
+    pub(super) fn check_members(&mut self, members: &[Rc<Function>]) {
+        for function in members.iter().filter(|it| it.hidden) {
+            if function.body.iter().any(|it| look::changes(self, it)) {
+                self.error(
+                    function.place,
+                    format!(
+                        "`{}` runs words of the array where no call of it is written",
+                        function.name
+                    ),
+                    "a constructor, a destructor or an operator",
+                    "make it a function outside of the class, and call that",
+                );
+            }
+        }
+    }
+
+    pub(super) fn declare(&mut self, it: &Declared) {
+        if it.value.is_none() && !it.lasting && self.home(&it.name).is_some() {
+            // `extern`: the variable is there.
+            return;
+        }
+        if it.outside && it.value.is_none() {
+            let why = format!("`{}`, which is stated nowhere,", it.name);
+            self.make(&it.name, Value::Unknown(why.into()), Kind::Any);
+            return;
+        }
+        if it.lasting
+            && let Some(slot) = self.lasting.get(&it.place.start)
+        {
+            let slot = *slot;
+            self.bind(&it.name, slot);
+            return;
+        }
+        self.naming = Some(it.name.clone());
+        let stated = match &it.value {
+            // Another name for the same variable, or for an element.
+            Some(value) if it.reference => match self.reach(value) {
+                Reach::Spot(slot, path) => {
+                    self.naming = None;
+                    self.refer(&it.name, (slot, path));
+                    return;
+                }
+                reached => Some(self.load(&reached, value)),
+            },
+            Some(value) => Some(self.value(value)),
+            None => None,
+        };
+        self.naming = None;
+        let set = match stated {
+            // Registers, arrays and texts are not set from outside.
+            None | Some(Value::Whole(_) | Value::Wide(..) | Value::Real(_) | Value::Unknown(_))
+                if it.lengths.is_empty() =>
+            {
+                self.set(&it.name)
+            }
+            _ => None,
+        };
+        let fixed = self.companion.is_some() && set.is_some();
+        if let Some(set) = &set {
+            self.set_within(&it.name, (set, self.resolved(it.kind)), it.place);
+        }
+        let value = match (set, stated) {
+            (Some(value), _) | (None, Some(value)) => value,
+            (None, None) if it.lengths.is_empty() => {
+                let name = &it.name;
+                // A variable of the file begins at 0; others hold what was there before.
+                let empty = if self.scopes.len() == 1 || it.lasting {
+                    Value::Whole(0)
+                } else {
+                    Value::Unknown(unassigned(name))
+                };
+                match self.layouts.get(&it.of) {
+                    Some(layout) if !it.pointer => shape::fresh(layout, &empty),
+                    _ if last(&it.of) == "string" && !it.pointer => Value::Text("".into()),
+                    _ => empty,
+                }
+            }
+            (None, None) => self.objects(it).unwrap_or(Value::List(Vec::new())),
+        };
+        let value = self.shaped(it, value);
+        self.settle(it, &value);
+        if let (true, Some(number)) = (it.constant, value.number()) {
+            self.constants.entry(it.name.to_string()).or_insert(number);
+        }
+        let copied = it.library && matches!(value, Value::List(_));
+        let kind = self.resolved(it.kind);
+        let slot = self.make(&it.name, value, kind);
+        if fixed {
+            self.fixed.insert(slot);
+        }
+        if copied {
+            self.copied.insert(slot);
+        }
+        if it.lasting {
+            self.lasting.insert(it.place.start, slot);
+        }
+    }
+
+    /// What an array of objects begins with, where a constructor makes each.
+    fn objects(&mut self, it: &Declared) -> Option<Value> {
+        let layout = self
+            .layouts
+            .get(&it.of)
+            .filter(|it| it.constructs())?
+            .clone();
+        let lengths: Option<Vec<usize>> = self.lengths(it).into_iter().collect();
+        let count: usize = lengths?.into_iter().product();
+        let mut all = Vec::new();
+        while !it.pointer && all.len() < count && !self.done() {
+            self.work(it.place);
+            all.push(self.constructed(&layout, &[], it.place));
+        }
+        (!it.pointer).then_some(Value::List(all))
+    }
+
+    /// Where a variable of the file is stated, if that is where control is.
+    fn home(&self, name: &str) -> Option<Place> {
+        let outside = self.scopes.len() == 1;
+        let full = format!("{}::{name}", self.space);
+        self.homes.get(&*full).copied().filter(|_| outside)
+    }
+
+    /// A variable of the file is stated: one that only its own file should know keeps others of its
+    /// name away.
+    fn settle(&mut self, it: &Declared, value: &Value) {
+        if self.scopes.len() > 1 {
+            return;
+        }
+        let own = it.lasting || it.constant;
+        if let (true, Some(before)) = (own, self.home(&it.name)) {
+            let held = self.find(&it.name).map(|slot| &self.slots[slot]);
+            if it.lasting && it.value.is_none() || held != Some(value) {
+                self.stated_twice(&it.name, before, it.place);
+            }
+        }
+        let full = format!("{}::{}", self.space, it.name);
+        self.homes.insert(full.into(), it.place);
+    }
+
+    /// A value with the lengths and the type of what holds it.
+    pub(super) fn shaped(&mut self, it: &Declared, value: Value) -> Value {
+        let lengths = self.lengths(it);
+        let value = match value {
+            // An array of the language's library is copied.
+            Value::Pointer(slot, path, _) if it.library => self.at(slot, &path),
+            value => value,
+        };
+        let layout = self.layouts.get(&it.of).filter(|_| !it.pointer).cloned();
+        let leaf = Leaf {
+            kind: self.resolved(it.kind),
+            layout: layout.as_ref(),
+            library: it.library,
+        };
+        shape::shaped(value, &lengths, leaf).unwrap_or_else(|message| {
+            self.error(
+                it.place,
+                format!("`{}`: {message}", it.name),
+                "this declaration",
+                "give as many values as it holds, or fewer",
+            );
+            Value::Whole(0)
+        })
+    }
+
+    /// A class is stated.
+    pub(super) fn class(&mut self, it: &Struct) {
+        let mut members = Vec::new();
+        for member in &it.members {
+            let layout = self.layouts.get(&member.of).filter(|_| !member.pointer);
+            let layout = layout.cloned();
+            let lengths = self.lengths(member);
+            let stated = member.value.as_ref().map(|value| self.value(value));
+            members.push(Member {
+                name: member.name.clone(),
+                kind: member.kind,
+                default: stated.map(|value| self.shaped(member, value)),
+                lengths,
+                layout,
+            });
+        }
+        let name = it.name.clone();
+        let functions = it.functions.clone();
+        let layout = Layout {
+            name,
+            members,
+            functions,
+        };
+        self.layouts.insert(it.name.clone(), layout.into());
+    }
+
+    /// The lengths of an array; none is known where it is too large.
+    fn lengths(&mut self, it: &Declared) -> Vec<Option<usize>> {
+        let mut lengths = Vec::new();
+        for length in &it.lengths {
+            let value = length.as_ref().map(|length| self.value(length));
+            let whole = value.as_ref().and_then(Value::whole);
+            lengths.push(whole.and_then(|n| usize::try_from(n).ok()));
+        }
+        let layout = self.layouts.get(&it.of).filter(|_| !it.pointer);
+        let one = layout.map_or(1, |it| it.size());
+        if !self.fits(shape::count(one, &lengths), it.place) {
+            lengths.fill(None);
+        }
+        lengths
+    }
+}

@@ -1,0 +1,145 @@
+//! Loops: their turns, and what of them becomes a repetition on the array.
+
+use std::sync::Arc;
+
+use super::{
+    ask::item,
+    look,
+    machine::{Flow, Machine},
+    tree::{Expr, Stmt},
+};
+use crate::{
+    config::Place,
+    isa::text::{Expression, Term},
+    program::syntax::{Item, Node},
+};
+
+impl Machine<'_> {
+    /// A loop: the frames where it has no end, else turn by turn.
+    pub(super) fn turns(
+        &mut self,
+        it: &Stmt,
+        condition: Option<&Expr>,
+        step: Option<&Expr>,
+        body: &Stmt,
+        body_first: bool,
+    ) -> Flow {
+        let beside = self.companion.is_some();
+        let endless = self.endless(condition, body);
+        if endless && !beside {
+            return self.frame_loop(body, step);
+        }
+        // Where nothing in it waits, a turn is a frame.
+        let frame = endless && !look::syncs(self, body) && look::changes(self, body);
+        let outer = self.maybe.clone();
+        let mut all: Vec<Vec<Item>> = Vec::new();
+        let before = self.items.len();
+        let frames = self.frames.len();
+        let mut first = body_first;
+        let mut flow = Flow::Next;
+        while !self.done() {
+            self.work(it.place);
+            if frame {
+                self.next_frame();
+            }
+            let holds = match condition {
+                Some(condition) if !first => {
+                    let value = self.condition(condition);
+                    match value.truth() {
+                        Ok(holds) => holds,
+                        Err(why) => {
+                            self.open_ended(it, condition, step, body, &why);
+                            false
+                        }
+                    }
+                }
+                _ => true,
+            };
+            first = false;
+            if !holds {
+                break;
+            }
+            let start = self.items.len();
+            let one = self.scoped(body);
+            if beside {
+                self.give_up();
+            } else if self.frames.len() == frames
+                && self.kernel.is_none()
+                && start <= self.items.len()
+            {
+                all.push(self.items[start..].to_vec());
+            }
+            match one {
+                Flow::Next | Flow::Continue => {}
+                Flow::Break => break,
+                other => {
+                    flow = other;
+                    break;
+                }
+            }
+            if let Some(step) = step {
+                self.value(step);
+            }
+        }
+        if let Some(why) = self.maybe.clone() {
+            // How often it ran is not known, nor what it left.
+            look::forget(self, body, &why);
+        }
+        self.maybe = outer;
+        if flow == Flow::Next && self.frames.len() == frames {
+            self.folded(before, &all, it.place);
+        }
+        flow
+    }
+
+    /// A loop of which only the run knows when it ends.
+    fn open_ended(
+        &mut self,
+        it: &Stmt,
+        condition: &Expr,
+        step: Option<&Expr>,
+        body: &Stmt,
+        why: &Arc<str>,
+    ) {
+        let step = step.map(look::statement);
+        let each = [Some(body), step.as_ref(), Some(&look::statement(condition))];
+        if each.iter().flatten().any(|it| look::changes(self, it)) {
+            let message = format!("how often this loop runs, {why} decides");
+            self.unknown(it.place, message, Some(condition));
+        } else if each.iter().flatten().any(|it| look::reads(self, it)) {
+            self.unread(it.place, "how often this is read out", why);
+        } else if each.iter().flatten().any(|it| look::shows(self, it)) {
+            self.unread(it.place, "how often this is shown", why);
+        }
+        look::forget(self, body, why);
+        if self.companion.is_some() {
+            look::show(self, body);
+        }
+        for part in each.into_iter().flatten() {
+            look::forget(self, part, why);
+        }
+    }
+
+    /// Turns that asked the same of the array become one `repeat`, which is stored once.
+    fn folded(&mut self, before: usize, all: &[Vec<Item>], place: Place) {
+        let Some((first, rest)) = all.split_first() else {
+            return;
+        };
+        let turns = all.iter().map(Vec::len).sum::<usize>();
+        let whole = self.items.len() == before + turns;
+        if rest.is_empty() || first.is_empty() || self.kernel.is_some() || !whole {
+            return;
+        }
+        if rest.iter().any(|turn| turn != first) {
+            return;
+        }
+        self.items.truncate(before);
+        let place = self.files.own(place);
+        let term = Term::Number(all.len() as f64);
+        let node = Node::Repeat {
+            times: Expression { term, place },
+            body: first.clone(),
+        };
+        self.items.push(item(node, place));
+    }
+}

@@ -1,0 +1,373 @@
+//! Where expressions lead: variables, elements and members, and what is loaded from and stored
+//! there.
+
+use std::sync::Arc;
+
+use super::{
+    machine::{Machine, Spot},
+    shape,
+    tree::{Expr, ExprNode, Kind, last},
+    value::{Slot, Value, moved},
+};
+
+impl Machine<'_> {
+    /// Where the value of an expression lies, with all that finding it does.
+    pub(super) fn reach(&mut self, it: &Expr) -> Reach {
+        match &it.node {
+            ExprNode::Name(name) => match self.named_spot(name) {
+                Some((slot, path)) => Reach::Spot(slot, path),
+                None => Reach::Value(self.named_value(name, it.place)),
+            },
+            ExprNode::Unary("*", of) => match self.value(of) {
+                Value::Pointer(slot, path, _) => {
+                    let (slot, path) = self.pointed(slot, path);
+                    Reach::Spot(slot, path)
+                }
+                other => Reach::Value(other),
+            },
+            ExprNode::Index(of, at) => {
+                let base = self.reach(of);
+                let index = self.value(at);
+                self.element(base, &index)
+            }
+            ExprNode::Member(of, name) => {
+                let base = self.reach(of);
+                self.member(base, name)
+            }
+            ExprNode::Convert(Kind::Any, of) => self.reach(of),
+            ExprNode::Step(of, by, true) => {
+                let reached = self.reach(of);
+                let before = self.load(&reached, of);
+                let after = Value::binary("+", &before, &Value::Whole(*by));
+                let after = self.or_fault(after, it.place);
+                self.store(&reached, after, of);
+                reached
+            }
+            _ => Reach::Value(self.value(it)),
+        }
+    }
+
+    /// Where a pointer leads.
+    fn pointed(&self, slot: Slot, mut path: Vec<usize>) -> Spot {
+        let array = matches!(self.slots[slot], Value::List(_));
+        if path.is_empty() && array && !self.copied.contains(&slot) {
+            path.push(0);
+        }
+        (slot, self.carried(slot, path))
+    }
+
+    /// A place beyond the end of a row, as one in the rows behind it: that is how they lie in
+    /// memory.
+    fn carried(&self, slot: Slot, mut path: Vec<usize>) -> Vec<usize> {
+        for level in (1..path.len()).rev() {
+            let (above, below) = path.split_at(level);
+            let (Some(Value::List(row)), Some(Value::List(_))) =
+                (self.peek(slot, above), self.peek(slot, &above[..level - 1]))
+            else {
+                break;
+            };
+            if row.is_empty() || below[0] < row.len() {
+                break;
+            }
+            let length = row.len();
+            path[level - 1] += path[level] / length;
+            path[level] %= length;
+        }
+        path
+    }
+
+    /// Whether a pointer to an element lies there: its elements are those behind it.
+    fn is_inner(&self, base: &Reach) -> bool {
+        matches!(self.reached(base), Some(Value::Pointer(_, path, _)) if !path.is_empty())
+    }
+
+    /// The value that was reached, where it is known which.
+    pub(super) fn reached<'v>(&'v self, reach: &'v Reach) -> Option<&'v Value> {
+        match reach {
+            Reach::Spot(slot, path) => self.peek(*slot, path),
+            Reach::Value(value) => Some(value),
+            Reach::Lost(..) | Reach::Beyond(_) => None,
+        }
+    }
+
+    fn element(&mut self, base: Reach, index: &Value) -> Reach {
+        let inner = self.is_inner(&base);
+        let base = self.through(base);
+        let Some(at) = index.whole() else {
+            let why = match index {
+                Value::Unknown(why) => Arc::clone(why),
+                other => format!("the element {}", other.describe()).into(),
+            };
+            return match base {
+                Reach::Spot(slot, path) => Reach::Lost(slot, path, why),
+                _ => Reach::Value(Value::Unknown(why)),
+            };
+        };
+        match base {
+            Reach::Spot(slot, path) if inner => match moved(&path, at) {
+                Some(path) => Reach::Spot(slot, self.carried(slot, path)),
+                None => Reach::Beyond(at),
+            },
+            Reach::Spot(slot, mut path) => {
+                let held = self.peek(slot, &path);
+                if let Some(Value::Text(text)) = held {
+                    return character(text, at);
+                }
+                let nested = matches!(held, Some(Value::List(_)));
+                if !nested && path.is_empty() && at == 0 {
+                    return Reach::Spot(slot, path);
+                }
+                let known = usize::try_from(at);
+                if let (true, Ok(at)) = (nested, known) {
+                    path.push(at);
+                    return Reach::Spot(slot, path);
+                }
+                match moved(&path, at) {
+                    Some(path) if !nested => Reach::Spot(slot, path),
+                    _ => Reach::Beyond(at),
+                }
+            }
+            Reach::Value(Value::List(all)) => {
+                let found = usize::try_from(at).ok().and_then(|at| all.get(at).cloned());
+                found.map_or(Reach::Beyond(at), Reach::Value)
+            }
+            Reach::Value(Value::Text(text)) => character(&text, at),
+            Reach::Value(Value::Unknown(why)) => Reach::Value(Value::Unknown(why)),
+            Reach::Value(_) => {
+                Reach::Value(Value::Unknown("an element that only the run knows".into()))
+            }
+            lost => lost,
+        }
+    }
+
+    /// Where a pointer that lies somewhere leads; anything else stays where it is.
+    pub(super) fn through(&self, base: Reach) -> Reach {
+        match self.reached(&base) {
+            Some(Value::Pointer(slot, path, _)) => Reach::Spot(*slot, path.clone()),
+            _ => base,
+        }
+    }
+
+    pub(super) fn member(&mut self, base: Reach, name: &str) -> Reach {
+        let base = self.through(base);
+        if matches!(base, Reach::Lost(..) | Reach::Beyond(_)) {
+            return base;
+        }
+        let at = match self.reached(&base) {
+            // The words of a register, which are only ever compared.
+            Some(Value::Symbol(register)) => {
+                return Reach::Value(Value::Symbol(format!("{register}.{name}").into()));
+            }
+            Some(Value::Record(layout, all)) => {
+                let named = layout.members.iter().position(|it| &*it.name == name);
+                named.or_else(|| name.parse().ok().filter(|at| *at < all.len()))
+            }
+            Some(Value::List(_)) => match numbered(name) {
+                // An array of an object that is not known, such as that of a frame.
+                None => return base,
+                at => at,
+            },
+            _ => None,
+        };
+        match (at, base) {
+            (Some(at), Reach::Spot(slot, mut path)) => {
+                path.push(at);
+                Reach::Spot(slot, path)
+            }
+            (Some(at), Reach::Value(Value::List(mut all) | Value::Record(_, mut all)))
+                if at < all.len() =>
+            {
+                Reach::Value(all.swap_remove(at))
+            }
+            _ => Reach::Value(Value::Unknown(format!("`{name}` of an object").into())),
+        }
+    }
+
+    /// The value that lies where something was reached.
+    pub(super) fn load(&mut self, reached: &Reach, it: &Expr) -> Value {
+        match reached {
+            Reach::Spot(..) if self.beyond(reached, it) => Value::Whole(0),
+            Reach::Spot(slot, path) => {
+                let name = base_name(it);
+                match self.decayed(*slot, path, &name) {
+                    Value::Unknown(why) if matches!(it.node, ExprNode::Name(_)) => {
+                        self.set(&name).unwrap_or(Value::Unknown(why))
+                    }
+                    other => other,
+                }
+            }
+            Reach::Lost(_, _, why) => Value::Unknown(Arc::clone(why)),
+            Reach::Value(value) => value.clone(),
+            Reach::Beyond(_) => {
+                self.beyond(reached, it);
+                Value::Whole(0)
+            }
+        }
+    }
+
+    /// Tells of an element that an array does not have; whether it is one.
+    fn beyond(&mut self, reached: &Reach, it: &Expr) -> bool {
+        let (index, length) = match reached {
+            Reach::Beyond(index) => (*index, None),
+            Reach::Spot(slot, path) => {
+                let (Some(index), held) = (path.last(), path.len().saturating_sub(1)) else {
+                    return false;
+                };
+                match self.peek(*slot, &path[..held]) {
+                    // The length of an empty one is not known.
+                    Some(Value::List(all)) if *index >= all.len() && !all.is_empty() => {
+                        (*index as i64, Some(all.len()))
+                    }
+                    None | Some(Value::List(_) | Value::Record(..) | Value::Unknown(_)) => {
+                        return false;
+                    }
+                    _ if *index == 0 => return false,
+                    _ => (*index as i64, Some(1)),
+                }
+            }
+            _ => return false,
+        };
+        let name = base_name(it);
+        let has = match length {
+            Some(1) => format!("`{name}` has 1 element"),
+            Some(length) => format!("`{name}` has {length} elements"),
+            None => format!("`{name}` begins with element 0"),
+        };
+        self.error(
+            it.place,
+            format!("element {index} is out of bounds: {has}"),
+            "this element",
+            "elements count from 0 up to one less than the length",
+        );
+        true
+    }
+
+    /// Stores a value, as a variable of its type holds it, and gives that back.
+    pub(super) fn store(&mut self, reached: &Reach, value: Value, to: &Expr) -> Value {
+        match reached {
+            Reach::Spot(slot, path) => {
+                if self.beyond(reached, to) {
+                    return value;
+                }
+                if matches!(&value, Value::Pointer(of, way, _) if of == slot && way == path) {
+                    // A slider that writes the variable that its handle goes to.
+                    return self.at(*slot, path);
+                }
+                let value = self.fitted(*slot, path, value);
+                self.put(*slot, path, value.clone());
+                value
+            }
+            Reach::Lost(slot, path, _) => {
+                // An element that is not known: any of them.
+                let why: Arc<str> = "which element was written".into();
+                self.forget(*slot, path, &why);
+                value
+            }
+            Reach::Beyond(_) => {
+                self.beyond(reached, to);
+                value
+            }
+            // An object, or memory, of which nothing is known.
+            Reach::Value(Value::Unknown(_)) => value,
+            // A name of several namespaces, as was told.
+            Reach::Value(Value::Whole(_)) if matches!(to.node, ExprNode::Name(_)) => value,
+            Reach::Value(Value::Symbol(name)) => {
+                self.no_variable(&name.clone(), to);
+                value
+            }
+            Reach::Value(_) => {
+                self.error(
+                    to.place,
+                    "nothing can be assigned to this".to_owned(),
+                    "no variable",
+                    "assign to a variable, an element of an array, or a member of an object",
+                );
+                value
+            }
+        }
+    }
+
+    fn no_variable(&mut self, name: &str, to: &Expr) {
+        let base = name.split('.').next().unwrap_or(name);
+        if self.device.value_of(base).is_some() {
+            self.error(
+                to.place,
+                format!("`{name}` is a register: C++ does not assign to it"),
+                "here",
+                &format!("write `mov({name}, x);`, or `scamp5_in({name}, value);`"),
+            );
+        } else if !["VS_", "vs_", "SCAMP", "scamp"]
+            .iter()
+            .any(|begin| name.starts_with(begin))
+        {
+            self.error(
+                to.place,
+                format!("`{name}` is not stated"),
+                "a variable is needed here",
+                &format!("state it: `int {name} = …;`"),
+            );
+        }
+    }
+
+    /// A value as the variable that it goes to holds it.
+    fn fitted(&self, slot: Slot, path: &[usize], value: Value) -> Value {
+        let before = self.peek(slot, path);
+        let mut kind = self.kind_at(slot, path);
+        if kind == Kind::Any {
+            // `auto`: of the type that it began with.
+            kind = before.map_or(Kind::Any, Value::kind);
+        }
+        match (before, value) {
+            // An array of the language's library is copied whole.
+            (Some(Value::List(_)), Value::Pointer(from, path, _)) => self.at(from, &path),
+            (Some(Value::Record(layout, _)), Value::List(all)) => {
+                shape::record(layout, all).unwrap_or_else(|why| Value::Unknown(why.into()))
+            }
+            (_, value) => shape::deep(value, kind),
+        }
+    }
+}
+
+/// Where an expression leads.
+pub(super) enum Reach {
+    Spot(Slot, Vec<usize>),
+    /// Some element of an array: why it is not known which.
+    Lost(Slot, Vec<usize>, Arc<str>),
+    /// An element that no array has.
+    Beyond(i64),
+    /// A value that lies nowhere.
+    Value(Value),
+}
+
+/// A member of a pair, or the name that a structured binding has for one.
+fn numbered(name: &str) -> Option<usize> {
+    match name {
+        "first" => Some(0),
+        "second" => Some(1),
+        name => name.parse().ok(),
+    }
+}
+
+/// A character of a text, which ends with a 0.
+fn character(text: &str, at: i64) -> Reach {
+    let found = usize::try_from(at).ok();
+    let found = found.and_then(|at| text.bytes().chain([0]).nth(at));
+    found.map_or(Reach::Beyond(at), |code| {
+        Reach::Value(Value::Whole(i64::from(code as i8)))
+    })
+}
+
+/// The name that an expression begins with.
+pub(super) fn base_name(it: &Expr) -> String {
+    match &it.node {
+        ExprNode::Name(name) => last(name).to_owned(),
+        ExprNode::Member(of, _)
+        | ExprNode::Index(of, _)
+        | ExprNode::Unary(_, of)
+        | ExprNode::Convert(_, of)
+        | ExprNode::Recast(_, of) => base_name(of),
+        ExprNode::Binary(_, left, _) => base_name(left),
+        ExprNode::Call(callee, _) => base_name(callee),
+        _ => "buffer".to_owned(),
+    }
+}

@@ -1,0 +1,122 @@
+//! Names and the variables that they mean.
+
+use std::collections::BTreeSet;
+
+use super::{
+    machine::{Machine, Spot},
+    tree::{Kind, Word, last, qualifier},
+    value::{Slot, Value},
+};
+use crate::config::Place;
+
+impl Machine<'_> {
+    pub(super) fn find(&self, name: &str) -> Option<Slot> {
+        let file = self.scopes.first()?;
+        match qualifier(name) {
+            Some("") => return file.get(last(name)).copied(),
+            Some(_) if foreign(name) => return None,
+            Some(_) => {
+                let own = self.scopes.get(self.base.max(1)..).unwrap_or_default();
+                if let Some(slot) = own.iter().rev().find_map(|scope| scope.get(name)) {
+                    return Some(*slot);
+                }
+                let spaces = self.spaces().map(|space| format!("{space}::{name}"));
+                let found = spaces
+                    .chain([name.to_owned()])
+                    .find_map(|it| file.get(&*it));
+                // A class or an enumeration, whose names are the file's.
+                return found.copied().or_else(|| self.find(last(name)));
+            }
+            None => {}
+        }
+        let own = self.scopes.get(self.base.max(1)..).unwrap_or_default();
+        let found = own.iter().rev().find_map(|scope| scope.get(name));
+        let space = || {
+            let mut spaces = self.spaces().map(|space| format!("{space}::{name}"));
+            spaces.find_map(|it| file.get(&*it))
+        };
+        found.or_else(space).or_else(|| file.get(name)).copied()
+    }
+
+    /// The namespace that is worked in, and those around it.
+    pub(super) fn spaces(&self) -> impl Iterator<Item = &str> {
+        let first = Some(&*self.space).filter(|it| !it.is_empty());
+        std::iter::successors(first, |it| qualifier(it))
+    }
+
+    /// The variables that a name means here or in some function.
+    pub(super) fn find_all(&self, name: &str) -> BTreeSet<Slot> {
+        let plain = last(name);
+        let file = self.scopes.first().into_iter().flatten();
+        let file = file.filter(|(it, _)| last(it) == plain);
+        self.find(name)
+            .into_iter()
+            .chain(file.map(|it| *it.1))
+            .collect()
+    }
+
+    pub(super) fn bind(&mut self, name: &Word, slot: Slot) {
+        if let ([file], false) = (&mut self.scopes[..], self.space.is_empty()) {
+            file.insert(format!("{}::{name}", self.space).into(), slot);
+            // Others may mean it without its namespace, unless there are several.
+            if self.ambiguous.contains(name) {
+                return;
+            }
+            match file.get(name).copied() {
+                None => {
+                    file.insert(name.clone(), slot);
+                }
+                Some(known) => {
+                    let spaced = |it: &(&Word, &Slot)| *it.1 == known && qualifier(it.0).is_some();
+                    // One of the file itself keeps its name.
+                    if file.iter().any(|it| spaced(&it)) {
+                        file.remove(name);
+                        self.ambiguous.insert(name.clone());
+                    }
+                }
+            }
+            return;
+        }
+        if let Some(scope) = self.scopes.last_mut() {
+            scope.insert(name.clone(), slot);
+        }
+    }
+
+    /// Binds a name to a variable, or to an element of one.
+    pub(super) fn refer(&mut self, name: &Word, (slot, path): Spot) {
+        if path.is_empty() {
+            self.bind(name, slot);
+        } else {
+            self.make(name, Value::Reference(slot, path), Kind::Any);
+        }
+    }
+
+    /// The value that is set from outside for this name, if it is.
+    pub(super) fn set(&mut self, name: &str) -> Option<Value> {
+        let value = *self.overrides.get(name)?;
+        self.constants.insert(name.to_owned(), value);
+        Some(Value::from_number(value))
+    }
+
+    /// What is set from outside must be a number that its variable can hold.
+    pub(super) fn set_within(&mut self, name: &str, (set, kind): (&Value, Kind), place: Place) {
+        let made = set.clone().converted(kind).number();
+        if let (Some(asked), Some(made)) = (set.number(), made)
+            && asked != made
+            && !matches!(kind, Kind::Float)
+        {
+            self.error(
+                place,
+                format!("`{name}` is set to {asked}, of which its type makes {made}"),
+                "its declaration",
+                "give a number that this type holds",
+            );
+        }
+    }
+}
+
+/// Whether a name is written as the vendor's or the language's own.
+pub(super) fn foreign(name: &str) -> bool {
+    let space = qualifier(name).unwrap_or_default();
+    matches!(space.trim_start_matches("::"), "std" | "SCAMP5_PE")
+}

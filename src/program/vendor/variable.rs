@@ -1,0 +1,146 @@
+//! Variables: what they hold, and the way to the elements of it.
+
+use std::sync::Arc;
+
+use super::{
+    machine::Machine,
+    tree::{Kind, Word},
+    value::{Slot, Value},
+};
+
+impl Machine<'_> {
+    pub(super) fn make(&mut self, name: &Word, value: Value, kind: Kind) -> Slot {
+        let slot = self.hold(value, kind);
+        self.bind(name, slot);
+        slot
+    }
+
+    /// A new variable, without a name.
+    pub(super) fn hold(&mut self, value: Value, kind: Kind) -> Slot {
+        self.passes(value.size());
+        let slot = self.free.pop().unwrap_or(self.slots.len());
+        if slot == self.slots.len() {
+            self.slots.push(value);
+            self.kinds.push(kind);
+        } else {
+            self.slots[slot] = value;
+            self.kinds[slot] = kind;
+        }
+        self.copied.remove(&slot);
+        self.fixed.remove(&slot);
+        slot
+    }
+
+    /// A type, with what a template is given in place of its parameter.
+    pub(super) fn resolved(&self, kind: Kind) -> Kind {
+        match kind {
+            Kind::Parameter(at) => self.types.get(at).copied().unwrap_or(Kind::Any),
+            kind => kind,
+        }
+    }
+
+    /// The type of a variable, or of an element.
+    pub(super) fn kind_at(&self, slot: Slot, path: &[usize]) -> Kind {
+        let mut kind = self.kinds.get(slot).copied().unwrap_or(Kind::Any);
+        let mut value = self.slots.get(slot);
+        for index in path {
+            value = match value {
+                Some(Value::List(all)) => all.get(*index),
+                Some(Value::Record(layout, all)) => {
+                    kind = layout.members.get(*index).map_or(Kind::Any, |it| it.kind);
+                    all.get(*index)
+                }
+                other => other,
+            };
+        }
+        kind
+    }
+
+    pub(super) fn at(&self, slot: Slot, path: &[usize]) -> Value {
+        let beyond = || Value::Unknown("what lies beyond an array".into());
+        let value = self.peek(slot, path).cloned().unwrap_or_else(beyond);
+        self.passes(value.size());
+        value
+    }
+
+    /// The value that lies somewhere; `None` beyond an array or a variable.
+    pub(super) fn peek(&self, slot: Slot, path: &[usize]) -> Option<&Value> {
+        let mut value = &self.slots[slot];
+        for index in path {
+            value = match value {
+                Value::List(all) | Value::Record(_, all) => all.get(*index)?,
+                Value::Unknown(_) => return Some(value),
+                // A pointer to one value.
+                _ if *index == 0 => value,
+                _ => return None,
+            };
+        }
+        Some(value)
+    }
+
+    pub(super) fn put(&mut self, slot: Slot, path: &[usize], value: Value) {
+        self.passes(value.size());
+        if let Some(target) = self.target(slot, path) {
+            *target = value;
+        }
+    }
+
+    /// Where something can be written; `None` beyond an array, or where nothing is known for good.
+    pub(super) fn target(&mut self, slot: Slot, path: &[usize]) -> Option<&mut Value> {
+        if self.fixed.contains(&slot) {
+            return None;
+        }
+        let mut target = &mut self.slots[slot];
+        for index in path {
+            match target {
+                Value::List(all) | Value::Record(_, all) => target = all.get_mut(*index)?,
+                Value::Unknown(_) => return None,
+                _ => break,
+            }
+        }
+        Some(target)
+    }
+
+    /// The array that a pointer leads into, the element that it leads to, and the array's length.
+    pub(super) fn array_of<'p>(
+        &self,
+        slot: Slot,
+        path: &'p [usize],
+    ) -> Option<(&'p [usize], usize, usize)> {
+        let (first, array) = path
+            .split_last()
+            .map_or((0, path), |(at, array)| (*at, array));
+        match self.peek(slot, array) {
+            Some(Value::List(all)) => Some((array, first, all.len())),
+            _ => None,
+        }
+    }
+
+    /// Forgets what lies where a pointer leads, and in its array behind that.
+    pub(super) fn forget_from(&mut self, slot: Slot, path: &[usize], why: &Arc<str>) {
+        let Some((array, first, length)) = self.array_of(slot, path) else {
+            self.forget(slot, path, why);
+            return;
+        };
+        for at in first..length {
+            self.forget(slot, &[array, &[at]].concat(), why);
+        }
+    }
+
+    /// Makes a value, and all that is in it, one that only the run knows.
+    pub(super) fn forget(&mut self, slot: Slot, path: &[usize], why: &Arc<str>) {
+        let value = self.at(slot, path);
+        let value = blurred(value, why);
+        self.put(slot, path, value);
+    }
+}
+
+fn blurred(value: Value, why: &Arc<str>) -> Value {
+    match value {
+        Value::List(all) => Value::List(all.into_iter().map(|it| blurred(it, why)).collect()),
+        Value::Record(layout, all) => {
+            Value::Record(layout, all.into_iter().map(|it| blurred(it, why)).collect())
+        }
+        _ => Value::Unknown(Arc::clone(why)),
+    }
+}

@@ -1,0 +1,72 @@
+//! Why there is nothing to choose from.
+
+use super::super::{design::DesignError, equivalent::EquivalentError, rate::RateError};
+use crate::{config::Faults, scene::SceneError};
+
+/// Why nothing could be explored.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum ExplorationError {
+    /// A sensor cannot be made.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Design(#[from] DesignError),
+    /// The scene cannot be opened.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneError),
+    /// No threshold gives the rate.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Rate(#[from] RateError),
+    /// No threshold of a kernel gives its share of the rate.
+    #[error(
+        "{rate} events per pixel and second are {share} of each of {kernels} kernels: with {name} this scene gives {least:.3} to {most:.3} at any threshold"
+    )]
+    #[diagnostic(help("give a rate whose equal share lies between them"))]
+    Share {
+        /// The rate that was asked for.
+        rate: f64,
+        /// One kernel's part of it.
+        share: f64,
+        /// How many kernels.
+        kernels: usize,
+        /// Which of them does not have it.
+        name: String,
+        /// With thresholds 4096 times as high.
+        least: f64,
+        /// With thresholds of a 4096th.
+        most: f64,
+    },
+    /// Scene or sensor cannot go on, or nothing can be compared.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Judge(#[from] EquivalentError),
+    /// A program that was found is not what the chip takes.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Program(#[from] Faults),
+    /// Names, kernels and thresholds do not go together.
+    #[error("{names} names and {thresholds} thresholds for {kernels} kernels")]
+    #[diagnostic(help("give one of each for every kernel, and one kernel at least"))]
+    Numbers {
+        /// Kernels.
+        kernels: usize,
+        /// Names.
+        names: usize,
+        /// Thresholds.
+        thresholds: usize,
+    },
+    /// Nothing fits.
+    #[error("the chip takes none of these")]
+    #[diagnostic(help("give fewer kernels, smaller ones, other quantisers or another chip"))]
+    Nothing {
+        /// What was tried.
+        #[related]
+        refused: Vec<Untaken>,
+    },
+}
+
+/// One that the chip does not take.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{0}")]
+pub struct Untaken(pub String);
