@@ -335,4 +335,16 @@ fn kernels_that_cannot_be_are_told() {
         ],
         &["kernel 1 has no weight but 0"],
     );
+
+    // Names with commas between, as the other verbs take them.
+    let arguments = [
+        "compile",
+        "sobel-x,sobel-y",
+        "--filter-only",
+        "--into",
+        "A,B",
+        "--json",
+    ];
+    let said = json(folder, &[&arguments[..], &["--effort", "0.1"]].concat());
+    assert_eq!(said["into"].as_array().unwrap().len(), 2);
 }

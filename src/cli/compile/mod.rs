@@ -50,7 +50,7 @@ use crate::{
 pub struct Arguments {
     /// Kernels, a kind of cell each: files (.toml, .npy of shape (k,k), (K,k,k) or (K,1,k,k)) or
     /// names of built-in ones
-    #[arg(required_unless_present = "sensor")]
+    #[arg(required_unless_present = "sensor", value_delimiter = ',')]
     kernels: Vec<Named>,
     /// Write the program here; else it is printed
     #[arg(short, long, value_name = "FILE.scamp|FILE.cpp", value_parser = Content::Program)]

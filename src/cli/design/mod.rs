@@ -34,6 +34,7 @@ use crate::{
         equivalent::RUNGS,
         exploration::{Aim, Candidate, Exploration, Question, explore},
         feasibility,
+        together::memories,
     },
 };
 
@@ -121,18 +122,25 @@ impl std::str::FromStr for Pick {
 }
 
 impl Pick {
-    /// Index among the candidates.
-    fn of(self, all: &Exploration) -> miette::Result<usize> {
-        let rows = all.candidates.len();
+    /// Refuses a row beyond so many.
+    fn check(self, rows: usize) -> miette::Result<()> {
         match self {
-            Self::Knee => Ok(all.knee.unwrap_or(0)),
-            Self::Best => Ok(0),
-            Self::Row(row) if row <= rows => Ok(row - 1),
-            Self::Row(row) => Err(miette!(
+            Self::Row(row) if row > rows => Err(miette!(
                 help = format!("give a number from 1 to {rows}, knee or best"),
                 "--pick {row}: there are {rows} rows"
             )),
+            _ => Ok(()),
         }
+    }
+
+    /// Index among the candidates.
+    fn of(self, all: &Exploration) -> miette::Result<usize> {
+        self.check(all.candidates.len())?;
+        Ok(match self {
+            Self::Knee => all.knee.unwrap_or(0),
+            Self::Best => 0,
+            Self::Row(row) => row - 1,
+        })
     }
 }
 
@@ -165,6 +173,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kinds = arguments.kernels.kinds()?;
     let device = Device::find(&arguments.chip)?;
     let thresholds = arguments.thresholds(&kinds)?;
+    // Before all the work: more rows than this there cannot be.
+    let ways = match arguments.memory {
+        Some(_) => 1,
+        None => memories(kinds.kernels.len()).len(),
+    };
+    arguments.pick.check(ways * arguments.to.len())?;
     let folder = arguments.output.as_ref();
     let written = folder.map(|folder| Written::new(folder));
     if let Some(written) = &written {

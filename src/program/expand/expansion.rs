@@ -43,7 +43,7 @@ impl Expansion {
         let mut words = Words(0);
         let mut add = |statement: &Expanded| {
             if !statement.host {
-                words = words + cost::stored(&statement.steps, device);
+                words += cost::stored(&statement.steps, device);
             }
         };
         for_each(&self.init, &mut add);

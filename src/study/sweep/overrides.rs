@@ -147,7 +147,7 @@ impl Override {
             let sides = root.get("side").and_then(Node::as_list).unwrap_or_default();
             // Above the sides it is for those that have it and do not set it themselves.
             let mut edits = Vec::new();
-            if root.get(first).is_some() || !sides.iter().all(|side| takes_none(side, first)) {
+            if root.get(first).is_some() || !sides.iter().all(|side| takes_none(*side, first)) {
                 edits = self.within(root, &self.key, text, 0)?;
             }
             for side in sides {
@@ -174,7 +174,9 @@ impl Override {
 
     /// Tables with this key, one for each value.
     fn each(&self, keys: &[String]) -> String {
-        let open: String = keys.iter().map(|key| format!("{{ {key} = ")).collect();
+        let open = keys
+            .iter()
+            .fold(String::new(), |open, key| open + "{ " + key + " = ");
         let close = " }".repeat(keys.len());
         let value: Option<toml::Table> = format!("it = {}", self.value).parse().ok();
         let list = value.as_ref().and_then(|it| it.get("it")?.as_array());

@@ -87,7 +87,7 @@ impl Reader<'_> {
                         "leave it out, or add a [[side]] with side = {}",
                         who.join(" or ")
                     )));
-            } else if tables.iter().all(|side| takes_none(side, name)) {
+            } else if tables.iter().all(|side| takes_none(*side, name)) {
                 let what = format!("`{name}` is set, and every side that has it sets its own");
                 self.faults
                     .push(Fault::error(key.place, what, CHANGES_NOTHING).help("leave it out"));
@@ -97,7 +97,7 @@ impl Reader<'_> {
 }
 
 /// Whether a side does without a key that stands above the sides.
-pub(super) fn takes_none(side: &Node<'_>, name: &str) -> bool {
+pub(super) fn takes_none(side: Node<'_>, name: &str) -> bool {
     let kind = side.get("side").and_then(Node::as_text).unwrap_or_default();
     let kind = Side::ALL.into_iter().find(|side| side.name() == kind);
     side.get(name).is_some()
