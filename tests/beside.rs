@@ -329,6 +329,37 @@ fn stopwatches_count_what_the_array_takes() {
     let (asked, said) = told(text, 2, &[]);
     assert_eq!(said, ["20 30", "20 30"], "{asked:?}");
     assert_eq!(asked.iter().filter(|it| it.contains("R7")).count(), 2);
+    // Waiting for one ends.
+    let text = "vs_stopwatch one; int main() { while (1) { vs_frame_loop_control(); NOT(R5, R6); one.reset();\n\
+                while (one.get_usec() < 1000); printf(\"%d\", one.get_usec() < 1100); } }";
+    assert_eq!(told(text, 2, &[]).1, ["1", "1"]);
+}
+
+/// What a host cannot know is told, and a host that asks on and on ends.
+#[test]
+fn what_is_not_known_is_told_and_asking_ends() {
+    let program = |inside: &str| {
+        let text = format!(
+            "#include <map>\nint main() {{ while (1) {{ vs_frame_loop_control(); {inside} }} }}"
+        );
+        let mut array = Told {
+            frames: 1,
+            answers: vec![0; 1 << 20],
+            ..Told::default()
+        };
+        let program = Program::read("p.cpp", &text);
+        program
+            .run_beside(&Device::scamp5(), &Overrides::new(), &mut array)
+            .map_err(|faults| faults.to_string())
+    };
+    let said = program(
+        "std::map<int, int> m; m[1] = 2; if (m.size() == 1) { scamp5_output_events(R5, 0, 4); }",
+    );
+    let warnings = said.unwrap().unwrap().faults;
+    let is_told = { warnings.iter() }.any(|it| it.fault.message.contains("it is left out"));
+    assert!(is_told, "{warnings:?}");
+    let said = program("while (scamp5_global_or(R5) == 0) NOT(R5);").unwrap_err();
+    assert!(said.contains("statements run in one frame"), "{said}");
 }
 
 #[test]

@@ -704,14 +704,22 @@ fn a_pilot_stops_when_it_does_not_pay() {
     // A clock on which every model takes as long as every other.
     let ticks = std::sync::atomic::AtomicU64::new(0);
     let clock = || ticks.fetch_add(1, std::sync::atomic::Ordering::Relaxed) as f64;
-    let plan = plan(&asked, Some(&kept), &clock).unwrap();
-    assert_eq!(plan.choice, Choice::full());
-    assert!(plan.why.contains("nothing to win"), "{}", plan.why);
+    let without_time = plan(&asked, Some(&kept), &clock).unwrap();
+    let why = &without_time.why;
     assert!(
-        plan.offers
-            .iter()
-            .all(|offer| offer.change.is_none() && !offer.left_out)
+        why.contains("a look at the scene would take longer"),
+        "{why}"
     );
+    let mut asked = asked;
+    asked.budget = (0.0, 1e9);
+    let with_time = plan(&asked, Some(&kept), &clock).unwrap();
+    let why = &with_time.why;
+    assert!(why.contains("nothing to win"), "{why}");
+    for plan in [without_time, with_time] {
+        assert_eq!(plan.choice, Choice::full());
+        let mut offers = plan.offers.iter();
+        assert!(offers.all(|offer| offer.change.is_none() && !offer.left_out));
+    }
 }
 
 /// What depends on all of the sensor is not offered.

@@ -1959,3 +1959,96 @@ fn a_stack_of_bits_has_its_display() {
     let titles: Vec<(u32, &str)> = titles.iter().map(|(line, it)| (*line, &**it)).collect();
     assert_eq!(titles, [(4, "four bits"), (5, "four bits")]);
 }
+
+/// Pointers into rows and objects are as far apart as their elements lie in memory.
+#[test]
+fn pointers_are_compared_by_where_they_lead() {
+    let rows = "int8_t w[3][3] = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};\n";
+    numbers_with(
+        rows,
+        "int sum = 0; for (const int8_t *p = &w[0][0]; p <= &w[2][2]; ++p) sum += *p; scamp5_in(A, sum);\n\
+         scamp5_in(A, &w[2][2] - &w[0][0]); scamp5_in(A, &w[1][1] == &w[0][1]); scamp5_in(A, w[1] == w[0]);\n\
+         scamp5_in(A, &w[1][0] > &w[0][2]); int8_t *q = w[1]; scamp5_in(A, q == &w[1][0]);",
+        &[45, 8, 0, 0, 1, 1],
+    );
+    let objects = "struct T { dreg_t d; int n; }; static T t[] = {{R5, 3}, {R6, 4}, {R7, 5}};\n";
+    numbers_with(
+        objects,
+        "int sum = 0; for (T *p = t; p < t + 3; p++) sum += p->n; scamp5_in(A, sum);\n\
+         scamp5_in(A, &t[0].n == &t[1].n); T *last = &t[2]; scamp5_in(A, last - t); scamp5_in(A, t->n);",
+        &[12, 0, 2, 3],
+    );
+    numbers_with(
+        objects,
+        "areg_t regs[] = {B, C, D}; scamp5_in(A, sizeof(regs) / sizeof(regs[0]));\n\
+         scamp5_in(A, sizeof(t) / sizeof(t[0]));",
+        &[3, 3],
+    );
+}
+
+/// Constants of a class, objects in braces, names for the members of each element.
+#[test]
+fn constants_and_objects_of_classes() {
+    let class = "struct S { enum { N = 3, M, }; enum class E { X = 7 }; static const int K = 5;\n\
+         static int f(int x) { return x + K + N; } int g() const { return M; } int a = 1; };\n";
+    numbers_with(
+        class,
+        "scamp5_in(A, S::N + S::M); scamp5_in(A, S::f(2)); S s; scamp5_in(A, s.g()); scamp5_in(A, (int)S::E::X);\n\
+         for (int i = 0; i < S::N; i++) scamp5_in(A, i);",
+        &[7, 10, 4, 7, 0, 1, 2],
+    );
+    numbers_with(
+        "struct Box { int t; int r; }; Box made(int r) { return Box{3, r}; } int sum(Box b) { return b.t + b.r; }\n",
+        "Box b{1, 2}; b = Box{3, 4}; scamp5_in(A, b.t + b.r); scamp5_in(A, sum(Box{5, 6})); scamp5_in(A, made(9).r);\n\
+         Box all[2] = {{1, 2}, {3, 4}}; for (auto [t, r] : all) scamp5_in(A, 10 * t + r);\n\
+         for (auto &[t, r] : all) t = 8; scamp5_in(A, all[1].t);",
+        &[7, 11, 9, 12, 34, 8],
+    );
+}
+
+/// What a header asks for may lie beside the header.
+#[test]
+fn headers_ask_for_what_lies_beside_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let inner = folder.path().join("lib");
+    std::fs::create_dir(&inner).unwrap();
+    let main = "#include \"lib/pool.h\"\nint main() { pool(A); }";
+    std::fs::write(
+        inner.join("pool.h"),
+        "#include \"conv.hpp\"\nvoid pool(areg_t a) { conv(a); }",
+    )
+    .unwrap();
+    std::fs::write(inner.join("conv.hpp"), "void conv(areg_t a) { neg(a, B); }").unwrap();
+    let includes = amacrine::program::included_files(main, folder.path());
+    let program = Program::read_with("p.cpp", main, &includes);
+    let code = program
+        .expand(&Device::scamp5(), &Overrides::new())
+        .unwrap()
+        .code;
+    assert_eq!(bare(code), own_code("neg(A, B);"));
+}
+
+/// Words that no kernel holds are warned of, where there are kernels; one fault is told as one.
+#[test]
+fn words_outside_of_kernels() {
+    let text = "int main() { while (1) { vs_frame_loop_control(); scamp5_kernel_begin(); get_image(A); scamp5_kernel_end(); mov(B, A); scamp5_output_image(B, 0); } }";
+    let all = expand(text, &[]).unwrap().warnings;
+    assert!(
+        all.iter()
+            .any(|it| it.message == "`mov` outside of a kernel"),
+        "{all:?}"
+    );
+    let bare = "int main() { while (1) { vs_frame_loop_control(); get_image(A); mov(B, A); scamp5_output_image(B, 0); } }";
+    let all = expand(bare, &[]).unwrap().warnings;
+    assert!(
+        all.iter().all(|it| !it.message.contains("outside")),
+        "{all:?}"
+    );
+    let all = messages(
+        "struct P { int a; };\nint main() { while (1) { P p = try { }; NOT(R5); } nop(); }",
+    );
+    assert!(
+        all.iter().all(|it| !it.contains("closes nothing")),
+        "{all:?}"
+    );
+}

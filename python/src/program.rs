@@ -1,9 +1,6 @@
 //! Programs of the array.
 
-use std::{
-    collections::BTreeMap,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeMap, path::PathBuf};
 
 use amacrine::{
     array::{Arithmetic, ArithmeticError, Array, Register, Settings},
@@ -11,9 +8,8 @@ use amacrine::{
     isa::Device,
     plane::{Plane, Size},
     program::{
-        Action, Cost, Expansion, Host, Includes, Layout, Overrides, Program as Text, Step, included,
+        Action, Cost, Expansion, Host, Layout, Overrides, Program as Text, Step, included_files,
     },
-    source,
     study::pilot::Chips,
     unit::Micros,
 };
@@ -42,27 +38,6 @@ pub struct Program {
     overrides: Overrides,
 }
 
-/// Files that vendor C++ asks for, as many as are looked for.
-const MOST: usize = 64;
-
-/// Reads the files that vendor C++ asks for, and those that they ask for, in a folder.
-fn include(text: &str, folder: &Path, includes: &mut Includes) {
-    for name in included(text) {
-        if includes.contains_key(&name) || includes.len() > MOST {
-            continue;
-        }
-        let path = name.replace('\\', "/");
-        let last = path.rsplit('/').next().unwrap_or(&path);
-        let tried = [path.as_str(), last].map(|path| folder.join(path));
-        let found = tried.iter().find(|path| path.is_file());
-        let Some(text) = found.and_then(|path| source::text(path, "").ok()) else {
-            continue;
-        };
-        includes.insert(name, text.as_str().into());
-        include(&text, folder, includes);
-    }
-}
-
 #[pymethods]
 impl Program {
     /// The text of a program called `file`, on a chip, with constants of the caller.
@@ -76,10 +51,8 @@ impl Program {
         constants: BTreeMap<String, f64>,
     ) -> PyResult<Self> {
         let made = pool::work(py, || {
-            let mut includes = Includes::new();
-            if let Some(folder) = &folder {
-                include(text, folder, &mut includes);
-            }
+            let read = |folder: &PathBuf| included_files(text, folder);
+            let includes = folder.as_ref().map(read).unwrap_or_default();
             let program = Text::read_with(file, text, &includes);
             let chip = chip.or(program.settings.chip.as_deref());
             let device = Device::find(chip.unwrap_or("scamp5"))?;

@@ -12,8 +12,7 @@ use super::{
 use crate::{
     bundled::Kind,
     isa::{Device, Figure},
-    limit::FAULTS,
-    program::{Expansion, Includes, Layout, Overrides, Program, Syntax, included},
+    program::{Expansion, Layout, Overrides, Program, Syntax, included_files},
     source,
 };
 
@@ -87,30 +86,8 @@ impl Source {
         let help = "give the path of a program, or a name that `amacrine list programs` prints";
         let help = meant(Kind::Program, &self.program, help);
         let text = source::text(&self.program, &help)?;
-        let mut includes = Includes::new();
-        self.include(&text, &mut includes);
+        let includes = included_files(&text, self.folder());
         Ok(Program::read_with(&file, &text, &includes))
-    }
-
-    /// Reads the files that vendor C++ asks for, and those that they ask for. One that is not
-    /// there is told of by whoever needs it.
-    fn include(&self, text: &str, includes: &mut Includes) {
-        for name in included(text) {
-            if includes.contains_key(&name) || includes.len() > FAULTS {
-                continue;
-            }
-            // Paths are written for Windows as well, and relative to whoever asks: the folder of
-            // the program and the names alone are tried.
-            let path = name.replace('\\', "/");
-            let last = path.rsplit('/').next().unwrap_or(&path);
-            let tried = [path.as_str(), last].map(|path| self.folder().join(path));
-            let found = tried.iter().find(|path| path.is_file());
-            let Some(text) = found.and_then(|path| source::text(path, "").ok()) else {
-                continue;
-            };
-            includes.insert(name, text.as_str().into());
-            self.include(&text, includes);
-        }
     }
 
     /// The program in canonical form, on its chip, with the constants that are set.

@@ -252,12 +252,24 @@ impl fmt::Display for Faults {
         match self.faults.as_slice() {
             [only] if !self.more => only.fmt(f),
             all => {
-                let are = if all.len() == 1 {
-                    "thing is"
-                } else {
-                    "things are"
+                let is_error = |it: &&Located| it.fault.severity == Severity::Error;
+                let errors = all.iter().filter(is_error).count();
+                write!(f, "{}: ", self.file)?;
+                let many = |count: usize, what: &str| match count {
+                    1 => format!("1 {what}"),
+                    count => format!("{count} {what}s"),
                 };
-                write!(f, "{}: {} {are} wrong", self.file, all.len())?;
+                match (errors, all.len() - errors) {
+                    (0, warnings) => f.write_str(&many(warnings, "warning"))?,
+                    (1, 0) => f.write_str("1 thing is wrong")?,
+                    (errors, 0) => write!(f, "{errors} things are wrong")?,
+                    (errors, warnings) => write!(
+                        f,
+                        "{} and {}",
+                        many(errors, "error"),
+                        many(warnings, "warning")
+                    )?,
+                }
                 if self.more {
                     f.write_str(", and more are not shown")?;
                 }

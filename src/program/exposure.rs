@@ -11,6 +11,11 @@ use crate::isa::{
 pub struct Exposure {
     reads: bool,
     resets: bool,
+    /// Whether this frame has reset them so far, and whether the one before left them.
+    now: bool,
+    left: bool,
+    /// Whether a frame read what the one before had left.
+    adds: bool,
 }
 
 impl Exposure {
@@ -20,8 +25,12 @@ impl Exposure {
             match &step.action {
                 Action::Word(word) => {
                     let operands = device.operands(word);
-                    self.resets |= operands.unit == Unit::Photodiode;
-                    self.reads |= operands.reads().any(|it| it.terminal == Terminal::Pix);
+                    let reads = operands.reads().any(|it| it.terminal == Terminal::Pix);
+                    self.adds |= reads && self.left && !self.now;
+                    self.reads |= reads;
+                    let resets = operands.unit == Unit::Photodiode;
+                    self.resets |= resets;
+                    self.now |= resets;
                 }
                 Action::Repeat { body, .. } => self.see(body, device),
                 Action::Host(_) => {}
@@ -29,9 +38,15 @@ impl Exposure {
         }
     }
 
+    /// The next frame begins.
+    pub const fn next_frame(&mut self) {
+        self.left = !self.now;
+        self.now = false;
+    }
+
     /// Whether light would add up on the chip, from frame to frame.
     #[must_use]
     pub const fn adds_up(self) -> bool {
-        self.reads && !self.resets
+        self.adds || self.reads && !self.resets
     }
 }

@@ -43,5 +43,5 @@ pub use settings::{
 };
 pub use source::{Layout, NamesError, Program};
 pub use syntax::Syntax;
-pub use vendor::{Answer, Beside, Includes, WriteError, cpp, included};
+pub use vendor::{Answer, Beside, Includes, WriteError, cpp, included, included_files};
 pub use words::vendor_text;

@@ -104,7 +104,10 @@ impl Kept {
         {
             let pixels = Store::new(light);
             bytes += pixels.bytes();
-            if bytes > most {
+            // Frames are alike: the first says what all take.
+            let all = scene.frames().filter(|_| index == 0).unwrap_or(1);
+            let too_many = u128::from(all) * pixels.bytes() as u128 > most as u128;
+            if bytes > most || too_many {
                 return Ok(None);
             }
             frames.push(One {

@@ -164,6 +164,9 @@ impl Companion<'_> {
 
     fn next_frame(&mut self) -> miette::Result<bool> {
         let before = self.now.as_ref().map(|now| now.0.seconds);
+        if self.frames > 0 {
+            self.exposure.next_frame();
+        }
         self.end_frame()?;
         let Some(frame) = self.light.next_frame()? else {
             self.over = true;

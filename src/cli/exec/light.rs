@@ -73,7 +73,7 @@ impl Said {
             format!("the host decides what runs: {words}")
         });
         let adds = (frames > 1 && self.exposure.get().adds_up()).then(|| {
-            "no frame resets the photodiodes: on the chip light adds up from frame to frame, here each frame is one exposure".to_owned()
+            "frames do not reset the photodiodes: on the chip light adds up until it is read, here each frame is one exposure".to_owned()
         });
         let left = self.left.get().then(|| {
             format!(

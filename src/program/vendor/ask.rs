@@ -122,6 +122,11 @@ impl Machine<'_> {
     /// without it.
     pub(super) fn unread(&mut self, place: Place, what: &str, why: &str) {
         if self.companion.is_some() {
+            let message = format!("{what}, {why} decides: it is left out");
+            self.fault(
+                Fault::warning(place, message, "not known here")
+                    .help("give its value with `--const NAME=VALUE`, or write it with what docs/vendor-code.md lists"),
+            );
             return;
         }
         let message = format!("{what}, {why} decides: here it is left out");
@@ -158,6 +163,7 @@ impl Machine<'_> {
                 "end the first one with `scamp5_kernel_end();`",
             );
         }
+        self.kernels = true;
         self.kernel = Some(Kernel {
             place,
             ordinal,

@@ -77,6 +77,11 @@ pub(super) struct Companion<'a> {
     pub faults: Vec<Fault>,
     /// When stopwatches were set back, by their variables.
     pub clocks: BTreeMap<Slot, f64>,
+    /// The array's time when a stopwatch was asked last, how often it has been asked since, and the
+    /// microseconds that were waited in all.
+    asked: f64,
+    waits: u64,
+    waited_us: f64,
     /// Random numbers that were drawn.
     drawn: u64,
     /// Variables at which the next ones are given up.
@@ -96,6 +101,9 @@ impl<'a> Companion<'a> {
             over,
             faults: Vec::new(),
             clocks: BTreeMap::new(),
+            asked: 0.0,
+            waits: 0,
+            waited_us: 0.0,
             drawn: 0,
             enough: HELD,
         }
@@ -112,6 +120,9 @@ impl<'a> Companion<'a> {
         self.random() as f64 / f64::from(1_u32 << 31)
     }
 }
+
+/// Questions to stopwatches, one after the other, that take no time.
+const PATIENCE: u64 = 16;
 
 impl Machine<'_> {
     /// How many frames were waited for before this one, where that is known: the vendor's counter
@@ -132,7 +143,18 @@ impl Machine<'_> {
         // What was asked before has taken its time.
         self.run_asked();
         let companion = self.companion.as_mut()?;
-        let now = companion.array.micros();
+        let array = companion.array.micros();
+        // A host that asks on and on waits: each question then takes a microsecond.
+        companion.waits = if array > companion.asked {
+            0
+        } else {
+            companion.waits + 1
+        };
+        companion.asked = array;
+        if companion.waits > PATIENCE {
+            companion.waited_us += 1.0;
+        }
+        let now = array + companion.waited_us;
         match member {
             "reset" => {
                 companion.clocks.insert(slot, now);
@@ -140,7 +162,7 @@ impl Machine<'_> {
             }
             "get_usec" => {
                 let start = companion.clocks.get(&slot).copied().unwrap_or_default();
-                // What the host itself does takes time on the chip: programs divide by this.
+                // Programs divide by this.
                 let passed = (now - start).ceil().max(1.0);
                 Some(Value::Wide(passed as i64, Width::Unsigned))
             }

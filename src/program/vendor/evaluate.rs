@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use super::{
-    look,
+    constant, look,
     machine::{Flow, Machine, Spot},
     reach::{Reach, base_name},
     scope::foreign,
@@ -241,8 +241,57 @@ impl Machine<'_> {
                 return Value::Whole(0);
             }
         }
-        let value = Value::binary(mark, &a, &b);
+        let value = match (&a, &b) {
+            (Value::Pointer(one, from, _), Value::Pointer(other, to, _)) if one == other => {
+                self.between(mark, (*one, from, to))
+            }
+            _ => Value::binary(mark, &a, &b),
+        };
         self.or_fault(value, place)
+    }
+
+    /// Pointers into one variable under an operator: by how many elements they lie apart.
+    fn between(
+        &self,
+        mark: &str,
+        (slot, from, to): (Slot, &[usize], &[usize]),
+    ) -> Result<Value, String> {
+        // An array is a pointer to its first element.
+        let [from, to] = [from, to].map(|path| self.pointed(slot, path.to_vec()).1);
+        let same_array = from.len() == to.len()
+            && from.split_last().map(|it| it.1) == to.split_last().map(|it| it.1);
+        let [from, to] = if same_array {
+            [from, to].map(|path| path.last().copied().unwrap_or(0) as i64)
+        } else {
+            [from, to].map(|path| self.offset(slot, &path))
+        };
+        match mark {
+            "-" => Ok(Value::Wide(from - to, Width::Long)),
+            "<" | ">" | "<=" | ">=" | "==" | "!=" => constant::apply(mark, from, to)
+                .map(Value::Whole)
+                .ok_or_else(|| format!("`{mark}` between pointers")),
+            _ => Err(format!("`{mark}` between pointers")),
+        }
+    }
+
+    /// How many numbers lie before an element of a variable, row after row and member after member.
+    fn offset(&self, slot: Slot, path: &[usize]) -> i64 {
+        let (mut value, mut before) = (self.slots.get(slot), 0);
+        for index in path {
+            match value {
+                Some(Value::List(all)) => {
+                    before += index * all.first().map_or(1, Value::leaves);
+                    value = all.get(*index).or_else(|| all.first());
+                }
+                Some(Value::Record(_, all)) => {
+                    before += all.iter().take(*index).map(Value::leaves).sum::<usize>();
+                    value = all.get(*index);
+                }
+                _ => before += index,
+            }
+        }
+        self.looks(path.len());
+        before as i64
     }
 
     /// A register under its own name, so that aliases are equal to it.

@@ -346,6 +346,14 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
             place: place.to(it.before()),
         });
     }
+    if it.classes.contains(&name) && it.sees("{") {
+        let of = braces(it)?;
+        let given = match of.node {
+            ExprNode::Braces(given) => given,
+            _ => Vec::new(),
+        };
+        return Ok(Expr::made(&full, given, place.to(it.before())));
+    }
     let node = match &*name {
         "true" | "false" => {
             let node = ExprNode::Whole(i64::from(&*name == "true"));

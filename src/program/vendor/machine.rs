@@ -104,6 +104,8 @@ pub(super) struct Machine<'a> {
     /// What was asked in earlier frames.
     pub frames: Vec<Vec<Item>>,
     pub kernel: Option<Kernel>,
+    /// Whether there was one so far.
+    pub kernels: bool,
     /// The words that kernels had, by where they begin.
     pub stored: BTreeMap<(usize, i64), Vec<Vec<Item>>>,
     /// Whether some earlier statement may have ended this block: why.
@@ -167,6 +169,7 @@ impl<'a> Machine<'a> {
             items: Vec::new(),
             frames: Vec::new(),
             kernel: None,
+            kernels: false,
             stored: BTreeMap::new(),
             maybe: None,
             depth: 0,

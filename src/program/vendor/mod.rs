@@ -31,6 +31,7 @@ mod expression;
 mod files;
 mod frames;
 mod host;
+mod includes;
 mod light;
 mod look;
 mod loops;
@@ -51,6 +52,7 @@ mod write;
 
 pub use beside::{Answer, Beside};
 pub use files::Includes;
+pub use includes::{included, included_files};
 pub use write::{WriteError, cpp};
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -84,18 +86,6 @@ pub(super) struct Read {
     pub titles: BTreeMap<u32, BTreeSet<String>>,
     /// Whether it has a loop over the frames.
     pub loops: bool,
-}
-
-/// The files that a text asks for by `#include "…"`, which lie beside it, and those that hold the
-/// bodies of what headers and the text itself announce, if they are there.
-#[must_use]
-pub fn included(text: &str) -> Vec<String> {
-    let asked = preprocess::asked(text);
-    let mut all: Vec<String> = asked.iter().flat_map(|it| files::bodies(it)).collect();
-    for (name, _) in announced::announced(text) {
-        all.extend(files::named(&name));
-    }
-    [asked, all].concat()
 }
 
 /// Endings of files that are C++.

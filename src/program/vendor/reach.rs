@@ -48,7 +48,7 @@ impl Machine<'_> {
     }
 
     /// Where a pointer leads.
-    fn pointed(&self, slot: Slot, mut path: Vec<usize>) -> Spot {
+    pub(super) fn pointed(&self, slot: Slot, mut path: Vec<usize>) -> Spot {
         let array = matches!(self.slots[slot], Value::List(_));
         if path.is_empty() && array && !self.copied.contains(&slot) {
             path.push(0);
@@ -149,9 +149,17 @@ impl Machine<'_> {
     }
 
     pub(super) fn member(&mut self, base: Reach, name: &str) -> Reach {
-        let base = self.through(base);
+        let mut base = self.through(base);
         if matches!(base, Reach::Lost(..) | Reach::Beyond(_)) {
             return base;
+        }
+        // A pointer to an array of objects leads to the first.
+        if let (Reach::Spot(_, path), Some(Value::List(all))) = (&base, self.reached(&base))
+            && path.is_empty()
+            && matches!(all.first(), Some(Value::Record(..)))
+            && let Reach::Spot(slot, _) = base
+        {
+            base = Reach::Spot(slot, vec![0]);
         }
         let at = match self.reached(&base) {
             // The words of a register, which are only ever compared.

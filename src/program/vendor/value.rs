@@ -89,6 +89,14 @@ impl Value {
         }
     }
 
+    /// How many values there are in it that hold no others.
+    pub(super) fn leaves(&self) -> usize {
+        match self {
+            Self::List(all) | Self::Record(_, all) => all.iter().map(Self::leaves).sum(),
+            _ => 1,
+        }
+    }
+
     pub(super) fn number(&self) -> Option<f64> {
         match self {
             Self::Wide(value, Width::UnsignedLong) => Some(*value as u64 as f64),
@@ -268,18 +276,6 @@ impl Value {
                 Pointer(*slot, path, name.clone())
             }
             (Whole(_) | Wide(..), Pointer(..)) if mark == "+" => Self::binary(mark, right, left)?,
-            (Pointer(a, from, _), Pointer(b, to, _)) if a == b => {
-                let by = |path: &[usize]| path.last().copied().unwrap_or(0) as i64;
-                let (from, to) = (by(from), by(to));
-                match mark {
-                    "-" => Wide(from - to, Width::Long),
-                    _ => Whole(
-                        constant::apply(mark, from, to)
-                            .filter(|_| matches!(mark, "<" | ">" | "<=" | ">=" | "==" | "!="))
-                            .ok_or_else(|| format!("`{mark}` between pointers"))?,
-                    ),
-                }
-            }
             (Self::Text(a), Self::Text(b)) if mark == "+" => {
                 if a.len() + b.len() > VENDOR_VALUES {
                     return Err(format!("a text of more than {VENDOR_VALUES} characters"));

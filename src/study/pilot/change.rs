@@ -1,11 +1,14 @@
 //! Change: by how many events two models differ, and where.
 
-use std::collections::HashMap;
+use std::{
+    collections::{HashMap, hash_map::DefaultHasher},
+    hash::{Hash as _, Hasher as _},
+};
 
 use super::estimate::Tile;
 use crate::{
     compare::{CompareError, Pair, matching},
-    event::Packet,
+    event::{Packet, Polarity},
     mosaic::Mosaic,
     unit::Micros,
 };
@@ -76,8 +79,8 @@ pub fn of_pair(mosaic: &Mosaic, probabilities: &[f64], pair: &Pair, within: Micr
             ..Tile::default()
         })
         .collect();
-    // Both signs of a cell are one history.
-    let mut histories: HashMap<(usize, u16, u16, u8), u64> = HashMap::new();
+    // Both signs of a cell are one history: its events, and a number for when they are.
+    let mut histories: HashMap<(usize, u16, u16, u8), (u64, u64)> = HashMap::new();
     for (cell, reference, judged) in pair.cells() {
         let Some(number) = mosaic.tile(cell.y().into(), cell.x().into()) else {
             continue;
@@ -90,11 +93,23 @@ pub fn of_pair(mosaic: &Mosaic, probabilities: &[f64], pair: &Pair, within: Micr
         tile.events += events[0];
         tile.changes += events[0] + events[1] - 2 * matched;
         let at = (number, cell.y(), cell.x(), cell.channel());
-        *histories.entry(at).or_default() += events[0];
+        let history = histories.entry(at).or_default();
+        history.0 += events[0];
+        let mut when = DefaultHasher::new();
+        (history.1, cell.polarity() == Polarity::On).hash(&mut when);
+        reference.iter().for_each(|t| t.hash(&mut when));
+        history.1 = when.finish();
     }
-    for ((number, ..), events) in histories {
+    let mut alike: HashMap<(usize, u8, u64), u64> = HashMap::new();
+    for ((number, _, _, channel), (events, when)) in histories {
         if let Some(tile) = tiles.get_mut(number) {
             tile.squares += events * events;
+            *alike.entry((number, channel, when)).or_default() += events;
+        }
+    }
+    for ((number, ..), events) in alike {
+        if let Some(tile) = tiles.get_mut(number) {
+            tile.alike += events * events;
         }
     }
     tiles

@@ -187,8 +187,8 @@ impl Family for Chips<'_> {
         }))
     }
 
-    /// What a chip's numbers cannot hold is the scene's doing; errors and rounding are each cell's
-    /// own. Registers that are limited to the ADC scale in either domain never reach the end of a
+    /// What a chip's numbers cannot hold is the scene's doing; errors and rounding change
+    /// cells alike that see the same. Registers that are limited to the ADC scale in either domain never reach the end of a
     /// format that is as wide as that.
     fn unseen(&self, model: &Machine, _: &Look) -> Unseen {
         let ends = |format: Format| {
@@ -201,7 +201,7 @@ impl Family for Chips<'_> {
         if saturates {
             Unseen::Tile
         } else {
-            Unseen::Cell
+            Unseen::Alike
         }
     }
 

@@ -16,7 +16,8 @@
 //! ```
 //!
 //! The largest jump is the largest `w_i y_i`, and at least what one cell's whole history would
-//! count: its events as a cell has them that an event picked at random belongs to. So a sample in
+//! count: its events as a cell has them that an event picked at random belongs to; or those of all
+//! cells of its tile that have the same events, or of the whole tile ([`Unseen`]). So a sample in
 //! which nothing changed still has a limit: `-ln(risk) M / X`. Tiles that were taken for certain
 //! are known, and are added as they are.
 //!
@@ -34,6 +35,8 @@ pub struct Tile {
     pub events: u64,
     /// Squares of the events of each of its cells, added up.
     pub squares: u64,
+    /// The same of its cells that have the same events at the same times, taken together.
+    pub alike: u64,
     /// Events of either model that have no partner in the other.
     pub changes: u64,
 }
@@ -58,6 +61,11 @@ pub struct Estimate {
 pub enum Unseen {
     /// As large as the history of a cell: what changes one cell says nothing of the next.
     Cell,
+    /// As large as the histories of cells of a tile that are alike: what changes one changes those
+    /// that see the same.
+    Alike,
+    /// Of so many events at least, by a cell of which there may be none in the sample.
+    Events(u64),
     /// As large as a tile: what changes one cell is the scene's, and changes its neighbours too.
     Tile,
 }
@@ -118,12 +126,17 @@ fn upper(drawn: &[Tile], unseen: Unseen, risk: f64) -> f64 {
     let events = sum(&|tile| tile.events as f64 / tile.probability);
     let squares = sum(&|tile| {
         let squares = match unseen {
-            Unseen::Cell => tile.squares as f64,
+            Unseen::Cell | Unseen::Events(_) => tile.squares as f64,
+            Unseen::Alike => tile.alike as f64,
             Unseen::Tile => (tile.events as f64).powi(2),
         };
         squares / tile.probability.powi(2)
     });
-    let history = if events > 0.0 { squares / events } else { 0.0 };
+    let mut history = if events > 0.0 { squares / events } else { 0.0 };
+    if let Unseen::Events(known) = unseen {
+        let stands = drawn.iter().map(|tile| 1.0 / tile.probability);
+        history = history.max(known as f64 * stands.fold(0.0, f64::max));
+    }
     let most = drawn.iter().map(jump).fold(history, f64::max);
     if most <= 0.0 {
         return 0.0;
@@ -167,6 +180,7 @@ mod tests {
             probability,
             events,
             squares: 4 * events,
+            alike: 8 * events,
             changes,
         }
     }
@@ -205,7 +219,12 @@ mod tests {
         let limit = estimate.limit.unwrap();
         assert!((limit / want - 1.0).abs() < 0.02, "{limit} {want}");
         assert_eq!(estimate.share, 0.0);
-        let wide = Estimate::new(&tiles, Unseen::Tile, 0.05).limit.unwrap();
+        let limit = |unseen| Estimate::new(&tiles, unseen, 0.05).limit.unwrap();
+        assert!((limit(Unseen::Alike) / (2.0 * want) - 1.0).abs() < 0.02);
+        // A cell of 50 events that is not in the sample stands for ten.
+        assert!((limit(Unseen::Events(50)) / (12.5 * want) - 1.0).abs() < 0.02);
+        assert_eq!(limit(Unseen::Events(2)), estimate.limit.unwrap());
+        let wide = limit(Unseen::Tile);
         assert!((wide / (2.9957 / 20.0) - 1.0).abs() < 0.02, "{wide}");
     }
 

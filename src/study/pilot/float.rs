@@ -134,16 +134,23 @@ impl Family for Floats<'_> {
         )
     }
 
-    /// What rounding changes in one cell says nothing of the next, and each cell's mismatch and
-    /// noise is its own. Saturation, and what the scene makes of a dead time, a bandwidth or the
+    /// What rounding changes in one cell it changes in those that see the same; each cell's mismatch
+    /// and noise is its own. Saturation, and what the scene makes of a dead time, a bandwidth or the
     /// frames, is in a place.
     fn unseen(&self, model: &Choice, look: &Look) -> Unseen {
         let saturates =
             model.format != Format::F64 && rule::may_saturate(model.format, self.description, look);
         let of_the_scene = [Effect::InsertedFrames, Effect::DeadTime, Effect::Bandwidth];
         let left_out = |effect| model.leaves_out(effect) && !self.base.leaves_out(effect);
+        let noise = &self.description.noise;
+        let is_hot = noise.hot_fraction > 0.0 && noise.hot_hz > 0.0;
         if saturates || of_the_scene.into_iter().any(left_out) {
             Unseen::Tile
+        } else if left_out(Effect::Strays) && is_hot {
+            // Hot cells are few, and each has many events.
+            Unseen::Events((noise.hot_hz * look.seconds).ceil() as u64)
+        } else if model.format != self.base.format {
+            Unseen::Alike
         } else {
             Unseen::Cell
         }
@@ -201,13 +208,28 @@ mod tests {
             assert_eq!(unseen(effect), Unseen::Tile, "{effect}");
         }
         // What is free is left out of the full model as well.
-        for effect in [
-            Effect::DeadTime,
-            Effect::Strays,
-            Effect::Leak,
-            Effect::Jitter,
-        ] {
+        for effect in [Effect::DeadTime, Effect::Leak, Effect::Jitter] {
             assert_eq!(unseen(effect), Unseen::Cell, "{effect}");
         }
+        // In a second, of a cell that there may be none of in a sample.
+        let noise = &description.noise;
+        let hot = noise.hot_fraction > 0.0 && noise.hot_hz > 0.0;
+        let strays = if hot {
+            Unseen::Events(noise.hot_hz.ceil() as u64)
+        } else {
+            Unseen::Cell
+        };
+        assert_eq!(unseen(Effect::Strays), strays);
+        // No light that there is comes near the end of single precision.
+        let description = Description::open("laplacian").unwrap();
+        let base = Choice::full();
+        let family = Floats {
+            description: &description,
+            seed: 0,
+            base: &base,
+        };
+        let mut single = base.clone();
+        single.format = Format::F32;
+        assert_eq!(family.unseen(&single, &look), Unseen::Alike);
     }
 }

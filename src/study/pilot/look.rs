@@ -93,6 +93,12 @@ impl Look {
     /// for a logarithmic response.
     #[must_use]
     pub fn new(kept: &Kept, grid: Grid, relative: bool) -> Self {
+        Self::of_first(kept.len(), kept, grid, relative)
+    }
+
+    /// The same of the first so many frames.
+    #[must_use]
+    pub fn of_first(frames: usize, kept: &Kept, grid: Grid, relative: bool) -> Self {
         let mut look = Self {
             activity: vec![-1.0; grid.tiles()],
             extremes: Vec::new(),
@@ -105,7 +111,7 @@ impl Look {
         let mut places = [0; 3];
         let pairs = kept.len().saturating_sub(1);
         let skip = (grid.size.pixels() * pairs / LOOKED_AT).clamp(1, grid.side);
-        for n in 0..kept.len() {
+        for n in 0..frames.min(kept.len()) {
             let Some((_, seconds, now)) = kept.frame(n) else {
                 break;
             };

@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use crate::{
-    event::readout::Readout,
+    event::{Packet, readout::Readout},
     kernel::Kernel,
     number::Format,
     reference::{Description, MemoryRule},
-    scene::{SceneError, kept::Kept},
+    scene::{Scene as _, SceneError, kept::Kept},
     sensor::SensorError,
     unit::Micros,
 };
@@ -200,7 +200,17 @@ pub fn plan(
         base: &all,
     };
     let side = measure::side(family.halo().unwrap_or(0));
-    let look = Look::new(kept, Grid { size, side }, family.is_relative());
+    let grid = Grid { size, side };
+    // Frames that are inserted take more than any look.
+    let waits = question.tiles.is_some() || question.crop || upsample.is_some();
+    if !waits && !family.affords_a_look(question, kept, grid, clock)? {
+        plan.inserted(description, upsample);
+        plan.choice = plan.base();
+        TOO_QUICK.clone_into(&mut plan.why);
+        plan.seconds = clock() - start;
+        return Ok(plan);
+    }
+    let look = Look::new(kept, grid, family.is_relative());
     if description.refractory.us > 0.0 && rule::has_no_close_crossings(description, &look) {
         plan.free.push(Free {
             what: Effect::DeadTime,
@@ -247,6 +257,48 @@ pub fn plan(
         seconds: clock() - start,
         ..plan
     })
+}
+
+/// Frames that are timed, after one that is another body.
+const TIMED: usize = 2;
+
+/// The part of a pilot's time that may go into the look.
+const LOOKING: f64 = 0.5;
+
+const TOO_QUICK: &str =
+    "the full model is too quick: a look at the scene would take longer than it may save";
+
+impl Floats<'_> {
+    /// Whether a look at all of the scene takes no more than it may, by the time of the first frames:
+    /// of the look, and of the full model on the whole sensor.
+    fn affords_a_look(
+        &self,
+        question: &Question<'_>,
+        kept: &Kept,
+        grid: Grid,
+        clock: &(dyn Fn() -> f64 + Sync),
+    ) -> Result<bool, PlanError> {
+        let pairs = kept.len().saturating_sub(1) as f64;
+        let mut sensor = self.whole(&self.full(), grid.size)?;
+        let mut packet = Packet::new(sensor.size(), sensor.channels());
+        let mut scene = kept.scene();
+        let mut seconds = Vec::new();
+        for _ in 0..=TIMED {
+            let Some(frame) = scene.next_frame()? else {
+                return Ok(true);
+            };
+            let start = clock();
+            sensor.watch(&frame, &mut packet)?;
+            seconds.push(clock() - start);
+        }
+        let each = seconds.iter().skip(1).sum::<f64>() / TIMED as f64;
+        let start = clock();
+        let looked = Look::of_first(TIMED + 1, kept, grid, self.is_relative());
+        std::hint::black_box(looked);
+        let look = (clock() - start) / TIMED as f64 * pairs;
+        let (part, besides) = question.budget;
+        Ok(look <= LOOKING * (part * each * pairs + besides))
+    }
 }
 
 impl Plan {

@@ -272,8 +272,13 @@ impl<F: Family> Begun<'_, F> {
         let tiles = change::of_pair(&self.mosaic, &self.probabilities, &pair, within);
         let unseen = self.trial.family.unseen(&ran.model, &self.look);
         let headline = self.headline();
+        let mut change = Estimate::new(&tiles, unseen, RISK / self.models.max(1) as f64);
+        if self.dropped > 0 {
+            // Which events find a slot depends on the whole sensor.
+            change.limit = None;
+        }
         Ok(Known {
-            change: Estimate::new(&tiles, unseen, RISK / self.models.max(1) as f64),
+            change,
             f1: self.f1(&pair, within),
             kept: window::kept(self.f1(&pair, headline), self.floor),
             floor: self.floor,
@@ -454,6 +459,7 @@ fn all_of(events: u64, changes: u64) -> Estimate {
         probability: 1.0,
         events,
         squares: 0,
+        alike: 0,
         changes,
     };
     Estimate::new(&[whole], Unseen::Cell, RISK)

@@ -18,6 +18,7 @@ use super::{
     machine::Machine,
     reach::{Reach, base_name},
     scope::foreign,
+    shape,
     tree::{Expr, ExprNode, Function, TemplateArgument, last, qualifier},
     value::{Slot, Value, unassigned},
 };
@@ -96,6 +97,11 @@ impl Machine<'_> {
                 return Value::Whole(0);
             };
             return self.enter_with(&function, given, angles, place);
+        }
+        if let Some(layout) = self.layouts.get(last(name)).cloned() {
+            // An object of data alone: `Class{a, b}`.
+            let given = given.iter().map(|it| self.value(it)).collect();
+            return shape::record(&layout, given).unwrap_or_else(|why| Value::Unknown(why.into()));
         }
         if host::simulates(name) {
             return self.simulated(last(name), given, place);

@@ -16,6 +16,9 @@ use crate::{
     isa::text::Term,
 };
 
+/// A readout takes about as long as copying so many values.
+const READOUT: usize = 1 << 13;
+
 impl Machine<'_> {
     pub(super) fn kernel_mark(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
         let ordinal = given.first().and_then(|it| self.value(it).whole());
@@ -182,6 +185,16 @@ impl Machine<'_> {
         }
         if self.is_host(&name) {
             self.in_kernel(&name, place);
+        } else if self.kernels && self.kernel.is_none() && !self.device.callables(&name).is_empty()
+        {
+            self.fault(
+                Fault::warning(
+                    place,
+                    format!("`{name}` outside of a kernel"),
+                    "no kernel is open here",
+                )
+                .help("put it between `scamp5_kernel_begin();` and `scamp5_kernel_end();`: what the vendor's tools make of it elsewhere is not known; here it runs"),
+            );
         }
         // Only what is read goes into memory; words that are not known are named for that.
         let buffers = host::role(&name, values.len()) == Role::Read
@@ -212,6 +225,10 @@ impl Machine<'_> {
         let why: Arc<str> = format!("what `{name}` reads in {}", self.line(place)).into();
         // The count destroys a register, and is read none the less.
         let read = host::role(&name, values.len()) == Role::Read || name == "scamp5_global_count";
+        if read && self.companion.is_some() {
+            // The array is looked through.
+            self.passes(READOUT);
+        }
         let answer = { read.then(|| self.run_asked()) }
             .flatten()
             .unwrap_or_default();

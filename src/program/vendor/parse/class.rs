@@ -10,6 +10,7 @@ use super::super::{
 use super::{
     Parsed, Parser,
     types::{RESERVED, Type},
+    within,
 };
 
 impl Parser<'_> {
@@ -17,7 +18,10 @@ impl Parser<'_> {
         self.at += 1;
         // The names of an `enum class` are only its own.
         let scoped = self.take_word("class") || self.take_word("struct");
-        let space = Some(self.word(0)).filter(|it| scoped && !it.is_empty());
+        let own = Some(self.word(0)).filter(|it| scoped && !it.is_empty());
+        let outer = self.inside.as_deref();
+        let all: Vec<&str> = outer.into_iter().chain(own).collect();
+        let space = Some(all.join("::")).filter(|it| !it.is_empty());
         while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
             self.at += 1;
         }
@@ -26,7 +30,10 @@ impl Parser<'_> {
             while !self.take("}") {
                 let place = self.place();
                 let name = self.name("the name of a constant")?;
-                let name = space.map_or(name.clone(), |space| format!("{space}::{name}").into());
+                let name = match &space {
+                    Some(space) => format!("{space}::{name}").into(),
+                    None => name,
+                };
                 let whole = |value| Expr {
                     node: ExprNode::Whole(value),
                     place,
@@ -160,6 +167,9 @@ impl Parser<'_> {
         if named_behind && let Some(behind) = self.peek(0).and_then(Token::name) {
             name = behind.clone();
         }
+        if data.is_some() {
+            self.classes.insert(name.clone());
+        }
         let node = data.map_or(StmtNode::Nothing, |members| {
             StmtNode::Struct(Rc::new(Struct {
                 name: name.clone(),
@@ -243,6 +253,16 @@ impl Parser<'_> {
         if self.take(";") {
             return Some(StmtNode::Nothing);
         }
+        let space: Word = within(&self.space, &[class]).into();
+        if self.word(0) == "enum" {
+            let place = self.place();
+            let outer = self.inside.replace(space);
+            let node = self.enumeration();
+            self.inside = outer;
+            let node = node.ok()?;
+            self.shared.push(Stmt { node, place });
+            return Some(StmtNode::Nothing);
+        }
         let rest = self.tokens.get(self.at..).unwrap_or_default();
         let mut head = rest.iter().take_while(|t| !t.is("{") && !t.is(";"));
         let operator = head.any(|t| t.name().is_some_and(|it| &**it == "operator"));
@@ -261,7 +281,9 @@ impl Parser<'_> {
             let fixed = |it: &Declared| it.constant && it.value.is_some();
             let mut all = match node {
                 Ok(Some(StmtNode::Declare(all))) => all,
-                Ok(Some(StmtNode::Function(function))) if clean => {
+                Ok(Some(StmtNode::Function(mut function))) if clean => {
+                    // It knows the constants of its class.
+                    Rc::make_mut(&mut function).space = space;
                     // By the name of the class, or of an object.
                     let node = StmtNode::Function(Rc::clone(&function));
                     let node = StmtNode::Namespace(class.into(), vec![Stmt { node, place }]);
@@ -282,9 +304,11 @@ impl Parser<'_> {
             return Some(StmtNode::Nothing);
         }
         match node {
-            Ok(Some(
-                node @ (StmtNode::Declare(_) | StmtNode::Function(_) | StmtNode::Prototype(_)),
-            )) if clean => Some(node),
+            Ok(Some(StmtNode::Function(mut function))) if clean => {
+                Rc::make_mut(&mut function).space = space;
+                Some(StmtNode::Function(function))
+            }
+            Ok(Some(node @ (StmtNode::Declare(_) | StmtNode::Prototype(_)))) if clean => Some(node),
             _ => None,
         }
     }

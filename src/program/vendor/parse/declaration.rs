@@ -11,6 +11,9 @@ use super::{
     types::{RESERVED, Type},
 };
 
+/// How members get names.
+const BINDING: &str = "members get names by `auto [a, b] = value;`";
+
 impl Parser<'_> {
     /// A declaration, if one stands here.
     pub(super) fn declaration(&mut self) -> Parsed<Option<StmtNode>> {
@@ -62,6 +65,19 @@ impl Parser<'_> {
 
     /// `auto [a, b] = value;`, if that stands here: names of the members of a value.
     fn binding(&mut self) -> Parsed<Option<StmtNode>> {
+        let Some((mut whole, members)) = self.bound_names()? else {
+            return Ok(None);
+        };
+        self.expect("=", BINDING)?;
+        whole.value = Some(self.assignment()?);
+        self.end_statement()?;
+        let mut all = vec![whole];
+        all.extend(members);
+        Ok(Some(StmtNode::Declare(all)))
+    }
+
+    /// `auto [a, b]`, if that stands here: what has no name of its own, and its members.
+    pub(super) fn bound_names(&mut self) -> Parsed<Option<(Declared, Vec<Declared>)>> {
         let (start, place) = (self.at, self.place());
         while self.word(0) == "const" {
             self.at += 1;
@@ -82,29 +98,25 @@ impl Parser<'_> {
                 break;
             }
         }
-        self.expect("]", "members get names by `auto [a, b] = value;`")?;
-        self.expect("=", "members get names by `auto [a, b] = value;`")?;
-        let value = self.assignment()?;
-        self.end_statement()?;
+        self.expect("]", BINDING)?;
         let of = Type {
             reference,
             ..Type::default()
         };
         let whole: Word = format!("[{}]", names[0].0).into();
-        let mut all = vec![of.declares(whole.clone(), place)];
-        all[0].value = Some(value);
         let member = Type {
             reference: true,
             ..Type::default()
         };
-        for (at, (name, place)) in names.into_iter().enumerate() {
+        let members = names.into_iter().enumerate().map(|(at, (name, place))| {
             let node = ExprNode::Name(whole.clone());
             let node = ExprNode::Member(Box::new(Expr { node, place }), at.to_string().into());
             let mut it = member.declares(name, place);
             it.value = Some(Expr { node, place });
-            all.push(it);
-        }
-        Ok(Some(StmtNode::Declare(all)))
+            it
+        });
+        let members = members.collect();
+        Ok(Some((of.declares(whole, place), members)))
     }
 
     /// The variables of a declaration, behind its type.

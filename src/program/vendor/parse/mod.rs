@@ -46,6 +46,8 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
         half: false,
         in_class: false,
         constructed: BTreeSet::new(),
+        classes: BTreeSet::new(),
+        inside: None,
     };
     let statements = parser.statements(false);
     if let Some(place) = parser.lost {
@@ -87,6 +89,10 @@ pub(super) struct Parser<'a> {
     in_class: bool,
     /// Classes whose constructors are run.
     constructed: BTreeSet<Word>,
+    /// Classes whose objects are known.
+    pub classes: BTreeSet<Word>,
+    /// The class whose members are read, with its namespaces.
+    inside: Option<Word>,
 }
 
 pub(super) type Parsed<T> = Result<T, Fault>;
@@ -205,11 +211,14 @@ impl<'a> Parser<'a> {
                 if block {
                     break;
                 }
-                let place = self.place();
-                self.faults.push(
-                    Fault::error(place, "this `}` closes nothing", "no block is open")
-                        .help("remove it"),
-                );
+                // Behind a fault it may well close what was not understood.
+                if self.faults.is_empty() {
+                    let place = self.place();
+                    self.faults.push(
+                        Fault::error(place, "this `}` closes nothing", "no block is open")
+                            .help("remove it"),
+                    );
+                }
                 self.at += 1;
                 continue;
             }

@@ -326,7 +326,21 @@ impl Parser<'_> {
 
     /// `for (type x : list) …`, if it is that.
     fn range_for(&mut self) -> Parsed<Option<StmtNode>> {
+        const HELP: &str = "a loop is `for (auto x : list) { … }`";
         let start = self.at;
+        if let Some((whole, members)) = self.bound_names()?
+            && self.take(":")
+        {
+            let list = self.expression()?;
+            self.expect(")", HELP)?;
+            let body = self.boxed()?;
+            let place = whole.place.to(self.before());
+            let node = StmtNode::Declare(members);
+            let node = StmtNode::Block(vec![Stmt { node, place }, *body]);
+            let body = Box::new(Stmt { node, place });
+            return Ok(Some(StmtNode::Each(Box::new(whole), list, body)));
+        }
+        self.at = start;
         if let Some(it) = self.declared_type()
             && self.peek(1).is_some_and(|t| t.is(":"))
         {
@@ -335,7 +349,7 @@ impl Parser<'_> {
             let element = Box::new(it.declares(name, place));
             self.at += 1;
             let list = self.expression()?;
-            self.expect(")", "a loop is `for (auto x : list) { … }`")?;
+            self.expect(")", HELP)?;
             return Ok(Some(StmtNode::Each(element, list, self.boxed()?)));
         }
         self.at = start;
