@@ -8,6 +8,7 @@ use crate::isa::{
 
 /// Whether frames read the photodiodes, and whether they reset them.
 #[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct Exposure {
     reads: bool,
     resets: bool,

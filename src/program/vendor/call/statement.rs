@@ -47,6 +47,21 @@ impl Machine<'_> {
         }
     }
 
+    /// Warns of a word that no kernel holds, where there are kernels.
+    fn outside_of_kernels(&mut self, name: &str, place: Place) {
+        if !self.kernels || self.kernel.is_some() || self.device.callables(name).is_empty() {
+            return;
+        }
+        self.fault(
+            Fault::warning(
+                place,
+                format!("`{name}` outside of a kernel"),
+                "no kernel is open here",
+            )
+            .help("put it between `scamp5_kernel_begin();` and `scamp5_kernel_end();`: what the vendor's tools make of it elsewhere is not known; here it runs"),
+        );
+    }
+
     /// A register is shown: as a picture of what it holds now.
     pub(super) fn show(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
         let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
@@ -185,16 +200,8 @@ impl Machine<'_> {
         }
         if self.is_host(&name) {
             self.in_kernel(&name, place);
-        } else if self.kernels && self.kernel.is_none() && !self.device.callables(&name).is_empty()
-        {
-            self.fault(
-                Fault::warning(
-                    place,
-                    format!("`{name}` outside of a kernel"),
-                    "no kernel is open here",
-                )
-                .help("put it between `scamp5_kernel_begin();` and `scamp5_kernel_end();`: what the vendor's tools make of it elsewhere is not known; here it runs"),
-            );
+        } else {
+            self.outside_of_kernels(&name, place);
         }
         // Only what is read goes into memory; words that are not known are named for that.
         let buffers = host::role(&name, values.len()) == Role::Read
