@@ -15,7 +15,7 @@ pub enum FileError {
         if path.as_os_str() == "-" {
             "an event file is read by its name: write it to a file first"
         } else {
-            "rename the file so that its extension says what is in it, or say it with `amacrine convert --from NAME`"
+            "rename the file so that its extension says what is in it, or tell `amacrine convert` what it is"
         }
     ))]
     Extension {
