@@ -36,12 +36,12 @@ impl Micros {
     }
 }
 
-/// Microseconds as seconds, to the last digit: `-0.133333 s`.
+/// Microseconds in seconds, to the last digit: `-0.133333`.
 #[must_use]
 pub fn exact_seconds(micros: impl Into<i128>) -> String {
     let micros = micros.into();
     let (sign, micros) = (if micros < 0 { "-" } else { "" }, micros.unsigned_abs());
-    format!("{sign}{}.{:06} s", micros / 1_000_000, micros % 1_000_000)
+    format!("{sign}{}.{:06}", micros / 1_000_000, micros % 1_000_000)
 }
 
 impl fmt::Display for Micros {

@@ -366,3 +366,32 @@ fn csv_of_spreadsheets() {
         refused(folder, &["convert", "b.csv", "b.npy"], &[place]);
     }
 }
+
+/// What is told of the first window is where its events come from, however windows lie.
+#[test]
+fn the_first_window_is_where_it_is_told_to_be() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let lines: Vec<String> = (0..300).map(|n| format!("{},1,1,1\n", 1000 * n)).collect();
+    fs::write(folder.join("a.csv"), format!("t,x,y,p\n{}", lines.concat())).unwrap();
+    for (more, from, ms) in [
+        (&["--every", "50ms"][..], 100_000, 51),
+        (&["--every", "20ms"], 70_000, 51),
+        (&["--every", "70ms"], 120_000, 51),
+        (&["--align", "centred"], 75_000, 51),
+    ] {
+        let arguments = [
+            "voxels", "a.csv", "-o", "v.npy", "--window", "50ms", "--from", "100ms",
+        ];
+        let rest = ["--bins", "1", "--size", "4x4", "--json"];
+        let said = json(folder, &[&arguments[..], more, &rest].concat());
+        assert_eq!(said["from_us"], from, "{more:?}");
+        // The events of that window, its first bound included.
+        let first = 1 + from / 1000;
+        let own =
+            (first..first + ms).filter(|n| (from..=from + 50_000).contains(&((n - 1) * 1000)));
+        let array: ndarray::ArrayD<f32> = ndarray_npy::read_npy(folder.join("v.npy")).unwrap();
+        let sum = array.index_axis(ndarray::Axis(0), 0).sum();
+        assert_eq!(sum, own.count() as f32, "{more:?}");
+    }
+}

@@ -336,6 +336,11 @@ fn kernels_that_cannot_be_are_told() {
         &["kernel 1 has no weight but 0"],
     );
 
+    refused(
+        folder,
+        &["compile", "a.npy", "--filter-only", "--input", "0..256"],
+        &["a register holds -128 to 127 LSB"],
+    );
     // Names with commas between, as the other verbs take them.
     let arguments = [
         "compile",

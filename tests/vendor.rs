@@ -1561,6 +1561,8 @@ fn macros_and_chains_have_limits() {
         "vector<int> v(100000); int n = 0; for (int i = 0; i < 100000; i++) std::for_each(v.begin(), v.end(), [&](int x) { n += x; });".to_owned(),
         "struct S { int a[1000]; }; S s[1000]; for (int i = 0; i < 1000; i++) { S t[1000]; t[0] = s[0]; }".to_owned(),
         "struct S { int a; S() { a = 1; } int get() { return a; } }; for (int i = 0; i < 100; i++) { S s[200000]; }".to_owned(),
+        "struct S { int a[100000]; int b; }; int n = 0; for (int i = 0; i < 100000; i++) n += S{}.b;".to_owned(),
+        "int w[100][10000]; int n = 0; for (int i = 0; i < 100000; i++) n += w[1] != &w[2][5];".to_owned(),
         format!("int n = 0; for (int i = 0; i < 1000000; i++) {{ auto f = [&](int x) {{ {} }}; }}", "n = x + 1;".repeat(1000)),
         format!("int n; for (int i = 0; i < 1000000; i++) {{ if (n) {{ {} }} }}", "n = n + 1;".repeat(1000)),
     ] {
@@ -1574,6 +1576,7 @@ fn macros_and_chains_have_limits() {
         "struct S { int a[2000]; }; S s[1000];",
         "struct S { int a[2000]; }; struct T { S s[1000]; }; T t;",
         "vector<vector<int>> v(2000, vector<int>(2000));",
+        "struct S { int a[2000]; }; struct T { S s[1000]; }; auto t = T{};",
     ] {
         let faults = expand(&format!("int main() {{ {text} nop(); }}"), &[])
             .unwrap_err()

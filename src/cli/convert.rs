@@ -444,8 +444,11 @@ fn table(arguments: &Arguments, format: Format, seen: &Seen, written: &[Written]
     }
     for Written { path, events, ends } in written {
         let when = ends.map_or(String::new(), |(first, last)| {
-            let (first, last) = (exact_seconds(first.0), exact_seconds(last.0));
-            format!(", {} to {last}", first.trim_end_matches(" s"))
+            format!(
+                ", {} to {} s",
+                exact_seconds(first.0),
+                exact_seconds(last.0)
+            )
         });
         lines.push(format!(
             "wrote    {}, {format}, {}{when}",

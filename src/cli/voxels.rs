@@ -167,7 +167,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         arguments.output.display(),
         match how.windows.bounds(0).0 {
             0 => String::new(),
-            from => format!("; the first window begins at {}", exact_seconds(from)),
+            from => format!("; the first window begins at {} s", exact_seconds(from)),
         },
         recording::guessed(about.size_known)
     ));

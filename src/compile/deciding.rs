@@ -120,10 +120,7 @@ impl Survival<'_> {
     /// Keeps the candidates in which nothing saturates: with the chip's errors where there are such,
     /// else without them.
     fn keep_in_range(&self, all: &mut Vec<Candidate>, range: (f64, f64)) {
-        let lenient = Self {
-            strict: false,
-            ..*self
-        };
+        let lenient = self.lenient();
         let fits = |who: &Self, it: &Candidate| who.fits(&it.solved.plan, it.bits, range);
         let strictly = all.iter().any(|it| fits(self, it));
         all.retain(|it| fits(if strictly { self } else { &lenient }, it));

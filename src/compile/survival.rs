@@ -87,6 +87,14 @@ impl Candidate {
 }
 
 impl Survival<'_> {
+    /// The same, where nothing may saturate without the chip's errors, whatever does with them.
+    pub(super) const fn lenient(&self) -> Self {
+        Self {
+            strict: false,
+            ..*self
+        }
+    }
+
     /// The filter of which most comes out.
     pub(super) fn filter(&self) -> Result<Filter, CompileError> {
         if let (Some(range), Some(decision), [_]) =
@@ -111,10 +119,7 @@ impl Survival<'_> {
         // Where nothing stays in range with the errors: what does without them.
         let best = match (best, self.request.range) {
             (None, Some(range)) => {
-                let lenient = Survival {
-                    strict: false,
-                    ..*self
-                };
+                let lenient = self.lenient();
                 lenient.best(lenient.within(range)?.0)
             }
             (best, _) => best,

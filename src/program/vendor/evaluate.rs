@@ -280,17 +280,20 @@ impl Machine<'_> {
         for index in path {
             match value {
                 Some(Value::List(all)) => {
-                    before += index * all.first().map_or(1, Value::leaves);
+                    let each = all.first().map_or(1, Value::leaves);
+                    self.passes(each);
+                    before += index * each;
                     value = all.get(*index).or_else(|| all.first());
                 }
                 Some(Value::Record(_, all)) => {
-                    before += all.iter().take(*index).map(Value::leaves).sum::<usize>();
+                    let members = all.iter().take(*index).map(Value::leaves).sum::<usize>();
+                    self.passes(members);
+                    before += members;
                     value = all.get(*index);
                 }
                 _ => before += index,
             }
         }
-        self.looks(path.len());
         before as i64
     }
 

@@ -4,10 +4,9 @@ use std::cell::OnceCell;
 
 use crate::{
     compare::Sorted,
-    event::Packet,
     mosaic::Mosaic,
     plane::Size,
-    scene::{Scene as _, kept::Kept},
+    scene::kept::Kept,
     sensor::SensorError,
     unit::{Micros, counted},
 };
@@ -18,6 +17,7 @@ use super::{
     draw::{Drawn, draw},
     estimate::Estimate,
     family::Family,
+    first_frames::clocked,
     look::{Grid, Look},
     stage::{self, Stage},
     trial::{Ran, Trial},
@@ -63,8 +63,8 @@ const TRIED_FRAMES: usize = 6;
 /// Frames that are tried in all, about, where some are inserted.
 const TRIED_INSERTED: usize = 30;
 
-/// Frames on the whole sensor, where tiles do not tell what it costs.
-const TRIED_WHOLE: u32 = 2;
+/// Frames on the whole sensor behind the first, where tiles do not tell what it costs.
+const TRIED_WHOLE: usize = 1;
 
 /// Frames that are not timed.
 const UNCLOCKED: u64 = 2;
@@ -339,20 +339,9 @@ impl<F: Family> Pilot<'_, F> {
     fn on_the_whole(&self, model: &F::Model) -> Option<f64> {
         let Self { trial, measure, .. } = self;
         let kept = measure.kept;
-        let mut sensor = trial.family.on_the_whole(model, kept.size())?.ok()?;
-        let mut packet = Packet::new(sensor.size(), sensor.channels());
-        let mut scene = kept.scene();
-        let mut seconds = 0.0;
-        for n in 0..TRIED_WHOLE {
-            let frame = scene.next_frame().ok()??;
-            let start = (measure.clock)();
-            sensor.watch(&frame, &mut packet).ok()?;
-            // The first frame is another body.
-            if n > 0 {
-                seconds += (measure.clock)() - start;
-            }
-        }
-        let each = seconds / f64::from(TRIED_WHOLE - 1);
+        let sensor = trial.family.on_the_whole(model, kept.size())?.ok()?;
+        let (seconds, _) = clocked(sensor, kept, TRIED_WHOLE, measure.clock).ok()??;
+        let each = seconds.iter().sum::<f64>() / TRIED_WHOLE as f64;
         Some(each * self.frames[0] as f64)
     }
 

@@ -19,6 +19,7 @@ pub mod draw;
 pub mod effect;
 pub mod estimate;
 pub mod family;
+mod first_frames;
 pub mod float;
 pub mod look;
 pub mod measure;

@@ -1,11 +1,7 @@
 //! The order of the array's work: it changes no event, so that only a clock is asked.
 
-use super::{Chips, Machine, family::Family};
-use crate::{
-    array::Schedule,
-    event::Packet,
-    scene::{Scene as _, kept::Kept},
-};
+use super::{Chips, Machine, family::Family, first_frames::clocked};
+use crate::{array::Schedule, scene::kept::Kept};
 
 /// A schedule that is quicker than the one that was asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +13,7 @@ pub struct Quicker {
 }
 
 /// Frames that are timed in each order, after one that fills caches.
-const TIMED: u32 = 2;
+const TIMED: usize = 2;
 
 /// Frames that both orders see.
 const SEEN: f64 = 2.0 * (TIMED as f64 + 1.0);
@@ -67,19 +63,9 @@ fn per_frame(
 ) -> Option<f64> {
     let mut family = *family;
     family.settings.schedule = Some(schedule);
-    let mut sensor = family.whole(machine, kept.size()).ok()?;
-    let mut packet = Packet::new(sensor.size(), sensor.channels());
-    let mut scene = kept.scene();
-    let mut least = f64::INFINITY;
-    for n in 0..=TIMED {
-        let frame = scene.next_frame().ok()??;
-        let start = clock();
-        sensor.watch(&frame, &mut packet).ok()?;
-        if n > 0 {
-            least = least.min(clock() - start);
-        }
-    }
-    Some(least)
+    let sensor = family.whole(machine, kept.size()).ok()?;
+    let (seconds, _) = clocked(sensor, kept, TIMED, clock).ok()??;
+    Some(seconds.into_iter().fold(f64::INFINITY, f64::min))
 }
 
 #[cfg(test)]

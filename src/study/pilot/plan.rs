@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use crate::{
-    event::{Packet, readout::Readout},
+    event::readout::Readout,
     kernel::Kernel,
     number::Format,
     reference::{Description, MemoryRule},
-    scene::{Scene as _, SceneError, kept::Kept},
+    scene::{SceneError, kept::Kept},
     sensor::SensorError,
     unit::Micros,
 };
@@ -17,6 +17,7 @@ use super::{
     effect::{Choice, Effect},
     estimate::Estimate,
     family::Family as _,
+    first_frames::clocked,
     float::Floats,
     look::{Grid, Look},
     measure::{self, Measure},
@@ -279,19 +280,11 @@ impl Floats<'_> {
         clock: &(dyn Fn() -> f64 + Sync),
     ) -> Result<bool, PlanError> {
         let pairs = kept.len().saturating_sub(1) as f64;
-        let mut sensor = self.whole(&self.full(), grid.size)?;
-        let mut packet = Packet::new(sensor.size(), sensor.channels());
-        let mut scene = kept.scene();
-        let mut seconds = Vec::new();
-        for _ in 0..=TIMED {
-            let Some(frame) = scene.next_frame()? else {
-                return Ok(true);
-            };
-            let start = clock();
-            sensor.watch(&frame, &mut packet)?;
-            seconds.push(clock() - start);
-        }
-        let each = seconds.iter().skip(1).sum::<f64>() / TIMED as f64;
+        let sensor = self.whole(&self.full(), grid.size)?;
+        let Some((seconds, _)) = clocked(sensor, kept, TIMED, clock)? else {
+            return Ok(true);
+        };
+        let each = seconds.iter().sum::<f64>() / TIMED as f64;
         let start = clock();
         let looked = Look::of_first(TIMED + 1, kept, grid, self.is_relative());
         std::hint::black_box(looked);

@@ -23,6 +23,7 @@ use super::{
     draw::draw,
     estimate::{Estimate, Tile, Unseen},
     family::Family,
+    first_frames::clocked,
     look::{Grid, Look},
     measure::side,
     plan::PlanError,
@@ -354,19 +355,9 @@ fn per_frame_on_the_whole<F: Family>(
     survey: &Survey<'_>,
 ) -> Option<(f64, u64)> {
     let kept = survey.kept;
-    let mut sensor = family.on_the_whole(model, kept.size())?.ok()?;
-    let mut packet = Packet::new(sensor.size(), sensor.channels());
-    let mut scene = kept.scene();
-    let mut seconds = Vec::new();
-    // The first frame is another body.
-    for n in 0..=TIMED.min(kept.len().saturating_sub(1)) {
-        let frame = scene.next_frame().ok()??;
-        let start = (survey.clock)();
-        sensor.watch(&frame, &mut packet).ok()?;
-        if n > 0 {
-            seconds.push((survey.clock)() - start);
-        }
-    }
+    let sensor = family.on_the_whole(model, kept.size())?.ok()?;
+    let frames = TIMED.min(kept.len().saturating_sub(1));
+    let (mut seconds, packet) = clocked(sensor, kept, frames, survey.clock).ok()??;
     seconds.sort_unstable_by(f64::total_cmp);
     let each = seconds.get(seconds.len() / 2)?;
     Some((*each, packet.dropped.no_slot))
