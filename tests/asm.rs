@@ -200,6 +200,87 @@ fn the_kernel_of_any_program_is_told() {
     }
 }
 
+/// A count makes an analogue register of bits, and of nothing else.
+#[test]
+fn a_count_spoils_one_register_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "get_image(A);\nmovx(C, A, east);\nwhere(A);\nMOV(R5, FLAG);\nall();\nscamp5_global_count(R5, B);\n";
+    let file = kept(&folder, "count.scamp", text);
+    let said = json(here(), &["asm", &file, "--input", "0..255"]);
+    let registers = said["proof"]["registers"].as_array().unwrap();
+    let of = |name: &str| registers.iter().find(|it| it["register"] == name);
+    // What the count made of its bits is no result.
+    assert!(of("B").is_none(), "{said}");
+    for (name, kernel) in [
+        ("A", serde_json::json!([[1.0]])),
+        ("C", serde_json::json!([[0.0, 0.0, 1.0]])),
+    ] {
+        let computes = &of(name).unwrap()["computes"]["inputs"][0];
+        assert_eq!(
+            (&computes["kernel"], &computes["scale"]),
+            (&kernel, &0.5.into())
+        );
+    }
+}
+
+/// A threshold in `[computes]` is that of events since the cell's last event.
+#[test]
+fn what_fires_and_is_remembered_is_held_to_the_threshold() {
+    let folder = tempfile::tempdir().unwrap();
+    let refuse = |name: &str, text: String, words: &[&str]| {
+        let file = kept(&folder, name, &text);
+        refused(here(), &["asm", &file], words);
+    };
+    let remembers = "WHERE(R5, R6); mov(F, A); all();";
+    let events_of = |threshold: &str, first: &str, frame: &str, then: &str| {
+        format!(
+            "//! channels = 1\n//! [computes]\n//! kernel = [[0, 1, -1]]\n//! scale = 0.5\n//! threshold = \"{threshold}\"\n\
+             const level = 5;\nconst slots = 2000;\ninit {{ get_image(A); movx(B, A, east); {first} mov(F, A); }}\n\
+             frame {{ get_image(A); movx(B, A, east); sub(A, A, B); sub(B, A, F); scamp5_in(E, -level); {frame}\n\
+             MOV(R5, FLAG); all(); neg(C, B); where(C, E); MOV(R6, FLAG); all(); {then}\n\
+             scamp5_scan_events(R5, on, slots); scamp5_scan_events(R6, off, slots); }}\n"
+        )
+    };
+    let events =
+        |threshold: &str, first: &str, frame: &str| events_of(threshold, first, frame, remembers);
+    let fires = "where(B, E);";
+    let file = kept(
+        &folder,
+        "fires.scamp",
+        &events("level", "sub(A, A, B);", fires),
+    );
+    stdout(&["asm", &file]);
+    let false_ones = [
+        ("nosuch", "sub(A, A, B);", fires, "which is no constant"),
+        ("slots", "sub(A, A, B);", fires, "the program fires"),
+        (
+            "level",
+            "mov(A, B);",
+            fires,
+            "the drive is compared with 5 LSB",
+        ),
+        (
+            "level",
+            "sub(A, A, B);",
+            "where(A, E);",
+            "the drive is compared with 5 LSB",
+        ),
+    ];
+    for (threshold, first, frame, why) in false_ones {
+        let text = events(threshold, first, frame);
+        refuse("events.scamp", text, &["[computes]", why]);
+    }
+    // A memory that keeps the first drive, that only ON renews, or that every frame does.
+    for then in ["", "WHERE(R5); mov(F, A); all();", "mov(F, A);"] {
+        let text = events_of("level", "sub(A, A, B);", fires, then);
+        refuse(
+            "memory.scamp",
+            text,
+            &["[computes] is false", "its memory is not what"],
+        );
+    }
+}
+
 #[test]
 fn what_is_stated_is_proved_or_refused_with_what_is_so() {
     let lines = proof(&["asm", "programs/convolve/sobel.scamp"]);
@@ -235,42 +316,6 @@ fn what_is_stated_is_proved_or_refused_with_what_is_so() {
         head("[[1]]", &register("D")) + body,
         &["no linear map", "line 8"],
     );
-    let events = |threshold: &str, first: &str, frame: &str| {
-        format!(
-            "//! channels = 1\n//! [computes]\n//! kernel = [[0, 1, -1]]\n//! scale = 0.5\n//! threshold = \"{threshold}\"\n\
-             const level = 5;\nconst slots = 2000;\ninit {{ get_image(A); movx(B, A, east); {first} mov(F, A); }}\n\
-             frame {{ get_image(A); movx(B, A, east); sub(A, A, B); sub(B, A, F); scamp5_in(E, -level); {frame}\n\
-             MOV(R5, FLAG); all(); neg(C, B); where(C, E); MOV(R6, FLAG); all();\n\
-             scamp5_scan_events(R5, on, slots); scamp5_scan_events(R6, off, slots); }}\n"
-        )
-    };
-    let fires = "where(B, E);";
-    let file = kept(
-        &folder,
-        "fires.scamp",
-        &events("level", "sub(A, A, B);", fires),
-    );
-    stdout(&["asm", &file]);
-    let false_ones = [
-        ("nosuch", "sub(A, A, B);", fires, "which is no constant"),
-        ("slots", "sub(A, A, B);", fires, "the program fires"),
-        (
-            "level",
-            "mov(A, B);",
-            fires,
-            "the drive is compared with 5 LSB",
-        ),
-        (
-            "level",
-            "sub(A, A, B);",
-            "where(A, E);",
-            "the drive is compared with 5 LSB",
-        ),
-    ];
-    for (threshold, first, frame, why) in false_ones {
-        let text = events(threshold, first, frame);
-        refuse("events.scamp", text, &["[computes]", why]);
-    }
     refuse(
         "none.scamp",
         head("[[1]]", &register("Q")) + body,

@@ -12,6 +12,7 @@ use amacrine::{
 use common::{amacrine, good, json, line, refused};
 use ndarray::{Array2, Array3};
 use ndarray_npy::WriteNpyExt;
+use serde_json::Value;
 
 const VENDOR: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/vendor");
 
@@ -703,7 +704,14 @@ fn a_host_that_decides_nothing_changes_nothing() {
                 // What is shown, the host decides in `blobs.cpp`; of events that one misses it is not
                 // warned.
                 for key in [
-                    "notes", "written", "posts", "array_us", "host_us", "readings", "warnings",
+                    "notes",
+                    "written",
+                    "posts",
+                    "array_us",
+                    "host_us",
+                    "readings",
+                    "warnings",
+                    "source_warnings",
                 ] {
                     said.as_object_mut().unwrap().remove(key);
                 }
@@ -794,4 +802,23 @@ fn what_goes_wrong_beside_the_array_has_its_line() {
         &["exec", "convolve/sobel", "--host"],
         &["--host is for vendor C++"],
     );
+}
+
+/// What is warned of in the program's text is in the JSON, whoever decides.
+#[test]
+fn warnings_of_the_text_are_told_to_scripts() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "int main() { while (1) { vs_frame_loop_control();\n\
+                scamp5_kernel_begin(); get_image(A, C); CLR(R5); scamp5_kernel_end();\n\
+                auto d = vs_gui_add_display(\"d\", 0, 0);\n\
+                scamp5_output_image(R7, d); } }";
+    fs::write(folder.path().join("p.cpp"), text).unwrap();
+    for host in [&[][..], &["--host"]] {
+        let scene = "pattern:disc?width=40&height=30&frames=3";
+        let arguments = [&["exec", "p.cpp", "--image", scene], host].concat();
+        let said = json(folder.path(), &arguments);
+        let warnings = said["source_warnings"].as_array().unwrap();
+        let told = |it: &Value| it.as_str().unwrap().starts_with("p.cpp:4:");
+        assert!(warnings.iter().any(told), "{host:?}: {said}");
+    }
 }

@@ -266,6 +266,8 @@ fn damage_and_what_is_kept() {
     folder.said(&["one.npy", "a.npz"]);
     let bytes = fs::read(folder.path("a.npz")).unwrap();
     fs::write(folder.path("cut.npz"), &bytes[..bytes.len() / 2]).unwrap();
+    // Nor is it advised.
+    folder.refused(&["cut.npz", "b.csv"], "its members lie stands at its end");
     let salvage = ["cut.npz", "b.csv", "--salvage"];
     folder.refused(&salvage, "nothing is kept of it");
 }

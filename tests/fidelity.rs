@@ -15,8 +15,8 @@ use amacrine::{
     rng::Hash,
     scene::{Frame, OpenOptions, Scene, held::Held, kept::Kept, open},
     study::pilot::{
-        Change, Choice, Effect, Estimate, Family, Floats, Grid, Look, Model, Plan, PlanError,
-        Question, Unseen, change, draw,
+        Change, Choice, Effect, Estimate, Family, Floats, Grid, History, Look, Model, Plan,
+        PlanError, Question, change, draw,
         plan::{BUDGET, plan},
         rule,
     },
@@ -832,7 +832,7 @@ fn a_format_that_saturates_is_seen() {
         seed: 0,
         base: &base,
     };
-    assert_eq!(family.unseen(&choice, &look), Unseen::Tile);
+    assert_eq!(family.unseen(&choice, &look), History::Tile.into());
 }
 
 /// A window of the array holds all events, to the bit, mismatch and jitter included.

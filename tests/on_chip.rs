@@ -169,13 +169,30 @@ fn nothing_that_comes_out_is_warned_of() {
         ran.status.success() && said.contains("next to nothing of the kernel"),
         "{said}"
     );
+    let asked = [
+        "compile",
+        "csdvs-3",
+        "--to",
+        "ternary",
+        "--filter-only",
+        "--effort",
+        "0.02",
+    ];
+    let ran = common::amacrine(folder, &asked).output().unwrap();
+    assert!(ran.status.success());
+    assert!(!common::line(&ran.stderr).contains("next to nothing"));
     kernel(folder, "zero.npy", &[&[0.0; 3]]);
-    for kernel in [&["csdvs-3", "--to", "ternary"][..], &["zero.npy"]] {
-        let asked = [&["compile"], kernel, &["--filter-only", "--effort", "0.02"]].concat();
-        let ran = common::amacrine(folder, &asked).output().unwrap();
-        assert!(ran.status.success());
-        assert!(!common::line(&ran.stderr).contains("next to nothing"));
-    }
+    let zero = ["compile", "zero.npy", "--filter-only"];
+    refused(folder, &zero, &["no weight but 0", "nothing comes of it"]);
+    // What needs no word takes no time.
+    kernel(folder, "one.npy", &[&[1.0]]);
+    let said = good(folder, &["compile", "one.npy", "--filter-only"]);
+    assert!(
+        said.contains("time      none: the result is the input"),
+        "{said}"
+    );
+    assert!(said.contains("optimal: no word is needed"), "{said}");
+    assert!(!said.contains("inf") && !said.contains("-0.00"), "{said}");
 }
 
 /// Without light a program is said to have been in the dark.

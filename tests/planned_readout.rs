@@ -235,7 +235,7 @@ fn what_leaves_nothing_names_what_works() {
     refused(
         folder.path(),
         &["compile", "zero.toml", "--threshold", "1"],
-        &["kernel 0 has no weight but 0", "no light gives an event"],
+        &["kernel 0 has no weight but 0", "nothing comes of it"],
     );
     let faint = "name = \"faint\"\nweights = [[0.000244140625, 0, -0.000244140625]]\n";
     fs::write(folder.path().join("faint.toml"), faint).unwrap();

@@ -8,6 +8,7 @@ mod common;
 use std::{fs, path::Path};
 
 use common::{good, json, refused, refused_untouched};
+use ndarray::Array3;
 use serde_json::Value;
 
 const SCENE: &str = "pattern:noise?width=96&height=80&frames=14&fps=100&speed=40";
@@ -370,4 +371,38 @@ fn what_kept_does_not_say_is_told() {
     );
     assert!(said.contains("kept says nothing here: within"), "{said}");
     assert!(said.contains("accident scores 1.000 of 1"), "{said}");
+}
+
+/// A number may overflow in a tile that is not in the sample.
+#[test]
+fn a_model_that_stops_on_the_whole_scene_is_told_beside_the_others() {
+    let at = tempfile::tempdir().unwrap();
+    let at = at.path();
+    fs::write(
+        at.join("bright.toml"),
+        "response = { linear = 0.001 }\nmemory = \"filtered-step\"\n[[channel]]\nkernel = \"dvs\"\nthreshold = { on = 20000, off = 20000 }\n",
+    )
+    .unwrap();
+    // 200 is 200,000 after the response, more than f16 holds; it stays, and is seldom drawn.
+    let light = Array3::from_shape_fn((12, 64, 64), |(t, y, x)| match (y, x) {
+        (40..44, 36..40) => 200u8,
+        _ => ((t * 37 + y * 11 + x * 29 + t * y * x) % 50) as u8,
+    });
+    ndarray_npy::write_npy(at.join("s.npy"), &light).unwrap();
+    let arguments = [
+        "trade",
+        "--scene",
+        "s.npy",
+        "--fps",
+        "100",
+        "--sensor",
+        "bright.toml",
+        "--verify",
+    ];
+    let trade = json(at, &arguments);
+    let why = find(&trade, "f16")["why"].as_str().unwrap();
+    assert!(why.contains("x = 36, y = 40 of channel 0"), "{why}");
+    assert!(why.contains("largest number of the format f16"), "{why}");
+    assert!(find(&trade, "f16")["error"].is_null());
+    assert_eq!(find(&trade, "f32")["error"], 0.0);
 }

@@ -86,10 +86,10 @@ pub enum ClaimError {
     },
     /// It fires elsewhere.
     #[error(
-        "[computes] is false: the drive is compared with {threshold} LSB of change, and where it changes by {moved:.3} LSB the program {does}"
+        "[computes] is false: the drive is compared with {threshold} LSB of change, and where it has changed by {moved:.3} LSB since the last event the program {does}{when}"
     )]
     #[diagnostic(help(
-        "an event is where the drive, less its value at the cell's last event, is above the threshold (ON) or below minus it (OFF); `init` stores the first drive"
+        "an event is where the drive, less its value at the cell's last event, is above the threshold (ON) or below minus it (OFF); `init` stores the first drive, and a cell that fires its present one"
     ))]
     Events {
         /// The stated threshold.
@@ -98,6 +98,8 @@ pub enum ClaimError {
         moved: f64,
         /// What the program does there.
         does: &'static str,
+        /// When: after the first frame it hangs on what the frames before left in the memory.
+        when: &'static str,
     },
     /// It is not linear.
     #[error("[computes] is false: {register} is no linear map of the light: {why}")]
@@ -113,7 +115,7 @@ pub enum ClaimError {
 }
 
 /// Holds what a program says of itself to what its words compute: its kernel in every case, its
-/// threshold and what `init` remembers on two random pictures. `constants` are those of the program.
+/// threshold and what cells remember on some random pictures. `constants` are those of the program.
 ///
 /// # Errors
 /// When it computes something else, with what it computes.
@@ -195,13 +197,22 @@ fn fires(
     let parting = crossing::parts(kernel, threshold, code, device, settings);
     match parting.ok().flatten() {
         None => Ok(()),
-        Some(Parting { moved, fired }) => Err(ClaimError::Events {
+        Some(Parting {
+            moved,
+            fired,
+            frame,
+        }) => Err(ClaimError::Events {
             threshold,
             moved,
             does: match fired {
                 0 => "does not fire",
                 1 => "fires ON",
                 _ => "fires OFF",
+            },
+            when: if frame == 1 {
+                ""
+            } else {
+                ": its memory is not what it should be after an event, or without one"
             },
         }),
     }

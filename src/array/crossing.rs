@@ -1,5 +1,5 @@
 //! Whether a program fires where its `[computes]` says: where the drive has moved by more than the
-//! threshold since the cell's last event, here the first frame.
+//! threshold since the cell's last event, at first the first frame.
 
 use ndarray::Array2;
 
@@ -25,15 +25,20 @@ const NEAR: f64 = 1e-6;
 /// A pixel at which a program does otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Parting {
-    /// By how much the drive moved, in LSB.
+    /// By how much the drive moved since the cell's last event, in LSB.
     pub moved: f64,
     /// Events there: 1 ON, -1 OFF.
     pub fired: i8,
+    /// In which frame after `init`, from 1.
+    pub frame: usize,
 }
 
-/// Shows two random pictures in exact arithmetic; where it does not fire as is stated, if it does
-/// not somewhere. `kernel` is in LSB for each unit of light. What has no slot, and a sign that is
-/// not read out at all, is not looked at.
+/// Frames that are shown: after the second, memories are those of earlier events.
+const FRAMES: usize = 4;
+
+/// Shows random pictures in exact arithmetic; where it does not fire as is stated, if it does not
+/// somewhere. `kernel` is in LSB for each unit of light. What has no slot, and a sign that is not
+/// read out at all, is not looked at.
 ///
 /// # Errors
 /// When the program cannot be run.
@@ -51,20 +56,66 @@ pub(super) fn parts(
     // So bright that about half of all cells fire.
     let power: f64 = kernel.iter().map(|weight| weight * weight).sum();
     let brightest = 4.0 * threshold / power.sqrt().max(f64::MIN_POSITIVE);
-    let pictures = [0, 1].map(|n| {
-        let value = |place| brightest * Hash::new(n).with(place as u64).uniform();
+    let picture = |n: usize| {
+        let value = |place| brightest * Hash::new(n as u64).with(place as u64).uniform();
         Plane::from_shape_fn(size.shape(), |(y, x)| value(y * SIDE + x))
-    });
-    chip.expose(&pictures[0]).map_err(|why| why.to_string())?;
+    };
+    let rim = kernel.nrows().max(kernel.ncols()) / 2 + SPOILT;
+    let inside = || rim..SIDE.saturating_sub(rim);
+    let first = picture(0);
+    chip.expose(&first).map_err(|why| why.to_string())?;
     let ran = chip.run_init(Micros(0), &mut packet);
     ran.map_err(|why| why.to_string())?;
-    packet.events.clear();
-    chip.expose(&pictures[1]).map_err(|why| why.to_string())?;
-    let ran = chip.run_frame(Micros(1), &mut packet);
-    ran.map_err(|why| why.to_string())?;
-    if packet.dropped.total() > 0 {
-        return Ok(None);
+    // What each cell remembers; not a number where that hangs on a sign that is not read out.
+    let mut memory = Plane::zeros(size.shape());
+    for (y, x) in inside().flat_map(|y| inside().map(move |x| (y, x))) {
+        memory[(y, x)] = drive(kernel, &first, (y, x));
     }
+    let mut reads = [false; 2];
+    for frame in 1..=FRAMES {
+        packet.events.clear();
+        let shown = picture(frame);
+        chip.expose(&shown).map_err(|why| why.to_string())?;
+        let ran = chip.run_frame(Micros(frame as u64), &mut packet);
+        ran.map_err(|why| why.to_string())?;
+        if packet.dropped.total() > 0 {
+            return Ok(None);
+        }
+        let fired = signs(&packet, size);
+        if frame == 1 {
+            reads = [-1, 1].map(|sign| fired.iter().any(|it| *it == sign));
+        }
+        for (y, x) in inside().flat_map(|y| inside().map(move |x| (y, x))) {
+            let (memory, fired) = (&mut memory[(y, x)], fired[(y, x)]);
+            let now = drive(kernel, &shown, (y, x));
+            let moved = now - *memory;
+            let near = (moved.abs() - threshold).abs() <= NEAR * threshold;
+            let crosses = match moved {
+                _ if moved > threshold => 1,
+                _ if -moved > threshold => -1,
+                _ => 0,
+            };
+            let is_read = crosses == 0 || reads[usize::from(crosses > 0)];
+            let stated = if is_read { crosses } else { 0 };
+            if !near && !moved.is_nan() && fired != stated {
+                return Ok(Some(Parting {
+                    moved,
+                    fired,
+                    frame,
+                }));
+            }
+            if fired != 0 {
+                *memory = now;
+            } else if !is_read {
+                *memory = f64::NAN;
+            }
+        }
+    }
+    Ok(None)
+}
+
+/// The sign of the event of each cell, 0 where there is none.
+fn signs(packet: &Packet, size: Size) -> Array2<i8> {
     let mut fired = Array2::<i8>::zeros(size.shape());
     for event in &packet.events {
         let sign = if event.polarity == Polarity::On {
@@ -74,32 +125,14 @@ pub(super) fn parts(
         };
         fired[(event.y.into(), event.x.into())] = sign;
     }
-    let reads = [-1, 1].map(|sign| fired.iter().any(|it| *it == sign));
-    let step = &pictures[1] - &pictures[0];
-    let rim = kernel.nrows().max(kernel.ncols()) / 2 + SPOILT;
-    for y in rim..SIDE.saturating_sub(rim) {
-        for x in rim..SIDE.saturating_sub(rim) {
-            let moved = moved(kernel, &step, (y, x));
-            let near = (moved.abs() - threshold).abs() <= NEAR * threshold;
-            let stated = match moved {
-                _ if moved > threshold && reads[1] => 1,
-                _ if -moved > threshold && reads[0] => -1,
-                _ => 0,
-            };
-            let fired = fired[(y, x)];
-            if !near && fired != stated {
-                return Ok(Some(Parting { moved, fired }));
-            }
-        }
-    }
-    Ok(None)
+    fired
 }
 
-/// What a change of the light changes the drive by.
-fn moved(kernel: &Plane<f64>, step: &Plane<f64>, (y, x): (usize, usize)) -> f64 {
+/// The drive of a cell under a picture.
+fn drive(kernel: &Plane<f64>, picture: &Plane<f64>, (y, x): (usize, usize)) -> f64 {
     let (down, right) = (kernel.nrows() / 2, kernel.ncols() / 2);
     let terms = kernel.indexed_iter();
     terms
-        .map(|((i, j), weight)| weight * step[(y + i - down, x + j - right)])
+        .map(|((i, j), weight)| weight * picture[(y + i - down, x + j - right)])
         .sum()
 }

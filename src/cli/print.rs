@@ -7,7 +7,8 @@ use std::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
-use miette::miette;
+use miette::{MietteHandlerOpts, miette};
+use textwrap::{WordSeparator, WordSplitter};
 
 use crate::save;
 
@@ -46,6 +47,18 @@ pub(super) fn until_ended(run: impl FnOnce() -> miette::Result<()>) -> miette::R
             None => panic::resume_unwind(payload),
         }
     })
+}
+
+/// From now on lines of messages break at spaces only: a name such as `rgc-on-chip` can be copied.
+pub(super) fn wrap_at_spaces() {
+    // It can only fail where there is one already.
+    let _ = miette::set_hook(Box::new(|_| {
+        let options = MietteHandlerOpts::new()
+            .word_separator(WordSeparator::AsciiSpace)
+            .word_splitter(WordSplitter::NoHyphenation)
+            .break_words(false);
+        Box::new(options.build())
+    }));
 }
 
 /// Prints to standard error. There is nobody to tell when that fails.

@@ -68,7 +68,8 @@ pub enum CompileError {
     },
     /// Too few registers for a whole program.
     #[error(
-        "{count} kinds, with {memory}: {needed} analogue registers are needed, {free} are free: {} too few",
+        "{}, with {memory}: {needed} analogue registers are needed, {free} are free: {} too few",
+        crate::unit::counted(*count, "kind"),
         needed.saturating_sub(*free)
     )]
     #[diagnostic(help("{advice}"))]

@@ -168,6 +168,12 @@ impl Faults {
         }
         Ok(())
     }
+
+    /// Each with its place, a line each.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        self.faults.iter().map(ToString::to_string).collect()
+    }
 }
 
 /// The longest line that is shown, in bytes.

@@ -17,11 +17,20 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         .filter(|candidate| candidate.len() <= 4 * LONGEST)
         .map(|candidate| {
             let lower = distance(&name.to_lowercase(), &candidate.to_lowercase());
-            (lower, distance(name, candidate), candidate)
+            let letters = distance(&letters(name), &letters(candidate));
+            (lower, letters, distance(name, candidate), candidate)
         })
-        .filter(|&(lower, _, _)| lower <= limit && lower < length)
-        .min_by_key(|&(lower, exact, candidate)| (lower, exact, candidate.len()))
-        .map(|(_, _, candidate)| candidate)
+        .filter(|&(lower, ..)| lower <= limit && lower < length)
+        .min_by_key(|&(lower, letters, exact, candidate)| {
+            (lower.min(letters), letters, exact, candidate.len())
+        })
+        .map(|(.., candidate)| candidate)
+}
+
+/// A name in lower case, without what stands between its words.
+fn letters(name: &str) -> String {
+    let letters = name.chars().filter(|c| !matches!(c, '-' | '_' | ' '));
+    letters.flat_map(char::to_lowercase).collect()
 }
 
 /// "did you mean `x`?", where something is near.
@@ -83,6 +92,8 @@ mod tests {
         assert_eq!(nearest("WHERe", known), Some("WHERE"));
         assert_eq!(nearest("mvo", known), Some("mov"));
         assert_eq!(nearest("display", known), None);
+        assert_eq!(nearest("rgc4", ["rgc", "rgc-4"]), Some("rgc-4"));
+        assert_eq!(nearest("rgc", ["rgc-4", "rg"]), Some("rg"));
         assert_eq!(nearest("Q", ["A", "B"]), None, "nothing of it is left");
     }
 }

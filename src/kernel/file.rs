@@ -21,7 +21,7 @@ use crate::{
 };
 
 /// What an array of kernels is.
-pub const SHAPES: &str = "give an array of shape (k,k), (K,k,k) or (K,1,k,k), k odd, of finite floats or integers; numpy.pad adds rows and columns of zeros";
+pub const SHAPES: &str = "give an array of shape (k,k), (K,k,k) or (K,1,k,k), rows and columns odd in number, of finite floats or integers; numpy.pad adds rows and columns of zeros";
 
 /// What to give instead of too many kernels.
 pub const FEWER: &str =

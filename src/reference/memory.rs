@@ -28,7 +28,7 @@ use crate::{
     number::{Number, Real},
 };
 
-/// The memory of one channel in one band of rows, row after row.
+/// The memories of the cells of a band of rows.
 #[derive(Clone, Debug)]
 pub(super) enum Memory<N: Number> {
     RawSnap {

@@ -35,7 +35,7 @@ pub enum GenericError {
     /// An operation that treats pixels by their place, or by bits that are not known.
     #[error("line {line}: `{what}` does not do the same in every pixel")]
     #[diagnostic(help(
-        "diffusion goes by bits, a count by places; leave the instruction out, or run the program in a domain of numbers"
+        "diffusion goes by bits; leave the instruction out, or run the program in a domain of numbers"
     ))]
     Place {
         /// Line of the program text, from 1.
@@ -134,7 +134,7 @@ impl<'a, D: Symbolic> GenericPixel<'a, D> {
                     let line = step.line;
                     after(self, Ran { line, word });
                 }
-                Action::Host(operation) => self.host(operation, step.line)?,
+                Action::Host(operation) => self.host(operation, step.line),
                 Action::Repeat { times, body } => {
                     for _ in 0..*times {
                         self.run(body, after)?;
@@ -194,7 +194,7 @@ impl<'a, D: Symbolic> GenericPixel<'a, D> {
         Ok(())
     }
 
-    fn host(&mut self, operation: &Host, line: u32) -> Result<(), GenericError> {
+    fn host(&mut self, operation: &Host, line: u32) {
         match operation {
             Host::LoadIn { .. } | Host::LoadInRaw { .. } | Host::LoadDac { .. } => {
                 host::execute(
@@ -203,7 +203,6 @@ impl<'a, D: Symbolic> GenericPixel<'a, D> {
                     &mut self.state,
                     operation,
                 );
-                Ok(())
             }
             // They look, or they change bits, which matter by way of FLAG alone.
             Host::ScanEvents { .. }
@@ -220,11 +219,15 @@ impl<'a, D: Symbolic> GenericPixel<'a, D> {
             | Host::Select { .. }
             | Host::DrawBegin { .. }
             | Host::Draw { .. }
-            | Host::DrawEnd => Ok(()),
-            Host::GlobalCount { .. } => Err(GenericError::Place {
-                line,
-                what: operation.text(self.device),
-            }),
+            | Host::DrawEnd => {}
+            // Whether each bit is 1 is not known.
+            Host::GlobalCount { temporary, .. } => {
+                let number = self.words.len() as u64;
+                self.words.push((line, operation.text(self.device)));
+                let [set, clear] = [127.0, -128.0].map(|lsb| self.domain.hold(lsb));
+                let either = self.domain.either(&set, &clear, number);
+                self.state.analog_mut(*temporary).fill(either);
+            }
         }
     }
 }

@@ -75,8 +75,8 @@ pub enum Why {
     /// The squarer.
     #[error("squares what went in")]
     Square,
-    /// A store under a FLAG that depends on what went in.
-    #[error("stores only where FLAG is 1, which depends on what went in")]
+    /// A store under a FLAG, or of bits, that depend on what went in.
+    #[error("stores as FLAG or other bits say, which depend on what went in")]
     Flag,
     /// More than 127 bits.
     #[error("needs more than 127 bits")]

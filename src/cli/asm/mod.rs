@@ -45,6 +45,7 @@ fn interval(text: &str) -> Result<Interval, String> {
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
     match (number(low), number(high)) {
         (Some(low), Some(high)) if low < high => Ok(Interval::new(low, high)),
+        (Some(_), Some(_)) => Err(format!("`{text}`: the first must be below the second")),
         _ => Err(wrong()),
     }
 }
@@ -241,10 +242,8 @@ fn json(
         (name.to_owned(), value)
     };
     let costs: serde_json::Map<_, _> = costs(expansion, device).into_iter().map(cost).collect();
-    let warnings = program.warnings(expansion).map_or_else(Vec::new, |faults| {
-        let line = |w: &crate::config::Located| w.to_string();
-        faults.faults.iter().map(line).collect()
-    });
+    let warnings = program.warnings(expansion);
+    let warnings = warnings.map_or_else(Vec::new, |faults| faults.lines());
     json!({
         "program": program.file,
         "chip": device.name(),

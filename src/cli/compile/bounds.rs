@@ -31,7 +31,14 @@ impl Bounds {
             Proof::Exhaustive => "every one was tried, with any number of registers",
             Proof::Reach => "its weights lie too far away, or are too large",
         };
-        if self.is_optimal() {
+        if self.upper == 0 {
+            "optimal: no word is needed".to_owned()
+        } else if lower == 0 {
+            format!(
+                "at most {} words; whether fewer make {of} is not known",
+                self.upper
+            )
+        } else if self.is_optimal() {
             format!("optimal: no program of fewer words makes {of} ({why})")
         } else {
             format!(

@@ -46,6 +46,8 @@ impl Compiled {
         let results = self.results.iter().map(|i| json!([i.low, i.high]));
         let exact_within: Vec<f64> = self.filters.iter().map(|f| f.exact_within).collect();
         let decided: Vec<Option<Decided>> = self.filters.iter().map(|f| f.decided).collect();
+        let on_chip = { self.thresholds.iter() }.map(|lsb| held(*lsb, device));
+        let on_chip: Vec<[f64; 2]> = on_chip.collect();
         json!({
             "chip": device.name(),
             "words": cost.words.0,
@@ -69,6 +71,8 @@ impl Compiled {
             "readout": self.readouts.as_ref().map(Readouts::json),
             "results_lsb": results.collect::<Vec<_>>(),
             "thresholds_lsb": self.thresholds,
+            "thresholds_on_chip_lsb": on_chip,
+            "notes": self.notes(asked, device),
             "saturating_stores": self.saturations,
             "holds_with_transfer_errors": self.ranged.then_some(self.filter.holds),
             "largest_input_lsb": 127.0 / self.filter.peak,
@@ -84,6 +88,17 @@ impl Compiled {
             "carried": self.memory.map(|memory| self.carried(memory, device)),
             "text": self.text,
         })
+    }
+
+    /// What to know of each kind, that the table says on its way.
+    fn notes(&self, asked: &Asked, device: &Device) -> Vec<String> {
+        let units = self.scales.iter().zip(&asked.scales);
+        let kinds = self.thresholds.iter().zip(units).enumerate();
+        let any = |(kind, (lsb, (own, few))): (usize, (&[f64; 2], (&f64, &f64)))| {
+            let note = any_fires(*lsb, few / own, device)?;
+            Some(format!("threshold of kind {kind}: {note}"))
+        };
+        kinds.filter_map(any).collect()
     }
 
     /// Words that the program takes of the chip's store.
@@ -183,10 +198,14 @@ impl Compiled {
         );
         line(
             "time",
-            format!(
-                "{least:.1} to {most:.1} us on the array (peak clock, to a launch with every word), {host}, of compute alone {:.0} at most",
-                1e6 / least
-            ),
+            if most > 0.0 {
+                format!(
+                    "{least:.1} to {most:.1} us on the array (peak clock, to a launch with every word), {host}, of compute alone {:.0} at most",
+                    1e6 / least
+                )
+            } else {
+                "none: the result is the input".to_owned()
+            },
         );
         line(
             "proof",
@@ -386,7 +405,7 @@ impl Compiled {
 fn noise(added: &Added) -> String {
     let input = |lsb: Option<f64>| lsb.map_or("-".to_owned(), |lsb| format!("{lsb:.2}"));
     format!(
-        "the filter adds {:.2} LSB from frame to frame and {:.2} LSB from pixel to pixel; as an error of every input: {} and {} LSB (modelled, in part a guess; at {MIDDLE} LSB)",
+        "the filter adds {:.2} LSB from frame to frame and {:.2} LSB from pixel to pixel; as an error of every input: {} and {} LSB (modelled, in part a guess; at {MIDDLE} LSB, where nothing saturates)",
         added.temporal,
         added.fixed,
         input(added.input_temporal),
@@ -394,10 +413,27 @@ fn noise(added: &Added) -> String {
     )
 }
 
+/// The thresholds that the chip's converter sets, LSB.
+fn held(thresholds: [f64; 2], device: &Device) -> [f64; 2] {
+    let step = Errors::from_device(device).input_step;
+    thresholds.map(|lsb| (lsb / step).round_ties_even() * step)
+}
+
+/// What to do about thresholds of which one is 0 on the chip; `unit`: kernel times light for each
+/// LSB.
+fn any_fires(thresholds: [f64; 2], unit: f64, device: &Device) -> Option<String> {
+    let held = held(thresholds, device);
+    let lost = (0..2).any(|k| thresholds[k] > 0.0 && held[k] == 0.0);
+    lost.then(|| {
+        format!(
+            "any change fires; take thresholds from {:.1} on, or a kernel that needs fewer halvings (--to)",
+            Errors::from_device(device).input_step * unit
+        )
+    })
+}
+
 /// What the chip makes of a kernel's thresholds; `unit`: kernel times light for each LSB.
 fn threshold(thresholds: [f64; 2], unit: f64, device: &Device) -> String {
-    let step = Errors::from_device(device).input_step;
-    let held = thresholds.map(|lsb| (lsb / step).round_ties_even() * step);
     let both = |[on, off]: [f64; 2], digits: usize| {
         if on == off {
             format!("{on:.digits$}")
@@ -405,18 +441,11 @@ fn threshold(thresholds: [f64; 2], unit: f64, device: &Device) -> String {
             format!("{on:.digits$} ON and {off:.digits$} OFF")
         }
     };
-    let lost = (0..2).any(|k| thresholds[k] > 0.0 && held[k] == 0.0);
-    let advice = if lost {
-        format!(
-            ": any change fires; take thresholds from {:.1} on, or a kernel that needs fewer halvings (--to)",
-            step * unit
-        )
-    } else {
-        String::new()
-    };
+    let advice = any_fires(thresholds, unit, device);
+    let advice = advice.map_or_else(String::new, |advice| format!(": {advice}"));
     format!(
         "{} LSB of the result, on the chip {}{advice}",
         both(thresholds, 3),
-        both(held, 0),
+        both(held(thresholds, device), 0),
     )
 }

@@ -38,6 +38,7 @@ use crate::{
     program::{Cost, Expansion, Program, Step, cpp},
     rig::guard::Warning,
     save::save,
+    unit,
 };
 
 /// What `compile` is asked to do.
@@ -188,8 +189,9 @@ impl Arguments {
 /// Longer filters are proved by an impulse.
 const TRACED: usize = 100;
 
-/// Of longer ones the ranges are bounds.
-const RANGED: usize = 1000;
+/// Words, times pixels around one that is looked at, times weights: beyond, ranges are bounds. It
+/// takes some seconds.
+const RANGED: u64 = 4_000_000;
 
 /// `lo..hi`, for the command line.
 fn interval(text: &str) -> Result<(f64, f64), String> {
@@ -198,6 +200,7 @@ fn interval(text: &str) -> Result<(f64, f64), String> {
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|v| v.is_finite());
     match (number(low), number(high)) {
         (Some(low), Some(high)) if low < high => Ok((low, high)),
+        (Some(_), Some(_)) => Err(format!("`{text}`: the first must be below the second")),
         _ => Err(wrong()),
     }
 }
@@ -427,10 +430,8 @@ fn bare<'a>(
 }
 
 fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
-    if asked.kernels.len() > 1 {
-        // Nothing comes out of one of zeros, and nothing is to be measured of it.
-        check_weights(&asked.kernels)?;
-    }
+    // Nothing comes out of one of zeros, and nothing is to be measured of it.
+    check_weights(&asked.kernels)?;
     let request = bare(arguments, asked, device)?;
     let filter = request.filter()?;
     let on_chip = OnChip::run(
@@ -505,12 +506,12 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
     })
 }
 
-/// Refuses kernels of zeros: no light makes them fire.
+/// Refuses kernels of zeros: no light makes them fire, and no filter is needed.
 fn check_weights(kernels: &[Kernel]) -> miette::Result<()> {
     match kernels.iter().position(Kernel::is_zero) {
         Some(at) => Err(miette!(
             help = "give it a weight; few values (--to ternary) can round all of them to 0",
-            "kernel {at} has no weight but 0: no light gives an event"
+            "kernel {at} has no weight but 0: nothing comes of it"
         )),
         None => Ok(()),
     }
@@ -588,8 +589,9 @@ fn check_registers(request: &Request<'_>, asked: &Asked) -> miette::Result<()> {
     if request.into.len() != count {
         return Err(miette!(
             help = "give --into as many registers as there are kernels",
-            "there are {count} kernels and {} registers for them",
-            request.into.len()
+            "there are {} and {} for them",
+            unit::counted(count, "kernel"),
+            unit::counted(request.into.len(), "register")
         ));
     }
     let twice = |(i, register): (usize, &Analog)| request.into[..i].contains(register);
@@ -634,10 +636,11 @@ fn noises(
         let squares: f64 = kernel.weights().iter().map(|w| w * w).sum();
         let gain = filter.scale() * squares.sqrt();
         Added {
-            temporal: noise.temporal,
-            fixed: noise.fixed,
-            input_temporal: (gain > 0.0).then(|| noise.temporal / gain),
-            input_fixed: (gain > 0.0).then(|| noise.fixed / gain),
+            // Never -0.
+            temporal: noise.temporal + 0.0,
+            fixed: noise.fixed + 0.0,
+            input_temporal: (gain > 0.0).then(|| noise.temporal / gain + 0.0),
+            input_fixed: (gain > 0.0).then(|| noise.fixed / gain + 0.0),
         }
     };
     noises.into_iter().zip(kernels).map(added).collect()

@@ -23,6 +23,8 @@ const SEED: u64 = 0;
 pub(super) struct OnChip {
     /// The farthest of an input from the middle, LSB.
     pub(super) amplitude: f64,
+    /// The least and the most input, LSB.
+    pub(super) inputs: [f64; 2],
     /// With the exact filter, over all pixels of all frames, its constant left out; none where a
     /// result is the same everywhere.
     pub(super) correlation: Option<f64>,
@@ -56,16 +58,17 @@ impl OnChip {
         let cells: Vec<Cell> = results.iter().map(|it| Cell::Analog(*it)).collect();
         let all = survival(&code, true, device, settings, inputs, SEED, &cells)?;
         let of = |it: Survival| match it {
-            Survival::Analogue(found) => Some(Self::new(amplitude, found)),
+            Survival::Analogue(found) => Some(Self::new(signal, found)),
             // A filter leaves no bits.
             Survival::Bits(_) => None,
         };
         Ok(all.into_iter().filter_map(of).collect())
     }
 
-    const fn new(amplitude: f64, found: Analogue) -> Self {
+    const fn new(Signal { mean, amplitude }: Signal, found: Analogue) -> Self {
         Self {
             amplitude,
+            inputs: [mean - amplitude, mean + amplitude],
             correlation: found.correlation,
             signal: found.signal,
             noise: found.noise,
@@ -80,12 +83,15 @@ impl OnChip {
 
     /// For people.
     pub(super) fn line(&self) -> String {
-        let correlation = self
-            .correlation
-            .map_or("none".to_owned(), |it| format!("{it:.3}"));
+        // Of what is the same everywhere there is none.
+        let correlation = self.correlation.map_or_else(
+            || "no correlation".to_owned(),
+            |it| format!("correlation {it:.3}"),
+        );
         format!(
-            "correlation {correlation} with the exact filter, for inputs of ±{} LSB round their middle: {:.2} of noise and mismatch beside {:.2} of signal, {:.0} of constant (run in the model of the chip, whose data are in part a guess)",
-            self.amplitude,
+            "{correlation} with the exact filter, for inputs from {} to {} LSB: {:.2} of noise and mismatch beside {:.2} of signal, {:.0} of constant (run in the model of the chip, whose data are in part a guess)",
+            self.inputs[0] + 0.0,
+            self.inputs[1],
             Lsb(self.noise),
             Lsb(self.signal),
             Lsb(self.offset + 0.0),

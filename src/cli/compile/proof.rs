@@ -5,7 +5,7 @@ use miette::{WrapErr, miette};
 use super::{Compiled, Proof, RANGED, TRACED, noises};
 use crate::{
     array::{
-        Arithmetic, Input, Settings,
+        Arithmetic, Input, Settings, effort,
         range::{self, Interval},
         taps,
     },
@@ -60,25 +60,29 @@ impl Proof<'_> {
             }
             kernels.extend(found);
         }
-        let (results, saturations) = if filter_words > RANGED {
+        // What comes after the filter compares with a memory that may hold anything.
+        let host = |step: &Step| matches!(step.action, Action::Host(_));
+        let end = steps.iter().position(host).unwrap_or(steps.len());
+        let words = &steps[..end];
+        let weights = self.kernels.iter().map(|it| it.weights().len() as u64);
+        let weights: u64 = weights.sum();
+        let ranged = effort(words, self.device)
+            .is_some_and(|effort| effort.saturating_mul(weights) <= RANGED);
+        let (results, saturations) = if ranged {
+            let ranges = range::of(words, self.device, settings, self.inputs)
+                .wrap_err("the program's ranges cannot be told")?;
+            let of = |r: &Analog| ranges.registers.get(usize::from(r.0)).copied();
+            let results: Vec<Interval> = self.results.iter().filter_map(of).collect();
+            (results, ranges.saturations.len())
+        } else {
             let high = match self.input {
                 Input::Light => self.inputs.light.high * settings.gain,
                 Input::Register(_) => self.inputs.registers.high,
             };
             let most = filter.peak * high * 2f64.powi(-(filter.prescale as i32));
             (self.bounds(&kernels), usize::from(most > 127.0))
-        } else {
-            // What comes after the filter compares with a memory that may hold anything.
-            let host = |step: &Step| matches!(step.action, Action::Host(_));
-            let end = steps.iter().position(host).unwrap_or(steps.len());
-            let filter = &steps[..end];
-            let ranges = range::of(filter, self.device, settings, self.inputs)
-                .wrap_err("the program's ranges cannot be told")?;
-            let of = |r: &Analog| ranges.registers.get(usize::from(r.0)).copied();
-            let results: Vec<Interval> = self.results.iter().filter_map(of).collect();
-            (results, ranges.saturations.len())
         };
-        if limited && saturations > 0 && filter_words <= RANGED {
+        if limited && saturations > 0 && ranged {
             return Err(miette!(
                 help = "this is a fault of amacrine: please report the kernel and the command",
                 "the compiled program saturates for the input that it was made for"

@@ -99,7 +99,7 @@ pub(super) fn planned(
         not_known.push("how many events a frame has: give --events-per-frame N or --scene");
         (None, "nobody".to_owned())
     };
-    let scans = Scans::new(&code.frame, device, rows);
+    let scans = Scans::new(&code.frame, device);
     let plans = scans.plans(demand.as_ref(), device);
     let at = |way: Way| plans.iter().position(|plan| plan.way == way);
     let slots = || at(Way::BusiestFrame).or_else(|| at(Way::AsProgrammed));
@@ -151,6 +151,16 @@ fn watched(
     let name = arguments.scene.as_deref().unwrap_or_default();
     let mut scene = open(name, &budget::opening(None))?;
     let size = scene.size();
+    let [rows, columns] = [Figure::Height, Figure::Width].map(|of| device.value(of) as usize);
+    if size.height > rows || size.width > columns {
+        return Err(miette!(
+            help = format!(
+                "give a scene of at most {columns}x{rows} pixels, as one that was scaled or cut, or a chip with as many (--chip)"
+            ),
+            "--scene {name} is {size}, and {} has {columns}x{rows} processors",
+            device.name()
+        ));
+    }
     // Whole rows, so that no event goes missing for want of a slot.
     let all = EventReadout::BitPlanes(0, u16::MAX);
     let text = program.text_with(kinds, &asked.title, device, all);

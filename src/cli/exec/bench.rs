@@ -226,6 +226,18 @@ impl<'a> Bench<'a> {
         Ok(chip)
     }
 
+    /// What there is to warn of in the program's text.
+    pub fn source_warnings(&self) -> Vec<String> {
+        let Opened {
+            program, expansion, ..
+        } = &self.opened;
+        let of_host = self.said.source.borrow();
+        let expanded = program.warnings(expansion);
+        let mut all = expanded.map_or_else(Vec::new, |faults| faults.lines());
+        all.extend(of_host.iter().cloned());
+        all
+    }
+
     /// What there is to warn of after a run of so many frames.
     pub fn warnings(
         &self,

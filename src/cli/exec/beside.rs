@@ -123,6 +123,7 @@ fn ran(
         return Err(stopped);
     }
     if let Some(warnings) = ran? {
+        bench.said.source.replace(warnings.lines());
         complain(&format!("{:?}\n", miette!(warnings)));
     }
     bench.said.set(&array.light);

@@ -40,6 +40,8 @@ pub struct Said {
     pub exposure: Cell<Exposure>,
     /// Whether the program ended before its light did.
     pub left: Cell<bool>,
+    /// What there is to warn of in the text of a program whose host decides.
+    pub source: RefCell<Vec<String>>,
     /// What that host wrote, and in which frame.
     pub posts: RefCell<Vec<(u64, String)>>,
 }

@@ -40,11 +40,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let mut bench = Bench::new(arguments)?;
     bench.check()?;
-    let mut plan = if arguments.fidelity.is_auto() {
-        Some(pilot::plan(&bench)?)
-    } else {
-        None
-    };
+    let auto = arguments.fidelity.is_auto();
+    let mut plan = auto.then(|| pilot::plan(&bench)).transpose()?;
     bench.read = plan.as_mut().and_then(|plan| plan.read.take());
     bench.machine = match &plan {
         Some(plan) => Some(plan.answer.choice.clone()),
@@ -127,6 +124,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         packet: &packet,
         light: &bench.observation,
         warnings: &warnings,
+        source_warnings: &bench.source_warnings(),
         notes: &notes,
         decides: bench.opened.decides,
         reads_events: bench.reads_events(),

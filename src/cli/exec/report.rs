@@ -25,6 +25,8 @@ pub struct Report<'a> {
     pub packet: &'a Packet,
     pub light: &'a Observation,
     pub warnings: &'a [Warning],
+    /// What there is to warn of in the program's text.
+    pub source_warnings: &'a [String],
     /// What is to be said beside.
     pub notes: &'a [String],
     /// Whether its host decides, and looks for one pixel after the other.
@@ -94,6 +96,7 @@ impl Report<'_> {
             "readings": readings,
             "light": light::json(self.light),
             "warnings": self.warnings,
+            "source_warnings": self.source_warnings,
             "notes": self.notes,
             "posts": self.posts.iter()
                 .map(|(frame, text)| json!({"frame": frame, "text": text}))

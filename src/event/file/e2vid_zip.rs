@@ -32,7 +32,8 @@ pub(super) const ENTRY: Entry = Entry {
     readers: "E2VID, pandas",
     module: "pandas",
     python: "pandas.read_csv(path, sep=' ', header=None, names=['t', 'x', 'y', 'p'], skiprows=1)",
-    sign: Sign::Nothing,
+    sign: Sign::Archive("txt"),
+    index_at_end: true,
     streams: Some(Streams {
         source: |origin, _| source(origin),
         sink: |head, _| Ok(Box::new(sink(head)?)),

@@ -43,6 +43,8 @@ pub(super) struct Entry {
     pub compresses: bool,
     /// Whether silences are counted from the first event on, not from time 0.
     pub clock_from_first: bool,
+    /// Whether where its parts lie is said at the end, so that a file cut short is lost whole.
+    pub index_at_end: bool,
 }
 
 impl Entry {
@@ -61,6 +63,7 @@ impl Entry {
         few_bits_of_size: false,
         compresses: false,
         clock_from_first: false,
+        index_at_end: false,
     };
 }
 
@@ -71,6 +74,8 @@ pub(super) enum Sign {
     Nothing,
     /// It begins with these bytes.
     Bytes(&'static [u8]),
+    /// It is a zip archive whose first member has this extension.
+    Archive(&'static str),
     /// A line of its header, which is of lines that begin with `%`, has these words, in lower
     /// case.
     Line(fn(&[&str]) -> bool),

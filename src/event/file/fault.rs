@@ -357,8 +357,14 @@ impl Fault {
 
     /// What to do about it.
     #[must_use]
-    pub const fn help(&self) -> &'static str {
+    pub fn help(&self) -> &'static str {
         match self {
+            // Nothing stands before the damage that could be kept.
+            Self::Layout { format, .. } | Self::Twice { format, .. }
+                if format.entry().index_at_end =>
+            {
+                "check that the extension (or `--from`) says what is in the file, and that all of it is there: where its members lie stands at its end; write or copy it again"
+            }
             Self::Late { .. } | Self::Silence { .. } => {
                 "write aedat4, npy or csv, which hold any time; or let times begin at 0 (`convert --from-zero`), and cut what is longer (`--slice`)"
             }

@@ -43,6 +43,43 @@ impl Raw {
     }
 }
 
+/// The fields of an event in 64 bits, before any check.
+#[derive(Clone, Copy, Debug)]
+pub struct Numbers {
+    /// Microseconds.
+    pub t: i64,
+    /// Column.
+    pub x: i64,
+    /// Row.
+    pub y: i64,
+    /// 1, 0 or -1.
+    pub p: i64,
+    /// Kind of cell.
+    pub channel: i64,
+}
+
+impl Numbers {
+    /// The event, if all fields are in range; [`Raw::event`] says which is not.
+    #[inline]
+    pub fn event(self) -> Option<Event> {
+        // No branch on the sign: it is as often one as the other.
+        if !(-1..=1).contains(&self.p) {
+            return None;
+        }
+        Some(Event {
+            t: Micros(self.t.try_into().ok()?),
+            x: self.x.try_into().ok()?,
+            y: self.y.try_into().ok()?,
+            polarity: if self.p == 1 {
+                Polarity::On
+            } else {
+                Polarity::Off
+            },
+            channel: { self.channel.try_into().ok() }.filter(|channel| *channel < u8::MAX)?,
+        })
+    }
+}
+
 /// Checks order, place and kind of events, and tracks their range.
 #[derive(Clone, Debug)]
 pub struct Gate {

@@ -18,7 +18,7 @@ use super::{
     chunks::Chunks,
     entry::{Entry, Limits, Sign, Streams},
     fault::Stop,
-    gate::{Raw, hold_kinds},
+    gate::{Numbers, Raw, hold_kinds},
     head::Head,
     source::{BLOCK, Out, Sink, Source},
 };
@@ -185,12 +185,16 @@ impl Source for Reading {
         let room = usize::try_from(left).unwrap_or(BLOCK).min(BLOCK);
         let (from, mut read) = (self.from, 0);
         let plain = self.record.plain;
+        events.reserve(room.min(here.len() / width));
         for record in here.chunks_exact(width).take(room) {
-            let raw = match (plain, record.first_chunk()) {
-                (true, Some(own)) => Raw::plain(*own),
-                _ => self.record.read(record),
-            };
-            let event = raw.event().map_err(|fault| {
+            if let (true, Some(own)) = (plain, record.first_chunk())
+                && let Some(event) = numbers(*own).event()
+            {
+                events.push(event);
+                read += 1;
+                continue;
+            }
+            let event = self.record.read(record).event().map_err(|fault| {
                 let at = from + (read * width) as u64;
                 Stop::Fault(Place::Byte(at), fault)
             })?;
@@ -230,8 +234,9 @@ pub(super) fn column(mut chunks: Chunks) -> Result<Column, Stop> {
 }
 
 impl Column {
-    /// Appends the next `count` numbers, or those before the array breaks off.
-    pub(super) fn take(&mut self, count: usize, numbers: &mut Vec<i128>) -> Result<(), Stop> {
+    /// Appends the next `count` numbers, or those before the array breaks off; what each is,
+    /// [`Column::exact`] says.
+    pub(super) fn take(&mut self, count: usize, numbers: &mut Vec<i64>) -> Result<(), Stop> {
         let (width, mut left) = (self.field.width, count);
         while left > 0 {
             let here = self.chunks.ahead(width)?;
@@ -244,6 +249,11 @@ impl Column {
             left -= whole;
         }
         Ok(())
+    }
+
+    /// The number that was taken as this one.
+    pub(super) fn exact(&self, taken: i64) -> i128 {
+        self.field.exact(taken)
     }
 
     /// Checks that the file ends here.
@@ -323,17 +333,15 @@ struct Record {
     plain: bool,
 }
 
-impl Raw {
-    /// Decodes a record of that layout.
-    fn plain(record: [u8; 13]) -> Self {
-        let [t0, t1, t2, t3, t4, t5, t6, t7, x0, x1, y0, y1, p] = record;
-        Self {
-            t: i64::from_le_bytes([t0, t1, t2, t3, t4, t5, t6, t7]).into(),
-            x: i16::from_le_bytes([x0, x1]).into(),
-            y: i16::from_le_bytes([y0, y1]).into(),
-            p: i128::from(p as i8),
-            channel: 0,
-        }
+/// Decodes a record of that layout.
+fn numbers(record: [u8; 13]) -> Numbers {
+    let [t0, t1, t2, t3, t4, t5, t6, t7, x0, x1, y0, y1, p] = record;
+    Numbers {
+        t: i64::from_le_bytes([t0, t1, t2, t3, t4, t5, t6, t7]),
+        x: i16::from_le_bytes([x0, x1]).into(),
+        y: i16::from_le_bytes([y0, y1]).into(),
+        p: i64::from(p as i8),
+        channel: 0,
     }
 }
 
@@ -380,24 +388,30 @@ impl Field {
         })
     }
 
-    /// Appends the numbers of an array that holds nothing else.
-    fn read_all(self, bytes: &[u8], numbers: &mut Vec<i128>) {
+    /// Appends the numbers of an array that holds nothing else; what each is, [`Field::exact`] says.
+    fn read_all(self, bytes: &[u8], numbers: &mut Vec<i64>) {
         match (self.width, self.signed, self.big) {
             // As numpy writes times, places, and signs.
             (8, true, false) => {
                 let times = bytes.as_chunks().0.iter();
-                numbers.extend(times.map(|bytes| i128::from(i64::from_le_bytes(*bytes))));
+                numbers.extend(times.map(|bytes| i64::from_le_bytes(*bytes)));
             }
             (2, false, false) => {
                 let places = bytes.as_chunks().0.iter();
-                numbers.extend(places.map(|bytes| i128::from(u16::from_le_bytes(*bytes))));
+                numbers.extend(places.map(|bytes| i64::from(u16::from_le_bytes(*bytes))));
             }
-            (1, false, _) => numbers.extend(bytes.iter().map(|byte| i128::from(*byte))),
-            _ => numbers.extend(bytes.chunks_exact(self.width).map(|one| self.read(one))),
+            (1, false, _) => numbers.extend(bytes.iter().map(|byte| i64::from(*byte))),
+            _ => numbers.extend(bytes.chunks_exact(self.width).map(|one| self.bits(one))),
         }
     }
 
+    /// The number of a record.
     fn read(self, record: &[u8]) -> i128 {
+        self.exact(self.bits(record))
+    }
+
+    /// A number in 64 bits: one of `u8` that is too large for that is below 0.
+    fn bits(self, record: &[u8]) -> i64 {
         let mut bytes = [0; 8];
         let field = record.iter().skip(self.offset).take(self.width);
         for (to, from) in bytes.iter_mut().zip(field) {
@@ -406,13 +420,22 @@ impl Field {
         if self.big {
             bytes[..self.width].reverse();
         }
-        let value = u64::from_le_bytes(bytes);
+        let value = i64::from_le_bytes(bytes);
         if self.signed {
             // Shifted up and down again, so that the sign fills the upper bits.
             let unused = 64 - 8 * self.width;
-            i128::from((value << unused) as i64 >> unused)
+            value << unused >> unused
         } else {
-            i128::from(value)
+            value
+        }
+    }
+
+    /// The number that has these 64 bits.
+    fn exact(self, bits: i64) -> i128 {
+        if self.signed {
+            bits.into()
+        } else {
+            bits.cast_unsigned().into()
         }
     }
 }

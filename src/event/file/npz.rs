@@ -20,7 +20,7 @@ use super::{
     chunks::Chunks,
     entry::{Entry, Limits, Sign, Streams},
     fault::Stop,
-    gate::{Raw, hold_kinds},
+    gate::{Numbers, Raw, hold_kinds},
     head::Head,
     npy::{self, Column},
     origin::Origin,
@@ -36,7 +36,8 @@ pub(super) const ENTRY: Entry = Entry {
     readers: "numpy, eventcv",
     module: "numpy",
     python: "numpy.load(path)",
-    sign: Sign::Bytes(b"PK\x03\x04"),
+    sign: Sign::Archive("npy"),
+    index_at_end: true,
     streams: Some(Streams {
         source: |origin, _| source(origin),
         sink: |head, _| Ok(Box::new(sink(head)?)),
@@ -373,11 +374,29 @@ struct Reading {
     /// t, x, y, p, and perhaps the channel.
     columns: Vec<Column>,
     /// A block of each.
-    numbers: Vec<Vec<i128>>,
+    numbers: Vec<Vec<i64>>,
     left: u64,
     /// Number of the first event of the last block, and of the next.
     first: u64,
     read: u64,
+}
+
+impl Reading {
+    /// An event of the block, as wide as the file has it.
+    fn exact(&self, event: usize) -> Raw {
+        let of = |column: usize| {
+            let taken = self.numbers.get(column).and_then(|it| it.get(event));
+            let column = self.columns.get(column);
+            { taken.zip(column) }.map_or(0, |(taken, column)| column.exact(*taken))
+        };
+        Raw {
+            t: of(0),
+            x: of(1),
+            y: of(2),
+            p: of(3),
+            channel: of(4),
+        }
+    }
 }
 
 impl Source for Reading {
@@ -407,18 +426,22 @@ impl Source for Reading {
             return Err(wrong("has too few arrays"));
         };
         let channels = channels.first().map(Vec::as_slice);
+        events.reserve(whole);
         for (k, (((t, x), y), p)) in t.iter().zip(x).zip(y).zip(p).take(whole).enumerate() {
-            let raw = Raw {
+            let numbers = Numbers {
                 t: *t,
                 x: *x,
                 y: *y,
                 p: *p,
                 channel: channels.map_or(0, |channels| channels[k]),
             };
-            let event = raw
-                .event()
-                .map_err(|fault| Stop::Fault(self.place(events.len()), fault))?;
-            events.push(event);
+            if let Some(event) = numbers.event() {
+                events.push(event);
+                continue;
+            }
+            let place = self.place(k);
+            let event = self.exact(k).event();
+            events.push(event.map_err(|fault| Stop::Fault(place, fault))?);
         }
         self.read += whole as u64;
         self.left -= whole as u64;

@@ -89,6 +89,10 @@ fn sniff(start: &[u8]) -> Option<Format> {
     let mut all = Format::ALL.iter().copied();
     let begins = |format: &Format| match format.entry().sign {
         Sign::Bytes(magic) => start.starts_with(magic),
+        Sign::Archive(member) => first_member(start).is_some_and(|name| {
+            let extension = Path::new(name).extension();
+            extension.is_some_and(|its| its.eq_ignore_ascii_case(member))
+        }),
         Sign::Nothing | Sign::Line(_) => false,
     };
     if let Some(format) = all.find(begins) {
@@ -107,10 +111,19 @@ fn sniff(start: &[u8]) -> Option<Format> {
             .collect();
         let says = |format: &Format| match format.entry().sign {
             Sign::Line(says) => says(&words),
-            Sign::Nothing | Sign::Bytes(_) => false,
+            Sign::Nothing | Sign::Bytes(_) | Sign::Archive(_) => false,
         };
         Format::ALL.iter().copied().find(says)
     })
+}
+
+/// What the first member of a zip archive is called; `start` are its first bytes.
+fn first_member(start: &[u8]) -> Option<&str> {
+    /// A local file header up to the name: APPNOTE 6.3.10, section 4.3.7.
+    const HEADER: usize = 30;
+    let header = start.strip_prefix(b"PK\x03\x04").and(start.get(..HEADER))?;
+    let length = usize::from(u16::from_le_bytes([header[26], header[27]]));
+    std::str::from_utf8(start.get(HEADER..HEADER + length)?).ok()
 }
 
 /// A name that is no format's.
@@ -175,6 +188,17 @@ mod tests {
         assert_eq!(told("a.aedat", b"#!AER-DAT3.1\r\n"), Some(Format::Aedat3));
         assert_eq!(told("a", b"PAR1"), Some(Format::Parquet));
         assert_eq!(told("a.raw", b"\x00\x01"), None);
+        let zip = |name: &str| {
+            let mut start = b"PK\x03\x04".to_vec();
+            start.resize(26, 0);
+            start.extend([name.len() as u8, 0, 0, 0]);
+            start.extend(name.bytes());
+            start
+        };
+        assert_eq!(told("a.bin", &zip("t.npy")), Some(Format::Npz));
+        assert_eq!(told("a.bin", &zip("events.txt")), Some(Format::E2vidZip));
+        assert_eq!(told("a.bin", &zip("a.png")), None);
+        assert_eq!(told("a.bin", b"PK\x03\x04"), None);
         assert_eq!(
             told("a.csv", b"PAR1"),
             Some(Format::Csv),

@@ -5,7 +5,7 @@
 //! weight the nearest number of 0, 1, 2 … digits is looked up; dynamic programming over
 //! the weights then finds how the budget is best shared out.
 
-use super::{Entry, Parameters, QuantiseError, Quantiser, Sum, error::affordable};
+use super::{Entry, Parameters, QuantiseError, Quantiser, Sum, error::affordable, total};
 use crate::{
     elementary,
     limit::{QUANTISER_STEPS, QUANTISER_TABLE},
@@ -51,7 +51,16 @@ fn quantise(
         let steps = size * size * (2 * top) as f64;
         affordable(quantiser, n, steps, QUANTISER_STEPS, "steps of search")?;
     }
-    let levels = share(&values, budget, asked).ok_or(QuantiseError::Sum {
+    let levels = match asked {
+        None => share(&values, budget, None),
+        Some(asked) => {
+            let far = size * top as f64;
+            total::as_near_as_can_be(sum, asked as f64, (-far, far), |asked| {
+                share(&values, budget, Some(asked as i64))
+            })
+        }
+    };
+    let levels = levels.ok_or(QuantiseError::Sum {
         quantiser,
         sum: asked.unwrap_or(0) as f64,
         weights: weights.len(),

@@ -31,9 +31,9 @@ pub enum QuantiseError {
     #[diagnostic(help("give a kernel that sees something"))]
     Nothing,
     /// A sum that these levels cannot have.
-    #[error("no choice of levels of {quantiser} sums to {sum} over {weights} weights")]
+    #[error("no choice of levels of {quantiser} sums to {sum} over {}", crate::unit::counted(*weights, "weight"))]
     #[diagnostic(help(
-        "leave the sum free, or take a quantiser with more levels, such as ternary"
+        "leave the sum free (--sum free), or take a quantiser whose levels allow it, such as ternary"
     ))]
     Sum {
         /// Which quantiser.
@@ -49,7 +49,9 @@ pub enum QuantiseError {
     SplitSum,
     /// Everything became 0.
     #[error("every weight becomes 0 in {quantiser}; the largest is {largest}")]
-    #[diagnostic(help("take more bits after the point, or multiply the kernel"))]
+    #[diagnostic(help(
+        "take more bits after the point, or multiply the kernel; a sum of 0 over a single weight leaves nothing of it"
+    ))]
     Vanished {
         /// Which quantiser.
         quantiser: Quantiser,

@@ -60,7 +60,12 @@ fn quantise(
             Sum::Kept => values.iter().sum::<f64>().round_ties_even(),
             Sum::Zero | Sum::Free => 0.0,
         };
-        total::settle(&values, &mut steps, (low, high), asked).ok_or(QuantiseError::Sum {
+        let (n, nearest) = (weights.len() as f64, steps.clone());
+        let settled = total::as_near_as_can_be(sum, asked, (n * low, n * high), |asked| {
+            steps.clone_from(&nearest);
+            total::settle(&values, &mut steps, (low, high), asked)
+        });
+        settled.ok_or(QuantiseError::Sum {
             quantiser,
             sum: asked,
             weights: weights.len(),

@@ -310,13 +310,15 @@ fn with_sum(
             Sum::Zero | Sum::Free => 0,
         };
         let most = magnitudes[magnitudes.len() - 1] as f64;
-        let next = if consecutive {
+        let far = weights.len() as f64 * most;
+        let next = total::as_near_as_can_be(sum, asked as f64, (-far, far), |asked| {
+            if !consecutive {
+                return total::nearest(&scaled, &all, asked as i64);
+            }
             let near = |value: &f64| value.round().clamp(-most, most);
             let mut steps: Vec<f64> = scaled.iter().map(near).collect();
-            total::settle(&scaled, &mut steps, (-most, most), asked as f64).map(|()| steps)
-        } else {
-            total::nearest(&scaled, &all, asked)
-        };
+            total::settle(&scaled, &mut steps, (-most, most), asked).map(|()| steps)
+        });
         let next = next.ok_or(QuantiseError::Sum {
             quantiser,
             sum: asked as f64,

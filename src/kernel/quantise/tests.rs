@@ -282,6 +282,23 @@ fn what_cannot_be_is_refused() {
     );
 }
 
+/// Where no levels have the kernel's sum, the nearest that they can have is kept.
+#[test]
+fn a_sum_is_kept_as_near_as_the_levels_allow() {
+    let levels = |to: &str, weights: &[f64]| {
+        let quantiser: Quantiser = to.parse().unwrap();
+        let found = quantiser.quantise(&kernel(weights), Sum::Kept, 0).unwrap();
+        let weights = found.kernel();
+        weights.weights().iter().sum::<f64>()
+    };
+    // The largest number of q1.2 is 3/4.
+    assert_eq!(levels("q1.2", &[1.0]), 0.75);
+    // Nine weights of one size have no even sum.
+    let even = [1.0, -1.0, 1.0, -1.0, 0.2, 1.0, -1.0, 1.0, -1.0];
+    let sum = levels("binary", &even);
+    assert!(sum.abs() > 0.5 && sum.abs() < 1.0, "{sum}");
+}
+
 /// Parseval: the change of the response over all frequencies is the error of the weights.
 #[test]
 fn the_response_changes_by_the_error() {

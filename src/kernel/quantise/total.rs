@@ -5,6 +5,30 @@
 
 use std::{cmp::Ordering, collections::BinaryHeap};
 
+use super::Sum;
+
+/// What `levels_of` finds for the sum that is `asked`; where it is to be kept as near as the levels
+/// allow, for the nearest in the range that they can have, of two the smaller. What is farther is
+/// another kernel's: weights that are clipped would draw all others after them.
+pub(super) fn as_near_as_can_be<T>(
+    sum: Sum,
+    asked: f64,
+    (low, high): (f64, f64),
+    mut levels_of: impl FnMut(f64) -> Option<T>,
+) -> Option<T> {
+    /// Sums on either side that are tried.
+    const TRIED: i32 = 64;
+    if sum != Sum::Kept {
+        return levels_of(asked);
+    }
+    let inward = if asked > 0.0 { -1.0 } else { 1.0 };
+    (0..=TRIED)
+        .map(f64::from)
+        .flat_map(|off| [asked + inward * off, asked - inward * off])
+        .filter(|sum| (low..=high).contains(sum))
+        .find_map(levels_of)
+}
+
 /// The levels, one of `all` for each value, whose sum is `sum` and that are nearest to the
 /// values; `None` when there are none.
 pub(super) fn nearest(values: &[f64], all: &[i64], sum: i64) -> Option<Vec<f64>> {

@@ -2,7 +2,7 @@
 
 use super::{Demand, Plan, Way};
 use crate::{
-    isa::{Device, HostKind, Quantity},
+    isa::{Device, Figure, HostKind, Quantity},
     program::{Action, Cost, Host, Step, host_us},
 };
 
@@ -20,9 +20,9 @@ pub struct Scans {
 }
 
 impl Scans {
-    /// Of a frame's program for a scene of so many rows.
+    /// Of a frame's program; whole bit planes are all rows of the chip, whatever the scene.
     #[must_use]
-    pub fn new(frame: &[Step], device: &Device, rows: usize) -> Self {
+    pub fn new(frame: &[Step], device: &Device) -> Self {
         let mut found = (0, 0, 0.0);
         collect(frame, device, &mut found);
         let (count, slots, of_scans) = found;
@@ -30,7 +30,7 @@ impl Scans {
             count,
             slots,
             rest: (Cost::of(frame, device).host_us - of_scans).max(0.0),
-            rows: rows as u64,
+            rows: device.value(Figure::Height) as u64,
         }
     }
 

@@ -6,7 +6,7 @@ use crate::{
     number::{Number, Real},
     reference::{
         description::{MemoryRule, PolarityRule},
-        drive::{Made, log_temporal},
+        drive::log_temporal,
         memory::{Memory, Stepped},
         noise::Noise,
         sheets::{self, Sheets},
@@ -20,18 +20,20 @@ use crate::aligned::Aligned;
 impl<N: Number> Cells<N> {
     pub(super) fn settle(
         plan: &Plan<N>,
-        channel: usize,
         rows: &Range<usize>,
         (signal, sheets): (&Padded<N::Held>, Option<&Sheets>),
         scratch: &mut Scratch<N>,
     ) -> Self {
         let (number, description) = (&plan.number, &plan.description);
-        let width = scratch.drive.len();
-        let cells = rows.len() * width;
+        let (width, channels) = (scratch.drive.len(), plan.weights.len());
+        let cells = rows.len() * channels * width;
         // The memory is what the cells see of the first frame, so that a still scene is silent.
         let mut filtered = Vec::with_capacity(cells);
         let mut pixels = Vec::with_capacity(cells);
-        for y in rows.clone() {
+        for (y, channel) in rows
+            .clone()
+            .flat_map(|y| (0..channels).map(move |k| (y, k)))
+        {
             let Scratch { drive, parts, .. } = scratch;
             sheets::row(number, sheets, (channel, y), drive, |drive| {
                 plan.weights[channel].row(number, signal, y, drive, parts);
@@ -48,12 +50,19 @@ impl<N: Number> Cells<N> {
         } else {
             Aligned::default()
         };
-        let thresholds = &plan.thresholds[channel];
         let noise = description.noise;
-        let place = |cell: usize| plan.place(channel, rows.start + cell / width, cell % width);
+        // Channel, row and column.
+        let at = |cell: usize| {
+            let row = cell / width;
+            (row % channels, rows.start + row / channels, cell % width)
+        };
+        let place = |cell: usize| {
+            let (channel, y, x) = at(cell);
+            plan.place(channel, y, x)
+        };
         let on = |cell: usize| {
-            let (on, _) = thresholds.row(rows.start + cell / width);
-            on[cell % width]
+            let (channel, y, x) = at(cell);
+            plan.thresholds[channel].row(y).0[x]
         };
         // Each cell has leaked for a random part of its first leak interval, so that the leak's
         // events do not come in step.
@@ -63,6 +72,7 @@ impl<N: Number> Cells<N> {
                 *memory = number.hold_real(number.real(*memory) - fallen);
             }
         }
+        let equal = plan.thresholds.iter().all(|thresholds| thresholds.equal);
         let memory = match description.memory {
             MemoryRule::RawSnap => Memory::RawSnap {
                 pixels: if description.shared {
@@ -76,12 +86,8 @@ impl<N: Number> Cells<N> {
                 filtered,
                 pixels: (description.polarity == PolarityRule::Pixel).then_some(pixels),
             },
-            MemoryRule::FilteredStep => {
-                Memory::FilteredStep(Stepped::new(&filtered, thresholds.equal))
-            }
-            MemoryRule::AuthorsPixelStep => {
-                Memory::PixelStep(Stepped::new(&pixels, thresholds.equal))
-            }
+            MemoryRule::FilteredStep => Memory::FilteredStep(Stepped::new(&filtered, equal)),
+            MemoryRule::AuthorsPixelStep => Memory::PixelStep(Stepped::new(&pixels, equal)),
         };
         let refractory = plan.refractory();
         // A cell that has never fired is not refractory.
@@ -98,7 +104,6 @@ impl<N: Number> Cells<N> {
         };
         Self {
             memory,
-            made: Made::default(),
             before,
             fired,
             leak,

@@ -25,11 +25,11 @@ impl<N: Number> Band<N> {
         interval: Interval,
         sink: &mut S,
     ) -> Result<(), SensorError> {
-        let range = self.range(y);
+        let range = self.range(channel, y);
         let (noise, response) = (&plan.description.noise, plan.description.response);
         let (dt, refractory) = (interval.duration(), plan.refractory());
         let Scratch { trains, rested, .. } = &mut self.scratch;
-        let fired = &mut self.channels[channel].fired;
+        let fired = &mut self.cells.fired;
         let seen = self.signal.inner(y);
         let all = NoiseEvents::new(noise, plan.seed, interval.index, dt);
         let mut noise_events = Vec::new();

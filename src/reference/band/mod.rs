@@ -33,19 +33,22 @@ pub(super) struct Band<N: Number> {
     width: usize,
     /// The signal of the last frame, with the rim that the kernels reach.
     pub(super) signal: Padded<N::Held>,
-    channels: Vec<Cells<N>>,
+    /// How many channels there are.
+    channels: usize,
+    cells: Cells<N>,
+    /// Intermediate results of each channel's kernel, shared by the rows.
+    made: Vec<Made<N::Held>>,
     /// The memory of the pixels that all channels share; empty where each has its own.
     picture: Vec<N::Held>,
     scratch: Scratch<N>,
     pub(super) report: Report,
 }
 
-/// The cells of one channel in a band, row after row.
+/// The cells of a band: row after row, and in each row channel after channel, so that what a row
+/// takes lies side by side in memory.
 #[derive(Clone, Debug)]
 struct Cells<N: Number> {
     memory: Memory<N>,
-    /// Intermediate results of the kernel, shared by the rows.
-    made: Made<N::Held>,
     /// The drive `W * u` at the frame before, for a memory that steps.
     before: Aligned<N::Held>,
     /// When each cell last fired, in seconds; only with a refractory period.
@@ -88,9 +91,7 @@ impl<N: Number> Band<N> {
             trains: TrainRow::new(width),
             rested: vec![f64::NEG_INFINITY; width],
         };
-        let channels = (0..plan.weights.len())
-            .map(|channel| Cells::settle(plan, channel, &rows, (&signal, sheets), &mut scratch))
-            .collect();
+        let cells = Cells::settle(plan, &rows, (&signal, sheets), &mut scratch);
         let picture = if plan.description.shared {
             rows.clone()
                 .flat_map(|y| signal.inner(y).iter().copied())
@@ -102,7 +103,9 @@ impl<N: Number> Band<N> {
             rows,
             width,
             signal,
-            channels,
+            channels: plan.weights.len(),
+            cells,
+            made: plan.weights.iter().map(|_| Made::default()).collect(),
             picture,
             scratch,
             report: Report::default(),
@@ -119,13 +122,12 @@ impl<N: Number> Band<N> {
 
     /// Row `y` of a pixel memory, or of the filtered one.
     pub(super) fn memory_row(&self, plan: &Plan<N>, channel: usize, y: usize, out: &mut [N::Held]) {
-        let range = self.range(y);
-        match &self.channels[channel].memory {
-            Memory::RawSnap { pixels, .. } => {
-                let shared = pixels.is_empty();
-                let pixels = if shared { &self.picture } else { pixels };
-                out.copy_from_slice(&pixels[range]);
+        let range = self.range(channel, y);
+        match &self.cells.memory {
+            Memory::RawSnap { pixels, .. } if pixels.is_empty() => {
+                out.copy_from_slice(&self.picture[self.pixels(y)]);
             }
+            Memory::RawSnap { pixels, .. } => out.copy_from_slice(&pixels[range]),
             Memory::FilteredSnap { filtered, .. } => out.copy_from_slice(&filtered[range]),
             Memory::FilteredStep(stepped) | Memory::PixelStep(stepped) => {
                 let (on, off) = plan.thresholds[channel].row(y);
@@ -136,12 +138,18 @@ impl<N: Number> Band<N> {
 
     /// How far the leak lowers each memory of row `y` in a second; empty without leak.
     pub(super) fn leak_row(&self, channel: usize, y: usize) -> &[N::Real] {
-        let leak = &self.channels[channel].leak;
-        leak.get(self.range(y)).unwrap_or_default()
+        let leak = &self.cells.leak;
+        leak.get(self.range(channel, y)).unwrap_or_default()
     }
 
-    /// The indices of row `y` in the band's arrays.
-    fn range(&self, y: usize) -> Range<usize> {
+    /// The indices of a channel's row `y` among the band's cells.
+    fn range(&self, channel: usize, y: usize) -> Range<usize> {
+        let start = ((y - self.rows.start) * self.channels + channel) * self.width;
+        start..start + self.width
+    }
+
+    /// The indices of row `y` among the band's pixels.
+    fn pixels(&self, y: usize) -> Range<usize> {
         let start = (y - self.rows.start) * self.width;
         start..start + self.width
     }
@@ -156,8 +164,8 @@ impl<N: Number> Band<N> {
     ) -> Result<(), SensorError> {
         if let Some(light) = input.light {
             self.see(plan, light)?;
-            for (cells, weights) in self.channels.iter_mut().zip(&plan.weights) {
-                weights.multiply(&plan.number, &self.signal, &mut cells.made);
+            for (made, weights) in self.made.iter_mut().zip(&plan.weights) {
+                weights.multiply(&plan.number, &self.signal, made);
             }
         }
         for y in self.rows.clone() {
@@ -168,9 +176,11 @@ impl<N: Number> Band<N> {
                     input,
                     channel,
                     y,
-                    range: self.range(y),
+                    range: self.range(channel, y),
+                    pixels: self.pixels(y),
                 };
-                let (cells, scratch) = (&mut self.channels[channel], &mut self.scratch);
+                let cells = (&mut self.cells, &mut self.made[channel]);
+                let scratch = &mut self.scratch;
                 let picture = &mut self.picture;
                 self.report.events += row.advance(cells, picture, scratch, &mut self.report)?;
                 sink.row(&self.scratch.trains)?;

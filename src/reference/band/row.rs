@@ -11,7 +11,7 @@ use crate::{
 use super::{
     super::{
         description::{PolarityRule, RefractoryRule},
-        drive::log_temporal,
+        drive::{Made, log_temporal},
         fire,
         memory::{self, Memory},
         refractory,
@@ -32,6 +32,8 @@ pub(super) struct Row<'a, N: Number> {
     pub y: usize,
     /// Its cells in the band's arrays.
     pub range: Range<usize>,
+    /// Its pixels in the band's picture.
+    pub pixels: Range<usize>,
 }
 
 impl<N: Number> Row<'_, N> {
@@ -39,7 +41,7 @@ impl<N: Number> Row<'_, N> {
     /// the number of events.
     pub fn advance(
         &self,
-        cells: &mut Cells<N>,
+        (cells, made): (&mut Cells<N>, &mut Made<N::Held>),
         picture: &mut [N::Held],
         scratch: &mut Scratch<N>,
         report: &mut Report,
@@ -51,7 +53,7 @@ impl<N: Number> Row<'_, N> {
             scratch.rested.copy_from_slice(fired);
         }
         (scratch.trains.channel, scratch.trains.y) = (self.channel, self.y);
-        self.drive(cells, scratch);
+        self.drive(&cells.memory, made, scratch);
         let mut events = self.fire(cells, scratch)?;
         if self.is_authors() {
             self.fire_as_authors(cells, scratch)?;
@@ -67,11 +69,10 @@ impl<N: Number> Row<'_, N> {
     }
 
     /// (1), or what stands in its place.
-    fn drive(&self, cells: &mut Cells<N>, scratch: &mut Scratch<N>) {
+    fn drive(&self, memory: &Memory<N>, made: &mut Made<N::Held>, scratch: &mut Scratch<N>) {
         let (number, y) = (&self.plan.number, self.y);
         let Scratch { drive, parts, .. } = scratch;
         let weights = &self.plan.weights[self.channel];
-        let Cells { memory, made, .. } = cells;
         let at = (self.channel, y);
         sheets::row(number, self.input.sheets, at, drive, |drive| match memory {
             // The kernel is applied to the pixels' distance from the memory, u - M.
@@ -234,7 +235,11 @@ impl<N: Number> Row<'_, N> {
                 // The memory may already be that of another kind, which fired here: the distances
                 // are those from the memory before this frame.
                 let distances = self.input.pixels_of(self.channel).inner(self.y);
-                let pixels = if pixels.is_empty() { picture } else { pixels };
+                let pixels = if pixels.is_empty() {
+                    &mut picture[self.pixels.clone()]
+                } else {
+                    &mut pixels[range.clone()]
+                };
                 for (x, cell) in range.enumerate() {
                     let same = before[cell] == drive[x];
                     before[cell] = drive[x];
@@ -242,7 +247,7 @@ impl<N: Number> Row<'_, N> {
                         continue;
                     }
                     let own = number.real(distances[x]);
-                    pixels[cell] = self.signal.inner(self.y)[x];
+                    pixels[x] = self.signal.inner(self.y)[x];
                     // It fires again although neither its distance nor its pixel has changed.
                     report.livelocked += u64::from(same && own == N::Real::ZERO);
                     if self.plan.description.polarity == PolarityRule::Pixel {
@@ -289,7 +294,9 @@ impl<N: Number> Row<'_, N> {
     /// The error for a cell whose distance has more events than can be counted, or left the
     /// number format.
     fn uncountable(&self, x: usize, distance: N::Real) -> SensorError {
-        let (channel, y) = (self.channel, self.y);
+        let channel = self.channel;
+        let at = self.plan.place(channel, self.y, x);
+        let (y, x) = (at.y, at.x);
         if fire::is_number(distance) {
             return SensorError::Uncountable { channel, y, x };
         }

@@ -33,7 +33,6 @@ use crate::{
         Kernel,
         quantise::{Quantiser, Sum},
     },
-    plane::Size,
     program::{
         Cost, Expectation, ExpectedWords, Program, Step,
         readout::{Demand, Plan, Scans, Way, choose},
@@ -160,8 +159,7 @@ pub fn explore(
         let judged = shown.programs.iter().zip(&shown.packets);
         for (found, (judged, packet)) in found.into_iter().zip(judged) {
             let demand = Demand::new(packet, shown.frames);
-            let candidate =
-                found.judged(question, (&sensor, &thresholds), judged, &demand, size)?;
+            let candidate = found.judged(question, (&sensor, &thresholds), judged, &demand)?;
             all.candidates.push(candidate);
         }
     }
@@ -361,14 +359,13 @@ impl Found {
         (sensor, thresholds): (&Description, &[f64]),
         judged: &[Judged],
         demand: &Demand,
-        size: Size,
     ) -> Result<Candidate, ExplorationError> {
         let device = question.device;
         let slots = Compiled::from_program(question.title, self.program.clone(), device)?;
         let frame = &slots.code.frame;
         let array_us =
             time::array_us(frame, device).unwrap_or([Cost::of(frame, device).array_us; 2]);
-        let plans = Scans::new(frame, device, size.height).plans(Some(demand), device);
+        let plans = Scans::new(frame, device).plans(Some(demand), device);
         let plan = choose(&plans).and_then(|at| plans.get(at));
         let readout = plan.map_or_else(EventReadout::default, readout_of);
         let text = self

@@ -221,10 +221,9 @@ pub(super) struct Trial<'a> {
     pub floats: &'a [Packet],
     /// What the chip of the seed said of the whole scene.
     pub nominal: &'a Packet,
-    /// Frames of the scene, frames a second, and rows.
+    /// Frames of the scene, and frames a second.
     pub frames: u64,
     pub fps: f64,
-    pub rows: usize,
 }
 
 /// A chip that is to run: its numbers and the seed of its mismatch.
@@ -370,7 +369,7 @@ impl Trial<'_> {
         let Self { question, .. } = *self;
         let of = |figure| value(Named::Figure(figure));
         let array = self.words.us(of(Figure::Clock), of(Figure::Launch));
-        let scans = Scans::new(&self.program.code.frame, question.device, self.rows);
+        let scans = Scans::new(&self.program.code.frame, question.device);
         let item = |kind| value(Named::Item(kind));
         let readout = scans.cheapest(busy, item, question.device);
         let exposure = question.exposure.map_or(0.0, |it| it.0 as f64);

@@ -223,7 +223,7 @@ mod tests {
         let device = Device::scamp5();
         let time = Time::new(&Parts {
             words: Words::new(&[], &device).unwrap(),
-            scans: Scans::new(&[], &device, 1),
+            scans: Scans::new(&[], &device),
             busy: &Demand::new(&Packet::new(Size::new(1, 1), 1), 1),
             exposure: None,
             order: ReadoutOrder::Overlapped,

@@ -234,7 +234,7 @@ impl Time {
     }
 }
 
-/// A frame's time on a scene of so many rows, frames a second, and events.
+/// A frame's time on a scene of so many frames a second, and events.
 ///
 /// # Errors
 /// Never for a chip that was loaded.
@@ -242,12 +242,12 @@ pub(super) fn time(
     question: &Question<'_>,
     program: &Compiled,
     busy: &Demand,
-    (rows, fps): (usize, f64),
+    fps: f64,
 ) -> Result<Time, FigureError> {
     let frame = &program.code.frame;
     Ok(Time::new(&Parts {
         words: Words::new(frame, question.device)?,
-        scans: Scans::new(frame, question.device, rows),
+        scans: Scans::new(frame, question.device),
         busy,
         exposure: question.exposure,
         order: question.order,

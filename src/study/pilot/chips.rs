@@ -16,7 +16,13 @@ use crate::{
     sensor::{Sensor, SensorError},
 };
 
-use super::{estimate::Unseen, family::Family, look::Look, program_halo, term::Term};
+use super::{
+    estimate::{History, Unseen},
+    family::Family,
+    look::Look,
+    program_halo,
+    term::Term,
+};
 
 /// An arithmetic of the array, with what it leaves out.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -199,9 +205,9 @@ impl Family for Chips<'_> {
         let saturates = model.without.contains(&Term::Saturation) || { model.format }
             .is_some_and(|format| format != Format::F64 && ends(format));
         if saturates {
-            Unseen::Tile
+            History::Tile.into()
         } else {
-            Unseen::Alike
+            History::Alike.into()
         }
     }
 

@@ -19,7 +19,8 @@
 //! count: its events as a cell has them that an event picked at random belongs to; or those of all
 //! cells of its tile that have the same events, or of the whole tile ([`Unseen`]). So a sample in
 //! which nothing changed still has a limit: `-ln(risk) M / X`. Tiles that were taken for certain
-//! are known, and are added as they are.
+//! are known, and are added as they are; but what changed in one of them may change in a tile like
+//! it that was not drawn, so it is a jump as well, of the mean weight.
 //!
 //! **Events.** `X` is known from the same tiles. Its error is taken for normal, and both errors are
 //! added as if they did not know each other, although tiles of many events have many changes.
@@ -58,20 +59,35 @@ pub struct Estimate {
 
 /// A change that nobody has seen yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unseen {
-    /// As large as the history of a cell: what changes one cell says nothing of the next.
+pub struct Unseen {
+    /// What changes at once.
+    pub history: History,
+    /// Events at least, of a cell of which there may be none in the sample.
+    pub at_least: u64,
+}
+
+/// What changes at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum History {
+    /// A cell: what changes one says nothing of the next.
     Cell,
-    /// As large as the histories of cells of a tile that are alike: what changes one changes those
-    /// that see the same.
+    /// The cells of a tile that are alike: what changes one changes those that see the same.
     Alike,
-    /// Of so many events at least, by a cell of which there may be none in the sample.
-    Events(u64),
-    /// As large as a tile: what changes one cell is the scene's, and changes its neighbours too.
+    /// A tile: what changes one cell is the scene's, and changes its neighbours too.
     Tile,
 }
 
+impl From<History> for Unseen {
+    fn from(history: History) -> Self {
+        Self {
+            history,
+            at_least: 0,
+        }
+    }
+}
+
 /// The fewest events that say anything of a share.
-const LEAST_EVENTS: u64 = 30;
+const LEAST_EVENTS: u64 = 100;
 
 impl Estimate {
     /// From the tiles of a sample. The limit fails with a probability of `risk`.
@@ -95,7 +111,9 @@ impl Estimate {
             let known = changed - { drawn.iter() }
                 .map(|tile| weight(tile) * tile.changes as f64)
                 .sum::<f64>();
-            let upper = known + upper(&drawn, unseen, risk);
+            let certain = tiles.iter().filter(|tile| tile.probability >= 1.0);
+            let most = certain.map(|tile| tile.changes).max().unwrap_or(0);
+            let upper = known + upper(&drawn, unseen, most, risk);
             let error = share * spread(&drawn) / total * deviations(risk);
             let more = upper / total - share;
             (events >= LEAST_EVENTS).then(|| share + (more * more + error * error).sqrt())
@@ -116,8 +134,8 @@ impl Estimate {
     }
 }
 
-/// The upper limit of the changes that drawn tiles stand for.
-fn upper(drawn: &[Tile], unseen: Unseen, risk: f64) -> f64 {
+/// The upper limit of the changes that drawn tiles stand for; a tile that was not has `certain`.
+fn upper(drawn: &[Tile], unseen: Unseen, certain: u64, risk: f64) -> f64 {
     let jump = |tile: &Tile| tile.changes as f64 / tile.probability;
     let sum = |of: &dyn Fn(&Tile) -> f64| drawn.iter().map(of).sum::<f64>();
     let mean = sum(&jump);
@@ -125,19 +143,19 @@ fn upper(drawn: &[Tile], unseen: Unseen, risk: f64) -> f64 {
     // An event picked at random belongs to a cell, or a tile, of so many events, weighted.
     let events = sum(&|tile| tile.events as f64 / tile.probability);
     let squares = sum(&|tile| {
-        let squares = match unseen {
-            Unseen::Cell | Unseen::Events(_) => tile.squares as f64,
-            Unseen::Alike => tile.alike as f64,
-            Unseen::Tile => (tile.events as f64).powi(2),
+        let squares = match unseen.history {
+            History::Cell => tile.squares as f64,
+            History::Alike => tile.alike as f64,
+            History::Tile => (tile.events as f64).powi(2),
         };
         squares / tile.probability.powi(2)
     });
-    let mut history = if events > 0.0 { squares / events } else { 0.0 };
-    if let Unseen::Events(known) = unseen {
-        let stands = drawn.iter().map(|tile| 1.0 / tile.probability);
-        history = history.max(known as f64 * stands.fold(0.0, f64::max));
-    }
-    let most = drawn.iter().map(jump).fold(history, f64::max);
+    let history = if events > 0.0 { squares / events } else { 0.0 };
+    let stands = |tile: &Tile| 1.0 / tile.probability;
+    let widest = drawn.iter().map(stands).fold(0.0, f64::max);
+    let like_certain = certain as f64 * sum(&stands) / drawn.len().max(1) as f64;
+    let least = { history.max(unseen.at_least as f64 * widest) }.max(like_certain);
+    let most = drawn.iter().map(jump).fold(least, f64::max);
     if most <= 0.0 {
         return 0.0;
     }
@@ -204,27 +222,34 @@ mod tests {
     #[test]
     fn nothing_that_fired_says_nothing() {
         let silent = [tile(0.1, 0, 0); 20];
-        assert_eq!(Estimate::new(&silent, Unseen::Cell, 0.05).limit, None);
-        let few = [tile(0.1, 1, 0); 20];
-        assert_eq!(Estimate::new(&few, Unseen::Cell, 0.05).limit, None);
+        assert_eq!(
+            Estimate::new(&silent, History::Cell.into(), 0.05).limit,
+            None
+        );
+        let few = [tile(0.1, 4, 0); 20];
+        assert_eq!(Estimate::new(&few, History::Cell.into(), 0.05).limit, None);
     }
 
     /// The rule of three: without a change, at most three histories of a cell.
     #[test]
     fn no_change_has_a_limit() {
         let tiles = [tile(0.1, 100, 0); 20];
-        let estimate = Estimate::new(&tiles, Unseen::Cell, 0.05);
+        let estimate = Estimate::new(&tiles, History::Cell.into(), 0.05);
         // A history counts 4 events, ten times over, of 20000.
         let want = 2.9957 * 40.0 / 20_000.0;
         let limit = estimate.limit.unwrap();
         assert!((limit / want - 1.0).abs() < 0.02, "{limit} {want}");
         assert_eq!(estimate.share, 0.0);
-        let limit = |unseen| Estimate::new(&tiles, unseen, 0.05).limit.unwrap();
-        assert!((limit(Unseen::Alike) / (2.0 * want) - 1.0).abs() < 0.02);
+        let limit = |unseen: Unseen| Estimate::new(&tiles, unseen, 0.05).limit.unwrap();
+        let events = |at_least| Unseen {
+            history: History::Cell,
+            at_least,
+        };
+        assert!((limit(History::Alike.into()) / (2.0 * want) - 1.0).abs() < 0.02);
         // A cell of 50 events that is not in the sample stands for ten.
-        assert!((limit(Unseen::Events(50)) / (12.5 * want) - 1.0).abs() < 0.02);
-        assert_eq!(limit(Unseen::Events(2)), estimate.limit.unwrap());
-        let wide = limit(Unseen::Tile);
+        assert!((limit(events(50)) / (12.5 * want) - 1.0).abs() < 0.02);
+        assert_eq!(limit(events(2)), estimate.limit.unwrap());
+        let wide = limit(History::Tile.into());
         assert!((wide / (2.9957 / 20.0) - 1.0).abs() < 0.02, "{wide}");
     }
 
@@ -232,19 +257,34 @@ mod tests {
     #[test]
     fn equal_jumps_are_a_poisson_number() {
         let tiles = [tile(0.001, 1000, 50); 20];
-        let estimate = Estimate::new(&tiles, Unseen::Cell, 0.05);
+        let estimate = Estimate::new(&tiles, History::Cell.into(), 0.05);
         assert!((estimate.share - 0.05).abs() < 1e-12);
         let limit = estimate.limit.unwrap();
         assert!((limit - 0.05 * 29.06 / 20.0).abs() < 2e-4, "{limit}");
     }
 
+    /// What is only seen in a tile taken for certain may be in one that was not drawn.
+    #[test]
+    fn changes_of_certain_tiles_are_jumps_too() {
+        let limit = |changes| {
+            let mut tiles = [tile(0.1, 100, 0); 21];
+            tiles[20] = tile(1.0, 100, changes);
+            Estimate::new(&tiles, History::Cell.into(), 0.05).limit
+        };
+        // Of 20,100 events ten times 40 changes, three times over, and the 40 themselves.
+        let want = (2.9957 * 400.0 + 40.0) / 20_100.0;
+        assert!((limit(40).unwrap() / want - 1.0).abs() < 0.02);
+        // A cell's history is more.
+        assert!(limit(3) < limit(0).map(|none| none + 0.001));
+    }
+
     #[test]
     fn what_was_run_whole_is_known() {
         let tiles = [tile(1.0, 100, 3), tile(1.0, 0, 1)];
-        let estimate = Estimate::new(&tiles, Unseen::Tile, 0.01);
+        let estimate = Estimate::new(&tiles, History::Tile.into(), 0.01);
         assert_eq!((estimate.share, estimate.limit), (0.04, Some(0.04)));
         assert!(estimate.is_within(0.04) && !estimate.is_within(0.039));
-        let silent = Estimate::new(&[tile(1.0, 0, 0)], Unseen::Tile, 0.01);
+        let silent = Estimate::new(&[tile(1.0, 0, 0)], History::Tile.into(), 0.01);
         assert_eq!((silent.share, silent.limit), (0.0, Some(0.0)));
     }
 }

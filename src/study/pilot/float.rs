@@ -13,7 +13,7 @@ use crate::{
 
 use super::{
     effect::{Choice, Effect},
-    estimate::Unseen,
+    estimate::{History, Unseen},
     family::Family,
     look::Look,
     rule,
@@ -40,6 +40,28 @@ impl Floats<'_> {
             .map(Kernel::reach)
             .map(|(down, right)| down.max(right));
         reach.max().unwrap_or(0)
+    }
+
+    /// How many events of one hot cell the model changes; there may be none of them in a sample.
+    fn hot_events(&self, model: &Choice, look: &Look) -> u64 {
+        let (noise, refractory) = (&self.description.noise, self.description.refractory.us);
+        let left_out = |effect| model.leaves_out(effect) && !self.base.leaves_out(effect);
+        if noise.hot_fraction <= 0.0 || self.base.leaves_out(Effect::Strays) {
+            return 0;
+        }
+        let held = if refractory > 0.0 && !self.base.leaves_out(Effect::DeadTime) {
+            noise.hot_hz.min(1e6 / refractory)
+        } else {
+            noise.hot_hz
+        };
+        let hz = if left_out(Effect::Strays) {
+            held
+        } else if left_out(Effect::DeadTime) {
+            noise.hot_hz
+        } else {
+            return 0;
+        };
+        (hz * look.seconds).ceil() as u64
     }
 }
 
@@ -134,25 +156,29 @@ impl Family for Floats<'_> {
         )
     }
 
-    /// What rounding changes in one cell it changes in those that see the same; each cell's mismatch
-    /// and noise is its own. Saturation, and what the scene makes of a dead time, a bandwidth or the
-    /// frames, is in a place.
+    /// What rounding changes in one cell it changes in those that see the same; each cell's noise is
+    /// its own. Saturation is in a place, and so is what the scene makes of a dead time, a bandwidth,
+    /// the frames, and of mismatch: which cells are near a threshold.
     fn unseen(&self, model: &Choice, look: &Look) -> Unseen {
         let saturates =
             model.format != Format::F64 && rule::may_saturate(model.format, self.description, look);
-        let of_the_scene = [Effect::InsertedFrames, Effect::DeadTime, Effect::Bandwidth];
+        let of_the_scene = [
+            Effect::InsertedFrames,
+            Effect::DeadTime,
+            Effect::Bandwidth,
+            Effect::Mismatch,
+        ];
         let left_out = |effect| model.leaves_out(effect) && !self.base.leaves_out(effect);
-        let noise = &self.description.noise;
-        let is_hot = noise.hot_fraction > 0.0 && noise.hot_hz > 0.0;
-        if saturates || of_the_scene.into_iter().any(left_out) {
-            Unseen::Tile
-        } else if left_out(Effect::Strays) && is_hot {
-            // Hot cells are few, and each has many events.
-            Unseen::Events((noise.hot_hz * look.seconds).ceil() as u64)
+        let history = if saturates || of_the_scene.into_iter().any(left_out) {
+            History::Tile
         } else if model.format != self.base.format {
-            Unseen::Alike
+            History::Alike
         } else {
-            Unseen::Cell
+            History::Cell
+        };
+        Unseen {
+            history,
+            at_least: self.hot_events(model, look),
         }
     }
 
@@ -204,22 +230,19 @@ mod tests {
             changing: (0..8, 0..8),
         };
         let unseen = |effect| family.unseen(&base.clone().and_without(effect), &look);
-        for effect in [Effect::InsertedFrames, Effect::Bandwidth] {
-            assert_eq!(unseen(effect), Unseen::Tile, "{effect}");
+        for effect in [Effect::InsertedFrames, Effect::Bandwidth, Effect::Mismatch] {
+            assert_eq!(unseen(effect), History::Tile.into(), "{effect}");
         }
         // What is free is left out of the full model as well.
         for effect in [Effect::DeadTime, Effect::Leak, Effect::Jitter] {
-            assert_eq!(unseen(effect), Unseen::Cell, "{effect}");
+            assert_eq!(unseen(effect), History::Cell.into(), "{effect}");
         }
         // In a second, of a cell that there may be none of in a sample.
         let noise = &description.noise;
         let hot = noise.hot_fraction > 0.0 && noise.hot_hz > 0.0;
-        let strays = if hot {
-            Unseen::Events(noise.hot_hz.ceil() as u64)
-        } else {
-            Unseen::Cell
-        };
-        assert_eq!(unseen(Effect::Strays), strays);
+        let strays = if hot { noise.hot_hz.ceil() as u64 } else { 0 };
+        assert_eq!(unseen(Effect::Strays).at_least, strays);
+        assert_eq!(unseen(Effect::Strays).history, History::Cell);
         // No light that there is comes near the end of single precision.
         let description = Description::open("laplacian").unwrap();
         let base = Choice::full();
@@ -230,6 +253,22 @@ mod tests {
         };
         let mut single = base.clone();
         single.format = Format::F32;
-        assert_eq!(family.unseen(&single, &look), Unseen::Alike);
+        assert_eq!(family.unseen(&single, &look), History::Alike.into());
+        // A hot cell has as many events as its dead time lets through, and all of them without it.
+        let mut description = Description::open("dvs-v2e").unwrap();
+        (description.noise.hot_fraction, description.noise.hot_hz) = (0.01, 500.0);
+        description.refractory.us = 10_000.0;
+        let family = Floats {
+            description: &description,
+            seed: 0,
+            base: &base,
+        };
+        let least = |effect| {
+            let model = base.clone().and_without(effect);
+            family.unseen(&model, &look).at_least
+        };
+        assert_eq!(least(Effect::Strays), 100);
+        assert_eq!(least(Effect::DeadTime), 500);
+        assert_eq!(least(Effect::Mismatch), 0);
     }
 }

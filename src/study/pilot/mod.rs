@@ -37,7 +37,7 @@ pub use answer::{Answer, Offer};
 pub use change::Change;
 pub use chips::{Chips, Machine};
 pub use effect::{Choice, Effect};
-pub use estimate::{Estimate, Unseen};
+pub use estimate::{Estimate, History, Unseen};
 pub use family::Family;
 pub use float::Floats;
 pub use look::{Grid, Look};

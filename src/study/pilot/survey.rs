@@ -21,7 +21,7 @@ use crate::{
 use super::{
     change,
     draw::draw,
-    estimate::{Estimate, Tile, Unseen},
+    estimate::{Estimate, History, Tile},
     family::Family,
     first_frames::clocked,
     look::{Grid, Look},
@@ -453,7 +453,7 @@ fn all_of(events: u64, changes: u64) -> Estimate {
         alike: 0,
         changes,
     };
-    Estimate::new(&[whole], Unseen::Cell, RISK)
+    Estimate::new(&[whole], History::Cell.into(), RISK)
 }
 
 fn run<F: Family>(

@@ -176,9 +176,9 @@ where
         Err(why) => {
             trade.no_tiles = Some(why);
             let whole = Whole::new(survey, family)?;
-            trade.run_whole(&whole, ask)?;
+            trade.run_whole(&whole, ask);
             trade.add_together(family, ask);
-            trade.run_whole(&whole, ask)?;
+            trade.run_whole(&whole, ask);
         }
         Ok(begun) => {
             trade.tiles = Some(begun.sampled());
@@ -214,7 +214,7 @@ where
                 .points
                 .retain(|point| point.sampled.is_some() || point.why.is_some());
             if ask.verify {
-                trade.run_whole(&Whole::new(survey, family)?, ask)?;
+                trade.run_whole(&Whole::new(survey, family)?, ask);
             }
         }
     }
@@ -262,24 +262,23 @@ impl<M: Clone + PartialEq + fmt::Display> Trade<M> {
         }
     }
 
-    fn run_whole<F: Family<Model = M>>(
-        &mut self,
-        whole: &Whole<'_, F>,
-        ask: &Ask<'_, M>,
-    ) -> Result<(), PlanError> {
+    fn run_whole<F: Family<Model = M>>(&mut self, whole: &Whole<'_, F>, ask: &Ask<'_, M>) {
         self.without_slot = whole.dropped();
         for point in &mut self.points {
             if point.whole.is_some() || point.why.is_some() {
                 continue;
             }
             (ask.begin)(&point.name);
-            point.whole = Some(if point.name == FULL {
-                whole.full()
-            } else {
-                whole.ask(&point.model)?
-            });
+            if point.name == FULL {
+                point.whole = Some(whole.full());
+                continue;
+            }
+            match whole.ask(&point.model) {
+                Ok(known) => point.whole = Some(known),
+                // What its tiles say is of no use.
+                Err(error) => (point.sampled, point.why) = (None, Some(error.to_string())),
+            }
         }
-        Ok(())
     }
 }
 

@@ -29,6 +29,7 @@ pub(super) const ENTRY: Entry = Entry {
     module: "pyarrow.parquet",
     python: "pyarrow.parquet.read_table(path)",
     sign: Sign::Bytes(b"PAR1"),
+    index_at_end: true,
     streams: STREAMS,
     rewinds: false,
     ..Entry::PLAIN
