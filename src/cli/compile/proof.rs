@@ -14,7 +14,7 @@ use crate::{
     isa::{Analog, Figure},
     number::Format,
     plane::{Plane, Size},
-    program::{Action, Code, Host, Overrides, Program, Step},
+    program::{Action, Code, Overrides, Program, Step},
     sensor::Sensor as _,
     unit::Micros,
 };
@@ -39,12 +39,7 @@ impl Proof<'_> {
             let (read, others) = if long {
                 (self.impulse(&expansion.code, *register)?, false)
             } else {
-                // A count overwrites a scratch with what depends on the place; the results, which
-                // stay as they are from the filter on, are read before it.
-                let counts =
-                    |step: &Step| matches!(step.action, Action::Host(Host::GlobalCount { .. }));
-                let end = steps.iter().position(counts).unwrap_or(steps.len());
-                let taps = taps::read(&steps[..end], self.device, settings, *register)
+                let taps = taps::read(steps, self.device, settings, *register)
                     .wrap_err("the program cannot be read back")?;
                 let others = taps.taps.keys().any(|(input, ..)| *input != self.input);
                 (taps.kernel(self.input), others)

@@ -22,9 +22,9 @@ pub(super) fn as_near_as_can_be<T>(
         return levels_of(asked);
     }
     let inward = if asked > 0.0 { -1.0 } else { 1.0 };
-    (0..=TRIED)
-        .map(f64::from)
-        .flat_map(|off| [asked + inward * off, asked - inward * off])
+    let beside = (1..=TRIED).map(f64::from);
+    std::iter::once(asked)
+        .chain(beside.flat_map(|off| [asked + inward * off, asked - inward * off]))
         .filter(|sum| (low..=high).contains(sum))
         .find_map(levels_of)
 }

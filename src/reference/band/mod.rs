@@ -33,8 +33,6 @@ pub(super) struct Band<N: Number> {
     width: usize,
     /// The signal of the last frame, with the rim that the kernels reach.
     pub(super) signal: Padded<N::Held>,
-    /// How many channels there are.
-    channels: usize,
     cells: Cells<N>,
     /// Intermediate results of each channel's kernel, shared by the rows.
     made: Vec<Made<N::Held>>,
@@ -103,7 +101,6 @@ impl<N: Number> Band<N> {
             rows,
             width,
             signal,
-            channels: plan.weights.len(),
             cells,
             made: plan.weights.iter().map(|_| Made::default()).collect(),
             picture,
@@ -144,7 +141,7 @@ impl<N: Number> Band<N> {
 
     /// The indices of a channel's row `y` among the band's cells.
     fn range(&self, channel: usize, y: usize) -> Range<usize> {
-        let start = ((y - self.rows.start) * self.channels + channel) * self.width;
+        let start = ((y - self.rows.start) * self.made.len() + channel) * self.width;
         start..start + self.width
     }
 
