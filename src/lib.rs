@@ -3,14 +3,14 @@
 //! One scene is watched by two sensors at once, and a ruler compares what they say.
 //!
 //! ```text
-//!                        ┌── reference ── the float model: equations, f64 ──────────────┐
-//! scene ─ photoreceptor ─┤                                                              ├─ packets ─ compare ─ study ─ report
-//! light over time        └── array ── a program on silicon, in any arithmetic ──────────┘     │
-//!                               ▲                                                        readout, codec, files
+//!                   ┌── photoreceptor ─ reference ── the float model: equations, f64 ──┐
+//! scene ────────────┤                                                                  ├─ packets ─ compare ─ study ─ report
+//! light over time   └── array ── a program on silicon, in any arithmetic ──────────────┘     │
+//!                          ▲                                                            readout, codec, files
 //!    kernel ─ quantise ─ compile ─ program      isa/ (the chip, as data)
 //! ```
 //!
-//! The rooms, in the order in which light passes them. Imports run downward only
+//! The rooms stand by their name. Imports run downward only
 //! (`docs/architecture.md` holds the table, `tests/layers.rs` holds the code to it).
 //! The last room, `cli`, belongs to the program (`src/main.rs`).
 

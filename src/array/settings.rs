@@ -9,7 +9,7 @@ use crate::isa::{Device, Figure};
 /// work is done, which changes no result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// What every register of a pixel off the array holds, in LSB. Evidence: guess, the vendor
+    /// What every register of a pixel off the array holds, in LSB. Evidence: modelled, the vendor
     /// does not say; open simulators take 0.
     pub edge: f64,
     /// Whether every analogue store is limited to [-128, 127] LSB.

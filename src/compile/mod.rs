@@ -5,7 +5,8 @@
 //! word is a step: up to four sources, neighbours among them, the negation by every store, halving
 //! by two targets. So symmetry, separability, running sums and common subexpressions of several
 //! kernels are found without being special cases. A `walk` over the kernel is the plan to beat; for
-//! dense kernels, which have nothing of that, a `tour` with copies of the input comes first.
+//! dense kernels, which have nothing of that, a `tour` with copies of the input is often
+//! shorter, and is tried last.
 //!
 //! ```
 //! use amacrine::{compile::{Effort, Request}, isa::Device, kernel::Kernel};

@@ -6,7 +6,6 @@
 //! multiples of the input, one with a positive sign, the other with a negative one. The input and
 //! its halves are held, at a word each, so that one visit adds all digits of a weight. Digits below
 //! those that are held are added first, on a walk of their own, and are halved with the sum.
-//! walk of their own, and are halved with the sum.
 
 use super::{
     beam::SOURCES,

@@ -198,7 +198,7 @@ impl Noise {
         Ok(noise)
     }
 
-    /// Whether cells may fire for other reasons than the scene.
+    /// Whether there is shot noise, or a hot cell. A leak goes by way of the memory.
     #[must_use]
     pub fn fires(&self) -> bool {
         self.shot_hz > 0.0 || (self.hot_hz > 0.0 && self.hot_fraction > 0.0)

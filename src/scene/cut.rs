@@ -3,7 +3,7 @@
 //! A frame is one where the light of the pixels changes by more than [`RATIO`] times what it
 //! usually does there (the median of the changes up to [`NEAR`] frames before and after), and
 //! what is seen at a place no longer resembles what was seen there (Pearson's correlation below
-//! [`ALIKE`]) nearly everywhere ([`CHANGED`]). A flash changes much and keeps the picture; fast motion loses the picture, but
+//! [`ALIKE`]), with a part of the pixels changed ([`CHANGED`]) at least. A flash changes much and keeps the picture; fast motion loses the picture, but
 //! frame after frame. Some thousand pixels of a frame are looked at.
 
 use super::Image;

@@ -119,7 +119,7 @@ pub(super) struct Machine<'a> {
     pub scanned: BTreeMap<String, String>,
     /// The display that a stack of bits goes to.
     pub stack: Option<Value>,
-    /// Whether light was captured, or the photodiodes were reset, in the frame that is worked on.
+    /// Whether a statement has reset the photodiodes in the frame that is worked on.
     pub dark: bool,
     /// Whether the loop over the frames was run.
     pub looped: bool,

@@ -3,8 +3,8 @@
 //! The part of C++ that such programs are made of is *run* here, before the program is: what the
 //! micro-controller knows beforehand, constants, sliders with their defaults, loop counters, is
 //! computed; what it asks of the array becomes the statements of a [`Syntax`](super::Syntax), the
-//! same that a program's own language has. The words mean what they mean there: nothing here knows
-//! what a word does.
+//! same that a program's own language has. The words mean what they mean there; only those
+//! that take in light are known here by name, for warnings.
 //!
 //! - [`token`] and [`preprocess`]: text to tokens; `#include`, `#define`, `#if`.
 //! - [`parse`], [`expression`]: tokens to the [`tree`].

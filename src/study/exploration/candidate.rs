@@ -37,7 +37,7 @@ pub struct Candidate {
     pub halvings: Vec<u32>,
     /// How the events leave the chip: the cheapest way that loses none of this scene's.
     pub readout: Way,
-    /// Events a second by it, the least and the most, with what the readout takes.
+    /// Frames a second with it, the least and the most.
     pub frames_s: [f64; 2],
     /// How many kinds like these the chip carries.
     pub carried: usize,

@@ -83,7 +83,7 @@ pub enum Aim<'a> {
 const START: f64 = 64.0;
 
 /// Tries all of it on a scene that can be opened again: shown seven times for the thresholds, if a
-/// rate is asked for (seven times more for kinds that share a memory), and then once for each float sensor with its candidates. `seen` is called after each frame of
+/// rate is asked for (at most nineteen times more for kinds that share a memory), and then once for each float sensor with its candidates. `seen` is called after each frame of
 /// those, and `searching` before each search, with its number and how many there are.
 ///
 /// # Errors

@@ -127,8 +127,8 @@ pub enum PlanError {
 }
 
 impl Plan {
-    /// What is left out by the choice changes so many of a hundred events at most, with the
-    /// pilot's confidence; 0 where only rules allow it.
+    /// The share of the events that what is left out changes at most, with the pilot's
+    /// confidence; 0 where only rules allow it.
     #[must_use]
     pub fn limit(&self) -> f64 {
         self.change.and_then(|change| change.limit).unwrap_or(0.0)
