@@ -232,7 +232,10 @@ const REFRACTORY: [(&str, &str); 2] = [
 
 /// What rests and kinds cost, as multiples of what a plain list of one kind does.
 fn ratios(bench: &Bench, clip: &mut Clip, times: usize) {
-    println!("\nRatios, 256x256, f32, one thread, pairs of measurements");
+    println!(
+        "\nRatios, f32, one thread, pairs of measurements\n\n{}",
+        clip.size
+    );
     let clip = std::cell::RefCell::new(clip);
     let time = |text: &str, ask| bench.line(F32, text, &mut clip.borrow_mut(), ask, 1);
     for (name, more) in REFRACTORY {
@@ -250,13 +253,21 @@ fn ratios(bench: &Bench, clip: &mut Clip, times: usize) {
             );
         }
     }
+    let clip = clip.into_inner();
+    of_kinds(bench, clip, times);
+    // There one kind's state does not stay in the cache either.
+    of_kinds(bench, &mut Clip::new(SIZES[3]), times);
+}
+
+/// What several kinds cost, as multiples of what one does.
+fn of_kinds(bench: &Bench, clip: &mut Clip, times: usize) {
+    let size = clip.size;
+    println!("\n{size}");
+    let clip = std::cell::RefCell::new(clip);
     for kinds in [4, 16] {
         for ask in Ask::ALL {
-            let ratio = ratio(
-                times,
-                || time(&sensor(kinds, ""), ask),
-                || time(&sensor(1, ""), ask),
-            );
+            let time = |kinds| bench.line(F32, &sensor(kinds, ""), &mut clip.borrow_mut(), ask, 1);
+            let ratio = ratio(times, || time(kinds), || time(1));
             println!(
                 "{kinds:>2} kinds {:>15} {:>6.2} {:>5} times one kind",
                 ask.name(),

@@ -74,6 +74,7 @@ fn a_rate_is_reached() {
     let rate = said["events"].as_f64().unwrap() / pixels / seconds;
     assert!((rate / 12.0 - 1.0).abs() < 0.05, "{rate}: {said}");
     assert_eq!(said["rate"]["asked"], 12.0);
+    assert!(said["rate"]["factor"].as_f64().unwrap() > 0.0);
     assert_eq!(said["rate"]["thresholds"].as_array().unwrap().len(), 4);
     assert!(good(folder, &asked).contains("asked for: threshold"));
     // Of the sensor that runs, whose thresholds are scaled with their spread.

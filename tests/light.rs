@@ -798,6 +798,9 @@ mod verbs {
         assert!(said.contains("240 frames/s are assumed"), "{said}");
         let said = sweep(&["fps=240", "-o", "b"]);
         assert!(!said.contains("assumed"), "{said}");
+        assert!(!said.contains("it ends after"), "{said}");
+        let said = sweep(&["fps=240", "frames=500", "-o", "c"]);
+        assert!(said.contains("it ends after"), "{said}");
     }
 
     #[test]

@@ -455,6 +455,33 @@ fn jitter_changes_no_counts() {
     assert_eq!(of(""), of("jitter-us = 300"));
 }
 
+/// Nor does it where the dead time loses noise events for crossings, whatever is asked for.
+#[test]
+fn jitter_changes_no_counts_of_noise() {
+    let size = Size::new(16, 16);
+    let times: Vec<_> = (0..20).map(|n| f64::from(n) / 100.0).collect();
+    let frames = uniform(size, &times, |t| (t * 77.0).sin() * 3.0);
+    let dead = "refractory = { us = 2000 }\n";
+    let of = |noise: &str, timed: bool| {
+        let description = plain(dead, noise, "{ on = 0.2, off = 0.3, sigma = 0.02 }");
+        let mut reference = Reference::new(description, size, 3).unwrap();
+        let (mut tally, mut packet) = (Tally::new(1), Packet::new(size, 1));
+        for frame in &frames {
+            let mut list = EventList::new(&mut packet, Limit::default());
+            let list = timed.then_some(&mut list);
+            reference
+                .watch_into(frame, &mut (&mut tally, list))
+                .unwrap();
+        }
+        (tally.total(), reference.report())
+    };
+    let plain = of("shot-hz = 200", false);
+    assert!(plain.1.lost_to_refractory > 100);
+    for timed in [false, true] {
+        assert_eq!(of("shot-hz = 200\njitter-us = 500", timed), plain);
+    }
+}
+
 #[test]
 fn the_photoreceptor_follows_a_held_step_exponentially() {
     let size = Size::new(1, 1);

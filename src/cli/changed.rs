@@ -7,9 +7,9 @@ use super::{event_rate::event_rate, files::Named, kernels};
 use crate::{
     kernel::Kernel,
     number::Format,
-    reference::{Channel, Description, Threshold},
+    reference::{Channel, Description},
     scene::{Scene, SceneError},
-    study::rate,
+    study::rate::{self, Rated},
 };
 
 /// What is other than in the sensor file.
@@ -29,7 +29,7 @@ pub struct Changes {
 }
 
 impl Changes {
-    /// The sensor as it is asked for, and a line that says which thresholds were found.
+    /// The sensor as it is asked for, and which thresholds were found.
     ///
     /// # Errors
     /// When a kernel cannot be read, a threshold is not above 0, or no threshold gives the rate.
@@ -38,7 +38,7 @@ impl Changes {
         mut sensor: Description,
         (seed, format): (u64, Format),
         open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-    ) -> miette::Result<(Description, Option<String>)> {
+    ) -> miette::Result<(Description, Option<Found>)> {
         if !self.kernel.is_empty() {
             let kernels = self.kernels()?;
             let Some(first) = sensor.channels.first().cloned() else {
@@ -78,24 +78,17 @@ impl Changes {
         let Some(asked) = self.rate else {
             return Ok((sensor, None));
         };
-        let found = rate::factor(&sensor, asked, seed, open).wrap_err("--rate")?;
-        let sensor = rate::times(&sensor, found.factor);
-        let thresholds = thresholds(&sensor).map(|own| format!("{own:.5}"));
-        let thresholds: Vec<String> = thresholds.collect();
-        let spreads = |own: &Threshold| own.sigma > 0.0;
-        let mut all = sensor.channels.iter().flat_map(|kind| &kind.thresholds);
-        let sigma = if all.any(spreads) { " (sigma too)" } else { "" };
-        let other = match format {
-            Format::F64 => String::new(),
-            format => format!(" in f64; {format} may give another"),
+        let rated = rate::factor(&sensor, asked, seed, open).wrap_err("--rate")?;
+        let sensor = rate::times(&sensor, rated.factor);
+        let all = || sensor.channels.iter().flat_map(|kind| &kind.thresholds);
+        let found = Found {
+            asked,
+            rated,
+            format,
+            thresholds: all().map(|own| own.on).collect(),
+            spreads: all().any(|own| own.sigma > 0.0),
         };
-        let line = format!(
-            "rate     {asked} events per pixel and second asked for: threshold {}, the file's times {:.5}{sigma}, gives {:.4}{other}\n",
-            thresholds.join(", "),
-            found.factor,
-            found.rate
-        );
-        Ok((sensor, Some(line)))
+        Ok((sensor, Some(found)))
     }
 
     /// The kernels of all files, one after the other, and what each is called.
@@ -108,12 +101,45 @@ impl Changes {
         kernels::check_number(all.len())?;
         Ok(all)
     }
+}
 
-    /// The rate that was asked for, and the thresholds for it.
-    pub(super) fn json(&self, sensor: &Description) -> Option<serde_json::Value> {
-        let thresholds: Vec<f64> = thresholds(sensor).collect();
-        let asked = self.rate?;
-        Some(serde_json::json!({"asked": asked, "thresholds": thresholds}))
+/// The thresholds for a rate.
+pub struct Found {
+    asked: f64,
+    rated: Rated,
+    /// What the sensor runs in; the thresholds are found in f64.
+    format: Format,
+    /// Those of ON events.
+    thresholds: Vec<f64>,
+    /// Whether any of them differs from cell to cell.
+    spreads: bool,
+}
+
+impl Found {
+    pub fn line(&self) -> String {
+        let thresholds = self.thresholds.iter().map(|own| format!("{own:.5}"));
+        let thresholds: Vec<String> = thresholds.collect();
+        let sigma = if self.spreads { " (sigma too)" } else { "" };
+        let other = match self.format {
+            Format::F64 => String::new(),
+            format => format!(" in f64; {format} may give another"),
+        };
+        format!(
+            "rate     {} events per pixel and second asked for: threshold {}, the file's times {:.5}{sigma}, gives {:.4}{other}\n",
+            self.asked,
+            thresholds.join(", "),
+            self.rated.factor,
+            self.rated.rate
+        )
+    }
+
+    pub fn json(&self) -> serde_json::Value {
+        serde_json::json!({
+            "asked": self.asked,
+            "thresholds": self.thresholds,
+            "factor": self.rated.factor,
+            "in_f64": self.rated.rate,
+        })
     }
 }
 
@@ -121,10 +147,4 @@ impl Changes {
 fn named(kernels: &[Named]) -> String {
     let names: Vec<&str> = kernels.iter().map(|name| &**name).collect();
     names.join(",")
-}
-
-/// The thresholds of ON events.
-fn thresholds(sensor: &Description) -> impl Iterator<Item = f64> {
-    let all = sensor.channels.iter().flat_map(|kind| &kind.thresholds);
-    all.map(|own| own.on)
 }

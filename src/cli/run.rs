@@ -27,7 +27,7 @@ use crate::{
 
 use super::{
     budget,
-    changed::Changes,
+    changed::{Changes, Found},
     content::Content,
     event_output::EventOutput,
     fidelity::{Fidelity, Source, make},
@@ -126,15 +126,17 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     // Thresholds for a rate are those of what runs.
     let name = arguments.sensor.display().to_string();
     let description = arguments.without.leave_out(&name, &description)?;
-    let (description, rated) =
+    let (description, found) =
         arguments
             .changes
             .of(description, (arguments.seed, arguments.format), &shown)?;
-    if let Some(line) = rated.filter(|_| !arguments.json) {
-        super::say(&line);
+    if let Some(found) = found.as_ref().filter(|_| !arguments.json) {
+        super::say(&found.line());
     }
+    let found = found.as_ref();
     if !arguments.fidelity.is_auto() {
-        return watched(arguments, &description, None, (open()?, &observation));
+        let scene = (open()?, &observation);
+        return watched(arguments, &description, (found, None), scene);
     }
     let (plan, scene) = arguments.planned(&description, open)?;
     let plainer = plan.choice.plainer(&description);
@@ -143,7 +145,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if plan.choice.leaves_out(Effect::InsertedFrames) {
         arguments.upsample = None;
     }
-    watched(&arguments, &plainer, Some(&plan), (scene, &observation))
+    let scene = (scene, &observation);
+    watched(&arguments, &plainer, (found, Some(&plan)), scene)
 }
 
 impl Arguments {
@@ -224,7 +227,7 @@ impl Arguments {
 fn watched(
     arguments: &Arguments,
     description: &Description,
-    plan: Option<&Plan>,
+    (found, plan): (Option<&Found>, Option<&Plan>),
     (scene, observation): (Box<dyn Scene>, &Observation),
 ) -> miette::Result<()> {
     let sensor = description.clone();
@@ -249,8 +252,8 @@ fn watched(
         let mut json = watched.json(arguments, description);
         json["light"] = light::json(observation);
         json["warnings"] = json!(warnings);
-        if let Some(rate) = arguments.changes.json(description) {
-            json["rate"] = rate;
+        if let Some(found) = found {
+            json["rate"] = found.json();
         }
         if let Some(plan) = plan {
             json["fidelity"] = arguments.fidelity.json(plan)?;

@@ -34,6 +34,8 @@ pub enum About {
     Repeats,
     /// A frame rate that nobody said.
     AssumedRate,
+    /// A clip that ends before all frames that were asked for.
+    Short,
     /// Nearly everything matches by accident within the window.
     Window,
     /// A kernel in few values has lost its surround.
@@ -57,6 +59,7 @@ impl About {
             Self::Cut => "cut",
             Self::Repeats => "repeats",
             Self::AssumedRate => "assumed-rate",
+            Self::Short => "short",
             Self::Window => "window",
             Self::Surround => "surround",
             Self::Lopsided => "lopsided",
@@ -123,7 +126,7 @@ impl Warning {
         let lower = "lower the threshold, give light on the scale of the sensor (0 to 255; --scale for an array), use a memory that steps, halve less often on a chip, or show a scene that moves";
         let (seen, why, change) = match frames {
             Some(frames @ 0..=1) => (
-                format!("no event at all in {frames} frame"),
+                format!("no event at all in {}", counted(frames, "frame")),
                 "events happen between frames, and there are not two",
                 "show a scene of two frames at least",
             ),
@@ -360,6 +363,23 @@ impl Warning {
             "the file states no frame rate",
             format!("say it with {key}"),
         ))
+    }
+
+    /// A scene that has fewer frames than were asked for.
+    #[must_use]
+    pub fn short(observation: &Observation, asked: Option<u64>) -> Option<Self> {
+        let has = observation.frames();
+        asked.filter(|asked| has < *asked).map(|asked| {
+            Self::new(
+                About::Short,
+                "the scene",
+                format!("it ends after {}", counted(has, "frame")),
+                format!("frames = {asked} was asked for"),
+                format!(
+                    "all that it has are seen: ask for {has}, or for none, or give a longer one"
+                ),
+            )
+        })
     }
 
     /// What a scene warns of, for a sensor that takes light from 0 to `white`.

@@ -178,10 +178,7 @@ fn programmed(
     formats: &[Format],
     (verify, runs): (bool, u32),
 ) -> Result<Trade<Setup>, PlanError> {
-    let family = Programs {
-        chips,
-        schedule: Schedule::for_size(survey.kept.size()),
-    };
+    let family = Programs::new(chips, survey.kept, formats);
     let ask = Ask {
         survey,
         models: family.models(formats),

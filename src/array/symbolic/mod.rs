@@ -1,5 +1,6 @@
 //! Programs on linear forms and intervals: the kernel that a program computes, and its ranges.
 
+pub mod digits;
 mod form;
 mod pixel;
 pub mod range;

@@ -87,7 +87,7 @@ pub enum FileError {
     },
     /// The file is not what its format says.
     #[error("{}:{place}: {fault}", path.display())]
-    #[diagnostic(help("{}", fault.help()))]
+    #[diagnostic(help("{}{}", fault.help(), if *opened { fault.kept() } else { "" }))]
     Bad {
         /// Which file.
         path: PathBuf,
@@ -95,6 +95,9 @@ pub enum FileError {
         place: Place,
         /// What is wrong.
         fault: Fault,
+        /// Whether what stands before the events was read: then those before the damage can be
+        /// kept.
+        opened: bool,
     },
     /// The format cannot hold this packet.
     #[error("cannot write {}: event {event}: {fault}", path.display())]
@@ -359,7 +362,6 @@ impl Fault {
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {
-            // Nothing stands before the damage that could be kept.
             Self::Layout { format, .. } | Self::Twice { format, .. }
                 if format.entry().index_at_end =>
             {
@@ -370,7 +372,7 @@ impl Fault {
             }
             Self::Large { .. } => "write aedat4, npy or csv, which hold larger sensors",
             Self::Layout { .. } | Self::Word { .. } => {
-                "check that the extension (or `--from`) says what is in the file; `convert --salvage` keeps the events before the damage"
+                "check that the extension (or `--from`) says what is in the file"
             }
             Self::Header { .. } => "let the first line name the columns: t,x,y,p",
             Self::Fields { .. } => {
@@ -408,15 +410,25 @@ impl Fault {
                 "it should read like `# amacrine size=346x260 channels=1 span=0..2000000 dropped=0,0`, before the first event, once; all but `amacrine` may be left out"
             }
             Self::Remark { .. } | Self::Twice { .. } => {
-                "the file was cut short, damaged, or changed by a program that left the rest as it was: write or copy it again, or keep what is there with `convert --salvage`"
+                "the file was cut short, damaged, or changed by a program that left the rest as it was: write or copy it again"
             }
             Self::Npy { .. } => {
                 "save a one-dimensional array of dtype [('t','<i8'),('x','<i2'),('y','<i2'),('p','i1')], and perhaps ('channel','u1')"
             }
-            Self::Truncated { .. } => {
-                "the file was cut short: write or copy it again, or keep what is there with `convert --salvage`"
-            }
+            Self::Truncated { .. } => "the file was cut short: write or copy it again",
             Self::Trailing => "store one array a file",
+        }
+    }
+
+    /// How to keep the events before the damage, where some may be good.
+    const fn kept(&self) -> &'static str {
+        match self {
+            Self::Layout { .. }
+            | Self::Word { .. }
+            | Self::Remark { .. }
+            | Self::Twice { .. }
+            | Self::Truncated { .. } => "; `convert --salvage` keeps the events before the damage",
+            _ => "",
         }
     }
 }

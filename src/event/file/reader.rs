@@ -61,7 +61,7 @@ impl Reader {
     }
 
     fn new(path: &Path, origin: &Origin, how: &Opening) -> Result<Self, FileError> {
-        let at_fault = |stop| named(path, stop);
+        let at_fault = |stop| named(path, stop, false);
         let mut chunks = match (origin.chunks(), how.format) {
             (Ok(chunks), _) => chunks,
             // A name that says nothing is the first mistake.
@@ -174,12 +174,12 @@ impl Reader {
                     self.listen();
                     if let Err(fault) = self.gate.complete() {
                         let stop = Stop::Fault(self.source.place(0), fault);
-                        self.stopped = Some(named(&self.path, stop));
+                        self.stopped = Some(named(&self.path, stop, true));
                         continue;
                     }
                     self.ended = true;
                 }
-                Err(stop) => self.stopped = Some(named(&self.path, stop)),
+                Err(stop) => self.stopped = Some(named(&self.path, stop, true)),
             }
             self.listen();
             if let Some(error) = self.contradiction() {
@@ -190,7 +190,7 @@ impl Reader {
             if let Err((at, fault)) = self.gate.admit(events) {
                 let place = self.source.place(at);
                 let stop = Stop::Fault(place, fault);
-                self.stopped = Some(named(&self.path, stop));
+                self.stopped = Some(named(&self.path, stop, true));
                 self.ended = false;
                 events.truncate(at);
                 // The good ones pass alone.
@@ -203,11 +203,16 @@ impl Reader {
     }
 }
 
-/// Adds the name of the file to an error.
-fn named(path: &Path, stop: Stop) -> FileError {
+/// Adds the name of the file to an error, and whether it came behind the header.
+fn named(path: &Path, stop: Stop, opened: bool) -> FileError {
     let path = path.to_owned();
     match stop {
         Stop::Io(cause) => FileError::Unreadable { path, cause },
-        Stop::Fault(place, fault) => FileError::Bad { path, place, fault },
+        Stop::Fault(place, fault) => FileError::Bad {
+            path,
+            place,
+            fault,
+            opened,
+        },
     }
 }

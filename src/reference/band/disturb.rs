@@ -1,4 +1,4 @@
-//! Noise events in a row of cells.
+//! What noise does to a row of cells: noise events, and jitter.
 
 use std::ops::Range;
 
@@ -12,19 +12,18 @@ use crate::{
     sensor::SensorError,
 };
 
-use super::{Band, Plan, Scratch};
+use super::{Band, IntervalInput, Plan, Scratch};
 
 impl<N: Number> Band<N> {
-    /// Passes the noise events of a row to the sink: first a row with the first such event of each
-    /// cell, then one with the second, and so on, as a row has one train a cell.
-    pub(super) fn disturb<S: BandSink>(
+    /// The noise events of a row that its dead time leaves, by column and then in order of time; its
+    /// trains are those of its crossings.
+    pub(super) fn noise_events(
         &mut self,
         plan: &Plan<N>,
         channel: usize,
         y: usize,
         interval: Interval,
-        sink: &mut S,
-    ) -> Result<(), SensorError> {
+    ) -> Vec<(usize, Train)> {
         let range = self.range(channel, y);
         let (noise, response) = (&plan.description.noise, plan.description.response);
         let (dt, refractory) = (interval.duration(), plan.refractory());
@@ -62,6 +61,38 @@ impl<N: Number> Band<N> {
             }
         }
         self.report.events += noise_events.len() as u64;
+        noise_events
+    }
+
+    /// Moves the events of a row's trains a little, each by itself, where their times matter.
+    pub(super) fn jitter(
+        &mut self,
+        plan: &Plan<N>,
+        channel: usize,
+        y: usize,
+        input: IntervalInput<'_, N>,
+    ) {
+        let (noise, interval) = (&plan.description.noise, input.interval);
+        if noise.jitter_us <= 0.0 || !input.times {
+            return;
+        }
+        let trains = &mut self.scratch.trains;
+        for x in 0..self.width {
+            let Some(train) = trains.get(x) else { continue };
+            let place = plan.place(channel, y, x);
+            let moved = noise.jitter(train, place, interval.index, interval.duration());
+            trains.set(x, Some(moved));
+        }
+    }
+
+    /// Passes the noise events of a row to the sink: first a row with the first such event of each
+    /// cell, then one with the second, and so on, as a row has one train a cell.
+    pub(super) fn disturb<S: BandSink>(
+        &mut self,
+        noise_events: &[(usize, Train)],
+        sink: &mut S,
+    ) -> Result<(), SensorError> {
+        let trains = &mut self.scratch.trains;
         // Of each cell, which of them are left.
         let mut left: Vec<Range<usize>> = Vec::new();
         for of_cell in noise_events.chunk_by(|a, b| a.0 == b.0) {

@@ -180,9 +180,17 @@ impl<N: Number> Band<N> {
                 let scratch = &mut self.scratch;
                 let picture = &mut self.picture;
                 self.report.events += row.advance(cells, picture, scratch, &mut self.report)?;
+                // The dead time keeps noise events from where the events were before the jitter,
+                // which changes no counts.
+                let noise_events = if plan.description.noise.fires() {
+                    self.noise_events(plan, channel, y, input.interval)
+                } else {
+                    Vec::new()
+                };
+                self.jitter(plan, channel, y, input);
                 sink.row(&self.scratch.trains)?;
-                if plan.description.noise.fires() {
-                    self.disturb(plan, channel, y, input.interval, sink)?;
+                if !noise_events.is_empty() {
+                    self.disturb(&noise_events, sink)?;
                 }
             }
         }

@@ -62,9 +62,6 @@ impl<N: Number> Row<'_, N> {
         if !self.is_authors() && !cells.fired.is_empty() {
             events = Some(self.dead_time(cells, scratch, (events, report)));
         }
-        if noise.jitter_us > 0.0 && self.input.times {
-            self.jitter(scratch);
-        }
         Ok(events.unwrap_or_else(|| scratch.trains.events()))
     }
 
@@ -274,17 +271,6 @@ impl<N: Number> Row<'_, N> {
         let left = scratch.trains.events();
         report.lost_to_refractory += before - left;
         left
-    }
-
-    fn jitter(&self, scratch: &mut Scratch<N>) {
-        let (noise, interval) = (&self.plan.description.noise, self.input.interval);
-        let trains = &mut scratch.trains;
-        for x in 0..self.range.len() {
-            let Some(train) = trains.get(x) else { continue };
-            let place = self.plan.place(self.channel, self.y, x);
-            let moved = noise.jitter(train, place, interval.index, interval.duration());
-            trains.set(x, Some(moved));
-        }
     }
 
     fn is_authors(&self) -> bool {

@@ -108,6 +108,7 @@ impl CachedScene {
     pub fn warnings(&self) -> Vec<Warning> {
         let mut warnings = Warning::of_scene(&self.observation, 255.0);
         warnings.extend(Warning::assumed_rate(&self.observation, "the key `fps`"));
+        warnings.extend(Warning::short(&self.observation, self.wanted.frames));
         for warning in &mut warnings {
             warning.subjects = vec![self.wanted.spec.clone()];
         }
