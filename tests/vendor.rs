@@ -594,7 +594,7 @@ fn smaller_constructs() {
         &[1, 2, 3, 50],
     );
     refused_for("again: nop(); goto again;", "`goto` is not followed");
-    refused_for("none = 3; nop();", "`none` is not stated");
+    refused_for("none = 3; nop();", "`none` is not declared");
     // One fault, not one of the body as well.
     for inside in ["ADD(A);", "scamp5_in(A, ADD(1));"] {
         let all = messages(&format!(
@@ -934,8 +934,8 @@ fn everything_that_is_not_understood_is_named_at_once() {
         (12, "how often this loop runs", "--const"),
         (13, "`scamp5_shift` takes a value", "--const s=VALUE"),
         (14, "unknown name `G`", "--chip scamp5-wide"),
-        (15, "`some` is not stated", "const int some"),
-        (16, "`missing` is not stated", "const int missing"),
+        (15, "`some` is not declared", "const int some"),
+        (16, "`missing` is not declared", "const int missing"),
         (17, "`A` is a register", "scamp5_in(A, value)"),
     ] {
         let found = told
@@ -1478,7 +1478,7 @@ fn warnings_and_faults_are_told_where_they_stand() {
         !once.iter().any(|it| it.1.contains("reads no light")),
         "{once:?}"
     );
-    // What is announced has its body somewhere.
+    // What is declared has its body somewhere.
     let faults = expand(
         "void later(int x);\nint main() { while (1) { vs_frame_loop_control(); later(3); } }",
         &[],
@@ -1488,7 +1488,7 @@ fn warnings_and_faults_are_told_where_they_stand() {
         faults[0]
             .fault
             .message
-            .contains("`later` is announced in line 1"),
+            .contains("`later` is declared in line 1"),
         "{faults:?}"
     );
 }
@@ -1509,7 +1509,7 @@ fn bodies_lie_beside_under_the_names_of_functions() {
     // Another program is not read.
     let other = with(&format!("{body}\nint main() {{ }}")).unwrap_err();
     assert!(
-        other.to_string().contains("`later` is announced in line 1"),
+        other.to_string().contains("`later` is declared in line 1"),
         "{other}"
     );
 }
@@ -1625,14 +1625,14 @@ fn namespaces_have_names_of_their_own() {
         spaces,
         "scamp5_in(A, N);",
         1,
-        "`N` is stated in several namespaces",
+        "`N` is declared in several namespaces",
         "`space::N`",
     );
     told(
         spaces,
         "f();",
         1,
-        "`f` is stated in several namespaces",
+        "`f` is declared in several namespaces",
         "`space::f`",
     );
 }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::{
     call::Argument,
     look,
-    machine::{Machine, Spot},
+    machine::{Location, Machine},
     shape,
     tree::{Expr, ExprNode, Function},
     value::{Slot, Value},
@@ -22,7 +22,7 @@ struct Range {
 }
 
 impl Range {
-    fn at(&self, index: usize) -> Spot {
+    fn at(&self, index: usize) -> Location {
         let path = [&self.array[..], &[self.first + index]].concat();
         (self.slot, path)
     }
@@ -112,8 +112,8 @@ impl Machine<'_> {
     }
 
     fn values_of(&self, range: &Range) -> Vec<Value> {
-        let spots = (0..range.length).map(|i| range.at(i));
-        spots.map(|(slot, path)| self.at(slot, &path)).collect()
+        let locations = (0..range.length).map(|i| range.at(i));
+        locations.map(|(slot, path)| self.at(slot, &path)).collect()
     }
 
     fn write(&mut self, range: &Range, values: Vec<Value>) {
@@ -122,7 +122,7 @@ impl Machine<'_> {
         }
     }
 
-    fn write_at(&mut self, (slot, path): Spot, value: Value) {
+    fn write_at(&mut self, (slot, path): Location, value: Value) {
         let kind = self.kind_at(slot, &path);
         self.put(slot, &path, shape::deep(value, kind));
     }
@@ -253,13 +253,13 @@ impl Machine<'_> {
         Some(into.map_or(Value::Whole(0), |it| it.pointer(it.length)))
     }
 
-    fn called_with(&mut self, function: &Rc<Function>, spot: Spot, place: Place) -> Value {
+    fn called_with(&mut self, function: &Rc<Function>, location: Location, place: Place) -> Value {
         self.work(place);
-        let value = self.at(spot.0, &spot.1);
-        let kind = self.kind_at(spot.0, &spot.1);
+        let value = self.at(location.0, &location.1);
+        let kind = self.kind_at(location.0, &location.1);
         let argument = Argument {
             value,
-            spot: Some(spot),
+            location: Some(location),
             kind,
         };
         self.enter_with(function, vec![argument], None, place)

@@ -50,7 +50,7 @@ impl Machine<'_> {
                     place,
                     format!("the program becomes more than {ASKED} statements"),
                     "here there is no room left",
-                    "loop less often, or give loops outside of kernels the same body in every turn",
+                    "loop less often, or give loops outside of kernels the same body in every iteration",
                 );
             }
             return;

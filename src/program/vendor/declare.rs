@@ -13,16 +13,16 @@ use super::{
 use crate::config::Place;
 
 impl Machine<'_> {
-    /// A function is announced, with its default arguments.
-    pub(super) fn announce(&mut self, function: &Rc<Function>) {
+    /// A function is declared, with its default arguments.
+    pub(super) fn declare_function(&mut self, function: &Rc<Function>) {
         let known = self.prototypes.entry(function.name.clone()).or_default();
         if !known.contains(function) {
             known.push(std::rc::Rc::clone(function));
         }
     }
 
-    /// A function is stated.
-    pub(super) fn state(&mut self, function: &Rc<Function>) {
+    /// A function is defined.
+    pub(super) fn define(&mut self, function: &Rc<Function>) {
         let known = self.functions.entry(function.name.clone()).or_default();
         if known.contains(function) {
             return;
@@ -40,13 +40,13 @@ impl Machine<'_> {
         if self.files.name(before) == self.files.name(place) {
             return;
         }
-        let message = format!("`{name}` is stated in {} as well", self.line(before));
+        let message = format!("`{name}` is defined in {} as well", self.line(before));
         let help = "files are read as one here: give one of the two another name";
-        self.error(place, message, "stated again", help);
+        self.error(place, message, "defined again", help);
     }
 
     /// The functions of a class.
-    pub(super) fn state_members(&mut self, members: &[Rc<Function>]) {
+    pub(super) fn define_members(&mut self, members: &[Rc<Function>]) {
         for function in members {
             let known = self.members.entry(function.name.clone()).or_default();
             if !known.contains(function) {
@@ -79,7 +79,7 @@ impl Machine<'_> {
             return;
         }
         if it.outside && it.value.is_none() {
-            let why = format!("`{}`, which is stated nowhere,", it.name);
+            let why = format!("`{}`, which is defined nowhere,", it.name);
             self.make(&it.name, Value::Unknown(why.into()), Kind::Any);
             return;
         }
@@ -91,10 +91,10 @@ impl Machine<'_> {
             return;
         }
         self.naming = Some(it.name.clone());
-        let stated = match &it.value {
+        let initial = match &it.value {
             // Another name for the same variable, or for an element.
             Some(value) if it.reference => match self.reach(value) {
-                Reach::Spot(slot, path) => {
+                Reach::Location(slot, path) => {
                     self.naming = None;
                     self.refer(&it.name, (slot, path));
                     return;
@@ -105,7 +105,7 @@ impl Machine<'_> {
             None => None,
         };
         self.naming = None;
-        let set = match stated {
+        let set = match initial {
             // Registers, arrays and texts are not set from outside.
             None | Some(Value::Whole(_) | Value::Wide(..) | Value::Real(_) | Value::Unknown(_))
                 if it.lengths.is_empty() =>
@@ -118,7 +118,7 @@ impl Machine<'_> {
         if let Some(set) = &set {
             self.set_within(&it.name, (set, self.resolved(it.kind)), it.place);
         }
-        let value = match (set, stated) {
+        let value = match (set, initial) {
             (Some(value), _) | (None, Some(value)) => value,
             (None, None) if it.lengths.is_empty() => {
                 let name = &it.name;
@@ -172,14 +172,14 @@ impl Machine<'_> {
         (!it.pointer).then_some(Value::List(all))
     }
 
-    /// Where a variable of the file is stated, if that is where control is.
+    /// Where a variable of the file is declared, if that is where control is.
     fn home(&self, name: &str) -> Option<Place> {
         let outside = self.scopes.len() == 1;
         let full = format!("{}::{name}", self.space);
         self.homes.get(&*full).copied().filter(|_| outside)
     }
 
-    /// A variable of the file is stated: one that only its own file should know keeps others of its
+    /// A variable of the file is declared: one that only its own file should know keeps others of its
     /// name away.
     fn settle(&mut self, it: &Declared, value: &Value) {
         if self.scopes.len() > 1 {
@@ -221,18 +221,18 @@ impl Machine<'_> {
         })
     }
 
-    /// A class is stated.
+    /// A class is defined.
     pub(super) fn class(&mut self, it: &Struct) {
         let mut members = Vec::new();
         for member in &it.members {
             let layout = self.layouts.get(&member.of).filter(|_| !member.pointer);
             let layout = layout.cloned();
             let lengths = self.lengths(member);
-            let stated = member.value.as_ref().map(|value| self.value(value));
+            let initial = member.value.as_ref().map(|value| self.value(value));
             members.push(Member {
                 name: member.name.clone(),
                 kind: member.kind,
-                default: stated.map(|value| self.shaped(member, value)),
+                default: initial.map(|value| self.shaped(member, value)),
                 lengths,
                 layout,
             });

@@ -7,7 +7,7 @@ use crate::config::{Fault, Place, line_column};
 /// Texts by the names with which `#include "…"` asks for them.
 pub type Includes = BTreeMap<String, Arc<str>>;
 
-/// The files that may hold the bodies of what a header announces.
+/// The files that may hold the bodies of what a header declares.
 pub(super) fn bodies(header: &str) -> Vec<String> {
     match header.rsplit_once('.') {
         Some((stem, "hpp" | "hh" | "hxx" | "h")) => named(stem).to_vec(),

@@ -167,7 +167,7 @@ pub(super) fn members(machine: &Machine<'_>, name: &str) -> Vec<Rc<Function>> {
 }
 
 /// Every part of a statement and of the functions that it calls, which are given back, and every
-/// call of something that the file does not state, with the number of its arguments.
+/// call of something that the file does not define, with the number of its arguments.
 fn reach(
     machine: &Machine<'_>,
     it: &Stmt,

@@ -20,7 +20,7 @@ use crate::{
 const READOUT: usize = 1 << 13;
 
 impl Machine<'_> {
-    pub(super) fn kernel_mark(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
+    pub(super) fn kernel_border(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
         let ordinal = given.first().and_then(|it| self.value(it).whole());
         let ordinal = ordinal.unwrap_or_default();
         match name {
@@ -138,8 +138,8 @@ impl Machine<'_> {
         self.dark |= captures && name != "getpix" || name == "respix";
     }
 
-    /// Where a function is announced whose body is nowhere, and that is nothing of the chip's.
-    fn announced(&self, name: &str) -> Option<String> {
+    /// Where a function is declared whose body is nowhere, and that is nothing of the chip's.
+    fn declared_in(&self, name: &str) -> Option<String> {
         let place = self.prototypes.get(name)?.first()?.place;
         let known = !self.device.callables(name).is_empty();
         (!known).then(|| self.line(place))
@@ -160,9 +160,9 @@ impl Machine<'_> {
             }
             self.error(
                 place,
-                "this kernel is stated nowhere".to_owned(),
+                "this kernel is defined nowhere".to_owned(),
                 "what it does is not known",
-                "state it before: `kernel([] { … });`",
+                "define it before: `kernel([] { … });`",
             );
             return Value::Whole(0);
         }
@@ -177,12 +177,10 @@ impl Machine<'_> {
         {
             targets.push((*slot, path.clone()));
         }
-        if let Some(announced) = self.announced(name) {
+        if let Some(file) = self.declared_in(name) {
             self.error(
                 place,
-                format!(
-                    "`{name}` is announced in {announced}, and no file that is read has its body"
-                ),
+                format!("`{name}` is declared in {file}, and no file that is read has its body"),
                 "this call",
                 "`#include` the file that has it, or put it into this one",
             );

@@ -80,7 +80,7 @@ impl Parser<'_> {
         Ok(StmtNode::Declare(all))
     }
 
-    /// Whether the function that makes or ends an object of a class is stated here.
+    /// Whether the function that makes or ends an object of a class is defined here.
     pub(super) fn is_constructor(&mut self) -> bool {
         let start = self.at;
         let mut names = Vec::new();
@@ -106,13 +106,13 @@ impl Parser<'_> {
         found
     }
 
-    /// Whether a class is stated here, with its members.
+    /// Whether a class is defined here, with its members.
     pub(super) fn is_definition(&self) -> bool {
         let rest = self.tokens.get(self.at..).unwrap_or_default();
-        let mark = rest
+        let punctuator = rest
             .iter()
             .find(|t| t.is("{") || t.is(";") || t.is("(") || t.is("="));
-        mark.is_some_and(|t| t.is("{"))
+        punctuator.is_some_and(|t| t.is("{"))
     }
 
     /// `typedef type name;`
@@ -385,7 +385,7 @@ impl Parser<'_> {
         while !self.word(0).is_empty()
             || ["->", "::", "*", "&", "<", ">"]
                 .iter()
-                .any(|mark| self.sees(mark))
+                .any(|punctuator| self.sees(punctuator))
         {
             self.at += 1;
         }
