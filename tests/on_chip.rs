@@ -350,7 +350,7 @@ fn kernels_that_cannot_be_are_told() {
             "--into",
             "A,B",
         ],
-        &["kernel 1 has no weight but 0"],
+        &["zero.npy has no weight but 0"],
     );
 
     refused(

@@ -17,6 +17,16 @@ fn part_that_fits(lsb: f64) -> String {
     ((part * place).floor() / place).to_string()
 }
 
+/// How many times as high a threshold must be, in four digits, rounded up.
+pub(super) fn times_that_fit(times: f64) -> String {
+    let mut place = 1000.0;
+    while times * place >= 10_000.0 && place > 1e-9 {
+        place /= 10.0;
+    }
+    // What a product rounds is no reason for another digit.
+    ((times * place * (1.0 - 1e-12)).ceil() / place).to_string()
+}
+
 /// Kernels that cannot be compiled as asked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum CompileError {
@@ -115,8 +125,8 @@ pub enum CompileError {
         step: f64,
         /// The lower of a kind's thresholds, LSB.
         threshold: f64,
-        /// The least threshold that these bits serve, in kernel times light.
-        least: f64,
+        /// How many times as high the thresholds of all kinds must be for these bits to serve.
+        times: f64,
         /// What was tried and works.
         advice: String,
     },

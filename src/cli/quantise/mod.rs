@@ -21,6 +21,7 @@ use crate::{
     save::save,
     scene::{Observation, Scene as _},
     study::{
+        design::DesignError,
         equivalent::{self, Likeness},
         quantisation::{self, Answer, Outcome, Question},
     },
@@ -262,10 +263,7 @@ fn on_chip(
     observation: &Observation,
 ) -> miette::Result<Answer> {
     if !(threshold > 0.0 && threshold.is_finite()) {
-        return Err(miette!(
-            help = "give a positive number",
-            "the threshold is {threshold}"
-        ));
+        return Err(DesignError::Threshold(threshold).into());
     }
     let device = Device::find(arguments.chip())?;
     let open = || arguments.clip.open(observation);
