@@ -306,6 +306,9 @@ fn what_leaves_nothing_names_what_works() {
     again.extend(["--to", name]);
     let worst = &json(folder.path(), &again)["on_chip"][0]["correlation"];
     assert!(worst.as_f64().unwrap() > 0.1, "{worst}");
+    let nothing = ["compile", "sobel-x", "--filter-only", "--input=-0..0.01"];
+    let said = refused(folder.path(), &nothing, &["or --input 0.."]);
+    assert!(!said.contains("-0.."), "{said}");
 }
 
 /// The bounds of a filter: proved, or between two numbers.

@@ -344,7 +344,7 @@ fn initialisers_have_the_forms_of_cpp() {
         "int c[2][2][2] = {{{1, 2}, {3, 4}}}; scamp5_in(A, c[0][1][0]); scamp5_in(A, c[1][0][0]);",
         &[3, 0],
     );
-    refused_for("int a[2] = {1, 2, 3}; nop();", "1 values too many");
+    refused_for("int a[2] = {1, 2, 3}; nop();", "1 value too many");
     refused_for("int a = {1, 2}; nop();", "2 values for one variable");
     // An array is no number.
     refused_for(

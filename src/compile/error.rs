@@ -48,7 +48,11 @@ pub enum CompileError {
         weight: f64,
     },
     /// A kernel that is too large.
-    #[error("kernel {kernel} is {height} rows by {width} columns; at most 15 by 15 here")]
+    #[error(
+        "kernel {kernel} is {} by {}; at most 15 by 15 here",
+        crate::unit::counted(*height, "row"),
+        crate::unit::counted(*width, "column")
+    )]
     #[diagnostic(help("cut the kernel where its weights are small"))]
     Size {
         /// Which kernel, from 0.
@@ -97,7 +101,8 @@ pub enum CompileError {
     },
     /// Too few one-bit registers.
     #[error(
-        "{count} memories of {bits} bits do not fit into the {free} one-bit registers that are free for them"
+        "{count} memories of {} do not fit into the {free} one-bit registers that are free for them",
+        crate::unit::counted(*bits, "bit")
     )]
     #[diagnostic(help("{advice}"))]
     Bits {
@@ -112,7 +117,8 @@ pub enum CompileError {
     },
     /// Memories in bits whose levels are farther apart than the threshold allows.
     #[error(
-        "a memory of {bits} bits has levels {step:.1} LSB apart: what lies between two of them is up to {:.1} LSB from both, more than the threshold of {threshold:.2} LSB, and cells fire for ever; {needed} bits are needed for each kind",
+        "a memory of {} has levels {step:.1} LSB apart: what lies between two of them is up to {:.1} LSB from both, more than the threshold of {threshold:.2} LSB, and cells fire for ever; {needed} bits are needed for each kind",
+        crate::unit::counted(*bits, "bit"),
         step / 2.0
     )]
     #[diagnostic(help("{advice}"))]

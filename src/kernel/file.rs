@@ -173,8 +173,7 @@ impl Kernel {
         let &[rows, columns] = array.shape.as_slice() else {
             let shape: Vec<String> = array.shape.iter().map(usize::to_string).collect();
             return Err(KernelFileError::Array(format!(
-                "it has {} axes, of shape ({}); one kernel has two, rows and columns",
-                shape.len(),
+                "it has shape ({}); one kernel has two axes, rows and columns",
                 shape.join(",")
             )));
         };

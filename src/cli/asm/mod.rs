@@ -114,8 +114,9 @@ fn listing(
             String::new()
         };
         lines.push(format!(
-            "{name:<8}{:>6} words  {array_us:>10.1} us on the array  {host_us:>10.1} us on the host{rate}",
-            words.0
+            "{name:<8}{:>6} {:<5}  {array_us:>10.1} us on the array  {host_us:>10.1} us on the host{rate}",
+            words.0,
+            if words.0 == 1 { "word" } else { "words" }
         ));
     }
     let (stored, room) = (expansion.stored(device).0, device.value(Figure::Store));

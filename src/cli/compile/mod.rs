@@ -246,7 +246,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         save(path, |w| w.write_all(compiled.text.as_bytes()))?;
     }
     let seconds = began.elapsed().as_secs_f64();
-    for warning in { compiled.warning(&asked.kernels) }
+    for warning in { compiled.warning(&asked.kernels, arguments.objective) }
         .into_iter()
         .chain(compiled.unreached())
     {

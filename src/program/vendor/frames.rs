@@ -215,7 +215,10 @@ impl Machine<'_> {
             self.fault(
                 Fault::warning(
                     place_of(first),
-                    format!("this program ends after {} frames", frames.len()),
+                    format!(
+                        "this program ends after {}",
+                        crate::unit::counted(frames.len(), "frame")
+                    ),
                     "every frame does this",
                 )
                 .help("here it goes on: `exec --frames` says how often"),

@@ -39,7 +39,10 @@ impl Machine<'_> {
             let (wants, room) = (memory.len(), cells.len());
             self.error(
                 place,
-                format!("`{name}` writes {wants} numbers, and there is room for {room}"),
+                format!(
+                    "`{name}` writes {}, and there is room for {room}",
+                    crate::unit::counted(wants, "number")
+                ),
                 "this call",
                 "give it a larger array, or let it read less",
             );

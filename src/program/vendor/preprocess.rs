@@ -479,8 +479,8 @@ impl Preprocessor<'_> {
                 Fault::error(
                     place,
                     format!(
-                        "`{name}` takes {} arguments, not {}",
-                        parameters.len(),
+                        "`{name}` takes {}, not {}",
+                        crate::unit::counted(parameters.len(), "argument"),
                         given.len()
                     ),
                     "this call",
