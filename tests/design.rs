@@ -292,7 +292,7 @@ fn kinds_of_one_file_keep_their_names() {
     refused(
         folder,
         &exec,
-        &["two.scamp: `names` has 1 names", "events of 2 kinds"],
+        &["two.scamp: `names` has 1 name", "events of 2 kinds"],
     );
 
     // One name is numbered, one threshold is for all.

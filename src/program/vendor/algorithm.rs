@@ -7,7 +7,7 @@ use super::{
     look,
     machine::{Location, Machine},
     shape,
-    tree::{Expr, ExprNode, Function},
+    tree::{Expr, ExprNode, Function, last},
     value::{Slot, Value},
 };
 use crate::{config::Place, order::Order};
@@ -44,6 +44,7 @@ impl Machine<'_> {
         let found = match name {
             "memset" | "memcpy" | "memmove" => self.memory(name, &values),
             "for_each" | "transform" => self.applied(name, &values, place),
+            "sort" | "stable_sort" if values.len() == 3 => self.ordered(&values, place),
             "min_element" | "max_element" | "count" | "find" | "accumulate" => {
                 self.looked(name, &values)
             }
@@ -251,6 +252,46 @@ impl Machine<'_> {
             }
         }
         Some(into.map_or(Value::Whole(0), |it| it.pointer(it.length)))
+    }
+
+    /// Elements are sorted by a function that says whether one comes before another.
+    fn ordered(&mut self, values: &[Value], place: Place) -> Option<Value> {
+        let [from, to, by] = values else {
+            return None;
+        };
+        let function = match by {
+            Value::Lambda(function) => Rc::clone(function),
+            Value::Symbol(name) => match &self.functions.get(last(name))?[..] {
+                [only] => Rc::clone(only),
+                _ => return None,
+            },
+            _ => return None,
+        };
+        let range = self.range(from, to)?;
+        let mut sorted: Vec<Value> = Vec::new();
+        for value in self.values_of(&range) {
+            // Behind all that it does not come before: equal ones stay in their order.
+            let (mut low, mut high) = (0, sorted.len());
+            while low < high {
+                if self.done() {
+                    return None;
+                }
+                let middle = usize::midpoint(low, high);
+                let pair = vec![value.clone().into(), sorted[middle].clone().into()];
+                let is_before = self.enter_with(&function, pair, None, place);
+                is_before.number()?;
+                if is_before.truth().ok()? {
+                    high = middle;
+                } else {
+                    low = middle + 1;
+                }
+            }
+            self.passes(sorted.len() - low);
+            sorted.insert(low, value);
+        }
+        let end = range.pointer(range.length);
+        self.write(&range, sorted);
+        Some(end)
     }
 
     fn called_with(&mut self, function: &Rc<Function>, location: Location, place: Place) -> Value {

@@ -1,6 +1,6 @@
 //! Declarations: functions, classes and variables.
 
-use std::rc::Rc;
+use std::{rc::Rc, sync::Arc};
 
 use super::{
     look,
@@ -11,6 +11,17 @@ use super::{
     value::{Layout, Member, Value, unassigned},
 };
 use crate::config::Place;
+
+/// Containers of the language's library that are not followed.
+const UNREAD_CONTAINERS: [&str; 7] = [
+    "map",
+    "multimap",
+    "unordered_map",
+    "set",
+    "multiset",
+    "unordered_set",
+    "priority_queue",
+];
 
 impl Machine<'_> {
     /// A function is declared, with its default arguments.
@@ -81,6 +92,14 @@ impl Machine<'_> {
         if it.outside && it.value.is_none() {
             let why = format!("`{}`, which is defined nowhere,", it.name);
             self.make(&it.name, Value::Unknown(why.into()), Kind::Any);
+            return;
+        }
+        if let Some(why) = self.unread_type(it) {
+            if let Some(value) = &it.value {
+                self.value(value);
+            }
+            let slot = self.make(&it.name, Value::Unknown(Arc::clone(&why)), Kind::Any);
+            self.not_followed.insert(slot, why);
             return;
         }
         if it.lasting
@@ -155,6 +174,20 @@ impl Machine<'_> {
         }
     }
 
+    /// Why nothing is known of a variable of this type.
+    fn unread_type(&self, it: &Declared) -> Option<Arc<str>> {
+        let of = last(&it.of);
+        if it.pointer || it.reference || self.layouts.contains_key(&it.of) {
+            return None;
+        }
+        let what = match self.unread.get(of) {
+            Some(what) => what.clone(),
+            None if UNREAD_CONTAINERS.contains(&of) => format!("a `std::{of}`"),
+            None => return None,
+        };
+        Some(format!("`{}`, {what}, which is not followed,", it.name).into())
+    }
+
     /// What an array of objects begins with, where a constructor makes each.
     fn objects(&mut self, it: &Declared) -> Option<Value> {
         let layout = self
@@ -222,7 +255,12 @@ impl Machine<'_> {
     }
 
     /// A class is defined.
-    pub(super) fn class(&mut self, it: &Struct) {
+    pub(super) fn class(&mut self, it: &Struct, place: Place) {
+        if let Some(what) = it.unread {
+            let what = format!("{what} of {}", self.line(place));
+            self.unread.insert(it.name.clone(), what);
+            return;
+        }
         let mut members = Vec::new();
         for member in &it.members {
             let layout = self.layouts.get(&member.of).filter(|_| !member.pointer);

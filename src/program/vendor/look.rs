@@ -254,14 +254,17 @@ fn scan(
 
 /// The first variable of a value that only the run knows.
 pub(super) fn unknown(machine: &Machine<'_>, it: &Expr) -> Option<Word> {
-    let mut found = None;
+    let (mut found, mut objects) = (None, Vec::new());
     values(it, &mut |part| {
-        let Part::Expr(Expr {
-            node: ExprNode::Name(name),
-            ..
-        }) = part
-        else {
-            return;
+        let Part::Expr(own) = part else { return };
+        let name = match &own.node {
+            // Objects and arrays are not given values from outside.
+            ExprNode::Member(of, _) | ExprNode::Index(of, _) => {
+                objects.push(of.place);
+                return;
+            }
+            ExprNode::Name(name) if !objects.contains(&own.place) => name,
+            _ => return,
         };
         let slot = machine.find(name);
         if found.is_none()

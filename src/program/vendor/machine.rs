@@ -84,6 +84,10 @@ pub(super) struct Machine<'a> {
     pub copied: BTreeSet<Slot>,
     /// Classes whose members are known.
     pub layouts: BTreeMap<Word, Rc<Layout>>,
+    /// Classes that are not followed: what they are, and where.
+    pub unread: BTreeMap<Word, String>,
+    /// Variables of types that are not followed: why nothing is known of them.
+    pub not_followed: BTreeMap<Slot, Arc<str>>,
     /// The types that the template which runs was given, by position.
     pub types: Vec<Kind>,
     /// What stands in `<…>` before the call that comes next.
@@ -159,6 +163,8 @@ impl<'a> Machine<'a> {
             kinds: vec![Kind::INT],
             copied: BTreeSet::new(),
             layouts: BTreeMap::new(),
+            unread: BTreeMap::new(),
+            not_followed: BTreeMap::new(),
             types: Vec::new(),
             angles: None,
             scopes: vec![BTreeMap::new()],

@@ -7,7 +7,7 @@ use super::{
     machine::{Location, Machine},
     shape,
     tree::{Expr, ExprNode, Kind, last},
-    value::{Slot, Value, moved},
+    value::{Layout, Slot, Value, moved},
 };
 
 impl Machine<'_> {
@@ -93,6 +93,9 @@ impl Machine<'_> {
     fn element(&mut self, base: Reach, index: &Value) -> Reach {
         let inner = self.is_inner(&base);
         let base = self.through(base);
+        if let Some(why) = self.not_followed(&base) {
+            return Reach::Value(Value::Unknown(why));
+        }
         let Some(at) = index.whole() else {
             let why = match index {
                 Value::Unknown(why) => Arc::clone(why),
@@ -187,7 +190,36 @@ impl Machine<'_> {
             {
                 Reach::Value(all.swap_remove(at))
             }
-            _ => Reach::Value(Value::Unknown(format!("`{name}` of an object").into())),
+            (_, base) => Reach::Value(Value::Unknown(self.no_member(&base, name))),
+        }
+    }
+
+    /// Why nothing is known of a member.
+    fn no_member(&self, base: &Reach, name: &str) -> Arc<str> {
+        if let Some(why) = self.not_followed(base) {
+            return why;
+        }
+        match self.reached(base) {
+            Some(Value::Record(layout, _))
+                if !layout.names(name) && !self.is_shared(layout, name) =>
+            {
+                format!("`{name}`, which `{}` does not have,", layout.name).into()
+            }
+            _ => format!("`{name}` of an object").into(),
+        }
+    }
+
+    /// Whether all objects of a class share it, as constants and functions that are `static`.
+    fn is_shared(&self, layout: &Layout, name: &str) -> bool {
+        self.find(&format!("{}::{name}", layout.name)).is_some()
+            || self.functions.contains_key(name)
+    }
+
+    /// Why nothing is known of a variable, where its class is not followed.
+    pub(super) fn not_followed(&self, base: &Reach) -> Option<Arc<str>> {
+        match base {
+            Reach::Location(slot, _) => self.not_followed.get(slot).cloned(),
+            _ => None,
         }
     }
 

@@ -74,7 +74,7 @@ impl Machine<'_> {
                 return Flow::Return(value);
             }
             StmtNode::Function(function) => self.define(function),
-            StmtNode::Struct(it) => self.class(it),
+            StmtNode::Struct(class) => self.class(class, it.place),
             StmtNode::Class(members) => {
                 self.define_members(members);
                 self.check_members(members);
@@ -216,6 +216,14 @@ impl Machine<'_> {
             },
             other => (None, self.load(other, list)),
         };
+        if let (Value::Unknown(_), Some(why)) = (&listed, self.not_followed(&reached)) {
+            self.unknown(
+                list.place,
+                format!("how often this loop runs, {why} decides"),
+                None,
+            );
+            return Flow::Next;
+        }
         let Value::List(all) = listed else {
             self.error(
                 list.place,

@@ -192,6 +192,8 @@ pub(super) struct Struct {
     pub name: Word,
     pub members: Vec<Declared>,
     pub functions: Vec<Rc<Function>>,
+    /// What it is, where its objects are not followed.
+    pub unread: Option<&'static str>,
 }
 
 /// A function, or a lambda, which has no name.

@@ -65,6 +65,13 @@ pub(super) struct Member {
 }
 
 impl Layout {
+    /// Whether a member or a function has this name.
+    pub(super) fn names(&self, name: &str) -> bool {
+        let members = self.members.iter().map(|it| &it.name);
+        let functions = self.functions.iter().map(|it| &it.name);
+        members.chain(functions).any(|it| &**it == name)
+    }
+
     /// How many values an object holds.
     pub(super) fn size(&self) -> usize {
         let members = self.members.iter().map(|member| {

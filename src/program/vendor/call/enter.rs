@@ -115,6 +115,16 @@ impl Machine<'_> {
         match (flow, unsure) {
             (_, Some(why)) if maybe.is_none() => Value::Unknown(why),
             (Flow::Return(value), _) => value.converted(returns),
+            (Flow::Next, _)
+                if matches!(
+                    returns,
+                    Kind::Bits(..) | Kind::Flag | Kind::Float | Kind::Real
+                ) =>
+            {
+                let name = Some(&*function.name).filter(|name| !name.is_empty());
+                let name = name.map_or_else(|| "a lambda".to_owned(), |name| format!("`{name}`"));
+                Value::Unknown(format!("{name}, which ends without a `return`,").into())
+            }
             _ => Value::Whole(0),
         }
     }

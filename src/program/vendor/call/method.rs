@@ -61,6 +61,9 @@ impl Machine<'_> {
                 if self.leaves_array(&name, member, place) {
                     self.outside(&format!("{name}.{member}"), given, place);
                 }
+                if let Some(why) = self.not_followed(&reached) {
+                    return Value::Unknown(why);
+                }
                 // What it does with the members of its object is not known.
                 if let (Reach::Location(slot, path), true) = (&reached, record) {
                     self.forget(*slot, path, &format!("what `{name}.{member}` does").into());

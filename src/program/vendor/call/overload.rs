@@ -209,6 +209,18 @@ impl Machine<'_> {
     }
 }
 
+impl From<Value> for Argument {
+    /// A value that lies nowhere.
+    fn from(value: Value) -> Self {
+        let kind = value.kind();
+        Self {
+            value,
+            location: None,
+            kind,
+        }
+    }
+}
+
 /// What a function is given: its value, where that lies, its type.
 pub(in crate::program::vendor) struct Argument {
     pub value: Value,

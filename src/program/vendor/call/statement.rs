@@ -14,6 +14,7 @@ use super::super::{
 use crate::{
     config::{Fault, Place},
     isa::text::Term,
+    unit::counted,
 };
 
 /// A readout takes about as long as copying so many values.
@@ -145,6 +146,29 @@ impl Machine<'_> {
         (!known).then(|| self.line(place))
     }
 
+    /// Tells of a function of the file that takes another number of arguments, where it is nothing of
+    /// the chip's.
+    fn wrong_number(&mut self, name: &str, given: usize, place: Place) -> bool {
+        let all = self.functions.get(name).cloned().unwrap_or_default();
+        let own = self.device.callables(name).is_empty() && !name.starts_with("scamp5_");
+        let Some(last) = all.last().filter(|_| own) else {
+            return false;
+        };
+        let most = last.parameters.len();
+        let least = (0..most)
+            .filter(|i| self.default(last, *i).is_none())
+            .count();
+        let takes = match (&all[..], least == most) {
+            ([_], true) => counted(most, "argument"),
+            ([_], false) => format!("{least} to {}", counted(most, "argument")),
+            _ => "other numbers of arguments".to_owned(),
+        };
+        let message = format!("`{name}` takes {takes}, not {given}");
+        let help = format!("it is defined in {}", self.line(last.place));
+        self.error(place, message, "this call", &help);
+        true
+    }
+
     /// A word, a macro or an operation of the host.
     pub(super) fn chip(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
         let mut values = Vec::new();
@@ -184,6 +208,9 @@ impl Machine<'_> {
                 "this call",
                 "`#include` the file that has it, or put it into this one",
             );
+            return Value::Whole(0);
+        }
+        if self.wrong_number(name, given.len(), place) {
             return Value::Whole(0);
         }
         self.light(name, place);

@@ -154,10 +154,19 @@ impl Parser<'_> {
             Some(name) => name.clone(),
             None => format!("the class of {}", place.start).into(),
         };
+        let mut special = false;
         while self.peek(0).is_some() && !self.sees("{") && !self.sees(":") {
+            special |= self.sees("<");
             self.at += 1;
         }
-        let plain = !union && self.sees("{") && self.template.is_empty();
+        let unread = match (union, special, self.sees("{")) {
+            (true, ..) => Some("a union"),
+            (_, true, _) => Some("a specialised class template"),
+            _ if !self.template.is_empty() => Some("a class template"),
+            (.., false) => Some("a class with a base"),
+            _ => None,
+        };
+        let plain = unread.is_none();
         while self.peek(0).is_some() && !self.sees("{") {
             self.at += 1;
         }
@@ -170,13 +179,20 @@ impl Parser<'_> {
         if data.is_some() {
             self.classes.insert(name.clone());
         }
-        let node = data.map_or(StmtNode::Nothing, |members| {
-            StmtNode::Struct(Rc::new(Struct {
-                name: name.clone(),
-                members,
-                functions: functions.clone(),
-            }))
+        let unread = unread.or_else(|| {
+            let is_operator = |it: &Rc<Function>| &*it.name == "operator";
+            Some(if functions.iter().any(is_operator) {
+                "a class with operators"
+            } else {
+                "a class with members that are not understood"
+            })
         });
+        let node = StmtNode::Struct(Rc::new(Struct {
+            name: name.clone(),
+            unread: unread.filter(|_| data.is_none()),
+            members: data.unwrap_or_default(),
+            functions: functions.clone(),
+        }));
         let place = place.to(self.before());
         let functions = Stmt {
             node: StmtNode::Class(functions),

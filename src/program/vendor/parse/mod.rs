@@ -262,11 +262,29 @@ impl<'a> Parser<'a> {
     pub(super) fn block(&mut self) -> Parsed<Vec<Stmt>> {
         let open = self.expect("{", "a block is `{ statements }`")?;
         let statements = self.statements(true);
+        self.declared_twice(&statements);
         if !self.take("}") {
             return Err(Fault::error(open, "this block has no end", "opened here")
                 .help("close it with `}`"));
         }
         Ok(statements)
+    }
+
+    /// Tells of variables that a block declares a second time.
+    fn declared_twice(&mut self, statements: &[Stmt]) {
+        let declared = statements.iter().filter_map(|it| match &it.node {
+            StmtNode::Declare(all) => Some(all),
+            _ => None,
+        });
+        let mut known = BTreeSet::new();
+        for it in declared.flatten().filter(|it| !it.outside) {
+            if !known.insert(&it.name) {
+                let message = format!("`{}` is declared twice in this block", it.name);
+                let fault = Fault::error(it.place, message, "declared again");
+                let help = "assign to the first, or give this one another name";
+                self.faults.push(fault.help(help));
+            }
+        }
     }
 
     fn skip_past(&mut self, punctuator: &str) {
