@@ -120,7 +120,8 @@ fn listing(
         ));
     }
     let (stored, room) = (expansion.stored(device).0, device.value(Figure::Store));
-    lines.push(format!("store   {stored:>6} words of {room}"));
+    let unit = if stored == 1 { "word" } else { "words" };
+    lines.push(format!("store   {stored:>6} {unit} of {room}"));
     let (used, destroyed) = registers(expansion, device);
     lines.push(format!("uses      {}", or_none(&used)));
     lines.push(format!("destroys  {}", or_none(&destroyed)));

@@ -96,12 +96,6 @@ pub static WHOLE: Entry = Entry {
     quantise: |quantiser, weights, sum, _| {
         let bits = quantiser.numbers[0];
         let magnitudes: Vec<i64> = (0..1 << (bits - 1)).collect();
-        let most = magnitudes[magnitudes.len() - 1];
-        if sum == Sum::Zero
-            && let Some(chosen) = balanced_whole(most, weights)
-        {
-            return Ok(without_common_factor(chosen));
-        }
         free(quantiser, &magnitudes, weights, sum)
     },
 };
@@ -235,57 +229,6 @@ fn balanced(weights: &[f64]) -> Chosen {
         best_scale(weights, &levels)
     };
     (levels, scale)
-}
-
-/// Steps of the search for whole levels with a sum of 0: a tenth of a second.
-const BALANCING_STEPS: usize = 1 << 24;
-
-/// The best whole levels from `-most` to `most`, and scale, for a sum of 0; `None` where all weights
-/// are equal, or the search would be long.
-///
-/// At a scale, the best levels take the cheapest steps up from `-most` until the sum is 0. The order
-/// of two steps, of weights `v` and `w`, changes at scales of `|v - w| / d` alone, for whole `d`, so
-/// one evaluation between each pair of these finds the global optimum.
-fn balanced_whole(most: i64, weights: &[f64]) -> Option<Chosen> {
-    let pairs = { weights.iter().enumerate() }
-        .flat_map(|(i, v)| weights[..i].iter().map(move |w| (v - w).abs()));
-    let mut apart: Vec<f64> = pairs.filter(|far| *far > 0.0).collect();
-    apart.sort_by(f64::total_cmp);
-    apart.dedup();
-    if apart.len() * 2 * most as usize * weights.len() > BALANCING_STEPS {
-        return None;
-    }
-    let divided = |far: &f64| {
-        (1..2 * most)
-            .map(move |by| *far / by as f64)
-            .collect::<Vec<_>>()
-    };
-    let mut changes: Vec<f64> = { apart.iter().flat_map(divided) }
-        .filter(|scale| *scale > 4.0 * f64::MIN_POSITIVE)
-        .collect();
-    changes.sort_by(f64::total_cmp);
-    changes.dedup();
-    let last = 2.0 * changes.last()?;
-    let between = changes.iter().scan(0.0, |before, change| {
-        let scale = f64::midpoint(*before, *change);
-        *before = *change;
-        Some(scale)
-    });
-    let bounds = (-(most as f64), most as f64);
-    let mut best: Option<(f64, Chosen)> = None;
-    for scale in between.chain([last]) {
-        let scaled: Vec<f64> = weights.iter().map(|w| w / scale).collect();
-        let near = |value: &f64| value.round().clamp(bounds.0, bounds.1);
-        let mut levels: Vec<f64> = scaled.iter().map(near).collect();
-        total::settle(&scaled, &mut levels, bounds, 0.0)?;
-        let scale = best_scale(weights, &levels);
-        let gain = scale * scale * levels.iter().map(|l| l * l).sum::<f64>();
-        // Levels of 0 have no scale.
-        if scale > 0.0 && best.as_ref().is_none_or(|(before, _)| gain > *before) {
-            best = Some((gain, (levels, scale)));
-        }
-    }
-    best.map(|(_, chosen)| chosen)
 }
 
 /// A scale for each sign: the positive and the negative weights are independent problems, each

@@ -74,15 +74,6 @@ proptest! {
         prop_assert!((error("int-3", &kernel, Sum::Free) - least_error(&kernel, &all, None)).abs() < 1e-9);
     }
 
-    /// Levels and scale together.
-    #[test]
-    fn balanced_whole_levels_are_the_best_of_the_balanced(weights in proptest::collection::vec(-2.0..2.0f64, 5)) {
-        let kernel = Kernel::from_rows(&[weights]).unwrap();
-        let all = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0];
-        let least = least_error(&kernel, &all, Some(0.0));
-        prop_assert!((error("int-3", &kernel, Sum::Zero) - least).abs() < 1e-9);
-    }
-
     /// The closed forms of what is left: binary keeps `(sum |w|)² / n` of `sum w²`; the best
     /// ternary kernel is no worse than the common rule, and two scales no worse than one.
     #[test]
