@@ -245,7 +245,7 @@ impl Sum for Words {
 
 impl fmt::Display for Words {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} words", self.0)
+        f.write_str(&counted(self.0, "word"))
     }
 }
 

@@ -386,3 +386,14 @@ fn ranges_and_what_survives_follow_from_the_input() {
     refused(here(), &["asm", &file, "--input", "3"], &["is not LO..HI"]);
     refused(here(), &["asm", &file, "--seed", "3"], &["--input"]);
 }
+
+/// Counts of one are in the singular.
+#[test]
+fn one_word_is_no_words() {
+    let folder = TempDir::new().unwrap();
+    let program = kept(&folder, "one.scamp", "nop();\n");
+    let said = stdout(&["asm", &program]);
+    for told in ["1 word   ", "1 word of 1024"] {
+        assert!(said.contains(told), "{said}");
+    }
+}

@@ -16,7 +16,7 @@ const MESSAGES: &[(&str, usize, usize, &str, &str)] = &[
     ("damaged_array", 5, 10, "kernel file truncated.npy: missing 20 bytes of data specified in header", "give an array of shape (k,k), (K,k,k) or (K,1,k,k)"),
     ("damaged_kernel_file", 5, 10, "kernel file kernel_without_weights.txt:1:1: missing key `weights`, `centre-surround`", "a kernel file is TOML with one of `weights`,"),
     ("dead_time_for_pixel_step", 3, 14, "memory = \"authors-pixel-step\" exists to agree with the released code, whose refractory", "use rule = \"authors\""),
-    ("deep_array", 5, 10, "kernel file four_axes.npy: it has 4 axes, of shape (", "give an array of shape (k,k), (K,k,k) or (K,1,k,k)"),
+    ("deep_array", 5, 10, "kernel file four_axes.npy: it has shape (", "give an array of shape (k,k), (K,k,k) or (K,1,k,k)"),
     ("empty_channels", 3, 11, "`channel` has 0 entries", "give 1 to 16"),
     ("empty_kernel", 5, 10, "the kernel is empty; give an odd number of rows, each with the same odd number of weights", "kernels are 1x1, 3x3, 5x5, …: rows of numbers, row 0 to the"),
     ("even_kernel", 5, 10, "the kernel is 2 rows by 2 columns; both must be odd, so that it has a centre", "kernels are 1x1, 3x3, 5x5, …: rows of numbers, row 0 to the"),

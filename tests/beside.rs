@@ -616,7 +616,12 @@ fn spots_are_counted() {
             "--fidelity",
             "auto",
         ],
-        &["the host of", "decides in the run", "--fidelity auto"],
+        &[
+            "the host of",
+            "decides in the run",
+            "--fidelity auto",
+            "amacrine compare full.npy less.npy",
+        ],
     );
     refused(
         folder.path(),

@@ -292,7 +292,7 @@ fn kinds_of_one_file_keep_their_names() {
     refused(
         folder,
         &exec,
-        &["two.scamp: `names` has 1 names", "events of 2 kinds"],
+        &["two.scamp: `names` has 1 name", "events of 2 kinds"],
     );
 
     // One name is numbered, one threshold is for all.
@@ -305,7 +305,7 @@ fn kinds_of_one_file_keep_their_names() {
         &["sensor.toml:5:", "1 threshold for 4 kernels"],
     );
     sensor("name = [\"a\"]\nthreshold = { on = 9, off = 9 }\n");
-    refused(folder, &run, &["1 names for 4 kernels"]);
+    refused(folder, &run, &["1 name for 4 kernels"]);
 }
 
 /// Voxels of a file, block by block, are those of the library; halves are what they round to.

@@ -564,3 +564,18 @@ fn both_grids_count_on_one_scale() {
         assert_eq!(reading["value"]["sum"], 2048, "{reading}");
     }
 }
+
+/// A program that shows nothing makes no folder, and that is said.
+#[test]
+fn nothing_shown_is_no_folder() {
+    let bench = Bench::new("frame { mov(B, A); }");
+    let arguments = ["exec", "p.scamp", "--frames", "2", "--displays", "shown"];
+    let said = json(bench.folder.path(), &arguments);
+    assert!(!bench.path("shown").exists());
+    assert_eq!(said["written"].as_array().unwrap().len(), 0, "{said}");
+    let notes = said["notes"].to_string();
+    assert!(
+        notes.contains("--displays shown: nothing was written"),
+        "{notes}"
+    );
+}

@@ -15,7 +15,7 @@ use std::{
     path::Path,
 };
 
-use common::{amacrine, json, refused};
+use common::{amacrine, good, json, refused};
 use scraper::{ElementRef, Html, Selector};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -761,6 +761,16 @@ fn a_still_scene_gives_a_page_without_events() {
     let page = Html::parse_document(&source);
     is_readable(&page);
     says_the_numbers(&page, &numbers);
+    // No figure of what is kept, neither on the page nor in the summary.
+    assert!(source.contains("nothing to keep: the float kernel has no event"));
+    let summary = good(folder.path(), &[&ask[..], &["--fps", "20"]].concat());
+    let kept = { summary.lines() }.filter(|line| line.starts_with("kept"));
+    let kept: Vec<&str> = kept.collect();
+    assert!(
+        kept.len() == 1 && kept[0].contains("nothing to keep: "),
+        "{summary}"
+    );
+    assert!(!summary.contains("what decides"), "{summary}");
 }
 
 /// A window that is longer than the scene matches everything: nothing is to be said.

@@ -169,6 +169,7 @@ fn nothing_that_comes_out_is_warned_of() {
         ran.status.success() && said.contains("next to nothing of the kernel"),
         "{said}"
     );
+    assert!(said.contains("leave --objective out"), "{said}");
     let asked = [
         "compile",
         "csdvs-3",
@@ -350,7 +351,7 @@ fn kernels_that_cannot_be_are_told() {
             "--into",
             "A,B",
         ],
-        &["kernel 1 has no weight but 0"],
+        &["zero.npy has no weight but 0"],
     );
 
     refused(

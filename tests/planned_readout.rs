@@ -8,7 +8,9 @@ mod common;
 
 use std::{fs, path::Path};
 
-use common::{good, json, refused};
+use common::{amacrine, good, json, line, refused};
+use ndarray::Array3;
+use ndarray_npy::write_npy;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -110,14 +112,14 @@ fn what_nobody_says_is_not_guessed() {
     let table = good(folder.path(), &compile(&["--events-per-frame", "100"]));
     assert!(table.contains("* slots for the busiest frame"), "{table}");
     // The frame rate that stands above is that of the readout that is marked.
-    let line = |begins: &str| {
+    let row = |begins: &str| {
         let mut lines = table.lines().map(str::trim_start);
         lines
-            .find(|line| line.starts_with(begins))
+            .find(|row| row.starts_with(begins))
             .unwrap()
             .to_owned()
     };
-    let (time, marked) = (line("time"), line("* "));
+    let (time, marked) = (row("time"), row("* "));
     let (_, rate) = time.split_once("busiest frame: ").unwrap();
     let (rate, _) = rate.split_once(" frames/s").unwrap();
     assert!(marked.contains(&format!(" {rate} ")), "{time}\n{marked}");
@@ -135,6 +137,54 @@ fn events(folder: &Path, program: &str) -> Vec<String> {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     lines.sort_unstable();
     lines
+}
+
+/// An array of light between 0 and 1 is warned of, and `--scale`, which the warning names, is taken.
+#[test]
+fn a_scene_has_the_options_that_it_has_everywhere() {
+    let folder = TempDir::new().unwrap();
+    let light = Array3::from_shape_fn(
+        (6, 16, 16),
+        |(t, y, x)| {
+            if (x + y + t) % 6 < 3 { 0.9_f32 } else { 0.1 }
+        },
+    );
+    write_npy(folder.path().join("unit.npy"), &light).unwrap();
+    let asked = |more: &[&str]| {
+        let mut all = compile(&[
+            "--scene",
+            "unit.npy",
+            "--readout",
+            "planes",
+            "-o",
+            "c.scamp",
+        ]);
+        all.extend(more);
+        amacrine(folder.path(), &all).output().unwrap()
+    };
+    let dark = asked(&[]);
+    let said = line(&dark.stderr);
+    assert!(
+        dark.status.success() && said.contains("give --scale 255"),
+        "{said}"
+    );
+    let scaled = asked(&[
+        "--scale",
+        "255",
+        "--fps",
+        "50",
+        "--range",
+        "full",
+        "--transfer",
+        "linear",
+    ]);
+    let said = line(&scaled.stderr);
+    assert!(
+        scaled.status.success() && !said.contains("--scale"),
+        "{said}"
+    );
+    let none = compile(&["--scale", "255"]);
+    refused(folder.path(), &none, &["--scale", "give --scene too"]);
 }
 
 #[test]
@@ -235,7 +285,7 @@ fn what_leaves_nothing_names_what_works() {
     refused(
         folder.path(),
         &["compile", "zero.toml", "--threshold", "1"],
-        &["kernel 0 has no weight but 0", "nothing comes of it"],
+        &["zero.toml has no weight but 0", "nothing comes of it"],
     );
     let faint = "name = \"faint\"\nweights = [[0.000244140625, 0, -0.000244140625]]\n";
     fs::write(folder.path().join("faint.toml"), faint).unwrap();
@@ -256,6 +306,9 @@ fn what_leaves_nothing_names_what_works() {
     again.extend(["--to", name]);
     let worst = &json(folder.path(), &again)["on_chip"][0]["correlation"];
     assert!(worst.as_f64().unwrap() > 0.1, "{worst}");
+    let nothing = ["compile", "sobel-x", "--filter-only", "--input=-0..0.01"];
+    let said = refused(folder.path(), &nothing, &["or --input 0.."]);
+    assert!(!said.contains("-0.."), "{said}");
 }
 
 /// The bounds of a filter: proved, or between two numbers.

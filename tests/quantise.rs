@@ -6,7 +6,9 @@ mod common;
 
 use std::fs;
 
-use common::{amacrine, json, refused};
+use common::{amacrine, json, line, refused};
+use ndarray::Array3;
+use ndarray_npy::write_npy;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -120,11 +122,11 @@ fn a_threshold_of_nothing_is_told_of() {
     let fires = "any change fires; take thresholds from ";
     assert!(said("0.1").contains(fires), "{}", said("0.1"));
     assert!(!said("200").contains(fires), "{}", said("200"));
-    refused(
-        folder.path(),
-        &["compile", "k.toml", "--threshold", "-3"],
-        &["threshold is -3", "zero or a positive"],
-    );
+    for threshold in ["-3", "0"] {
+        let words = [&*format!("threshold is {threshold}"), "a positive number"];
+        let compile = ["compile", "k.toml", "--threshold", threshold];
+        refused(folder.path(), &compile, &words);
+    }
 }
 
 /// A kernel that loses nothing by being quantised loses no event in exact arithmetic, and one
@@ -224,6 +226,62 @@ fn what_does_not_fit_has_a_row() {
         why.contains("more than the 1024 that scamp5 holds"),
         "{why}"
     );
+}
+
+/// What is wrong with a kernel is told with its file, and its number where that holds several.
+#[test]
+fn kernels_are_told_by_their_files() {
+    let folder = folder();
+    let at = folder.path();
+    let mut stack = Array3::<f32>::zeros((3, 3, 3));
+    stack[[0, 1, 1]] = 1.0;
+    stack[[1, 1, 1]] = 0.5;
+    stack[[2, 1, 0]] = 0.3;
+    write_npy(at.join("stack.npy"), &stack).unwrap();
+    let compile = ["compile", "k.toml,stack.npy", "--effort", "0"];
+    for more in [
+        &["--threshold", "8"][..],
+        &["--threshold", "8", "--memory", "shared"],
+        &["--filter-only"],
+    ] {
+        let all = [&compile[..], more].concat();
+        refused(at, &all, &["stack.npy[2], row 1, column 0: 0.3", "--to"]);
+    }
+    stack[[2, 1, 0]] = 0.0;
+    write_npy(at.join("stack.npy"), &stack).unwrap();
+    let all = [&compile[..], &["--filter-only"]].concat();
+    refused(at, &all, &["stack.npy[2] has no weight but 0"]);
+}
+
+/// The thresholds that are suggested for a memory in bits are the least that work, of all kinds
+/// together and of quantised weights.
+#[test]
+fn suggested_thresholds_work() {
+    let folder = TempDir::new().unwrap();
+    let compiled = |request: &str, thresholds: &str| {
+        let mut all = vec!["compile", "--effort", "0", "--threshold", thresholds];
+        all.extend(request.split(' '));
+        amacrine(folder.path(), &all).output().unwrap()
+    };
+    for (request, own) in [
+        ("rgc-5x5 --to ternary --memory bits:3", &[1.0][..]),
+        ("rgc-5x5 --to int-5 --memory bits:3", &[3.0]),
+        ("csdvs-3,sobel-x --memory bits:2", &[1.0, 2.0]),
+    ] {
+        let times = |factor: f64| {
+            let all = own.iter().map(|own| (own * factor).to_string());
+            all.collect::<Vec<_>>().join(",")
+        };
+        let refused = compiled(request, &times(1.0));
+        let said = line(&refused.stderr);
+        let (_, advice) = said.split_once("take higher thresholds: ").expect(&said);
+        let factor: f64 = advice.split(' ').next().unwrap().parse().unwrap();
+        assert!(compiled(request, &times(factor)).status.success(), "{said}");
+        assert!(
+            !compiled(request, &times(factor * 0.998)).status.success(),
+            "{said}"
+        );
+    }
 }
 
 #[test]

@@ -296,10 +296,14 @@ const BAD: &[(&str, &str, &str)] = &[
         "frame 0, y 1, x 2: light is -inf",
         "np.isfinite",
     ),
-    ("two_axes.npy", "shape (2, 3) has 2 axes", "a[None, :, :]"),
+    (
+        "two_axes.npy",
+        "shape (2, 3), expected three axes",
+        "a[None, :, :]",
+    ),
     (
         "four_axes.npy",
-        "shape (2, 3, 2, 3) has 4 axes",
+        "shape (2, 3, 2, 3), expected three axes",
         "gray first",
     ),
     ("no_frames.npy", "no frame in it", "at least one frame"),

@@ -344,7 +344,7 @@ fn initialisers_have_the_forms_of_cpp() {
         "int c[2][2][2] = {{{1, 2}, {3, 4}}}; scamp5_in(A, c[0][1][0]); scamp5_in(A, c[1][0][0]);",
         &[3, 0],
     );
-    refused_for("int a[2] = {1, 2, 3}; nop();", "1 values too many");
+    refused_for("int a[2] = {1, 2, 3}; nop();", "1 value too many");
     refused_for("int a = {1, 2}; nop();", "2 values for one variable");
     // An array is no number.
     refused_for(
@@ -594,7 +594,7 @@ fn smaller_constructs() {
         &[1, 2, 3, 50],
     );
     refused_for("again: nop(); goto again;", "`goto` is not followed");
-    refused_for("none = 3; nop();", "`none` is not stated");
+    refused_for("none = 3; nop();", "`none` is not declared");
     // One fault, not one of the body as well.
     for inside in ["ADD(A);", "scamp5_in(A, ADD(1));"] {
         let all = messages(&format!(
@@ -931,11 +931,15 @@ fn everything_that_is_not_understood_is_named_at_once() {
             "`scamp5_global_sum_fast` reads in line 10",
             "--const s=VALUE",
         ),
-        (12, "how often this loop runs", "--const"),
+        (
+            12,
+            "how often this loop runs",
+            "what docs/vendor-code.md lists",
+        ),
         (13, "`scamp5_shift` takes a value", "--const s=VALUE"),
         (14, "unknown name `G`", "--chip scamp5-wide"),
-        (15, "`some` is not stated", "const int some"),
-        (16, "`missing` is not stated", "const int missing"),
+        (15, "`some` is not declared", "const int some"),
+        (16, "`missing` is not declared", "const int missing"),
         (17, "`A` is a register", "scamp5_in(A, value)"),
     ] {
         let found = told
@@ -1005,6 +1009,8 @@ fn included_files_lie_beside_and_say_where_they_are_wrong() {
     assert_eq!(bare(code), own_code("mov(A, B);"));
     let faults = read("#pragma once\nvoid f(areg_t x) {\n mov(x, 3 +);\n}").unwrap_err();
     assert!(faults.to_string().contains("a.hpp:3:"), "{faults}");
+    let label = &faults.faults[0].fault.label;
+    assert!(label.contains("its line is `mov(x, 3 +);`"), "{label}");
     // What the chip has none of, too.
     let faults =
         read("#pragma once\nvoid f(areg_t x) {\n mov(x, B);\n  blurr(x, B);\n}").unwrap_err();
@@ -1478,7 +1484,7 @@ fn warnings_and_faults_are_told_where_they_stand() {
         !once.iter().any(|it| it.1.contains("reads no light")),
         "{once:?}"
     );
-    // What is announced has its body somewhere.
+    // What is declared has its body somewhere.
     let faults = expand(
         "void later(int x);\nint main() { while (1) { vs_frame_loop_control(); later(3); } }",
         &[],
@@ -1488,7 +1494,7 @@ fn warnings_and_faults_are_told_where_they_stand() {
         faults[0]
             .fault
             .message
-            .contains("`later` is announced in line 1"),
+            .contains("`later` is declared in line 1"),
         "{faults:?}"
     );
 }
@@ -1509,7 +1515,7 @@ fn bodies_lie_beside_under_the_names_of_functions() {
     // Another program is not read.
     let other = with(&format!("{body}\nint main() {{ }}")).unwrap_err();
     assert!(
-        other.to_string().contains("`later` is announced in line 1"),
+        other.to_string().contains("`later` is declared in line 1"),
         "{other}"
     );
 }
@@ -1625,14 +1631,14 @@ fn namespaces_have_names_of_their_own() {
         spaces,
         "scamp5_in(A, N);",
         1,
-        "`N` is stated in several namespaces",
+        "`N` is declared in several namespaces",
         "`space::N`",
     );
     told(
         spaces,
         "f();",
         1,
-        "`f` is stated in several namespaces",
+        "`f` is declared in several namespaces",
         "`space::f`",
     );
 }
@@ -1828,7 +1834,7 @@ fn text_is_written_elsewhere() {
         "std::string t = \"3\";\nif (std::stoi(t) > 2) { mov(A, B); }",
         2,
         "`stoi` decides",
-        "--const",
+        "what docs/vendor-code.md lists",
     );
     // No register goes where it is not known what is done with it.
     let all = messages("int main() { std::sort(A, B); mov(A, B); }");
@@ -2054,4 +2060,103 @@ fn words_outside_of_kernels() {
         all.iter().all(|it| !it.contains("closes nothing")),
         "{all:?}"
     );
+}
+
+/// Elements are sorted by a function, equal ones in their order.
+#[test]
+fn sorted_by_a_function() {
+    numbers(
+        "int a[4] = {3, 1, 5, 2}; std::sort(a, a + 4, [](int x, int y) { return x > y; }); for (int x : a) scamp5_in(A, x);",
+        &[5, 3, 2, 1],
+    );
+    numbers(
+        "int sign = -1; std::vector<int> a = {3, 1, 2}; std::sort(a.begin() + 1, a.end(), [&](int x, int y) { return sign * x < sign * y; }); for (int x : a) scamp5_in(A, x);",
+        &[3, 2, 1],
+    );
+    numbers_with(
+        "struct P { int key; int tag; };\nbool less(const P& a, const P& b) { return a.key < b.key; }",
+        "P all[3] = {{2, 1}, {1, 2}, {2, 3}}; std::stable_sort(all, all + 3, less); for (int i = 0; i < 3; i++) scamp5_in(A, all[i].tag);",
+        &[2, 1, 3],
+    );
+}
+
+/// What a compiler refuses, or leaves without a value, is told for what it is.
+#[test]
+fn mistakes_that_a_compiler_sees() {
+    let told = |text: &str, reason: &str| {
+        let all = messages(text);
+        assert!(all.iter().any(|it| it.contains(reason)), "{text}: {all:?}");
+    };
+    let f = "int f(int a, int b = 2) { return a; }\nint g(int a) { return a; }\n";
+    told(
+        &format!("{f}int main() {{ scamp5_in(A, g(1, 2)); }}"),
+        "`g` takes 1 argument, not 2",
+    );
+    told(
+        &format!("{f}int main() {{ scamp5_in(A, f()); }}"),
+        "`f` takes 1 to 2 arguments, not 0",
+    );
+    told(
+        "int f(int a) { if (a > 1) return 3; }\nint main() { scamp5_in(A, f(0)); }",
+        "`f`, which ends without a `return`,",
+    );
+    told(
+        "struct P { int x; };\nint main() { P p = {1}; scamp5_in(A, p.z); }",
+        "`z`, which `P` does not have,",
+    );
+    refused_for(
+        "int q = 1; int q = 2; scamp5_in(A, q);",
+        "`q` is declared twice in this block",
+    );
+    numbers(
+        "int q = 1; { int q = 2; scamp5_in(A, q); } for (int i = 0; i < 2; i++) { int q = i; scamp5_in(A, q); } scamp5_in(A, q);",
+        &[2, 0, 1, 1],
+    );
+}
+
+/// What of C++ is not followed is named, with its line; a value is only asked for where a variable
+/// can take one.
+#[test]
+fn what_is_not_followed_is_named() {
+    let told = |text: &str, reason: &str| {
+        let all = expand(text, &[]).expect_err(text).faults;
+        let named = all.iter().any(|it| it.fault.message.contains(reason));
+        let const_of_nothing = all.iter().any(|it| {
+            let help = it.fault.help.as_deref().unwrap_or_default();
+            help.contains("--const NAME") || reason.contains("followed") && help.contains("`exec`")
+        });
+        assert!(named && !const_of_nothing, "{text}: {all:?}");
+    };
+    told(
+        "template <typename T> struct Pair { T a; T b; };\nint main() { Pair<int> p{1, 2}; scamp5_in(A, p.a); }",
+        "`p`, a class template of line 1, which is not followed,",
+    );
+    told(
+        "struct B { int x; int get() { return x; } };\nstruct D : public B { int y; };\nint main() { D d; scamp5_in(A, d.get()); }",
+        "`d`, a class with a base of line 2, which is not followed,",
+    );
+    for inside in [
+        "scamp5_in(A, m[0]);",
+        "m[0] = 4; scamp5_in(A, m[0]);",
+        "scamp5_in(A, m.at(1));",
+        "for (auto& it : m) scamp5_in(A, it.second);",
+    ] {
+        told(
+            &format!("int main() {{ std::map<int, int> m = {{{{1, 2}}}}; {inside} }}"),
+            "`m`, a `std::map`, which is not followed,",
+        );
+    }
+    told(
+        "template <typename T> T f(T a) { return a; }\ntemplate <> int f<int>(int a) { return 3; }\nint main() { scamp5_in(A, f(2)); }",
+        "a specialised template is not followed",
+    );
+    told(
+        "int main() { if (scamp5_global_or(R5)) { mov(A, B); } }",
+        "whether this kernel runs",
+    );
+    // A variable can be given one.
+    let text = "int main() { int n = scamp5_global_or(R5); if (n) { mov(A, B); } }";
+    let faults = expand(text, &[]).expect_err(text).faults;
+    let help = faults[0].fault.help.clone().unwrap_or_default();
+    assert!(help.contains("`--const n=VALUE`"), "{help}");
 }

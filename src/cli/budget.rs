@@ -121,7 +121,10 @@ impl Growth {
             return Ok(());
         }
         let held = Need::new().and(
-            format!("{} events so far", packet.events.len()),
+            format!(
+                "{} so far",
+                crate::unit::counted(packet.events.len(), "event")
+            ),
             Packet::bytes(packet.events.len() as u64),
         );
         Err(miette::miette!(

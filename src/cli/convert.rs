@@ -431,8 +431,8 @@ fn table(arguments: &Arguments, format: Format, seen: &Seen, written: &[Written]
     }
     if seen.skipped > 0 {
         lines.push(format!(
-            "note     {} records that are no events of a pixel were left out (triggers, frames, motion, or before the first time)",
-            seen.skipped
+            "note     left out: {} of other things than events of a pixel (triggers, frames, motion, or before the first time)",
+            counted(seen.skipped, "record")
         ));
     }
     if let Some(note) = seen.note {

@@ -469,7 +469,7 @@ fn summary(all: &Feasibility) -> String {
     ];
     for (name, stream) in rows {
         if let Some(stream) = stream {
-            text += &row(name, stream);
+            text += &row(name, stream, streams.float.events > 0);
         }
     }
     text += &over_chips(&all.over_chips);
@@ -477,8 +477,8 @@ fn summary(all: &Feasibility) -> String {
         let time = &chip.time;
         let _ = writeln!(
             text,
-            "\n{} words a frame: {} on the array, {} of readout ({}, {}); {} at most, {} with all slots of the program",
-            chip.frame_words,
+            "\n{} a frame: {} on the array, {} of readout ({}, {}); {} at most, {} with all slots of the program",
+            crate::unit::counted(chip.frame_words, "word"),
             time.array,
             time.readout,
             time.plan.words(),
@@ -530,19 +530,24 @@ fn over_chips(over: &OverChips) -> String {
     };
     let _ = writeln!(
         text,
-        "\n{:<22} {:>10} {:>10} {:>10}   of {} chips that the public data allow ({})",
+        "\n{:<22} {:>10} {:>10} {:>10}   of {} that the public data allow ({})",
         "",
         "10 %",
         "median",
         "90 %",
-        over.chips,
+        crate::unit::counted(over.chips, "chip"),
         evidence.word()
     );
+    let is_silent = over.has_nothing_to_keep();
+    if is_silent {
+        text += "kept                   nothing to keep: the float kernel has no event in what they watched\n";
+    }
+    let of_kept = |spread| Some(spread).filter(|_| !is_silent);
     let rows = [
-        ("kept", Some(ranges.kept), 3),
+        ("kept", of_kept(ranges.kept), 3),
         (
             "threshold, % higher",
-            Some(ranges.threshold_equivalent_percent),
+            of_kept(ranges.threshold_equivalent_percent),
             1,
         ),
         ("events to the float's", ranges.event_ratio, 3),
@@ -557,6 +562,9 @@ fn over_chips(over: &OverChips) -> String {
                 spread.p10, spread.median, spread.p90
             );
         }
+    }
+    if is_silent {
+        return text;
     }
     let _ = writeln!(
         text,
@@ -579,11 +587,13 @@ fn over_chips(over: &OverChips) -> String {
     text
 }
 
-fn row(name: &str, stream: &Stream) -> String {
+/// The numbers of a stream; without scores where the float kernel has no event to keep.
+fn row(name: &str, stream: &Stream, is_scored: bool) -> String {
     let number = |value: Option<f64>, decimals: usize| {
         value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
     };
-    let likeness = stream.judged.map(|judged| judged.likeness);
+    let judged = stream.judged.filter(|_| is_scored);
+    let likeness = judged.map(|judged| judged.likeness);
     format!(
         "{name:<22} {:>10} {:>10} {:>10} {:>8} {:>8} {:>11}\n",
         stream.events,

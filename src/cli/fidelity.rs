@@ -246,9 +246,11 @@ pub fn told((choice, why): (&str, &str), change: Option<Estimate>, tolerance: f6
     {
         let _ = writeln!(
             text,
-            "         about {} of the events change, hardly more than {} ({events} events of {tiles} tiles); {} are tolerated",
+            "         about {} of the events change, hardly more than {} ({} of {}); {} are tolerated",
             share(about),
             share(limit),
+            crate::unit::counted(events, "event"),
+            crate::unit::counted(tiles, "tile"),
             share(tolerance)
         );
     }

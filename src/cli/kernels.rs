@@ -15,7 +15,7 @@ use crate::{
     npy,
     reference::Description,
     source,
-    study::cells,
+    study::{cells, design::DesignError},
     unit::counted,
 };
 
@@ -121,8 +121,12 @@ pub(super) fn names(file: &str, kernels: usize) -> Vec<String> {
 /// A threshold for each of so many kernels, where any were given: one stands for all.
 ///
 /// # Errors
-/// When there are neither one nor as many as kernels.
+/// When there are neither one nor as many as kernels, or one is no positive number.
 pub(super) fn thresholds(given: &[f64], kernels: usize) -> miette::Result<Option<Vec<f64>>> {
+    let refused = |threshold: &&f64| !(**threshold > 0.0 && threshold.is_finite());
+    if let Some(threshold) = given.iter().find(refused) {
+        return Err(DesignError::Threshold(*threshold).into());
+    }
     match given {
         [] => Ok(None),
         [all] => Ok(Some(vec![*all; kernels])),

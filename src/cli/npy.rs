@@ -24,8 +24,8 @@ pub(super) fn read(path: &Path) -> miette::Result<Plane<f64>> {
     let array = Array::read(&bytes).map_err(|error| wrong(error.to_string()))?;
     let &[height, width] = array.shape.as_slice() else {
         return Err(wrong(format!(
-            "it has {} axes; expected two, rows and columns",
-            array.shape.len()
+            "it has shape {:?}; expected two axes, rows and columns",
+            array.shape
         )));
     };
     let plane = Plane::from_shape_vec((height, width), array.values);

@@ -272,10 +272,10 @@ impl Told<'_> {
             ..
         } = self;
         let mut text = format!(
-            "scene    {}, {}, {} frames\n\n",
+            "scene    {}, {}, {}\n\n",
             arguments.scene,
             kept.size(),
-            kept.len()
+            counted(kept.len(), "frame")
         );
         let measured = if self.verified.is_some() {
             "   measured"

@@ -9,7 +9,8 @@ use crate::kernel::quantise::{Quantiser, QuantiserNameError, Sum};
 pub(super) enum Total {
     /// Whatever comes
     Free,
-    /// 0: uniform light gives nothing
+    /// 0: uniform light gives nothing. Of `ternary` the best levels and scale with that sum; of the
+    /// others the nearest levels at a scale near the best
     Zero,
     /// That of the kernel, as near as the levels allow
     #[default]

@@ -24,7 +24,8 @@ pub fn start(number: Option<usize>) -> miette::Result<()> {
     pool.build_global().map_err(|error| {
         miette::miette!(
             help = "ask for fewer with --threads",
-            "{number} threads cannot be started: {error}"
+            "cannot start {}: {error}",
+            crate::unit::counted(number, "thread")
         )
     })
 }

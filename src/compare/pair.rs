@@ -38,7 +38,7 @@ pub enum CompareError {
         judged: u8,
     },
     /// An event that its own packet has no cell for.
-    #[error("an event at x {}, y {} of channel {} in a packet of {size} and {channels} channels", event.x, event.y, event.channel)]
+    #[error("an event at x {}, y {} of channel {} in a packet of {size} and {}", event.x, event.y, event.channel, counted(*channels, "channel"))]
     #[diagnostic(help("the packet is inconsistent: correct its size, its channels or the event"))]
     Outside {
         /// The event.

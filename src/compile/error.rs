@@ -17,6 +17,16 @@ fn part_that_fits(lsb: f64) -> String {
     ((part * place).floor() / place).to_string()
 }
 
+/// How many times as high a threshold must be, in four digits, rounded up.
+pub(super) fn times_that_fit(times: f64) -> String {
+    let mut place = 1000.0;
+    while times * place >= 10_000.0 && place > 1e-9 {
+        place /= 10.0;
+    }
+    // What a product rounds is no reason for another digit.
+    ((times * place * (1.0 - 1e-12)).ceil() / place).to_string()
+}
+
 /// Kernels that cannot be compiled as asked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum CompileError {
@@ -38,7 +48,11 @@ pub enum CompileError {
         weight: f64,
     },
     /// A kernel that is too large.
-    #[error("kernel {kernel} is {height} rows by {width} columns; at most 15 by 15 here")]
+    #[error(
+        "kernel {kernel} is {} by {}; at most 15 by 15 here",
+        crate::unit::counted(*height, "row"),
+        crate::unit::counted(*width, "column")
+    )]
     #[diagnostic(help("cut the kernel where its weights are small"))]
     Size {
         /// Which kernel, from 0.
@@ -87,7 +101,8 @@ pub enum CompileError {
     },
     /// Too few one-bit registers.
     #[error(
-        "{count} memories of {bits} bits do not fit into the {free} one-bit registers that are free for them"
+        "{count} memories of {} do not fit into the {free} one-bit registers that are free for them",
+        crate::unit::counted(*bits, "bit")
     )]
     #[diagnostic(help("{advice}"))]
     Bits {
@@ -102,7 +117,8 @@ pub enum CompileError {
     },
     /// Memories in bits whose levels are farther apart than the threshold allows.
     #[error(
-        "a memory of {bits} bits has levels {step:.1} LSB apart: what lies between two of them is up to {:.1} LSB from both, more than the threshold of {threshold:.2} LSB, and cells fire for ever; {needed} bits are needed for each kind",
+        "a memory of {} has levels {step:.1} LSB apart: what lies between two of them is up to {:.1} LSB from both, more than the threshold of {threshold:.2} LSB, and cells fire for ever; {needed} bits are needed for each kind",
+        crate::unit::counted(*bits, "bit"),
         step / 2.0
     )]
     #[diagnostic(help("{advice}"))]
@@ -115,8 +131,8 @@ pub enum CompileError {
         step: f64,
         /// The lower of a kind's thresholds, LSB.
         threshold: f64,
-        /// The least threshold that these bits serve, in kernel times light.
-        least: f64,
+        /// How many times as high the thresholds of all kinds must be for these bits to serve.
+        times: f64,
         /// What was tried and works.
         advice: String,
     },

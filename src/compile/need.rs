@@ -15,7 +15,7 @@
 use super::{
     allocate::ordinary_registers,
     cell_kind::{CellKind, DriveMemory},
-    error::CompileError,
+    error::{CompileError, times_that_fit},
     request::{Effort, Objective, Request},
     sensor::SensorProgram,
     shared_memory::AT_A_TIME,
@@ -98,7 +98,10 @@ pub(super) fn advice(
     request: &Request<'_>,
 ) -> CompileError {
     let own = match &error {
-        CompileError::Levels { least, .. } => format!("take thresholds from {least:.1} on"),
+        CompileError::Levels { times, .. } => {
+            let times = times_that_fit(*times);
+            format!("take higher thresholds: {times} times these, or more")
+        }
         CompileError::Store { .. } => {
             "search longer (--effort), or take fewer digits (--to)".to_owned()
         }

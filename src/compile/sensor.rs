@@ -156,9 +156,7 @@ impl SensorProgram {
                 kinds.iter().zip(registers).map(steps).collect()
             }
         };
-        for (kind, own) in kinds.iter().zip(&steps) {
-            own.check(kind, scale)?;
-        }
+        BitMemory::check(&steps, kinds, scale)?;
         check_thresholds(kinds, &vec![scale; count])?;
         let mut program = Self {
             text: String::new(),
@@ -307,25 +305,32 @@ impl BitMemory {
         (low.floor().max(-LARGEST), step)
     }
 
-    /// Checks that a drive that stays is silent: it is remembered as the middle of its step, from
+    /// Checks that drives that stay are silent: each is remembered as the middle of its step, from
     /// which it may be half a step away.
-    fn check(&self, kind: &CellKind, scale: f64) -> Result<(), CompileError> {
-        let least = kind.on.min(kind.off);
-        let threshold = least * scale;
-        let serves = |step: f64| step / 2.0 <= threshold;
-        if serves(self.step) {
+    fn check(steps: &[Self], kinds: &[CellKind], scale: f64) -> Result<(), CompileError> {
+        // Thresholds are products of scales: what they round is no reason to refuse.
+        let least = |kind: &CellKind| kind.on.min(kind.off) * scale * (1.0 + 1e-12);
+        let serves = |kind: &CellKind, step: f64| step / 2.0 <= least(kind);
+        let short: Vec<_> = { kinds.iter().zip(steps) }
+            .filter(|(kind, own)| !serves(kind, own.step))
+            .collect();
+        let times = |kind: &CellKind, own: &Self| own.step / 2.0 / scale / kind.on.min(kind.off);
+        let Some((kind, own)) =
+            { short.iter() }.max_by(|a, b| times(a.0, a.1).total_cmp(&times(b.0, b.1)))
+        else {
             return Ok(());
-        }
-        let bits = self.registers.len() as u8;
-        let needed = (bits + 1..MOST_BITS)
-            .find(|bits| serves(Self::range(kind, scale, i32::from(*bits)).1))
-            .unwrap_or(MOST_BITS);
+        };
+        let bits = own.registers.len() as u8;
+        let all_serve = |bits: &u8| {
+            let step = |kind| Self::range(kind, scale, i32::from(*bits)).1;
+            short.iter().all(|(kind, _)| serves(kind, step(kind)))
+        };
         Err(CompileError::Levels {
             bits,
-            needed,
-            step: self.step,
-            threshold,
-            least: self.step / 2.0 / scale,
+            needed: (bits + 1..MOST_BITS).find(all_serve).unwrap_or(MOST_BITS),
+            step: own.step,
+            threshold: kind.on.min(kind.off) * scale,
+            times: times(kind, own),
             advice: String::new(),
         })
     }

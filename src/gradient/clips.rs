@@ -41,7 +41,10 @@ impl<'a, R: Float> Clips<'a, R> {
             return Err(GradientError::Shape {
                 tensor: Tensor::Light,
                 got: light.len(),
-                want: format!("a multiple of {} frames of {size}", times.len()),
+                want: format!(
+                    "a multiple of {} of {size}",
+                    crate::unit::counted(times.len(), "frame")
+                ),
             });
         }
         Ok(Self { light, times, size })

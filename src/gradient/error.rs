@@ -69,7 +69,7 @@ pub enum GradientError {
         size: Size,
     },
     /// A tensor of another number of values.
-    #[error("{tensor} has {got} values, and {want} were expected")]
+    #[error("{tensor} has {}, and {want} were expected", crate::unit::counted(*got, "value"))]
     #[diagnostic(help("give it in this order of axes, the last one without gaps"))]
     Shape {
         /// Which tensor.

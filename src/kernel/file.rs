@@ -173,8 +173,7 @@ impl Kernel {
         let &[rows, columns] = array.shape.as_slice() else {
             let shape: Vec<String> = array.shape.iter().map(usize::to_string).collect();
             return Err(KernelFileError::Array(format!(
-                "it has {} axes, of shape ({}); one kernel has two, rows and columns",
-                shape.len(),
+                "it has shape ({}); one kernel has two axes, rows and columns",
                 shape.join(",")
             )));
         };
@@ -311,7 +310,7 @@ mod tests {
             message(&good[..cut]);
         }
         let deep = npy(&ndarray::ArrayD::<f64>::zeros(vec![1, 1, 3, 3]));
-        assert!(message(&deep).contains("4 axes, of shape (1,1,3,3)"));
+        assert!(message(&deep).contains("it has shape (1,1,3,3)"));
         let bools = npy(&ndarray::arr2(&[[true]]).into_dyn());
         assert!(message(&bools).contains("floats or integers"));
         let even = npy(&ndarray::arr2(&[[1.0; 2]; 3]).into_dyn());

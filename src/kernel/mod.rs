@@ -33,7 +33,9 @@ pub enum KernelError {
     Empty,
     /// A side without a middle.
     #[error(
-        "the kernel is {height} rows by {width} columns; both must be odd, so that it has a centre"
+        "the kernel is {} by {}; both must be odd, so that it has a centre",
+        crate::unit::counted(*height, "row"),
+        crate::unit::counted(*width, "column")
     )]
     Even {
         /// Rows.
@@ -43,7 +45,8 @@ pub enum KernelError {
     },
     /// Rows of different lengths.
     #[error(
-        "row {row} of the kernel has {got} weights, row 0 has {want}; all rows must be of one length"
+        "row {row} of the kernel has {}, row 0 has {want}; all rows must be of one length",
+        crate::unit::counted(*got, "weight")
     )]
     Ragged {
         /// Which row.
@@ -55,7 +58,9 @@ pub enum KernelError {
     },
     /// A side that is too long.
     #[error(
-        "the kernel is {height} rows by {width} columns; a side of a kernel is at most {KERNEL_SIDE}"
+        "the kernel is {} by {}; a side of a kernel is at most {KERNEL_SIDE}",
+        crate::unit::counted(*height, "row"),
+        crate::unit::counted(*width, "column")
     )]
     Size {
         /// Rows.

@@ -19,7 +19,11 @@ use super::{
 
 /// Names for other kinds of cells than a program reads out.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
-#[error("{file}: `names` has {names} names, and the program reads out events of {kinds} kinds")]
+#[error(
+    "{file}: `names` has {}, and the program reads out events of {}",
+    crate::unit::counted(*names, "name"),
+    crate::unit::counted(*kinds, "kind")
+)]
 #[diagnostic(help("give a name for each kind, in their order, or leave `names` out"))]
 pub struct NamesError {
     /// The program.

@@ -326,8 +326,9 @@ impl Warning {
                 first.correlation
             ),
             format!(
-                "split the clip there: its first {} frames are one scene (of a video file: ffmpeg -frames:v {}; `frames` in a study)",
-                first.frame, first.frame
+                "split the clip there: one scene is its first {} (of a video file: ffmpeg -frames:v {}; `frames` in a study)",
+                counted(first.frame, "frame"),
+                first.frame
             ),
         ))
     }

@@ -103,7 +103,10 @@ pub enum SceneError {
     },
 
     /// An `.npy` with other than three axes.
-    #[error("{path}: shape ({}) has {} axes, expected 3: (frames, height, width), or one channel of (frames, 1, height, width)", join(shape), shape.len())]
+    #[error(
+        "{path}: shape ({}), expected three axes: (frames, height, width), or one channel of (frames, 1, height, width)",
+        join(shape)
+    )]
     #[diagnostic(help(
         "in numpy: one picture is a[None, :, :]; a clip of colour needs gray first"
     ))]

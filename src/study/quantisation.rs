@@ -112,7 +112,7 @@ pub struct OnChip {
     pub words: u64,
     /// Microseconds a frame on the array, without readout.
     pub array_us: f64,
-    /// Analogue registers that the filter holds at a time.
+    /// The most analogue registers of the filter that are live at a time.
     pub registers: usize,
     /// Halvings of the light before anything else, a bit each.
     pub prescale_bits: u32,

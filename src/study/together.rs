@@ -60,7 +60,9 @@ pub fn name(memory: DriveMemory) -> String {
     match memory {
         DriveMemory::Analogue => "memories in analogue registers".to_owned(),
         DriveMemory::Shared => "one memory of the pixel for all kinds".to_owned(),
-        DriveMemory::Bits(bits) => format!("memories of {bits} bits each"),
+        DriveMemory::Bits(bits) => {
+            format!("memories of {} each", crate::unit::counted(bits, "bit"))
+        }
     }
 }
 

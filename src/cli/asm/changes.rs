@@ -55,8 +55,10 @@ impl Changes {
                 "  the program costs the same".to_owned()
             }
             Ok((words, micros, kept)) => format!(
-                "  the program's frame: {} words instead of {words}, {:.1} us instead of {micros:.1}, {} words stored instead of {kept}",
-                self.own.0, self.own.1, self.own.2
+                "  the program's frame: {} instead of {words}, {:.1} us instead of {micros:.1}, {} stored instead of {kept}",
+                crate::unit::counted(self.own.0, "word"),
+                self.own.1,
+                crate::unit::counted(self.own.2, "word")
             ),
         });
         lines
@@ -111,8 +113,9 @@ fn differences(base: &Device, device: &Device) -> Vec<String> {
         if before.words != row.words {
             let name = row.forms.first().map_or("", |form| form.name.as_str());
             lines.push(format!(
-                "{name}: {} words instead of {}",
-                row.words, before.words
+                "{name}: {} instead of {}",
+                crate::unit::counted(row.words, "word"),
+                before.words
             ));
         }
         if before.forms != row.forms {

@@ -114,12 +114,14 @@ fn listing(
             String::new()
         };
         lines.push(format!(
-            "{name:<8}{:>6} words  {array_us:>10.1} us on the array  {host_us:>10.1} us on the host{rate}",
-            words.0
+            "{name:<8}{:>6} {:<5}  {array_us:>10.1} us on the array  {host_us:>10.1} us on the host{rate}",
+            words.0,
+            if words.0 == 1 { "word" } else { "words" }
         ));
     }
     let (stored, room) = (expansion.stored(device).0, device.value(Figure::Store));
-    lines.push(format!("store   {stored:>6} words of {room}"));
+    let unit = if stored == 1 { "word" } else { "words" };
+    lines.push(format!("store   {stored:>6} {unit} of {room}"));
     let (used, destroyed) = registers(expansion, device);
     lines.push(format!("uses      {}", or_none(&used)));
     lines.push(format!("destroys  {}", or_none(&destroyed)));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use miette::miette;
+use miette::{WrapErr, miette};
 
 use super::{
     super::{
@@ -27,10 +27,11 @@ impl Asked {
         if let Some(path) = &arguments.sensor {
             return Self::of_sensor(path);
         }
-        let mut kernels = Vec::new();
+        let (mut kernels, mut sources) = (Vec::new(), Vec::new());
         let mut stacked = arguments.kernels.len() > 1;
         for name in &arguments.kernels {
             let (more, axes) = super::super::kernels::read(name)?;
+            sources.extend(kernels::names(name, more.len()));
             kernels.extend(more);
             stacked |= axes == 3;
         }
@@ -43,18 +44,12 @@ impl Asked {
         }
         let thresholds = kernels::thresholds(&arguments.threshold, kernels.len())?
             .unwrap_or_else(|| vec![0.0; kernels.len()]);
-        let refused = |threshold: &f64| !(*threshold >= 0.0 && threshold.is_finite());
-        if let Some(threshold) = thresholds.iter().copied().find(refused) {
-            return Err(miette!(
-                help = "give zero or a positive number",
-                "the threshold is {threshold}"
-            ));
-        }
         Ok(Self {
             input: arguments.input,
             thresholds: thresholds.into_iter().map(|both| (both, both)).collect(),
             scales: vec![1.0; kernels.len()],
             names: vec![None; kernels.len()],
+            sources,
             kernels,
             warnings: Vec::new(),
             stacked,
@@ -84,6 +79,7 @@ impl Asked {
             input: None,
             scales: vec![1.0; cells.kinds.len()],
             thresholds: thresholds.collect(),
+            sources: kernels::names(&shown, cells.kinds.len()),
             names: { cells.kinds.iter() }
                 .map(|kind| kind.name.clone())
                 .collect(),
@@ -113,11 +109,13 @@ impl Asked {
         };
         let mut guard = Guard::new();
         for (i, kernel) in self.kernels.iter_mut().enumerate() {
-            let quantised = to.quantise(kernel, arguments.sum.into(), arguments.seed)?;
+            let quantised = to.quantise(kernel, arguments.sum.into(), arguments.seed);
+            let quantised =
+                quantised.wrap_err_with(|| format!("{} cannot be {to}", self.sources[i]))?;
             for erasure in quantised.erasures(kernel) {
                 let own = match &self.names[i] {
                     Some(name) => format!("{name} as {to}"),
-                    None if self.scales.len() > 1 => format!("kernel {i} as {to}"),
+                    None if self.scales.len() > 1 => format!("{} as {to}", self.sources[i]),
                     None => to.to_string(),
                 };
                 guard.warn(Warning::erased(&own, erasure));

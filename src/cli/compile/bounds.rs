@@ -35,8 +35,8 @@ impl Bounds {
             "optimal: no word is needed".to_owned()
         } else if lower == 0 {
             format!(
-                "at most {} words; whether fewer make {of} is not known",
-                self.upper
+                "at most {}; whether fewer make {of} is not known",
+                crate::unit::counted(self.upper, "word")
             )
         } else if self.is_optimal() {
             format!("optimal: no program of fewer words makes {of} ({why})")

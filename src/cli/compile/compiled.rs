@@ -119,7 +119,9 @@ impl Compiled {
             DriveMemory::Shared => {
                 "the pixel at the last event of any kind, in one register for all".to_owned()
             }
-            DriveMemory::Bits(bits) => format!("the drive of each kind in {bits} bits"),
+            DriveMemory::Bits(bits) => {
+                format!("the drive of each kind in {}", counted(bits, "bit"))
+            }
         };
         let needed = Need::new(memory, kinds).analogue;
         format!(
@@ -181,7 +183,10 @@ impl Compiled {
             line("bound", bounds.words());
         }
         let room = device.value(Figure::Store);
-        line("store", format!("{} words of {room}", self.stored(device)));
+        line(
+            "store",
+            format!("{} of {room}", counted(self.stored(device), "word")),
+        );
         if let Some(memory) = self.memory {
             line("memory", self.remembered(memory, device));
         }
@@ -270,7 +275,7 @@ impl Compiled {
         let far = match self.wrong_within() {
             0 => return "right up to the border, zeros beyond it".to_owned(),
             1 => "in the outermost rows and columns".to_owned(),
-            far => format!("within {far} pixels of it"),
+            far => format!("within {} of it", counted(far, "pixel")),
         };
         if self.memory.is_some() {
             format!(

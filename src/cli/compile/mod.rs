@@ -12,14 +12,14 @@ mod shared;
 
 use std::time::Instant;
 
-use miette::{IntoDiagnostic, miette};
+use miette::{Diagnostic as _, IntoDiagnostic, miette};
 
 use on_chip::OnChip;
 
 use super::{
     content::Content,
     files::{self, Named, Output},
-    light,
+    light::{self, Samples},
     progress::Progress,
     quantiser::Total,
 };
@@ -30,7 +30,7 @@ use crate::{
     },
     compile::{
         CellKind, DriveMemory, Effort, Filter, FilterNoise, Objective, Request, SensorProgram,
-        Signal,
+        Signal, naive_cost,
     },
     isa::{Analog, Device, Figure, Source, Value},
     kernel::{Kernel, quantise::Quantiser},
@@ -103,6 +103,11 @@ pub struct Arguments {
     /// A clip, image folder, .npy or pattern, on which the events are counted instead
     #[arg(long, conflicts_with = "filter_only")]
     scene: Option<Named>,
+    /// Frames per second, instead of what the scene says
+    #[arg(long, requires = "scene")]
+    fps: Option<f64>,
+    #[command(flatten)]
+    samples: Samples,
     /// How the events leave the chip
     #[arg(long, value_enum, default_value_t, conflicts_with = "filter_only")]
     readout: readout::Asking,
@@ -184,6 +189,17 @@ impl Arguments {
             (asked, named, _) => Ok(asked.or(named).unwrap_or(Language::Scamp)),
         }
     }
+
+    /// Refuses what samples mean where no scene has any.
+    fn check_samples(&self) -> miette::Result<()> {
+        match self.samples.written().first() {
+            Some((name, _)) if self.scene.is_none() => Err(miette!(
+                help = "give --scene too, or leave it out",
+                "--{name} says what the samples of a scene mean, and there is no --scene"
+            )),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Longer filters are proved by an impulse.
@@ -213,6 +229,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let began = Instant::now();
     let device = Device::find(&arguments.chip)?;
     let language = arguments.language()?;
+    arguments.check_samples()?;
     let asked = Asked::read(arguments)?;
     if arguments.front {
         return front::print(arguments, &asked, &device);
@@ -229,7 +246,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         save(path, |w| w.write_all(compiled.text.as_bytes()))?;
     }
     let seconds = began.elapsed().as_secs_f64();
-    for warning in { compiled.warning(&asked.kernels) }
+    for warning in { compiled.warning(&asked.kernels, arguments.objective) }
         .into_iter()
         .chain(compiled.unreached())
     {
@@ -260,6 +277,8 @@ struct Asked {
     kernels: Vec<Kernel>,
     /// What a sensor file calls each kind.
     names: Vec<Option<String>>,
+    /// What messages call each kernel: its file, with a number where that holds several.
+    sources: Vec<String>,
     /// What they are to be multiplied by.
     scales: Vec<f64>,
     /// What few values have taken from them.
@@ -431,7 +450,7 @@ fn bare<'a>(
 
 fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
     // Nothing comes out of one of zeros, and nothing is to be measured of it.
-    check_weights(&asked.kernels)?;
+    check_weights(asked)?;
     let request = bare(arguments, asked, device)?;
     let filter = request.filter()?;
     let on_chip = OnChip::run(
@@ -477,7 +496,7 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
         })
         .collect();
     let memory = asked.remembered(arguments)?;
-    check_weights(&asked.kernels)?;
+    check_weights(asked)?;
     let compiled = if memory == DriveMemory::Shared {
         shared::whole(arguments, asked, &kinds, device)?
     } else {
@@ -506,15 +525,24 @@ fn whole(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Resul
     })
 }
 
-/// Refuses kernels of zeros: no light makes them fire, and no filter is needed.
-fn check_weights(kernels: &[Kernel]) -> miette::Result<()> {
-    match kernels.iter().position(Kernel::is_zero) {
-        Some(at) => Err(miette!(
-            help = "give it a weight; few values (--to ternary) can round all of them to 0",
-            "kernel {at} has no weight but 0: nothing comes of it"
-        )),
-        None => Ok(()),
+/// Refuses kernels of zeros, from which nothing comes, and those that no program computes; each by
+/// the name of its file.
+fn check_weights(asked: &Asked) -> miette::Result<()> {
+    for (kernel, source) in asked.kernels.iter().zip(&asked.sources) {
+        if kernel.is_zero() {
+            return Err(miette!(
+                help = "give it a weight; few values (--to ternary) can round all of them to 0",
+                "{source} has no weight but 0: nothing comes of it"
+            ));
+        }
+        if let Err(error) = naive_cost(std::slice::from_ref(kernel)) {
+            let said = error.to_string();
+            let rest = said.strip_prefix("kernel 0").unwrap_or(&said);
+            let help = error.help().map_or_else(String::new, |it| it.to_string());
+            return Err(miette!(help = help, "{source}{rest}"));
+        }
     }
+    Ok(())
 }
 
 /// A program of kinds that each have a memory of their own.

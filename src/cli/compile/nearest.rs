@@ -36,7 +36,10 @@ pub(super) fn named(refused: Report, arguments: &Arguments, device: &Device) -> 
         .into_iter()
         .flatten()
         .map(|(way, words, correlation)| {
-            format!("{way}, with a correlation of {correlation:.2} in the model of the chip, in {words} words")
+            format!(
+                "{way}, with a correlation of {correlation:.2} in the model of the chip, in {}",
+                crate::unit::counted(words, "word")
+            )
         })
         .collect();
     if ways.is_empty() {
@@ -83,7 +86,8 @@ fn coarser(name: &str, arguments: &Arguments, device: &Device) -> Option<(usize,
 /// With an input of so many times the size.
 fn resized(times: f64, arguments: &Arguments, device: &Device) -> Option<((f64, f64), usize, f64)> {
     let (low, high) = arguments.input?;
-    let input = (low * times, high * times);
+    // Never -0.
+    let input = (low * times + 0.0, high * times + 0.0);
     let lowest = device.value(Figure::Lowest);
     if input.0 < lowest || input.1 > device.value(Figure::Highest) {
         return None;

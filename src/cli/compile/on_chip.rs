@@ -1,7 +1,7 @@
 //! What comes out of a filter on the chip: it is run in the model of the chip, beside itself in exact
 //! arithmetic.
 
-use super::Compiled;
+use super::{Aim, Compiled};
 use crate::{
     array::{
         Settings,
@@ -101,16 +101,20 @@ impl OnChip {
 
 impl Compiled {
     /// What to know before a program is taken of which next to nothing comes out of the chip.
-    pub(super) fn warning(&self, kernels: &[Kernel]) -> Option<String> {
+    pub(super) fn warning(&self, kernels: &[Kernel], aim: Aim) -> Option<String> {
         // Without a word the input is the result.
         if self.filter.words.is_empty() {
             return None;
         }
         let asked = { self.on_chip.iter().zip(kernels) }.filter(|(_, kernel)| !kernel.is_zero());
         let worst = asked.map(|(it, _)| it.kept()).fold(1.0, f64::min);
+        let other = match aim {
+            Aim::Silicon => "search longer (--effort)",
+            Aim::Events | Aim::Exact | Aim::Words => "leave --objective out",
+        };
         (worst < Forecast::NOTHING).then(|| {
             format!(
-                "warning: next to nothing of the kernel comes out of the chip, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take fewer digits (--to), or leave --objective out\n"
+                "warning: next to nothing of the kernel comes out of the chip, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take fewer digits (--to), or {other}\n"
             )
         })
     }

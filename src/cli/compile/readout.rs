@@ -7,7 +7,7 @@ use miette::miette;
 use serde_json::json;
 
 use super::{
-    super::{budget, readout_table},
+    super::{light, readout_table},
     Arguments, Asked,
 };
 use crate::{
@@ -19,8 +19,8 @@ use crate::{
         Cost, Overrides, Program,
         readout::{Demand, Plan, Scans, Way, choose},
     },
-    rig,
-    scene::open,
+    rig::{self, guard::Warning},
+    scene::Observation,
     sensor::Sensor,
     study::{design, feasibility::time},
     unit::counted,
@@ -59,6 +59,8 @@ pub(super) struct Readouts {
     /// Who says how many events there are.
     basis: String,
     not_known: Vec<&'static str>,
+    /// What was seen of the scene on which events were counted.
+    observation: Observation,
 }
 
 /// What is always unknown.
@@ -79,6 +81,7 @@ pub(super) fn planned(
     let mut not_known = vec![LINK];
     let rows = device.value(Figure::Height) as usize;
     let cells = device.value(Figure::Width) as usize * rows * kinds.len();
+    let observation = Observation::new();
     let (demand, basis) = if let Some(events) = arguments.events_per_frame {
         if events > cells as u64 {
             let help = format!("give at most {cells}: a cell has one event in a frame at most");
@@ -93,7 +96,7 @@ pub(super) fn planned(
         let demand = Demand::expected(events);
         (Some(demand), format!("--events-per-frame {events}"))
     } else if let Some(scene) = &arguments.scene {
-        let (packet, frames) = watched(arguments, asked, program, kinds, device)?;
+        let (packet, frames) = watched((arguments, &observation), asked, program, kinds, device)?;
         (Some(Demand::new(&packet, frames)), scene.to_string())
     } else {
         not_known.push("how many events a frame has: give --events-per-frame N or --scene");
@@ -136,20 +139,23 @@ pub(super) fn planned(
         basis,
         not_known,
         plans,
+        observation,
     };
     Ok((readout, readouts))
 }
 
 /// The events of the program on a scene, every one of them, with the chip's errors.
 fn watched(
-    arguments: &Arguments,
+    (arguments, observation): (&Arguments, &Observation),
     asked: &Asked,
     program: &SensorProgram,
     kinds: &[CellKind],
     device: &Device,
 ) -> miette::Result<(Packet, u64)> {
     let name = arguments.scene.as_deref().unwrap_or_default();
-    let mut scene = open(name, &budget::opening(None))?;
+    let mut scene = arguments
+        .samples
+        .open(Some(name), arguments.fps, observation)?;
     let size = scene.size();
     let [rows, columns] = [Figure::Height, Figure::Width].map(|of| device.value(of) as usize);
     if size.height > rows || size.width > columns {
@@ -173,7 +179,12 @@ fn watched(
     let mut sensors: [&mut (dyn Sensor + Send); 1] = [&mut chip];
     let packets = rig::watch(&mut *scene, &mut sensors, |_| frames += 1)?;
     let empty = Packet::new(size, 1);
-    Ok((packets.into_iter().next().unwrap_or(empty), frames))
+    let packet = packets.into_iter().next().unwrap_or(empty);
+    light::warn(&Warning::of_scene(observation, 255.0));
+    if packet.events.is_empty() {
+        light::warn(&[Warning::no_events(name, Some(frames))]);
+    }
+    Ok((packet, frames))
 }
 
 impl Readouts {
@@ -212,6 +223,7 @@ impl Readouts {
             "busiest": self.busiest,
             "plans": plans,
             "not_known": self.not_known,
+            "light": light::json(&self.observation),
         })
     }
 
@@ -235,6 +247,7 @@ impl Readouts {
                 self.basis
             );
         }
+        text.push_str(&light::line(&self.observation));
         for what in &self.not_known {
             let _ = writeln!(text, "not known: {what}");
         }

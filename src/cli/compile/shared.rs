@@ -82,7 +82,7 @@ pub(super) fn whole(
             scale: filter.scale(),
         };
         let own = proof.compiled(text, filter.clone(), filter.decided.is_none());
-        let own = own.wrap_err_with(|| format!("kind {i}"))?;
+        let own = own.wrap_err_with(|| asked.sources[i].clone())?;
         compiled.kernels.extend(own.kernels);
         compiled.results.extend(own.results);
         compiled.saturations += own.saturations;

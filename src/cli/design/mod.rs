@@ -127,7 +127,8 @@ impl Pick {
         match self {
             Self::Row(row) if row > rows => Err(miette!(
                 help = format!("give a number from 1 to {rows}, knee or best"),
-                "--pick {row}: there are {rows} rows"
+                "--pick {row}: the table has {}",
+                crate::unit::counted(rows, "row")
             )),
             _ => Ok(()),
         }

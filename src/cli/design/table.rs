@@ -20,9 +20,9 @@ pub(super) fn text(
     light: &str,
 ) -> String {
     let mut text = format!(
-        "scene    {}, {} frames at {} frames/s\n{light}",
+        "scene    {}, {} at {} frames/s\n{light}",
         arguments.clip.name(),
-        found.frames,
+        counted(found.frames, "frame"),
         rate(found.fps)
     );
     for rated in &found.rated {
@@ -77,11 +77,11 @@ pub(super) fn text(
     let candidate = &found.candidates[picked];
     let _ = writeln!(
         text,
-        "\ntaken    {}: {}, {}; {} words, {} of {} that the chip carries",
+        "\ntaken    {}: {}, {}; {}, {} of {} that the chip carries",
         picked + 1,
         candidate.to,
         candidate.memory,
-        candidate.words,
+        counted(candidate.words, "word"),
         candidate.kinds.len(),
         counted(candidate.carried, "kind")
     );

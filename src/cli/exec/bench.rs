@@ -310,8 +310,8 @@ impl<'a> Bench<'a> {
             return Ok(());
         }
         Err(miette!(
-            help = "leave --fidelity out, or give --domain and --without by hand",
-            "the host of {} decides in the run which words come next: --fidelity auto needs them before",
+            help = "leave --fidelity out for the full model. To leave errors out by hand: run it twice, with --domain silicon -o full.npy and with --domain silicon --without noise,decay -o less.npy, and see by `amacrine compare full.npy less.npy` what that changes. Or give what the host decides a fixed value, --const NAME=VALUE, so that every frame has the same words",
+            "--fidelity auto: the host of {} decides in the run which words come next, and a pilot has to know them before",
             self.opened.program.file
         ))
     }

@@ -68,7 +68,7 @@ impl Said {
         });
         let words = self.words.get().map(|(least, most)| {
             let words = if least == most {
-                format!("{least} words in every frame")
+                format!("{} in every frame", counted(least, "word"))
             } else {
                 format!("{least} to {most} words in a frame")
             };

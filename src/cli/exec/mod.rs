@@ -111,6 +111,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         write_png(path, &picture)?;
     }
     let mut notes = bench.notes(frames);
+    notes.extend(shows.note());
     if let (Some(path), Some((page, said))) = (&arguments.trace, trace) {
         save(path, |out| out.write_all(page.as_bytes()))?;
         notes.extend(said);

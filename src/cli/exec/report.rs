@@ -144,7 +144,7 @@ impl Report<'_> {
         if ledger.slots > 0 || events > 0 || (self.reads_events && !self.decides) {
             let slots = match ledger.slots {
                 0 => String::new(),
-                slots => format!(" in {slots} slots"),
+                slots => format!(" in {}", counted(slots, "slot")),
             };
             lines.push(format!("events   {events} ({on} ON, {off} OFF){slots}"));
         }

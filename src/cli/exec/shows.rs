@@ -55,11 +55,20 @@ impl<'a> Shows<'a> {
 
     /// What was written, in words.
     pub fn written(&self) -> Option<String> {
-        let folder = self.folder?;
+        let folder = self.folder.filter(|_| !self.written.is_empty())?;
         Some(format!(
             "{} ({})",
             folder.display(),
             counted(self.written.len(), "file")
+        ))
+    }
+
+    /// What is said where there was nothing to write.
+    pub fn note(&self) -> Option<String> {
+        let folder = self.folder.filter(|_| self.written.is_empty())?;
+        Some(format!(
+            "--displays {}: nothing was written, since the program showed no register (scamp5_output_image does)",
+            folder.display()
         ))
     }
 }

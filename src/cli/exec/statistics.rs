@@ -127,8 +127,11 @@ impl Statistics {
         let shown = |sd: Option<f64>| sd.map_or_else(|| "-".to_owned(), |sd| format!("{sd:.4}"));
         let mut lines = vec![
             format!(
-                "program  {}, {}, {} runs, seeds {} to {last}",
-                self.program, self.domain, self.runs, self.first_seed
+                "program  {}, {}, {}, seeds {} to {last}",
+                self.program,
+                self.domain,
+                crate::unit::counted(self.runs, "run"),
+                self.first_seed
             ),
             format!(
                 "{:<8} {:>12} {:>12} {:>12}",

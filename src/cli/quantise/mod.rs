@@ -21,6 +21,7 @@ use crate::{
     save::save,
     scene::{Observation, Scene as _},
     study::{
+        design::DesignError,
         equivalent::{self, Likeness},
         quantisation::{self, Answer, Outcome, Question},
     },
@@ -262,10 +263,7 @@ fn on_chip(
     observation: &Observation,
 ) -> miette::Result<Answer> {
     if !(threshold > 0.0 && threshold.is_finite()) {
-        return Err(miette!(
-            help = "give a positive number",
-            "the threshold is {threshold}"
-        ));
+        return Err(DesignError::Threshold(threshold).into());
     }
     let device = Device::find(arguments.chip())?;
     let open = || arguments.clip.open(observation);
@@ -344,7 +342,7 @@ fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
         };
     }
     text + &tuned_table(answer)
-        + "kept: what of F1 is more than accident, 1 at most. threshold: the rise of the float kernel's threshold\nthat costs as much. events: for each of the float kernel's. us: on the array, without readout. registers: held by the\nfilter at a time; `asm` lists all that the program touches.\n"
+        + "kept: what of F1 is more than accident, 1 at most. threshold: the rise of the float kernel's threshold\nthat costs as much. events: for each of the float kernel's. us: on the array, without readout. registers: the most\nof the filter that are live at a time; `asm` lists all that the program uses.\n"
 }
 
 /// Gain and shape apart: against a float kernel that says as many events.

@@ -38,9 +38,9 @@ impl<M> Told<'_, M> {
             let events = trade.points.iter().find_map(|point| point.sampled);
             let events = events.map_or(0, |known| known.change.events);
             lines.push(format!(
-                "{} of {} tiles, {} of the full model in them",
+                "{} of {}, {} of the full model in them",
                 tiles.tiles,
-                tiles.of,
+                counted(tiles.of, "tile"),
                 counted(events, "event")
             ));
         }
@@ -81,10 +81,10 @@ impl<M> Told<'_, M> {
     fn scene(&self) -> String {
         let Scened { kept, reading, .. } = self.scened;
         format!(
-            "{}, {}, {} frames; reading it takes {} more, whatever runs",
+            "{}, {}, {}; reading it takes {} more, whatever runs",
             self.arguments.scene,
             kept.size(),
-            kept.len(),
+            counted(kept.len(), "frame"),
             seconds(*reading)
         )
     }

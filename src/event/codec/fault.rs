@@ -7,7 +7,8 @@ use crate::plane::Size;
 pub enum CodecError {
     /// An event that the sensor does not have.
     #[error(
-        "event {event}: x {x}, y {y}, channel {channel} on a sensor of {size} with {channels} channels"
+        "event {event}: x {x}, y {y}, channel {channel} on a sensor of {size} with {}",
+        crate::unit::counted(*channels, "channel")
     )]
     #[diagnostic(help("give the packet the size and the channels that its events have"))]
     Cell {
@@ -34,7 +35,7 @@ pub enum CodecError {
         channel: u8,
     },
     /// More or fewer bytes than the bits ask for.
-    #[error("{bits} bits are {want} bytes; there are {found}")]
+    #[error("{} are {}; there are {found}", crate::unit::counted(*bits, "bit"), crate::unit::counted(*want, "byte"))]
     #[diagnostic(help("pass on the bytes as they were written"))]
     Bytes {
         /// Bits that there should be.

@@ -133,7 +133,10 @@ impl About {
         let kinds = about.channels.map_or(0, usize::from);
         if !about.names.is_empty() && about.names.len() != kinds {
             return Err(Fault::About {
-                why: format!("names {} kinds of cells of {kinds}", about.names.len()),
+                why: format!(
+                    "names {} of cells of {kinds}",
+                    crate::unit::counted(about.names.len(), "kind")
+                ),
             });
         }
         Ok(Some(about))

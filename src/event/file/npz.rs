@@ -105,8 +105,9 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     for (name, column) in &columns {
         if column.events != events {
             return Err(wrong(format!(
-                "has {events} times and {} values of {name}",
-                column.events
+                "has {} and {} of {name}",
+                crate::unit::counted(events, "time"),
+                crate::unit::counted(column.events, "value")
             )));
         }
     }

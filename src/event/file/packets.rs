@@ -109,7 +109,10 @@ pub fn agree(found: &[Row], table: &[Row]) -> Result<(), Fault> {
     if found.len() == table.len() {
         return Ok(());
     }
-    let one = format!("its table lists {} packets", table.len());
+    let one = format!(
+        "its table lists {}",
+        crate::unit::counted(table.len(), "packet")
+    );
     let other = format!("there are {}", found.len());
     Err(Fault::twice(Format::Aedat4, one, other))
 }

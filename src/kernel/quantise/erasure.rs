@@ -152,7 +152,8 @@ impl fmt::Display for Erasure {
         match self {
             Self::Surround { weights, share } => write!(
                 f,
-                "the surround is lost: {weights} weights off the centre, {:.0} % of |w|, are all 0, and a plain DVS is left",
+                "the surround is lost: {} off the centre, {:.0} % of |w|, became 0, and a plain DVS is left",
+                crate::unit::counted(*weights, "weight"),
                 100.0 * share
             ),
             Self::Sign {
@@ -161,8 +162,15 @@ impl fmt::Display for Erasure {
                 share,
             } => write!(
                 f,
-                "the surround is lost: {weights} {} weights, {:.0} % of |w|, are all 0",
-                if *negative { "negative" } else { "positive" },
+                "the surround is lost: {}, {:.0} % of |w|, became 0",
+                crate::unit::counted(
+                    *weights,
+                    if *negative {
+                        "negative weight"
+                    } else {
+                        "positive weight"
+                    }
+                ),
                 100.0 * share
             ),
             Self::Lopsided { share } => write!(
@@ -172,7 +180,8 @@ impl fmt::Display for Erasure {
             ),
             Self::Clipped { weights, share } => write!(
                 f,
-                "clipped: {weights} weights lie beyond the largest level, and {:.0} % of |w| is lost",
+                "clipped: {} beyond the largest level, and {:.0} % of |w| is lost",
+                crate::unit::counted(*weights, "weight"),
                 100.0 * share
             ),
         }

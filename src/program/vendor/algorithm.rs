@@ -5,9 +5,9 @@ use std::rc::Rc;
 use super::{
     call::Argument,
     look,
-    machine::{Machine, Spot},
+    machine::{Location, Machine},
     shape,
-    tree::{Expr, ExprNode, Function},
+    tree::{Expr, ExprNode, Function, last},
     value::{Slot, Value},
 };
 use crate::{config::Place, order::Order};
@@ -22,7 +22,7 @@ struct Range {
 }
 
 impl Range {
-    fn at(&self, index: usize) -> Spot {
+    fn at(&self, index: usize) -> Location {
         let path = [&self.array[..], &[self.first + index]].concat();
         (self.slot, path)
     }
@@ -44,6 +44,7 @@ impl Machine<'_> {
         let found = match name {
             "memset" | "memcpy" | "memmove" => self.memory(name, &values),
             "for_each" | "transform" => self.applied(name, &values, place),
+            "sort" | "stable_sort" if values.len() == 3 => self.ordered(&values, place),
             "min_element" | "max_element" | "count" | "find" | "accumulate" => {
                 self.looked(name, &values)
             }
@@ -112,8 +113,8 @@ impl Machine<'_> {
     }
 
     fn values_of(&self, range: &Range) -> Vec<Value> {
-        let spots = (0..range.length).map(|i| range.at(i));
-        spots.map(|(slot, path)| self.at(slot, &path)).collect()
+        let locations = (0..range.length).map(|i| range.at(i));
+        locations.map(|(slot, path)| self.at(slot, &path)).collect()
     }
 
     fn write(&mut self, range: &Range, values: Vec<Value>) {
@@ -122,7 +123,7 @@ impl Machine<'_> {
         }
     }
 
-    fn write_at(&mut self, (slot, path): Spot, value: Value) {
+    fn write_at(&mut self, (slot, path): Location, value: Value) {
         let kind = self.kind_at(slot, &path);
         self.put(slot, &path, shape::deep(value, kind));
     }
@@ -253,13 +254,53 @@ impl Machine<'_> {
         Some(into.map_or(Value::Whole(0), |it| it.pointer(it.length)))
     }
 
-    fn called_with(&mut self, function: &Rc<Function>, spot: Spot, place: Place) -> Value {
+    /// Elements are sorted by a function that says whether one comes before another.
+    fn ordered(&mut self, values: &[Value], place: Place) -> Option<Value> {
+        let [from, to, by] = values else {
+            return None;
+        };
+        let function = match by {
+            Value::Lambda(function) => Rc::clone(function),
+            Value::Symbol(name) => match &self.functions.get(last(name))?[..] {
+                [only] => Rc::clone(only),
+                _ => return None,
+            },
+            _ => return None,
+        };
+        let range = self.range(from, to)?;
+        let mut sorted: Vec<Value> = Vec::new();
+        for value in self.values_of(&range) {
+            // Behind all that it does not come before: equal ones stay in their order.
+            let (mut low, mut high) = (0, sorted.len());
+            while low < high {
+                if self.done() {
+                    return None;
+                }
+                let middle = usize::midpoint(low, high);
+                let pair = vec![value.clone().into(), sorted[middle].clone().into()];
+                let is_before = self.enter_with(&function, pair, None, place);
+                is_before.number()?;
+                if is_before.truth().ok()? {
+                    high = middle;
+                } else {
+                    low = middle + 1;
+                }
+            }
+            self.passes(sorted.len() - low);
+            sorted.insert(low, value);
+        }
+        let end = range.pointer(range.length);
+        self.write(&range, sorted);
+        Some(end)
+    }
+
+    fn called_with(&mut self, function: &Rc<Function>, location: Location, place: Place) -> Value {
         self.work(place);
-        let value = self.at(spot.0, &spot.1);
-        let kind = self.kind_at(spot.0, &spot.1);
+        let value = self.at(location.0, &location.1);
+        let kind = self.kind_at(location.0, &location.1);
         let argument = Argument {
             value,
-            spot: Some(spot),
+            location: Some(location),
             kind,
         };
         self.enter_with(function, vec![argument], None, place)

@@ -21,6 +21,13 @@ const FRAMES: usize = 64;
 /// Statements that may be asked of the array.
 const ASKED: usize = crate::limit::EXPANDED_STEPS;
 
+/// How reasons end that no run takes away.
+const NEVER: [&str; 3] = [
+    "which is not followed,",
+    "does not have,",
+    "which ends without a `return`,",
+];
+
 impl Machine<'_> {
     /// Whether the host does this, outside of kernels.
     pub(super) fn is_host(&self, name: &str) -> bool {
@@ -50,7 +57,7 @@ impl Machine<'_> {
                     place,
                     format!("the program becomes more than {ASKED} statements"),
                     "here there is no room left",
-                    "loop less often, or give loops outside of kernels the same body in every turn",
+                    "loop less often, or give loops outside of kernels the same body in every iteration",
                 );
             }
             return;
@@ -102,16 +109,19 @@ impl Machine<'_> {
     /// A fault that something depends on what only the run knows.
     pub(super) fn unknown(&mut self, place: Place, message: String, of: Option<&Expr>) {
         let name = of.and_then(|it| look::unknown(self, it));
-        let name = name.as_deref().map_or("NAME", last);
+        // Only a variable can be given a value.
+        let way = match name.as_deref().map(last) {
+            Some(name) => format!("give the value with `--const {name}=VALUE`"),
+            None => "write it with what docs/vendor-code.md lists".to_owned(),
+        };
+        let never = NEVER.iter().any(|why| message.contains(why));
         let (label, help) = match self.companion {
-            Some(_) => (
-                "not known here",
-                format!("give the value with `--const {name}=VALUE`, or take this out"),
-            ),
+            _ if never => ("not known", format!("{way}, or take this out")),
+            Some(_) => ("not known here", format!("{way}, or take this out")),
             None => (
                 "only the run knows",
                 format!(
-                    "`exec` runs it, with the host beside the array. Here a program is the same words in every frame: give the value with `--const {name}=VALUE`, or take this out"
+                    "`exec` runs it, with the host beside the array. Here a program is the same words in every frame: {way}, or take this out"
                 ),
             ),
         };
@@ -125,7 +135,7 @@ impl Machine<'_> {
             let message = format!("{what}, {why} decides: it is left out");
             self.fault(
                 Fault::warning(place, message, "not known here")
-                    .help("give its value with `--const NAME=VALUE`, or write it with what docs/vendor-code.md lists"),
+                    .help("write it with what docs/vendor-code.md lists"),
             );
             return;
         }

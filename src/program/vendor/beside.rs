@@ -109,7 +109,7 @@ impl<'a> Companion<'a> {
         }
     }
 
-    /// The next number of `rand()`: of the chip's own library, nobody states which they are.
+    /// The next number of `rand()`: of the chip's own library, nobody says which they are.
     pub(super) fn random(&mut self) -> i64 {
         self.drawn += 1;
         (crate::rng::Hash::new(0).with(self.drawn).bits() >> 33) as i64

@@ -29,22 +29,22 @@ const LEVELS: [&[&str]; 10] = [
 ];
 
 impl At<'_> {
-    fn take(&mut self, marks: &[&'static str]) -> Option<&'static str> {
-        let mark = *marks
+    fn take(&mut self, operators: &[&'static str]) -> Option<&'static str> {
+        let operator = *operators
             .iter()
-            .find(|mark| self.tokens.first().is_some_and(|t| t.is(mark)))?;
+            .find(|operator| self.tokens.first().is_some_and(|t| t.is(operator)))?;
         self.tokens = &self.tokens[1..];
-        Some(mark)
+        Some(operator)
     }
 
     fn binary(&mut self, level: usize) -> Option<i64> {
-        let Some(marks) = LEVELS.get(level) else {
+        let Some(operators) = LEVELS.get(level) else {
             return self.unary();
         };
         let mut left = self.binary(level + 1)?;
-        while let Some(mark) = self.take(marks) {
+        while let Some(operator) = self.take(operators) {
             let right = self.binary(level + 1)?;
-            left = apply(mark, left, right)?;
+            left = apply(operator, left, right)?;
         }
         Some(left)
     }
@@ -54,9 +54,9 @@ impl At<'_> {
         if self.depth > 64 {
             return None;
         }
-        if let Some(mark) = self.take(&["!", "-", "+", "~"]) {
+        if let Some(operator) = self.take(&["!", "-", "+", "~"]) {
             let value = self.unary()?;
-            return Some(match mark {
+            return Some(match operator {
                 "!" => i64::from(value == 0),
                 "-" => value.wrapping_neg(),
                 "~" => !value,
@@ -79,8 +79,8 @@ impl At<'_> {
 }
 
 /// Arithmetic on whole numbers as C++ has it; `None` where it has none.
-pub(super) fn apply(mark: &str, left: i64, right: i64) -> Option<i64> {
-    Some(match mark {
+pub(super) fn apply(operator: &str, left: i64, right: i64) -> Option<i64> {
+    Some(match operator {
         "||" => i64::from(left != 0 || right != 0),
         "&&" => i64::from(left != 0 && right != 0),
         "|" => left | right,

@@ -1,6 +1,6 @@
 //! Declarations: functions, classes and variables.
 
-use std::rc::Rc;
+use std::{rc::Rc, sync::Arc};
 
 use super::{
     look,
@@ -12,17 +12,28 @@ use super::{
 };
 use crate::config::Place;
 
+/// Containers of the language's library that are not followed.
+const UNREAD_CONTAINERS: [&str; 7] = [
+    "map",
+    "multimap",
+    "unordered_map",
+    "set",
+    "multiset",
+    "unordered_set",
+    "priority_queue",
+];
+
 impl Machine<'_> {
-    /// A function is announced, with its default arguments.
-    pub(super) fn announce(&mut self, function: &Rc<Function>) {
+    /// A function is declared, with its default arguments.
+    pub(super) fn declare_function(&mut self, function: &Rc<Function>) {
         let known = self.prototypes.entry(function.name.clone()).or_default();
         if !known.contains(function) {
             known.push(std::rc::Rc::clone(function));
         }
     }
 
-    /// A function is stated.
-    pub(super) fn state(&mut self, function: &Rc<Function>) {
+    /// A function is defined.
+    pub(super) fn define(&mut self, function: &Rc<Function>) {
         let known = self.functions.entry(function.name.clone()).or_default();
         if known.contains(function) {
             return;
@@ -40,13 +51,13 @@ impl Machine<'_> {
         if self.files.name(before) == self.files.name(place) {
             return;
         }
-        let message = format!("`{name}` is stated in {} as well", self.line(before));
+        let message = format!("`{name}` is defined in {} as well", self.line(before));
         let help = "files are read as one here: give one of the two another name";
-        self.error(place, message, "stated again", help);
+        self.error(place, message, "defined again", help);
     }
 
     /// The functions of a class.
-    pub(super) fn state_members(&mut self, members: &[Rc<Function>]) {
+    pub(super) fn define_members(&mut self, members: &[Rc<Function>]) {
         for function in members {
             let known = self.members.entry(function.name.clone()).or_default();
             if !known.contains(function) {
@@ -79,8 +90,16 @@ impl Machine<'_> {
             return;
         }
         if it.outside && it.value.is_none() {
-            let why = format!("`{}`, which is stated nowhere,", it.name);
+            let why = format!("`{}`, which is defined nowhere,", it.name);
             self.make(&it.name, Value::Unknown(why.into()), Kind::Any);
+            return;
+        }
+        if let Some(why) = self.unread_type(it) {
+            if let Some(value) = &it.value {
+                self.value(value);
+            }
+            let slot = self.make(&it.name, Value::Unknown(Arc::clone(&why)), Kind::Any);
+            self.not_followed.insert(slot, why);
             return;
         }
         if it.lasting
@@ -91,10 +110,10 @@ impl Machine<'_> {
             return;
         }
         self.naming = Some(it.name.clone());
-        let stated = match &it.value {
+        let initial = match &it.value {
             // Another name for the same variable, or for an element.
             Some(value) if it.reference => match self.reach(value) {
-                Reach::Spot(slot, path) => {
+                Reach::Location(slot, path) => {
                     self.naming = None;
                     self.refer(&it.name, (slot, path));
                     return;
@@ -105,7 +124,7 @@ impl Machine<'_> {
             None => None,
         };
         self.naming = None;
-        let set = match stated {
+        let set = match initial {
             // Registers, arrays and texts are not set from outside.
             None | Some(Value::Whole(_) | Value::Wide(..) | Value::Real(_) | Value::Unknown(_))
                 if it.lengths.is_empty() =>
@@ -118,7 +137,7 @@ impl Machine<'_> {
         if let Some(set) = &set {
             self.set_within(&it.name, (set, self.resolved(it.kind)), it.place);
         }
-        let value = match (set, stated) {
+        let value = match (set, initial) {
             (Some(value), _) | (None, Some(value)) => value,
             (None, None) if it.lengths.is_empty() => {
                 let name = &it.name;
@@ -155,6 +174,20 @@ impl Machine<'_> {
         }
     }
 
+    /// Why nothing is known of a variable of this type.
+    fn unread_type(&self, it: &Declared) -> Option<Arc<str>> {
+        let of = last(&it.of);
+        if it.pointer || it.reference || self.layouts.contains_key(&it.of) {
+            return None;
+        }
+        let what = match self.unread.get(of) {
+            Some(what) => what.clone(),
+            None if UNREAD_CONTAINERS.contains(&of) => format!("a `std::{of}`"),
+            None => return None,
+        };
+        Some(format!("`{}`, {what}, which is not followed,", it.name).into())
+    }
+
     /// What an array of objects begins with, where a constructor makes each.
     fn objects(&mut self, it: &Declared) -> Option<Value> {
         let layout = self
@@ -172,14 +205,14 @@ impl Machine<'_> {
         (!it.pointer).then_some(Value::List(all))
     }
 
-    /// Where a variable of the file is stated, if that is where control is.
+    /// Where a variable of the file is declared, if that is where control is.
     fn home(&self, name: &str) -> Option<Place> {
         let outside = self.scopes.len() == 1;
         let full = format!("{}::{name}", self.space);
         self.homes.get(&*full).copied().filter(|_| outside)
     }
 
-    /// A variable of the file is stated: one that only its own file should know keeps others of its
+    /// A variable of the file is declared: one that only its own file should know keeps others of its
     /// name away.
     fn settle(&mut self, it: &Declared, value: &Value) {
         if self.scopes.len() > 1 {
@@ -221,18 +254,23 @@ impl Machine<'_> {
         })
     }
 
-    /// A class is stated.
-    pub(super) fn class(&mut self, it: &Struct) {
+    /// A class is defined.
+    pub(super) fn class(&mut self, it: &Struct, place: Place) {
+        if let Some(what) = it.unread {
+            let what = format!("{what} of {}", self.line(place));
+            self.unread.insert(it.name.clone(), what);
+            return;
+        }
         let mut members = Vec::new();
         for member in &it.members {
             let layout = self.layouts.get(&member.of).filter(|_| !member.pointer);
             let layout = layout.cloned();
             let lengths = self.lengths(member);
-            let stated = member.value.as_ref().map(|value| self.value(value));
+            let initial = member.value.as_ref().map(|value| self.value(value));
             members.push(Member {
                 name: member.name.clone(),
                 kind: member.kind,
-                default: stated.map(|value| self.shaped(member, value)),
+                default: initial.map(|value| self.shaped(member, value)),
                 lengths,
                 layout,
             });

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::{
     constant, look,
-    machine::{Flow, Machine, Spot},
+    machine::{Flow, Location, Machine},
     reach::{Reach, base_name},
     scope::foreign,
     tree::{Declared, Expr, ExprNode, Function, Kind, Width, last},
@@ -26,7 +26,7 @@ impl Machine<'_> {
                 let reached = self.reach(it);
                 self.load(&reached, it)
             }
-            ExprNode::Unary(mark, of) => self.unary(mark, of, it.place),
+            ExprNode::Unary(operator, of) => self.unary(operator, of, it.place),
             ExprNode::Step(of, by, prefix) => {
                 let reached = self.reach(of);
                 let before = self.load(&reached, of);
@@ -36,13 +36,13 @@ impl Machine<'_> {
                 if *prefix { after } else { before }
             }
             ExprNode::Binary(..) => self.chain(it),
-            ExprNode::Assign(mark, to, value) => {
+            ExprNode::Assign(operator, to, value) => {
                 let mut value = self.value(value);
                 // Where it lies is found once: that may have effects of its own.
                 let reached = self.reach(to);
-                if let Some(mark) = mark {
+                if let Some(operator) = operator {
                     let before = self.load(&reached, to);
-                    let after = Value::binary(mark, &before, &value);
+                    let after = Value::binary(operator, &before, &value);
                     value = self.or_fault(after, it.place);
                 }
                 self.store(&reached, value, to)
@@ -87,10 +87,10 @@ impl Machine<'_> {
         }
         let unknown = || Value::Unknown(format!("`sizeof` of `{}`", base_name(of)).into());
         let (value, kind) = match self.reach(of) {
-            Reach::Spot(slot, path) if self.copied.contains(&slot) && path.is_empty() => {
+            Reach::Location(slot, path) if self.copied.contains(&slot) && path.is_empty() => {
                 return unknown();
             }
-            Reach::Spot(slot, path) => (self.at(slot, &path), self.kind_at(slot, &path)),
+            Reach::Location(slot, path) => (self.at(slot, &path), self.kind_at(slot, &path)),
             Reach::Value(Value::Symbol(class)) if self.layouts.contains_key(&class) => {
                 let layout = &self.layouts[&class];
                 (super::shape::fresh(layout, &Value::Whole(0)), Kind::Any)
@@ -121,7 +121,7 @@ impl Machine<'_> {
     pub(super) fn several(&mut self, name: &str, place: Place) {
         self.error(
             place,
-            format!("`{name}` is stated in several namespaces"),
+            format!("`{name}` is declared in several namespaces"),
             "which of them is not known",
             &format!(
                 "write the namespace before it: `space::{name}`, or `::{name}` for that of the file"
@@ -130,7 +130,7 @@ impl Machine<'_> {
     }
 
     pub(super) fn named_value(&mut self, name: &super::tree::Word, place: Place) -> Value {
-        let Some((slot, path)) = self.named_spot(name) else {
+        let Some((slot, path)) = self.named_location(name) else {
             let plain = last(name);
             if self.ambiguous.contains(plain) {
                 self.several(plain, place);
@@ -153,7 +153,7 @@ impl Machine<'_> {
     }
 
     /// Where the value of a name lies.
-    pub(super) fn named_spot(&self, name: &str) -> Option<Spot> {
+    pub(super) fn named_location(&self, name: &str) -> Option<Location> {
         let slot = self.find(name)?;
         match &self.slots[slot] {
             Value::Reference(slot, path) => Some((*slot, path.clone())),
@@ -190,25 +190,32 @@ impl Machine<'_> {
     /// A chain of operators, from its left end: without a call for each.
     fn chain(&mut self, it: &Expr) -> Value {
         let (mut first, mut links) = (it, Vec::new());
-        while let ExprNode::Binary(mark, left, right) = &first.node {
-            links.push((*mark, &**left, &**right, first.place));
+        while let ExprNode::Binary(operator, left, right) = &first.node {
+            links.push((*operator, &**left, &**right, first.place));
             first = left;
         }
         let mut value = self.value(first);
-        while let Some((mark, left, right, place)) = links.pop() {
-            value = self.binary(mark, value, left, right, place);
+        while let Some((operator, left, right, place)) = links.pop() {
+            value = self.binary(operator, value, left, right, place);
         }
         value
     }
 
-    fn binary(&mut self, mark: &str, a: Value, left: &Expr, right: &Expr, place: Place) -> Value {
+    fn binary(
+        &mut self,
+        operator: &str,
+        a: Value,
+        left: &Expr,
+        right: &Expr,
+        place: Place,
+    ) -> Value {
         // What the left side decides.
-        match (mark, a.truth()) {
+        match (operator, a.truth()) {
             ("&&", Ok(false)) => return Value::flag(false),
             ("||", Ok(true)) if a.number().is_some() => return Value::flag(true),
             _ => {}
         }
-        if let (Value::Unknown(why), "&&" | "||") = (&a, mark) {
+        if let (Value::Unknown(why), "&&" | "||") = (&a, operator) {
             let part = look::statement(right);
             if look::changes(self, &part) || look::reads(self, &part) {
                 self.either(left, &[&part], why);
@@ -216,10 +223,10 @@ impl Machine<'_> {
             }
         }
         let b = self.value(right);
-        if let (Value::Unknown(why), "&&" | "||") = (&a, mark) {
+        if let (Value::Unknown(why), "&&" | "||") = (&a, operator) {
             look::forget(self, &look::statement(right), why);
         }
-        match (mark, &a, &b) {
+        match (operator, &a, &b) {
             (",", ..) => return b,
             // What the right side decides alone.
             ("&&", Value::Unknown(_), b) if b.truth() == Ok(false) => return Value::flag(false),
@@ -228,24 +235,25 @@ impl Machine<'_> {
             }
             _ => {}
         }
-        let single = matches!(mark, "&&" | "||") || a.number().is_some() != b.number().is_some();
+        let single =
+            matches!(operator, "&&" | "||") || a.number().is_some() != b.number().is_some();
         if single && (self.no_number(&a, left.place) || self.no_number(&b, right.place)) {
             return Value::Whole(0);
         }
         let (a, b) = (self.canonical(a), self.canonical(b));
-        let named = matches!(mark, "==" | "!=" | "&&" | "||")
-            || (matches!(mark, "|" | "+") && a.number().is_none() && b.number().is_none());
+        let named = matches!(operator, "==" | "!=" | "&&" | "||")
+            || (matches!(operator, "|" | "+") && a.number().is_none() && b.number().is_none());
         for value in [&a, &b] {
             if let (Value::Symbol(name), false) = (value, named) {
-                self.unstated(&name.clone(), place);
+                self.undeclared(&name.clone(), place);
                 return Value::Whole(0);
             }
         }
         let value = match (&a, &b) {
             (Value::Pointer(one, from, _), Value::Pointer(other, to, _)) if one == other => {
-                self.between(mark, (*one, from, to))
+                self.between(operator, (*one, from, to))
             }
-            _ => Value::binary(mark, &a, &b),
+            _ => Value::binary(operator, &a, &b),
         };
         self.or_fault(value, place)
     }
@@ -253,7 +261,7 @@ impl Machine<'_> {
     /// Pointers into one variable under an operator: by how many elements they lie apart.
     fn between(
         &self,
-        mark: &str,
+        operator: &str,
         (slot, from, to): (Slot, &[usize], &[usize]),
     ) -> Result<Value, String> {
         // An array is a pointer to its first element.
@@ -265,12 +273,12 @@ impl Machine<'_> {
         } else {
             [from, to].map(|path| self.offset(slot, &path))
         };
-        match mark {
+        match operator {
             "-" => Ok(Value::Wide(from - to, Width::Long)),
-            "<" | ">" | "<=" | ">=" | "==" | "!=" => constant::apply(mark, from, to)
+            "<" | ">" | "<=" | ">=" | "==" | "!=" => constant::apply(operator, from, to)
                 .map(Value::Whole)
-                .ok_or_else(|| format!("`{mark}` between pointers")),
-            _ => Err(format!("`{mark}` between pointers")),
+                .ok_or_else(|| format!("`{operator}` between pointers")),
+            _ => Err(format!("`{operator}` between pointers")),
         }
     }
 
@@ -340,26 +348,26 @@ impl Machine<'_> {
         true
     }
 
-    pub(super) fn unstated(&mut self, name: &str, place: Place) {
+    pub(super) fn undeclared(&mut self, name: &str, place: Place) {
         let scopes = self.scopes.iter().flat_map(|scope| scope.keys());
         let near = suggestion(name, scopes.map(|name| &**name));
         let help = near.unwrap_or_else(|| {
             format!(
-                "state it: `const int {name} = …;`, or put the file that states it beside this one"
+                "declare it: `const int {name} = …;`, or put the file that declares it beside this one"
             )
         });
         self.error(
             place,
-            format!("`{name}` is not stated"),
+            format!("`{name}` is not declared"),
             "a number is needed here",
             &help,
         );
     }
 
-    fn unary(&mut self, mark: &str, of: &Expr, place: Place) -> Value {
-        if mark == "&" {
+    fn unary(&mut self, operator: &str, of: &Expr, place: Place) -> Value {
+        if operator == "&" {
             return match self.reach(of) {
-                Reach::Spot(slot, path) => {
+                Reach::Location(slot, path) => {
                     let name = base_name(of);
                     Value::Pointer(slot, path, name.into())
                 }
@@ -367,20 +375,20 @@ impl Machine<'_> {
             };
         }
         let value = self.value(of);
-        match (mark, value) {
+        match (operator, value) {
             (_, Value::Unknown(why)) => Value::Unknown(why),
             ("!", other) if self.no_number(&other, of.place) => Value::Whole(0),
             ("!", other) => Value::flag(!other.truth().unwrap_or(true)),
             ("+", other) if other.number().is_none() => other,
-            (mark, value) if value.signed(mark).is_some() => {
-                value.signed(mark).unwrap_or(Value::Whole(0))
+            (operator, value) if value.signed(operator).is_some() => {
+                value.signed(operator).unwrap_or(Value::Whole(0))
             }
             (_, Value::Symbol(name)) => {
-                self.unstated(&name, place);
+                self.undeclared(&name, place);
                 Value::Whole(0)
             }
             (_, other) => {
-                let message = format!("`{mark}` before {}", other.describe());
+                let message = format!("`{operator}` before {}", other.describe());
                 self.or_fault(Err(message), place)
             }
         }

@@ -47,7 +47,7 @@ pub(super) fn unexpected(found: Option<&Token>, place: Place, expected: &str, he
         Some(TokenKind::Whole(value) | TokenKind::Wide(value, _)) => format!("the number {value}"),
         Some(TokenKind::Real(value)) => format!("the number {value}"),
         Some(TokenKind::Text(_)) => "text in quotes".to_owned(),
-        Some(TokenKind::Mark(mark)) => format!("`{mark}`"),
+        Some(TokenKind::Punctuator(operator)) => format!("`{operator}`"),
     };
     Fault::error(
         place,
@@ -75,11 +75,11 @@ pub(super) fn assignment(it: &mut Parser<'_>) -> Parsed<Expr> {
         return braces(it);
     }
     let left = choose(it)?;
-    for (mark, operator) in ASSIGN {
-        if it.take(mark) {
+    for (operator, binary) in ASSIGN {
+        if it.take(operator) {
             let right = it.assignment()?;
             let place = left.place.to(right.place);
-            let node = ExprNode::Assign(operator, Box::new(left), Box::new(right));
+            let node = ExprNode::Assign(binary, Box::new(left), Box::new(right));
             return Ok(Expr { node, place });
         }
     }
@@ -129,17 +129,17 @@ pub(super) fn sum(it: &mut Parser<'_>) -> Parsed<Expr> {
 }
 
 fn binary(it: &mut Parser<'_>, level: usize) -> Parsed<Expr> {
-    let Some(marks) = LEVELS.get(level) else {
+    let Some(operators) = LEVELS.get(level) else {
         return it.deeper(unary);
     };
     let mut left = binary(it, level + 1)?;
-    while let Some(mark) = marks.iter().find(|mark| it.sees(mark)) {
+    while let Some(operator) = operators.iter().find(|operator| it.sees(operator)) {
         // On a line of its own an operator would go on with the one before, as in C++.
         it.link()?;
         it.at += 1;
         let right = binary(it, level + 1)?;
         let place = left.place.to(right.place);
-        let node = ExprNode::Binary(mark, Box::new(left), Box::new(right));
+        let node = ExprNode::Binary(operator, Box::new(left), Box::new(right));
         left = Expr { node, place };
     }
     Ok(left)
@@ -147,8 +147,8 @@ fn binary(it: &mut Parser<'_>, level: usize) -> Parsed<Expr> {
 
 fn unary(it: &mut Parser<'_>) -> Parsed<Expr> {
     let start = it.place();
-    for (mark, by) in [("++", 1), ("--", -1)] {
-        if it.take(mark) {
+    for (operator, by) in [("++", 1), ("--", -1)] {
+        if it.take(operator) {
             let of = Box::new(it.deeper(unary)?);
             let place = start.to(of.place);
             return Ok(Expr {
@@ -157,12 +157,12 @@ fn unary(it: &mut Parser<'_>) -> Parsed<Expr> {
             });
         }
     }
-    for mark in ["-", "!", "~", "+", "&", "*"] {
-        if it.take(mark) {
+    for operator in ["-", "!", "~", "+", "&", "*"] {
+        if it.take(operator) {
             let of = Box::new(it.deeper(unary)?);
             let place = start.to(of.place);
             return Ok(Expr {
-                node: ExprNode::Unary(mark, of),
+                node: ExprNode::Unary(operator, of),
                 place,
             });
         }
@@ -176,7 +176,7 @@ fn unary(it: &mut Parser<'_>) -> Parsed<Expr> {
     postfix(it, value)
 }
 
-/// Marks that a converted value may begin with.
+/// Punctuators that a converted value may begin with.
 const BEFORE: [&str; 9] = ["(", "-", "&", "~", "!", "*", "+", "++", "--"];
 
 /// `(type) value`, if it is that.
@@ -193,8 +193,8 @@ fn cast(it: &mut Parser<'_>) -> Parsed<Option<Expr>> {
         let pointer = it.at >= 2 && it.tokens_before(2).is("*");
         let value = it.peek(0).is_some_and(|t| {
             !t.first
-                && (!matches!(t.kind, TokenKind::Mark(_))
-                    || ((known || pointer) && BEFORE.iter().any(|mark| t.is(mark))))
+                && (!matches!(t.kind, TokenKind::Punctuator(_))
+                    || ((known || pointer) && BEFORE.iter().any(|operator| t.is(operator))))
         });
         if value {
             let value = Box::new(it.deeper(unary)?);
@@ -229,7 +229,7 @@ fn primary(it: &mut Parser<'_>) -> Parsed<Expr> {
             });
         }
         TokenKind::Name(_) => return named(it),
-        TokenKind::Mark("(") => {
+        TokenKind::Punctuator("(") => {
             it.at += 1;
             if it.sees("{") {
                 let body = it.block()?;
@@ -246,15 +246,15 @@ fn primary(it: &mut Parser<'_>) -> Parsed<Expr> {
                 place: place.to(end),
             });
         }
-        TokenKind::Mark("[") => return lambda(it),
-        TokenKind::Mark("{") => return braces(it),
-        TokenKind::Mark("::") => {
+        TokenKind::Punctuator("[") => return lambda(it),
+        TokenKind::Punctuator("{") => return braces(it),
+        TokenKind::Punctuator("::") => {
             it.at += 1;
             let mut value = named(it)?;
             of_file(&mut value);
             return Ok(value);
         }
-        TokenKind::Mark(_) => return Err(unexpected(Some(token), place, "a value", HELP)),
+        TokenKind::Punctuator(_) => return Err(unexpected(Some(token), place, "a value", HELP)),
     };
     it.at += 1;
     Ok(Expr { node, place })

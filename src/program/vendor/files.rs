@@ -7,7 +7,7 @@ use crate::config::{Fault, Place, line_column};
 /// Texts by the names with which `#include "…"` asks for them.
 pub type Includes = BTreeMap<String, Arc<str>>;
 
-/// The files that may hold the bodies of what a header announces.
+/// The files that may hold the bodies of what a header declares.
 pub(super) fn bodies(header: &str) -> Vec<String> {
     match header.rsplit_once('.') {
         Some((stem, "hpp" | "hh" | "hxx" | "h")) => named(stem).to_vec(),
@@ -23,6 +23,21 @@ pub(super) fn named(stem: &str) -> [String; 4] {
 /// A file's name without the folders before it.
 pub(super) fn plain(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
+/// The line around a byte of a text, without the space around it; of a long one the beginning.
+fn line_of(text: &str, at: usize) -> String {
+    const LONGEST: usize = 80;
+    let (line, _) = line_column(text, at);
+    let line = text
+        .lines()
+        .nth(line as usize - 1)
+        .unwrap_or_default()
+        .trim();
+    match line.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{} …", &line[..end]),
+        None => line.to_owned(),
+    }
 }
 
 /// The texts, one behind the other.
@@ -113,7 +128,11 @@ impl Files {
                 Fault {
                     message: format!("{origin}: {}", fault.message),
                     place: it.asked,
-                    label: format!("{} is asked for here", it.name),
+                    label: format!(
+                        "{} is asked for here, and its line is `{}`",
+                        it.name,
+                        line_of(&it.text, fault.place.start - it.start)
+                    ),
                     also,
                     ..fault
                 }

@@ -1,4 +1,4 @@
-//! The loop over the frames: its first turn, and what every later turn does.
+//! The loop over the frames: its first iteration, and what every later iteration does.
 
 use std::sync::Arc;
 
@@ -36,8 +36,8 @@ impl Machine<'_> {
         let before = std::mem::take(&mut self.items);
         let early = std::mem::take(&mut self.frames);
         let start = self.snapshot();
-        let mut first = self.turn(body, step);
-        // Variables that go on changing are not known; the steady turn must do without them, or
+        let mut first = self.iteration(body, step);
+        // Variables that go on changing are not known; the steady iteration must do without them, or
         // with the one value that they were given from outside.
         let mut known = self.snapshot();
         if self.fix(&start, &known) {
@@ -47,10 +47,10 @@ impl Machine<'_> {
                     self.slots[slot] = value.converted(self.kind_at(slot, &[]));
                 }
             }
-            first = self.turn(body, step);
+            first = self.iteration(body, step);
             known = self.snapshot();
         }
-        let mut steady = self.turn(body, step);
+        let mut steady = self.iteration(body, step);
         let why: Arc<str> = "a value that changes from frame to frame".into();
         for _ in 0..TURNS {
             if self.done() {
@@ -70,14 +70,14 @@ impl Machine<'_> {
             }
             self.slots.truncate(known.len());
             self.slots.clone_from(&known);
-            steady = self.turn(body, step);
+            steady = self.iteration(body, step);
         }
         self.looped = true;
         self.lay(before, early, &first, &steady, body);
         Flow::End
     }
 
-    /// Takes variables that a turn changes, and that have a value from outside, for fixed; whether
+    /// Takes variables that an iteration changes, and that have a value from outside, for fixed; whether
     /// there are any.
     fn fix(&mut self, before: &[Value], after: &[Value]) -> bool {
         for (slot, (before, after)) in before.iter().zip(after).enumerate() {
@@ -107,8 +107,8 @@ impl Machine<'_> {
         self.slots.clone()
     }
 
-    /// One turn: what it asks, cut where frames begin.
-    fn turn(&mut self, body: &Stmt, step: Option<&Expr>) -> Vec<Vec<Item>> {
+    /// One iteration: what it asks, cut where frames begin.
+    fn iteration(&mut self, body: &Stmt, step: Option<&Expr>) -> Vec<Vec<Item>> {
         self.maybe = None;
         self.dark = false;
         let flow = self.scoped(body);
@@ -137,10 +137,10 @@ impl Machine<'_> {
             self.undecided(
                 Fault::error(
                     body.place,
-                    format!("{} frames in one turn of this loop", steady.len() - 1),
+                    format!("{} frames in one iteration of this loop", steady.len() - 1),
                     "this loop",
                 )
-                .help("a program does the same in every frame: wait for one frame in a turn"),
+                .help("a program does the same in every frame: wait for one frame in an iteration"),
             );
         }
         let own = !early.is_empty();
@@ -161,7 +161,7 @@ impl Machine<'_> {
                 (steady.concat(), once)
             }
         };
-        // Waiting ends the turn: the first turn is a frame like the others.
+        // Waiting ends the iteration: the first iteration is a frame like the others.
         let ends =
             steady.len() == 2 && matches!(first, [all, none] if !all.is_empty() && none.is_empty());
         if once.last() == Some(&frame) {
@@ -215,7 +215,10 @@ impl Machine<'_> {
             self.fault(
                 Fault::warning(
                     place_of(first),
-                    format!("this program ends after {} frames", frames.len()),
+                    format!(
+                        "this program ends after {}",
+                        crate::unit::counted(frames.len(), "frame")
+                    ),
                     "every frame does this",
                 )
                 .help("here it goes on: `exec --frames` says how often"),

@@ -3,19 +3,19 @@
 use std::path::Path;
 
 use super::{
-    announced::announced,
     files::{Includes, bodies, named, plain},
     preprocess::asked,
+    prototype::undefined,
 };
 use crate::{limit::FAULTS, source};
 
 /// The files that a text asks for by `#include "…"`, which lie beside it, and those that hold the
-/// bodies of what headers and the text itself announce, if they are there.
+/// bodies of what headers and the text itself declare, if they are there.
 #[must_use]
 pub fn included(text: &str) -> Vec<String> {
     let headers = asked(text);
     let mut all: Vec<String> = headers.iter().flat_map(|it| bodies(it)).collect();
-    for (name, _) in announced(text) {
+    for (name, _) in undefined(text) {
         all.extend(named(&name));
     }
     [headers, all].concat()

@@ -167,7 +167,7 @@ pub(super) fn members(machine: &Machine<'_>, name: &str) -> Vec<Rc<Function>> {
 }
 
 /// Every part of a statement and of the functions that it calls, which are given back, and every
-/// call of something that the file does not state, with the number of its arguments.
+/// call of something that the file does not define, with the number of its arguments.
 fn reach(
     machine: &Machine<'_>,
     it: &Stmt,
@@ -254,14 +254,17 @@ fn scan(
 
 /// The first variable of a value that only the run knows.
 pub(super) fn unknown(machine: &Machine<'_>, it: &Expr) -> Option<Word> {
-    let mut found = None;
+    let (mut found, mut objects) = (None, Vec::new());
     values(it, &mut |part| {
-        let Part::Expr(Expr {
-            node: ExprNode::Name(name),
-            ..
-        }) = part
-        else {
-            return;
+        let Part::Expr(own) = part else { return };
+        let name = match &own.node {
+            // Objects and arrays are not given values from outside.
+            ExprNode::Member(of, _) | ExprNode::Index(of, _) => {
+                objects.push(of.place);
+                return;
+            }
+            ExprNode::Name(name) if !objects.contains(&own.place) => name,
+            _ => return,
         };
         let slot = machine.find(name);
         if found.is_none()

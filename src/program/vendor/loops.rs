@@ -1,4 +1,4 @@
-//! Loops: their turns, and what of them becomes a repetition on the array.
+//! Loops: their iterations, and what of them becomes a repetition on the array.
 
 use std::sync::Arc;
 
@@ -15,8 +15,8 @@ use crate::{
 };
 
 impl Machine<'_> {
-    /// A loop: the frames where it has no end, else turn by turn.
-    pub(super) fn turns(
+    /// A loop: the frames where it has no end, else iteration by iteration.
+    pub(super) fn iterations(
         &mut self,
         it: &Stmt,
         condition: Option<&Expr>,
@@ -29,7 +29,7 @@ impl Machine<'_> {
         if endless && !beside {
             return self.frame_loop(body, step);
         }
-        // Where nothing in it waits, a turn is a frame.
+        // Where nothing in it waits, an iteration is a frame.
         let frame = endless && !look::syncs(self, body) && look::changes(self, body);
         let outer = self.maybe.clone();
         let mut all: Vec<Vec<Item>> = Vec::new();
@@ -125,12 +125,12 @@ impl Machine<'_> {
         let Some((first, rest)) = all.split_first() else {
             return;
         };
-        let turns = all.iter().map(Vec::len).sum::<usize>();
-        let whole = self.items.len() == before + turns;
+        let iterations = all.iter().map(Vec::len).sum::<usize>();
+        let whole = self.items.len() == before + iterations;
         if rest.is_empty() || first.is_empty() || self.kernel.is_some() || !whole {
             return;
         }
-        if rest.iter().any(|turn| turn != first) {
+        if rest.iter().any(|iteration| iteration != first) {
             return;
         }
         self.items.truncate(before);

@@ -30,7 +30,7 @@ const PART: usize = 4;
 pub(super) const GAIN: Slot = 0;
 
 /// Where a value lies: a variable, and the way to an element of it.
-pub(super) type Spot = (Slot, Vec<usize>);
+pub(super) type Location = (Slot, Vec<usize>);
 
 /// How control goes on.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,9 +71,9 @@ pub(super) struct Machine<'a> {
     pub functions: BTreeMap<Word, Vec<Rc<Function>>>,
     /// Functions of classes.
     pub members: BTreeMap<Word, Vec<Rc<Function>>>,
-    /// Functions as they are announced, for their default arguments.
+    /// Functions as they are declared, for their default arguments.
     pub prototypes: BTreeMap<Word, Vec<Rc<Function>>>,
-    /// Where variables of the file are stated.
+    /// Where variables of the file are declared.
     pub homes: BTreeMap<Word, Place>,
     pub slots: Vec<Value>,
     /// Variables that were given up.
@@ -84,6 +84,10 @@ pub(super) struct Machine<'a> {
     pub copied: BTreeSet<Slot>,
     /// Classes whose members are known.
     pub layouts: BTreeMap<Word, Rc<Layout>>,
+    /// Classes that are not followed: what they are, and where.
+    pub unread: BTreeMap<Word, String>,
+    /// Variables of types that are not followed: why nothing is known of them.
+    pub not_followed: BTreeMap<Slot, Arc<str>>,
     /// The types that the template which runs was given, by position.
     pub types: Vec<Kind>,
     /// What stands in `<…>` before the call that comes next.
@@ -95,7 +99,7 @@ pub(super) struct Machine<'a> {
     pub base: usize,
     /// The namespace that is worked in.
     pub space: Word,
-    /// Names of variables that are stated in several namespaces.
+    /// Names of variables that are declared in several namespaces.
     pub ambiguous: BTreeSet<Word>,
     /// Variables that are made once, by the place of their declaration.
     pub lasting: BTreeMap<usize, Slot>,
@@ -159,6 +163,8 @@ impl<'a> Machine<'a> {
             kinds: vec![Kind::INT],
             copied: BTreeSet::new(),
             layouts: BTreeMap::new(),
+            unread: BTreeMap::new(),
+            not_followed: BTreeMap::new(),
             types: Vec::new(),
             angles: None,
             scopes: vec![BTreeMap::new()],
@@ -266,7 +272,7 @@ impl<'a> Machine<'a> {
     }
 }
 
-/// Adds a fault, once: a loop would tell it in every turn.
+/// Adds a fault, once: a loop would tell it in every iteration.
 fn once(faults: &mut Vec<Fault>, fault: Fault) {
     let known = |it: &Fault| it.message == fault.message && it.place.start == fault.place.start;
     if !faults.iter().any(known) {

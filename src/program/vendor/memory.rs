@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{
     beside::HELD,
-    machine::{GAIN, Machine, Spot},
+    machine::{GAIN, Location, Machine},
     shape,
     tree::{Expr, ExprNode, Kind},
     value::{Slot, Value},
@@ -14,7 +14,13 @@ use crate::{config::Place, limit::VENDOR_VALUES};
 
 impl Machine<'_> {
     /// Writes what was read to where the host wanted it.
-    pub(super) fn fill(&mut self, (slot, path): &Spot, memory: &[i64], name: &str, place: Place) {
+    pub(super) fn fill(
+        &mut self,
+        (slot, path): &Location,
+        memory: &[i64],
+        name: &str,
+        place: Place,
+    ) {
         let single = memory.len() == 1;
         if let (Value::Unknown(_), true, false) = (&self.slots[*slot], path.is_empty(), single) {
             let all = memory.iter().map(|it| Value::Whole(*it)).collect();
@@ -33,7 +39,10 @@ impl Machine<'_> {
             let (wants, room) = (memory.len(), cells.len());
             self.error(
                 place,
-                format!("`{name}` writes {wants} numbers, and there is room for {room}"),
+                format!(
+                    "`{name}` writes {}, and there is room for {room}",
+                    crate::unit::counted(wants, "number")
+                ),
                 "this call",
                 "give it a larger array, or let it read less",
             );

@@ -10,7 +10,7 @@
 //! - [`parse`], [`expression`]: tokens to the [`tree`].
 //! - [`machine`], [`run`], [`evaluate`], [`call`]: the tree, run. [`value::Value::Unknown`] is what
 //!   only the run of the program knows; nothing that changes the array may depend on it.
-//! - [`frames`]: the loop over the frames, its first turn and its steady one.
+//! - [`frames`]: the loop over the frames, its first iteration and its steady one.
 //! - [`beside`], [`memory`], [`post`]: the host runs beside the array instead, and decides by what
 //!   it reads.
 //! - [`host`], [`chip`]: what the vendor's library offers.
@@ -19,7 +19,6 @@
 //! Text whose statements end with their lines, as an open simulator takes it, is read as well.
 
 mod algorithm;
-mod announced;
 mod ask;
 mod beside;
 mod call;
@@ -40,6 +39,7 @@ mod memory;
 mod parse;
 mod post;
 mod preprocess;
+mod prototype;
 mod reach;
 mod run;
 mod scope;
@@ -206,7 +206,7 @@ pub(super) fn run(
 
 /// Runs what a file says.
 fn run_file(machine: &mut Machine<'_>, statements: &[Stmt]) {
-    state(machine, statements);
+    define(machine, statements);
     top_level(machine, statements);
     let main = machine
         .functions
@@ -256,14 +256,14 @@ fn laid_out(machine: &mut Machine<'_>, broken: bool) -> Vec<Item> {
     all
 }
 
-/// States every function, so that those below can be called from above.
-fn state(machine: &mut Machine<'_>, statements: &[Stmt]) {
+/// Defines every function, so that those below can be called from above.
+fn define(machine: &mut Machine<'_>, statements: &[Stmt]) {
     for statement in statements {
         match &statement.node {
-            StmtNode::Function(function) => machine.state(function),
-            StmtNode::Prototype(function) => machine.announce(function),
-            StmtNode::Class(members) => machine.state_members(members),
-            StmtNode::Block(inner) | StmtNode::Namespace(_, inner) => state(machine, inner),
+            StmtNode::Function(function) => machine.define(function),
+            StmtNode::Prototype(function) => machine.declare_function(function),
+            StmtNode::Class(members) => machine.define_members(members),
+            StmtNode::Block(inner) | StmtNode::Namespace(_, inner) => define(machine, inner),
             _ => {}
         }
     }

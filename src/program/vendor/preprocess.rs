@@ -6,8 +6,8 @@ use std::{
 };
 
 use super::{
-    announced::{announced, is_program},
     files::{Files, Includes, bodies, named, plain},
+    prototype::{is_program, undefined},
     token::{Kind, Token, tokens},
 };
 use crate::{
@@ -23,7 +23,7 @@ const DEPTH: usize = 16;
 pub(super) struct Preprocessed {
     pub tokens: Vec<Token>,
     pub faults: Vec<Fault>,
-    /// Names that stand for one number, as `#define` states them.
+    /// Names that stand for one number, as `#define` has them.
     pub numbers: BTreeMap<String, f64>,
 }
 
@@ -293,12 +293,12 @@ impl Preprocessor<'_> {
                 let first = false;
                 it.body = Vec::new();
                 if negative {
-                    let kind = Kind::Mark("-");
+                    let kind = Kind::Punctuator("-");
                     it.body.push(Token { kind, place, first });
                 }
                 it.body.push(Token { kind, place, first });
             }
-            if let Some(value) = stated(&it.body) {
+            if let Some(value) = literal(&it.body) {
                 self.numbers.insert(name.to_string(), value);
             }
         }
@@ -317,7 +317,7 @@ impl Preprocessor<'_> {
                     Fault::warning(
                         place,
                         format!("`{name}` is not there"),
-                        "what it states is not known",
+                        "what it declares is not known",
                     )
                     .help("put it beside the file, under this name"),
                 );
@@ -349,9 +349,9 @@ impl Preprocessor<'_> {
     }
 
     /// Reads what lies beside the headers under their names, and under those of functions that are
-    /// announced: the vendor's tools build all of it.
+    /// declared: the vendor's tools build all of it.
     fn bodies(&mut self, own: &str) {
-        for (name, place) in announced(own) {
+        for (name, place) in undefined(own) {
             self.beside(&named(&name), place, own);
         }
         let mut at = 0;
@@ -361,7 +361,7 @@ impl Preprocessor<'_> {
             let Some(text) = self.includes.get(&header).cloned() else {
                 continue;
             };
-            for (name, _) in announced(&text) {
+            for (name, _) in undefined(&text) {
                 self.beside(&named(&name), place, own);
             }
         }
@@ -465,7 +465,7 @@ impl Preprocessor<'_> {
         if it.variadic && given.len() > parameters.len() && !parameters.is_empty() {
             let last = given.split_off(parameters.len() - 1);
             let comma = Token {
-                kind: Kind::Mark(","),
+                kind: Kind::Punctuator(","),
                 place,
                 first: false,
             };
@@ -479,8 +479,8 @@ impl Preprocessor<'_> {
                 Fault::error(
                     place,
                     format!(
-                        "`{name}` takes {} arguments, not {}",
-                        parameters.len(),
+                        "`{name}` takes {}, not {}",
+                        crate::unit::counted(parameters.len(), "argument"),
                         given.len()
                     ),
                     "this call",
@@ -565,10 +565,10 @@ fn arguments(tokens: &[Token]) -> Option<(Vec<&[Token]>, &[Token])> {
     }
     let (mut depth, mut start, mut given) = (0_usize, 1, Vec::new());
     for (i, token) in tokens.iter().enumerate() {
-        let Kind::Mark(mark) = token.kind else {
+        let Kind::Punctuator(punctuator) = token.kind else {
             continue;
         };
-        match mark {
+        match punctuator {
             "(" | "[" | "{" => depth += 1,
             ")" | "]" | "}" => {
                 depth = depth.checked_sub(1)?;
@@ -613,7 +613,7 @@ fn written(given: &[Token]) -> String {
                 text.push_str(inner);
                 text.push('"');
             }
-            Kind::Mark(mark) => text.push_str(mark),
+            Kind::Punctuator(punctuator) => text.push_str(punctuator),
         }
     }
     text
@@ -632,7 +632,7 @@ fn number(value: f64) -> Kind {
 }
 
 /// The number that a body is, with its sign and parentheses.
-fn stated(body: &[Token]) -> Option<f64> {
+fn literal(body: &[Token]) -> Option<f64> {
     let mut body = body;
     while let [open, inner @ .., close] = body {
         if !(open.is("(") && close.is(")")) {

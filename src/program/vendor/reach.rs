@@ -4,24 +4,24 @@
 use std::sync::Arc;
 
 use super::{
-    machine::{Machine, Spot},
+    machine::{Location, Machine},
     shape,
     tree::{Expr, ExprNode, Kind, last},
-    value::{Slot, Value, moved},
+    value::{Layout, Slot, Value, moved},
 };
 
 impl Machine<'_> {
     /// Where the value of an expression lies, with all that finding it does.
     pub(super) fn reach(&mut self, it: &Expr) -> Reach {
         match &it.node {
-            ExprNode::Name(name) => match self.named_spot(name) {
-                Some((slot, path)) => Reach::Spot(slot, path),
+            ExprNode::Name(name) => match self.named_location(name) {
+                Some((slot, path)) => Reach::Location(slot, path),
                 None => Reach::Value(self.named_value(name, it.place)),
             },
             ExprNode::Unary("*", of) => match self.value(of) {
                 Value::Pointer(slot, path, _) => {
                     let (slot, path) = self.pointed(slot, path);
-                    Reach::Spot(slot, path)
+                    Reach::Location(slot, path)
                 }
                 other => Reach::Value(other),
             },
@@ -48,7 +48,7 @@ impl Machine<'_> {
     }
 
     /// Where a pointer leads.
-    pub(super) fn pointed(&self, slot: Slot, mut path: Vec<usize>) -> Spot {
+    pub(super) fn pointed(&self, slot: Slot, mut path: Vec<usize>) -> Location {
         let array = matches!(self.slots[slot], Value::List(_));
         if path.is_empty() && array && !self.copied.contains(&slot) {
             path.push(0);
@@ -84,7 +84,7 @@ impl Machine<'_> {
     /// The value that was reached, where it is known which.
     pub(super) fn reached<'v>(&'v self, reach: &'v Reach) -> Option<&'v Value> {
         match reach {
-            Reach::Spot(slot, path) => self.peek(*slot, path),
+            Reach::Location(slot, path) => self.peek(*slot, path),
             Reach::Value(value) => Some(value),
             Reach::Lost(..) | Reach::Beyond(_) => None,
         }
@@ -93,37 +93,40 @@ impl Machine<'_> {
     fn element(&mut self, base: Reach, index: &Value) -> Reach {
         let inner = self.is_inner(&base);
         let base = self.through(base);
+        if let Some(why) = self.not_followed(&base) {
+            return Reach::Value(Value::Unknown(why));
+        }
         let Some(at) = index.whole() else {
             let why = match index {
                 Value::Unknown(why) => Arc::clone(why),
                 other => format!("the element {}", other.describe()).into(),
             };
             return match base {
-                Reach::Spot(slot, path) => Reach::Lost(slot, path, why),
+                Reach::Location(slot, path) => Reach::Lost(slot, path, why),
                 _ => Reach::Value(Value::Unknown(why)),
             };
         };
         match base {
-            Reach::Spot(slot, path) if inner => match moved(&path, at) {
-                Some(path) => Reach::Spot(slot, self.carried(slot, path)),
+            Reach::Location(slot, path) if inner => match moved(&path, at) {
+                Some(path) => Reach::Location(slot, self.carried(slot, path)),
                 None => Reach::Beyond(at),
             },
-            Reach::Spot(slot, mut path) => {
+            Reach::Location(slot, mut path) => {
                 let held = self.peek(slot, &path);
                 if let Some(Value::Text(text)) = held {
                     return character(text, at);
                 }
                 let nested = matches!(held, Some(Value::List(_)));
                 if !nested && path.is_empty() && at == 0 {
-                    return Reach::Spot(slot, path);
+                    return Reach::Location(slot, path);
                 }
                 let known = usize::try_from(at);
                 if let (true, Ok(at)) = (nested, known) {
                     path.push(at);
-                    return Reach::Spot(slot, path);
+                    return Reach::Location(slot, path);
                 }
                 match moved(&path, at) {
-                    Some(path) if !nested => Reach::Spot(slot, path),
+                    Some(path) if !nested => Reach::Location(slot, path),
                     _ => Reach::Beyond(at),
                 }
             }
@@ -143,7 +146,7 @@ impl Machine<'_> {
     /// Where a pointer that lies somewhere leads; anything else stays where it is.
     pub(super) fn through(&self, base: Reach) -> Reach {
         match self.reached(&base) {
-            Some(Value::Pointer(slot, path, _)) => Reach::Spot(*slot, path.clone()),
+            Some(Value::Pointer(slot, path, _)) => Reach::Location(*slot, path.clone()),
             _ => base,
         }
     }
@@ -154,12 +157,12 @@ impl Machine<'_> {
             return base;
         }
         // A pointer to an array of objects leads to the first.
-        if let (Reach::Spot(_, path), Some(Value::List(all))) = (&base, self.reached(&base))
+        if let (Reach::Location(_, path), Some(Value::List(all))) = (&base, self.reached(&base))
             && path.is_empty()
             && matches!(all.first(), Some(Value::Record(..)))
-            && let Reach::Spot(slot, _) = base
+            && let Reach::Location(slot, _) = base
         {
-            base = Reach::Spot(slot, vec![0]);
+            base = Reach::Location(slot, vec![0]);
         }
         let at = match self.reached(&base) {
             // The words of a register, which are only ever compared.
@@ -178,24 +181,53 @@ impl Machine<'_> {
             _ => None,
         };
         match (at, base) {
-            (Some(at), Reach::Spot(slot, mut path)) => {
+            (Some(at), Reach::Location(slot, mut path)) => {
                 path.push(at);
-                Reach::Spot(slot, path)
+                Reach::Location(slot, path)
             }
             (Some(at), Reach::Value(Value::List(mut all) | Value::Record(_, mut all)))
                 if at < all.len() =>
             {
                 Reach::Value(all.swap_remove(at))
             }
-            _ => Reach::Value(Value::Unknown(format!("`{name}` of an object").into())),
+            (_, base) => Reach::Value(Value::Unknown(self.no_member(&base, name))),
+        }
+    }
+
+    /// Why nothing is known of a member.
+    fn no_member(&self, base: &Reach, name: &str) -> Arc<str> {
+        if let Some(why) = self.not_followed(base) {
+            return why;
+        }
+        match self.reached(base) {
+            Some(Value::Record(layout, _))
+                if !layout.names(name) && !self.is_shared(layout, name) =>
+            {
+                format!("`{name}`, which `{}` does not have,", layout.name).into()
+            }
+            _ => format!("`{name}` of an object").into(),
+        }
+    }
+
+    /// Whether all objects of a class share it, as constants and functions that are `static`.
+    fn is_shared(&self, layout: &Layout, name: &str) -> bool {
+        self.find(&format!("{}::{name}", layout.name)).is_some()
+            || self.functions.contains_key(name)
+    }
+
+    /// Why nothing is known of a variable, where its class is not followed.
+    pub(super) fn not_followed(&self, base: &Reach) -> Option<Arc<str>> {
+        match base {
+            Reach::Location(slot, _) => self.not_followed.get(slot).cloned(),
+            _ => None,
         }
     }
 
     /// The value that lies where something was reached.
     pub(super) fn load(&mut self, reached: &Reach, it: &Expr) -> Value {
         match reached {
-            Reach::Spot(..) if self.beyond(reached, it) => Value::Whole(0),
-            Reach::Spot(slot, path) => {
+            Reach::Location(..) if self.beyond(reached, it) => Value::Whole(0),
+            Reach::Location(slot, path) => {
                 let name = base_name(it);
                 match self.decayed(*slot, path, &name) {
                     Value::Unknown(why) if matches!(it.node, ExprNode::Name(_)) => {
@@ -217,7 +249,7 @@ impl Machine<'_> {
     fn beyond(&mut self, reached: &Reach, it: &Expr) -> bool {
         let (index, length) = match reached {
             Reach::Beyond(index) => (*index, None),
-            Reach::Spot(slot, path) => {
+            Reach::Location(slot, path) => {
                 let (Some(index), held) = (path.last(), path.len().saturating_sub(1)) else {
                     return false;
                 };
@@ -253,7 +285,7 @@ impl Machine<'_> {
     /// Stores a value, as a variable of its type holds it, and gives that back.
     pub(super) fn store(&mut self, reached: &Reach, value: Value, to: &Expr) -> Value {
         match reached {
-            Reach::Spot(slot, path) => {
+            Reach::Location(slot, path) => {
                 if self.beyond(reached, to) {
                     return value;
                 }
@@ -310,9 +342,9 @@ impl Machine<'_> {
         {
             self.error(
                 to.place,
-                format!("`{name}` is not stated"),
+                format!("`{name}` is not declared"),
                 "a variable is needed here",
-                &format!("state it: `int {name} = …;`"),
+                &format!("declare it: `int {name} = …;`"),
             );
         }
     }
@@ -338,7 +370,7 @@ impl Machine<'_> {
 
 /// Where an expression leads.
 pub(super) enum Reach {
-    Spot(Slot, Vec<usize>),
+    Location(Slot, Vec<usize>),
     /// Some element of an array: why it is not known which.
     Lost(Slot, Vec<usize>, Arc<str>),
     /// An element that no array has.

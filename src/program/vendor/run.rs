@@ -53,19 +53,19 @@ impl Machine<'_> {
                 if let Some(start) = start {
                     self.statement(start);
                 }
-                let flow = self.turns(it, condition.as_ref(), step.as_ref(), body, false);
+                let flow = self.iterations(it, condition.as_ref(), step.as_ref(), body, false);
                 self.scopes.pop();
                 return flow;
             }
             StmtNode::Each(it, list, body) => return self.each(it, list, body),
             StmtNode::While(condition, body) => {
-                return self.turns(it, Some(condition), None, body, false);
+                return self.iterations(it, Some(condition), None, body, false);
             }
             StmtNode::DoWhile(body, condition) => {
-                return self.turns(it, Some(condition), None, body, true);
+                return self.iterations(it, Some(condition), None, body, true);
             }
             StmtNode::Switch(on, body) => return self.switch(on, body),
-            StmtNode::Prototype(function) => self.announce(function),
+            StmtNode::Prototype(function) => self.declare_function(function),
             StmtNode::Case(_) | StmtNode::Nothing => {}
             StmtNode::Break => return Flow::Break,
             StmtNode::Continue => return Flow::Continue,
@@ -73,10 +73,10 @@ impl Machine<'_> {
                 let value = value.as_ref().map_or(Value::Whole(0), |it| self.value(it));
                 return Flow::Return(value);
             }
-            StmtNode::Function(function) => self.state(function),
-            StmtNode::Struct(it) => self.class(it),
+            StmtNode::Function(function) => self.define(function),
+            StmtNode::Struct(class) => self.class(class, it.place),
             StmtNode::Class(members) => {
-                self.state_members(members);
+                self.define_members(members);
                 self.check_members(members);
             }
         }
@@ -93,7 +93,7 @@ impl Machine<'_> {
                 {
                     return Value::Unknown(format!("`{name}`").into());
                 }
-                self.unstated(&name, it.place);
+                self.undeclared(&name, it.place);
                 Value::Whole(0)
             }
             value if self.no_number(&value, it.place) => Value::Whole(0),
@@ -206,8 +206,8 @@ impl Machine<'_> {
 
     fn each(&mut self, it: &Declared, list: &Expr, body: &Stmt) -> Flow {
         let reached = self.reach(list);
-        let (spot, listed) = match &reached {
-            Reach::Spot(slot, path) => match self.at(*slot, path) {
+        let (location, listed) = match &reached {
+            Reach::Location(slot, path) => match self.at(*slot, path) {
                 Value::Pointer(slot, path, _) => {
                     let listed = self.at(slot, &path);
                     (Some((slot, path)), listed)
@@ -216,18 +216,26 @@ impl Machine<'_> {
             },
             other => (None, self.load(other, list)),
         };
+        if let (Value::Unknown(_), Some(why)) = (&listed, self.not_followed(&reached)) {
+            self.unknown(
+                list.place,
+                format!("how often this loop runs, {why} decides"),
+                None,
+            );
+            return Flow::Next;
+        }
         let Value::List(all) = listed else {
             self.error(
                 list.place,
                 "this is no list of known values".to_owned(),
                 "the loop goes over it",
-                "state the values in the file: `int all[] = {1, 2, 3};`",
+                "write the values in the file: `int all[] = {1, 2, 3};`",
             );
             return Flow::Next;
         };
         for (i, value) in all.into_iter().enumerate() {
             self.scopes.push(std::collections::BTreeMap::new());
-            match &spot {
+            match &location {
                 Some((slot, path)) if it.reference => {
                     let path = [&path[..], &[i]].concat();
                     self.refer(&it.name, (*slot, path));

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{
-    machine::{Machine, Spot},
+    machine::{Location, Machine},
     tree::{Kind, Word, last, qualifier},
     value::{Slot, Value},
 };
@@ -83,7 +83,7 @@ impl Machine<'_> {
     }
 
     /// Binds a name to a variable, or to an element of one.
-    pub(super) fn refer(&mut self, name: &Word, (slot, path): Spot) {
+    pub(super) fn refer(&mut self, name: &Word, (slot, path): Location) {
         if path.is_empty() {
             self.bind(name, slot);
         } else {

@@ -48,7 +48,10 @@ pub(super) fn shaped(
             if rest.is_empty() {
                 Ok(made)
             } else {
-                Err(format!("{} values too many for this array", rest.len()))
+                Err(format!(
+                    "{} too many for this array",
+                    crate::unit::counted(rest.len(), "value")
+                ))
             }
         }
         other => Ok(other),
@@ -108,7 +111,10 @@ pub(super) fn record(layout: &Rc<Layout>, all: Vec<Value>) -> Result<Value, Stri
         Ok(made)
     } else {
         let name = &layout.name;
-        Err(format!("{} values too many for `{name}`", rest.len()))
+        Err(format!(
+            "{} too many for `{name}`",
+            crate::unit::counted(rest.len(), "value")
+        ))
     }
 }
 

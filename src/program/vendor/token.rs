@@ -1,4 +1,4 @@
-//! Tokens of C++: names, numbers, text, marks. Comments are passed over.
+//! Tokens of C++: names, numbers, text, punctuators. Comments are passed over.
 
 use std::sync::Arc;
 
@@ -29,12 +29,12 @@ pub(super) enum Kind {
     Real(f64),
     /// Text between quotes, without them.
     Text(Arc<str>),
-    Mark(&'static str),
+    Punctuator(&'static str),
 }
 
 impl Token {
-    pub(super) fn is(&self, mark: &str) -> bool {
-        matches!(self.kind, Kind::Mark(m) if m == mark)
+    pub(super) fn is(&self, punctuator: &str) -> bool {
+        matches!(self.kind, Kind::Punctuator(m) if m == punctuator)
     }
 
     pub(super) fn name(&self) -> Option<&Arc<str>> {
@@ -45,8 +45,8 @@ impl Token {
     }
 }
 
-/// Longer marks before those that they begin with.
-const MARKS: [&str; 49] = [
+/// Longer punctuators before those that they begin with.
+const PUNCTUATORS: [&str; 49] = [
     "<<=", ">>=", "...", "->*", "::", "++", "--", "+=", "-=", "*=", "/=", "%=", "&=", "|=", "^=",
     "<<", ">>", "<=", ">=", "==", "!=", "&&", "||", "->", "##", "(", ")", "{", "}", "[", "]", ";",
     ",", "=", "+", "-", "*", "/", "%", "<", ">", "!", "~", "&", "|", "^", "?", ":", ".",
@@ -152,11 +152,14 @@ impl<'a> Lexer<'a> {
         }
         if first == '#' && !rest.starts_with("##") {
             self.at += 1;
-            return Ok(Kind::Mark("#"));
+            return Ok(Kind::Punctuator("#"));
         }
-        if let Some(mark) = MARKS.iter().find(|mark| rest.starts_with(**mark)) {
-            self.at += mark.len();
-            return Ok(Kind::Mark(mark));
+        if let Some(punctuator) = PUNCTUATORS
+            .iter()
+            .find(|punctuator| rest.starts_with(**punctuator))
+        {
+            self.at += punctuator.len();
+            return Ok(Kind::Punctuator(punctuator));
         }
         self.at += first.len_utf8();
         Err(format!("`{}` has no meaning here", first.escape_debug()))

@@ -178,7 +178,7 @@ pub(super) struct Declared {
     pub pointer: bool,
     /// Whether it is an array of the language's library, which is copied with its name.
     pub library: bool,
-    /// `extern`: it is stated elsewhere.
+    /// `extern`: it is defined elsewhere.
     pub outside: bool,
     pub constant: bool,
     /// It is made once and stays.
@@ -192,6 +192,8 @@ pub(super) struct Struct {
     pub name: Word,
     pub members: Vec<Declared>,
     pub functions: Vec<Rc<Function>>,
+    /// What it is, where its objects are not followed.
+    pub unread: Option<&'static str>,
 }
 
 /// A function, or a lambda, which has no name.
@@ -204,7 +206,7 @@ pub(super) struct Function {
     pub body: Rc<[Stmt]>,
     /// Whether it runs without a call by its name: a constructor, a destructor, an operator.
     pub hidden: bool,
-    /// Whether it is stated as `name::name`, as functions of classes can be.
+    /// Whether it is defined as `name::name`, as functions of classes can be.
     pub qualified: bool,
     pub place: Place,
     /// What the number that it gives back becomes.

@@ -60,11 +60,18 @@ pub(super) struct Member {
     pub lengths: Vec<Option<usize>>,
     /// The class of the member itself.
     pub layout: Option<Rc<Layout>>,
-    /// What it begins with, where that is stated.
+    /// What it begins with, where its declaration says so.
     pub default: Option<Value>,
 }
 
 impl Layout {
+    /// Whether a member or a function has this name.
+    pub(super) fn names(&self, name: &str) -> bool {
+        let members = self.members.iter().map(|it| &it.name);
+        let functions = self.functions.iter().map(|it| &it.name);
+        members.chain(functions).any(|it| &**it == name)
+    }
+
     /// How many values an object holds.
     pub(super) fn size(&self) -> usize {
         let members = self.members.iter().map(|member| {
@@ -193,12 +200,12 @@ impl Value {
     }
 
     /// What stands before a number: `-`, `~` or `+`.
-    pub(super) fn signed(&self, mark: &str) -> Option<Self> {
-        if let (Self::Real(value), "-" | "+") = (self, mark) {
-            return Some(Self::Real(if mark == "-" { -value } else { *value }));
+    pub(super) fn signed(&self, operator: &str) -> Option<Self> {
+        if let (Self::Real(value), "-" | "+") = (self, operator) {
+            return Some(Self::Real(if operator == "-" { -value } else { *value }));
         }
         let (value, width) = self.parts()?;
-        let value = match mark {
+        let value = match operator {
             "-" => value.wrapping_neg(),
             "~" => !value,
             _ => value,
@@ -207,15 +214,15 @@ impl Value {
     }
 
     /// Whole numbers under an operator: both become the wider of their types, as in C++.
-    fn of_whole(mark: &str, left: &Self, right: &Self) -> Option<Self> {
+    fn of_whole(operator: &str, left: &Self, right: &Self) -> Option<Self> {
         let ((a, of_a), (b, of_b)) = (left.parts()?, right.parts()?);
-        if matches!(mark, "<<" | ">>") {
+        if matches!(operator, "<<" | ">>") {
             let bits = match of_a {
                 None | Some(Width::Unsigned) => 32,
                 Some(_) => 64,
             };
             let by = u32::try_from(b).ok().filter(|by| *by < bits)?;
-            let value = match (mark, of_a) {
+            let value = match (operator, of_a) {
                 ("<<", _) => a << by,
                 (_, Some(Width::UnsignedLong)) => (a as u64 >> by) as i64,
                 _ => a >> by,
@@ -226,21 +233,22 @@ impl Value {
         let own = |value| Self::of_width(value, width).parts().map(|it| it.0);
         let (a, b) = (own(a)?, own(b)?);
         let (low, high) = (a as u64, b as u64);
-        let value = match mark {
+        let value = match operator {
             "/" if width == Some(Width::UnsignedLong) => low.checked_div(high)? as i64,
             "%" if width == Some(Width::UnsignedLong) => low.checked_rem(high)? as i64,
             "<" | ">" | "<=" | ">=" if width == Some(Width::UnsignedLong) => {
                 // The order of numbers without a sign.
-                constant::apply(mark, a ^ i64::MIN, b ^ i64::MIN)?
+                constant::apply(operator, a ^ i64::MIN, b ^ i64::MIN)?
             }
-            _ => constant::apply(mark, a, b)?,
+            _ => constant::apply(operator, a, b)?,
         };
-        let width = width.filter(|_| matches!(mark, "+" | "-" | "*" | "/" | "%" | "&" | "|" | "^"));
+        let width =
+            width.filter(|_| matches!(operator, "+" | "-" | "*" | "/" | "%" | "&" | "|" | "^"));
         Some(Self::of_width(value, width))
     }
 
     /// Arithmetic of C++; `Err` says why there is none.
-    pub(super) fn binary(mark: &str, left: &Self, right: &Self) -> Result<Self, String> {
+    pub(super) fn binary(operator: &str, left: &Self, right: &Self) -> Result<Self, String> {
         use Value::{Pointer, Real, Symbol, Symbols, Unknown, Whole, Wide};
         let names = |value: &Self| match value {
             Symbol(name) => Some(vec![name.clone()]),
@@ -250,11 +258,11 @@ impl Value {
         Ok(match (left, right) {
             // `0 * x` and `false && x` are not worth knowing better.
             (Unknown(why), _) | (_, Unknown(why)) => Unknown(Arc::clone(why)),
-            (Whole(a) | Wide(a, _), Whole(b) | Wide(b, _)) => Self::of_whole(mark, left, right)
-                .ok_or_else(|| format!("{a} {mark} {b} has no value"))?,
+            (Whole(a) | Wide(a, _), Whole(b) | Wide(b, _)) => Self::of_whole(operator, left, right)
+                .ok_or_else(|| format!("{a} {operator} {b} has no value"))?,
             (Whole(_) | Wide(..) | Real(_), Whole(_) | Wide(..) | Real(_)) => {
                 let (a, b) = (left.number().unwrap_or(0.0), right.number().unwrap_or(0.0));
-                match mark {
+                match operator {
                     "+" => Real(a + b),
                     "-" => Real(a - b),
                     "*" => Real(a * b),
@@ -267,27 +275,33 @@ impl Value {
                     "!=" => Self::flag(a != b),
                     "&&" => Self::flag(a != 0.0 && b != 0.0),
                     "||" => Self::flag(a != 0.0 || b != 0.0),
-                    _ => return Err(format!("`{mark}` is for whole numbers")),
+                    _ => return Err(format!("`{operator}` is for whole numbers")),
                 }
             }
-            (Pointer(slot, path, name), Whole(by) | Wide(by, _)) if matches!(mark, "+" | "-") => {
-                let by = if mark == "-" { -by } else { *by };
+            (Pointer(slot, path, name), Whole(by) | Wide(by, _))
+                if matches!(operator, "+" | "-") =>
+            {
+                let by = if operator == "-" { -by } else { *by };
                 let path = moved(path, by).ok_or_else(|| format!("`{name}` before its array"))?;
                 Pointer(*slot, path, name.clone())
             }
-            (Whole(_) | Wide(..), Pointer(..)) if mark == "+" => Self::binary(mark, right, left)?,
-            (Self::Text(a), Self::Text(b)) if mark == "+" => {
+            (Whole(_) | Wide(..), Pointer(..)) if operator == "+" => {
+                Self::binary(operator, right, left)?
+            }
+            (Self::Text(a), Self::Text(b)) if operator == "+" => {
                 if a.len() + b.len() > VENDOR_VALUES {
                     return Err(format!("a text of more than {VENDOR_VALUES} characters"));
                 }
                 Self::Text(format!("{a}{b}").into())
             }
-            _ if matches!(mark, "==" | "!=") => Self::flag((left == right) == (mark == "==")),
-            _ if mark == "&&" || mark == "||" => {
-                let (a, b) = (left.truth().unwrap_or(true), right.truth().unwrap_or(true));
-                Self::flag(if mark == "&&" { a && b } else { a || b })
+            _ if matches!(operator, "==" | "!=") => {
+                Self::flag((left == right) == (operator == "=="))
             }
-            _ => match (mark, names(left), names(right)) {
+            _ if operator == "&&" || operator == "||" => {
+                let (a, b) = (left.truth().unwrap_or(true), right.truth().unwrap_or(true));
+                Self::flag(if operator == "&&" { a && b } else { a || b })
+            }
+            _ => match (operator, names(left), names(right)) {
                 ("|" | "+", Some(mut a), Some(b)) => {
                     for name in b {
                         if !a.contains(&name) {
@@ -298,7 +312,7 @@ impl Value {
                 }
                 _ => {
                     return Err(format!(
-                        "`{mark}` between {} and {}",
+                        "`{operator}` between {} and {}",
                         left.describe(),
                         right.describe()
                     ));

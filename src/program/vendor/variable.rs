@@ -28,6 +28,7 @@ impl Machine<'_> {
         }
         self.copied.remove(&slot);
         self.fixed.remove(&slot);
+        self.not_followed.remove(&slot);
         slot
     }
 

@@ -43,7 +43,7 @@ pub fn cpp(program: &Program, device: &Device) -> Result<String, WriteError> {
         kernel: false,
         buffers: BTreeMap::new(),
         shown: 0,
-        turns: 0,
+        loops: 0,
     };
     let (mut init, mut frame): (Vec<&Item>, Vec<&Item>) = (Vec::new(), Vec::new());
     let mut bare = Vec::new();
@@ -117,7 +117,7 @@ struct Writer<'a> {
     /// Displays so far.
     shown: usize,
     /// Loops so far, which have counters of their own.
-    turns: usize,
+    loops: usize,
 }
 
 impl Writer<'_> {
@@ -166,8 +166,8 @@ impl Writer<'_> {
                 Node::Repeat { times, body } => {
                     self.kernel(false);
                     let times = self.number(times)?;
-                    let n = self.turns;
-                    self.turns += 1;
+                    let n = self.loops;
+                    self.loops += 1;
                     self.line(&format!("for (int i{n} = 0; i{n} < {times}; i{n}++) {{"));
                     self.level += 1;
                     self.items(&body.iter().collect::<Vec<_>>())?;

@@ -214,9 +214,9 @@ fn names(given: Option<Node<'_>>, kinds: Option<usize>) -> Read<Vec<String>> {
         (_, list, kinds) => Err(wrong(
             node.place(),
             format!(
-                "{} names for {} kernels",
-                list.map_or(0, |list| list.len()),
-                kinds.unwrap_or(1)
+                "{} for {}",
+                counted(list.map_or(0, |list| list.len()), "name"),
+                counted(kinds.unwrap_or(1), "kernel")
             ),
             "give one name, or a list of as many as the file has kernels",
         )),

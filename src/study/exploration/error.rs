@@ -46,7 +46,12 @@ pub enum ExplorationError {
     #[diagnostic(transparent)]
     Program(#[from] Faults),
     /// Names, kernels and thresholds do not go together.
-    #[error("{names} names and {thresholds} thresholds for {kernels} kernels")]
+    #[error(
+        "{} and {} for {}",
+        crate::unit::counted(*names, "name"),
+        crate::unit::counted(*thresholds, "threshold"),
+        crate::unit::counted(*kernels, "kernel")
+    )]
     #[diagnostic(help("give one of each for every kernel, and one kernel at least"))]
     Numbers {
         /// Kernels.

@@ -84,7 +84,7 @@ impl OnChip {
     }
 }
 
-/// Analogue registers that a program touches, NEWS left out.
+/// Analogue registers that a program uses, NEWS left out.
 pub(super) fn registers(code: &Code, device: &Device) -> usize {
     let mut cells = BTreeSet::new();
     for steps in [&code.init, &code.frame] {

@@ -482,6 +482,12 @@ fn stretch(runs: usize, pixels: usize, words: f64, frames: u64) -> u64 {
 }
 
 impl OverChips {
+    /// Whether the float kernel has no event in what the chips watched: nothing can be kept.
+    #[must_use]
+    pub fn has_nothing_to_keep(&self) -> bool {
+        self.stretch.is_some_and(|it| it.reference_events == 0)
+    }
+
     /// Of all chips that were drawn.
     fn new(
         drawn: Vec<DrawnChip>,

@@ -91,10 +91,10 @@ fn time(plan: &Plan, device: &Device) -> Estimate {
     let kind = plan.way.host();
     let calls = plan.calls;
     let (named, items) = match (plan.slots, &plan.rows) {
-        (Some(slots), _) => (Named::Item(kind), format!("{slots} slots")),
+        (Some(slots), _) => (Named::Item(kind), crate::unit::counted(slots, "slot")),
         (_, Some(rows)) => {
             let count = rows.end() - rows.start() + 1;
-            (Named::Item(kind), format!("{count} rows"))
+            (Named::Item(kind), crate::unit::counted(count, "row"))
         }
         (None, None) => (Named::Call(kind), "a call".to_owned()),
     };

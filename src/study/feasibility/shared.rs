@@ -270,14 +270,14 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
     (
         headline.to_owned(),
         format!(
-            "One program has {}, with {}: {} words of the {} in the store, {} of {} analogue registers, at most {ceiling} for the {fps} that the scene asks for. The chip carries {} like {} in that way. {} judged against {}. {loss}",
+            "One program has {}, with {}: it takes {} of the {} in the store, uses {} of {} analogue registers, and reaches at most {ceiling} for the {fps} that the scene asks for. The chip carries {} like {} in that way. {} judged against {}. {loss}",
             if count == 1 {
                 "the kernel".to_owned()
             } else {
                 format!("all {count} kernels")
             },
             program.memory,
-            program.stored_words,
+            counted(program.stored_words, "word"),
             program.store.low,
             program.registers,
             program.registers_of,

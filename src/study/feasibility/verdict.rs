@@ -225,11 +225,11 @@ fn room(all: &Feasibility) -> Finding {
         Fit::OnChip(it) => (
             "fits",
             format!(
-                "{} as {} fits {}: {} words of the {} in its store, {} of {} analogue registers, {} of the array's time a frame.",
+                "{} as {} fits {}: it takes {} of the {} in its store, uses {} of {} analogue registers, and takes {} of the array's time a frame.",
                 all.kernel.name,
                 all.chosen.to,
                 chip.name,
-                it.stored_words,
+                crate::unit::counted(it.stored_words, "word"),
                 it.store.low,
                 it.registers,
                 it.registers_of,

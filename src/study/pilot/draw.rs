@@ -3,8 +3,9 @@
 //! Each tile has a size: what goes on in it, and a floor, since noise and rare events are everywhere.
 //! Tiles are put in order of their size, and the order is cut into strata of equal size, one for
 //! each tile that can be afforded. One is drawn of each, all from one number (systematic sampling),
-//! with a probability in proportion to its size. A tile that alone fills a stratum is taken for
-//! certain. What moves most is always seen.
+//! with a probability in proportion to its size. A tile that alone fills a stratum is
+//! certain: it is drawn with probability 1, and stands for itself alone. So what moves most is
+//! always run.
 
 use crate::{order::Order, rng::Hash};
 

@@ -5,8 +5,11 @@
 //! events of either model without a partner in the other. With `w_i = 1 / p_i` the totals are
 //! about `X = Σ w_i x_i` and `Y = Σ w_i y_i`, and the share is `Y / X`.
 //!
-//! **Changes.** They come in jumps: what one tile shows is seen at once, so a total of jumps is
-//! taken for a compound Poisson number. Its upper limit is that of Fay & Feuer for weighted sums
+//! A **jump** is what one tile adds to a total: `w_i y_i`. A tile is **certain** that was drawn with
+//! probability 1. **Unseen** is a change of which the sample has none: how large it would be is
+//! said by what changes at once ([`History`]).
+//!
+//! **Changes.** They come in jumps, so their total is taken for a compound Poisson number. Its upper limit is that of Fay & Feuer for weighted sums
 //! of Poisson numbers (Statistics in Medicine 16:791, 1997), with the variance of tiles that were
 //! drawn independently and with one jump more that has not been seen:
 //!

@@ -65,19 +65,21 @@ fn ranges(all: &Feasibility, evidence: Evidence) -> Markup {
     let Some(ranges) = &all.over_chips.ranges else {
         return html! {};
     };
+    let is_silent = all.over_chips.has_nothing_to_keep();
+    let of_kept = |spread| Some(spread).filter(|_| !is_silent);
     let rows = [
         (
             "Kept",
             "of the float kernel\u{2019}s events, above accident",
             "kept",
-            Some(ranges.kept),
+            of_kept(ranges.kept),
             "",
         ),
         (
             "As a threshold higher by",
             "the change of the float sensor\u{2019}s threshold that costs as much",
             "threshold_equivalent_percent",
-            Some(ranges.threshold_equivalent_percent),
+            of_kept(ranges.threshold_equivalent_percent),
             "%",
         ),
         (
@@ -103,6 +105,13 @@ fn ranges(all: &Feasibility, evidence: Evidence) -> Markup {
         ),
     ];
     html! {
+        @if is_silent {
+            tr {
+                th scope="row" { "Kept" }
+                td { "nothing to keep: the float kernel has no event in what they watched" }
+                td {}
+            }
+        }
         @for (what, from, key, spread, unit) in rows {
             @if let Some(spread) = spread {
                 tr {

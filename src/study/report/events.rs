@@ -89,7 +89,9 @@ pub(super) fn right(all: &Feasibility) -> Part {
         html! {
             p { "One that the chip does as the float kernel says, and that a plain DVS does not do as well. An event is right where the float kernel has one of the same pixel and sign within "
                 (number::scaled("/within_us", all.within_us.0 as f64, 1e-3)) " ms. The floor is what a sensor scores that is right by accident: the float kernel's own events at other cells' times, or at other pixels, whichever scores more. The ceiling is 1." }
-            (broad("Scores", &html! {
+            @if all.streams.float.events == 0 {
+                p { "The float kernel has no event on this scene: there is nothing to keep." }
+            } @else { (broad("Scores", &html! {
                 table {
                     caption { "Scores against the float kernel, each with its floor" }
                     thead { tr {
@@ -120,7 +122,7 @@ pub(super) fn right(all: &Feasibility) -> Part {
                         }
                     }
                 }
-            }))
+            })) }
             p.note { "The mark in each bar is the floor. A frame apart, an event may be a frame early or late: what it has more than F1 was there, but not then. "
                 "Kept is what of F1 is more than a redraw of the float kernel\u{2019}s events scores; the threshold is the change of the float sensor\u{2019}s that costs as much; at equal events its threshold was set such that it says as many events, so that what is left is shape and not gain." }
         },

@@ -22,7 +22,11 @@ pub(super) fn section(all: &Feasibility) -> Part {
         all.kernel.weights.first().map_or(0, Vec::len),
     );
     let alt = |what: &str| {
-        format!("{what}, {height} rows of {width} weights; blue above zero, orange below.")
+        format!(
+            "{what}, {} of {}; blue above zero, orange below.",
+            crate::unit::counted(height, "row"),
+            crate::unit::counted(width, "weight")
+        )
     };
     part(
         "trade-offs",
@@ -73,7 +77,7 @@ pub(super) fn section(all: &Feasibility) -> Part {
                     }
                 }
             }))
-            p.note { "Events are for each of the float kernel's. Microseconds are those of the array, without readout; registers those of the filter. Words, times and scores are emulated (modelled)." }
+            p.note { "Events are for each of the float kernel's. Microseconds are those of the array, without readout; registers those of the filter that are live at a time. Words, times and scores are emulated (modelled)." }
         },
     )
 }

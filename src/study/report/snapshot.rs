@@ -67,7 +67,8 @@ fn difference(snapshot: &Snapshot, chip: &[Event]) -> Markup {
         ..
     } = difference;
     let alt = format!(
-        "Where the two differ: {matched} events in both, {missing} missing from the chip, {extra} extra."
+        "Where the two differ: {} in both, {missing} missing from the chip, {extra} extra.",
+        crate::unit::counted(matched, "event")
     );
     let caption = format!("Difference: {matched} in both, {missing} missing, {extra} extra");
     figure(&difference.panel(Size::of(&snapshot.light)), &alt, &caption)

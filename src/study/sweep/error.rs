@@ -164,7 +164,8 @@ pub enum StoreError {
     },
     /// Folders that say two things of one point.
     #[error(
-        "the folders disagree on {points} points:{}",
+        "the folders disagree on {}:{}",
+        crate::unit::counted(*points, "point"),
         listed(disagreements.iter().map(ToString::to_string))
     )]
     #[diagnostic(help(

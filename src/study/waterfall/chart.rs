@@ -50,10 +50,10 @@ impl Waterfall {
                 windows.narrow, windows.wide
             ),
             format!(
-                "{} on cells of {}: {} words a frame, the light halved {}, a threshold of {:.3} LSB",
+                "{} on cells of {}: {} a frame, the light halved {}, a threshold of {:.3} LSB",
                 self.to,
                 self.arithmetic,
-                program.words,
+                counted(program.words, "word"),
                 counted(program.prescale_bits, "time"),
                 program.threshold_lsb
             ),

@@ -174,15 +174,24 @@ fn hold_rows(file: &dyn FileReader) -> Result<(), Stop> {
             // A column of lists has more values than rows.
             let flat = column.column_descr().max_rep_level() == 0;
             if flat && column.num_values() != rows {
-                let one = format!("row group {number} says that it has {rows} rows");
+                let one = format!(
+                    "row group {number} says that it has {}",
+                    crate::unit::counted(rows, "row")
+                );
                 let (name, values) = (column.column_path(), column.num_values());
-                let other = format!("its column {name} has {values} values");
+                let other = format!(
+                    "its column {name} has {}",
+                    crate::unit::counted(values, "value")
+                );
                 return Err(Stop::twice(Format::Parquet, 0, one, other));
             }
         }
     }
     if sum != stated {
-        let one = format!("its footer says that it has {stated} rows");
+        let one = format!(
+            "its footer says that it has {}",
+            crate::unit::counted(stated, "row")
+        );
         return Err(Stop::twice(
             Format::Parquet,
             0,

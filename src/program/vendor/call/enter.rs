@@ -15,12 +15,12 @@ use crate::config::Place;
 const DEPTH: usize = 64;
 
 impl Machine<'_> {
-    /// The default of a parameter, stated with the function or where it is announced.
+    /// The default of a parameter, in its definition or a declaration.
     pub(super) fn default(&self, function: &Function, index: usize) -> Option<Expr> {
         let own = function.parameters.get(index)?.default.clone();
         own.or_else(|| {
-            let announced = self.prototypes.get(&function.name)?.iter();
-            let mut alike = announced.filter(|it| {
+            let declared = self.prototypes.get(&function.name)?.iter();
+            let mut alike = declared.filter(|it| {
                 let kinds =
                     |it: &Function| it.parameters.iter().map(|p| p.kind).collect::<Vec<_>>();
                 it.space == function.space && kinds(it) == kinds(function)
@@ -75,7 +75,7 @@ impl Machine<'_> {
         for (i, parameter) in function.parameters.iter().enumerate() {
             let kind = self.resolved(parameter.kind);
             let slot = match (given.next(), self.default(function, i)) {
-                (Some(it), _) => match it.spot {
+                (Some(it), _) => match it.location {
                     Some((slot, path)) if parameter.reference && path.is_empty() => slot,
                     Some((slot, path)) if parameter.reference => {
                         self.hold(Value::Reference(slot, path), Kind::Any)
@@ -115,6 +115,16 @@ impl Machine<'_> {
         match (flow, unsure) {
             (_, Some(why)) if maybe.is_none() => Value::Unknown(why),
             (Flow::Return(value), _) => value.converted(returns),
+            (Flow::Next, _)
+                if matches!(
+                    returns,
+                    Kind::Bits(..) | Kind::Flag | Kind::Float | Kind::Real
+                ) =>
+            {
+                let name = Some(&*function.name).filter(|name| !name.is_empty());
+                let name = name.map_or_else(|| "a lambda".to_owned(), |name| format!("`{name}`"));
+                Value::Unknown(format!("{name}, which ends without a `return`,").into())
+            }
             _ => Value::Whole(0),
         }
     }
@@ -135,7 +145,7 @@ impl Machine<'_> {
         slot
     }
 
-    /// What the parameters of a template are: stated in `<…>`, taken from the arguments, or their
+    /// What the parameters of a template are: given in `<…>`, taken from the arguments, or their
     /// defaults. Values become variables, types are given back by position.
     fn template(
         &mut self,
@@ -148,9 +158,9 @@ impl Machine<'_> {
         let mut types = Vec::new();
         let mut angles = angles.into_iter();
         for (at, parameter) in function.template.iter().enumerate() {
-            let stated = angles.next();
-            let default = stated.is_none();
-            let stated = stated.or_else(|| parameter.default.clone());
+            let given_here = angles.next();
+            let default = given_here.is_none();
+            let given_here = given_here.or_else(|| parameter.default.clone());
             let deduced = || {
                 let mut all = given.iter().zip(function.parameters.iter());
                 let it = all.find(|(_, to)| to.kind == Kind::Parameter(at))?.0;
@@ -161,19 +171,19 @@ impl Machine<'_> {
                 let it = all
                     .find(|(_, to)| to.extent.as_ref() == Some(&parameter.name))?
                     .0;
-                let (slot, path) = it.spot.as_ref()?;
+                let (slot, path) = it.location.as_ref()?;
                 let Some(Value::List(all)) = self.peek(*slot, path) else {
                     return None;
                 };
                 Some(Value::Whole(all.len() as i64))
             };
-            if let (None, false, Some(length)) = (&stated, parameter.is_type, length()) {
+            if let (None, false, Some(length)) = (&given_here, parameter.is_type, length()) {
                 let slot = self.hold(length, Kind::INT);
                 scope.insert(parameter.name.clone(), slot);
                 types.push(Kind::Any);
                 continue;
             }
-            let kind = match stated.or_else(deduced) {
+            let kind = match given_here.or_else(deduced) {
                 Some(TemplateArgument::Type(kind)) => self.resolved(kind),
                 Some(TemplateArgument::Value(value)) if !parameter.is_type => {
                     // A default knows the parameters before it.

@@ -62,7 +62,7 @@ impl Machine<'_> {
     pub(super) fn swapped(&mut self, a: &Expr, b: &Expr) -> Value {
         let (first, second) = (self.reach(a), self.reach(b));
         let raw = |reached: &Reach| match reached {
-            Reach::Spot(slot, path) => Some(self.at(*slot, path)),
+            Reach::Location(slot, path) => Some(self.at(*slot, path)),
             _ => None,
         };
         let (one, other) = match (raw(&first), raw(&second)) {

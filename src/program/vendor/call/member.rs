@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::{
     super::{
-        machine::{Machine, Spot},
+        machine::{Location, Machine},
         parse::UNREAD,
         reach::Reach,
         shape,
@@ -16,7 +16,7 @@ use super::{
 use crate::{config::Place, unit::counted};
 
 impl Machine<'_> {
-    /// Calls a function of an object; nothing where its class states none that can be run.
+    /// Calls a function of an object; nothing where its class defines none that can be run.
     pub(super) fn member_call(
         &mut self,
         layout: &Rc<Layout>,
@@ -29,8 +29,8 @@ impl Machine<'_> {
         if fitting.is_empty() {
             return None;
         }
-        let spot = match object {
-            Reach::Spot(slot, path) => (*slot, path.clone()),
+        let location = match object {
+            Reach::Location(slot, path) => (*slot, path.clone()),
             Reach::Value(value) => (self.hold(value.clone(), Kind::Any), Vec::new()),
             Reach::Lost(..) | Reach::Beyond(_) => return None,
         };
@@ -38,7 +38,7 @@ impl Machine<'_> {
         let Some(function) = self.overload(member, &fitting, &given, place) else {
             return Some(Value::Whole(0));
         };
-        Some(self.enter_member(layout, &function, &spot, given, place))
+        Some(self.enter_member(layout, &function, &location, given, place))
     }
 
     /// Runs a function of an object.
@@ -46,7 +46,7 @@ impl Machine<'_> {
         &mut self,
         layout: &Rc<Layout>,
         function: &Function,
-        object: &Spot,
+        object: &Location,
         given: Vec<Argument>,
         place: Place,
     ) -> Value {
@@ -110,7 +110,7 @@ impl Machine<'_> {
     }
 
     /// What the functions of an object call its members by.
-    fn members_of(&mut self, layout: &Layout, (slot, path): &Spot) -> Vec<(Word, Slot)> {
+    fn members_of(&mut self, layout: &Layout, (slot, path): &Location) -> Vec<(Word, Slot)> {
         let mut held: Vec<(Word, Slot)> = Vec::new();
         for (i, member) in layout.members.iter().enumerate() {
             let own = Value::Reference(*slot, [&path[..], &[i]].concat());

@@ -3,7 +3,7 @@
 use std::{rc::Rc, sync::Arc};
 
 use super::super::{
-    machine::{Machine, Spot},
+    machine::{Location, Machine},
     reach::{Reach, base_name},
     shape,
     tree::{Expr, Width, Word},
@@ -31,12 +31,12 @@ impl Machine<'_> {
         }
         let held = self.reached(&reached);
         match (held, &reached) {
-            (Some(Value::List(_)), Reach::Spot(slot, path)) => {
+            (Some(Value::List(_)), Reach::Location(slot, path)) => {
                 if let ("swap", [other]) = (member, given) {
                     return self.swapped(of, other);
                 }
-                let spot = (*slot, path.clone());
-                self.list_method(spot, member, given)
+                let location = (*slot, path.clone());
+                self.list_method(location, member, given)
                     .unwrap_or_else(|| self.changed(&reached, &name, member))
             }
             (Some(Value::Text(text)), _) => {
@@ -50,7 +50,7 @@ impl Machine<'_> {
                 let reached = self.member(reached, member);
                 self.call_reached(callee, &reached, given, place)
             }
-            (_, Reach::Spot(slot, _))
+            (_, Reach::Location(slot, _))
                 if self.companion.is_some() && matches!(member, "reset" | "get_usec") =>
             {
                 let slot = *slot;
@@ -61,8 +61,11 @@ impl Machine<'_> {
                 if self.leaves_array(&name, member, place) {
                     self.outside(&format!("{name}.{member}"), given, place);
                 }
+                if let Some(why) = self.not_followed(&reached) {
+                    return Value::Unknown(why);
+                }
                 // What it does with the members of its object is not known.
-                if let (Reach::Spot(slot, path), true) = (&reached, record) {
+                if let (Reach::Location(slot, path), true) = (&reached, record) {
                     self.forget(*slot, path, &format!("what `{name}.{member}` does").into());
                 }
                 Value::Unknown(format!("`{name}.{member}`").into())
@@ -73,7 +76,7 @@ impl Machine<'_> {
     /// A function that is not known may have changed what it belongs to, its length too.
     fn changed(&mut self, reached: &Reach, name: &str, member: &str) -> Value {
         let why: Arc<str> = format!("`{name}.{member}`").into();
-        if let Reach::Spot(slot, path) = reached {
+        if let Reach::Location(slot, path) = reached {
             self.put(*slot, path, Value::Unknown(Arc::clone(&why)));
         }
         Value::Unknown(why)
@@ -100,21 +103,26 @@ impl Machine<'_> {
             ("clear", []) => Value::Text("".into()),
             _ => return None,
         };
-        let Reach::Spot(slot, path) = reached else {
+        let Reach::Location(slot, path) = reached else {
             return None;
         };
         self.put(*slot, path, written.clone());
         Some(written)
     }
 
-    fn list_method(&mut self, spot: Spot, member: &str, given: &[Expr]) -> Option<Value> {
+    fn list_method(&mut self, location: Location, member: &str, given: &[Expr]) -> Option<Value> {
         let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
-        self.asked_of_array(&spot, member, &values)
-            .or_else(|| self.of_array(spot, member, &values))
+        self.asked_of_array(&location, member, &values)
+            .or_else(|| self.of_array(location, member, &values))
     }
 
     /// A function that leaves an array of the language's library as it is.
-    fn asked_of_array(&self, (slot, path): &Spot, member: &str, given: &[Value]) -> Option<Value> {
+    fn asked_of_array(
+        &self,
+        (slot, path): &Location,
+        member: &str,
+        given: &[Value],
+    ) -> Option<Value> {
         let Some(Value::List(all)) = self.peek(*slot, path) else {
             return None;
         };
@@ -134,7 +142,7 @@ impl Machine<'_> {
 
     /// A function that changes an array of the language's library; where it is not known, the
     /// array is no more.
-    fn of_array(&mut self, (slot, path): Spot, member: &str, given: &[Value]) -> Option<Value> {
+    fn of_array(&mut self, (slot, path): Location, member: &str, given: &[Value]) -> Option<Value> {
         let kind = self.kind_at(slot, &path);
         let Value::List(all) = self.target(slot, &path)? else {
             return None;
@@ -194,7 +202,7 @@ impl Machine<'_> {
 
     /// `std::begin(array)`, `std::end(array)`, `std::size(array)`
     pub(super) fn of_whole(&mut self, of: &Expr, name: &str) -> Option<Value> {
-        let Reach::Spot(slot, path) = self.reach(of) else {
+        let Reach::Location(slot, path) = self.reach(of) else {
             return None;
         };
         match self.peek(slot, &path) {

@@ -29,9 +29,9 @@ impl Machine<'_> {
         self.work(place);
         let angles = self.angles.take();
         match &callee.node {
-            ExprNode::Name(name) => match self.named_spot(name) {
+            ExprNode::Name(name) => match self.named_location(name) {
                 Some((slot, path)) => {
-                    self.call_reached(callee, &Reach::Spot(slot, path), given, place)
+                    self.call_reached(callee, &Reach::Location(slot, path), given, place)
                 }
                 None => self.call_named(name, given, angles, place),
             },
@@ -48,7 +48,7 @@ impl Machine<'_> {
         }
     }
 
-    /// A call of what lies somewhere: it is a function, or a kernel that is stated here.
+    /// A call of what lies somewhere: it is a function, or a kernel that is defined here.
     fn call_reached(
         &mut self,
         callee: &Expr,
@@ -56,7 +56,7 @@ impl Machine<'_> {
         given: &[Expr],
         place: Place,
     ) -> Value {
-        if let (Reach::Spot(slot, path), [only]) = (reached, given)
+        if let (Reach::Location(slot, path), [only]) = (reached, given)
             && let ExprNode::Lambda(function) = &only.node
             && self.takes_kernel(*slot, path)
         {
@@ -130,7 +130,7 @@ impl Machine<'_> {
                 self.outside(name, given, place);
                 Value::Unknown(format!("`{name}`").into())
             }
-            Role::Kernel => self.kernel_mark(name, given, place),
+            Role::Kernel => self.kernel_border(name, given, place),
             Role::Sync => {
                 self.in_kernel(name, place);
                 self.sync(place);
@@ -163,7 +163,7 @@ impl Machine<'_> {
         }
     }
 
-    /// Arguments of something that is not stated here: it may be given numbers, no registers.
+    /// Arguments of something that is not declared here: it may be given numbers, no registers.
     fn outside(&mut self, name: &str, given: &[Expr], place: Place) -> Vec<Value> {
         let values: Vec<Value> = given.iter().map(|it| self.raw(it)).collect();
         for value in &values {
@@ -183,7 +183,7 @@ impl Machine<'_> {
                 place,
                 format!("what `{name}` does with `{register}` is not known"),
                 "this call",
-                "state it as a function of this file that takes registers, and call that",
+                "define it as a function of this file that takes registers, and call that",
             );
         }
     }

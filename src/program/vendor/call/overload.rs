@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use super::super::{
-    machine::{Machine, Spot},
+    machine::{Location, Machine},
     reach::Reach,
     scope::foreign,
     tree::{Expr, ExprNode, Function, Kind, Parameter, last, qualifier},
@@ -44,14 +44,14 @@ impl Machine<'_> {
     }
 
     /// The namespaces that a name with this one before it may be of, the nearest first.
-    pub(super) fn meant(&self, stated: Option<&str>) -> Vec<String> {
-        let Some(stated) = stated else {
+    pub(super) fn meant(&self, qualified: Option<&str>) -> Vec<String> {
+        let Some(qualified) = qualified else {
             let spaces = self.spaces().map(str::to_owned);
             return spaces.chain([String::new()]).collect();
         };
-        let inner = self.spaces().map(|space| format!("{space}::{stated}"));
-        let inner = inner.filter(|_| !stated.is_empty());
-        let outer = stated.trim_start_matches("::").to_owned();
+        let inner = self.spaces().map(|space| format!("{space}::{qualified}"));
+        let inner = inner.filter(|_| !qualified.is_empty());
+        let outer = qualified.trim_start_matches("::").to_owned();
         inner.chain([outer]).collect()
     }
 
@@ -177,8 +177,8 @@ impl Machine<'_> {
     pub(super) fn argument(&mut self, it: &Expr) -> Argument {
         let reached = self.reach(it);
         let value = self.load(&reached, it);
-        let (spot, kind) = match reached {
-            Reach::Spot(slot, path) => {
+        let (location, kind) = match reached {
+            Reach::Location(slot, path) => {
                 let kind = self.kind_at(slot, &path);
                 (Some((slot, path)), kind)
             }
@@ -189,7 +189,11 @@ impl Machine<'_> {
         } else {
             kind
         };
-        Argument { value, spot, kind }
+        Argument {
+            value,
+            location,
+            kind,
+        }
     }
 
     /// The type that an expression shows by how it is written.
@@ -205,9 +209,21 @@ impl Machine<'_> {
     }
 }
 
+impl From<Value> for Argument {
+    /// A value that lies nowhere.
+    fn from(value: Value) -> Self {
+        let kind = value.kind();
+        Self {
+            value,
+            location: None,
+            kind,
+        }
+    }
+}
+
 /// What a function is given: its value, where that lies, its type.
 pub(in crate::program::vendor) struct Argument {
     pub value: Value,
-    pub spot: Option<Spot>,
+    pub location: Option<Location>,
     pub kind: Kind,
 }

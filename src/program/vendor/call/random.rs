@@ -1,6 +1,6 @@
 //! Random numbers of the language's library (`<random>`): sources, and distributions of what they draw.
 //!
-//! Nobody states which numbers a chip's library draws, and a seed comes from a clock or the chip: here
+//! Nobody says which numbers a chip's library draws, and a seed comes from a clock or the chip: here
 //! they are a fixed sequence.
 
 use super::super::{
@@ -53,8 +53,8 @@ fn drawn(random: Random, [a, b]: [f64; 2], mut even: impl FnMut() -> f64) -> Val
         Random::Normal => {
             // Box and Muller's.
             let far = (-2.0 * elementary::ln((1.0 - even()).max(f64::MIN_POSITIVE))).sqrt();
-            let turn = elementary::sin(2.0 * std::f64::consts::PI * even());
-            Value::Real(a + b * far * turn)
+            let angle = elementary::sin(2.0 * std::f64::consts::PI * even());
+            Value::Real(a + b * far * angle)
         }
         Random::Flag => Value::flag(even() < a),
     }

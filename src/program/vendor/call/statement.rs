@@ -14,13 +14,14 @@ use super::super::{
 use crate::{
     config::{Fault, Place},
     isa::text::Term,
+    unit::counted,
 };
 
 /// A readout takes about as long as copying so many values.
 const READOUT: usize = 1 << 13;
 
 impl Machine<'_> {
-    pub(super) fn kernel_mark(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
+    pub(super) fn kernel_border(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
         let ordinal = given.first().and_then(|it| self.value(it).whole());
         let ordinal = ordinal.unwrap_or_default();
         match name {
@@ -138,11 +139,34 @@ impl Machine<'_> {
         self.dark |= captures && name != "getpix" || name == "respix";
     }
 
-    /// Where a function is announced whose body is nowhere, and that is nothing of the chip's.
-    fn announced(&self, name: &str) -> Option<String> {
+    /// Where a function is declared whose body is nowhere, and that is nothing of the chip's.
+    fn declared_in(&self, name: &str) -> Option<String> {
         let place = self.prototypes.get(name)?.first()?.place;
         let known = !self.device.callables(name).is_empty();
         (!known).then(|| self.line(place))
+    }
+
+    /// Tells of a function of the file that takes another number of arguments, where it is nothing of
+    /// the chip's.
+    fn wrong_number(&mut self, name: &str, given: usize, place: Place) -> bool {
+        let all = self.functions.get(name).cloned().unwrap_or_default();
+        let own = self.device.callables(name).is_empty() && !name.starts_with("scamp5_");
+        let Some(last) = all.last().filter(|_| own) else {
+            return false;
+        };
+        let most = last.parameters.len();
+        let least = (0..most)
+            .filter(|i| self.default(last, *i).is_none())
+            .count();
+        let takes = match (&all[..], least == most) {
+            ([_], true) => counted(most, "argument"),
+            ([_], false) => format!("{least} to {}", counted(most, "argument")),
+            _ => "other numbers of arguments".to_owned(),
+        };
+        let message = format!("`{name}` takes {takes}, not {given}");
+        let help = format!("it is defined in {}", self.line(last.place));
+        self.error(place, message, "this call", &help);
+        true
     }
 
     /// A word, a macro or an operation of the host.
@@ -160,9 +184,9 @@ impl Machine<'_> {
             }
             self.error(
                 place,
-                "this kernel is stated nowhere".to_owned(),
+                "this kernel is defined nowhere".to_owned(),
                 "what it does is not known",
-                "state it before: `kernel([] { … });`",
+                "define it before: `kernel([] { … });`",
             );
             return Value::Whole(0);
         }
@@ -177,15 +201,16 @@ impl Machine<'_> {
         {
             targets.push((*slot, path.clone()));
         }
-        if let Some(announced) = self.announced(name) {
+        if let Some(file) = self.declared_in(name) {
             self.error(
                 place,
-                format!(
-                    "`{name}` is announced in {announced}, and no file that is read has its body"
-                ),
+                format!("`{name}` is declared in {file}, and no file that is read has its body"),
                 "this call",
                 "`#include` the file that has it, or put it into this one",
             );
+            return Value::Whole(0);
+        }
+        if self.wrong_number(name, given.len(), place) {
             return Value::Whole(0);
         }
         self.light(name, place);

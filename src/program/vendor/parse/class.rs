@@ -80,7 +80,7 @@ impl Parser<'_> {
         Ok(StmtNode::Declare(all))
     }
 
-    /// Whether the function that makes or ends an object of a class is stated here.
+    /// Whether the function that makes or ends an object of a class is defined here.
     pub(super) fn is_constructor(&mut self) -> bool {
         let start = self.at;
         let mut names = Vec::new();
@@ -106,13 +106,13 @@ impl Parser<'_> {
         found
     }
 
-    /// Whether a class is stated here, with its members.
+    /// Whether a class is defined here, with its members.
     pub(super) fn is_definition(&self) -> bool {
         let rest = self.tokens.get(self.at..).unwrap_or_default();
-        let mark = rest
+        let punctuator = rest
             .iter()
             .find(|t| t.is("{") || t.is(";") || t.is("(") || t.is("="));
-        mark.is_some_and(|t| t.is("{"))
+        punctuator.is_some_and(|t| t.is("{"))
     }
 
     /// `typedef type name;`
@@ -154,10 +154,19 @@ impl Parser<'_> {
             Some(name) => name.clone(),
             None => format!("the class of {}", place.start).into(),
         };
+        let mut special = false;
         while self.peek(0).is_some() && !self.sees("{") && !self.sees(":") {
+            special |= self.sees("<");
             self.at += 1;
         }
-        let plain = !union && self.sees("{") && self.template.is_empty();
+        let unread = match (union, special, self.sees("{")) {
+            (true, ..) => Some("a union"),
+            (_, true, _) => Some("a specialised class template"),
+            _ if !self.template.is_empty() => Some("a class template"),
+            (.., false) => Some("a class with a base"),
+            _ => None,
+        };
+        let plain = unread.is_none();
         while self.peek(0).is_some() && !self.sees("{") {
             self.at += 1;
         }
@@ -170,13 +179,20 @@ impl Parser<'_> {
         if data.is_some() {
             self.classes.insert(name.clone());
         }
-        let node = data.map_or(StmtNode::Nothing, |members| {
-            StmtNode::Struct(Rc::new(Struct {
-                name: name.clone(),
-                members,
-                functions: functions.clone(),
-            }))
+        let unread = unread.or_else(|| {
+            let is_operator = |it: &Rc<Function>| &*it.name == "operator";
+            Some(if functions.iter().any(is_operator) {
+                "a class with operators"
+            } else {
+                "a class with members that are not understood"
+            })
         });
+        let node = StmtNode::Struct(Rc::new(Struct {
+            name: name.clone(),
+            unread: unread.filter(|_| data.is_none()),
+            members: data.unwrap_or_default(),
+            functions: functions.clone(),
+        }));
         let place = place.to(self.before());
         let functions = Stmt {
             node: StmtNode::Class(functions),
@@ -385,7 +401,7 @@ impl Parser<'_> {
         while !self.word(0).is_empty()
             || ["->", "::", "*", "&", "<", ">"]
                 .iter()
-                .any(|mark| self.sees(mark))
+                .any(|punctuator| self.sees(punctuator))
         {
             self.at += 1;
         }

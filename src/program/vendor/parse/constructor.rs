@@ -28,7 +28,7 @@ impl Parser<'_> {
             // It must leave the array alone, which is held against it as with an operator.
             self.member(class).map(StmtNode::Function)
         } else {
-            self.stated(class).ok().flatten()
+            self.defined(class).ok().flatten()
         };
         let clean = self.faults.len() == told;
         self.faults.truncate(told);
@@ -40,7 +40,7 @@ impl Parser<'_> {
     }
 
     /// `Class(parameters) : member(value) { body }`, from its name on.
-    fn stated(&mut self, class: &str) -> Parsed<Option<StmtNode>> {
+    fn defined(&mut self, class: &str) -> Parsed<Option<StmtNode>> {
         let place = self.place();
         self.at += 2;
         let parameters = self.parameters()?;

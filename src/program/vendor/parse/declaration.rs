@@ -42,7 +42,7 @@ impl Parser<'_> {
             t.first
                 || ["=", ";", ",", "[", "(", "{", ":"]
                     .iter()
-                    .any(|mark| t.is(mark))
+                    .any(|punctuator| t.is(punctuator))
         });
         // Two names side by side that are no declaration: something is missing between them.
         if !fits
@@ -212,7 +212,9 @@ impl Parser<'_> {
             while self.sees("[") {
                 self.skip_group();
             }
-            let ends = ["=", ",", ")"].iter().any(|mark| self.sees(mark));
+            let ends = ["=", ",", ")"]
+                .iter()
+                .any(|punctuator| self.sees(punctuator));
             ends.then_some(Pointed::Array)
         } else {
             None

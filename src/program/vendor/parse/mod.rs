@@ -102,16 +102,16 @@ impl<'a> Parser<'a> {
         self.tokens.get(self.at + ahead)
     }
 
-    pub(super) fn sees(&self, mark: &str) -> bool {
-        self.peek(0).is_some_and(|t| t.is(mark))
+    pub(super) fn sees(&self, punctuator: &str) -> bool {
+        self.peek(0).is_some_and(|t| t.is(punctuator))
     }
 
     pub(super) fn word(&self, ahead: usize) -> &'a str {
         self.peek(ahead).and_then(Token::name).map_or("", |n| n)
     }
 
-    pub(super) fn take(&mut self, mark: &str) -> bool {
-        let seen = self.sees(mark);
+    pub(super) fn take(&mut self, punctuator: &str) -> bool {
+        let seen = self.sees(punctuator);
         self.at += usize::from(seen);
         seen
     }
@@ -144,12 +144,17 @@ impl<'a> Parser<'a> {
         &self.tokens[self.at - back]
     }
 
-    pub(super) fn expect(&mut self, mark: &str, help: &str) -> Parsed<Place> {
+    pub(super) fn expect(&mut self, punctuator: &str, help: &str) -> Parsed<Place> {
         let place = self.place();
-        if self.take(mark) {
+        if self.take(punctuator) {
             return Ok(place);
         }
-        Err(unexpected(self.peek(0), place, &format!("`{mark}`"), help))
+        Err(unexpected(
+            self.peek(0),
+            place,
+            &format!("`{punctuator}`"),
+            help,
+        ))
     }
 
     pub(super) fn name(&mut self, help: &str) -> Parsed<Word> {
@@ -257,6 +262,7 @@ impl<'a> Parser<'a> {
     pub(super) fn block(&mut self) -> Parsed<Vec<Stmt>> {
         let open = self.expect("{", "a block is `{ statements }`")?;
         let statements = self.statements(true);
+        self.declared_twice(&statements);
         if !self.take("}") {
             return Err(Fault::error(open, "this block has no end", "opened here")
                 .help("close it with `}`"));
@@ -264,20 +270,37 @@ impl<'a> Parser<'a> {
         Ok(statements)
     }
 
-    fn skip_past(&mut self, mark: &str) {
+    /// Tells of variables that a block declares a second time.
+    fn declared_twice(&mut self, statements: &[Stmt]) {
+        let declared = statements.iter().filter_map(|it| match &it.node {
+            StmtNode::Declare(all) => Some(all),
+            _ => None,
+        });
+        let mut known = BTreeSet::new();
+        for it in declared.flatten().filter(|it| !it.outside) {
+            if !known.insert(&it.name) {
+                let message = format!("`{}` is declared twice in this block", it.name);
+                let fault = Fault::error(it.place, message, "declared again");
+                let help = "assign to the first, or give this one another name";
+                self.faults.push(fault.help(help));
+            }
+        }
+    }
+
+    fn skip_past(&mut self, punctuator: &str) {
         while let Some(token) = self.peek(0) {
             if token.is("{") {
                 self.skip_group();
                 continue;
             }
             self.at += 1;
-            if token.is(mark) {
+            if token.is(punctuator) {
                 return;
             }
         }
     }
 
-    /// From an opening mark behind the one that closes it.
+    /// From an opening punctuator behind the one that closes it.
     fn skip_group(&mut self) {
         let mut depth = 0_usize;
         while let Some(token) = self.peek(0) {

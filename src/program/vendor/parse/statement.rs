@@ -116,10 +116,16 @@ impl Parser<'_> {
             }
             "template" => {
                 self.at += 1;
+                let special = self.peek(1).is_some_and(|t| t.is(">"));
                 let template = self.template_parameters()?;
                 let outer = std::mem::replace(&mut self.template, template);
                 let node = self.statement_node();
                 self.template = outer;
+                if let (Err(fault), true) = (&node, special) {
+                    let message = "a specialised template is not followed";
+                    return Err(Fault::error(fault.place, message, "behind `template <>`")
+                        .help("write it as a function of another name, and call that"));
+                }
                 node
             }
             "namespace" => self.namespace(),

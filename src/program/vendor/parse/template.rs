@@ -82,10 +82,10 @@ impl Parser<'_> {
         while let Some(token) = self.peek(0) {
             self.at += 1;
             match token.kind {
-                TokenKind::Mark("<") => depth += 1,
-                TokenKind::Mark(">") => depth -= 1,
-                TokenKind::Mark(">>") => depth -= 2,
-                TokenKind::Mark("(" | ")" | "[" | "]" | "," | "::" | "*" | "&")
+                TokenKind::Punctuator("<") => depth += 1,
+                TokenKind::Punctuator(">") => depth -= 1,
+                TokenKind::Punctuator(">>") => depth -= 2,
+                TokenKind::Punctuator("(" | ")" | "[" | "]" | "," | "::" | "*" | "&")
                 | TokenKind::Name(_)
                 | TokenKind::Whole(_) => {}
                 _ => break,

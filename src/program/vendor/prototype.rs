@@ -1,4 +1,4 @@
-//! Functions that a text announces and does not state: their bodies may lie beside it, under their
+//! Functions that a text declares and does not define: their bodies may lie beside it, under their
 //! names, as the vendor's tools build all files of a folder.
 
 use std::{collections::BTreeSet, sync::Arc};
@@ -6,15 +6,15 @@ use std::{collections::BTreeSet, sync::Arc};
 use super::token::{Kind, Token, tokens};
 use crate::config::Place;
 
-/// The functions that a text announces outside of braces, and does not state.
-pub(super) fn announced(text: &str) -> Vec<(Arc<str>, Place)> {
+/// The functions that a text declares outside of braces, and does not define.
+pub(super) fn undefined(text: &str) -> Vec<(Arc<str>, Place)> {
     let (all, _) = tokens(text, 0);
-    let (mut found, mut stated) = (Vec::new(), BTreeSet::new());
+    let (mut found, mut defined) = (Vec::new(), BTreeSet::new());
     let mut depth = 0_usize;
     for (at, token) in all.iter().enumerate() {
         match token.kind {
-            Kind::Mark("{") => depth += 1,
-            Kind::Mark("}") => depth = depth.saturating_sub(1),
+            Kind::Punctuator("{") => depth += 1,
+            Kind::Punctuator("}") => depth = depth.saturating_sub(1),
             _ => {}
         }
         if depth > 0 || !token.is("(") {
@@ -31,12 +31,12 @@ pub(super) fn announced(text: &str) -> Vec<(Arc<str>, Place)> {
         match behind(&all[at..]) {
             Some(end) if end.is(";") => found.push((Arc::clone(word), name.place)),
             Some(end) if end.is("{") => {
-                stated.insert(Arc::clone(word));
+                defined.insert(Arc::clone(word));
             }
             _ => {}
         }
     }
-    found.retain(|(name, _)| !stated.contains(name));
+    found.retain(|(name, _)| !defined.contains(name));
     found
 }
 
