@@ -29,12 +29,18 @@ fn formats() -> impl Iterator<Item = Format> {
 }
 
 /// All that an array holds after each of some frames, and its events.
-fn seen(code: &Code, settings: Settings, format: Format, size: Size, seed: u64) -> Option<String> {
+fn seen(
+    code: &Code,
+    settings: Settings,
+    format: Format,
+    size: Size,
+    seed: u64,
+) -> Option<Vec<String>> {
     let device = Device::scamp5();
     let mut chip = Arithmetic::Number(format)
         .chip("digits", code, &device, size, settings)
         .ok()?;
-    let mut all = String::new();
+    let mut all = Vec::new();
     let Layout {
         analog, digital, ..
     } = chip.layout();
@@ -57,7 +63,8 @@ fn seen(code: &Code, settings: Settings, format: Format, size: Size, seed: u64) 
         let held = (0..analog).map(|r| chip.analog(Analog(r)).mapv(|value| value + 0.0));
         let bits = (0..digital).map(|r| chip.digital(Digital(r)));
         let (held, bits): (Vec<_>, Vec<_>) = (held.collect(), bits.collect());
-        all += &format!("{held:?} {bits:?} {} {:?}\n", chip.flag(), packet.events);
+        let flag = chip.flag();
+        all.push(format!("{held:?} {bits:?} {flag:?} {:?}", packet.events));
     }
     Some(all)
 }
