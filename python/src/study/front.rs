@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use amacrine::{
-    array::{Arithmetic, ArithmeticError, Schedule},
+    array::{Arithmetic, ArithmeticError},
     number::{Format, FormatError},
     reference::Description,
     scene::kept::Kept,
