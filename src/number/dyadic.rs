@@ -59,12 +59,6 @@ impl Dyadic {
         self.numerator == 0
     }
 
-    /// The power of two that it is an odd multiple of; 0 of nought.
-    #[must_use]
-    pub const fn exponent(self) -> i32 {
-        self.exponent
-    }
-
     /// The sum; `None` beyond 127 bits.
     #[must_use]
     pub fn plus(self, other: Self) -> Option<Self> {

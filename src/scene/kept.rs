@@ -126,13 +126,6 @@ impl Kept {
         }))
     }
 
-    /// Whether all light is whole numbers from 0 to 255.
-    #[must_use]
-    pub fn is_eight_bit(&self) -> bool {
-        let mut frames = self.frames.iter();
-        frames.all(|frame| matches!(frame.pixels, Store::Bytes(_)))
-    }
-
     /// How many frames.
     #[must_use]
     pub fn len(&self) -> usize {

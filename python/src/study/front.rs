@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use amacrine::{
-    array::{Arithmetic, ArithmeticError},
+    array::{Arithmetic, ArithmeticError, Schedule},
     number::{Format, FormatError},
     reference::Description,
     scene::kept::Kept,
@@ -178,7 +178,10 @@ fn programmed(
     formats: &[Format],
     (verify, runs): (bool, u32),
 ) -> Result<Trade<Setup>, PlanError> {
-    let family = Programs::new(chips, survey.kept, formats);
+    let family = Programs {
+        chips,
+        schedule: Schedule::for_size(survey.kept.size()),
+    };
     let ask = Ask {
         survey,
         models: family.models(formats),

@@ -1,6 +1,5 @@
 //! Programs on linear forms and intervals: the kernel that a program computes, and its ranges.
 
-pub mod digits;
 mod form;
 mod pixel;
 pub mod range;

@@ -47,7 +47,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         Some(plan) => Some(plan.answer.choice.clone()),
         None => bench.left_out()?,
     };
-    if let Some(quicker) = plan.as_ref().and_then(|plan| plan.quicker.as_ref()) {
+    if let Some(quicker) = plan.as_ref().and_then(|plan| plan.quicker) {
         bench.settings.schedule = Some(quicker.schedule);
     }
     bench.record()?;

@@ -92,27 +92,13 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Planned> {
         look: None,
         limits_only: false,
     };
-    let alike = family.alike(&formats, &kept);
-    let mut candidates = family.candidates(&formats);
-    candidates.retain(|(_, model)| model.format.is_none_or(|format| !alike.contains(&format)));
-    let mut answer = measure.ask(&family, &candidates)?;
+    let answer = measure.ask(&family, &family.candidates(&formats))?;
+    // A schedule that was asked for stays.
     let left = (BUDGET.0, BUDGET.1 - answer.seconds);
-    // Those are alike of what was asked for.
-    let alike: Vec<Machine> = { alike.iter() }
-        .filter(|_| answer.choice == family.machine())
-        .map(|format| Machine {
-            format: Some(*format),
-            without: Vec::new(),
-        })
-        .filter(|machine| *machine != answer.choice)
-        .collect();
-    let quicker = order::quicker(&family, (&answer.choice, &alike), &kept, left, &clock);
-    if let Some(quicker) = &quicker {
-        if answer.choice != quicker.machine {
-            "it holds all numbers of the program as they are".clone_into(&mut answer.why);
-        }
-        answer.choice.clone_from(&quicker.machine);
-    }
+    let quicker = match arguments.schedule {
+        Some(_) => None,
+        None => order::quicker(&family, &answer.choice, &kept, left, &clock),
+    };
     Ok(Planned {
         answer,
         quicker,
@@ -142,12 +128,8 @@ pub fn check(plan: Option<&Planned>, packet: &Packet) -> miette::Result<()> {
 /// When it cannot be written as JSON, which is a fault of amacrine.
 pub fn json(plan: &Planned, arguments: &Arguments) -> miette::Result<Value> {
     let mut json = serde_json::to_value(&plan.answer).into_diagnostic()?;
-    if let Some(quicker) = &plan.quicker {
-        json["quicker"] = json!({
-            "format": quicker.machine.format,
-            "schedule": quicker.schedule.to_string(),
-            "seconds_per_frame": quicker.seconds,
-        });
+    if let Some(Quicker { schedule, seconds }) = plan.quicker {
+        json["schedule"] = json!({ "quicker": schedule.to_string(), "seconds_per_frame": seconds });
     }
     json["tolerance"] = arguments.fidelity.tolerance().into();
     Ok(json)
@@ -169,12 +151,12 @@ pub fn lines(plan: &Planned, arguments: &Arguments) -> String {
     for offer in plan.offers.iter().filter(|offer| offer.left_out) {
         text += &line(offer, None);
     }
-    if let Some(quicker) = quicker {
-        let [asked, seconds] = quicker.seconds.map(|seconds| 1e3 * seconds);
-        let what = format!("{}, schedule {}", quicker.machine, quicker.schedule);
+    if let Some(Quicker { schedule, seconds }) = quicker {
+        let [asked, quicker] = seconds.map(|seconds| 1e3 * seconds);
+        let what = format!("schedule {schedule}");
         let _ = writeln!(
             text,
-            "* {what:<26} free: it changes no event; {seconds:.2} ms a frame in place of {asked:.2}"
+            "* {what:<26} free: it changes no event; {quicker:.2} ms a frame in place of {asked:.2}"
         );
     }
     text

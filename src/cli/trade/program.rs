@@ -8,7 +8,7 @@ use super::{
     table::Told,
 };
 use crate::{
-    array::{Arithmetic, Settings},
+    array::{Arithmetic, Schedule, Settings},
     number::Format,
     study::{
         pilot::{Chips, Term},
@@ -43,6 +43,16 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
     settings.clip = own.clip.unwrap_or(settings.clip);
     settings.edge = own.edge.unwrap_or(settings.edge);
     settings.threads = Some(rayon::current_num_threads());
+    let family = Programs {
+        chips: Chips {
+            name: &opened.program.file,
+            code: &opened.expansion.code,
+            device: &opened.device,
+            settings,
+            arithmetic: domain,
+        },
+        schedule: Schedule::for_size(size),
+    };
     let formats: Vec<Format> = match &arguments.formats {
         Some(formats) => formats.clone(),
         None => FORMATS
@@ -50,20 +60,12 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
             .filter_map(|name| name.parse().ok())
             .collect(),
     };
-    let chips = Chips {
-        name: &opened.program.file,
-        code: &opened.expansion.code,
-        device: &opened.device,
-        settings,
-        arithmetic: domain,
-    };
-    let family = Programs::new(chips, &scened.kept, &formats);
     let alternative = |setup: &Setup| family.alternative(setup);
     let free = |setup: &Setup, _: &_| family.free(setup);
     let told = Told {
         arguments,
         of: &opened.program.file,
-        full: format!("{domain}, {}", family.schedule()),
+        full: format!("{domain}, {}", family.schedule),
         scened: &scened,
         command: &|setup| command(arguments, path, scened.kept.len(), setup),
     };

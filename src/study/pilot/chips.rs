@@ -5,17 +5,14 @@ use std::{fmt, ops::Range};
 use rayon::prelude::*;
 
 use crate::{
-    array::{
-        Arithmetic, Array, Chip, CodeError, Digits, Errors, LIMITS, Layout, Settings, Silicon,
-        range::Interval,
-    },
+    array::{Arithmetic, Array, Chip, CodeError, Errors, LIMITS, Layout, Settings, Silicon},
     event::{Event, Packet},
     isa::Device,
     mosaic::Mosaic,
     number::Format,
     plane::{At, Size},
     program::{Action, Code, Host, Step},
-    scene::{Frame, kept::Kept},
+    scene::Frame,
     sensor::{Sensor, SensorError},
 };
 
@@ -26,9 +23,6 @@ use super::{
     program_halo,
     term::Term,
 };
-
-/// The light of 8-bit video.
-const EIGHT_BITS: Interval = Interval::new(0.0, 255.0);
 
 /// An arithmetic of the array, with what it leaves out.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -106,31 +100,6 @@ impl Chips<'_> {
             (term.to_string(), machine)
         });
         plain.chain(terms).collect()
-    }
-
-    /// Those of these formats that hold all numbers of exact cells as they are in this scene: the
-    /// program has the same events in them. None of analogue cells, and of light that is not 8-bit
-    /// video's.
-    #[must_use]
-    pub fn alike(&self, formats: &[Format], kept: &Kept) -> Vec<Format> {
-        if kept.is_eight_bit() {
-            self.alike_in_bytes(formats)
-        } else {
-            Vec::new()
-        }
-    }
-
-    /// The same in the light of 8-bit video.
-    #[must_use]
-    pub fn alike_in_bytes(&self, formats: &[Format]) -> Vec<Format> {
-        if self.arithmetic != Arithmetic::Number(Format::F64) {
-            return Vec::new();
-        }
-        let Some(digits) = Digits::of(self.code, self.device, self.settings, EIGHT_BITS) else {
-            return Vec::new();
-        };
-        let alike = formats.iter().copied();
-        alike.filter(|format| digits.fit(*format)).collect()
     }
 
     /// A machine of this size, its upper left pixel at this place of an array of so many columns.

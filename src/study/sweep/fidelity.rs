@@ -200,22 +200,14 @@ fn array(
     let mut limit = 0.0;
     let mut stands = arithmetic.with_seed(seed);
     let exact = Arithmetic::Number(Format::F64);
-    let family = Chips {
-        name: &made.compiled.title,
-        code: &made.compiled.code,
-        device: &made.compiled.device,
-        settings: made.settings,
-        arithmetic: exact,
-    };
-    let other = match arithmetic {
-        Arithmetic::Number(format) if format != Format::F64 => Some(format),
-        Arithmetic::Number(_) | Arithmetic::Silicon { .. } => None,
-    };
-    if let Some(format) = other.filter(|_| entry.scene.is_eight_bit)
-        && !family.alike_in_bytes(&[format]).is_empty()
-    {
-        stands = exact;
-    } else if all && other.is_some() {
+    if all && matches!(arithmetic, Arithmetic::Number(format) if format != Format::F64) {
+        let family = Chips {
+            name: &made.compiled.title,
+            code: &made.compiled.code,
+            device: &made.compiled.device,
+            settings: made.settings,
+            arithmetic: exact,
+        };
         let domains = words(plan, Side::Array, "domain").into_iter();
         let candidates = domains.filter_map(|name| match name.parse().ok()? {
             Arithmetic::Number(format) if format != Format::F64 => {

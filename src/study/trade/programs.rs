@@ -5,22 +5,18 @@ use std::fmt;
 use crate::{
     array::Schedule,
     mosaic::{Mosaic, Outside},
-    number::Format,
     plane::Size,
-    scene::kept::Kept,
     sensor::{Sensor, SensorError},
     study::pilot::{Chips, Look, Machine, Term, estimate::Unseen, family::Family},
 };
 
 /// A program on an array, whose schedule is part of the model.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Programs<'a> {
     /// The program and the array.
-    chips: Chips<'a>,
+    pub chips: Chips<'a>,
     /// The schedule of the full model.
-    schedule: Schedule,
-    /// Formats that hold all numbers of the full model as they are.
-    alike: Vec<Format>,
+    pub schedule: Schedule,
 }
 
 /// An arithmetic of the array, and the order in which it is worked on.
@@ -44,24 +40,6 @@ impl fmt::Display for Setup {
     }
 }
 
-impl<'a> Programs<'a> {
-    /// A program in this scene, and in these formats.
-    #[must_use]
-    pub fn new(chips: Chips<'a>, kept: &Kept, formats: &[Format]) -> Self {
-        Self {
-            chips,
-            schedule: Schedule::for_size(kept.size()),
-            alike: chips.alike(formats, kept),
-        }
-    }
-
-    /// The schedule of the full model.
-    #[must_use]
-    pub const fn schedule(&self) -> Schedule {
-        self.schedule
-    }
-}
-
 impl Programs<'_> {
     fn ordered(&self, schedule: Schedule) -> Chips<'_> {
         let mut chips = self.chips;
@@ -80,7 +58,7 @@ impl Programs<'_> {
     /// What is left out one at a time: the arithmetic for another, each error of analogue cells,
     /// and each arithmetic in the other schedule.
     #[must_use]
-    pub fn models(&self, formats: &[Format]) -> Vec<Setup> {
+    pub fn models(&self, formats: &[crate::number::Format]) -> Vec<Setup> {
         let own = self.chips.candidates(formats).into_iter();
         let machines: Vec<Machine> = own.map(|(_, machine)| machine).collect();
         let other = match self.schedule {
@@ -102,15 +80,11 @@ impl Programs<'_> {
         model.ordered || model.machine.format != self.chips.machine().format
     }
 
-    /// The order of work changes nothing, nor does a format that holds all numbers as they are.
+    /// The order of work changes nothing.
     #[must_use]
     pub fn free(&self, model: &Setup) -> Option<&'static str> {
-        let Machine { format, without } = &model.machine;
-        if model.machine == self.chips.machine() {
-            return Some("a schedule changes no event, only the time");
-        }
-        (without.is_empty() && format.is_some_and(|format| self.alike.contains(&format)))
-            .then_some("the format holds all numbers of the program as they are")
+        (model.machine == self.chips.machine())
+            .then_some("a schedule changes no event, only the time")
     }
 }
 
