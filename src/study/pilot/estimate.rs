@@ -42,6 +42,9 @@ pub struct Tile {
     pub changes: u64,
 }
 
+/// All limits of a pilot or a survey hold together but for one case in so many.
+pub(super) const RISK: f64 = 0.05;
+
 /// What is known of the share of changed events.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Estimate {

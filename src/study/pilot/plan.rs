@@ -20,7 +20,7 @@ use super::{
     first_frames::clocked,
     float::Floats,
     look::{Grid, Look},
-    measure::{self, Measure},
+    measure::Measure,
     rule,
 };
 
@@ -200,8 +200,7 @@ pub fn plan(
         seed: question.seed,
         base: &all,
     };
-    let side = measure::side(family.halo().unwrap_or(0));
-    let grid = Grid { size, side };
+    let grid = Grid::new(size, family.halo().unwrap_or(0));
     // Frames that are inserted take more than any look.
     let waits = question.tiles.is_some() || question.crop || upsample.is_some();
     if !waits && !family.affords_a_look(question, kept, grid, clock)? {

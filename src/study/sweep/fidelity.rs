@@ -290,7 +290,7 @@ fn measured<F: Family>(
     let (Some(kept), Ok(halo)) = (scene.kept()?, family.halo()) else {
         return Ok(Found::new());
     };
-    let tile = crate::study::pilot::measure::side(halo) + 2 * halo;
+    let tile = crate::study::pilot::look::side(halo) + 2 * halo;
     // `as` saturates.
     let tiles = (PART * kept.size().pixels() as f64 / (tile * tile) as f64).ceil() as usize;
     let measure = Measure {
