@@ -160,13 +160,21 @@ pub enum CompileError {
         noise: f64,
     },
     /// An input that no number of halvings brings into range.
-    #[error("an input from {low} to {high} LSB does not fit into -128…127, halved or not")]
-    #[diagnostic(help("give a range with a low end below its high end, within -128 to 127 LSB"))]
+    #[error(
+        "an input from {low} to {high} LSB does not fit into {lowest}…{highest}, halved or not"
+    )]
+    #[diagnostic(help(
+        "give a range with a low end below its high end, within {lowest} to {highest} LSB"
+    ))]
     Range {
         /// Lowest input, LSB.
         low: f64,
         /// Highest input, LSB.
         high: f64,
+        /// The lowest that a register of the chip holds, LSB.
+        lowest: f64,
+        /// The highest, LSB.
+        highest: f64,
     },
 }
 

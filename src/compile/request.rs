@@ -14,7 +14,7 @@ use super::{
     walk,
 };
 use crate::{
-    isa::{Analog, Device, Primitive, Source, Target},
+    isa::{Analog, Device, Figure, Primitive, Source, Target},
     kernel::Kernel,
 };
 
@@ -254,7 +254,7 @@ impl<'a> Request<'a> {
         }
         let other = all.iter().copied().find(|r| *r != self.input);
         let (Some(bits), Some(other)) = (halvings(&plus, unit, limits), other) else {
-            return Err(CompileError::Range { low, high });
+            return Err(self.no_halving((low, high)));
         };
         if bits.is_multiple_of(2) {
             let first = prescale(self.device, self.input, other, bits);
@@ -268,7 +268,7 @@ impl<'a> Request<'a> {
         let mut minus = self.solve(&goals, unit, (other, all, effort), Some(limits))?;
         minus.holds &= plus.holds;
         let Some(bits) = halvings(&minus, unit, limits) else {
-            return Err(CompileError::Range { low, high });
+            return Err(self.no_halving((low, high)));
         };
         let first = prescale(self.device, self.input, other, bits);
         Ok(built(&minus, bits, first))
@@ -279,7 +279,25 @@ impl<'a> Request<'a> {
         Limits {
             input,
             odd: false,
+            register: self.register_range(),
             errors: self.store_errors(),
+        }
+    }
+
+    /// The lowest and highest value of the chip's registers, LSB.
+    fn register_range(&self) -> (f64, f64) {
+        let value = |figure| self.device.value(figure);
+        (value(Figure::Lowest), value(Figure::Highest))
+    }
+
+    /// No program for an input of this range.
+    fn no_halving(&self, (low, high): (f64, f64)) -> CompileError {
+        let (lowest, highest) = self.register_range();
+        CompileError::Range {
+            low,
+            high,
+            lowest,
+            highest,
         }
     }
 

@@ -38,10 +38,6 @@ pub struct BitMemory {
     pub registers: Vec<&'static str>,
 }
 
-/// The light of a capture, in LSB: up to what a register holds; a pixel at the very end of the
-/// scale, 255, is half an LSB beyond it.
-const CAPTURE: (f64, f64) = (0.0, 127.0);
-
 /// A sensor as a program for the chip.
 #[derive(Clone, Debug)]
 pub struct SensorProgram {
@@ -124,7 +120,7 @@ impl SensorProgram {
                 DriveMemory::Analogue | DriveMemory::Shared => memories.clone(),
             },
             border: true,
-            range: Some((CAPTURE.0, largest_light(device))),
+            range: Some((0.0, largest_light(device))),
             decision: match (kinds, memory) {
                 ([kind], DriveMemory::Analogue) => {
                     Some(Decision::new(kind, device, Compared::Drives))
@@ -220,10 +216,11 @@ impl SensorProgram {
     }
 }
 
-/// The largest light of a capture, LSB.
+/// The largest light of a capture, LSB: up to what a register holds. On SCAMP-5 a pixel at the very
+/// end of the scale, 255, is half an LSB beyond it.
 pub(super) fn largest_light(device: &Device) -> f64 {
     let light = device.value(Figure::LightScale) * 255.0;
-    light.clamp(1.0, CAPTURE.1)
+    light.max(1.0).min(device.value(Figure::Highest))
 }
 
 /// Checks that the host can set the threshold of every kind.

@@ -6,7 +6,7 @@ use super::{
     pass::Lowering,
 };
 use crate::{
-    isa::{Device, Digital, Primitive},
+    isa::{Device, Digital},
     program::{Action, Cell, Effect, Host, Step},
 };
 
@@ -100,21 +100,19 @@ impl Lowerer<'_> {
             let launches = matches!(step.action, Action::Word(_)) && !launched;
             launched = matches!(step.action, Action::Word(_));
             match &step.action {
-                Action::Word(word @ Primitive::Prop { boundary }) => {
-                    self.close(stages);
-                    let mut cost = Ledger::default();
-                    cost.word(word, self.device);
-                    cost.launches += u64::from(launches);
-                    stages.push(Stage::Propagate {
-                        boundary: *boundary,
-                        cost,
-                    });
-                }
                 Action::Word(word) => {
-                    self.open.cost.word(word, self.device);
-                    self.open.cost.launches += u64::from(launches);
-                    self.open.block.push(word, step.line);
-                    self.close_if_full(stages);
+                    if let Some(boundary) = word.propagates_from() {
+                        self.close(stages);
+                        let mut cost = Ledger::default();
+                        cost.word(word, self.device);
+                        cost.launches += u64::from(launches);
+                        stages.push(Stage::Propagate { boundary, cost });
+                    } else {
+                        self.open.cost.word(word, self.device);
+                        self.open.cost.launches += u64::from(launches);
+                        self.open.block.push(word, step.line);
+                        self.close_if_full(stages);
+                    }
                 }
                 Action::Host(operation) if operation.is_input() => {
                     self.open.block.inputs.push(operation.clone());
@@ -188,8 +186,7 @@ impl Lowerer<'_> {
 fn straight(body: &[Step]) -> Option<usize> {
     body.iter().try_fold(0, |len: usize, step| {
         let more = match &step.action {
-            Action::Word(Primitive::Prop { .. }) => None,
-            Action::Word(_) => Some(1),
+            Action::Word(word) => word.propagates_from().is_none().then_some(1),
             Action::Host(operation) => operation.is_input().then_some(1),
             Action::Repeat { times, body } => {
                 straight(body).map(|len| len.saturating_mul(*times as usize))

@@ -22,7 +22,7 @@ use crate::{
     study::{
         design::Compiled,
         equivalent::{Ladder, Likeness},
-        expanded::Expanded,
+        expanded::{Expanded, WORK},
     },
     unit::Micros,
 };
@@ -43,10 +43,6 @@ pub const CLEAR_FLOOR: f64 = 0.9;
 pub fn can_judge(floor: f64) -> bool {
     floor <= CLEAR_FLOOR
 }
-
-/// Words that all chips run together, each on so many pixels, at most: about 13 s on two cores
-/// of 2024.
-const WORK: f64 = 14e9;
 
 /// Chips that watch side by side.
 const ABREAST: usize = 8;
