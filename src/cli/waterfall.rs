@@ -20,7 +20,7 @@ use crate::{
         equivalent::{self, RUNGS},
         together,
         waterfall::{
-            Choice as Rated, Fall, Question, Rate, Rates, Share, Shares, Waterfall, WaterfallError,
+            Choice as RateChoice, Fall, Question, Rate, Rates, Share, Shares, Waterfall, WaterfallError,
             check_crossings, steps_together,
         },
     },
@@ -278,7 +278,7 @@ impl Arguments {
             within: self.window.at(scene.fps()),
         };
         budget::check_study(&*scene, SENSORS * designs.len())?;
-        let choice = Rated {
+        let choice = RateChoice {
             rates: self.rates.clone(),
             chips: self.chips,
             tiles: self.tiles.map(usize::from),

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     isa::{Device, Digital},
-    program::{Action, Cell, Effect, Host, Step},
+    program::{Action, Cell, CellEffect, Host, Step},
 };
 
 /// Words and inputs of a block, at most: loops are unrolled so far.
@@ -67,7 +67,7 @@ impl Lowered {
         let mut stages = Vec::new();
         lowerer.body(body, &mut stages);
         lowerer.close(&mut stages);
-        let writes = Effect::of(body, device).writes.into_iter();
+        let writes = CellEffect::of(body, device).writes.into_iter();
         Self {
             stages,
             blocks: lowerer.blocks,

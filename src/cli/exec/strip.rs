@@ -10,7 +10,7 @@ use crate::{
     isa::Figure,
     picture::{StripCell, panel, strip},
     plane::Plane,
-    program::{Action, Effect, Step},
+    program::{Action, CellEffect, Step},
 };
 
 /// The lines of one frame, with what registers held behind each.
@@ -45,7 +45,7 @@ impl Strip {
         self.columns.clear();
         for line in lines(moment.steps) {
             chip.run_steps(line, moment.t, packet)?;
-            let written = Effect::of(line, &opened.device).writes;
+            let written = CellEffect::of(line, &opened.device).writes;
             let number = line.first().map_or(0, |step| step.line);
             if written.is_empty() {
                 continue;

@@ -6,7 +6,7 @@ use super::{super::design::Compiled, estimate::Estimate, named::Named, time::Tim
 use crate::{
     compile::{FilterNoise, SensorProgram},
     isa::{Analog, Device, Evidence, Figure},
-    program::{Cell, Code, Cost, Effect},
+    program::{Cell, Code, Cost, CellEffect},
 };
 
 /// A program on its chip.
@@ -85,7 +85,7 @@ impl OnChip {
 pub(super) fn registers(code: &Code, device: &Device) -> usize {
     let mut cells = BTreeSet::new();
     for steps in [&code.init, &code.frame] {
-        let Effect { reads, writes, .. } = Effect::of(steps, device);
+        let CellEffect { reads, writes, .. } = CellEffect::of(steps, device);
         cells.extend(reads);
         cells.extend(writes);
     }

@@ -14,7 +14,7 @@ use super::{
     answer::{Answer, Offer},
     change::{self, Change},
     draw::{Drawn, draw},
-    estimate::{Estimate, RISK},
+    estimate::{ChangeEstimate, RISK},
     family::Family,
     first_frames::clocked,
     look::{Grid, Look},
@@ -482,7 +482,7 @@ impl<F: Family> Judge<'_, F> {
                 let within = measure.within;
                 let tiles = change::of_pair(self.mosaic, &self.probabilities, &pair, within);
                 let unseen = trial.family.unseen(&ran.model, look);
-                let change = Estimate::new(&tiles, unseen, self.risk);
+                let change = ChangeEstimate::new(&tiles, unseen, self.risk);
                 offer.change = Some(change);
                 offer.why = said(change, measure.tolerance);
             }
@@ -499,8 +499,8 @@ impl<F: Family> Judge<'_, F> {
 }
 
 /// What a limit says beside a tolerance.
-fn said(change: Estimate, tolerance: f64) -> String {
-    let Estimate {
+fn said(change: ChangeEstimate, tolerance: f64) -> String {
+    let ChangeEstimate {
         events,
         changes,
         tiles,

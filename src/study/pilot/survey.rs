@@ -20,7 +20,7 @@ use crate::{
 use super::{
     change,
     draw::draw,
-    estimate::{Estimate, History, RISK, Tile},
+    estimate::{ChangeEstimate, History, RISK, Tile},
     family::Family,
     first_frames::clocked,
     look::{Grid, Look},
@@ -50,7 +50,7 @@ pub struct Survey<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Known {
     /// What it changes.
-    pub change: Estimate,
+    pub change: ChangeEstimate,
     /// F1 of its events and the full model's within the same window.
     pub f1: f64,
     /// What of F1 is more than accident, within 100 ms or the time from frame to frame.
@@ -209,7 +209,7 @@ impl<F: Family> Begun<'_, F> {
         let own = |event: &&Event| self.mosaic.tile(event.y.into(), event.x.into()).is_some();
         let events = self.full.packet.events.iter().filter(own).count() as u64;
         Known {
-            change: Estimate {
+            change: ChangeEstimate {
                 share: 0.0,
                 limit: Some(0.0),
                 tiles: self.probabilities.len() as u64,
@@ -248,7 +248,7 @@ impl<F: Family> Begun<'_, F> {
         let tiles = change::of_pair(&self.mosaic, &self.probabilities, &pair, within);
         let unseen = self.trial.family.unseen(&ran.model, &self.look);
         let headline = self.headline();
-        let mut change = Estimate::new(&tiles, unseen, RISK / self.models.max(1) as f64);
+        let mut change = ChangeEstimate::new(&tiles, unseen, RISK / self.models.max(1) as f64);
         if self.dropped > 0 {
             // Which events find a slot depends on the whole sensor.
             change.limit = None;
@@ -404,7 +404,7 @@ impl<'a, F: Family> Whole<'a, F> {
 const QUICK: f64 = 0.5;
 
 /// The estimate where nothing is left to estimate.
-fn all_of(events: u64, changes: u64) -> Estimate {
+fn all_of(events: u64, changes: u64) -> ChangeEstimate {
     let whole = Tile {
         probability: 1.0,
         events,
@@ -412,7 +412,7 @@ fn all_of(events: u64, changes: u64) -> Estimate {
         alike: 0,
         changes,
     };
-    Estimate::new(&[whole], History::Cell.into(), RISK)
+    ChangeEstimate::new(&[whole], History::Cell.into(), RISK)
 }
 
 fn run<F: Family>(

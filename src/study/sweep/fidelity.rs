@@ -31,7 +31,7 @@ use crate::{
     save::save_durably,
     study::{
         design,
-        pilot::{Chips, Choice, Effect, Estimate, Family, Floats, Machine, Measure},
+        pilot::{Chips, Choice, Effect, ChangeEstimate, Family, Floats, Machine, Measure},
     },
     unit::Micros,
 };
@@ -307,7 +307,7 @@ fn measured<F: Family>(
         limits_only: true,
     };
     let answer = measure.ask(family, candidates)?;
-    let limit = |change: Estimate| {
+    let limit = |change: ChangeEstimate| {
         let limit = change.limit.filter(|limit| *limit < 1.0)?;
         // For each event of the point, not of the plain model.
         Some(limit / (1.0 - limit))
