@@ -170,6 +170,7 @@ impl Trials {
             Compared::Difference => Some(device.value(Figure::Edge) as f32),
             Compared::Drives => None,
         };
+        let (lowest, highest) = device.register_range();
         let chip = [Figure::Height, Figure::Width].map(|side| device.value(side));
         Self {
             edge,
@@ -177,10 +178,7 @@ impl Trials {
                 Some(_) => (0..CELLS).map(|cell| weight(cell, chip)).collect(),
                 None => vec![1.0; CELLS],
             },
-            range: (
-                device.value(Figure::Lowest) as f32,
-                device.value(Figure::Highest) as f32,
-            ),
+            range: (lowest as f32, highest as f32),
             news: usize::from(device.news().0),
             arrays: { shown(compared).iter() }
                 .map(|light| pairs(*light).iter().enumerate().map(array).collect())

@@ -9,7 +9,7 @@ use super::{
     solve::{FINE, Solved, fine},
     wired::{Extent, wired},
 };
-use crate::isa::{Analog, Device, Figure, Primitive};
+use crate::isa::{Analog, Device, Primitive};
 
 /// A filter in instruction words.
 #[derive(Clone, Debug)]
@@ -115,7 +115,7 @@ fn exact_within(solved: &Solved, unit: i64, device: &Device, range: Option<(f64,
         Some((least, _)) if least >= 0.0 => 0.0,
         _ => -1.0,
     };
-    let (low, high) = (device.value(Figure::Lowest), device.value(Figure::Highest));
+    let (low, high) = device.register_range();
     let darks = solved.plan.dark(0.0, StoreErrors::from_device(device));
     let mut forms: Vec<_> = stored(solved, unit).zip(darks).collect();
     forms.pop();

@@ -4,7 +4,7 @@
 use super::{
     allocate::{RegisterFile, ordinary_registers},
     decision::Decision,
-    error::{CompileError, MOST_THRESHOLD},
+    error::{CompileError, most_threshold},
     filter::Filter,
     goals::goals,
     linear_form::LinearForm,
@@ -14,7 +14,7 @@ use super::{
     walk,
 };
 use crate::{
-    isa::{Analog, Device, Figure, Primitive, Source, Target},
+    isa::{Analog, Device, Primitive, Source, Target},
     kernel::Kernel,
 };
 
@@ -187,7 +187,7 @@ impl<'a> Request<'a> {
     /// Whether a threshold is higher than the converter goes.
     pub(super) fn is_beyond_converter(&self, bits: u32) -> bool {
         self.decision.is_some_and(|decision| {
-            decision.on.max(decision.off) * 2f64.powi(-(bits as i32)) > MOST_THRESHOLD
+            decision.on.max(decision.off) * 2f64.powi(-(bits as i32)) > most_threshold(self.device)
         })
     }
 
@@ -279,20 +279,14 @@ impl<'a> Request<'a> {
         Limits {
             input,
             odd: false,
-            register: self.register_range(),
+            register: self.device.register_range(),
             errors: self.store_errors(),
         }
     }
 
-    /// The lowest and highest value of the chip's registers, LSB.
-    fn register_range(&self) -> (f64, f64) {
-        let value = |figure| self.device.value(figure);
-        (value(Figure::Lowest), value(Figure::Highest))
-    }
-
     /// No program for an input of this range.
     fn no_halving(&self, (low, high): (f64, f64)) -> CompileError {
-        let (lowest, highest) = self.register_range();
+        let (lowest, highest) = self.device.register_range();
         CompileError::Range {
             low,
             high,

@@ -6,7 +6,7 @@ use super::{
     allocate::ordinary_registers,
     cell_kind::{CellKind, DriveMemory, constants, header, number, thresholds},
     decision::{Compared, Decision},
-    error::{CompileError, MOST_THRESHOLD},
+    error::{CompileError, most_threshold},
     event_readout::EventReadout,
     filter::Filter,
     need::{MEMORY_BITS, Need, advice},
@@ -25,7 +25,10 @@ use crate::{
 const MEMORY: [&str; MEMORY_BITS] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
 
 /// The largest constant that the host can set with either sign, LSB.
-const LARGEST: f64 = 127.0;
+fn largest_constant(device: &Device) -> f64 {
+    let (low, high) = device.register_range();
+    high.min(-low)
+}
 
 /// A memory in one-bit registers: the range of the drive in equal steps.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,7 +104,7 @@ impl SensorProgram {
     ) -> Result<Self, CompileError> {
         if memory == DriveMemory::Shared {
             let program = shared_memory::program(kinds, title, request)?;
-            check_thresholds(kinds, &program.scales)?;
+            check_thresholds(request.device, kinds, &program.scales)?;
             return Ok(program);
         }
         let device = request.device;
@@ -144,18 +147,19 @@ impl SensorProgram {
             });
         }
         let scale = device.value(Figure::LightScale) * filter.scale();
+        let host = (scale, largest_constant(device));
         let steps: Vec<BitMemory> = match memory {
             DriveMemory::Analogue | DriveMemory::Shared => Vec::new(),
             DriveMemory::Bits(bits) => {
                 let registers = MEMORY.chunks(usize::from(bits));
-                let steps = |(kind, own)| BitMemory::new(kind, scale, own);
+                let steps = |(kind, own)| BitMemory::new(kind, host, own);
                 kinds.iter().zip(registers).map(steps).collect()
             }
         };
         for (kind, own) in kinds.iter().zip(&steps) {
-            own.check(kind, scale)?;
+            own.check(kind, host)?;
         }
-        check_thresholds(kinds, &vec![scale; count])?;
+        check_thresholds(device, kinds, &vec![scale; count])?;
         let mut program = Self {
             text: String::new(),
             drives: all[..count].to_vec(),
@@ -220,16 +224,21 @@ impl SensorProgram {
 /// end of the scale, 255, is half an LSB beyond it.
 pub(super) fn largest_light(device: &Device) -> f64 {
     let light = device.value(Figure::LightScale) * 255.0;
-    light.max(1.0).min(device.value(Figure::Highest))
+    light.max(1.0).min(device.register_range().1)
 }
 
 /// Checks that the host can set the threshold of every kind.
-fn check_thresholds(kinds: &[CellKind], scales: &[f64]) -> Result<(), CompileError> {
+fn check_thresholds(
+    device: &Device,
+    kinds: &[CellKind],
+    scales: &[f64],
+) -> Result<(), CompileError> {
+    let most = most_threshold(device);
     for (kind, scale) in kinds.iter().zip(scales) {
         let threshold = kind.on.max(kind.off);
-        if threshold * scale > MOST_THRESHOLD {
+        if threshold * scale > most {
             let lsb = threshold * scale;
-            return Err(CompileError::Threshold { lsb });
+            return Err(CompileError::Threshold { lsb, most });
         }
     }
     Ok(())
@@ -275,8 +284,8 @@ fn memory_registers(memory: DriveMemory, count: usize, free: usize) -> Result<us
 const MOST_BITS: u8 = 16;
 
 impl BitMemory {
-    fn new(kind: &CellKind, scale: f64, registers: &[&'static str]) -> Self {
-        let (low, step) = Self::range(kind, scale, registers.len() as i32);
+    fn new(kind: &CellKind, host: (f64, f64), registers: &[&'static str]) -> Self {
+        let (low, step) = Self::range(kind, host, registers.len() as i32);
         Self {
             low,
             step,
@@ -285,8 +294,9 @@ impl BitMemory {
     }
 
     /// The lowest level's end, and the distance of levels, LSB, of so many bits: a whole number of
-    /// LSB where the range is wide enough, as the host can set no others.
-    fn range(kind: &CellKind, scale: f64, bits: i32) -> (f64, f64) {
+    /// LSB where the range is wide enough, as the host can set no others; `largest`: the largest
+    /// constant that it can set.
+    fn range(kind: &CellKind, (scale, largest): (f64, f64), bits: i32) -> (f64, f64) {
         let sum = |sign: f64| -> f64 {
             let weights = kind.kernel.weights().iter();
             weights.filter(|w| **w * sign > 0.0).sum::<f64>() * 255.0 * scale
@@ -295,18 +305,19 @@ impl BitMemory {
         let step = (high - low) / 2f64.powi(bits);
         let step = if step > 1.0 {
             // The largest constant that is added must lie within the host's range.
-            step.ceil().min(LARGEST / 2f64.powi(bits - 1))
+            step.ceil().min(largest / 2f64.powi(bits - 1))
         } else {
             // The next power of two; of a kernel of zeros, any.
             2f64.powi(elementary::log2(step).ceil().max(-16.0) as i32)
         };
         // As far as the host can set it.
-        (low.floor().max(-LARGEST), step)
+        (low.floor().max(-largest), step)
     }
 
     /// Checks that a drive that stays is silent: it is remembered as the middle of its step, from
     /// which it may be half a step away.
-    fn check(&self, kind: &CellKind, scale: f64) -> Result<(), CompileError> {
+    fn check(&self, kind: &CellKind, host: (f64, f64)) -> Result<(), CompileError> {
+        let (scale, _) = host;
         let least = kind.on.min(kind.off);
         let threshold = least * scale;
         let serves = |step: f64| step / 2.0 <= threshold;
@@ -315,7 +326,7 @@ impl BitMemory {
         }
         let bits = self.registers.len() as u8;
         let needed = (bits + 1..MOST_BITS)
-            .find(|bits| serves(Self::range(kind, scale, i32::from(*bits)).1))
+            .find(|bits| serves(Self::range(kind, host, i32::from(*bits)).1))
             .unwrap_or(MOST_BITS);
         Err(CompileError::Levels {
             bits,

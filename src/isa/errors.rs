@@ -63,6 +63,7 @@ impl Errors {
     pub fn from_device(device: &Device) -> Self {
         let value = |figure| device.value(figure);
         let headroom = value(Figure::Headroom);
+        let (lowest, highest) = device.register_range();
         Self {
             transfer: value(Figure::TransferError),
             loss: value(Figure::StoreLoss),
@@ -74,10 +75,7 @@ impl Errors {
             noise: value(Figure::StoreNoise),
             // The host's table has an entry for each LSB.
             input_step: 1.0,
-            range: (
-                value(Figure::Lowest) - headroom,
-                value(Figure::Highest) + headroom,
-            ),
+            range: (lowest - headroom, highest + headroom),
             reset_level: value(Figure::ResetLevel),
             decay: value(Figure::AnalogueDecay),
             retention: value(Figure::Retention),

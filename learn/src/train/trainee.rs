@@ -96,7 +96,7 @@ pub struct Trainee<'a> {
     /// What was compiled on the way.
     pub(super) chip: Option<Arc<Chip>>,
     /// What memories on the chip differ by, LSB: [`memory_spread`].
-    spread: f64,
+    pub(super) spread: f64,
     /// Where it is.
     pub state: State,
 }

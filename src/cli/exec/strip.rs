@@ -7,7 +7,6 @@ use super::{super::opened::Opened, moment::Moment};
 use crate::{
     array::{Array, Register},
     event::Packet,
-    isa::Figure,
     picture::{StripCell, panel, strip},
     plane::Plane,
     program::{Action, CellEffect, Step},
@@ -67,7 +66,7 @@ impl Strip {
     pub fn picture(&self, opened: &Opened) -> miette::Result<RgbImage> {
         let device = &opened.device;
         let registers = &self.registers;
-        let (low, high) = (device.value(Figure::Lowest), device.value(Figure::Highest));
+        let (low, high) = device.register_range();
         let text: Vec<&str> = opened.program.text.lines().collect();
         let columns = self.columns.iter().map(|column| {
             let at = (column.line as usize).saturating_sub(1);
