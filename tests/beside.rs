@@ -7,7 +7,7 @@ use std::{fs, path::Path};
 
 use amacrine::{
     isa::Device,
-    program::{Action, Answer, Beside, Host, Runnable, Overrides, Program, Step},
+    program::{Action, Answer, Beside, Host, Overrides, Program, Runnable, Step},
 };
 use common::{amacrine, good, json, line, refused};
 use ndarray::{Array2, Array3};

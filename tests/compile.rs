@@ -358,13 +358,7 @@ fn kernels() -> impl Strategy<Value = Kernel> {
 }
 
 /// Registers are kept, results lie where they were asked for, and nothing saturates.
-fn keeps_to_registers_and_range(
-    device: &Device,
-    kernel: Kernel,
-    keep: usize,
-    into: u8,
-    high: i32,
-) {
+fn keeps_to_registers_and_range(device: &Device, kernel: Kernel, keep: usize, into: u8, high: i32) {
     let kernels = [kernel];
     let mut request = Request::new(&kernels, device).unwrap();
     request.into = vec![Analog(into)];
@@ -411,13 +405,20 @@ fn errors_of_the_chip_are_no_help_against_saturation() {
 fn nothing_saturates_where_registers_hold_less() {
     let narrow = Device::scamp5().what_if(Figure::Highest, 31.0).unwrap();
     let narrow = narrow.what_if(Figure::Lowest, -32.0).unwrap();
-    let rows = [vec![1.0, 2.0, 1.0], vec![2.0, 4.0, 2.0], vec![1.0, 2.0, 1.0]];
+    let rows = [
+        vec![1.0, 2.0, 1.0],
+        vec![2.0, 4.0, 2.0],
+        vec![1.0, 2.0, 1.0],
+    ];
     keeps_to_registers_and_range(&narrow, kernel(&rows), 0, 0, 31);
     let kernels = [kernel(&rows)];
     let mut request = Request::new(&kernels, &narrow).unwrap();
     request.range = Some((0.0, 100.0));
     let error = request.filter().unwrap_err().to_string();
-    assert!(error.ends_with("does not fit into -32…31, halved or not"), "{error}");
+    assert!(
+        error.ends_with("does not fit into -32…31, halved or not"),
+        "{error}"
+    );
 }
 
 proptest! {

@@ -15,7 +15,7 @@ use amacrine::{
     rng::Hash,
     scene::{Frame, OpenOptions, Scene, held::Held, kept::Kept, open},
     study::pilot::{
-        Change, Choice, Effect, ChangeEstimate, Family, Floats, Grid, History, Look, Model, Plan,
+        Change, ChangeEstimate, Choice, Effect, Family, Floats, Grid, History, Look, Model, Plan,
         PlanError, Question, change, draw,
         plan::{BUDGET, plan},
         rule,

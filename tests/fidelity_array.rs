@@ -21,7 +21,8 @@ use amacrine::{
     study::{
         design::{Compiled, Design},
         pilot::{
-            Change, Chips, ChangeEstimate, Family, Grid, Look, Machine, Measure, ErrorTerm, change, draw,
+            Change, ChangeEstimate, Chips, ErrorTerm, Family, Grid, Look, Machine, Measure, change,
+            draw,
         },
     },
     unit::Micros,

@@ -459,7 +459,7 @@ impl Patterns {
             before.is_some_and(|s| s.ident == "Primitive" || (self.own && s.ident == "Self"))
         };
         let mut any = |patterns: &mut dyn Iterator<Item = &Pat>| {
-            patterns.fold(false, |any, p| self.names(p, round) || any)
+            patterns.filter(|p| self.names(p, round)).count() > 0
         };
         match pattern {
             Pat::Path(it) => variant(&it.path),
@@ -526,8 +526,8 @@ impl<'ast> Visit<'ast> for Patterns {
 
     fn visit_expr_match(&mut self, it: &'ast syn::ExprMatch) {
         let mut round = Vec::new();
-        let arms = it.arms.iter();
-        if arms.fold(false, |any, arm| self.names(&arm.pat, &mut round) || any) {
+        let names = { it.arms.iter() }.filter(|arm| self.names(&arm.pat, &mut round));
+        if names.count() > 0 {
             self.matches += 1;
             let open = { it.arms.iter() }.filter(|arm| takes_the_rest(&arm.pat, &round));
             self.open += open.count();
@@ -597,12 +597,24 @@ fn what_lets_the_rest_pass_is_found() {
     for (body, open) in [
         ("match word { Primitive::Nop => 1, Primitive::All => 2 }", 0),
         ("match word { Primitive::Nop => 1, _ => 2 }", 1),
-        ("match word { Primitive::Nop => 1, other => other.words() }", 1),
-        ("match it { Action::Word(Primitive::Nop) => 1, Action::Word(_) => 2, Action::Host(_) => 3 }", 1),
+        (
+            "match word { Primitive::Nop => 1, other => other.words() }",
+            1,
+        ),
+        (
+            "match it { Action::Word(Primitive::Nop) => 1, Action::Word(_) => 2, Action::Host(_) => 3 }",
+            1,
+        ),
         ("if let Primitive::Bus { targets, .. } = word {}", 1),
         ("while let Some(Primitive::Nop) = words.next() {}", 1),
-        ("let Primitive::Bus { targets, .. } = word else { return };", 1),
-        ("let is = matches!(word, Primitive::Nop | Primitive::All if true);", 1),
+        (
+            "let Primitive::Bus { targets, .. } = word else { return };",
+            1,
+        ),
+        (
+            "let is = matches!(word, Primitive::Nop | Primitive::All if true);",
+            1,
+        ),
         ("assert!(!matches!(word, Primitive::Nop));", 1),
         ("if let Some(targets) = word.as_bus() {}", 0),
     ] {

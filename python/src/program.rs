@@ -8,7 +8,7 @@ use amacrine::{
     isa::Device,
     plane::{Plane, Size},
     program::{
-        Action, Cost, Expansion, Host, Runnable, Overrides, Program as Text, Step, included_files,
+        Action, Cost, Expansion, Host, Overrides, Program as Text, Runnable, Step, included_files,
     },
     study::pilot::Chips,
     unit::Micros,

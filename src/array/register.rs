@@ -85,7 +85,9 @@ impl Register {
     /// All that the parts of a program write, in the order of the chip, FLAG last.
     #[must_use]
     pub fn written(parts: &[&[Step]], device: &Device) -> Vec<Self> {
-        let each = parts.iter().map(|steps| CellEffect::of(steps, device).writes);
+        let each = parts
+            .iter()
+            .map(|steps| CellEffect::of(steps, device).writes);
         let cells: BTreeSet<_> = each.flatten().collect();
         cells.into_iter().map(Self::from).collect()
     }

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     bundled::Kind,
     isa::{Device, Figure},
-    program::{Expansion, Runnable, Overrides, Program, Syntax, included_files},
+    program::{Expansion, Overrides, Program, Runnable, Syntax, included_files},
     source,
 };
 

@@ -20,8 +20,8 @@ use crate::{
         equivalent::{self, RUNGS},
         together,
         waterfall::{
-            Choice as RateChoice, Fall, Question, Rate, Rates, Share, Shares, Waterfall, WaterfallError,
-            check_crossings, steps_together,
+            Choice as RateChoice, Fall, Question, Rate, Rates, Share, Shares, Waterfall,
+            WaterfallError, check_crossings, steps_together,
         },
     },
 };

@@ -6,7 +6,7 @@ use crate::{
     array::Arithmetic,
     config::suggestion_or,
     reference::Description,
-    study::pilot::{Choice, Effect, Machine, ErrorTerm},
+    study::pilot::{Choice, Effect, ErrorTerm, Machine},
 };
 
 /// `--without` of `amacrine run`.

@@ -319,7 +319,10 @@ fn weight(cell: usize, chip: [f64; 2]) -> f64 {
     }
     // The share of a ring that far from the border of an array.
     let share = |sides: [f64; 2]| {
-        let ring: f64 = sides.iter().map(|side| side - 2.0 * from as f64 - 1.0).sum();
+        let ring: f64 = sides
+            .iter()
+            .map(|side| side - 2.0 * from as f64 - 1.0)
+            .sum();
         let [rows, columns] = sides.map(|side| (side - 2.0 * RIM as f64).max(1.0));
         2.0 * ring / (rows * columns)
     };

@@ -94,7 +94,9 @@ impl Filter {
 /// The ordinary registers of a word.
 fn registers(word: &Primitive, device: &Device) -> Vec<Analog> {
     let words = wired(std::slice::from_ref(word), device);
-    let cells = words.iter().flat_map(|it| it.targets.iter().chain(&it.sources));
+    let cells = words
+        .iter()
+        .flat_map(|it| it.targets.iter().chain(&it.sources));
     let mut all: Vec<Analog> = cells.map(|(cell, _)| Analog(*cell as u8)).collect();
     all.retain(|register| *register != device.news());
     all.sort_unstable();

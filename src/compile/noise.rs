@@ -116,14 +116,20 @@ fn run(held: &mut BTreeMap<usize, ErrorForm>, errors: &Errors, at: usize, word: 
         cell.add(&bus, (-y, -x), gain / count as f64);
         cell.level += errors.transfer;
         cell.draw(Draw::Gain(*target), errors.of_gain(current));
-        cell.draw(Draw::Offset(*target), errors.offset_mismatch * errors.apart());
+        cell.draw(
+            Draw::Offset(*target),
+            errors.offset_mismatch * errors.apart(),
+        );
         cell.draw(Draw::Store(at, part), errors.noise);
         if count > 1 {
             cell.level += errors.division;
             let uneven = isa::uneven(part, count).into_iter().take(count - 1);
             for (k, more) in uneven.enumerate() {
                 let more = f64::from(more);
-                cell.draw(Draw::Split(k), gain * current * errors.division_mismatch * more);
+                cell.draw(
+                    Draw::Split(k),
+                    gain * current * errors.division_mismatch * more,
+                );
             }
         }
         held.insert(*target, cell);

@@ -38,7 +38,11 @@ impl StoreErrors {
     /// What is stored of a sum, LSB, by a store that loses nothing.
     pub(super) fn stored(self, sum: f64, splits: bool) -> f64 {
         let share = if splits { sum / 2.0 } else { sum };
-        isa::stored(share, -1.0, isa::added(self.transfer, self.division, splits))
+        isa::stored(
+            share,
+            -1.0,
+            isa::added(self.transfer, self.division, splits),
+        )
     }
 }
 

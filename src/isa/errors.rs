@@ -145,7 +145,11 @@ pub fn stored<T: Mul<Output = T> + Add<Output = T>>(current: T, gain: T, error: 
 /// What every store adds: the transfer error, and the division error where the bus splits.
 #[must_use]
 pub const fn added(transfer: f64, division: f64, splits: bool) -> f64 {
-    if splits { transfer + division } else { transfer }
+    if splits {
+        transfer + division
+    } else {
+        transfer
+    }
 }
 
 #[cfg(test)]

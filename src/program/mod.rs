@@ -41,7 +41,7 @@ pub use sample::{Sample, samples};
 pub use settings::{
     Computes, Expectation, ExpectedEvents, ExpectedWords, Settings, Summary, json_schema,
 };
-pub use source::{Runnable, NamesError, Program};
+pub use source::{NamesError, Program, Runnable};
 pub use syntax::Syntax;
 pub use vendor::{Answer, Beside, Includes, WriteError, cpp, included, included_files};
 pub use words::vendor_text;

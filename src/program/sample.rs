@@ -29,7 +29,10 @@ pub fn samples(device: &Device) -> Vec<Sample<'_>> {
         let Some((_, call, expansion)) = sample(form, device, &nearest_to_one(form)) else {
             continue;
         };
-        if CellEffect::of(&expansion.code.frame, device).writes.is_empty() {
+        if CellEffect::of(&expansion.code.frame, device)
+            .writes
+            .is_empty()
+        {
             continue;
         }
         let earlier = all.iter().filter(|it| it.form.name == form.name).count();

@@ -6,7 +6,7 @@
 //! shows of the scene that it needs anyway. A show is of three sensors: the whole step, and two
 //! shorter ones, as rates of few events do not fall evenly.
 
-use super::rate::{RateError, ThresholdFactor, Share, check, rated, rates};
+use super::rate::{RateError, Share, ThresholdFactor, check, rated, rates};
 use crate::{
     elementary,
     plane::Plane,

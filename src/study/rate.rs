@@ -196,10 +196,13 @@ pub(super) fn check(rate: f64) -> Result<(), RateError> {
 
 /// Octaves that thresholds are moved by, and the rates there.
 pub(super) fn rated(octaves: &[f64], rates: &[f64]) -> Vec<ThresholdFactor> {
-    let rated = octaves.iter().zip(rates).map(|(octave, rate)| ThresholdFactor {
-        factor: elementary::pow(2.0, *octave),
-        rate: *rate,
-    });
+    let rated = octaves
+        .iter()
+        .zip(rates)
+        .map(|(octave, rate)| ThresholdFactor {
+            factor: elementary::pow(2.0, *octave),
+            rate: *rate,
+        });
     rated.collect()
 }
 

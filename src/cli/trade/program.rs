@@ -99,7 +99,12 @@ fn command(arguments: &Arguments, path: &Input, frames: usize, setup: &Setup) ->
     if arguments.seed != 0 {
         add("seed", &arguments.seed.to_string());
     }
-    let without: Vec<_> = setup.without().iter().copied().map(ErrorTerm::key).collect();
+    let without: Vec<_> = setup
+        .without()
+        .iter()
+        .copied()
+        .map(ErrorTerm::key)
+        .collect();
     if !without.is_empty() {
         add("without", &without.join(","));
     }

@@ -21,7 +21,10 @@ use std::{collections::BTreeMap, str::FromStr};
 
 use serde::Serialize;
 
-use super::{Arbiter, Frame, Ideal, Readout, Requests, RowOrder, Scan, WhenFull, scan::{self, Order}};
+use super::{
+    Arbiter, Frame, Ideal, Readout, Requests, RowOrder, Scan, WhenFull,
+    scan::{self, Order},
+};
 use crate::{
     config::{Faults, File, Key, Kind, Node, Read, Section, Spelling, Table, asked},
     limit::QUEUE,

@@ -6,7 +6,7 @@ use super::{super::design::Compiled, estimate::Estimate, named::Named, time::Tim
 use crate::{
     compile::{FilterNoise, SensorProgram},
     isa::{Analog, Device, Evidence, Figure},
-    program::{Cell, Code, Cost, CellEffect},
+    program::{Cell, CellEffect, Code, Cost},
 };
 
 /// A program on its chip.

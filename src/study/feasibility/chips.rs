@@ -307,7 +307,6 @@ impl Trial<'_> {
             values: values.collect(),
         })
     }
-
 }
 
 /// Frames of a scene that all runs watch: as many as [`WORK`] allows, and two at least.

@@ -1,13 +1,13 @@
 //! The tornado: one number of the chip turned from end to end, all others at their values, and what
 //! that changes.
 
-use super::{FeasibilityError, chips::{Run, Trial}, named::Named};
+use super::{
+    FeasibilityError,
+    chips::{Run, Trial},
+    named::Named,
+};
 use crate::{
-    compare::CompareError,
-    event::Packet,
-    isa::Evidence,
-    order::Order,
-    program::readout::Demand,
+    compare::CompareError, event::Packet, isa::Evidence, order::Order, program::readout::Demand,
     study::equivalent::Ladder,
 };
 
@@ -63,7 +63,11 @@ pub(super) struct End {
 impl Trial<'_> {
     /// Adds a run for each end of each number that differs from its value and of which events
     /// depend.
-    pub(super) fn ends(&self, numbers: &[Named], runs: &mut Vec<Run>) -> Result<Vec<End>, FeasibilityError> {
+    pub(super) fn ends(
+        &self,
+        numbers: &[Named],
+        runs: &mut Vec<Run>,
+    ) -> Result<Vec<End>, FeasibilityError> {
         let device = self.question.device;
         let mut ends = Vec::new();
         for (number, named) in numbers.iter().enumerate() {

@@ -17,11 +17,11 @@ use crate::{
 };
 
 use super::{
+    error_term::ErrorTerm,
     estimate::{History, Unseen},
     family::Family,
     look::Look,
     program_halo,
-    error_term::ErrorTerm,
 };
 
 /// An arithmetic of the array, with what it leaves out.

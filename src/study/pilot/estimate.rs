@@ -230,7 +230,10 @@ mod tests {
             None
         );
         let few = [tile(0.1, 4, 0); 20];
-        assert_eq!(ChangeEstimate::new(&few, History::Cell.into(), 0.05).limit, None);
+        assert_eq!(
+            ChangeEstimate::new(&few, History::Cell.into(), 0.05).limit,
+            None
+        );
     }
 
     /// The rule of three: without a change, at most three histories of a cell.

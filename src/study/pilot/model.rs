@@ -13,7 +13,7 @@ use crate::{
 
 use super::{
     effect::{Choice, Effect},
-    plan::{Plan, PlanError, Question, Crop},
+    plan::{Crop, Plan, PlanError, Question},
 };
 
 /// A model of a plan, and how it is run.

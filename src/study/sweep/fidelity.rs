@@ -31,7 +31,7 @@ use crate::{
     save::save_durably,
     study::{
         design,
-        pilot::{Chips, Choice, Effect, ChangeEstimate, Family, Floats, Machine, Measure},
+        pilot::{ChangeEstimate, Chips, Choice, Effect, Family, Floats, Machine, Measure},
     },
     unit::Micros,
 };

@@ -7,7 +7,7 @@ use crate::{
     mosaic::{Mosaic, Outside},
     plane::Size,
     sensor::{Sensor, SensorError},
-    study::pilot::{Chips, Look, Machine, ErrorTerm, estimate::Unseen, family::Family},
+    study::pilot::{Chips, ErrorTerm, Look, Machine, estimate::Unseen, family::Family},
 };
 
 /// A program on an array, whose schedule is part of the model.

@@ -50,7 +50,12 @@ impl Noise {
     ) -> Self {
         let Compiled { program, expanded } = fall.program();
         let filter = fall.kinds.filter(fall.kind);
-        let noise = filter.noise(&expanded.device, Analog(0), FilterNoise::MIDDLE, &program.drives);
+        let noise = filter.noise(
+            &expanded.device,
+            Analog(0),
+            FilterNoise::MIDDLE,
+            &program.drives,
+        );
         let own = fall.kind.min(noise.len().saturating_sub(1));
         let temporal = noise.get(own).map_or(0.0, |noise| noise.temporal);
         let threshold_lsb = fall.threshold_lsb();
