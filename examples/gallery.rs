@@ -16,7 +16,7 @@ use amacrine::{
     number::Format,
     picture::{StripCell, panel, strip, write_png},
     plane::Plane,
-    program::{Cell, Effect, Overrides, Program},
+    program::{Cell, CellEffect, Overrides, Program},
     reference::{Description, EventList, Limit, Reference},
     scene::{Frame, OpenOptions, Scene, bundled_with, open},
     sensor::Sensor as _,
@@ -191,7 +191,7 @@ fn left_by(file: File) -> miette::Result<(String, Vec<(String, StripCell)>)> {
     let (low, high) = (device.value(Figure::Lowest), device.value(Figure::Highest));
     let mut written: BTreeMap<String, (Cell, f64, f64)> = BTreeMap::new();
     for steps in [&code.init, &code.frame] {
-        for it in Effect::of(steps, &device).writes {
+        for it in CellEffect::of(steps, &device).writes {
             let (black, white) = match it {
                 Cell::Analog(_) => (low, high),
                 Cell::Digital(_) | Cell::Flag => (0.0, 1.0),

@@ -7,7 +7,7 @@ use std::{fs, path::Path};
 
 use amacrine::{
     isa::Device,
-    program::{Action, Answer, Beside, Host, Layout, Overrides, Program, Step},
+    program::{Action, Answer, Beside, Host, Overrides, Program, Runnable, Step},
 };
 use common::{amacrine, good, json, line, refused};
 use ndarray::{Array2, Array3};
@@ -245,7 +245,7 @@ fn what_is_read_out_may_hang_on_what_was_read() {
         );
         let program = Program::read("p.cpp", &text);
         let layout = program.layout(&Device::scamp5(), &Overrides::new());
-        let Layout { expansion, decides } = layout.unwrap();
+        let Runnable { expansion, decides } = layout.unwrap();
         assert!(decides, "{scan}");
         let warned = format!("{:?}", program.warnings(&expansion.unwrap()).unwrap());
         assert!(

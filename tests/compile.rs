@@ -358,10 +358,9 @@ fn kernels() -> impl Strategy<Value = Kernel> {
 }
 
 /// Registers are kept, results lie where they were asked for, and nothing saturates.
-fn keeps_to_registers_and_range(kernel: Kernel, keep: usize, into: u8, high: i32) {
-    let device = Device::scamp5();
+fn keeps_to_registers_and_range(device: &Device, kernel: Kernel, keep: usize, into: u8, high: i32) {
     let kernels = [kernel];
-    let mut request = Request::new(&kernels, &device).unwrap();
+    let mut request = Request::new(&kernels, device).unwrap();
     request.into = vec![Analog(into)];
     request.keep = (0..keep).map(|i| Analog(5 - i as u8)).collect();
     request.effort = Effort { states: 2000 };
@@ -374,18 +373,18 @@ fn keeps_to_registers_and_range(kernel: Kernel, keep: usize, into: u8, high: i32
         }
         other => other.unwrap(),
     };
-    let text = filter.text(&device, 0);
+    let text = filter.text(device, 0);
     let program = Program::parse("filter", &text).unwrap();
-    let code = program.expand(&device, &Overrides::default()).unwrap().code;
-    let settings = Settings::from_device(&device);
+    let code = program.expand(device, &Overrides::default()).unwrap().code;
+    let settings = Settings::from_device(device);
     let inputs = range::Inputs {
         registers: range::Interval::new(0.0, f64::from(high)),
         ..range::Inputs::default()
     };
-    let ranges = range::of(&code.frame, &device, settings, inputs).unwrap();
+    let ranges = range::of(&code.frame, device, settings, inputs).unwrap();
     assert_eq!(ranges.saturations, vec![]);
     for register in &request.keep {
-        let taps = taps::read(&code.frame, &device, settings, *register).unwrap();
+        let taps = taps::read(&code.frame, device, settings, *register).unwrap();
         assert_eq!(taps.taps.len(), 1);
     }
     let scale = 2f64.powi(filter.prescale as i32);
@@ -398,7 +397,28 @@ fn keeps_to_registers_and_range(kernel: Kernel, keep: usize, into: u8, high: i32
 fn errors_of_the_chip_are_no_help_against_saturation() {
     let weights = [[-3, -1, -2], [-3, 0, 0], [-3, -2, -4]];
     let rows = weights.map(|row| row.map(f64::from).to_vec());
-    keeps_to_registers_and_range(kernel(&rows), 0, 0, 114);
+    keeps_to_registers_and_range(&Device::scamp5(), kernel(&rows), 0, 0, 114);
+}
+
+/// What fits is what the chip's own registers hold.
+#[test]
+fn nothing_saturates_where_registers_hold_less() {
+    let narrow = Device::scamp5().what_if(Figure::Highest, 31.0).unwrap();
+    let narrow = narrow.what_if(Figure::Lowest, -32.0).unwrap();
+    let rows = [
+        vec![1.0, 2.0, 1.0],
+        vec![2.0, 4.0, 2.0],
+        vec![1.0, 2.0, 1.0],
+    ];
+    keeps_to_registers_and_range(&narrow, kernel(&rows), 0, 0, 31);
+    let kernels = [kernel(&rows)];
+    let mut request = Request::new(&kernels, &narrow).unwrap();
+    request.range = Some((0.0, 100.0));
+    let error = request.filter().unwrap_err().to_string();
+    assert!(
+        error.ends_with("does not fit into -32…31, halved or not"),
+        "{error}"
+    );
 }
 
 proptest! {
@@ -427,7 +447,7 @@ proptest! {
 
     #[test]
     fn within_registers_and_range(kernel in weights(3, 0, 4), keep in 0usize..3, into in 0u8..4, high in 1i32..128) {
-        keeps_to_registers_and_range(kernel, keep, into, high);
+        keeps_to_registers_and_range(&Device::scamp5(), kernel, keep, into, high);
     }
 
     /// Packets of the array and of the float model, up to the border.

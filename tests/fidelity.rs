@@ -15,7 +15,7 @@ use amacrine::{
     rng::Hash,
     scene::{Frame, OpenOptions, Scene, held::Held, kept::Kept, open},
     study::pilot::{
-        Change, Choice, Effect, Estimate, Family, Floats, Grid, History, Look, Model, Plan,
+        Change, ChangeEstimate, Choice, Effect, Family, Floats, Grid, History, Look, Model, Plan,
         PlanError, Question, change, draw,
         plan::{BUDGET, plan},
         rule,
@@ -390,7 +390,7 @@ fn a_smaller_halo_shows() {
 struct Case {
     name: String,
     truth: f64,
-    estimate: Estimate,
+    estimate: ChangeEstimate,
 }
 
 /// What a pilot of so many tiles would say; the tiles' events are those of the whole sensor, so
@@ -400,7 +400,7 @@ fn sampled(
     kept: &Kept,
     family: &Floats<'_>,
     (choice, side, count, seed): (&Choice, usize, usize, u64),
-) -> Estimate {
+) -> ChangeEstimate {
     let look = Look::new(
         kept,
         Grid {
@@ -429,7 +429,7 @@ fn sampled(
         .into_iter()
         .filter(|tile| !tile.probability.is_nan())
         .collect();
-    Estimate::new(&tiles, family.unseen(choice, &look), 0.05)
+    ChangeEstimate::new(&tiles, family.unseen(choice, &look), 0.05)
 }
 
 /// The heart of it: 320 random cases of the float model, each with a sample of its own; more than
@@ -664,7 +664,7 @@ fn a_plan_keeps_what_matters() {
     let kept = pattern("pattern:noise?width=64&height=64&frames=24&fps=1000&speed=300");
     for (keys, effect) in [
         ("refractory = { us = 5000 }", Effect::DeadTime),
-        ("noise = { shot-hz = 200 }", Effect::Strays),
+        ("noise = { shot-hz = 200 }", Effect::NoiseEvents),
     ] {
         let description = read(&text(keys));
         let mut asked = question(&description, 3);

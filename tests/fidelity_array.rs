@@ -21,7 +21,8 @@ use amacrine::{
     study::{
         design::{Compiled, Design},
         pilot::{
-            Change, Chips, Estimate, Family, Grid, Look, Machine, Measure, Term, change, draw,
+            Change, ChangeEstimate, Chips, ErrorTerm, Family, Grid, Look, Machine, Measure, change,
+            draw,
         },
     },
     unit::Micros,
@@ -179,7 +180,7 @@ fn limits_hold_on_the_array() {
         let plain = if full.format.is_none() && chance(4) < 0.7 {
             Machine {
                 format: None,
-                without: vec![Term::ALL[below(5, 6)]],
+                without: vec![ErrorTerm::ALL[below(5, 6)]],
             }
         } else {
             let formats = ["q8.8", "f16", "q8.0", "bf16"];
@@ -214,7 +215,7 @@ fn limits_hold_on_the_array() {
             .into_iter()
             .filter(|tile| !tile.probability.is_nan())
             .collect();
-        let estimate = Estimate::new(&tiles, chips.unseen(&plain, &look), 0.05);
+        let estimate = ChangeEstimate::new(&tiles, chips.unseen(&plain, &look), 0.05);
         let Some(limit) = estimate.limit else {
             continue;
         };

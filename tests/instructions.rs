@@ -9,7 +9,7 @@ use amacrine::{
     isa::{Analog, Cell, Device, Digital, Figure},
     picture::{StripCell, panel, strip, write_png},
     plane::{Plane, Size},
-    program::{Effect, Sample, reference, samples},
+    program::{CellEffect, Sample, reference, samples},
     unit::Micros,
 };
 use image::RgbImage;
@@ -92,7 +92,7 @@ fn drawn(device: &Device, sample: &Sample<'_>) -> RgbImage {
     let flag = Plane::from_shape_fn((SIDE, SIDE), |(_, x)| whole || x < SIDE / 2);
     chip.set_flag(&flag).unwrap();
     chip.expose(&analogue(0).mapv(|v| v + 100.0)).unwrap();
-    let effect = Effect::of(&code.frame, device);
+    let effect = CellEffect::of(&code.frame, device);
     let mut cells: BTreeSet<Cell> = effect.writes.clone();
     cells.extend(effect.reads.iter().filter(|cell| **cell != Cell::Flag));
     let column = |chip: &Chip<Exact>, written: &BTreeSet<Cell>| {

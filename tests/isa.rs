@@ -8,6 +8,12 @@ use amacrine::{
     isa::{Device, Figure, LoadError},
     program::{Action, Program, Step, stored},
 };
+use syn::{
+    Expr, Pat, Token,
+    parse::{ParseStream, Parser},
+    punctuated::Punctuated,
+    visit::{self, Visit},
+};
 
 /// Words as the vendor's headers have them, one call for each overload.
 const WORDS: &[(&str, u64)] = &[
@@ -427,100 +433,194 @@ fn the_page_names_every_file_that_must_know_an_instruction() {
     }
 }
 
-/// A `match` that takes primitives apart names all of them: one that ends in `_` would let a new
-/// word pass unseen.
-#[test]
-fn no_match_on_primitives_has_an_arm_for_the_rest() {
-    use syn::{ExprMatch, Pat, visit::Visit};
+/// Patterns that name a variant of `Primitive`, and those of them that a new word would pass unseen:
+/// of a `match` with an arm for the rest, of `if let`, `let … else` and `matches!`.
+#[derive(Default)]
+struct Patterns {
+    /// Inside `impl Primitive`, where `Self` is one.
+    own: bool,
+    /// Matches on primitives.
+    matches: usize,
+    /// Patterns that a new word would pass.
+    open: usize,
+}
 
-    #[derive(Default)]
-    struct Matches {
-        /// Inside `impl Primitive`, where `Self` is one.
-        own: bool,
-        found: usize,
-        /// Those that have an arm for the rest.
-        open: usize,
+impl Patterns {
+    fn of(text: &str) -> Self {
+        let mut found = Self::default();
+        found.visit_file(&syn::parse_file(text).unwrap());
+        found
     }
 
-    /// Whether a pattern names a variant of `Primitive`.
-    fn names(pattern: &Pat, own: bool) -> bool {
-        let path = |path: &syn::Path| {
-            let mut before = path.segments.iter().rev().skip(1);
-            before
-                .next()
-                .is_some_and(|s| s.ident == "Primitive" || (own && s.ident == "Self"))
+    /// Whether a pattern names a variant; `round` gets the names of the patterns round it.
+    fn names(&self, pattern: &Pat, round: &mut Vec<String>) -> bool {
+        let variant = |path: &syn::Path| {
+            let before = path.segments.iter().rev().nth(1);
+            before.is_some_and(|s| s.ident == "Primitive" || (self.own && s.ident == "Self"))
+        };
+        let mut any = |patterns: &mut dyn Iterator<Item = &Pat>| {
+            patterns.filter(|p| self.names(p, round)).count() > 0
         };
         match pattern {
-            Pat::Path(it) => path(&it.path),
-            Pat::Struct(it) => path(&it.path),
-            Pat::TupleStruct(it) => path(&it.path) || it.elems.iter().any(|p| names(p, own)),
-            Pat::Or(it) => it.cases.iter().any(|p| names(p, own)),
-            Pat::Tuple(it) => it.elems.iter().any(|p| names(p, own)),
-            Pat::Paren(it) => names(&it.pat, own),
-            Pat::Reference(it) => names(&it.pat, own),
-            _ => false,
-        }
-    }
-
-    fn takes_all(pattern: &Pat) -> bool {
-        match pattern {
-            Pat::Wild(_) => true,
-            Pat::Ident(it) => it.subpat.is_none(),
-            Pat::Tuple(it) => it.elems.iter().all(takes_all),
-            Pat::Or(it) => it.cases.iter().any(takes_all),
-            _ => false,
-        }
-    }
-
-    impl<'ast> Visit<'ast> for Matches {
-        fn visit_item_impl(&mut self, item: &'ast syn::ItemImpl) {
-            self.own = match &*item.self_ty {
-                syn::Type::Path(it) => it.path.is_ident("Primitive"),
-                _ => false,
-            };
-            syn::visit::visit_item_impl(self, item);
-            self.own = false;
-        }
-
-        fn visit_expr_match(&mut self, it: &'ast ExprMatch) {
-            if it.arms.iter().any(|arm| names(&arm.pat, self.own)) {
-                self.found += 1;
-                let open = it.arms.iter().filter(|arm| takes_all(&arm.pat)).count();
-                self.open += open;
+            Pat::Path(it) => variant(&it.path),
+            Pat::Struct(it) => {
+                variant(&it.path) || any(&mut it.fields.iter().map(|field| &*field.pat))
             }
-            syn::visit::visit_expr_match(self, it);
+            Pat::TupleStruct(it) => {
+                let inside = any(&mut it.elems.iter());
+                if inside {
+                    round.extend(last(&it.path));
+                }
+                inside || variant(&it.path)
+            }
+            Pat::Or(it) => any(&mut it.cases.iter()),
+            Pat::Tuple(it) => any(&mut it.elems.iter()),
+            Pat::Slice(it) => any(&mut it.elems.iter()),
+            Pat::Paren(it) => self.names(&it.pat, round),
+            Pat::Reference(it) => self.names(&it.pat, round),
+            Pat::Type(it) => self.names(&it.pat, round),
+            Pat::Ident(it) => {
+                let inner = it.subpat.as_ref();
+                inner.is_some_and(|(_, inner)| self.names(inner, round))
+            }
+            _ => false,
         }
     }
 
+    /// A pattern outside of a `match`: the rest is what does not fit it.
+    fn alone(&mut self, pattern: &Pat) {
+        if self.names(pattern, &mut Vec::new()) {
+            self.open += 1;
+        }
+    }
+}
+
+fn last(path: &syn::Path) -> Option<String> {
+    path.segments.last().map(|s| s.ident.to_string())
+}
+
+/// Whether a pattern takes whatever is left, at least of what a pattern of one of these names holds.
+fn takes_the_rest(pattern: &Pat, round: &[String]) -> bool {
+    match pattern {
+        Pat::Wild(_) | Pat::Rest(_) => true,
+        Pat::Ident(it) => it.subpat.is_none(),
+        Pat::Tuple(it) => it.elems.iter().all(|p| takes_the_rest(p, round)),
+        Pat::Or(it) => it.cases.iter().any(|p| takes_the_rest(p, round)),
+        Pat::TupleStruct(it) => {
+            last(&it.path).is_some_and(|name| round.contains(&name))
+                && it.elems.iter().all(|p| takes_the_rest(p, round))
+        }
+        _ => false,
+    }
+}
+
+impl<'ast> Visit<'ast> for Patterns {
+    fn visit_item_impl(&mut self, item: &'ast syn::ItemImpl) {
+        self.own = match &*item.self_ty {
+            syn::Type::Path(it) => it.path.is_ident("Primitive"),
+            _ => false,
+        };
+        visit::visit_item_impl(self, item);
+        self.own = false;
+    }
+
+    fn visit_expr_match(&mut self, it: &'ast syn::ExprMatch) {
+        let mut round = Vec::new();
+        let names = { it.arms.iter() }.filter(|arm| self.names(&arm.pat, &mut round));
+        if names.count() > 0 {
+            self.matches += 1;
+            let open = { it.arms.iter() }.filter(|arm| takes_the_rest(&arm.pat, &round));
+            self.open += open.count();
+        }
+        visit::visit_expr_match(self, it);
+    }
+
+    fn visit_expr_let(&mut self, it: &'ast syn::ExprLet) {
+        self.alone(&it.pat);
+        visit::visit_expr_let(self, it);
+    }
+
+    fn visit_local(&mut self, it: &'ast syn::Local) {
+        self.alone(&it.pat);
+        visit::visit_local(self, it);
+    }
+
+    fn visit_macro(&mut self, it: &'ast syn::Macro) {
+        let asked = |input: ParseStream<'_>| {
+            input.parse::<Expr>()?;
+            input.parse::<Token![,]>()?;
+            let pattern = Pat::parse_multi_with_leading_vert(input)?;
+            if input.parse::<Option<Token![if]>>()?.is_some() {
+                input.parse::<Expr>()?;
+            }
+            input.parse::<Option<Token![,]>>()?;
+            Ok(pattern)
+        };
+        if it.path.is_ident("matches") {
+            self.alone(&it.parse_body_with(asked).unwrap());
+        } else if let Ok(expressions) =
+            Punctuated::<Expr, Token![,]>::parse_terminated.parse2(it.tokens.clone())
+        {
+            for expression in &expressions {
+                Visit::visit_expr(self, expression);
+            }
+        }
+    }
+}
+
+/// What takes primitives apart names all of them: a new word would pass an arm for the rest, or a
+/// pattern for some, unseen.
+#[test]
+fn no_pattern_on_primitives_lets_the_rest_pass() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut files = vec![root.join("src")];
     let (mut found, mut open) = (0, Vec::new());
     while let Some(path) = files.pop() {
         if path.is_dir() {
-            files.extend(
-                fs::read_dir(&path)
-                    .unwrap()
-                    .map(|entry| entry.unwrap().path()),
-            );
-            continue;
+            let entries = fs::read_dir(&path).unwrap();
+            files.extend(entries.map(|entry| entry.unwrap().path()));
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            let patterns = Patterns::of(&fs::read_to_string(&path).unwrap());
+            found += patterns.matches;
+            if patterns.open > 0 {
+                open.push(format!("{}: {}", path.display(), patterns.open));
+            }
         }
-        if path.extension().is_none_or(|e| e != "rs") {
-            continue;
-        }
-        let text = fs::read_to_string(&path).unwrap();
-        let mut matches = Matches::default();
-        matches.visit_file(&syn::parse_file(&text).unwrap());
-        found += matches.found;
-        if matches.open > 0 {
-            open.push(format!("{}: {}", path.display(), matches.open));
-        }
-        // `matches!` has such an arm, unseen.
-        let asked = text.split("matches!(").skip(1);
-        let asked = asked.filter(|rest| rest.split(';').next().unwrap().contains("Primitive::"));
-        open.extend(asked.map(|_| format!("{}: matches!", path.display())));
     }
     assert!(found >= 4, "only {found} are found");
     assert!(open.is_empty(), "{open:#?}");
+}
+
+/// All ways to ask for one variant are found.
+#[test]
+fn what_lets_the_rest_pass_is_found() {
+    for (body, open) in [
+        ("match word { Primitive::Nop => 1, Primitive::All => 2 }", 0),
+        ("match word { Primitive::Nop => 1, _ => 2 }", 1),
+        (
+            "match word { Primitive::Nop => 1, other => other.words() }",
+            1,
+        ),
+        (
+            "match it { Action::Word(Primitive::Nop) => 1, Action::Word(_) => 2, Action::Host(_) => 3 }",
+            1,
+        ),
+        ("if let Primitive::Bus { targets, .. } = word {}", 1),
+        ("while let Some(Primitive::Nop) = words.next() {}", 1),
+        (
+            "let Primitive::Bus { targets, .. } = word else { return };",
+            1,
+        ),
+        (
+            "let is = matches!(word, Primitive::Nop | Primitive::All if true);",
+            1,
+        ),
+        ("assert!(!matches!(word, Primitive::Nop));", 1),
+        ("if let Some(targets) = word.as_bus() {}", 0),
+    ] {
+        let found = Patterns::of(&format!("fn it() {{ {body} }}"));
+        assert_eq!(found.open, open, "{body}");
+    }
 }
 
 /// A chip of fewer registers does without the macros that need another.

@@ -8,7 +8,7 @@ use amacrine::{
     isa::Device,
     plane::{Plane, Size},
     program::{
-        Action, Cost, Expansion, Host, Layout, Overrides, Program as Text, Step, included_files,
+        Action, Cost, Expansion, Host, Overrides, Program as Text, Runnable, Step, included_files,
     },
     study::pilot::Chips,
     unit::Micros,
@@ -57,7 +57,7 @@ impl Program {
             let chip = chip.or(program.settings.chip.as_deref());
             let device = Device::find(chip.unwrap_or("scamp5"))?;
             let overrides: Overrides = constants.into_iter().collect();
-            let Layout { expansion, decides } = program.layout(&device, &overrides)?;
+            let Runnable { expansion, decides } = program.layout(&device, &overrides)?;
             let steady = expansion.filter(|_| !decides);
             Ok(Self {
                 source: program,

@@ -2,7 +2,7 @@
 
 use super::{Arithmetic, Array, Settings};
 use crate::{
-    isa::{Analog, Device, Figure},
+    isa::{Analog, Device},
     number::Format,
 };
 
@@ -30,7 +30,7 @@ impl Arithmetic {
     /// The least and the most that a register holds, in LSB; none where it holds any number.
     #[must_use]
     pub fn ends(self, device: &Device, settings: &Settings) -> Option<[f64; 2]> {
-        let chip = [Figure::Lowest, Figure::Highest].map(|figure| device.value(figure));
+        let chip = device.register_range().into();
         match self {
             Self::Silicon { .. } => Some(chip),
             _ if settings.clip => Some(chip),

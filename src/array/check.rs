@@ -2,14 +2,12 @@
 
 use super::Layout;
 use crate::{
+    event::readout::scan::SLOTS,
     isa::{Analog, Cell, Digital, Primitive, operands::Unit},
     limit::ARRAY_SIDE,
     plane::Size,
     program::{Action, Code, Host, Step},
 };
-
-/// The chip's limit on the slots of one event readout.
-const SLOTS: u32 = 4000;
 
 /// A program cannot run on this array.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]

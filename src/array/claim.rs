@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// The most words times pixels for which a kernel is read back from the words themselves.
-pub const TRACED: u64 = 1_000_000;
+pub const MOST_EFFORT: u64 = 1_000_000;
 
 /// A kernel is as stated where no weight differs by more than this part of the largest: settings
 /// are decimal, what a chip computes is not.
@@ -139,7 +139,7 @@ pub fn check(
         register: name.to_owned(),
         why,
     };
-    let traced = effort(&code.frame, device).is_some_and(|effort| effort <= TRACED);
+    let traced = effort(&code.frame, device).is_some_and(|effort| effort <= MOST_EFFORT);
     let (found, proof) = if traced {
         let taps = taps::read(&code.frame, device, settings, register);
         let taps = taps.map_err(|why: TapsError| not_linear(why.to_string()))?;

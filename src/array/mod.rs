@@ -52,7 +52,7 @@ pub use float::{Bfloat, Exact, Half, Single};
 pub use host::{Reading, Readings};
 pub use layout::Layout;
 pub use ledger::Ledger;
-pub use readout::{Address, Scan};
+pub use readout::{Address, Scanned};
 pub use register::{Register, UnknownRegister};
 pub use schedule::{Schedule, ScheduleError};
 pub use settings::{Converters, Propagation, Settings};

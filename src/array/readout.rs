@@ -14,7 +14,7 @@ use crate::plane::{At, Size};
 
 /// One readout of set pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Scan {
+pub struct Scanned {
     /// The pixels that found a slot, in the chip's order, in image coordinates.
     pub found: Vec<At>,
     /// Set pixels without a slot.
@@ -24,7 +24,7 @@ pub struct Scan {
     pub ambiguous: bool,
 }
 
-impl Scan {
+impl Scanned {
     /// Reads `bits` out into `slots`, from the chip's origin, or from the far end of the
     /// columns or rows.
     #[must_use]
@@ -208,7 +208,7 @@ mod tests {
         for (y, x) in [(0, 3), (1, 2), (1, 69), (3, 0)] {
             bits.set(y, x, true);
         }
-        let scan = Scan::of_rows(&bits, size, 1..=255);
+        let scan = Scanned::of_rows(&bits, size, 1..=255);
         let found: Vec<_> = scan.found.iter().map(|at| (at.y, at.x)).collect();
         assert_eq!(found, [(1, 69), (1, 2), (3, 0)]);
         assert_eq!((scan.missed, scan.ambiguous), (0, false));
@@ -236,7 +236,7 @@ mod tests {
                 .filter(|at| bits.get(at.y, at.x))
                 .collect();
             let some = all.len().min(slots as usize);
-            let scan = Scan::new(&bits, size, slots, from_left, from_bottom);
+            let scan = Scanned::new(&bits, size, slots, from_left, from_bottom);
             prop_assert_eq!(&scan.found[..], &all[..some]);
             prop_assert_eq!(scan.missed, (all.len() - some) as u64);
             let origin = At { y: 0, x: width - 1 };

@@ -6,7 +6,7 @@ use super::Array;
 use crate::{
     isa::{Analog, Bit, Cell, Device, Digital, Source, Value},
     plane::Plane,
-    program::{Effect, Step},
+    program::{CellEffect, Step},
 };
 
 /// Something that every pixel has one of, in the order of the chip.
@@ -85,7 +85,9 @@ impl Register {
     /// All that the parts of a program write, in the order of the chip, FLAG last.
     #[must_use]
     pub fn written(parts: &[&[Step]], device: &Device) -> Vec<Self> {
-        let each = parts.iter().map(|steps| Effect::of(steps, device).writes);
+        let each = parts
+            .iter()
+            .map(|steps| CellEffect::of(steps, device).writes);
         let cells: BTreeSet<_> = each.flatten().collect();
         cells.into_iter().map(Self::from).collect()
     }

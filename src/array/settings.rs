@@ -82,6 +82,7 @@ impl Settings {
     /// What a chip's data says, no clipping.
     #[must_use]
     pub fn from_device(device: &Device) -> Self {
+        let (low, high) = device.register_range();
         Self {
             edge: device.value(Figure::Edge),
             clip: false,
@@ -89,8 +90,8 @@ impl Settings {
             reset_level: device.value(Figure::LightReset),
             propagation: Propagation::Steps(device.value(Figure::Travel) as u32),
             converters: Converters {
-                low: device.value(Figure::Lowest),
-                high: device.value(Figure::Highest),
+                low,
+                high,
                 adc_codes: device.value(Figure::AdcCodes),
                 dac_codes: device.value(Figure::DacCodes),
             },

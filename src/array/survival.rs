@@ -21,7 +21,7 @@ use crate::{
     isa::{Cell, Device},
     number::Format,
     plane::{Plane, Size},
-    program::{Code, Effect},
+    program::{CellEffect, Code},
     rng::{mix, uniform},
     unit::Micros,
 };
@@ -95,10 +95,13 @@ pub fn survival(
     let chip = |arithmetic: Arithmetic| arithmetic.chip("survival", code, device, size, settings);
     let mut exact = chip(Arithmetic::Number(Format::F64))?;
     let mut silicon = chip(Arithmetic::Silicon { seed })?;
-    let mut set: Vec<Cell> = Effect::of(&code.frame, device).reads.into_iter().collect();
+    let mut set: Vec<Cell> = CellEffect::of(&code.frame, device)
+        .reads
+        .into_iter()
+        .collect();
     if !bare {
-        let mut written = Effect::of(&code.init, device).writes;
-        written.extend(Effect::of(&code.frame, device).writes);
+        let mut written = CellEffect::of(&code.init, device).writes;
+        written.extend(CellEffect::of(&code.frame, device).writes);
         set.retain(|cell| !written.contains(cell));
     }
     let mut sums = vec![Sums::default(); cells.len()];

@@ -9,7 +9,7 @@ use crate::{
     number::Format,
     reference::{Channel, Description},
     scene::{Scene, SceneError},
-    study::rate::{self, Rated},
+    study::rate::{self, ThresholdFactor},
 };
 
 /// What is other than in the sensor file.
@@ -106,7 +106,7 @@ impl Changes {
 /// The thresholds for a rate.
 pub struct Found {
     asked: f64,
-    rated: Rated,
+    rated: ThresholdFactor,
     /// What the sensor runs in; the thresholds are found in f64.
     format: Format,
     /// Those of ON events.

@@ -11,7 +11,7 @@ use crate::{
     reference::Description,
     scene::{Scene, SceneError, kept::Kept},
     study::pilot::{
-        Estimate, Offer, Plan, Question,
+        ChangeEstimate, Offer, Plan, Question,
         plan::{self, BUDGET, Free, KEPT},
     },
     unit::Micros,
@@ -234,9 +234,9 @@ pub fn chosen(plan: &Plan, tolerance: f64) -> String {
 
 /// The same of any choice: what it is, why, and what it changes.
 #[must_use]
-pub fn told((choice, why): (&str, &str), change: Option<Estimate>, tolerance: f64) -> String {
+pub fn told((choice, why): (&str, &str), change: Option<ChangeEstimate>, tolerance: f64) -> String {
     let mut text = format!("plan     {choice}; {why}\n");
-    if let Some(Estimate {
+    if let Some(ChangeEstimate {
         share: about,
         limit: Some(limit),
         tiles,

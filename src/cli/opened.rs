@@ -12,7 +12,7 @@ use super::{
 use crate::{
     bundled::Kind,
     isa::{Device, Figure},
-    program::{Expansion, Layout, Overrides, Program, Syntax, included_files},
+    program::{Expansion, Overrides, Program, Runnable, Syntax, included_files},
     source,
 };
 
@@ -146,7 +146,7 @@ impl Source {
                 program.file
             ));
         }
-        let Layout { expansion, decides } = program.layout(&device, &overrides)?;
+        let Runnable { expansion, decides } = program.layout(&device, &overrides)?;
         let decides = decides && !(before && expansion.is_some());
         let opened = Opened {
             program,

@@ -4,10 +4,9 @@ use std::path::Path;
 
 use super::files::Named;
 use crate::{
-    compile::SLOTS,
     event::{
         Packet,
-        readout::{Latency, ReadOut, Statistics, settings::Description},
+        readout::{Latency, ReadOut, Statistics, scan::SLOTS, settings::Description},
     },
     source,
     unit::{Picos, counted},

@@ -20,8 +20,8 @@ use crate::{
         equivalent::{self, RUNGS},
         together,
         waterfall::{
-            Choice as Rated, Fall, Question, Rate, Rates, Share, Shares, Waterfall, WaterfallError,
-            check_crossings, steps_together,
+            Choice as RateChoice, Fall, Question, Rate, Rates, Share, Shares, Waterfall,
+            WaterfallError, check_crossings, steps_together,
         },
     },
 };
@@ -278,7 +278,7 @@ impl Arguments {
             within: self.window.at(scene.fps()),
         };
         budget::check_study(&*scene, SENSORS * designs.len())?;
-        let choice = Rated {
+        let choice = RateChoice {
             rates: self.rates.clone(),
             chips: self.chips,
             tiles: self.tiles.map(usize::from),

@@ -6,7 +6,7 @@ use crate::{
     array::Arithmetic,
     config::suggestion_or,
     reference::Description,
-    study::pilot::{Choice, Effect, Machine, Term},
+    study::pilot::{Choice, Effect, ErrorTerm, Machine},
 };
 
 /// `--without` of `amacrine run`.
@@ -21,8 +21,8 @@ pub struct Effects {
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Terms {
     #[arg(long, value_name = "ERRORS", value_delimiter = ',', value_parser = term, conflicts_with = "fidelity",
-        help = format!("Leave errors of analogue cells out: {}", keys(Term::ALL.into_iter().map(Term::key))))]
-    without: Vec<Term>,
+        help = format!("Leave errors of analogue cells out: {}", keys(ErrorTerm::ALL.into_iter().map(ErrorTerm::key))))]
+    without: Vec<ErrorTerm>,
 }
 
 fn keys(keys: impl Iterator<Item = &'static str>) -> String {
@@ -52,12 +52,12 @@ fn effect(text: &str) -> Result<Effect, String> {
     )
 }
 
-fn term(text: &str) -> Result<Term, String> {
+fn term(text: &str) -> Result<ErrorTerm, String> {
     named(
         text,
         "error of analogue cells",
-        Term::ALL.into_iter(),
-        Term::key,
+        ErrorTerm::ALL.into_iter(),
+        ErrorTerm::key,
     )
 }
 

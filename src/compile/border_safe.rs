@@ -5,10 +5,9 @@
 //! are added at both ends of a move.
 
 use super::{
-    beam::SOURCES,
     digit::{Digit, Visits, groups, most_halved},
     linear_form::LinearForm,
-    plan::{Plan, Value},
+    plan::{Plan, SOURCES, Value},
     plan_builder::{PlanBuilder, Sum},
     walk::MOST_EXPONENTS,
 };

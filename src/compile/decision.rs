@@ -170,16 +170,15 @@ impl Trials {
             Compared::Difference => Some(device.value(Figure::Edge) as f32),
             Compared::Drives => None,
         };
+        let (lowest, highest) = device.register_range();
+        let chip = [Figure::Height, Figure::Width].map(|side| device.value(side));
         Self {
             edge,
             weights: match edge {
-                Some(_) => (0..CELLS).map(weight).collect(),
+                Some(_) => (0..CELLS).map(|cell| weight(cell, chip)).collect(),
                 None => vec![1.0; CELLS],
             },
-            range: (
-                device.value(Figure::Lowest) as f32,
-                device.value(Figure::Highest) as f32,
-            ),
+            range: (lowest as f32, highest as f32),
             news: usize::from(device.news().0),
             arrays: { shown(compared).iter() }
                 .map(|light| pairs(*light).iter().enumerate().map(array).collect())
@@ -303,17 +302,15 @@ fn drawn(place: Hash) -> f32 {
 /// Pixels from the border that are weighed apart: what most kernels reach.
 const RIM: usize = 3;
 
-/// Rows and columns of the chip.
-const CHIP: f64 = 256.0;
-
 /// How far a cell lies from the cells off the array, the outermost ones.
 fn from_border(cell: usize) -> Option<usize> {
     let (y, x) = (cell / SIDE, cell % SIDE);
     y.min(x).min(SIDE - 1 - y).min(SIDE - 1 - x).checked_sub(1)
 }
 
-/// How often there are cells like this on the chip, beside those in the middle.
-fn weight(cell: usize) -> f64 {
+/// How often there are cells like this on a chip of so many rows and columns, beside those in the
+/// middle.
+fn weight(cell: usize, chip: [f64; 2]) -> f64 {
     let Some(from) = from_border(cell) else {
         return 0.0;
     };
@@ -321,11 +318,15 @@ fn weight(cell: usize) -> f64 {
         return 1.0;
     }
     // The share of a ring that far from the border of an array.
-    let share = |side: f64| {
-        let middle = side - 2.0 * RIM as f64;
-        4.0 * (side - 2.0 * from as f64 - 1.0) / (middle * middle)
+    let share = |sides: [f64; 2]| {
+        let ring: f64 = sides
+            .iter()
+            .map(|side| side - 2.0 * from as f64 - 1.0)
+            .sum();
+        let [rows, columns] = sides.map(|side| (side - 2.0 * RIM as f64).max(1.0));
+        2.0 * ring / (rows * columns)
     };
-    share(CHIP) / share(SIDE as f64 - 2.0)
+    share(chip).max(0.0) / share([SIDE as f64 - 2.0; 2])
 }
 
 /// Sets what lies off the array.
@@ -482,5 +483,26 @@ fn add_moved(sum: &mut [f32], cells: &[f32], (dy, dx): (i32, i32)) {
         for (sum, cell) in moved.chain(wrapped) {
             *sum += cell;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The outermost ring of an array of 256x256 is twice the share of one of 512x512.
+    #[test]
+    fn the_border_of_a_large_chip_counts_less() {
+        let outermost = SIDE + SIDE / 2;
+        assert_eq!(from_border(outermost), Some(0));
+        let share = |sides| weight(outermost, sides);
+        let halved = share([256.0; 2]) / share([512.0; 2]);
+        assert!((halved - 2.04).abs() < 0.01, "{halved}");
+        let wide = share([256.0, 512.0]);
+        assert!(wide < share([256.0; 2]) && wide > share([512.0; 2]));
+        // The middle is what all others are beside.
+        let middle = (SIDE + 1) * (SIDE / 2);
+        assert_eq!(weight(middle, [512.0; 2]), 1.0);
+        assert_eq!(weight(0, [512.0; 2]), 0.0);
     }
 }

@@ -1,12 +1,16 @@
 //! Why there is no program.
 
+use crate::isa::Device;
+
 /// The largest threshold that `scamp5_in` sets, negated, in LSB.
-pub(super) const MOST_THRESHOLD: f64 = 128.0;
+pub(super) fn most_threshold(device: &Device) -> f64 {
+    -device.register_range().0
+}
 
 /// What part of a threshold of so many LSB, more than can be set, can be: three digits, rounded
 /// down; a tiny one in two, with its power of ten, and a twentieth less.
-fn part_that_fits(lsb: f64) -> String {
-    let part = MOST_THRESHOLD / lsb;
+fn part_that_fits(lsb: f64, most: f64) -> String {
+    let part = most / lsb;
     if part < 1e-6 {
         return format!("{:.1e}", 0.95 * part);
     }
@@ -138,14 +142,15 @@ pub enum CompileError {
     },
     /// A threshold that the chip's converter cannot set.
     #[error(
-        "a threshold is {} LSB in the program, more than the {} that the host can set",
-        if *lsb < 1e6 { format!("{lsb:.0}") } else { format!("{lsb:.2e}") },
-        MOST_THRESHOLD
+        "a threshold is {} LSB in the program, more than the {most} that the host can set",
+        if *lsb < 1e6 { format!("{lsb:.0}") } else { format!("{lsb:.2e}") }
     )]
-    #[diagnostic(help("take a lower threshold: {} times this one, or less", part_that_fits(*lsb)))]
+    #[diagnostic(help("take a lower threshold: {} times this one, or less", part_that_fits(*lsb, *most)))]
     Threshold {
         /// The threshold, LSB.
         lsb: f64,
+        /// The largest that can be set, LSB.
+        most: f64,
     },
     /// More words than the chip stores.
     #[error("the program has {words} instruction words, {} more than the {room} that {chip} holds", words - room)]
@@ -176,13 +181,21 @@ pub enum CompileError {
         noise: f64,
     },
     /// An input that no number of halvings brings into range.
-    #[error("an input from {low} to {high} LSB does not fit into -128…127, halved or not")]
-    #[diagnostic(help("give a range with a low end below its high end, within -128 to 127 LSB"))]
+    #[error(
+        "an input from {low} to {high} LSB does not fit into {lowest}…{highest}, halved or not"
+    )]
+    #[diagnostic(help(
+        "give a range with a low end below its high end, within {lowest} to {highest} LSB"
+    ))]
     Range {
         /// Lowest input, LSB.
         low: f64,
         /// Highest input, LSB.
         high: f64,
+        /// The lowest that a register of the chip holds, LSB.
+        lowest: f64,
+        /// The highest, LSB.
+        highest: f64,
     },
 }
 

@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-/// Readout slots that a compiled program asks for in each scan: as many as the chip has.
-pub const SLOTS: u32 = 4000;
+use crate::event::readout::scan::SLOTS;
 
 /// How a compiled program reads its events out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

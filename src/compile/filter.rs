@@ -9,7 +9,7 @@ use super::{
     solve::{FINE, Solved, fine},
     wired::{Extent, wired},
 };
-use crate::isa::{Analog, Device, Figure, Primitive, Source, Target};
+use crate::isa::{Analog, Device, Primitive};
 
 /// A filter in instruction words.
 #[derive(Clone, Debug)]
@@ -93,18 +93,11 @@ impl Filter {
 
 /// The ordinary registers of a word.
 fn registers(word: &Primitive, device: &Device) -> Vec<Analog> {
-    let Primitive::Bus { targets, sources } = word else {
-        return Vec::new();
-    };
-    let targets = targets.iter().filter_map(|target| match target {
-        Target::Register(register) => Some(*register),
-        Target::Neighbour(_) => None,
-    });
-    let sources = sources.iter().filter_map(|source| match source {
-        Source::Register(register) => Some(*register),
-        Source::Pix | Source::In | Source::Neighbour(_) => None,
-    });
-    let mut all: Vec<Analog> = targets.chain(sources).collect();
+    let words = wired(std::slice::from_ref(word), device);
+    let cells = words
+        .iter()
+        .flat_map(|it| it.targets.iter().chain(&it.sources));
+    let mut all: Vec<Analog> = cells.map(|(cell, _)| Analog(*cell as u8)).collect();
     all.retain(|register| *register != device.news());
     all.sort_unstable();
     all.dedup();
@@ -124,7 +117,7 @@ fn exact_within(solved: &Solved, unit: i64, device: &Device, range: Option<(f64,
         Some((least, _)) if least >= 0.0 => 0.0,
         _ => -1.0,
     };
-    let (low, high) = (device.value(Figure::Lowest), device.value(Figure::Highest));
+    let (low, high) = device.register_range();
     let darks = solved.plan.dark(0.0, StoreErrors::from_device(device));
     let mut forms: Vec<_> = stored(solved, unit).zip(darks).collect();
     forms.pop();
@@ -155,25 +148,11 @@ fn from_border(words: &[Primitive], results: &[Analog], device: &Device) -> usiz
 /// The transfer error that is left in each of `results`, in errors of one store, for an input
 /// without any.
 fn offsets(words: &[Primitive], results: &[Analog], device: &Device) -> Vec<f64> {
-    let news = usize::from(device.news().0);
     let mut held = vec![0.0; device.registers().analog.len()];
-    for word in words {
-        let Primitive::Bus { targets, sources } = word else {
-            continue;
-        };
-        let cell = |source: &Source| match source {
-            Source::Register(register) => usize::from(register.0),
-            Source::Pix | Source::In | Source::Neighbour(_) => news,
-        };
-        let sum: f64 = sources.iter().filter_map(|s| held.get(cell(s))).sum();
-        for target in targets {
-            let at = match target {
-                Target::Register(register) => usize::from(register.0),
-                Target::Neighbour(_) => news,
-            };
-            if let Some(cell) = held.get_mut(at) {
-                *cell = 1.0 - sum / targets.len() as f64;
-            }
+    for word in wired(words, device) {
+        let sum: f64 = word.sources.iter().map(|(cell, _)| held[*cell]).sum();
+        for (cell, _) in &word.targets {
+            held[*cell] = 1.0 - sum / word.targets.len() as f64;
         }
     }
     let one = |register: &Analog| held.get(usize::from(register.0)).copied();

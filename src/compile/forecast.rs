@@ -245,9 +245,9 @@ pub(super) fn forecasts(
         let spread = (bus.power() * variance).sqrt() / count;
         let most = bus.magnitude() * signal.amplitude / count;
         let splits = word.targets.len() > 1;
-        let extra = if splits { errors.division } else { 0.0 };
         let current = level / count;
-        let mean = errors.transfer + extra - slope * current;
+        let added = isa::added(errors.transfer, errors.division, splits);
+        let mean = isa::stored(current, -slope, added);
         let clipped = limited(mean, slope * spread, slope * most, errors.range);
         let mut own = Vec::with_capacity(word.targets.len());
         for (cell, place) in &word.targets {
@@ -352,8 +352,7 @@ impl Backwards<'_> {
                 temporal += kept * kept * errors.noise * errors.noise * power;
                 let gain = errors.gain_mismatch;
                 other += (kept * kept * gain * gain * stored.variance + stored.distortion) * power;
-                let own =
-                    errors.offset_mismatch * errors.mismatch_correlation - stored.current * gain;
+                let own = errors.of_gain(stored.current);
                 gains[stored.cell].add(&field, (0, 0), kept * own);
                 offsets[stored.cell].add(&field, (0, 0), kept * errors.offset_mismatch * apart);
                 // The target's cell lies a step from the pixel whose bus it stored.

@@ -64,7 +64,7 @@ pub use cell_kind::{CellKind, DriveMemory};
 pub use decided::Decided;
 pub use decision::{Compared, Decision};
 pub use error::CompileError;
-pub use event_readout::{EventReadout, SLOTS};
+pub use event_readout::EventReadout;
 pub use filter::Filter;
 pub use forecast::{Forecast, Signal};
 pub use naive_cost::naive_cost;

@@ -8,8 +8,11 @@
 
 use std::collections::BTreeMap;
 
-use super::{digit::Place, filter::Filter};
-use crate::isa::{Analog, Device, Figure, Primitive, Source, Target};
+use super::{
+    filter::Filter,
+    wired::{Wired, wired},
+};
+use crate::isa::{self, Analog, Device, Errors};
 
 /// What a filter adds to its result, as standard deviations in LSB.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,9 +29,9 @@ enum Draw {
     /// Temporal noise of a store: the word and its target.
     Store(usize, usize),
     /// Fixed gain deviation of a cell.
-    Gain(Analog),
+    Gain(usize),
     /// Fixed offset deviation of a cell.
-    Offset(Analog),
+    Offset(usize),
     /// Fixed imbalance of a pixel's bus when it splits a sum.
     Split(usize),
 }
@@ -37,11 +40,11 @@ enum Draw {
 #[derive(Clone, Debug, Default)]
 struct ErrorForm {
     level: f64,
-    draws: BTreeMap<(Draw, Place), f64>,
+    draws: BTreeMap<(Draw, (i32, i32)), f64>,
 }
 
 impl ErrorForm {
-    fn add(&mut self, other: &Self, (dy, dx): Place, times: f64) {
+    fn add(&mut self, other: &Self, (dy, dx): (i32, i32), times: f64) {
         self.level += times * other.level;
         for ((draw, (y, x)), part) in &other.draws {
             *self.draws.entry((*draw, (y + dy, x + dx))).or_default() += times * part;
@@ -51,6 +54,11 @@ impl ErrorForm {
     fn draw(&mut self, draw: Draw, part: f64) {
         *self.draws.entry((draw, (0, 0))).or_default() += part;
     }
+}
+
+impl FilterNoise {
+    /// The input for which it is stated, LSB: the middle of what light fills of a register.
+    pub const MIDDLE: f64 = 64.0;
 }
 
 impl Filter {
@@ -65,18 +73,17 @@ impl Filter {
         level: f64,
         results: &[Analog],
     ) -> Vec<FilterNoise> {
-        let mut held: BTreeMap<Analog, ErrorForm> = BTreeMap::new();
+        let mut held: BTreeMap<usize, ErrorForm> = BTreeMap::new();
         held.insert(
-            input,
+            usize::from(input.0),
             ErrorForm {
                 level,
                 ..ErrorForm::default()
             },
         );
-        for (word, primitive) in self.words.iter().enumerate() {
-            if let Primitive::Bus { targets, sources } = primitive {
-                run(&mut held, device, word, targets, sources);
-            }
+        let errors = Errors::from_device(device);
+        for (at, word) in wired(&self.words, device).iter().enumerate() {
+            run(&mut held, &errors, at, word);
         }
         let spread = |form: &ErrorForm, temporal: bool| {
             let own = |draw: &Draw| matches!(draw, Draw::Store(..)) == temporal;
@@ -84,7 +91,7 @@ impl Filter {
             parts.map(|(_, part)| part * part).sum::<f64>().sqrt()
         };
         let noise = |register: &Analog| {
-            held.get(register)
+            held.get(&usize::from(register.0))
                 .map_or(FilterNoise::default(), |form| FilterNoise {
                     temporal: spread(form, true),
                     fixed: spread(form, false),
@@ -94,63 +101,37 @@ impl Filter {
     }
 }
 
-fn run(
-    held: &mut BTreeMap<Analog, ErrorForm>,
-    device: &Device,
-    word: usize,
-    targets: &[Target],
-    sources: &[Source],
-) {
-    let value = |figure| device.value(figure);
-    let far = |direction: crate::isa::Direction| {
-        let (y, x) = direction.step();
-        (y as i16, x as i16)
-    };
+fn run(held: &mut BTreeMap<usize, ErrorForm>, errors: &Errors, at: usize, word: &Wired) {
     let mut bus = ErrorForm::default();
-    for source in sources {
-        let (register, place) = match source {
-            Source::Register(register) => (*register, (0, 0)),
-            Source::Neighbour(direction) => (device.news(), far(*direction)),
-            Source::Pix | Source::In => continue,
-        };
-        if let Some(form) = held.get(&register) {
-            bus.add(form, place, 1.0);
+    for (cell, place) in &word.sources {
+        if let Some(form) = held.get(cell) {
+            bus.add(form, *place, 1.0);
         }
     }
-    let gain = 1.0 - value(Figure::StoreLoss);
-    let together = value(Figure::MismatchCorrelation);
-    let count = targets.len();
-    for (part, target) in targets.iter().enumerate() {
-        let (register, place) = match target {
-            Target::Register(register) => (*register, (0, 0)),
-            Target::Neighbour(direction) => {
-                let (y, x) = far(*direction);
-                (device.news(), (-y, -x))
-            }
-        };
+    let gain = errors.gain(0.0);
+    let count = word.targets.len();
+    for (part, (target, (y, x))) in word.targets.iter().enumerate() {
         let current = bus.level / count as f64;
         let mut cell = ErrorForm::default();
-        cell.add(&bus, place, -gain / count as f64);
-        cell.level += value(Figure::TransferError);
-        let offset = value(Figure::OffsetMismatch);
-        let own = offset * together - current * value(Figure::GainMismatch);
-        cell.draw(Draw::Gain(register), own);
-        let apart = (1.0 - together * together).sqrt();
-        cell.draw(Draw::Offset(register), offset * apart);
-        cell.draw(Draw::Store(word, part), value(Figure::StoreNoise));
+        cell.add(&bus, (-y, -x), gain / count as f64);
+        cell.level += errors.transfer;
+        cell.draw(Draw::Gain(*target), errors.of_gain(current));
+        cell.draw(
+            Draw::Offset(*target),
+            errors.offset_mismatch * errors.apart(),
+        );
+        cell.draw(Draw::Store(at, part), errors.noise);
         if count > 1 {
-            cell.level += value(Figure::DivisionError);
-            // The shares of a split add up to 1: what the others get more, the last gets less.
-            let mut more = vec![0.0; count - 1];
-            match more.get_mut(part) {
-                Some(own) => *own = 1.0,
-                None => more.fill(-1.0),
-            }
-            for (k, more) in more.into_iter().enumerate() {
-                let uneven = value(Figure::DivisionMismatch);
-                cell.draw(Draw::Split(k), -gain * current * uneven * more);
+            cell.level += errors.division;
+            let uneven = isa::uneven(part, count).into_iter().take(count - 1);
+            for (k, more) in uneven.enumerate() {
+                let more = f64::from(more);
+                cell.draw(
+                    Draw::Split(k),
+                    gain * current * errors.division_mismatch * more,
+                );
             }
         }
-        held.insert(register, cell);
+        held.insert(*target, cell);
     }
 }

@@ -1,7 +1,7 @@
 //! Plans: a filter as bus words over values, before register allocation.
 
 use super::linear_form::{LinearForm, step};
-use crate::isa::{Device, Direction, Figure};
+use crate::isa::{self, Device, Direction, Figure};
 
 /// A value in an ordinary register: 0 is the input, the others in the order of their stores.
 pub(super) type Value = usize;
@@ -35,15 +35,21 @@ impl StoreErrors {
         }
     }
 
-    /// What is stored of a sum, LSB.
+    /// What is stored of a sum, LSB, by a store that loses nothing.
     pub(super) fn stored(self, sum: f64, splits: bool) -> f64 {
-        if splits {
-            self.transfer + self.division - sum / 2.0
-        } else {
-            self.transfer - sum
-        }
+        let share = if splits { sum / 2.0 } else { sum };
+        isa::stored(
+            share,
+            -1.0,
+            isa::added(self.transfer, self.division, splits),
+        )
     }
 }
+
+/// Sources that one word takes, and that one word takes which stores in two parts: the
+/// vendor's `bus` and `bus2`.
+pub(super) const SOURCES: usize = 4;
+pub(super) const SOURCES_SPLIT: usize = 2;
 
 /// One bus word: `store := -(sum of sources) / (number of targets)`.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -2,9 +2,8 @@
 //! are added to them.
 
 use super::{
-    beam::SOURCES,
     digit::Digit,
-    plan::{Plan, Store, Value, Word},
+    plan::{Plan, SOURCES, Store, Value, Word},
 };
 use crate::isa::Direction;
 

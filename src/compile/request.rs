@@ -4,7 +4,7 @@
 use super::{
     allocate::{RegisterFile, ordinary_registers},
     decision::Decision,
-    error::{CompileError, MOST_THRESHOLD},
+    error::{CompileError, most_threshold},
     filter::Filter,
     goals::goals,
     linear_form::LinearForm,
@@ -187,7 +187,7 @@ impl<'a> Request<'a> {
     /// Whether a threshold is higher than the converter goes.
     pub(super) fn is_beyond_converter(&self, bits: u32) -> bool {
         self.decision.is_some_and(|decision| {
-            decision.on.max(decision.off) * 2f64.powi(-(bits as i32)) > MOST_THRESHOLD
+            decision.on.max(decision.off) * 2f64.powi(-(bits as i32)) > most_threshold(self.device)
         })
     }
 
@@ -254,7 +254,7 @@ impl<'a> Request<'a> {
         }
         let other = all.iter().copied().find(|r| *r != self.input);
         let (Some(bits), Some(other)) = (halvings(&plus, unit, limits), other) else {
-            return Err(CompileError::Range { low, high });
+            return Err(self.no_halving((low, high)));
         };
         if bits.is_multiple_of(2) {
             let first = prescale(self.device, self.input, other, bits);
@@ -268,7 +268,7 @@ impl<'a> Request<'a> {
         let mut minus = self.solve(&goals, unit, (other, all, effort), Some(limits))?;
         minus.holds &= plus.holds;
         let Some(bits) = halvings(&minus, unit, limits) else {
-            return Err(CompileError::Range { low, high });
+            return Err(self.no_halving((low, high)));
         };
         let first = prescale(self.device, self.input, other, bits);
         Ok(built(&minus, bits, first))
@@ -279,7 +279,19 @@ impl<'a> Request<'a> {
         Limits {
             input,
             odd: false,
+            register: self.device.register_range(),
             errors: self.store_errors(),
+        }
+    }
+
+    /// No program for an input of this range.
+    fn no_halving(&self, (low, high): (f64, f64)) -> CompileError {
+        let (lowest, highest) = self.device.register_range();
+        CompileError::Range {
+            low,
+            high,
+            lowest,
+            highest,
         }
     }
 

@@ -6,7 +6,7 @@ use super::{
     allocate::ordinary_registers,
     cell_kind::{CellKind, DriveMemory, constants, header, number, thresholds},
     decision::{Compared, Decision},
-    error::{CompileError, MOST_THRESHOLD},
+    error::{CompileError, most_threshold},
     event_readout::EventReadout,
     filter::Filter,
     need::{MEMORY_BITS, Need, advice},
@@ -25,7 +25,10 @@ use crate::{
 const MEMORY: [&str; MEMORY_BITS] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
 
 /// The largest constant that the host can set with either sign, LSB.
-const LARGEST: f64 = 127.0;
+fn largest_constant(device: &Device) -> f64 {
+    let (low, high) = device.register_range();
+    high.min(-low)
+}
 
 /// A memory in one-bit registers: the range of the drive in equal steps.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,10 +40,6 @@ pub struct BitMemory {
     /// The one-bit registers, the lowest bit first.
     pub registers: Vec<&'static str>,
 }
-
-/// The light of a capture, in LSB: up to what a register holds; a pixel at the very end of the
-/// scale, 255, is half an LSB beyond it.
-const CAPTURE: (f64, f64) = (0.0, 127.0);
 
 /// A sensor as a program for the chip.
 #[derive(Clone, Debug)]
@@ -105,7 +104,7 @@ impl SensorProgram {
     ) -> Result<Self, CompileError> {
         if memory == DriveMemory::Shared {
             let program = shared_memory::program(kinds, title, request)?;
-            check_thresholds(kinds, &program.scales)?;
+            check_thresholds(request.device, kinds, &program.scales)?;
             return Ok(program);
         }
         let device = request.device;
@@ -124,7 +123,7 @@ impl SensorProgram {
                 DriveMemory::Analogue | DriveMemory::Shared => memories.clone(),
             },
             border: true,
-            range: Some((CAPTURE.0, largest_light(device))),
+            range: Some((0.0, largest_light(device))),
             decision: match (kinds, memory) {
                 ([kind], DriveMemory::Analogue) => {
                     Some(Decision::new(kind, device, Compared::Drives))
@@ -148,16 +147,17 @@ impl SensorProgram {
             });
         }
         let scale = device.value(Figure::LightScale) * filter.scale();
+        let host = (scale, largest_constant(device));
         let steps: Vec<BitMemory> = match memory {
             DriveMemory::Analogue | DriveMemory::Shared => Vec::new(),
             DriveMemory::Bits(bits) => {
                 let registers = MEMORY.chunks(usize::from(bits));
-                let steps = |(kind, own)| BitMemory::new(kind, scale, own);
+                let steps = |(kind, own)| BitMemory::new(kind, host, own);
                 kinds.iter().zip(registers).map(steps).collect()
             }
         };
-        BitMemory::check(&steps, kinds, scale)?;
-        check_thresholds(kinds, &vec![scale; count])?;
+        BitMemory::check(&steps, kinds, host)?;
+        check_thresholds(device, kinds, &vec![scale; count])?;
         let mut program = Self {
             text: String::new(),
             drives: all[..count].to_vec(),
@@ -218,19 +218,25 @@ impl SensorProgram {
     }
 }
 
-/// The largest light of a capture, LSB.
+/// The largest light of a capture, LSB: up to what a register holds. On SCAMP-5 a pixel at the very
+/// end of the scale, 255, is half an LSB beyond it.
 pub(super) fn largest_light(device: &Device) -> f64 {
     let light = device.value(Figure::LightScale) * 255.0;
-    light.clamp(1.0, CAPTURE.1)
+    light.max(1.0).min(device.register_range().1)
 }
 
 /// Checks that the host can set the threshold of every kind.
-fn check_thresholds(kinds: &[CellKind], scales: &[f64]) -> Result<(), CompileError> {
+fn check_thresholds(
+    device: &Device,
+    kinds: &[CellKind],
+    scales: &[f64],
+) -> Result<(), CompileError> {
+    let most = most_threshold(device);
     for (kind, scale) in kinds.iter().zip(scales) {
         let threshold = kind.on.max(kind.off);
-        if threshold * scale > MOST_THRESHOLD {
+        if threshold * scale > most {
             let lsb = threshold * scale;
-            return Err(CompileError::Threshold { lsb });
+            return Err(CompileError::Threshold { lsb, most });
         }
     }
     Ok(())
@@ -276,8 +282,8 @@ fn memory_registers(memory: DriveMemory, count: usize, free: usize) -> Result<us
 const MOST_BITS: u8 = 16;
 
 impl BitMemory {
-    fn new(kind: &CellKind, scale: f64, registers: &[&'static str]) -> Self {
-        let (low, step) = Self::range(kind, scale, registers.len() as i32);
+    fn new(kind: &CellKind, host: (f64, f64), registers: &[&'static str]) -> Self {
+        let (low, step) = Self::range(kind, host, registers.len() as i32);
         Self {
             low,
             step,
@@ -286,8 +292,9 @@ impl BitMemory {
     }
 
     /// The lowest level's end, and the distance of levels, LSB, of so many bits: a whole number of
-    /// LSB where the range is wide enough, as the host can set no others.
-    fn range(kind: &CellKind, scale: f64, bits: i32) -> (f64, f64) {
+    /// LSB where the range is wide enough, as the host can set no others; `largest`: the largest
+    /// constant that it can set.
+    fn range(kind: &CellKind, (scale, largest): (f64, f64), bits: i32) -> (f64, f64) {
         let sum = |sign: f64| -> f64 {
             let weights = kind.kernel.weights().iter();
             weights.filter(|w| **w * sign > 0.0).sum::<f64>() * 255.0 * scale
@@ -296,18 +303,19 @@ impl BitMemory {
         let step = (high - low) / 2f64.powi(bits);
         let step = if step > 1.0 {
             // The largest constant that is added must lie within the host's range.
-            step.ceil().min(LARGEST / 2f64.powi(bits - 1))
+            step.ceil().min(largest / 2f64.powi(bits - 1))
         } else {
             // The next power of two; of a kernel of zeros, any.
             2f64.powi(elementary::log2(step).ceil().max(-16.0) as i32)
         };
         // As far as the host can set it.
-        (low.floor().max(-LARGEST), step)
+        (low.floor().max(-largest), step)
     }
 
     /// Checks that drives that stay are silent: each is remembered as the middle of its step, from
     /// which it may be half a step away.
-    fn check(steps: &[Self], kinds: &[CellKind], scale: f64) -> Result<(), CompileError> {
+    fn check(steps: &[Self], kinds: &[CellKind], host: (f64, f64)) -> Result<(), CompileError> {
+        let (scale, _) = host;
         // Thresholds are products of scales: what they round is no reason to refuse.
         let least = |kind: &CellKind| kind.on.min(kind.off) * scale * (1.0 + 1e-12);
         let serves = |kind: &CellKind, step: f64| step / 2.0 <= least(kind);
@@ -322,7 +330,7 @@ impl BitMemory {
         };
         let bits = own.registers.len() as u8;
         let all_serve = |bits: &u8| {
-            let step = |kind| Self::range(kind, scale, i32::from(*bits)).1;
+            let step = |kind| Self::range(kind, host, i32::from(*bits)).1;
             short.iter().all(|(kind, _)| serves(kind, step(kind)))
         };
         Err(CompileError::Levels {

@@ -40,7 +40,7 @@ pub(super) struct Problem {
     pub(super) shortest: bool,
 }
 
-/// The range of an input, and the errors of the chip.
+/// The range of an input and of a register, and the errors of the chip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Limits {
     /// The lowest and highest input, LSB.
@@ -48,6 +48,8 @@ pub(super) struct Limits {
     /// What remains of an odd number of halvings, which are done in pairs and one more: whether the
     /// input is negated.
     pub(super) odd: bool,
+    /// The lowest and highest value of a register, LSB.
+    pub(super) register: (f64, f64),
     pub(super) errors: StoreErrors,
 }
 
@@ -74,7 +76,7 @@ impl Limits {
             };
             let scale = fine(unit) * 2f64.powi(bits);
             // The negated input may be stored on the way.
-            let halved = bits == 0 || largest <= 127.0;
+            let halved = bits == 0 || largest <= self.register.1;
             if halved && self.fits_scaled((plan, trace), (input, dark), scale) {
                 return Some(bits as u32);
             }
@@ -94,10 +96,11 @@ impl Limits {
         ((low, high), dark): ((f64, f64), f64),
         scale: f64,
     ) -> bool {
+        let (lowest, highest) = self.register;
         let fits = |(form, dark): (&LinearForm, f64)| {
             let (low, high) = form.bounds(low, high);
             // Both with the errors and without: neither may be what prevents saturation.
-            low / scale + dark.min(0.0) >= -128.0 && high / scale + dark.max(0.0) <= 127.0
+            low / scale + dark.min(0.0) >= lowest && high / scale + dark.max(0.0) <= highest
         };
         let darks = plan.dark(dark, self.errors);
         trace.stored.iter().zip(darks).all(fits)

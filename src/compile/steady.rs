@@ -7,13 +7,7 @@
 
 use crate::order::Order;
 
-use super::{
-    beam::SOURCES,
-    plan::{Plan, Store, StoreErrors, Word},
-};
-
-/// Sources of a word that stores in two parts.
-const SOURCES_SPLIT: usize = 2;
+use super::plan::{Plan, SOURCES, SOURCES_SPLIT, Store, StoreErrors, Word};
 
 /// For each word, whether it reads the constant too.
 pub(super) type Reads = Vec<bool>;

@@ -8,10 +8,9 @@
 //! those that are held are added first, on a walk of their own, and are halved with the sum.
 
 use super::{
-    beam::SOURCES,
     digit::{Place, Visits, groups, most_halved},
     linear_form::LinearForm,
-    plan::{Plan, Value},
+    plan::{Plan, SOURCES, Value},
     plan_builder::{PlanBuilder, Sum},
     route::route,
 };

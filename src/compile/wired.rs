@@ -45,7 +45,7 @@ pub(super) fn wired(words: &[Primitive], device: &Device) -> Vec<Wired> {
     let news = usize::from(device.news().0);
     let mut all = Vec::new();
     for word in words {
-        let Primitive::Bus { targets, sources } = word else {
+        let Some((targets, sources)) = word.as_bus() else {
             continue;
         };
         let target = |target: &Target| match target {

@@ -102,6 +102,13 @@ impl Device {
         self.figure(figure).value
     }
 
+    /// The lowest and the highest value of an analogue register, LSB: what the host's converters set,
+    /// too.
+    #[must_use]
+    pub fn register_range(&self) -> (f64, f64) {
+        (self.value(Figure::Lowest), self.value(Figure::Highest))
+    }
+
     /// Between which values a number about the chip may lie; none where that was not stated.
     #[must_use]
     pub fn interval(&self, figure: Figure) -> Option<&Interval> {
@@ -123,7 +130,7 @@ impl Device {
         quantity.evidence = Evidence::Guess;
         quantity.note = None;
         quantity.interval = None;
-        let (low, high) = (self.value(Figure::Lowest), self.value(Figure::Highest));
+        let (low, high) = self.register_range();
         if low >= high {
             return Err(FigureError { figure, value });
         }

@@ -20,6 +20,8 @@
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
+use std::ops::{Add, Mul};
+
 use super::{Device, Figure};
 
 /// How a chip errs. Analogue values are in LSB, the ADC's steps.
@@ -61,6 +63,7 @@ impl Errors {
     pub fn from_device(device: &Device) -> Self {
         let value = |figure| device.value(figure);
         let headroom = value(Figure::Headroom);
+        let (lowest, highest) = device.register_range();
         Self {
             transfer: value(Figure::TransferError),
             loss: value(Figure::StoreLoss),
@@ -72,10 +75,7 @@ impl Errors {
             noise: value(Figure::StoreNoise),
             // The host's table has an entry for each LSB.
             input_step: 1.0,
-            range: (
-                value(Figure::Lowest) - headroom,
-                value(Figure::Highest) + headroom,
-            ),
+            range: (lowest - headroom, highest + headroom),
             reset_level: value(Figure::ResetLevel),
             decay: value(Figure::AnalogueDecay),
             retention: value(Figure::Retention),
@@ -97,6 +97,13 @@ impl Errors {
         let together = self.mismatch_correlation;
         let mismatch = together * gain + self.apart() * own;
         self.transfer + self.offset_mismatch * mismatch
+    }
+
+    /// What the number that a cell has for its gain adds to a store, one unit of it: by its gain,
+    /// and by the part of its offset that goes with it. `current` is the cell's share of the sum.
+    #[must_use]
+    pub fn of_gain(&self, current: f64) -> f64 {
+        self.offset_mismatch * self.mismatch_correlation - current * self.gain_mismatch
     }
 
     /// The part of the mismatch of offsets that does not go with that of gains.
@@ -131,8 +138,18 @@ pub const fn split(share: f32, more: f32) -> f32 {
 /// [offset](Errors::offset), what noise and division add. The range limits it.
 #[inline(always)]
 #[must_use]
-pub const fn stored(current: f32, gain: f32, error: f32) -> f32 {
+pub fn stored<T: Mul<Output = T> + Add<Output = T>>(current: T, gain: T, error: T) -> T {
     gain * current + error
+}
+
+/// What every store adds: the transfer error, and the division error where the bus splits.
+#[must_use]
+pub const fn added(transfer: f64, division: f64, splits: bool) -> f64 {
+    if splits {
+        transfer + division
+    } else {
+        transfer
+    }
 }
 
 #[cfg(test)]

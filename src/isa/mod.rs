@@ -25,7 +25,7 @@ mod value;
 pub use connection::{Analog, Bit, Digital, Source, Target};
 pub use device::{Callable, Device, FigureError};
 pub use direction::Direction;
-pub use errors::{Errors, split, stored, uneven};
+pub use errors::{Errors, added, split, stored, uneven};
 pub use figure::{Domain, Evidence, Figure, Quantity};
 pub use interval::Interval;
 pub use load::{LoadError, keys};

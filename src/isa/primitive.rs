@@ -2,8 +2,9 @@
 
 use super::connection::{Analog, Bit, Digital, Source, Target};
 
-/// One instruction word of the array. There is no `_` arm on this enum anywhere: a new
-/// primitive is a row in `primitives.toml`, a variant here, and the places the compiler names.
+/// One instruction word of the array. There is no `_` arm on this enum anywhere, nor
+/// a pattern that one variant alone passes: a new primitive is a row in `primitives.toml`, a
+/// variant here, and the places the compiler names.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Primitive {
     /// Nothing for one word.
@@ -89,4 +90,52 @@ pub enum Primitive {
         /// Value of R12 off the array.
         boundary: bool,
     },
+}
+
+impl Primitive {
+    /// The targets and the sources of a bus word; none of any other.
+    #[must_use]
+    pub fn as_bus(&self) -> Option<(&[Target], &[Source])> {
+        match self {
+            Self::Bus { targets, sources } => Some((targets, sources)),
+            Self::Nop
+            | Self::ResetPix
+            | Self::Square { .. }
+            | Self::Where { .. }
+            | Self::All
+            | Self::BlurSet
+            | Self::Blur { .. }
+            | Self::Set { .. }
+            | Self::Clear { .. }
+            | Self::Or { .. }
+            | Self::Nor { .. }
+            | Self::WhereBit { .. }
+            | Self::Dnews { .. }
+            | Self::PropRead
+            | Self::Prop { .. } => None,
+        }
+    }
+
+    /// What a word that propagates reads off the array; none of any other word.
+    #[must_use]
+    pub const fn propagates_from(&self) -> Option<bool> {
+        match self {
+            Self::Prop { boundary } => Some(*boundary),
+            Self::Nop
+            | Self::ResetPix
+            | Self::Bus { .. }
+            | Self::Square { .. }
+            | Self::Where { .. }
+            | Self::All
+            | Self::BlurSet
+            | Self::Blur { .. }
+            | Self::Set { .. }
+            | Self::Clear { .. }
+            | Self::Or { .. }
+            | Self::Nor { .. }
+            | Self::WhereBit { .. }
+            | Self::Dnews { .. }
+            | Self::PropRead => None,
+        }
+    }
 }

@@ -13,7 +13,10 @@
 //! so a still scene moves until it has settled, and the early stop leaves an error: 0.005 of a
 //! unit step at `λ` 10, most of the step at `λ` 100.
 
-use super::{MeshError, Sheet, signal::checked_range};
+use super::{
+    MeshError, Sheet,
+    signal::{check_next, check_time, checked_range},
+};
 use crate::plane::{Plane, Size};
 
 /// A resistive grid that is stepped as v2e does it.
@@ -45,12 +48,7 @@ impl Euler {
         if lambda != lambda_x {
             return Err(MeshError::Anisotropic);
         }
-        if !(tau >= 0.0 && tau.is_finite()) {
-            return Err(MeshError::Time {
-                what: "time constant",
-                value: tau,
-            });
-        }
+        check_time("time constant", tau)?;
         checked_range(signal)?;
         Ok(Self {
             lambda,
@@ -78,17 +76,7 @@ impl Euler {
     /// When the time is none, the signal has another size or a pixel that is no number, or the
     /// sheet is still moving after a million steps; it is then as it was.
     pub fn advance(&mut self, signal: &Plane<f64>, seconds: f64) -> Result<(), MeshError> {
-        if !(seconds >= 0.0 && seconds.is_finite()) {
-            return Err(MeshError::Time {
-                what: "time between two frames",
-                value: seconds,
-            });
-        }
-        let (got, want) = (Size::of(signal), Size::of(&self.surround));
-        if got != want {
-            return Err(MeshError::Size { got, want });
-        }
-        checked_range(signal)?;
+        check_next(signal, Size::of(&self.surround), seconds)?;
         let tau = if self.tau > 0.0 { self.tau } else { INSTANT };
         let lateral = if self.lambda > 0.0 {
             tau / (self.lambda * self.lambda)

@@ -24,7 +24,7 @@ use super::{
     cosine::{COLUMNS, Cosine},
     reason::{Reason, normal},
     sheet::eigenvalues,
-    signal::checked_range,
+    signal::{check_next, check_time, checked_range},
 };
 use crate::{
     elementary,
@@ -88,12 +88,7 @@ impl<T: Float> Flow<T> {
     /// # Errors
     /// When `tau` is not a time, or the signal cannot be solved for.
     pub fn settled(sheet: Sheet, tau: f64, signal: &Plane<T>) -> Result<Self, MeshError> {
-        if !(tau >= 0.0 && tau.is_finite()) {
-            return Err(MeshError::Time {
-                what: "time constant",
-                value: tau,
-            });
-        }
+        check_time("time constant", tau)?;
         let size = Size::of(signal);
         if size.pixels() == 0 {
             return Err(MeshError::Empty { size });
@@ -168,30 +163,21 @@ impl<T: Float> Flow<T> {
         seconds: f64,
         between: Between,
     ) -> Result<(), MeshError> {
-        if !(seconds >= 0.0 && seconds.is_finite()) {
-            return Err(MeshError::Time {
-                what: "time between two frames",
-                value: seconds,
-            });
-        }
-        let (got, want) = (Size::of(signal), Size::of(&self.surround));
-        if got != want {
-            return Err(MeshError::Size { got, want });
-        }
-        checked_range(signal)?;
+        let size = Size::of(&self.surround);
+        check_next(signal, size, seconds)?;
         let same = |step: &Step<T>| {
             step.between == between && (step.seconds - seconds).abs() <= SAME * seconds
         };
         let step = match self.step.take() {
             Some(step) if same(&step) => step,
-            _ => Step::new(self.sheet, self.tau, want, seconds, between),
+            _ => Step::new(self.sheet, self.tau, size, seconds, between),
         };
         relax(&mut self.state, &self.signal, &step.left, &step.earlier);
         self.modes.forward(signal, self.off, &mut self.signal);
         add(&mut self.state, &self.signal, &step.later);
         if let Some(noise) = &mut self.noise {
             noise.step += 1;
-            let each = self.state.iter_mut().zip(&step.left).zip(norms(want));
+            let each = self.state.iter_mut().zip(&step.left).zip(norms(size));
             for (place, ((state, left), norm)) in each.enumerate() {
                 let left = left.to_f64();
                 let fresh = ((1.0 - left) * (1.0 + left)).sqrt();

@@ -7,7 +7,7 @@
 //! through the last basis vector alone and can only decay, so it is at most the integral over time
 //! of that vector's coefficient.
 
-use super::{MeshError, Network, network::dot};
+use super::{MeshError, Network, network::dot, signal::check_time};
 use crate::{elementary, plane::Plane};
 
 /// Most basis vectors; an interval that needs more is cut in two.
@@ -36,12 +36,7 @@ impl Network {
         if !self.is_linear() {
             return Err(MeshError::Laterals);
         }
-        if !(seconds >= 0.0 && seconds.is_finite()) {
-            return Err(MeshError::Time {
-                what: "time",
-                value: seconds,
-            });
-        }
+        check_time("time", seconds)?;
         let state = self.values(surround)?;
         let (p0, p1) = (self.values(earlier)?, self.values(later)?);
         if seconds == 0.0 {

@@ -1,7 +1,31 @@
 //! Checks of the signals given to a grid.
 
 use super::{error::MeshError, float::Float};
-use crate::plane::Plane;
+use crate::plane::{Plane, Size};
+
+/// Refuses what is no length of time, in seconds.
+pub(super) fn check_time(what: &'static str, value: f64) -> Result<(), MeshError> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(MeshError::Time { what, value })
+    }
+}
+
+/// Refuses what a sheet of this size cannot be moved on with: the signal that it sees `seconds`
+/// after the one before.
+pub(super) fn check_next<T: Float>(
+    signal: &Plane<T>,
+    want: Size,
+    seconds: f64,
+) -> Result<(), MeshError> {
+    check_time("time between two frames", seconds)?;
+    let got = Size::of(signal);
+    if got != want {
+        return Err(MeshError::Size { got, want });
+    }
+    checked_range(signal).map(|_| ())
+}
 
 /// The smallest and the largest value of a plane.
 ///

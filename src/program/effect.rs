@@ -7,7 +7,7 @@ use crate::isa::{Cell, Device, operands::FlagEffect};
 
 /// The effect of some steps on a pixel's cells.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Effect {
+pub struct CellEffect {
     /// Cells that are read before the steps write them.
     pub reads: BTreeSet<Cell>,
     /// Cells that are written.
@@ -25,7 +25,7 @@ pub enum FlagState {
     Partial,
 }
 
-impl Effect {
+impl CellEffect {
     /// Of some steps, one after the other.
     #[must_use]
     pub fn of(steps: &[Step], device: &Device) -> Self {

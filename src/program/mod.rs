@@ -31,7 +31,7 @@ mod words;
 pub use crate::isa::Cell;
 pub use code::{Action, Code, Step};
 pub use cost::{Cost, host_us, stored};
-pub use effect::{Effect, FlagState};
+pub use effect::{CellEffect, FlagState};
 pub use expand::{Entry, Expanded, Expansion, Overrides, for_each};
 pub use exposure::Exposure;
 pub use host::buffer;
@@ -41,7 +41,7 @@ pub use sample::{Sample, samples};
 pub use settings::{
     Computes, Expectation, ExpectedEvents, ExpectedWords, Settings, Summary, json_schema,
 };
-pub use source::{Layout, NamesError, Program};
+pub use source::{NamesError, Program, Runnable};
 pub use syntax::Syntax;
 pub use vendor::{Answer, Beside, Includes, WriteError, cpp, included, included_files};
 pub use words::vendor_text;

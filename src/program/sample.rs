@@ -1,6 +1,6 @@
 //! A call of each statement with operands that differ: what pages and pictures of a chip show.
 
-use super::{Effect, Expansion, Overrides, Program};
+use super::{CellEffect, Expansion, Overrides, Program};
 use crate::isa::{Callable, Cell, Device, Operand, Signature, signature::Parameter};
 
 /// A call of a statement.
@@ -29,7 +29,10 @@ pub fn samples(device: &Device) -> Vec<Sample<'_>> {
         let Some((_, call, expansion)) = sample(form, device, &nearest_to_one(form)) else {
             continue;
         };
-        if Effect::of(&expansion.code.frame, device).writes.is_empty() {
+        if CellEffect::of(&expansion.code.frame, device)
+            .writes
+            .is_empty()
+        {
             continue;
         }
         let earlier = all.iter().filter(|it| it.form.name == form.name).count();

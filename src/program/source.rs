@@ -36,7 +36,7 @@ pub struct NamesError {
 
 /// A program as it can be run.
 #[derive(Clone, Debug)]
-pub struct Layout {
+pub struct Runnable {
     /// What is the same in every frame; nothing where the host decides which words run.
     pub expansion: Option<Expansion>,
     /// Whether it is vendor C++ whose host decides in the run what the array does, by what it reads
@@ -197,11 +197,11 @@ impl Program {
     ///
     /// # Errors
     /// All that is wrong with the program on this chip, whichever way it is run.
-    pub fn layout(&self, device: &Device, overrides: &Overrides) -> Result<Layout, Faults> {
+    pub fn layout(&self, device: &Device, overrides: &Overrides) -> Result<Runnable, Faults> {
         let (expansion, faults, undecided) = self.laid_out(device, overrides);
         if !faults.iter().any(Fault::is_error) {
             let steady = !undecided.iter().any(Fault::is_error);
-            return Ok(Layout {
+            return Ok(Runnable {
                 expansion: steady.then_some(expansion),
                 decides: !undecided.is_empty(),
             });

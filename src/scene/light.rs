@@ -97,6 +97,13 @@ pub(super) fn open_file(path: &Path) -> Result<BufReader<File>, SceneError> {
     Ok(BufReader::with_capacity(1 << 16, file))
 }
 
+/// Length of what was opened, bytes, where it is a file: a pipe has none.
+pub(super) fn known_length(file: &BufReader<File>) -> Option<u64> {
+    let data = file.get_ref().metadata().ok();
+    data.filter(std::fs::Metadata::is_file)
+        .map(|data| data.len())
+}
+
 /// Length of a file, bytes.
 #[cfg(feature = "mp4")]
 pub(super) fn length(path: &Path, file: &BufReader<File>) -> Result<u64, SceneError> {

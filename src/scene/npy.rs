@@ -35,12 +35,7 @@ pub(super) fn open(
     options: OpenOptions,
 ) -> Result<(impl Scene + use<>, Source), SceneError> {
     let stream = light::open_file(path)?;
-    let length = stream
-        .get_ref()
-        .metadata()
-        .ok()
-        .filter(std::fs::Metadata::is_file)
-        .map(|data| data.len());
+    let length = light::known_length(&stream);
     let npy = Npy::new(path, stream, length, options)?;
     let source = samples(npy.number);
     Ok((npy, source))

@@ -55,12 +55,7 @@ pub(super) fn open(
     options: OpenOptions,
 ) -> Result<(impl Scene + use<>, Source), SceneError> {
     let stream = light::open_file(path)?;
-    let length = stream
-        .get_ref()
-        .metadata()
-        .ok()
-        .filter(std::fs::Metadata::is_file)
-        .map(|data| data.len());
+    let length = light::known_length(&stream);
     let y4m = Y4m::new(path, stream, length, options)?;
     let source = y4m.source;
     Ok((y4m, source))

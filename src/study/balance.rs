@@ -6,7 +6,7 @@
 //! shows of the scene that it needs anyway. A show is of three sensors: the whole step, and two
 //! shorter ones, as rates of few events do not fall evenly.
 
-use super::rate::{RateError, Rated, Share, check, rated, rates};
+use super::rate::{RateError, Share, ThresholdFactor, check, rated, rates};
 use crate::{
     elementary,
     plane::Plane,
@@ -40,7 +40,7 @@ pub fn balanced(
     rate: f64,
     seed: u64,
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-) -> Result<Vec<Rated>, RateError> {
+) -> Result<Vec<ThresholdFactor>, RateError> {
     check(rate)?;
     let kinds = description.channels.len();
     let target = rate / kinds as f64;

@@ -15,7 +15,7 @@ use crate::{
 
 /// What thresholds are to be multiplied by, and what comes of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rated {
+pub struct ThresholdFactor {
     /// All thresholds and their deviations times this.
     pub factor: f64,
     /// Events per pixel and second of all kinds together, as counted over the scene.
@@ -79,7 +79,7 @@ pub fn factor(
     rate: f64,
     seed: u64,
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-) -> Result<Rated, RateError> {
+) -> Result<ThresholdFactor, RateError> {
     let found = search(description, (rate, Share::Together), seed, open)?;
     found.first().copied().ok_or(RateError::Still)
 }
@@ -95,7 +95,7 @@ pub fn factors(
     rate: f64,
     seed: u64,
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-) -> Result<Vec<Rated>, RateError> {
+) -> Result<Vec<ThresholdFactor>, RateError> {
     search(description, (rate, Share::Each), seed, open)
 }
 
@@ -132,7 +132,7 @@ fn search(
     (rate, share): (f64, Share),
     seed: u64,
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-) -> Result<Vec<Rated>, RateError> {
+) -> Result<Vec<ThresholdFactor>, RateError> {
     check(rate)?;
     let groups = share.groups(description.channels.len());
     // For each octave that is tried the rate of each group, which may try another one each.
@@ -195,11 +195,14 @@ pub(super) fn check(rate: f64) -> Result<(), RateError> {
 }
 
 /// Octaves that thresholds are moved by, and the rates there.
-pub(super) fn rated(octaves: &[f64], rates: &[f64]) -> Vec<Rated> {
-    let rated = octaves.iter().zip(rates).map(|(octave, rate)| Rated {
-        factor: elementary::pow(2.0, *octave),
-        rate: *rate,
-    });
+pub(super) fn rated(octaves: &[f64], rates: &[f64]) -> Vec<ThresholdFactor> {
+    let rated = octaves
+        .iter()
+        .zip(rates)
+        .map(|(octave, rate)| ThresholdFactor {
+            factor: elementary::pow(2.0, *octave),
+            rate: *rate,
+        });
     rated.collect()
 }
 

@@ -17,9 +17,6 @@ use amacrine::{
 
 use super::{error::LevelsError, project::Projected};
 
-/// The light in the middle of the range, LSB: noise is that of a pixel which sees it.
-const MIDDLE: f64 = 64.0;
-
 /// Thresholds in an octave for which a kernel is compiled anew.
 const CLASSES: f64 = 4.0;
 
@@ -155,8 +152,8 @@ impl Chip {
         let sensor = SensorProgram::new(&cells, DriveMemory::Analogue, "learned", &request)?;
         let noise = sensor
             .filter
-            .noise(&self.device, input, MIDDLE, &sensor.drives);
-        let signal = Signal::from_range((0.0, 2.0 * MIDDLE - 1.0));
+            .noise(&self.device, input, FilterNoise::MIDDLE, &sensor.drives);
+        let signal = Signal::from_range((0.0, 2.0 * FilterNoise::MIDDLE - 1.0));
         let forecasts =
             sensor
                 .filter

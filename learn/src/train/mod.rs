@@ -19,6 +19,7 @@ mod pilot;
 mod price;
 mod retrain;
 mod run;
+mod step;
 mod trainee;
 
 pub use batch::{Batch, Loss};

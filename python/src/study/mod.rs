@@ -16,9 +16,9 @@ pub use several::on_chip_together;
 
 use amacrine::{
     compare::window,
-    compile::SLOTS,
     event::readout::{
         Readout,
+        scan::SLOTS,
         settings::{Description as ReadoutDescription, ReadoutError},
     },
     isa::Device,

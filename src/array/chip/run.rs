@@ -2,7 +2,7 @@
 
 use super::{
     super::{
-        Reading, RowOps, Scan,
+        Reading, RowOps, Scanned,
         engine::{Counted, Lowered, Semantics, Stage},
         host, propagate,
     },
@@ -84,14 +84,14 @@ impl<D: RowOps> Chip<D> {
         } = *operation
         {
             let rows = usize::from(first_row)..=usize::from(last_row);
-            let scan = Scan::of_rows(self.state.digital(source), self.state.layout.size, rows);
+            let scan = Scanned::of_rows(self.state.digital(source), self.state.layout.size, rows);
             self.ledger.events += scan.found.len() as u64;
             deliver(&scan, polarity, channel, t, packet);
             return;
         }
         let mut scan = |source, polarity, channel, slots, from_left, from_bottom| {
             let bits = self.state.digital(source);
-            let scan = Scan::new(bits, self.state.layout.size, slots, from_left, from_bottom);
+            let scan = Scanned::new(bits, self.state.layout.size, slots, from_left, from_bottom);
             self.ledger.events += scan.found.len() as u64;
             self.ledger.missed += scan.missed;
             self.ledger.ambiguous += u64::from(scan.ambiguous);
@@ -133,7 +133,7 @@ impl<D: RowOps> Chip<D> {
     }
 }
 
-fn deliver(scan: &Scan, polarity: Polarity, channel: u8, t: Micros, packet: &mut Packet) {
+fn deliver(scan: &Scanned, polarity: Polarity, channel: u8, t: Micros, packet: &mut Packet) {
     packet.dropped.no_slot += scan.missed;
     packet.events.extend(scan.found.iter().map(|at| Event {
         t,

@@ -6,8 +6,8 @@ use super::{
     pass::Lowering,
 };
 use crate::{
-    isa::{Device, Digital, Primitive},
-    program::{Action, Cell, Effect, Host, Step},
+    isa::{Device, Digital},
+    program::{Action, Cell, CellEffect, Host, Step},
 };
 
 /// Words and inputs of a block, at most: loops are unrolled so far.
@@ -67,7 +67,7 @@ impl Lowered {
         let mut stages = Vec::new();
         lowerer.body(body, &mut stages);
         lowerer.close(&mut stages);
-        let writes = Effect::of(body, device).writes.into_iter();
+        let writes = CellEffect::of(body, device).writes.into_iter();
         Self {
             stages,
             blocks: lowerer.blocks,
@@ -100,21 +100,19 @@ impl Lowerer<'_> {
             let launches = matches!(step.action, Action::Word(_)) && !launched;
             launched = matches!(step.action, Action::Word(_));
             match &step.action {
-                Action::Word(word @ Primitive::Prop { boundary }) => {
-                    self.close(stages);
-                    let mut cost = Ledger::default();
-                    cost.word(word, self.device);
-                    cost.launches += u64::from(launches);
-                    stages.push(Stage::Propagate {
-                        boundary: *boundary,
-                        cost,
-                    });
-                }
                 Action::Word(word) => {
-                    self.open.cost.word(word, self.device);
-                    self.open.cost.launches += u64::from(launches);
-                    self.open.block.push(word, step.line);
-                    self.close_if_full(stages);
+                    if let Some(boundary) = word.propagates_from() {
+                        self.close(stages);
+                        let mut cost = Ledger::default();
+                        cost.word(word, self.device);
+                        cost.launches += u64::from(launches);
+                        stages.push(Stage::Propagate { boundary, cost });
+                    } else {
+                        self.open.cost.word(word, self.device);
+                        self.open.cost.launches += u64::from(launches);
+                        self.open.block.push(word, step.line);
+                        self.close_if_full(stages);
+                    }
                 }
                 Action::Host(operation) if operation.is_input() => {
                     self.open.block.inputs.push(operation.clone());
@@ -188,8 +186,7 @@ impl Lowerer<'_> {
 fn straight(body: &[Step]) -> Option<usize> {
     body.iter().try_fold(0, |len: usize, step| {
         let more = match &step.action {
-            Action::Word(Primitive::Prop { .. }) => None,
-            Action::Word(_) => Some(1),
+            Action::Word(word) => word.propagates_from().is_none().then_some(1),
             Action::Host(operation) => operation.is_input().then_some(1),
             Action::Repeat { times, body } => {
                 straight(body).map(|len| len.saturating_mul(*times as usize))

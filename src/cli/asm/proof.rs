@@ -9,7 +9,7 @@ use super::super::opened::Opened;
 use crate::{
     array::{
         GenericError, Input, Settings,
-        claim::{self, TRACED},
+        claim::{self, MOST_EFFORT},
         effort,
         range::{self, Inputs, Interval, Ranges},
         survival::{Analogue, RUNS, SIDE, Survival, survival},
@@ -65,7 +65,7 @@ impl Proof {
         let claim = program.settings.computes.as_ref();
         let claim = claim.map(|it| claim::check(it, code, device, settings, &expansion.constants));
         let claim = claim.transpose().wrap_err_with(|| program.file.clone())?;
-        let short = effort(&code.frame, device).map(|effort| effort <= TRACED);
+        let short = effort(&code.frame, device).map(|effort| effort <= MOST_EFFORT);
         let kernels = match short {
             Some(false) => Kernels::TooLong,
             _ => match taps::read_all(&code.frame, device, settings) {

@@ -640,7 +640,7 @@ fn check_registers(request: &Request<'_>, asked: &Asked) -> miette::Result<()> {
 }
 
 /// The level at which mismatch is told, LSB.
-const MIDDLE: f64 = 64.0;
+const MIDDLE: f64 = FilterNoise::MIDDLE;
 
 /// Errors of the chip in one result, LSB.
 #[derive(Clone, Copy, serde::Serialize)]

@@ -1,6 +1,6 @@
 //! The demo for people: two tables, and how to read them.
 
-use crate::{compare::metric::Short, compile::SLOTS, study::equivalent::rate};
+use crate::{compare::metric::Short, event::readout::scan::SLOTS, study::equivalent::rate};
 
 use super::{
     super::light,

@@ -290,7 +290,7 @@ impl<'a> Bench<'a> {
     /// that of the chip.
     pub fn saturation(&self) -> Saturation {
         let ends = self.arithmetic.ends(&self.opened.device, &self.settings);
-        let chip = [Figure::Lowest, Figure::Highest].map(|it| self.opened.device.value(it));
+        let chip = self.opened.device.register_range().into();
         Saturation::new(ends.unwrap_or(chip), ends.is_none())
     }
 

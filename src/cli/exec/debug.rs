@@ -19,7 +19,6 @@ use super::{
 use crate::{
     array::{Array, Register},
     event::Packet,
-    isa::Figure,
     picture::{panel, write_png},
     plane::{Plane, Size},
     program::{Action, Step},
@@ -351,8 +350,7 @@ impl<'a> Debugger<'a> {
         if register.is_bit() {
             return (0.0, 1.0);
         }
-        let value = |figure| self.opened.device.value(figure);
-        (value(Figure::Lowest), value(Figure::Highest))
+        self.opened.device.register_range()
     }
 
     /// A register in half blocks, as wide as the terminal allows.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::super::npy;
 use crate::{
     array::{Array, Register},
-    isa::{Device, Figure},
+    isa::Device,
     picture::{panel, write_png},
 };
 
@@ -23,10 +23,7 @@ fn pair(folder: &Path, register: &str) -> [PathBuf; 2] {
 
 /// Writes every register, as numbers and as a picture.
 pub fn dump(chip: &dyn Array, folder: &Path) -> miette::Result<()> {
-    let (low, high) = (
-        chip.device().value(Figure::Lowest),
-        chip.device().value(Figure::Highest),
-    );
+    let (low, high) = chip.device().register_range();
     for register in Register::all(chip.device()) {
         let name = register.name(chip.device());
         let values = register.values(chip);

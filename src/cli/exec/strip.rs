@@ -7,10 +7,9 @@ use super::{super::opened::Opened, moment::Moment};
 use crate::{
     array::{Array, Register},
     event::Packet,
-    isa::Figure,
     picture::{StripCell, panel, strip},
     plane::Plane,
-    program::{Action, Effect, Step},
+    program::{Action, CellEffect, Step},
 };
 
 /// The lines of one frame, with what registers held behind each.
@@ -45,7 +44,7 @@ impl Strip {
         self.columns.clear();
         for line in lines(moment.steps) {
             chip.run_steps(line, moment.t, packet)?;
-            let written = Effect::of(line, &opened.device).writes;
+            let written = CellEffect::of(line, &opened.device).writes;
             let number = line.first().map_or(0, |step| step.line);
             if written.is_empty() {
                 continue;
@@ -67,7 +66,7 @@ impl Strip {
     pub fn picture(&self, opened: &Opened) -> miette::Result<RgbImage> {
         let device = &opened.device;
         let registers = &self.registers;
-        let (low, high) = (device.value(Figure::Lowest), device.value(Figure::Highest));
+        let (low, high) = device.register_range();
         let text: Vec<&str> = opened.program.text.lines().collect();
         let columns = self.columns.iter().map(|column| {
             let at = (column.line as usize).saturating_sub(1);

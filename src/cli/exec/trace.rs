@@ -10,7 +10,7 @@ use crate::{
     number::Format,
     picture::trace::{Trace, TraceParting, TraceRegister, TraceStep, TraceVersion, page},
     plane::{At, Plane, Size},
-    program::{Action, Effect, Step},
+    program::{Action, CellEffect, Step},
 };
 
 /// Numbers of a page, those of a chip: 220 planes of 64x64. A plane of bits is an eighth.
@@ -328,7 +328,7 @@ fn touched(codes: &[&[Step]], device: &Device) -> Vec<Register> {
 
 /// The registers that some steps read, and those that they write.
 fn uses(steps: &[Step], device: &Device) -> [Vec<Register>; 2] {
-    let effect = Effect::of(steps, device);
+    let effect = CellEffect::of(steps, device);
     let mut reads: Vec<Register> = effect.reads.into_iter().map(Register::from).collect();
     let mut writes: Vec<Register> = effect.writes.into_iter().map(Register::from).collect();
     let [read, written] = photodiode(steps, device);

@@ -11,7 +11,7 @@ use crate::{
     array::{Arithmetic, Schedule, Settings},
     number::Format,
     study::{
-        pilot::{Chips, Term},
+        pilot::{Chips, ErrorTerm},
         trade::{Programs, Setup},
     },
 };
@@ -99,7 +99,12 @@ fn command(arguments: &Arguments, path: &Input, frames: usize, setup: &Setup) ->
     if arguments.seed != 0 {
         add("seed", &arguments.seed.to_string());
     }
-    let without: Vec<_> = setup.without().iter().copied().map(Term::key).collect();
+    let without: Vec<_> = setup
+        .without()
+        .iter()
+        .copied()
+        .map(ErrorTerm::key)
+        .collect();
     if !without.is_empty() {
         add("without", &without.join(","));
     }

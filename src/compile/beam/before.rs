@@ -7,8 +7,11 @@
 use std::rc::Rc;
 
 use super::{
-    super::linear_form::{LinearForm, NEWS_CELLS, Tap},
-    EXPANDED, Item, Out, SOURCES, SOURCES_SPLIT, Search, State, Step,
+    super::{
+        linear_form::{LinearForm, NEWS_CELLS, Tap},
+        plan::{SOURCES, SOURCES_SPLIT},
+    },
+    EXPANDED, Item, Out, Search, State, Step,
     score::{parts, weight},
     view,
 };

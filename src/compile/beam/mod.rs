@@ -12,7 +12,7 @@ use std::{cell::OnceCell, collections::HashSet, rc::Rc};
 
 use super::{
     linear_form::{LinearForm, NEWS_CELLS},
-    plan::{Plan, Store, Value, Word},
+    plan::{Plan, SOURCES, Store, Value, Word},
 };
 use crate::isa::Direction;
 
@@ -49,11 +49,6 @@ pub(super) struct Heuristic {
     /// Whether parts of a sum are tried as new values.
     pub(super) split: bool,
 }
-
-/// Sources that one word takes, and that one word takes which stores in two parts: the
-/// vendor's `bus` and `bus2`.
-pub(super) const SOURCES: usize = 4;
-const SOURCES_SPLIT: usize = 2;
 
 /// How many values of a state are tried as the one that was stored last.
 const EXPANDED: usize = 2;

@@ -13,8 +13,9 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use rayon::prelude::*;
 
 use super::{
+    super::plan::{SOURCES, SOURCES_SPLIT},
     field::{HALF, STEPS, add, multiply, of_ternary, subtract},
-    state::{CELLS, SOURCES, SOURCES_SPLIT, State, Subset},
+    state::{CELLS, State, Subset},
 };
 
 /// Ternary 3x3 kernels.

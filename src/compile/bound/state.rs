@@ -1,14 +1,13 @@
 //! What a program holds after some words, whatever its registers: the states of the exhaustive
 //! search.
 
-use super::field::{HALF, STEPS, add, multiply, negate};
+use super::{
+    super::plan::{SOURCES, SOURCES_SPLIT},
+    field::{HALF, STEPS, add, multiply, negate},
+};
 
 /// A linear form under each of the eight symmetries of the square.
 pub(super) type Form = [u64; 8];
-
-/// The most sources of `bus`, and of `bus2`.
-pub(super) const SOURCES: usize = 4;
-pub(super) const SOURCES_SPLIT: usize = 2;
 
 /// A value, and the word that stored it: 0 is the input.
 #[derive(Clone, Copy, Debug)]

@@ -4,10 +4,9 @@ use std::collections::HashSet;
 
 use super::{
     super::{
-        beam::SOURCES,
         digit::Place,
         linear_form::NEWS_CELLS,
-        plan::{Plan, Value},
+        plan::{Plan, SOURCES, Value},
         plan_builder::{PlanBuilder, Sum},
     },
     direction,

@@ -6,7 +6,10 @@ use std::io::{self, Cursor, Read, Write};
 use lz4_flex::frame::{BlockSize, FrameDecoder, FrameEncoder, FrameInfo};
 use zstd::bulk::Compressor;
 
-use super::{aedat4::LONGEST, head::Compression, packets};
+use super::{head::Compression, packets};
+
+/// The longest packet or header of AEDAT 4.0, in bytes, compressed or not.
+pub(super) const LONGEST: usize = 1 << 26;
 
 /// Decompresses packets.
 pub struct Unpacking {

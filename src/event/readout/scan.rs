@@ -28,6 +28,9 @@ use crate::{
     unit::{Micros, Picos},
 };
 
+/// The most slots of one scan: what the list of the chip's host holds.
+pub const SLOTS: u32 = 4000;
+
 /// A pixel's address as the chip counts: from the top right corner, columns leftwards.
 ///
 /// This is the one place where chip addresses and image coordinates are converted.

@@ -21,7 +21,10 @@ use std::{collections::BTreeMap, str::FromStr};
 
 use serde::Serialize;
 
-use super::{Arbiter, Frame, Ideal, Readout, Requests, RowOrder, Scan, WhenFull, scan::Order};
+use super::{
+    Arbiter, Frame, Ideal, Readout, Requests, RowOrder, Scan, WhenFull,
+    scan::{self, Order},
+};
 use crate::{
     config::{Faults, File, Key, Kind, Node, Read, Section, Spelling, Table, asked},
     limit::QUEUE,
@@ -97,7 +100,7 @@ const SLOTS: &Table = &Table::new(&stated(Kind::Spelled(&Spelling {
     holds: |text| {
         text.trim()
             .parse()
-            .is_ok_and(|slots: u64| (1..=4000).contains(&slots))
+            .is_ok_and(|slots: u64| (1..=scan::SLOTS.into()).contains(&slots))
     },
 })));
 

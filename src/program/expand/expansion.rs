@@ -11,7 +11,7 @@ use crate::{
 use super::super::{
     code::{Code, Step},
     cost,
-    effect::Effect,
+    effect::CellEffect,
 };
 
 /// Constants that are set from outside, by name.
@@ -82,7 +82,7 @@ pub struct Expanded {
     /// What it became.
     pub steps: Vec<Step>,
     /// What it reads and writes.
-    pub effect: Effect,
+    pub effect: CellEffect,
     /// What it gives as a result; the rest of what it writes is destroyed.
     pub results: Vec<Cell>,
     /// Whether it needs FLAG to be 1 everywhere.

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use super::{
     Action, Code, Step, check,
-    effect::Effect,
+    effect::CellEffect,
     host,
     syntax::{Item, Node, Syntax},
 };
@@ -230,7 +230,7 @@ impl<'d> Lowering<'d> {
         if steps_run(&sink.steps).is_none() {
             return Err(runs_too_long("this statement", statement.place));
         }
-        let effect = Effect::of(&sink.steps, self.device);
+        let effect = CellEffect::of(&sink.steps, self.device);
         let (results, whole_flag, host) = match callable {
             Callable::Primitive(..) => (effect.writes.iter().copied().collect(), false, false),
             Callable::Macro(it) => (self.results(it, &bound), it.whole_flag, it.host),

@@ -81,7 +81,7 @@ pub struct Refused {
 
 /// The thresholds of one way to remember, and what comes of them.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Rated {
+pub struct RatedThresholds {
     /// What is remembered: of the drives, or of the pixel.
     pub memory: &'static str,
     /// In kernel times light (0 to 255), one for each kind.
@@ -100,7 +100,7 @@ pub struct Exploration {
     /// What there is no program for.
     pub refused: Vec<Refused>,
     /// The thresholds.
-    pub rated: Vec<Rated>,
+    pub rated: Vec<RatedThresholds>,
     /// Index of the knee among the candidates; none where no candidate keeps anything.
     pub knee: Option<usize>,
     /// Frames a second of the scene.

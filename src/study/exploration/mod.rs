@@ -15,7 +15,7 @@
 mod candidate;
 mod error;
 
-pub use candidate::{Candidate, Exploration, Kind, NEARLY, Rated, Refused};
+pub use candidate::{Candidate, Exploration, Kind, NEARLY, RatedThresholds, Refused};
 pub use error::{ExplorationError, Untaken};
 
 use super::{
@@ -149,7 +149,7 @@ pub fn explore(
             events[usize::from(event.channel)] += 1;
         }
         let per = |events: u64| events as f64 / (size.pixels() as f64 * seconds).max(1e-9);
-        all.rated.push(Rated {
+        all.rated.push(RatedThresholds {
             memory: if shared(first) { "pixel" } else { "drives" },
             rate: per(shown.float.events.len() as u64),
             rates: events.iter().map(|own| per(*own)).collect(),

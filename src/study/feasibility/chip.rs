@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 
 use super::{super::design::Compiled, estimate::Estimate, named::Named, time::Time};
 use crate::{
-    compile::SensorProgram,
+    compile::{FilterNoise, SensorProgram},
     isa::{Analog, Device, Evidence, Figure},
-    program::{Cell, Code, Cost, Effect},
+    program::{Cell, CellEffect, Code, Cost},
 };
 
 /// A program on its chip.
@@ -55,9 +55,6 @@ pub struct Noise {
     pub offset_stores: f64,
 }
 
-/// The level of light, in LSB, at which noise is stated: the middle of the range of a capture.
-const MIDDLE: f64 = 64.0;
-
 impl OnChip {
     /// Of a compiled program and the threshold that it compares with, in LSB.
     pub(super) fn new(
@@ -88,7 +85,7 @@ impl OnChip {
 pub(super) fn registers(code: &Code, device: &Device) -> usize {
     let mut cells = BTreeSet::new();
     for steps in [&code.init, &code.frame] {
-        let Effect { reads, writes, .. } = Effect::of(steps, device);
+        let CellEffect { reads, writes, .. } = CellEffect::of(steps, device);
         cells.extend(reads);
         cells.extend(writes);
     }
@@ -101,7 +98,7 @@ impl Noise {
     fn new(program: &SensorProgram, device: &Device, threshold_lsb: f64) -> Self {
         let filter = &program.filter;
         let of = |device: &Device| {
-            let of = filter.noise(device, Analog(0), MIDDLE, &program.drives);
+            let of = filter.noise(device, Analog(0), FilterNoise::MIDDLE, &program.drives);
             of.first().map_or((0.0, 0.0), |n| (n.temporal, n.fixed))
         };
         let (temporal, fixed) = of(device);
@@ -116,7 +113,7 @@ impl Noise {
         // A decision takes the difference of two frames.
         let margin = |temporal: f64| threshold_lsb / (2f64.sqrt() * temporal);
         Self {
-            at_lsb: MIDDLE,
+            at_lsb: FilterNoise::MIDDLE,
             temporal: made_of(
                 temporal,
                 &[Figure::StoreNoise],

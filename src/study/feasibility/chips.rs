@@ -8,13 +8,15 @@
 //! The tornado turns one number at a time: the chip of the seed with this number at the low and
 //! at the high end of its interval, all others at their values.
 
-use super::{FeasibilityError, Question, draw::Drawn, named::Named, time::Words};
+use super::{
+    FeasibilityError, Question, draw::Drawn, named::Named, spread::Spread, time::Words,
+    tornado::Turn,
+};
 use crate::{
     array::{Arithmetic, Array},
     compare::CompareError,
     event::Packet,
     isa::{Device, Evidence, Figure},
-    order::Order,
     program::readout::{Demand, Scans},
     rig,
     scene::{Frame, Scene, SceneError, part::First},
@@ -22,7 +24,7 @@ use crate::{
     study::{
         design::Compiled,
         equivalent::{Ladder, Likeness},
-        expanded::Expanded,
+        expanded::{Expanded, WORK},
     },
     unit::Micros,
 };
@@ -43,10 +45,6 @@ pub const CLEAR_FLOOR: f64 = 0.9;
 pub fn can_judge(floor: f64) -> bool {
     floor <= CLEAR_FLOOR
 }
-
-/// Words that all chips run together, each on so many pixels, at most: about 13 s on two cores
-/// of 2024.
-const WORK: f64 = 14e9;
 
 /// Chips that watch side by side.
 const ABREAST: usize = 8;
@@ -85,17 +83,6 @@ pub struct Stretch {
     pub reference_events: u64,
     /// F1 of redraws of them: what accident scores.
     pub floor: f64,
-}
-
-/// What lies between 10 and 90 % of the chips.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Spread {
-    /// A tenth of the chips has less.
-    pub p10: f64,
-    /// Half of them.
-    pub median: f64,
-    /// A tenth of the chips has more.
-    pub p90: f64,
 }
 
 /// The headlines over the chips.
@@ -149,68 +136,6 @@ pub struct DrawnValue {
     pub value: f64,
 }
 
-/// One number turned from end to end, all others at their values.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Turn {
-    /// As `section.key`.
-    pub figure: String,
-    /// Its unit.
-    pub unit: &'static str,
-    /// The low end of its interval.
-    pub low: f64,
-    /// The high end.
-    pub high: f64,
-    /// How well the interval is known.
-    pub evidence: Evidence,
-    /// What is kept at the low end.
-    pub kept_at_low: f64,
-    /// What is kept at the high end.
-    pub kept_at_high: f64,
-    /// What is kept with all numbers at their values, on the same stretch.
-    pub kept_nominal: f64,
-    /// Frames a second at most, at the low end.
-    pub frames_s_at_low: f64,
-    /// Frames a second at most, at the high end.
-    pub frames_s_at_high: f64,
-}
-
-impl Turn {
-    /// How much is kept at one end more than at the other, or than between.
-    #[must_use]
-    pub fn swing(&self) -> f64 {
-        let ends = [self.kept_at_low, self.kept_at_high, self.kept_nominal];
-        let most = ends.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        most - ends.into_iter().fold(f64::INFINITY, f64::min)
-    }
-
-    /// The same of the frame rate, as a part of the larger.
-    fn swing_of_rate(&self) -> f64 {
-        let [low, high] = [self.frames_s_at_low, self.frames_s_at_high];
-        (low - high).abs() / low.max(high)
-    }
-}
-
-impl Spread {
-    /// Of some values, by straight lines between those that were found; none of none.
-    #[must_use]
-    pub fn new(values: &[f64]) -> Option<Self> {
-        let mut sorted = values.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let last = sorted.len().checked_sub(1)?;
-        let at = |share: f64| {
-            let place = share * last as f64;
-            let (below, way) = (place.floor() as usize, place.fract());
-            let above = sorted[(below + 1).min(last)];
-            sorted[below] + way * (above - sorted[below])
-        };
-        Some(Self {
-            p10: at(0.1),
-            median: at(0.5),
-            p90: at(0.9),
-        })
-    }
-}
-
 /// What the chips are asked.
 pub(super) struct Trial<'a> {
     pub question: &'a Question<'a>,
@@ -227,17 +152,9 @@ pub(super) struct Trial<'a> {
 }
 
 /// A chip that is to run: its numbers and the seed of its mismatch.
-struct Run {
-    device: Device,
-    seed: u64,
-}
-
-/// One number at one end of its interval, which another run than the chip of the seed has to
-/// show.
-struct End {
-    /// Which of the numbers with an interval.
-    number: usize,
-    is_high: bool,
+pub(super) struct Run {
+    pub device: Device,
+    pub seed: u64,
 }
 
 impl Trial<'_> {
@@ -285,32 +202,6 @@ impl Trial<'_> {
         let evidence = numbers.iter().filter_map(|it| it.quantity(question.device));
         let evidence = Evidence::weakest(evidence.map(crate::isa::Quantity::interval_evidence));
         Ok(OverChips::new(each, tornado, stretch, evidence))
-    }
-
-    /// Adds a run for each end of each number that differs from its value and of which events
-    /// depend.
-    fn ends(&self, numbers: &[Named], runs: &mut Vec<Run>) -> Result<Vec<End>, FeasibilityError> {
-        let device = self.question.device;
-        let mut ends = Vec::new();
-        for (number, named) in numbers.iter().enumerate() {
-            let Named::Figure(figure) = *named else {
-                continue;
-            };
-            if !named.is_of_events() {
-                continue;
-            }
-            let [low, high] = named.ends(device);
-            for (value, is_high) in [(low, false), (high, true)] {
-                if (value - named.value(device)).abs() > 0.0 {
-                    ends.push(End { number, is_high });
-                    runs.push(Run {
-                        device: device.clone().what_if(figure, value)?,
-                        seed: self.question.seed,
-                    });
-                }
-            }
-        }
-        Ok(ends)
     }
 
     /// What of a packet lies within the first frames.
@@ -365,7 +256,7 @@ impl Trial<'_> {
     }
 
     /// Frames a second at most, of a chip with these numbers that says this.
-    fn frames_s(&self, value: &dyn Fn(Named) -> f64, busy: &Demand) -> f64 {
+    pub(super) fn frames_s(&self, value: &dyn Fn(Named) -> f64, busy: &Demand) -> f64 {
         let Self { question, .. } = *self;
         let of = |figure| value(Named::Figure(figure));
         let array = self.words.us(of(Figure::Clock), of(Figure::Launch));
@@ -415,62 +306,6 @@ impl Trial<'_> {
             power_busy_mw: watts * worked * 1e3,
             values: values.collect(),
         })
-    }
-
-    /// What each number changes, the one that changes most first.
-    fn tornado(
-        &self,
-        numbers: &[Named],
-        ends: &[End],
-        packets: &[Packet],
-        nominal: &Packet,
-        ladder: &Ladder,
-    ) -> Result<Vec<Turn>, CompareError> {
-        let device = self.question.device;
-        let kept_nominal = ladder.judge(nominal)?.kept;
-        let busy = Demand::new(nominal, self.frames);
-        let mut turns = Vec::new();
-        for (number, named) in numbers.iter().enumerate() {
-            let Some(interval) = named.interval(device) else {
-                continue;
-            };
-            let mut kept = [kept_nominal; 2];
-            for (end, packet) in ends.iter().zip(packets) {
-                if end.number == number {
-                    kept[usize::from(end.is_high)] = ladder.judge(packet)?.kept;
-                }
-            }
-            let [low, high] = interval.ends();
-            let rate = |end: f64| {
-                let value = |other: Named| {
-                    if other == *named {
-                        end
-                    } else {
-                        other.value(device)
-                    }
-                };
-                self.frames_s(&value, &busy)
-            };
-            turns.push(Turn {
-                figure: named.name(),
-                unit: named.unit(),
-                low,
-                high,
-                evidence: { named.quantity(device) }
-                    .map_or(interval.evidence, crate::isa::Quantity::interval_evidence),
-                kept_at_low: kept[0],
-                kept_at_high: kept[1],
-                kept_nominal,
-                frames_s_at_low: rate(low),
-                frames_s_at_high: rate(high),
-            });
-        }
-        let by = |turn: &Turn| (turn.swing(), turn.swing_of_rate());
-        turns.order_by(|a, b| {
-            let (a, b) = (by(a), by(b));
-            b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1))
-        });
-        Ok(turns)
     }
 }
 
@@ -549,16 +384,6 @@ impl OverChips {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn spreads_lie_between_the_values() {
-        let values: Vec<f64> = (0..=10).rev().map(f64::from).collect();
-        let spread = Spread::new(&values).unwrap();
-        assert_eq!((spread.p10, spread.median, spread.p90), (1.0, 5.0, 9.0));
-        let one = Spread::new(&[3.0]).unwrap();
-        assert_eq!((one.p10, one.p90), (3.0, 3.0));
-        assert!(Spread::new(&[]).is_none());
-    }
 
     #[test]
     fn a_long_scene_is_watched_for_a_while() {

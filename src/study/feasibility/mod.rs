@@ -27,8 +27,10 @@ mod runs;
 mod several;
 mod shared;
 mod snapshot;
+pub mod spread;
 pub mod stream;
 pub mod time;
+pub mod tornado;
 pub mod verdict;
 mod watched;
 

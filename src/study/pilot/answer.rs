@@ -1,6 +1,6 @@
 //! The answer: what could be left out, what is, and why.
 
-use super::estimate::Estimate;
+use super::estimate::ChangeEstimate;
 
 /// Something that could be left out.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -10,7 +10,7 @@ pub struct Offer<M> {
     /// The model that does without it.
     pub model: M,
     /// What it changes; none where that was not measured to the end.
-    pub change: Option<Estimate>,
+    pub change: Option<ChangeEstimate>,
     /// Seconds that it would take for the whole scene, and the full model's; none where it was
     /// not run.
     pub seconds: Option<[f64; 2]>,
@@ -27,7 +27,7 @@ pub struct Answer<M> {
     pub choice: M,
     /// What it changes; none where nothing was measured, and nothing but what a rule allows is
     /// left out.
-    pub change: Option<Estimate>,
+    pub change: Option<ChangeEstimate>,
     /// Everything that was thought of.
     pub offers: Vec<Offer<M>>,
     /// Why the pilot ended where it did.

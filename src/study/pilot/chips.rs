@@ -17,11 +17,11 @@ use crate::{
 };
 
 use super::{
+    error_term::ErrorTerm,
     estimate::{History, Unseen},
     family::Family,
     look::Look,
     program_halo,
-    term::Term,
 };
 
 /// An arithmetic of the array, with what it leaves out.
@@ -30,7 +30,7 @@ pub struct Machine {
     /// What cells hold; none for analogue cells.
     pub format: Option<Format>,
     /// What analogue cells do without.
-    pub without: Vec<Term>,
+    pub without: Vec<ErrorTerm>,
 }
 
 impl fmt::Display for Machine {
@@ -42,7 +42,7 @@ impl fmt::Display for Machine {
         if self.without.is_empty() {
             return Ok(());
         }
-        let without: Vec<_> = self.without.iter().map(Term::to_string).collect();
+        let without: Vec<_> = self.without.iter().map(ErrorTerm::to_string).collect();
         write!(f, " without {}", without.join(", "))
     }
 }
@@ -91,7 +91,7 @@ impl Chips<'_> {
             };
             (format!("{full}, for {machine}"), machine)
         });
-        let terms = Term::ALL.iter().filter(|_| full.format.is_none());
+        let terms = ErrorTerm::ALL.iter().filter(|_| full.format.is_none());
         let terms = terms.map(|term| {
             let machine = Machine {
                 format: None,
@@ -202,7 +202,7 @@ impl Family for Chips<'_> {
             let is_limited = self.settings.clip && matches!(self.arithmetic, Arithmetic::Number(_));
             !is_limited || low > LIMITS.0 || high < LIMITS.1
         };
-        let saturates = model.without.contains(&Term::Saturation) || { model.format }
+        let saturates = model.without.contains(&ErrorTerm::Saturation) || { model.format }
             .is_some_and(|format| format != Format::F64 && ends(format));
         if saturates {
             History::Tile.into()
@@ -248,12 +248,12 @@ impl Family for Chips<'_> {
 }
 
 /// Rows and columns of a mosaic, and where the first of them lies in the plane.
-type Window = (Range<usize>, Range<usize>, At);
+type PlacedCrop = (Range<usize>, Range<usize>, At);
 
 /// The windows of the tiles of a mosaic. Neighbours that lie wholly inside the plane are one, of at
 /// most so many pixels, so that no slot is missing that a tile has by itself.
-fn strips(mosaic: &Mosaic, most: usize) -> Vec<Window> {
-    let mut strips: Vec<(Window, bool)> = Vec::new();
+fn strips(mosaic: &Mosaic, most: usize) -> Vec<PlacedCrop> {
+    let mut strips: Vec<(PlacedCrop, bool)> = Vec::new();
     for tile in 0..mosaic.tiles().len() {
         let Some((rows, columns, at)) = mosaic.window(tile) else {
             continue;

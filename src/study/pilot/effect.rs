@@ -15,7 +15,8 @@ pub enum Effect {
     /// The dead time after an event.
     DeadTime,
     /// Shot noise and hot pixels.
-    Strays,
+    #[serde(rename = "strays")]
+    NoiseEvents,
     /// The jitter of event times.
     Jitter,
     /// The photoreceptors' bandwidth.
@@ -32,7 +33,7 @@ impl Effect {
         Self::Surroundings,
         Self::InsertedFrames,
         Self::DeadTime,
-        Self::Strays,
+        Self::NoiseEvents,
         Self::Jitter,
         Self::Bandwidth,
         Self::Leak,
@@ -46,7 +47,7 @@ impl Effect {
             Self::Surroundings => "still surroundings",
             Self::InsertedFrames => "inserted frames",
             Self::DeadTime => "dead time",
-            Self::Strays => "shot noise, hot pixels",
+            Self::NoiseEvents => "shot noise, hot pixels",
             Self::Jitter => "jitter",
             Self::Bandwidth => "bandwidth",
             Self::Leak => "leak",
@@ -61,7 +62,7 @@ impl Effect {
             Self::Surroundings => "surroundings",
             Self::InsertedFrames => "inserted-frames",
             Self::DeadTime => "dead-time",
-            Self::Strays => "strays",
+            Self::NoiseEvents => "strays",
             Self::Jitter => "jitter",
             Self::Bandwidth => "bandwidth",
             Self::Leak => "leak",
@@ -86,7 +87,7 @@ impl Effect {
             Self::Surroundings => false,
             Self::InsertedFrames => inserts,
             Self::DeadTime => description.refractory.us > 0.0,
-            Self::Strays => noise.fires(),
+            Self::NoiseEvents => noise.fires(),
             Self::Jitter => noise.jitter_us > 0.0,
             Self::Bandwidth => noise.cutoff_hz > 0.0,
             Self::Leak => noise.leak_hz > 0.0,
@@ -98,7 +99,7 @@ impl Effect {
     fn leave_out(self, plain: &mut Description) {
         match self {
             Self::DeadTime => plain.refractory.us = 0.0,
-            Self::Strays => {
+            Self::NoiseEvents => {
                 (plain.noise.shot_hz, plain.noise.hot_hz) = (0.0, 0.0);
                 plain.noise.hot_fraction = 0.0;
             }

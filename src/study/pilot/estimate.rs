@@ -45,9 +45,12 @@ pub struct Tile {
     pub changes: u64,
 }
 
+/// All limits of a pilot or a survey hold together but for one case in so many.
+pub(super) const RISK: f64 = 0.05;
+
 /// What is known of the share of changed events.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Estimate {
+pub struct ChangeEstimate {
     /// Changed events for each event of the full model, about.
     pub share: f64,
     /// What the share hardly exceeds; none where nothing fired in the sample.
@@ -92,7 +95,7 @@ impl From<History> for Unseen {
 /// The fewest events that say anything of a share.
 const LEAST_EVENTS: u64 = 100;
 
-impl Estimate {
+impl ChangeEstimate {
     /// From the tiles of a sample. The limit fails with a probability of `risk`.
     #[must_use]
     pub fn new(tiles: &[Tile], unseen: Unseen, risk: f64) -> Self {
@@ -226,24 +229,27 @@ mod tests {
     fn nothing_that_fired_says_nothing() {
         let silent = [tile(0.1, 0, 0); 20];
         assert_eq!(
-            Estimate::new(&silent, History::Cell.into(), 0.05).limit,
+            ChangeEstimate::new(&silent, History::Cell.into(), 0.05).limit,
             None
         );
         let few = [tile(0.1, 4, 0); 20];
-        assert_eq!(Estimate::new(&few, History::Cell.into(), 0.05).limit, None);
+        assert_eq!(
+            ChangeEstimate::new(&few, History::Cell.into(), 0.05).limit,
+            None
+        );
     }
 
     /// The rule of three: without a change, at most three histories of a cell.
     #[test]
     fn no_change_has_a_limit() {
         let tiles = [tile(0.1, 100, 0); 20];
-        let estimate = Estimate::new(&tiles, History::Cell.into(), 0.05);
+        let estimate = ChangeEstimate::new(&tiles, History::Cell.into(), 0.05);
         // A history counts 4 events, ten times over, of 20000.
         let want = 2.9957 * 40.0 / 20_000.0;
         let limit = estimate.limit.unwrap();
         assert!((limit / want - 1.0).abs() < 0.02, "{limit} {want}");
         assert_eq!(estimate.share, 0.0);
-        let limit = |unseen: Unseen| Estimate::new(&tiles, unseen, 0.05).limit.unwrap();
+        let limit = |unseen: Unseen| ChangeEstimate::new(&tiles, unseen, 0.05).limit.unwrap();
         let events = |at_least| Unseen {
             history: History::Cell,
             at_least,
@@ -260,7 +266,7 @@ mod tests {
     #[test]
     fn equal_jumps_are_a_poisson_number() {
         let tiles = [tile(0.001, 1000, 50); 20];
-        let estimate = Estimate::new(&tiles, History::Cell.into(), 0.05);
+        let estimate = ChangeEstimate::new(&tiles, History::Cell.into(), 0.05);
         assert!((estimate.share - 0.05).abs() < 1e-12);
         let limit = estimate.limit.unwrap();
         assert!((limit - 0.05 * 29.06 / 20.0).abs() < 2e-4, "{limit}");
@@ -272,7 +278,7 @@ mod tests {
         let limit = |changes| {
             let mut tiles = [tile(0.1, 100, 0); 21];
             tiles[20] = tile(1.0, 100, changes);
-            Estimate::new(&tiles, History::Cell.into(), 0.05).limit
+            ChangeEstimate::new(&tiles, History::Cell.into(), 0.05).limit
         };
         // Of 20,100 events ten times 40 changes, three times over, and the 40 themselves.
         let want = (2.9957 * 400.0 + 40.0) / 20_100.0;
@@ -284,10 +290,10 @@ mod tests {
     #[test]
     fn what_was_run_whole_is_known() {
         let tiles = [tile(1.0, 100, 3), tile(1.0, 0, 1)];
-        let estimate = Estimate::new(&tiles, History::Tile.into(), 0.01);
+        let estimate = ChangeEstimate::new(&tiles, History::Tile.into(), 0.01);
         assert_eq!((estimate.share, estimate.limit), (0.04, Some(0.04)));
         assert!(estimate.is_within(0.04) && !estimate.is_within(0.039));
-        let silent = Estimate::new(&[tile(1.0, 0, 0)], History::Tile.into(), 0.01);
+        let silent = ChangeEstimate::new(&[tile(1.0, 0, 0)], History::Tile.into(), 0.01);
         assert_eq!((silent.share, silent.limit), (0.0, Some(0.0)));
     }
 }

@@ -46,7 +46,7 @@ impl Floats<'_> {
     fn hot_events(&self, model: &Choice, look: &Look) -> u64 {
         let (noise, refractory) = (&self.description.noise, self.description.refractory.us);
         let left_out = |effect| model.leaves_out(effect) && !self.base.leaves_out(effect);
-        if noise.hot_fraction <= 0.0 || self.base.leaves_out(Effect::Strays) {
+        if noise.hot_fraction <= 0.0 || self.base.leaves_out(Effect::NoiseEvents) {
             return 0;
         }
         let held = if refractory > 0.0 && !self.base.leaves_out(Effect::DeadTime) {
@@ -54,7 +54,7 @@ impl Floats<'_> {
         } else {
             noise.hot_hz
         };
-        let hz = if left_out(Effect::Strays) {
+        let hz = if left_out(Effect::NoiseEvents) {
             held
         } else if left_out(Effect::DeadTime) {
             noise.hot_hz
@@ -241,8 +241,8 @@ mod tests {
         let noise = &description.noise;
         let hot = noise.hot_fraction > 0.0 && noise.hot_hz > 0.0;
         let strays = if hot { noise.hot_hz.ceil() as u64 } else { 0 };
-        assert_eq!(unseen(Effect::Strays).at_least, strays);
-        assert_eq!(unseen(Effect::Strays).history, History::Cell);
+        assert_eq!(unseen(Effect::NoiseEvents).at_least, strays);
+        assert_eq!(unseen(Effect::NoiseEvents).history, History::Cell);
         // No light that there is comes near the end of single precision.
         let description = Description::open("laplacian").unwrap();
         let base = Choice::full();
@@ -267,7 +267,7 @@ mod tests {
             let model = base.clone().and_without(effect);
             family.unseen(&model, &look).at_least
         };
-        assert_eq!(least(Effect::Strays), 100);
+        assert_eq!(least(Effect::NoiseEvents), 100);
         assert_eq!(least(Effect::DeadTime), 500);
         assert_eq!(least(Effect::Mismatch), 0);
     }

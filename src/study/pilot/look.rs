@@ -18,7 +18,20 @@ pub struct Grid {
     pub side: usize,
 }
 
+/// The even side of a tile: large enough that its halo is not most of it.
+#[must_use]
+pub fn side(halo: usize) -> usize {
+    (3 * halo).next_power_of_two().clamp(4, 64)
+}
+
 impl Grid {
+    /// The tiles of a sensor, for what sees so far round a pixel.
+    #[must_use]
+    pub fn new(size: Size, halo: usize) -> Self {
+        let side = side(halo);
+        Self { size, side }
+    }
+
     /// Tiles in a row.
     const fn across(self) -> usize {
         self.size.width.div_ceil(self.side)

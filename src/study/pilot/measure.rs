@@ -5,7 +5,6 @@ use std::cell::OnceCell;
 use crate::{
     compare::Sorted,
     mosaic::Mosaic,
-    plane::Size,
     scene::kept::Kept,
     sensor::SensorError,
     unit::{Micros, counted},
@@ -15,12 +14,12 @@ use super::{
     answer::{Answer, Offer},
     change::{self, Change},
     draw::{Drawn, draw},
-    estimate::Estimate,
+    estimate::{ChangeEstimate, RISK},
     family::Family,
     first_frames::clocked,
     look::{Grid, Look},
     stage::{self, Stage},
-    trial::{Ran, Trial},
+    trial::{LEAST_TILES, Ran, Trial},
 };
 
 /// How a measurement is made.
@@ -50,12 +49,6 @@ pub struct Measure<'a> {
     pub limits_only: bool,
 }
 
-/// The limits of a pilot hold together but for one case in so many.
-const RISK: f64 = 0.05;
-
-/// The fewest tiles that stand for anything.
-const LEAST_TILES: usize = 12;
-
 /// Pixels of the mosaic on which costs are learned, and frames of the scene.
 const TRIED_PIXELS: usize = 1 << 11;
 const TRIED_FRAMES: usize = 6;
@@ -66,17 +59,8 @@ const TRIED_INSERTED: usize = 30;
 /// Frames on the whole sensor behind the first, where tiles do not tell what it costs.
 const TRIED_WHOLE: usize = 1;
 
-/// Frames that are not timed.
-const UNCLOCKED: u64 = 2;
-
-/// A candidate that would save less than this part of the full model's time is not worth it.
-const WORTH: f64 = 0.07;
-
-/// The even side of a tile: large enough that its halo is not most of it.
-#[must_use]
-pub fn side(halo: usize) -> usize {
-    (3 * halo).next_power_of_two().clamp(4, 64)
-}
+/// What would save less than this part of the full model's time is not worth it.
+pub(super) const WORTH: f64 = 0.07;
 
 impl Measure<'_> {
     /// Measures candidates, each with what it is called, against the full model.
@@ -130,10 +114,7 @@ impl Measure<'_> {
             return because("the scene is too short to measure anything");
         }
         let halo = family.halo().map_err(|why| End::Because(why.to_owned()))?;
-        let grid = Grid {
-            size: self.kept.size(),
-            side: side(halo),
-        };
+        let grid = Grid::new(self.kept.size(), halo);
         if grid.tiles() < 2 * LEAST_TILES && self.tiles.is_none() {
             return because("the sensor is too small to be sampled");
         }
@@ -148,30 +129,24 @@ impl Measure<'_> {
             Some(look) => look.clone(),
             None => Look::new(self.kept, grid, family.is_relative()),
         };
-        let mut activity = look.seen_from(halo);
-        if family.fires_alone() {
-            for tile in &mut activity {
-                *tile = tile.max(0.0);
-            }
-        }
+        let trial = Trial {
+            family,
+            kept: self.kept,
+            between: between.as_ref(),
+            grid,
+            halo,
+            clock: self.clock,
+        };
         let pilot = Pilot {
             measure: self,
             start,
-            frames: Stage::frames(self.kept, between.as_ref()),
             light: match &between {
                 Some(_) => stage::seconds_of_light(self.kept, between.as_ref(), self.clock),
                 None => [0.0; 2],
             },
-            trial: Trial {
-                family,
-                kept: self.kept,
-                between: between.as_ref(),
-                grid,
-                halo,
-                clock: self.clock,
-            },
+            activity: trial.activity(&look),
+            trial,
             look,
-            activity,
         };
         let count = match self.tiles {
             Some(count) => count,
@@ -203,9 +178,8 @@ fn because<T>(why: &str) -> Step<T> {
 struct Pilot<'a, F> {
     measure: &'a Measure<'a>,
     start: f64,
-    /// With the inserted frames, and without.
-    frames: [usize; 2],
-    /// Seconds of their light on the whole sensor, where frames are inserted.
+    /// Seconds of the light on the whole sensor, with the inserted frames and without, where any
+    /// are inserted.
     light: [f64; 2],
     trial: Trial<'a, F>,
     look: Look,
@@ -225,13 +199,6 @@ impl<F: Family> Pilot<'_, F> {
         draw(&self.activity, &look.extremes, count, measure.seed)
     }
 
-    /// Seconds that a model takes for the whole scene on the tiles of a trial.
-    fn whole_scene(&self, ran: &Ran<F::Model>) -> f64 {
-        let [inserted, own] = self.frames;
-        let sees = self.trial.family.sees_inserted(&ran.model);
-        ran.per_frame() * if sees { inserted } else { own } as f64
-    }
-
     /// Learns what models cost by running them on a few tiles for a few frames, drops those that
     /// would save too little, and says how many tiles can be afforded.
     fn afford(&self, answer: &mut Answer<F::Model>) -> Step<usize> {
@@ -243,30 +210,25 @@ impl<F: Family> Pilot<'_, F> {
         }
         let mosaic = trial.mosaic(&few);
         let models = going(trial.family.full(), &answer.offers);
-        let [inserted, own] = self.frames;
+        let [inserted, own] = Stage::frames(measure.kept, trial.between);
         let frames = (TRIED_INSERTED * own / inserted.max(1)).clamp(3, TRIED_FRAMES);
-        let tried = trial.run(&models, &mosaic, (frames, UNCLOCKED), |_, _| ())?;
+        let tried = trial.run(&models, &mosaic, frames, |_, _| ())?;
         let Some((reference, others)) = tried.split_first() else {
             return because("nothing was run");
         };
         if let Some(why) = &reference.given_up {
             return Err(End::Because(format!("the full model stops: {why}")));
         }
-        // Work is shared by as many threads as a sensor has parts.
-        let share = |size: Size| {
-            let parts = trial.family.parts(size).min(rayon::current_num_threads());
-            size.pixels() as f64 / parts.max(1) as f64
-        };
-        let larger = share(measure.kept.size()) / share(mosaic.size());
+        let larger = trial.larger_than(&mosaic);
         let of_tiles =
-            |ran: &Ran<F::Model>| larger * self.whole_scene(ran) + self.light_of(&ran.model);
+            |ran: &Ran<F::Model>| larger * trial.whole_scene(ran) + self.light_of(&ran.model);
         let expected = |ran: &Ran<F::Model>| {
             let whole = self.on_the_whole(&ran.model);
             whole.unwrap_or_else(|| of_tiles(ran))
         };
         let whole = on_the_whole.unwrap_or_else(|| of_tiles(reference));
         answer.expected = Some([whole, whole]);
-        let mut each = self.whole_scene(reference);
+        let mut each = trial.whole_scene(reference);
         let full = Sorted::new(&reference.packet).ok();
         let going = answer
             .offers
@@ -281,7 +243,7 @@ impl<F: Family> Pilot<'_, F> {
             } else if whole - seconds < WORTH * whole {
                 SAVES_LITTLE.clone_into(&mut offer.why);
             } else {
-                each += self.whole_scene(ran);
+                each += trial.whole_scene(ran);
             }
         }
         if answer.offers.iter().all(|offer| !offer.why.is_empty()) {
@@ -330,8 +292,7 @@ impl<F: Family> Pilot<'_, F> {
 
     /// Seconds that the light of a model takes, beyond that of the scene's own frames.
     fn light_of(&self, model: &F::Model) -> f64 {
-        let sees = self.trial.family.sees_inserted(model);
-        self.light[usize::from(!sees)]
+        self.trial.light_of(self.light, model)
     }
 
     /// Seconds that a model takes for the whole scene, from its first frames on the whole sensor;
@@ -342,7 +303,8 @@ impl<F: Family> Pilot<'_, F> {
         let sensor = trial.family.on_the_whole(model, kept.size())?.ok()?;
         let (seconds, _) = clocked(sensor, kept, TRIED_WHOLE, measure.clock).ok()??;
         let each = seconds.iter().sum::<f64>() / TRIED_WHOLE as f64;
-        Some(each * self.frames[0] as f64)
+        let [all, _] = Stage::frames(kept, trial.between);
+        Some(each * all as f64)
     }
 
     /// Seconds that the pilot may take, of a full model that takes so many.
@@ -363,7 +325,7 @@ impl<F: Family> Pilot<'_, F> {
             Some(_) => f64::INFINITY,
             None => self.start + 2.0 * self.allowed(whole),
         };
-        let all = (measure.kept.len(), UNCLOCKED);
+        let all = measure.kept.len();
         let runs = trial.run(&models, &mosaic, all, |shown, runs| {
             self.drop_early(shown, runs, late);
         })?;
@@ -449,12 +411,12 @@ impl<F: Family> Pilot<'_, F> {
         if shown != (of / 8).max(4) && shown != of / 2 {
             return;
         }
-        let whole = self.whole_scene(reference);
+        let whole = self.trial.whole_scene(reference);
         let by_time = self.measure.tiles.is_none();
         // Sorted once for all candidates.
         let full = OnceCell::new();
         for ran in others.iter_mut().filter(|ran| ran.given_up.is_none()) {
-            if by_time && whole - self.whole_scene(ran) < WORTH * whole {
+            if by_time && whole - self.trial.whole_scene(ran) < WORTH * whole {
                 ran.given_up = Some(SAVES_LITTLE.to_owned());
             } else if (by_time || self.measure.limits_only)
                 && let Some(full) = full.get_or_init(|| Sorted::new(&reference.packet).ok())
@@ -520,7 +482,7 @@ impl<F: Family> Judge<'_, F> {
                 let within = measure.within;
                 let tiles = change::of_pair(self.mosaic, &self.probabilities, &pair, within);
                 let unseen = trial.family.unseen(&ran.model, look);
-                let change = Estimate::new(&tiles, unseen, self.risk);
+                let change = ChangeEstimate::new(&tiles, unseen, self.risk);
                 offer.change = Some(change);
                 offer.why = said(change, measure.tolerance);
             }
@@ -529,7 +491,7 @@ impl<F: Family> Judge<'_, F> {
         let timed = (!measure.limits_only).then(|| self.pilot.on_the_whole(&ran.model));
         let seconds = timed.flatten().unwrap_or_else(|| {
             let [full, own] = [self.reference, ran].map(|ran| self.pilot.light_of(&ran.model));
-            let part = self.pilot.whole_scene(ran) / self.pilot.whole_scene(self.reference);
+            let part = trial.whole_scene(ran) / trial.whole_scene(self.reference);
             (whole - full) * part + own
         });
         offer.seconds = Some([seconds, whole]);
@@ -537,8 +499,8 @@ impl<F: Family> Judge<'_, F> {
 }
 
 /// What a limit says beside a tolerance.
-fn said(change: Estimate, tolerance: f64) -> String {
-    let Estimate {
+fn said(change: ChangeEstimate, tolerance: f64) -> String {
+    let ChangeEstimate {
         events,
         changes,
         tiles,

@@ -13,7 +13,7 @@ use crate::{
 
 use super::{
     effect::{Choice, Effect},
-    plan::{Plan, PlanError, Question, Window},
+    plan::{Crop, Plan, PlanError, Question},
 };
 
 /// A model of a plan, and how it is run.
@@ -24,7 +24,7 @@ pub struct Model<'a> {
     /// Which.
     pub choice: Choice,
     /// What is left of the array.
-    pub window: Option<Window>,
+    pub window: Option<Crop>,
     /// How many events it may list.
     pub limit: Limit,
 }

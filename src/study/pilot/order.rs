@@ -1,6 +1,6 @@
 //! The order of the array's work: it changes no event, so that only a clock is asked.
 
-use super::{Chips, Machine, family::Family, first_frames::clocked};
+use super::{Chips, Machine, family::Family, first_frames::clocked, measure::WORTH};
 use crate::{array::Schedule, scene::kept::Kept};
 
 /// A schedule that is quicker than the one that was asked for.
@@ -17,9 +17,6 @@ const TIMED: usize = 2;
 
 /// Frames that both orders see.
 const SEEN: f64 = 2.0 * (TIMED as f64 + 1.0);
-
-/// A schedule that saves less than this part of the time is not worth it.
-const WORTH: f64 = 0.07;
 
 /// The quicker schedule of a machine on the whole array, from its first frames; none where that is
 /// the one it has, or where trying would take more than a part of the run and some seconds besides

@@ -15,12 +15,12 @@ use crate::{
 use super::{
     answer::Offer,
     effect::{Choice, Effect},
-    estimate::Estimate,
+    estimate::ChangeEstimate,
     family::Family as _,
     first_frames::clocked,
     float::Floats,
     look::{Grid, Look},
-    measure::{self, Measure},
+    measure::Measure,
     rule,
 };
 
@@ -57,7 +57,7 @@ pub const BUDGET: (f64, f64) = (0.04, 0.06);
 pub const KEPT: usize = 1 << 30;
 
 /// Rows and columns.
-pub type Window = (Range<usize>, Range<usize>);
+pub type Crop = (Range<usize>, Range<usize>);
 
 impl Question<'_> {
     /// Whether a pilot would look at the scene: else there is no need to keep it.
@@ -93,7 +93,7 @@ pub struct Plan {
     /// The model to run.
     pub choice: Choice,
     /// What it changes; none where nothing but what a rule allows is left out.
-    pub change: Option<Estimate>,
+    pub change: Option<ChangeEstimate>,
     /// What rules allow to leave out.
     pub free: Vec<Free>,
     /// What was thought of, and measured.
@@ -101,7 +101,7 @@ pub struct Plan {
     /// Why the pilot ended where it did.
     pub why: String,
     /// Rows and columns outside of which no cell ever fires, where the array is cut to them.
-    pub window: Option<Window>,
+    pub window: Option<Crop>,
     /// Seconds that the pilot took, the reading of the scene not included.
     pub seconds: f64,
     /// Seconds that the full model, without what is free, and the choice are expected to take, the
@@ -200,8 +200,7 @@ pub fn plan(
         seed: question.seed,
         base: &all,
     };
-    let side = measure::side(family.halo().unwrap_or(0));
-    let grid = Grid { size, side };
+    let grid = Grid::new(size, family.halo().unwrap_or(0));
     // Frames that are inserted take more than any look.
     let waits = question.tiles.is_some() || question.crop || upsample.is_some();
     if !waits && !family.affords_a_look(question, kept, grid, clock)? {
@@ -333,7 +332,7 @@ fn candidates(question: &Question<'_>, base: &Choice) -> Vec<(String, Choice)> {
 /// The rows and columns that have to be looked at, if those are fewer: where something changes,
 /// and twice as far as a kernel reaches around it, so that not even the rounding of a sum is
 /// another one.
-fn window(description: &Description, look: &Look) -> Option<Window> {
+fn window(description: &Description, look: &Look) -> Option<Crop> {
     let noise = &description.noise;
     let everywhere = noise.fires()
         || noise.leak_hz > 0.0

@@ -11,7 +11,6 @@ use crate::{
     compare::{Cell, Pair, Times, baseline, matching, window},
     event::{Event, Packet},
     mosaic::Mosaic,
-    plane::Size,
     rig,
     scene::{Scene as _, kept::Kept, upsample},
     sensor::{Sensor, SensorError},
@@ -21,14 +20,13 @@ use crate::{
 use super::{
     change,
     draw::draw,
-    estimate::{Estimate, History, Tile},
+    estimate::{ChangeEstimate, History, RISK, Tile},
     family::Family,
     first_frames::clocked,
     look::{Grid, Look},
-    measure::side,
     plan::PlanError,
-    stage::{self, Between, Stage},
-    trial::{Ran, Trial},
+    stage::{self, Between},
+    trial::{LEAST_TILES, Ran, Trial},
 };
 
 /// How a survey is made.
@@ -52,7 +50,7 @@ pub struct Survey<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Known {
     /// What it changes.
-    pub change: Estimate,
+    pub change: ChangeEstimate,
     /// F1 of its events and the full model's within the same window.
     pub f1: f64,
     /// What of F1 is more than accident, within 100 ms or the time from frame to frame.
@@ -74,17 +72,8 @@ pub struct Sampled {
     pub of: usize,
 }
 
-/// The fewest tiles that stand for anything.
-const LEAST_TILES: usize = 12;
-
-/// Frames that are not timed: they fill caches.
-const UNCLOCKED: u64 = 2;
-
 /// Frames that are timed on the whole sensor, where tiles do not tell.
 const TIMED: usize = 4;
-
-/// All limits of a survey hold together but for one case in so many.
-const RISK: f64 = 0.05;
 
 /// Redraws that a floor is the mean of.
 const REDRAWS: u64 = 3;
@@ -94,8 +83,6 @@ pub struct Begun<'a, F: Family> {
     survey: Survey<'a>,
     trial: Trial<'a, F>,
     look: Look,
-    /// Own frames of the scene and, before them, all that a model may see.
-    frames: [usize; 2],
     mosaic: Mosaic,
     probabilities: Vec<f64>,
     full: Ran<F::Model>,
@@ -140,31 +127,11 @@ impl<'a> Survey<'a> {
         let start = (self.clock)();
         let kept = self.kept;
         let halo = family.halo().map_err(str::to_owned)?;
-        let grid = Grid {
-            size: kept.size(),
-            side: side(halo),
-        };
+        let grid = Grid::new(kept.size(), halo);
         if grid.tiles() < 2 * LEAST_TILES {
             return Err("the sensor is too small to be sampled".to_owned());
         }
         let look = Look::new(kept, grid, family.is_relative());
-        let mut activity = look.seen_from(halo);
-        if family.fires_alone() {
-            for tile in &mut activity {
-                *tile = tile.max(0.0);
-            }
-        }
-        // `as` saturates.
-        let count = (self.sample * grid.tiles() as f64).ceil() as usize;
-        let drawn = draw(
-            &activity,
-            &look.extremes,
-            count.clamp(LEAST_TILES, grid.tiles()),
-            self.seed,
-        );
-        if drawn.is_empty() {
-            return Err("nothing ever changes".to_owned());
-        }
         let trial = Trial {
             family,
             kept,
@@ -173,10 +140,19 @@ impl<'a> Survey<'a> {
             halo,
             clock: self.clock,
         };
+        // `as` saturates.
+        let count = (self.sample * grid.tiles() as f64).ceil() as usize;
+        let drawn = draw(
+            &trial.activity(&look),
+            &look.extremes,
+            count.clamp(LEAST_TILES, grid.tiles()),
+            self.seed,
+        );
+        if drawn.is_empty() {
+            return Err("nothing ever changes".to_owned());
+        }
         let mosaic = trial.mosaic(&drawn);
-        let full = family.full();
-        let all = (kept.len(), UNCLOCKED);
-        let ran = trial.run(&[full], &mosaic, all, |_, _| ());
+        let ran = trial.run(&[family.full()], &mosaic, kept.len(), |_, _| ());
         let ran = ran.map_err(|error| error.to_string())?;
         let full = ran.into_iter().next().ok_or("nothing was run")?;
         if let Some(why) = &full.given_up {
@@ -184,7 +160,6 @@ impl<'a> Survey<'a> {
         }
         let mut begun = Begun {
             survey: self,
-            frames: Stage::frames(kept, between),
             light: stage::seconds_of_light(kept, between, self.clock),
             floor: 0.0,
             full_seconds: 0.0,
@@ -234,7 +209,7 @@ impl<F: Family> Begun<'_, F> {
         let own = |event: &&Event| self.mosaic.tile(event.y.into(), event.x.into()).is_some();
         let events = self.full.packet.events.iter().filter(own).count() as u64;
         Known {
-            change: Estimate {
+            change: ChangeEstimate {
                 share: 0.0,
                 limit: Some(0.0),
                 tiles: self.probabilities.len() as u64,
@@ -255,7 +230,7 @@ impl<F: Family> Begun<'_, F> {
     /// # Errors
     /// When one cannot be made.
     pub fn ask(&self, models: &[F::Model]) -> Result<Vec<Result<Known, String>>, SensorError> {
-        let all = (self.survey.kept.len(), UNCLOCKED);
+        let all = self.survey.kept.len();
         let runs = self.trial.run(models, &self.mosaic, all, |_, _| ())?;
         Ok(runs.iter().map(|ran| self.known(ran)).collect())
     }
@@ -273,7 +248,7 @@ impl<F: Family> Begun<'_, F> {
         let tiles = change::of_pair(&self.mosaic, &self.probabilities, &pair, within);
         let unseen = self.trial.family.unseen(&ran.model, &self.look);
         let headline = self.headline();
-        let mut change = Estimate::new(&tiles, unseen, RISK / self.models.max(1) as f64);
+        let mut change = ChangeEstimate::new(&tiles, unseen, RISK / self.models.max(1) as f64);
         if self.dropped > 0 {
             // Which events find a slot depends on the whole sensor.
             change.limit = None;
@@ -284,7 +259,7 @@ impl<F: Family> Begun<'_, F> {
             kept: window::kept(self.f1(&pair, headline), self.floor),
             floor: self.floor,
             seconds: seconds + self.light_of(&ran.model),
-            planning: Some(self.spent + self.on_tiles(ran) + timing),
+            planning: Some(self.spent + self.trial.whole_scene(ran) + timing),
         })
     }
 
@@ -292,35 +267,19 @@ impl<F: Family> Begun<'_, F> {
         window::headline(self.survey.kept.scene().fps())
     }
 
-    /// Seconds that a run took on the tiles.
-    fn on_tiles(&self, ran: &Ran<F::Model>) -> f64 {
-        let [inserted, own] = self.frames;
-        let sees = self.trial.family.sees_inserted(&ran.model);
-        ran.per_frame() * if sees { inserted } else { own } as f64
-    }
-
     /// Seconds for the whole scene on the whole sensor, and the events that found no slot where
     /// some of it was run.
     fn whole_sensor(&self, ran: &Ran<F::Model>) -> (f64, u64) {
         let Self { trial, survey, .. } = self;
         if let Some((each, dropped)) = per_frame_on_the_whole(trial.family, &ran.model, survey) {
-            let [inserted, own] = self.frames;
-            let sees = trial.family.sees_inserted(&ran.model);
-            return (each * if sees { inserted } else { own } as f64, dropped);
+            return (each * trial.frames(&ran.model), dropped);
         }
-        // Work is shared by as many threads as a sensor has parts.
-        let share = |size: Size| {
-            let parts = trial.family.parts(size).min(rayon::current_num_threads());
-            size.pixels() as f64 / parts.max(1) as f64
-        };
-        let larger = share(survey.kept.size()) / share(self.mosaic.size());
-        (larger * self.on_tiles(ran), 0)
+        (trial.larger_than(&self.mosaic) * trial.whole_scene(ran), 0)
     }
 
     /// Seconds that the light of a model takes.
     fn light_of(&self, model: &F::Model) -> f64 {
-        let sees = self.trial.family.sees_inserted(model);
-        self.light[usize::from(!sees)]
+        self.trial.light_of(self.light, model)
     }
 
     /// What accident scores on these tiles.
@@ -445,7 +404,7 @@ impl<'a, F: Family> Whole<'a, F> {
 const QUICK: f64 = 0.5;
 
 /// The estimate where nothing is left to estimate.
-fn all_of(events: u64, changes: u64) -> Estimate {
+fn all_of(events: u64, changes: u64) -> ChangeEstimate {
     let whole = Tile {
         probability: 1.0,
         events,
@@ -453,7 +412,7 @@ fn all_of(events: u64, changes: u64) -> Estimate {
         alike: 0,
         changes,
     };
-    Estimate::new(&[whole], History::Cell.into(), RISK)
+    ChangeEstimate::new(&[whole], History::Cell.into(), RISK)
 }
 
 fn run<F: Family>(

@@ -11,7 +11,7 @@ use crate::{
 use super::{
     draw::Drawn,
     family::Family,
-    look::Grid,
+    look::{Grid, Look},
     stage::{Between, Shown, Stage},
 };
 
@@ -49,10 +49,54 @@ impl<M> Ran<M> {
     }
 }
 
+/// The fewest tiles that stand for anything.
+pub(super) const LEAST_TILES: usize = 12;
+
+/// Frames that are not timed: they fill caches.
+const UNCLOCKED: u64 = 2;
+
 /// Columns of a mosaic, about: enough for wide vectors.
 const COLUMNS: usize = 256;
 
 impl<F: Family> Trial<'_, F> {
+    /// How much goes on in each tile, for models of the family; below 0 where nothing can.
+    pub fn activity(&self, look: &Look) -> Vec<f64> {
+        let mut activity = look.seen_from(self.halo);
+        if self.family.fires_alone() {
+            for tile in &mut activity {
+                *tile = tile.max(0.0);
+            }
+        }
+        activity
+    }
+
+    /// Frames of the whole scene that a model sees.
+    pub fn frames(&self, model: &F::Model) -> f64 {
+        let [all, own] = Stage::frames(self.kept, self.between);
+        let sees = self.family.sees_inserted(model);
+        (if sees { all } else { own }) as f64
+    }
+
+    /// Seconds that a model takes for the whole scene on the tiles that it ran on.
+    pub fn whole_scene(&self, ran: &Ran<F::Model>) -> f64 {
+        ran.per_frame() * self.frames(&ran.model)
+    }
+
+    /// How much longer a frame of the whole sensor takes than one of a mosaic: work is shared by
+    /// as many threads as a sensor has parts.
+    pub fn larger_than(&self, mosaic: &Mosaic) -> f64 {
+        let share = |size: Size| {
+            let parts = self.family.parts(size).min(rayon::current_num_threads());
+            size.pixels() as f64 / parts.max(1) as f64
+        };
+        share(self.kept.size()) / share(mosaic.size())
+    }
+
+    /// Of the seconds for light with the inserted frames and without, those for what a model sees.
+    pub fn light_of(&self, light: [f64; 2], model: &F::Model) -> f64 {
+        light[usize::from(!self.family.sees_inserted(model))]
+    }
+
     /// The mosaic of some tiles.
     pub fn mosaic(&self, drawn: &[Drawn]) -> Mosaic {
         let corners = drawn.iter().map(|one| self.grid.corner(one.tile)).collect();
@@ -67,14 +111,13 @@ impl<F: Family> Trial<'_, F> {
         side * side
     }
 
-    /// Runs models on a mosaic for the first `frames` frames of the scene. The first `unclocked`
-    /// frames are not timed: they fill caches. After each frame of the scene `check` is told how
-    /// many there were, and may give models up.
+    /// Runs models on a mosaic for the first `frames` frames of the scene. After each frame of the
+    /// scene `check` is told how many there were, and may give models up.
     pub fn run(
         &self,
         models: &[F::Model],
         mosaic: &Mosaic,
-        (frames, unclocked): (usize, u64),
+        frames: usize,
         mut check: impl FnMut(usize, &mut [Ran<F::Model>]),
     ) -> Result<Vec<Ran<F::Model>>, SensorError> {
         let (mut sensors, mut runs) = (Vec::new(), Vec::new());
@@ -92,7 +135,7 @@ impl<F: Family> Trial<'_, F> {
         let stage = Stage::new(self.kept, self.between, mosaic, self.family.outside());
         let mut shown = 0;
         stage.play(frames, |Shown { frame, own }| {
-            let timed = frame.index >= unclocked;
+            let timed = frame.index >= UNCLOCKED;
             for (sensor, ran) in sensors.iter_mut().zip(&mut runs) {
                 let sees = own.is_some() || self.family.sees_inserted(&ran.model);
                 if sees && ran.given_up.is_none() {

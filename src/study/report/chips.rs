@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     isa::Evidence,
-    study::feasibility::{Feasibility, chips::Spread, named::FigureSummary},
+    study::feasibility::{Feasibility, named::FigureSummary, spread::Spread},
 };
 
 /// The headlines over the chips, and the numbers that were drawn; nothing where none were.

@@ -9,7 +9,7 @@ use super::{
     tornado::{self, Bar, Tornado},
 };
 use crate::study::{
-    feasibility::{Feasibility, chips::Turn},
+    feasibility::{Feasibility, tornado::Turn},
     waterfall::{Rates, Shares, Step, Waterfall},
 };
 

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     isa::Evidence,
     study::{
-        feasibility::{Feasibility, Fit, chips::Turn},
+        feasibility::{Feasibility, Fit, tornado::Turn},
         quantisation::{Outcome, Row},
         waterfall::Step,
     },

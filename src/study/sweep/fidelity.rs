@@ -31,7 +31,7 @@ use crate::{
     save::save_durably,
     study::{
         design,
-        pilot::{Chips, Choice, Effect, Estimate, Family, Floats, Machine, Measure},
+        pilot::{ChangeEstimate, Chips, Choice, Effect, Family, Floats, Machine, Measure},
     },
     unit::Micros,
 };
@@ -290,7 +290,7 @@ fn measured<F: Family>(
     let (Some(kept), Ok(halo)) = (scene.kept()?, family.halo()) else {
         return Ok(Found::new());
     };
-    let tile = crate::study::pilot::measure::side(halo) + 2 * halo;
+    let tile = crate::study::pilot::look::side(halo) + 2 * halo;
     // `as` saturates.
     let tiles = (PART * kept.size().pixels() as f64 / (tile * tile) as f64).ceil() as usize;
     let measure = Measure {
@@ -307,7 +307,7 @@ fn measured<F: Family>(
         limits_only: true,
     };
     let answer = measure.ask(family, candidates)?;
-    let limit = |change: Estimate| {
+    let limit = |change: ChangeEstimate| {
         let limit = change.limit.filter(|limit| *limit < 1.0)?;
         // For each event of the point, not of the plain model.
         Some(limit / (1.0 - limit))

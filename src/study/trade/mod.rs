@@ -330,13 +330,13 @@ impl<M> Trade<M> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::pilot::Estimate;
+    use crate::study::pilot::ChangeEstimate;
 
     fn known(seconds: f64, limit: Option<f64>, planning: f64) -> Known {
         let (tiles, events, changes) = (10, 1000, 0);
         let share = limit.unwrap_or(0.0) / 2.0;
         Known {
-            change: Estimate {
+            change: ChangeEstimate {
                 share,
                 limit,
                 tiles,

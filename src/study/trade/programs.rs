@@ -7,7 +7,7 @@ use crate::{
     mosaic::{Mosaic, Outside},
     plane::Size,
     sensor::{Sensor, SensorError},
-    study::pilot::{Chips, Look, Machine, Term, estimate::Unseen, family::Family},
+    study::pilot::{Chips, ErrorTerm, Look, Machine, estimate::Unseen, family::Family},
 };
 
 /// A program on an array, whose schedule is part of the model.
@@ -156,7 +156,7 @@ impl Family for Programs<'_> {
 impl Setup {
     /// What analogue cells do without.
     #[must_use]
-    pub fn without(&self) -> &[Term] {
+    pub fn without(&self) -> &[ErrorTerm] {
         &self.machine.without
     }
 }

@@ -8,13 +8,10 @@
 use serde::Serialize;
 
 use super::Fall;
-use crate::{elementary, isa::Analog, study::design::Compiled};
+use crate::{compile::FilterNoise, elementary, isa::Analog, study::design::Compiled};
 
 /// Noise events for each of the float sensor's that a design should stay below.
 pub(super) const LIMIT: f64 = 0.1;
-
-/// The level of light at which noise is predicted, in LSB: the middle of what a capture holds.
-const MIDDLE: f64 = 64.0;
 
 /// Noise alone at one frame rate: measured on a still picture, with no other error of the chip.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -53,7 +50,12 @@ impl Noise {
     ) -> Self {
         let Compiled { program, expanded } = fall.program();
         let filter = fall.kinds.filter(fall.kind);
-        let noise = filter.noise(&expanded.device, Analog(0), MIDDLE, &program.drives);
+        let noise = filter.noise(
+            &expanded.device,
+            Analog(0),
+            FilterNoise::MIDDLE,
+            &program.drives,
+        );
         let own = fall.kind.min(noise.len().saturating_sub(1));
         let temporal = noise.get(own).map_or(0.0, |noise| noise.temporal);
         let threshold_lsb = fall.threshold_lsb();

@@ -24,6 +24,7 @@ use crate::{
     sensor::Sensor,
     study::{
         equivalent::{self, Ladder},
+        expanded::WORK,
         quantisation::Headline,
     },
     unit::Micros,
@@ -162,8 +163,6 @@ const FRAMES: f64 = 300.0;
 const MOST_FRAMES: u64 = 4000;
 /// Seconds of the scene that are shown.
 const SECONDS: f64 = 2.0;
-/// Instruction words times pixels times frames that take about 12 s on two cores of 2024.
-const WORK: f64 = 14e9;
 /// Tiles, where nobody says how many: at least, and at most.
 const TILES: [usize; 2] = [3, 12];
 /// Chips on which noise alone is measured.

@@ -15,7 +15,7 @@ use crate::{
     reference::MemoryRule,
     scene::Frame,
     sensor::{Sensor, SensorError},
-    study::pilot::Term,
+    study::pilot::ErrorTerm,
     unit::Micros,
 };
 
@@ -138,12 +138,12 @@ impl Setup {
 fn errors(question: &Question<'_>, on: &Switches) -> Errors {
     let mut errors = Errors::from_device(question.design.device);
     for (cause, term) in [
-        (Cause::Converter, Term::Converter),
-        (Cause::Saturation, Term::Saturation),
-        (Cause::Transfer, Term::Transfer),
-        (Cause::Mismatch, Term::Mismatch),
-        (Cause::Noise, Term::Noise),
-        (Cause::Decay, Term::Decay),
+        (Cause::Converter, ErrorTerm::Converter),
+        (Cause::Saturation, ErrorTerm::Saturation),
+        (Cause::Transfer, ErrorTerm::Transfer),
+        (Cause::Mismatch, ErrorTerm::Mismatch),
+        (Cause::Noise, ErrorTerm::Noise),
+        (Cause::Decay, ErrorTerm::Decay),
     ] {
         if !on.contains(&cause) {
             term.leave_out(&mut errors);

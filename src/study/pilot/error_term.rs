@@ -7,7 +7,7 @@ use crate::array::Errors;
 /// A kind of error of analogue cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Term {
+pub enum ErrorTerm {
     /// The host sets values in steps of its converter.
     Converter,
     /// Registers have a range.
@@ -22,7 +22,7 @@ pub enum Term {
     Decay,
 }
 
-impl Term {
+impl ErrorTerm {
     /// All of them.
     pub const ALL: [Self; 6] = [
         Self::Converter,
@@ -77,7 +77,7 @@ impl Term {
     }
 }
 
-impl fmt::Display for Term {
+impl fmt::Display for ErrorTerm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
