@@ -103,7 +103,7 @@ class Run:
     @property
     def seen(self) -> int: ...
     @property
-    def dropped(self) -> int: ...
+    def dropped(self) -> dict[str, int]: ...
     def warnings(self, subject: str) -> list[tuple[str, str]]: ...
 
 @final
@@ -150,6 +150,7 @@ class Program:
         dict[str, npt.NDArray[Any]],
         dict[str, npt.NDArray[Any]],
         list[tuple[int, str]],
+        list[str],
     ]: ...
 
 @final
@@ -249,13 +250,14 @@ def write(
     of: tuple[int, int] | None,
     channels: int | None,
     names: list[str],
+    span_us: tuple[int, int] | None,
+    dropped: tuple[int, int, int, int],
     to: str | None,
     compression: str,
 ) -> None: ...
 def compare(
-    a: tuple[_Path, bytes | None],
-    b: tuple[_Path, bytes | None],
-    of: tuple[int, int] | None,
+    a: tuple[_Path, bytes | None, tuple[int, int] | None, int],
+    b: tuple[_Path, bytes | None, tuple[int, int] | None, int],
     within_us: int | None,
     fps: float | None,
     bins: int,
@@ -264,6 +266,7 @@ def compare(
 def scene(
     name: str | None, fps: float | None, scale: float | None, frames: int | None
 ) -> tuple[npt.NDArray[Any], float, bool]: ...
+def in_python(text: str) -> str: ...
 def quantise(of: list[_Named], to: list[str], sum_to: str, seed: int) -> str: ...
 def on_chip(
     of: _Named,

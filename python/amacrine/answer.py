@@ -14,7 +14,8 @@ from .arguments import file
 
 
 class Answer:
-    """What a study says, as the command line's ``--json`` has it.
+    """What a study says, in the names and numbers of the command line's ``--json``; what that repeats
+    of the command (files, light, commands to run) is left out.
 
     Keys are attributes: ``answer.verdict``, or ``answer["verdict"]`` where a name is no word of
     Python. Lists and numbers are plain. In a notebook it shows its report or its drawing.
@@ -111,6 +112,7 @@ class Answer:
         if text is None:
             has = ", ".join(name for name, of in texts.items() if of is not None)
             raise Error(f"{path}: there is no {ending or 'ending'} of this\nhelp: end the name in {has}")
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
         Path(path).write_text(text, encoding="utf-8")
 
     def __repr__(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -34,17 +35,25 @@ RANGES = {"t": (0, (1 << 63) - 1), "x": (0, 65535), "y": (0, 65535), "channel": 
 
 
 class NamedEvents(np.ndarray[Any, np.dtype[np.void]]):
-    """Events of a sensor whose size is known, or whose kinds of cells have names: those of a file that
-    says them. Parts of it know them, too; :func:`amacrine.write` writes them."""
+    """Events, with what is known of their sensor. Parts of them know it, too, but for ``span`` and
+    ``dropped``, which are of all of them; :func:`amacrine.write` writes it."""
 
     names: list[str] | None = None
     """What the kinds of cells are called, in the order of their numbers."""
     sensor_size: tuple[int, int] | None = None
     """Height and width of the sensor."""
+    kinds: int | None = None
+    """Kinds of cells."""
+    span: tuple[float, float] | None = None
+    """From when to when the sensor watched, in seconds."""
+    dropped: dict[str, int] | None = None
+    """Events that found no place, by reason."""
 
     def __array_finalize__(self, of: Any) -> None:
-        self.names = getattr(of, "names", None)
-        self.sensor_size = getattr(of, "sensor_size", None)
+        for name in ("names", "sensor_size", "kinds"):
+            setattr(self, name, getattr(of, name, None))
+        if getattr(of, "size", None) == self.size:
+            self.span, self.dropped = getattr(of, "span", None), getattr(of, "dropped", None)
 
     def __getitem__(self, key: Any) -> Any:
         found = super().__getitem__(key)
@@ -53,18 +62,54 @@ class NamedEvents(np.ndarray[Any, np.dtype[np.void]]):
         return found.view(np.ndarray) if plain else found
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return named, (self.view(np.ndarray), self.names, self.sensor_size)
+        known = self.names, self.sensor_size, self.kinds, self.span, self.dropped
+        return named, (self.view(np.ndarray), *known)
 
 
-def named(events: Events, names: list[str] | None, size: tuple[int, int] | None) -> Events:
-    """The same events, with the names of their kinds of cells and the size of their sensor, where they
-    are known."""
-    if not names and size is None:
-        return events
+def named(
+    events: npt.NDArray[np.void],
+    names: list[str] | None,
+    size: tuple[int, int] | None,
+    kinds: int | None = None,
+    span: tuple[float, float] | None = None,
+    dropped: dict[str, int] | None = None,
+) -> NamedEvents:
+    """The same events, with what is known of their sensor."""
     known = events.view(NamedEvents)
     known.names = list(names) if names else None
-    known.sensor_size = size
+    known.sensor_size, known.kinds, known.span, known.dropped = size, kinds, span, dropped
     return known
+
+
+def size_of(events: Any, size: tuple[int, int] | None) -> tuple[int, int] | None:
+    """The size of the sensor, as it is given, else as the events know it."""
+    given = arguments.size(size)
+    return getattr(events, "sensor_size", None) if given is None else given
+
+
+def fields_of(events: Any) -> Iterable[str]:
+    """The fields of a structured array, or the columns of a data frame."""
+    if hasattr(events, "columns"):
+        return list(events.columns)
+    return getattr(getattr(events, "dtype", None), "names", None) or ()
+
+
+def kinds_of(events: Any, channels: int | None) -> int | None:
+    """The kinds of cells, as many as are given, else as the events know them; none where nobody says
+    it."""
+    given = arguments.kinds(channels)
+    if "channel" not in fields_of(events):
+        return given
+    if given is None:
+        known: int | None = getattr(events, "kinds", None)
+        return known
+    least = int(max(events["channel"], default=0)) + 1
+    if given < least:
+        raise Error(
+            f"channels = {given}, and there are events of channel {least - 1}\n"
+            "help: give one more than the largest channel, or leave channels out"
+        )
+    return given
 
 
 def view(records: npt.NDArray[np.uint8], channels: int) -> Events:
@@ -216,9 +261,10 @@ def voxels(
     Args:
         events: A structured array, or a pandas data frame, with the fields t (us), x, y, p and, of
             several kinds of cells, channel, in any order.
-        size: Height and width of the sensor; the smallest that holds the events where it is left
-            out.
-        channels: Kinds of cells, where some said nothing.
+        size: Height and width of the sensor; where it is left out, that of the sensor or the file
+            that the events are of (``.sensor_size``), else the smallest that holds them.
+        channels: Kinds of cells, where some said nothing; where it is left out, those of that sensor
+            (``.kinds``), else those that said something.
         start: Where windows begin, in seconds; what is before is left out.
         end: Up to where there are windows, in seconds; the last event where it is left out.
 
@@ -228,7 +274,7 @@ def voxels(
         (windows,K,bins,H,W), or (windows,K,2,bins,H,W) with OFF first where they are split.
     """
     since = round(arguments.seconds("start", start, -arguments.SECONDS) * 1e6)
-    size, count = arguments.size(size), arguments.kinds(channels) or 1
+    size, count = size_of(events, size), kinds_of(events, channels) or 1
     events, number = _after(_checked(events, size), since), voxel.number(dtype)
     last = int(events["t"].max()) if len(events) else 0
     stop = None if end is None else arguments.seconds("end", end, -arguments.SECONDS)
@@ -263,12 +309,12 @@ def time_surfaces(
         polarity: ``"split"``: OFF and ON each have a surface; ``"signed"``: the last event of
             either sign, below 0 where it was OFF.
         size: Height and width of the sensor, as for :func:`voxels`.
-        channels: Kinds of cells, where some said nothing.
+        channels: Kinds of cells, as for :func:`voxels`.
 
     Returns:
         ``float32`` (times,K,2,H,W) with OFF first, or (times,K,H,W) where they are signed.
     """
-    size, count = arguments.size(size), arguments.kinds(channels) or 1
+    size, count = size_of(events, size), kinds_of(events, channels) or 1
     help = "give seconds, from 0 on, such as [0.01, 0.02]"
     seconds = [arguments.seconds("times", one) for one in arguments.numbers("times", times, help)]
     micros = [round(time * 1e6) for time in seconds]
@@ -303,13 +349,13 @@ def event_frames(
         fill: ``"count"``: how many events a pixel had; ``"last"``: its last one, 1 or -1 (1 where
             they are split).
         size: Height and width of the sensor, as for :func:`voxels`.
-        channels: Kinds of cells, where some said nothing.
+        channels: Kinds of cells, as for :func:`voxels`.
 
     Returns:
         ``int32`` (frames,K,H,W), or (frames,K,2,H,W) with OFF first where they are split.
     """
-    each, kinds = arguments.whole("count", count, 1), arguments.kinds(channels) or 1
-    size = arguments.size(size)
+    each, kinds = arguments.whole("count", count, 1), kinds_of(events, channels) or 1
+    size = size_of(events, size)
     polarity, fill = arguments.word("polarity", polarity, "split"), arguments.word("fill", fill, "last")
     flat, place = _amacrine.event_frames(
         _placed(_checked(events, size), size), size, kinds, each, polarity, fill

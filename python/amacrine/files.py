@@ -14,7 +14,16 @@ import numpy.typing as npt
 from . import _amacrine, arguments
 from ._amacrine import Error
 from .answer import Answer
-from .events import Events, NamedEvents, check_addresses, named, npy, view
+from .events import (
+    NamedEvents,
+    check_addresses,
+    fields_of,
+    kinds_of,
+    named,
+    npy,
+    size_of,
+    view,
+)
 from .voxels import MOST_BINS
 
 Path_ = arguments.File
@@ -58,9 +67,9 @@ def _about(text: str) -> About:
 
 def read(
     path: Path_, *, format: str | None = None, size: tuple[int, int] | None = None
-) -> Events:
+) -> NamedEvents:
     """The events of a file: EVT2, EVT2.1, EVT3, DAT, AEDAT2, 3.1 and 4, ES, NPY, NPZ, CSV, text,
-    HDF5, Parquet.
+    HDF5, Parquet, and the text and zip of E2VID.
 
     Args:
         path: The file.
@@ -68,14 +77,16 @@ def read(
         size: Height and width of the sensor, where the file does not say them.
 
     Returns:
-        A structured array as :meth:`Sensor.events` gives it. Where the file says how large its
-        sensor is and what its kinds of cells are called, so does the array: ``.sensor_size`` and
-        ``.names``, which :func:`write` writes.
+        A structured array as :meth:`Sensor.events` gives it, with what the file says besides:
+        ``.sensor_size``, ``.kinds`` and their ``.names``, ``.span`` and ``.dropped``, which
+        :func:`write` writes.
     """
     records, channels, text = _read(path, format, size)
     events, about = view(records, channels), _about(text)
     check_addresses(path, events, about.size)
-    return named(events, about.names, about.size if about.size_known else None)
+    size_known = about.size if about.size_known else None
+    first, last = (time * 1e-6 for time in about.span_us)
+    return named(events, about.names, size_known, channels, (first, last), about.dropped)
 
 
 def _read(path: Any, format: Any, size: Any) -> tuple[npt.NDArray[np.uint8], int, str]:
@@ -99,6 +110,7 @@ def write(
     size: tuple[int, int] | None = None,
     channels: int | None = None,
     names: Sequence[str] | None = None,
+    span: tuple[float, float] | None = None,
     format: str | None = None,
     compression: str = "lz4",
 ) -> None:
@@ -110,20 +122,25 @@ def write(
             several kinds of cells, channel; integers of any width, in any order.
         size: Height and width of the sensor; where it is left out, that of the sensor or the file
             that the events are of, else the smallest that holds them.
-        channels: Kinds of cells, where some said nothing.
+        channels: Kinds of cells, where some said nothing; those of that sensor where it is left out.
         names: What the kinds of cells are called, one for each; those that :func:`read` found where
             they are left out. Formats without a place for them leave them out.
+        span: From when to when the sensor watched, in seconds; where it is left out, that of the
+            sensor or the file whose events all of these are, else from the first to the last event.
         format: Where the extension does not say it.
         compression: Of aedat4: lz4, zstd or none.
 
     What a format cannot hold is an :class:`Error`, never clipped or flattened.
     """
-    place, kinds = arguments.size(size), arguments.kinds(channels)
+    place, kinds = size_of(events, size), kinds_of(events, channels)
     if isinstance(events, NamedEvents):
-        names = events.names if names is None else names
-        place = events.sensor_size if place is None else place
+        # Without the field they are of one kind, whatever it was called.
+        if names is None and ("channel" in fields_of(events) or kinds == events.kinds):
+            names = events.names
+        span = events.span if span is None else span
+    lost = getattr(events, "dropped", None) or {}
     called = [] if names is None else arguments.names("names", names)
-    if called and kinds is not None and kinds != len(called):
+    if called and channels is not None and kinds != len(called):
         raise Error(
             f"{len(called)} names for {kinds} kinds of cells\n"
             "help: give one name for each kind, or names=[] for none"
@@ -134,9 +151,21 @@ def write(
         place,
         kinds,
         called,
+        _micros(span),
+        (lost.get("no_slot", 0), lost.get("over_limit", 0), lost.get("queue_full", 0), lost.get("merged", 0)),
         arguments.word_or_none("format", format, "evt3"),
         arguments.word("compression", compression, "zstd"),
     )
+
+
+def _micros(span: Any) -> tuple[int, int] | None:
+    if span is None:
+        return None
+    help = "give two times in seconds, the later one last, such as (0, 1.5)"
+    times = arguments.numbers("span", span, help)
+    if len(times) != 2 or not 0.0 <= times[0] <= times[1] <= arguments.SECONDS:
+        raise Error(f"span = {span!r}\nhelp: {help}")
+    return round(times[0] * 1e6), round(times[1] * 1e6)
 
 
 def compare(
@@ -154,7 +183,7 @@ def compare(
     Args:
         reference: An event file of any format, or a structured array.
         judged: What is judged against it.
-        size: Height and width of the sensor, where they are not known.
+        size: Height and width of the sensor, where neither a file nor an array says it.
         within: Events of one pixel, kind and sign match when their times differ by at most so many
             seconds; 0.1, or the time from frame to frame where that is longer, if left out.
         fps: Frames per second, where events are at the times of frames.
@@ -171,7 +200,6 @@ def compare(
     text = _amacrine.compare(
         _side(reference, "the reference", place),
         _side(judged, "the judged", place),
-        place,
         window,
         None if fps is None else arguments.rate(fps),
         arguments.whole("bins", bins, 1, MOST_BINS),
@@ -198,14 +226,14 @@ def _has_kinds(packet: Packet) -> bool:
     """Whether there are several kinds of cells."""
     if isinstance(packet, (str, PathLike)):
         return about(packet).channels > 1
-    # Of a data frame the columns, of an array the fields.
-    fields = packet.columns if hasattr(packet, "columns") else packet.dtype.names or ()
-    return "channel" in fields
+    return "channel" in fields_of(packet)
 
 
 def _side(
     packet: Packet, name: str, size: tuple[int, int] | None
-) -> tuple[Path_, bytes | None]:
+) -> tuple[Path_, bytes | None, tuple[int, int] | None, int]:
+    """A file, or an array and what it knows: the size of its sensor, and kinds of cells."""
     if isinstance(packet, (str, PathLike)):
-        return packet, None
-    return name, npy(packet, size)
+        return packet, None, size, 1
+    place = size_of(packet, size)
+    return name, npy(packet, place), place, kinds_of(packet, None) or 1

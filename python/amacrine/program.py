@@ -13,7 +13,8 @@ import numpy.typing as npt
 from . import _amacrine, arguments
 from ._amacrine import Error
 from .answer import table
-from .events import Events, check_side, view
+from .caution import Caution
+from .events import NamedEvents, check_side, named, view
 from .frames import clips
 from .names import opened
 
@@ -25,7 +26,7 @@ FPS = 30.0
 class ProgramRun:
     """What a program gave."""
 
-    events: Events
+    events: NamedEvents
     """What it read out, as :attr:`amacrine.EVENT`; all at the times of frames."""
     registers: dict[str, npt.NDArray[Any]]
     """After the last frame, by name, (H,W): analogue registers as ``float64``, in LSB, registers of
@@ -160,8 +161,12 @@ class Program:
             seed,
             arguments.names("keep", keep),
         )
-        records, channels, lost, registers, films, posts = found
-        return ProgramRun(view(records, channels), registers, films, lost, posts)
+        records, channels, lost, registers, films, posts, warned = found
+        for text in warned:
+            warnings.warn(text, Caution, stacklevel=2)
+        seconds = max(given.frames - 1, 0) / rate
+        events = named(view(records, channels), None, given.size, channels, (0.0, seconds))
+        return ProgramRun(events, registers, films, lost, posts)
 
     def __repr__(self) -> str:
         if self.decides:

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from . import _amacrine, arguments, toml, voxels as voxel
 from ._amacrine import Error
 from .caution import SILENT, Caution, Said, caution_of
-from .events import Events, check_side, named, view
+from .events import NamedEvents, check_side, named, view
 from .frames import Clips, clips
 from .kernels import Kernel, Kernels, kernels as each, npy
 from .names import opened
@@ -74,7 +74,7 @@ class EventSensor(ABC):
 
     def events(
         self, frames: Any, fps: float, *, scale: float | None = None
-    ) -> npt.NDArray[np.void]:
+    ) -> NamedEvents:
         """The events of a clip.
 
         Args:
@@ -85,23 +85,26 @@ class EventSensor(ABC):
         Returns:
             A structured array with the fields ``t`` (us), ``x``, ``y`` (pixels), ``p`` (1 for ON,
             0 for OFF), ordered by time, and ``channel`` where there are several kinds of cells:
-            what ``numpy.load`` makes of the file that ``amacrine run --events`` writes. Kinds that
-            have names have them in ``.names``, too. A list of arrays where there are several clips,
-            as (B,T,1,H,W) has them.
+            what ``numpy.load`` makes of the file that ``amacrine run --events`` writes. It knows
+            its ``.sensor_size``, ``.kinds`` and their ``.names``, and the ``.span`` of the clip. A
+            list of arrays where there are several clips, as (B,T,1,H,W) has them.
         """
         given, fps = clips(frames, scale), arguments.rate(fps)
         check_side(given.size)
         kinds, called = len(self.channels), self._called
 
-        def watch(b: int) -> tuple[Events, Said]:
+        span = 0.0, max(given.frames - 1, 0) / fps
+
+        def watch(b: int) -> tuple[NamedEvents, Said]:
             run = self._watch(given.size, fps, given.scale)
-            events = named(view(run.events(given.clip(b)), kinds), called, given.size)
+            records = view(run.events(given.clip(b)), kinds)
+            events = named(records, called, given.size, kinds, span, run.dropped)
             return events, run.warnings(self.name)
 
         seen = _all(given, watch)
         caution_of(said for _, said in seen)
         all: Any = [events for events, _ in seen]
-        found: npt.NDArray[np.void] = all if given.batched else all[0]
+        found: NamedEvents = all if given.batched else all[0]
         return found
 
     def counts(
@@ -160,7 +163,7 @@ class EventSensor(ABC):
                 2019); ``"whole"``: it counts in the part of the window in which it falls.
             normalise: Kind by kind in each window: ``"std"``: what is not 0 has a mean of 0 and a
                 deviation of 1, as E2VID takes it; ``"max"``: the largest is 1 in size.
-            dtype: float32, float16 or float64.
+            dtype: float32, float16 or float64; of single precision each.
             scale: What floats are multiplied by to be light from 0 to 255.
 
         Returns:
@@ -294,18 +297,20 @@ class Stream:
                 self._told.add(about)
                 warnings.warn(text, Caution, stacklevel=3)
 
-    def events(self, frames: Any) -> Events:
+    def events(self, frames: Any) -> NamedEvents:
         """The events of the next frames."""
         events = self._events(frames)
         self._caution()
         return events
 
-    def _events(self, frames: Any) -> Events:
+    def _events(self, frames: Any) -> NamedEvents:
         run, clip = self._next(frames)
         size = clip.shape[1], clip.shape[2]
         check_side(size)
-        events = view(run.events(clip), len(self._sensor.channels))
-        return named(events, self._sensor._called, size)
+        kinds, begin = len(self._sensor.channels), max(run.seen - 1, 0)
+        events = view(run.events(clip), kinds)
+        span = begin / self.fps, max(run.seen - 1, 0) / self.fps
+        return named(events, self._sensor._called, size, kinds, span)
 
     def counts(self, frames: Any) -> npt.NDArray[np.int32]:
         """The counts of the next frames, (n,K,H,W), one less of the very first."""
@@ -316,7 +321,7 @@ class Stream:
         self._caution()
         return out
 
-    def each(self, parts: Iterable[Any]) -> Iterator[Events]:
+    def each(self, parts: Iterable[Any]) -> Iterator[NamedEvents]:
         """The events of each part, and a :class:`Caution` at the end where there was none at all."""
         for part in arguments.parts(parts):
             events = self._events(part)
@@ -357,7 +362,8 @@ class Sensor(EventSensor):
         seed: Chooses mismatch and noise, the same in every clip of a batch.
         format: The number format of signals, weights and memory: ``f64``, ``f32``, ``f16``,
             ``bf16``, ``q8.8``, …
-        max_events: More events of a clip than this are an error.
+        max_events: More events of a clip than this are an error, where events are listed:
+            :meth:`events`, and :meth:`voxels` with ``bins``.
 
     ``docs/reference.md`` has the equations, and what noise there is.
     """
@@ -387,7 +393,7 @@ class Sensor(EventSensor):
             "shared": shared,
             "polarity": polarity,
             "border": border,
-            "refractory": {"us": refractory} if np.isscalar(refractory) else refractory,
+            "refractory": _refractory(refractory),
             "noise": noise,
         }
         found = each(kernels)
@@ -543,8 +549,9 @@ class Sensor(EventSensor):
             to: The few values that kernels are brought to: a quantiser such as ``"ternary"`` or
                 ``"int-5"``, or ``"exact"`` for weights as they are.
             domain: What the cells of the array hold: ``"silicon"`` (with the errors of the chip),
-                ``"exact"``, ``"f16"``, ``"q8.8"``, …; in all of them registers end at the chip's
-                range, as in studies (``.program.run`` does so with ``clip=True``).
+                ``"exact"``, ``"f16"``, ``"q8.8"``, …; in those of numbers registers end at the chip's
+                range, as in studies (``.program.run`` does so with ``clip=True``); cells of silicon
+                saturate as the chip's data say (``clip=False``).
             chip: A shipped chip by name, or the folder of another.
             sum: What the quantised kernels must sum to: ``"free"``, ``"zero"`` or ``"kept"``.
             memory: What the program remembers: ``"analogue"``, the drive of each kind, for which
@@ -742,14 +749,28 @@ def _all(given: Clips, watch: Callable[[int], T]) -> list[T]:
     count = len(given.all)
     if count == 1:
         return [watch(0)]
+
+    def one(b: int) -> T:
+        try:
+            return watch(b)
+        except Error as error:
+            raise Error(f"clip {b}: {error}") from None
+
     with ThreadPoolExecutor(max_workers=max(1, min(count, _amacrine.threads()))) as pool:
-        return list(pool.map(watch, range(count)))
+        return list(pool.map(one, range(count)))
 
 
 def _how(seed: Any, format: Any, max_events: Any) -> tuple[int, str, int | None]:
     """Seed, number format and limit, checked."""
     most = None if max_events is None else arguments.whole("max_events", max_events)
     return arguments.whole("seed", seed), arguments.word("format", format, "f32"), most
+
+
+def _refractory(given: Any) -> Any:
+    """A table; a number is microseconds."""
+    if given is None or isinstance(given, (Mapping, str)) or np.ndim(given) > 0:
+        return given
+    return {"us": arguments.number("refractory", given, "give microseconds, or a table")}
 
 
 def _thresholds(given: Any, count: int) -> list[dict[str, Any]]:

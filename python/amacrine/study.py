@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, overload
@@ -15,6 +16,7 @@ import numpy.typing as npt
 from . import _amacrine, arguments
 from ._amacrine import Error
 from .answer import Answer, table
+from .caution import Caution
 from .frames import shown
 from .kernels import Kernels, named, one
 from .program import Program
@@ -132,7 +134,8 @@ def quantise(
     given, several = named(kernel), not isinstance(to, str)
     values, total = names("to", to), word("sum", sum, "kept")
     if threshold is None:
-        if scene is not None or fps is not None or within is not None:
+        whole_scene = scene, fps, scale, within
+        if any(one is not None for one in whole_scene):
             raise Error(
                 "a scene is of no use without a threshold\n"
                 "help: give a threshold, too: then each is run on the chip"
@@ -149,9 +152,9 @@ def quantise(
     how = _search(total, chip, effort, seed), shown(scene, fps, scale), micros("within", within)
     if len(given) > 1:
         text = _amacrine.on_chip_together(given, values, limits, *how)
-        return Answer.parse(text, rows="together")
+        return _told(Answer.parse(text, rows="together"))
     text = _amacrine.on_chip(given[0], values, limits[0], *how)
-    return Answer.parse(text, rows="rows")
+    return _told(Answer.parse(text, rows="rows"))
 
 
 def _quantised(name: str, of: dict[str, Any]) -> Quantised:
@@ -223,7 +226,7 @@ def design(
         shown(scene, fps, scale),
         micros("within", within),
     )
-    return Answer.parse(text, rows="candidates")
+    return _told(Answer.parse(text, rows="candidates"))
 
 
 def feasibility(
@@ -285,7 +288,7 @@ def feasibility(
         (_energy(link_energy), flag("overlapped", overlapped)),
         whole("chips", chips, 1, MOST_CHIPS),
     )
-    return Answer.parse(text, page=page, rows="quantisation")
+    return _told(Answer.parse(text, page=page, rows="quantisation"))
 
 
 def waterfall(
@@ -325,6 +328,10 @@ def waterfall(
         ``kept``, ``steps`` and, over frame rate, ``rates``; ``drawing`` is the picture, which a
         notebook shows. ``docs/waterfall.md`` says what each cause is.
     """
+    if flag("steps", steps) and rates is not None:
+        raise Error(
+            "steps are told at the clip's own rate\nhelp: leave rates out, or steps"
+        )
     text, drawing = _amacrine.waterfall(
         one(kernel),
         arguments.number("threshold", threshold, THRESHOLD),
@@ -332,13 +339,13 @@ def waterfall(
         _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
         micros("within", within),
-        None if flag("steps", steps) else _rates(rates),
+        None if steps else _rates(rates),
         (
             whole("chips", chips, 1, MOST_FALLEN),
             None if tiles is None else whole("tiles", tiles, 1, MOST_FALLEN),
         ),
     )
-    return Answer.parse(text, drawing=drawing, rows="steps" if steps else "rates")
+    return _told(Answer.parse(text, drawing=drawing, rows="steps" if steps else "rates"))
 
 
 def trade(
@@ -402,6 +409,32 @@ def trade(
     numbers = names("formats", OF_SENSOR if formats is None else formats)
     text = _amacrine.trade(sensor._native, light, contrast, numbers, asked, how)
     return Answer.parse(text, rows="points")
+
+
+def _told(answer: Answer) -> Answer:
+    """Warns the caller of whoever asked of what the answer warns of, once of each thing."""
+    said: dict[str, str] = {}
+    for one in _warnings(answer.to_dict()):
+        first, *others = one["subjects"] or ["the run"]
+        alike = f" (alike: {', '.join(others)})" if others else ""
+        text = f"{first}: {one['seen']}{alike}: {one['why']}; {one['change']}"
+        said.setdefault(one["about"], _amacrine.in_python(text))
+    for text in said.values():
+        warnings.warn(text, Caution, stacklevel=3)
+    return answer
+
+
+def _warnings(of: Any) -> Iterator[dict[str, Any]]:
+    """All warnings of an answer, those of its parts too."""
+    if isinstance(of, list):
+        for part in of:
+            yield from _warnings(part)
+    elif isinstance(of, dict):
+        for name, part in of.items():
+            if name == "warnings":
+                yield from (one for one in part if isinstance(one, dict))
+            else:
+                yield from _warnings(part)
 
 
 def _search(sum: str, chip: str | Path, effort: float, seed: int) -> tuple[str, str, float, int]:

@@ -132,6 +132,8 @@ pub fn write(
     of: Option<(usize, usize)>,
     channels: Option<u8>,
     names: Vec<String>,
+    span_us: Option<(u64, u64)>,
+    dropped: (u64, u64, u64, u64),
     to: Option<&str>,
     compression: &str,
 ) -> PyResult<()> {
@@ -161,6 +163,24 @@ pub fn write(
             ));
         }
         packet.names = names;
+        if let Some((first, last)) = span_us {
+            // Nothing happened before or after.
+            let (least, most) = packet
+                .events
+                .first()
+                .zip(packet.events.last())
+                .map_or((Micros(first), Micros(last)), |(first, last)| {
+                    (first.t, last.t)
+                });
+            packet.span = (Micros(first).min(least), Micros(last).max(most));
+        }
+        let (no_slot, over_limit, queue_full, merged) = dropped;
+        packet.dropped = Dropped {
+            no_slot,
+            over_limit,
+            queue_full,
+            merged,
+        };
         file::write_as(&path, to, compression, &loaded.packet)?;
         Ok(())
     })?;
@@ -197,8 +217,19 @@ struct Ruled {
     lost: Option<f64>,
 }
 
-/// One of the two: a file, or the bytes of a `.npy`.
-type Side = (PathBuf, Option<Vec<u8>>);
+/// One of the two: a file, or the bytes of a `.npy`; the size of its sensor where it is known, and
+/// kinds of cells that it has at least.
+type Side = (PathBuf, Option<Vec<u8>>, Option<(usize, usize)>, u8);
+
+fn side((path, npy, of, channels): Side) -> Result<Loaded, Report> {
+    let how = Opening {
+        format: None,
+        size: size(of),
+    };
+    let mut loaded = load(&path, npy, &how)?;
+    loaded.packet.channels = loaded.packet.channels.max(channels);
+    Ok(loaded)
+}
 
 /// Judges one packet against another, as `amacrine compare --json` does.
 #[pyfunction]
@@ -206,7 +237,6 @@ pub fn compare(
     py: Python<'_>,
     a: Side,
     b: Side,
-    of: Option<(usize, usize)>,
     within_us: Option<u64>,
     fps: Option<f64>,
     bins: usize,
@@ -218,13 +248,9 @@ pub fn compare(
     if let Some(fps) = fps.filter(|fps| !(*fps > 0.0 && fps.is_finite())) {
         return Err(raised(amacrine::scene::SceneError::BadRate { fps }));
     }
-    let how = Opening {
-        format: None,
-        size: size(of),
-    };
     let compared = pool::work(py, || {
-        let mut reference = load(&a.0, a.1, &how)?;
-        let mut judged = load(&b.0, b.1, &how)?;
+        let mut reference = side(a)?;
+        let mut judged = side(b)?;
         reference.widen_to(&judged.packet);
         judged.widen_to(&reference.packet);
         let pair = Pair::new(&reference.packet, &judged.packet)?;

@@ -40,6 +40,7 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<tensor::Stream>()?;
     module.add_function(wrap_pyfunction!(pool::set_threads, module)?)?;
     module.add_function(wrap_pyfunction!(pool::threads, module)?)?;
+    module.add_function(wrap_pyfunction!(options::in_words, module)?)?;
     module.add_function(wrap_pyfunction!(names::names, module)?)?;
     module.add_function(wrap_pyfunction!(names::text, module)?)?;
     module.add_function(wrap_pyfunction!(files::read, module)?)?;

@@ -1,14 +1,21 @@
 //! The options of the command line in the words of Python.
 
+use pyo3::prelude::*;
+
 /// What the library says of options that have no argument of their own here, and what is said
 /// instead.
-const PHRASES: [(&str, &str); 7] = [
+const PHRASES: [(&str, &str); 9] = [
     (
         "the limit (--max-events, and --max-memory where there is no room for more), ask for \
          --counts or --voxels instead of --events, or choose to drop (--when-full drop)",
-        "the limit (max_events), or take counts or voxels, which need no list",
+        "the limit (max_events), or take counts, or voxels without bins, which need no list",
     ),
     ("`amacrine convert` also takes --format", "or give format"),
+    ("or tell `amacrine convert` what it is", "or give format"),
+    (
+        "or one channel with `convert --kind N`, or one file a channel with `convert --each-kind`",
+        "or one kind: events[events['channel'] == 0][['t', 'x', 'y', 'p']]",
+    ),
     (
         "say which with `amacrine convert --from NAME`",
         "say which: format=NAME",
@@ -60,6 +67,13 @@ pub fn in_python(text: &str) -> String {
         }
     });
     parts.collect::<Vec<_>>().join("`")
+}
+
+/// The same for texts that come as JSON.
+#[pyfunction]
+#[pyo3(name = "in_python")]
+pub fn in_words(text: &str) -> String {
+    in_python(text)
 }
 
 /// What stands between backticks, or in them.

@@ -14,6 +14,8 @@ use crate::error::refused;
 
 struct Own {
     process: u32,
+    /// As many threads as were asked for; 0 for as many as there are cores.
+    threads: usize,
     pool: Arc<ThreadPool>,
 }
 
@@ -38,9 +40,12 @@ pub fn pool() -> PyResult<Arc<ThreadPool>> {
     if let Some(there) = own.as_ref().filter(|there| there.process == process) {
         return Ok(Arc::clone(&there.pool));
     }
-    let pool = build(0)?;
+    // Of the parent, in a fork: a worker of a data loader takes no more than that was told.
+    let threads = own.as_ref().map_or(0, |there| there.threads);
+    let pool = build(threads)?;
     let new = Own {
         process,
+        threads,
         pool: Arc::clone(&pool),
     };
     // The threads of the parent's pool are not here: nobody must wait for them.
@@ -63,6 +68,7 @@ pub fn set_threads(threads: usize) -> PyResult<()> {
     }
     let own = Own {
         process: process::id(),
+        threads,
         pool: build(threads)?,
     };
     let before = POOL

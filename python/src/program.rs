@@ -10,6 +10,7 @@ use amacrine::{
     program::{
         Action, Cost, Expansion, Host, Overrides, Program as Text, Runnable, Step, included_files,
     },
+    rig::guard::Guard,
     study::pilot::Chips,
     unit::Micros,
 };
@@ -128,8 +129,8 @@ impl Program {
     }
 
     /// Shows it frames: the bytes of the records of events, the number of kinds, events that
-    /// found no slot, registers after the last frame, those of `keep` after every frame, and what a
-    /// host wrote that runs beside the array, with the frame.
+    /// found no slot, registers after the last frame, those of `keep` after every frame, what a
+    /// host wrote that runs beside the array, with the frame, and what is to be warned of.
     #[expect(clippy::type_complexity, reason = "what a run gives, once")]
     fn run<'py>(
         &self,
@@ -148,6 +149,7 @@ impl Program {
         Bound<'py, PyDict>,
         Bound<'py, PyDict>,
         Vec<(usize, String)>,
+        Vec<String>,
     )> {
         let borrowed = Borrowed::new(frames)?;
         let (count, height, width) = borrowed.shape();
@@ -213,6 +215,7 @@ impl Program {
             }
         }
         let records = PyArray1::from_vec(py, bytes);
+        let warned = self.warned(&*chip, &packet, &light);
         Ok((
             records,
             packet.channels,
@@ -220,6 +223,7 @@ impl Program {
             last,
             every,
             posts,
+            warned,
         ))
     }
 }
@@ -363,6 +367,24 @@ impl Program {
             array.end_frame();
         }
         Ok((array.posts, array.begun))
+    }
+
+    /// What a run is to be warned of, as `amacrine exec` warns.
+    fn warned(&self, chip: &dyn Array, packet: &Packet, light: &Light<'_>) -> Vec<String> {
+        // A program that reads no events out, and a single frame, have none to miss; a host that
+        // decides knows what it leaves.
+        if self.decides || chip.ledger().slots == 0 || light.count < 2 {
+            return Vec::new();
+        }
+        let mut guard = Guard::new();
+        for n in 0..light.count {
+            guard.frame_at(Micros::from_seconds(n as f64 / light.fps));
+        }
+        guard.packet(&self.source.file, packet);
+        let warnings = guard.warnings().into_iter();
+        warnings
+            .map(|warning| in_python(&warning.to_string()))
+            .collect()
     }
 
     /// One frame: `init` with the first, `frame` with the others; bare statements with each.

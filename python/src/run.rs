@@ -1,6 +1,9 @@
 //! A sensor that watches a clip, part by part.
 
-use std::sync::{Mutex, PoisonError};
+use std::{
+    collections::BTreeMap,
+    sync::{Mutex, PoisonError},
+};
 
 use amacrine::{
     event::Packet,
@@ -43,6 +46,8 @@ struct Watch {
     crowd: Crowd,
     /// Cells that fired, over all frames.
     fired: u64,
+    /// Whether a frame could not be watched: what cells hold is then not known.
+    is_stopped: bool,
 }
 
 impl Run {
@@ -75,6 +80,7 @@ impl Run {
             most: most.unwrap_or(Limit::default().events),
             crowd: Crowd::new(size.pixels() as u64 * u64::from(channels)),
             fired: 0,
+            is_stopped: false,
         })))
     }
 
@@ -97,6 +103,12 @@ impl Run {
         if got != want {
             return Err(raised(SensorError::Size { index, got, want }));
         }
+        if self.with(|watch| watch.is_stopped) {
+            return Err(refused(
+                format!("the stream stopped at frame {index}"),
+                "begin a new stream, with frames that the sensor takes",
+            ));
+        }
         let frames = borrowed.frames()?;
         for from in (0..count).step_by(PART) {
             let part = from..(from + PART).min(count);
@@ -111,7 +123,10 @@ impl Run {
                     })
                 })
             })?;
-            seen.map_err(|error: SensorError| raised(error))?;
+            seen.map_err(|error: SensorError| {
+                self.with(|watch| watch.is_stopped = true);
+                raised(error)
+            })?;
             py.check_signals()?;
         }
         Ok(())
@@ -244,10 +259,17 @@ impl Run {
             .collect()
     }
 
-    /// Events that found no slot of a readout, or were merged.
+    /// Events that found no place so far, by reason.
     #[getter]
-    fn dropped(&self) -> u64 {
-        self.with(|watch| watch.packet.dropped.total())
+    fn dropped(&self) -> BTreeMap<&'static str, u64> {
+        let dropped = self.with(|watch| watch.packet.dropped);
+        [
+            ("no_slot", dropped.no_slot),
+            ("over_limit", dropped.over_limit),
+            ("queue_full", dropped.queue_full),
+            ("merged", dropped.merged),
+        ]
+        .into()
     }
 }
 

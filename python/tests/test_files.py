@@ -53,6 +53,39 @@ def test_kinds_are_kept(tmp_path: Path, frames: Frames) -> None:
         amacrine.write(tmp_path / "kinds.evt2", events)
 
 
+def test_events_know_their_sensor(tmp_path: Path) -> None:
+    """Silent columns, silent kinds and what was watched after the last event are not lost."""
+    frames = np.zeros((12, 20, 30), np.uint8)
+    frames[3:, 4:8, 4:8] = 200
+    events = amacrine.Sensor(kernels(2), [0.5, 1e6]).events(frames, FPS)
+    assert len(events) and events["channel"].max() == 0 and events["x"].max() < 20
+    span = 0.0, 11 / FPS
+    assert (events.sensor_size, events.kinds, events.span) == ((20, 30), 2, span)
+    assert amacrine.events.voxels(events, bins=9, window=0.1).shape[1:] == (2, 9, 20, 30)
+    assert amacrine.events.time_surfaces(events, [0.1], tau=0.01).shape[1] == 2
+    assert amacrine.events.event_frames(events, count=10).shape[1] == 2
+
+    path = tmp_path / "events.npy"
+    amacrine.write(path, events)
+    about = amacrine.about(path)
+    assert (about.size, about.channels) == ((20, 30), 2)
+    assert about.span_us == tuple(round(time * 1e6) for time in span)
+    again = amacrine.read(path)
+    assert again.kinds == 2 and again.span == pytest.approx(span, abs=1e-6)
+    assert sum(again.dropped.values()) == 0
+    assert amacrine.compare(again, events).equal
+    # Of a part nobody knows from when to when it is.
+    part = again[: len(again) // 2]
+    assert part.kinds == 2 and part.sensor_size == (20, 30) and part.span is None
+    amacrine.write(path, part, span=(0.0, 2.0))
+    assert amacrine.about(path).span_us == (0, 2_000_000)
+    with pytest.raises(amacrine.Error, match="two times in seconds"):
+        amacrine.write(path, part, span=(2.0, 0.0))
+    part["channel"][-1] = 1
+    with pytest.raises(amacrine.Error, match="events of channel 1"):
+        amacrine.write(path, part, channels=1)
+
+
 @pytest.mark.parametrize("ending", ["csv", "txt", "npz", "hdf5", "parquet"])
 def test_addresses_that_the_fields_do_not_hold_are_refused(ending: str, tmp_path: Path) -> None:
     """They are never negative numbers."""

@@ -2,6 +2,7 @@
 
 use amacrine::{
     kernel::quantise::{Quantiser, Sum, Summary},
+    rig::guard::Warning,
     study::quantisation,
 };
 use miette::Report;
@@ -54,6 +55,14 @@ fn few(named: &Named, to: &[Quantiser], sum: Sum, seed: u64) -> PyResult<Vec<Few
     Ok(all)
 }
 
+/// Each quantiser on the chip.
+#[derive(Serialize)]
+struct OnChip {
+    #[serde(flatten)]
+    answer: quantisation::Answer,
+    warnings: Vec<Warning>,
+}
+
 /// Each quantiser compiled and run beside the float kernel.
 #[pyfunction]
 pub fn on_chip(
@@ -84,5 +93,9 @@ pub fn on_chip(
         };
         quantisation::ask(&question, &|| source.open(), |_| ()).map_err(Report::new)
     })?;
-    json(&answer.map_err(|report: Report| raised(report))?)
+    let answer = answer.map_err(|report: Report| raised(report))?;
+    json(&OnChip {
+        warnings: answer.warnings.clone(),
+        answer,
+    })
 }
