@@ -281,6 +281,74 @@ fn what_fires_and_is_remembered_is_held_to_the_threshold() {
     }
 }
 
+/// Neither few slots, nor a wide kernel, nor a sign that never fires hides a wrong threshold.
+#[test]
+fn a_threshold_is_held_to_whatever_the_readout() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = |level: f64, frame: &str, scans: &str| {
+        format!(
+            "//! channels = 1\n//! [computes]\n//! kernel = [[0, 1, -1]]\n//! scale = 0.5\n//! threshold = \"level\"\n\
+             const level = 5;\nconst slots = 10;\ninit {{ get_image(A); movx(B, A, east); sub(A, A, B); mov(F, A); }}\n\
+             frame {{ get_image(A); movx(B, A, east); sub(A, A, B); sub(B, A, F); scamp5_in(E, -{level}); where(B, E);\n\
+             MOV(R5, FLAG); all(); neg(C, B); where(C, E); MOV(R6, FLAG); all(); {frame}\n\
+             WHERE(R5, R6); mov(F, A); all(); {scans} }}\n"
+        )
+    };
+    let scans = "scamp5_scan_events(R5, on, slots); scamp5_scan_events(R6, off, slots);";
+    let kept = |name: &str, text: &str| kept(&folder, name, text);
+    stdout(&["asm", &kept("good.scamp", &program(5.0, "", scans))]);
+    let twice = format!("{scans} scamp5_scan_events(R5, on, slots);");
+    let false_ones = [
+        (program(5.5, "", scans), "LSB"),
+        (program(5.0, "CLR(R6);", scans), "does not fire"),
+        (program(5.0, "", &twice), "fires more than once"),
+    ];
+    for (text, why) in &false_ones {
+        let file = kept("false.scamp", text);
+        refused(here(), &["asm", &file], &["[computes] is false", why]);
+    }
+    let weights = format!("{}0.5", "0, ".repeat(28));
+    let wide = |level: &str| {
+        let moved = "movx(B, A, east); mov(A, B);".repeat(14);
+        let fires = "MOV(R5, FLAG); all(); neg(C, B); where(C, E); MOV(R6, FLAG); all();";
+        format!(
+            "//! channels = 1\n//! [computes]\n//! kernel = [[{weights}]]\n//! scale = 1\n//! threshold = \"level\"\n\
+             const level = 5;\nconst slots = 10;\ninit {{ get_image(A); {moved} mov(F, A); }}\n\
+             frame {{ get_image(A); {moved} sub(B, A, F); scamp5_in(E, -{level}); where(B, E);\n\
+             {fires} WHERE(R5, R6); mov(F, A); all(); {scans} }}\n"
+        )
+    };
+    stdout(&["asm", &kept("wide.scamp", &wide("level"))]);
+    let file = kept("wide.scamp", &wide("10"));
+    refused(here(), &["asm", &file], &["[computes] is false", "LSB"]);
+}
+
+/// A memory of few bits is what `compile` says that it is.
+#[test]
+fn a_memory_of_levels_is_true_within_half_a_level() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("bits.scamp").display().to_string();
+    let compiled = [
+        "compile",
+        "sobel-x",
+        "--threshold",
+        "100",
+        "--memory",
+        "bits:4",
+        "--effort",
+        "0.1",
+        "-o",
+        &out,
+    ];
+    stdout(&compiled);
+    stdout(&["asm", &out]);
+    let text = fs::read_to_string(&out).unwrap();
+    assert!(text.contains("//! step = "), "{text}");
+    let high = text.replace("const threshold = ", "const threshold = 9");
+    let file = kept(&folder, "high.scamp", &high.replace("-threshold", "-6.25"));
+    refused(here(), &["asm", &file], &["[computes] is false"]);
+}
+
 #[test]
 fn what_is_stated_is_proved_or_refused_with_what_is_so() {
     let lines = proof(&["asm", "programs/convolve/sobel.scamp"]);
@@ -341,6 +409,16 @@ fn what_is_stated_is_proved_or_refused_with_what_is_so() {
         &(head("[[0, 0, 1]]", &register("C")) + far),
     );
     assert!(proof(&["asm", &file])[0].contains("its [computes] says"));
+    // What only bright light shows to be no linear map.
+    let bent = far.replace(
+        "movx(C, A, east);",
+        "scamp5_in(B, -50); where(A, B); mov(A, B); all(); movx(C, A, east);",
+    );
+    refuse(
+        "far-bent.scamp",
+        head("[[0, 0, 1]]", &register("C")) + &bent,
+        &["no linear map", "under random light"],
+    );
     refuse(
         "far-bad.scamp",
         head("[[1, 0, 0]]", &register("C")) + far,

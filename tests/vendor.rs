@@ -702,6 +702,86 @@ fn functions_are_run_where_they_are_called() {
 }
 
 #[test]
+fn a_name_that_nothing_declares_decides_nothing() {
+    let inside = [
+        "if (n == LIMIT) mov(A, B);",
+        "if (n != LIMIT) mov(A, B);",
+        "if (!LIMIT) mov(A, B);",
+        "if (n && LIMIT) mov(A, B);",
+        "if (n == Mode::LIMIT) mov(A, B);",
+        "scamp5_in(A, (n == LIMIT) + 4);",
+        "switch (n) { case LIMIT: mov(A, B); break; default: mov(A, C); }",
+    ];
+    for inside in inside {
+        let text = format!("int main() {{ int n = 3; while (1) {{ {inside} }} }}");
+        let told = expand(&text, &[]).unwrap_err().to_string();
+        assert!(told.contains("`LIMIT` is not declared"), "{inside}: {told}");
+    }
+    // What the vendor's header has besides is not known here.
+    let text =
+        "int main() { int n = 3; while (1) { switch (n) { case VS_SOME_KEY: mov(A, B); } } }";
+    let told = expand(text, &[]).unwrap_err().to_string();
+    assert!(told.contains("`VS_SOME_KEY` decides"), "{told}");
+}
+
+#[test]
+fn a_switch_is_over_directions_and_registers_too() {
+    whole(
+        "news_t opposite(news_t d) { switch (d) { case north: return south; case south: return north;\n\
+         case east: return west; default: return east; } }\n\
+         int main() { const news_t all[] = {north, east, south, west};\n\
+         while (1) { for (news_t d : all) movx(A, A, opposite(d));\n\
+         areg_t r = B; switch (r) { case A: mov(C, A); break; case B: mov(C, B); break; } } }",
+        "movx(A, A, south); movx(A, A, west); movx(A, A, north); movx(A, A, east); mov(C, B);",
+    );
+    let inner = "int f(int k) { switch (k) { case 1: { if (0) { case 2: return 20; } return 10; } } return 30; }\n\
+                 int main() { while (1) { scamp5_in(A, f(2)); } }";
+    let told = expand(inner, &[]).unwrap_err().to_string();
+    assert!(told.contains("a case inside another statement"), "{told}");
+}
+
+#[test]
+fn functions_give_back_variables_themselves() {
+    whole(
+        "struct Settings { int th = 10, n = 1;\n\
+         Settings& threshold(int t) { th = t; return *this; } Settings& times(int k) { n = k; return *this; } };\n\
+         int table[4] = {1, 2, 3, 4};\n\
+         int& entry(int i) { return table[i & 3]; }\n\
+         int main() { Settings s; s.threshold(40).times(3);\n\
+         int& e = entry(2); e = 30; entry(5) += 5; int copy = entry(0); copy = 9;\n\
+         std::vector<int> v; v.push_back(1); v.push_back(2); v.back() = 7; v.at(0)++; int last = v.back();\n\
+         while (1) { scamp5_in(A, s.th); scamp5_in(A, s.n); for (int k : table) scamp5_in(B, k);\n\
+         scamp5_in(C, v[0]); scamp5_in(C, last); } }",
+        "scamp5_in(A, 40); scamp5_in(A, 3); scamp5_in(B, 1); scamp5_in(B, 7); scamp5_in(B, 30);\n\
+         scamp5_in(B, 4); scamp5_in(C, 2); scamp5_in(C, 7);",
+    );
+}
+
+#[test]
+fn a_kernel_has_the_words_that_it_was_made_with() {
+    whole(
+        "int main() { int n = 2; scamp5_kernel k([&] { for (int i = 0; i < n; i++) movx(A, A, west); });\n\
+         scamp5_kernel other; other.begin(); add(B, B, A); other.end(); n = 5;\n\
+         while (1) { vs_frame_loop_control(); scamp5_launch_kernel(k); k(); other(); other.launch();\n\
+         scamp5_launch_kernel(other); } }",
+        "movx(A, A, west); movx(A, A, west); movx(A, A, west); movx(A, A, west);\n\
+         add(B, B, A); add(B, B, A); add(B, B, A);",
+    );
+    // Each instance of a template has a kernel of its own.
+    let text = "template <int N> void far() { scamp5_kernel_begin();\n\
+                for (int i = 0; i < N; i++) movx(A, A, west); scamp5_kernel_end(); }\n\
+                int main() { while (1) { far<1>(); far<2>(); } }";
+    assert_eq!(expand(text, &[]).unwrap().warnings, []);
+    // Nothing in the constructor is a word.
+    whole(
+        "template <typename T, int N> class Ring { T data[N]; int head; public:\n\
+         Ring() : head(0) { for (int i = 0; i < N; i++) data[i] = T(); } };\n\
+         Ring<int, 4> ring;\nint main() { while (1) { mov(A, B); } }",
+        "mov(A, B);",
+    );
+}
+
+#[test]
 fn sliders_are_settings_with_defaults() {
     let text = "int main() { int t = 12; vs_gui_add_slider(\"t\", 0, 99, t, &t); int on = 0;\n\
                 vs_gui_add_switch(\"on\", on == 1, &on); auto rate = vs_gui_add_slider(\"r\", 0, 9, 4);\n\

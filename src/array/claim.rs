@@ -15,6 +15,7 @@ use crate::{
     order::Order,
     plane::{Plane, Size},
     program::{Code, Computes},
+    rng::Hash,
     unit::Micros,
 };
 
@@ -161,7 +162,14 @@ pub fn check(
         }
         (taps.kernel(Input::Light), Proof::Words)
     } else {
-        let found = impulse(code, device, settings, register).map_err(not_linear)?;
+        let far = Far {
+            code,
+            device,
+            settings,
+            register,
+        };
+        let found = far.impulse().map_err(not_linear)?;
+        far.superposes(&found).map_err(not_linear)?;
         (found, Proof::Impulse)
     };
     let stated = plane(&computes.kernel);
@@ -194,7 +202,8 @@ fn fires(
     let threshold = constants.get(name).copied();
     let threshold = threshold.ok_or_else(|| ClaimError::Threshold { name: name.clone() })?;
     // What cannot be run is told by whoever runs it.
-    let parting = crossing::parts(kernel, threshold, code, device, settings);
+    let steps = (threshold, computes.step.unwrap_or(0.0));
+    let parting = crossing::parts(kernel, steps, code, device, settings);
     match parting.ok().flatten() {
         None => Ok(()),
         Some(Parting {
@@ -207,6 +216,7 @@ fn fires(
             does: match fired {
                 0 => "does not fire",
                 1 => "fires ON",
+                crossing::TWICE => "fires more than once in a frame",
                 _ => "fires OFF",
             },
             when: if frame == 1 {
@@ -258,43 +268,94 @@ pub fn rows(kernel: &Plane<f64>) -> String {
     format!("[{}]", rows.join(", "))
 }
 
-/// What a bright pixel in the dark leaves around itself in a register, for one unit of light.
-fn impulse(
-    code: &Code,
-    device: &Device,
+/// A program whose words reach too far, or are too many, to be read back: it is seen by what it
+/// leaves behind.
+struct Far<'a> {
+    code: &'a Code,
+    device: &'a Device,
     settings: Settings,
     register: Analog,
-) -> Result<Plane<f64>, String> {
+}
+
+impl Far<'_> {
+    /// Side of the array, in pixels.
     const SIDE: usize = 65;
-    const LEVEL: f64 = 64.0;
-    let left_by = |level: f64| -> Result<Plane<f64>, String> {
-        let size = Size::new(SIDE, SIDE);
-        let chip = Chip::new("computes", Exact, code, device, size, settings);
+
+    /// What is in the register after a frame with this picture, `init` in the dark before it.
+    fn left_by(&self, picture: &Plane<f64>) -> Result<Plane<f64>, String> {
+        let size = Size::new(Self::SIDE, Self::SIDE);
+        let chip = Chip::new(
+            "computes",
+            Exact,
+            self.code,
+            self.device,
+            size,
+            self.settings,
+        );
         let mut chip = chip.map_err(|why| why.to_string())?;
-        let mut picture = Plane::zeros(size.shape());
         let mut packet = Packet::new(size, 1);
-        chip.expose(&picture).map_err(|why| why.to_string())?;
+        let dark = Plane::zeros(size.shape());
+        chip.expose(&dark).map_err(|why| why.to_string())?;
         let ran = chip.run_init(Micros(0), &mut packet);
         ran.map_err(|why| why.to_string())?;
-        picture[(SIDE / 2, SIDE / 2)] = level;
-        chip.expose(&picture).map_err(|why| why.to_string())?;
+        chip.expose(picture).map_err(|why| why.to_string())?;
         let ran = chip.run_frame(Micros(1), &mut packet);
         ran.map_err(|why| why.to_string())?;
-        Ok(chip.analog(register))
-    };
-    let spread = left_by(LEVEL)? - left_by(0.0)?;
-    // What is left at (y, x) of the pixel in the middle is the weight that the pixel at (y, x)
-    // gives to the middle one: the kernel, turned around.
-    let far = |along: fn((usize, usize)) -> usize| {
-        let left = spread.indexed_iter().filter(|(_, value)| **value != 0.0);
-        let distance = left.map(|(at, _)| along(at).abs_diff(SIDE / 2));
-        distance.max().unwrap_or(0)
-    };
-    let (down, right) = (far(|at| at.0), far(|at| at.1));
-    Ok(Plane::from_shape_fn(
-        (2 * down + 1, 2 * right + 1),
-        |(y, x)| spread[(SIDE / 2 + down - y, SIDE / 2 + right - x)] / LEVEL,
-    ))
+        Ok(chip.analog(self.register))
+    }
+
+    /// What a bright pixel in the dark leaves around itself, for one unit of light.
+    fn impulse(&self) -> Result<Plane<f64>, String> {
+        const LEVEL: f64 = 64.0;
+        let (side, middle) = (Self::SIDE, Self::SIDE / 2);
+        let mut picture = Plane::zeros((side, side));
+        let dark = self.left_by(&picture)?;
+        picture[(middle, middle)] = LEVEL;
+        let spread = self.left_by(&picture)? - dark;
+        // What is left at (y, x) of the pixel in the middle is the weight that the pixel at (y, x)
+        // gives to the middle one: the kernel, turned around.
+        let far = |along: fn((usize, usize)) -> usize| {
+            let left = spread.indexed_iter().filter(|(_, value)| **value != 0.0);
+            let distance = left.map(|(at, _)| along(at).abs_diff(middle));
+            distance.max().unwrap_or(0)
+        };
+        let (down, right) = (far(|at| at.0), far(|at| at.1));
+        Ok(Plane::from_shape_fn(
+            (2 * down + 1, 2 * right + 1),
+            |(y, x)| spread[(middle + down - y, middle + right - x)] / LEVEL,
+        ))
+    }
+
+    /// Whether spots of several brightnesses leave behind what the kernel makes of them, with what is
+    /// left in the dark. Spots are small: what reaches far spoils wide borders.
+    fn superposes(&self, kernel: &Plane<f64>) -> Result<(), String> {
+        const BRIGHTEST: [f64; 3] = [8.0, 64.0, 255.0];
+        const RADIUS: usize = 4;
+        let side = Self::SIDE;
+        let rim = kernel.nrows().max(kernel.ncols()) / 2;
+        let inside = || rim..side.saturating_sub(rim);
+        let dark = self.left_by(&Plane::zeros((side, side)))?;
+        let size: f64 = kernel.iter().map(|weight| weight.abs()).sum();
+        for (n, most) in BRIGHTEST.into_iter().enumerate() {
+            let light = |(y, x): (usize, usize)| {
+                let is_spot = y.abs_diff(side / 2).max(x.abs_diff(side / 2)) <= RADIUS;
+                let value = Hash::new(n as u64).with((y * side + x) as u64).uniform();
+                if is_spot { most * value } else { 0.0 }
+            };
+            let picture = Plane::from_shape_fn((side, side), light);
+            let left = self.left_by(&picture)?;
+            for at in inside().flat_map(|y| inside().map(move |x| (y, x))) {
+                let want = crossing::drive(kernel, &picture, at);
+                let got = left[at] - dark[at];
+                if (got - want).abs() > NEAR * size * most {
+                    return Err(format!(
+                        "under random light up to {most} it leaves {got} where a pixel alone says {want}"
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]

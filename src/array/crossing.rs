@@ -8,13 +8,16 @@ use crate::{
     event::{Packet, Polarity},
     isa::Device,
     plane::{Plane, Size},
-    program::Code,
+    program::{Action, Code, Host, Step},
     rng::Hash,
     unit::Micros,
 };
 
-/// Side of the array, in pixels.
+/// Side of the array, in pixels, at least.
 const SIDE: usize = 40;
+
+/// Pixels along a side that are looked at, at least.
+const LOOKED_AT: usize = 16;
 
 /// Pixels beside a kernel's own that a program may spoil at the border.
 const SPOILT: usize = 6;
@@ -27,30 +30,40 @@ const NEAR: f64 = 1e-6;
 pub(super) struct Parting {
     /// By how much the drive moved since the cell's last event, in LSB.
     pub moved: f64,
-    /// Events there: 1 ON, -1 OFF.
+    /// Events there: 1 ON, -1 OFF, [`TWICE`] for several.
     pub fired: i8,
     /// In which frame after `init`, from 1.
     pub frame: usize,
 }
 
+/// Several events of a cell in one frame.
+pub(super) const TWICE: i8 = 2;
+
 /// Frames that are shown: after the second, memories are those of earlier events.
 const FRAMES: usize = 4;
 
 /// Shows random pictures in exact arithmetic; where it does not fire as is stated, if it does not
-/// somewhere. `kernel` is in LSB for each unit of light. What has no slot, and a sign that is not
-/// read out at all, is not looked at.
+/// somewhere. `kernel` is in LSB for each unit of light; `step`: the memory holds the drive in steps
+/// of so many LSB, so that half a step may decide. Every event finds a slot; a sign that is not read
+/// out at all is not looked at.
 ///
 /// # Errors
 /// When the program cannot be run.
 pub(super) fn parts(
     kernel: &Plane<f64>,
-    threshold: f64,
+    (threshold, step): (f64, f64),
     code: &Code,
     device: &Device,
     settings: Settings,
 ) -> Result<Option<Parting>, String> {
-    let size = Size::new(SIDE, SIDE);
-    let chip = Chip::new("computes", Exact, code, device, size, settings);
+    let rim = kernel.nrows().max(kernel.ncols()) / 2 + SPOILT;
+    let side = SIDE.max(2 * rim + LOOKED_AT);
+    let size = Size::new(side, side);
+    let mut code = code.clone();
+    let mut reads = [false; 2];
+    give_slots(&mut code.init, size, &mut [false; 2]);
+    give_slots(&mut code.frame, size, &mut reads);
+    let chip = Chip::new("computes", Exact, &code, device, size, settings);
     let mut chip = chip.map_err(|why| why.to_string())?;
     let mut packet = Packet::new(size, 1);
     // So bright that about half of all cells fire.
@@ -58,10 +71,9 @@ pub(super) fn parts(
     let brightest = 4.0 * threshold / power.sqrt().max(f64::MIN_POSITIVE);
     let picture = |n: usize| {
         let value = |place| brightest * Hash::new(n as u64).with(place as u64).uniform();
-        Plane::from_shape_fn(size.shape(), |(y, x)| value(y * SIDE + x))
+        Plane::from_shape_fn(size.shape(), |(y, x)| value(y * side + x))
     };
-    let rim = kernel.nrows().max(kernel.ncols()) / 2 + SPOILT;
-    let inside = || rim..SIDE.saturating_sub(rim);
+    let inside = || rim..side - rim;
     let first = picture(0);
     chip.expose(&first).map_err(|why| why.to_string())?;
     let ran = chip.run_init(Micros(0), &mut packet);
@@ -71,25 +83,18 @@ pub(super) fn parts(
     for (y, x) in inside().flat_map(|y| inside().map(move |x| (y, x))) {
         memory[(y, x)] = drive(kernel, &first, (y, x));
     }
-    let mut reads = [false; 2];
     for frame in 1..=FRAMES {
         packet.events.clear();
         let shown = picture(frame);
         chip.expose(&shown).map_err(|why| why.to_string())?;
         let ran = chip.run_frame(Micros(frame as u64), &mut packet);
         ran.map_err(|why| why.to_string())?;
-        if packet.dropped.total() > 0 {
-            return Ok(None);
-        }
         let fired = signs(&packet, size);
-        if frame == 1 {
-            reads = [-1, 1].map(|sign| fired.iter().any(|it| *it == sign));
-        }
         for (y, x) in inside().flat_map(|y| inside().map(move |x| (y, x))) {
             let (memory, fired) = (&mut memory[(y, x)], fired[(y, x)]);
             let now = drive(kernel, &shown, (y, x));
             let moved = now - *memory;
-            let near = (moved.abs() - threshold).abs() <= NEAR * threshold;
+            let near = (moved.abs() - threshold).abs() <= NEAR * threshold + step / 2.0;
             let crosses = match moved {
                 _ if moved > threshold => 1,
                 _ if -moved > threshold => -1,
@@ -114,6 +119,32 @@ pub(super) fn parts(
     Ok(None)
 }
 
+/// Gives scans as many slots as there are pixels, so that no event is lost; `reads`: whether OFF and
+/// ON are read out.
+fn give_slots(steps: &mut [Step], size: Size, reads: &mut [bool; 2]) {
+    for step in steps {
+        match &mut step.action {
+            Action::Host(
+                Host::ScanEvents {
+                    slots, polarity, ..
+                }
+                | Host::ScanEventsFrom {
+                    slots, polarity, ..
+                },
+            ) => {
+                *slots = size.pixels() as u32;
+                reads[usize::from(*polarity == Polarity::On)] = true;
+            }
+            Action::Host(Host::ScanDigital {
+                events: Some((polarity, _)),
+                ..
+            }) => reads[usize::from(*polarity == Polarity::On)] = true,
+            Action::Repeat { body, .. } => give_slots(body, size, reads),
+            Action::Host(_) | Action::Word(_) => {}
+        }
+    }
+}
+
 /// The sign of the event of each cell, 0 where there is none.
 fn signs(packet: &Packet, size: Size) -> Array2<i8> {
     let mut fired = Array2::<i8>::zeros(size.shape());
@@ -123,13 +154,14 @@ fn signs(packet: &Packet, size: Size) -> Array2<i8> {
         } else {
             -1
         };
-        fired[(event.y.into(), event.x.into())] = sign;
+        let fired = &mut fired[(event.y.into(), event.x.into())];
+        *fired = if *fired == 0 { sign } else { TWICE };
     }
     fired
 }
 
 /// The drive of a cell under a picture.
-fn drive(kernel: &Plane<f64>, picture: &Plane<f64>, (y, x): (usize, usize)) -> f64 {
+pub(super) fn drive(kernel: &Plane<f64>, picture: &Plane<f64>, (y, x): (usize, usize)) -> f64 {
     let (down, right) = (kernel.nrows() / 2, kernel.ncols() / 2);
     let terms = kernel.indexed_iter();
     terms

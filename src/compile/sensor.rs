@@ -426,6 +426,9 @@ impl Writer<'_> {
             if kind.on == kind.off {
                 text += "//! threshold = \"threshold\"\n";
             }
+            if let [own] = self.steps {
+                let _ = writeln!(text, "//! step = {:?}", own.step);
+            }
         }
         text.push('\n');
         text

@@ -154,6 +154,11 @@ const COMPUTES: Table = Table::new(&[
         "the constant by which the drive must have moved since the last event",
     ),
     Key::optional(
+        "step",
+        Kind::Number(Range::POSITIVE),
+        "the memory holds the drive in steps of so many LSB, each as its middle",
+    ),
+    Key::optional(
         "register",
         Kind::Text,
         "the register that holds the drive, in programs without events",
@@ -233,6 +238,9 @@ pub struct Computes {
     /// The drive is compared with its value at the last event; an event happens when it has
     /// moved by more than this constant, in LSB.
     pub threshold: Option<String>,
+    /// The memory holds the drive in steps of so many LSB, each as its middle: a change is known
+    /// within half a step.
+    pub step: Option<f64>,
     /// The register that holds the drive, in programs without events.
     pub register: Option<String>,
 }
@@ -349,6 +357,7 @@ impl Computes {
             kernel: computes.need("kernel")?.as_rows().unwrap_or_default(),
             scale: computes.number("scale")?,
             threshold: computes.maybe_text("threshold"),
+            step: computes.maybe_number("step"),
             register: computes.maybe_text("register"),
         })
     }

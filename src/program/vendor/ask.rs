@@ -49,17 +49,7 @@ impl Machine<'_> {
             let message = format!("whether `{name}` runs, {why} decides");
             self.unknown(place, message, None);
         }
-        self.asked += 1;
-        if self.asked > ASKED {
-            if !self.full {
-                self.full = true;
-                self.error(
-                    place,
-                    format!("the program becomes more than {ASKED} statements"),
-                    "here there is no room left",
-                    "loop less often, or give loops outside of kernels the same body in every iteration",
-                );
-            }
+        if !self.asks(1, place) {
             return;
         }
         let origin = self.files.origin(place);
@@ -77,6 +67,22 @@ impl Machine<'_> {
             }),
             place,
         );
+    }
+
+    /// Whether so many more statements may be asked; tells where they may not.
+    pub(super) fn asks(&mut self, count: usize, place: Place) -> bool {
+        self.asked += count;
+        let fits = self.asked <= ASKED;
+        if !fits && !self.full {
+            self.full = true;
+            self.error(
+                place,
+                format!("the program becomes more than {ASKED} statements"),
+                "here there is no room left",
+                "loop less often, or give loops outside of kernels the same body in every iteration",
+            );
+        }
+        fits
     }
 
     /// Asks something whose arguments stand in braces.
@@ -206,7 +212,8 @@ impl Machine<'_> {
         }
         let first = known.is_empty();
         known.push(body);
-        if kernel.fixed && !first {
+        // Each instance of a template has kernels of its own.
+        if kernel.fixed && !first && self.types.is_empty() {
             self.fault(
                 Fault::warning(
                     kernel.place,

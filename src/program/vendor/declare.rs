@@ -3,6 +3,7 @@
 use std::{rc::Rc, sync::Arc};
 
 use super::{
+    call::kernel,
     look,
     machine::Machine,
     reach::Reach,
@@ -70,7 +71,7 @@ impl Machine<'_> {
     /// the array alone.
     pub(super) fn check_members(&mut self, members: &[Rc<Function>]) {
         for function in members.iter().filter(|it| it.hidden) {
-            if function.body.iter().any(|it| look::changes(self, it)) {
+            if function.body.iter().any(|it| look::runs_words(self, it)) {
                 self.error(
                     function.place,
                     format!(
@@ -124,6 +125,12 @@ impl Machine<'_> {
             None => None,
         };
         self.naming = None;
+        let initial = match initial {
+            Some(Value::Lambda(function)) if last(&it.of) == kernel::CLASS => {
+                Some(self.kernel_of(function))
+            }
+            initial => initial,
+        };
         let set = match initial {
             // Registers, arrays and texts are not set from outside.
             None | Some(Value::Whole(_) | Value::Wide(..) | Value::Real(_) | Value::Unknown(_))
@@ -148,6 +155,9 @@ impl Machine<'_> {
                     Value::Unknown(unassigned(name))
                 };
                 match self.layouts.get(&it.of) {
+                    None if last(&it.of) == kernel::CLASS && !it.pointer => {
+                        Self::empty_kernel(it.place)
+                    }
                     Some(layout) if !it.pointer => shape::fresh(layout, &empty),
                     _ if last(&it.of) == "string" && !it.pointer => Value::Text("".into()),
                     _ => empty,

@@ -235,18 +235,36 @@ impl Machine<'_> {
             }
             _ => {}
         }
+        self.operated(operator, (a, left.place), (b, right.place), place)
+    }
+
+    /// Two values under an operator.
+    pub(super) fn operated(
+        &mut self,
+        operator: &str,
+        (a, left): (Value, Place),
+        (b, right): (Value, Place),
+        place: Place,
+    ) -> Value {
         let single =
             matches!(operator, "&&" | "||") || a.number().is_some() != b.number().is_some();
-        if single && (self.no_number(&a, left.place) || self.no_number(&b, right.place)) {
+        if single && (self.no_number(&a, left) || self.no_number(&b, right)) {
             return Value::Whole(0);
         }
         let (a, b) = (self.canonical(a), self.canonical(b));
-        let named = matches!(operator, "==" | "!=" | "&&" | "||")
-            || (matches!(operator, "|" | "+") && a.number().is_none() && b.number().is_none());
-        for value in [&a, &b] {
-            if let (Value::Symbol(name), false) = (value, named) {
-                self.undeclared(&name.clone(), place);
-                return Value::Whole(0);
+        // Directions and displays are joined by their names.
+        let joined = matches!(operator, "|" | "+") && a.number().is_none() && b.number().is_none();
+        let named = joined || matches!(operator, "==" | "!=" | "&&" | "||");
+        for (value, at) in [(&a, left), (&b, right)] {
+            match value {
+                Value::Symbol(name) if !named => {
+                    self.undeclared(&name.clone(), place);
+                    return Value::Whole(0);
+                }
+                Value::Symbol(name) if !joined && !self.known(name) => {
+                    return self.unheard(&name.clone(), at);
+                }
+                _ => {}
             }
         }
         let value = match (&a, &b) {
@@ -256,6 +274,28 @@ impl Machine<'_> {
             _ => Value::binary(operator, &a, &b),
         };
         self.or_fault(value, place)
+    }
+
+    /// Whether a name is one of the chip's, or of a function or class of the file.
+    fn known(&self, name: &str) -> bool {
+        let base = name.split('.').next().unwrap_or(name);
+        self.device.value_of(base).is_some()
+            || !self.device.callables(base).is_empty()
+            || self.functions.contains_key(base)
+            || self.layouts.contains_key(base)
+    }
+
+    /// A name that nothing declares, where its value decides: a constant of the vendor's has one that
+    /// is not known, others are faults.
+    pub(super) fn unheard(&mut self, name: &str, place: Place) -> Value {
+        if ["VS_", "vs_", "SCAMP"]
+            .iter()
+            .any(|own| name.starts_with(own))
+        {
+            return Value::Unknown(format!("`{name}`").into());
+        }
+        self.undeclared(name, place);
+        Value::Whole(0)
     }
 
     /// Pointers into one variable under an operator: by how many elements they lie apart.
@@ -378,6 +418,7 @@ impl Machine<'_> {
         match (operator, value) {
             (_, Value::Unknown(why)) => Value::Unknown(why),
             ("!", other) if self.no_number(&other, of.place) => Value::Whole(0),
+            ("!", Value::Symbol(name)) if !self.known(&name) => self.unheard(&name, of.place),
             ("!", other) => Value::flag(!other.truth().unwrap_or(true)),
             ("+", other) if other.number().is_none() => other,
             (operator, value) if value.signed(operator).is_some() => {

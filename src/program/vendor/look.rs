@@ -20,6 +20,16 @@ pub(super) fn changes(machine: &Machine<'_>, it: &Stmt) -> bool {
     asks(machine, it, &|role| matches!(role, Role::Sync | Role::Chip))
 }
 
+/// Whether it runs words that the chip is known to have.
+pub(super) fn runs_words(machine: &Machine<'_>, it: &Stmt) -> bool {
+    let mut found = false;
+    reach(machine, it, &mut |_| {}, &mut |name, given| {
+        let acts = matches!(host::role(name, given), Role::Sync | Role::Chip);
+        found |= acts && !machine.device.callables(name).is_empty();
+    });
+    found
+}
+
 /// Whether it reads from the array into memory.
 pub(super) fn reads(machine: &Machine<'_>, it: &Stmt) -> bool {
     asks(machine, it, &|role| role == Role::Read)
@@ -80,6 +90,7 @@ impl Callees {
             ExprNode::Member(of, name) => {
                 self.functions.extend(members(machine, name));
                 if let Some(slot) = base(of).and_then(|it| machine.find(&it)) {
+                    self.launched(&machine.slots[slot]);
                     self.part(machine, &machine.slots[slot], name);
                 }
             }
@@ -145,9 +156,17 @@ impl Callees {
         }
     }
 
+    /// A kernel that an object may hold.
+    fn launched(&mut self, value: &Value) {
+        if matches!(value, Value::Lambda(function) if function.words.is_some()) {
+            self.names.push("scamp5_launch_kernel".into());
+        }
+    }
+
     /// What a value is that can be called.
     fn held(&mut self, machine: &Machine<'_>, value: &Value) {
         match value {
+            Value::Lambda(function) if function.words.is_some() => self.launched(value),
             Value::Lambda(function) => self.functions.push(Rc::clone(function)),
             Value::Symbol(name) if !self.named(machine, name) => {
                 self.names.push(last(name).into());

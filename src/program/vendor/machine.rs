@@ -88,6 +88,10 @@ pub(super) struct Machine<'a> {
     pub unread: BTreeMap<Word, String>,
     /// Variables of types that are not followed: why nothing is known of them.
     pub not_followed: BTreeMap<Slot, Arc<str>>,
+    /// Whether the function that runs gives back a variable itself.
+    pub refers: bool,
+    /// The variable that the call at this place gave back.
+    pub referred: Option<(Place, Location)>,
     /// The types that the template which runs was given, by position.
     pub types: Vec<Kind>,
     /// What stands in `<…>` before the call that comes next.
@@ -165,6 +169,8 @@ impl<'a> Machine<'a> {
             layouts: BTreeMap::new(),
             unread: BTreeMap::new(),
             not_followed: BTreeMap::new(),
+            refers: false,
+            referred: None,
             types: Vec::new(),
             angles: None,
             scopes: vec![BTreeMap::new()],

@@ -35,6 +35,13 @@ impl Machine<'_> {
                 self.member(base, name)
             }
             ExprNode::Convert(Kind::Any, of) => self.reach(of),
+            ExprNode::Call(callee, given) => {
+                let value = self.call(callee, given, it.place);
+                match self.referred.take() {
+                    Some((place, (slot, path))) if place == it.place => Reach::Location(slot, path),
+                    _ => Reach::Value(value),
+                }
+            }
             ExprNode::Step(of, by, true) => {
                 let reached = self.reach(of);
                 let before = self.load(&reached, of);
@@ -305,6 +312,11 @@ impl Machine<'_> {
             }
             Reach::Beyond(_) => {
                 self.beyond(reached, to);
+                value
+            }
+            Reach::Value(Value::Unknown(why)) if matches!(to.node, ExprNode::Call(..)) => {
+                let message = format!("where this is stored, {why} decides");
+                self.unknown(to.place, message, None);
                 value
             }
             // An object, or memory, of which nothing is known.

@@ -9,6 +9,7 @@ use super::{
     tree::{Declared, Expr, Stmt, StmtNode},
     value::Value,
 };
+use crate::config::Place;
 
 impl Machine<'_> {
     /// Runs statements in a scope of their own.
@@ -69,10 +70,14 @@ impl Machine<'_> {
             StmtNode::Case(_) | StmtNode::Nothing => {}
             StmtNode::Break => return Flow::Break,
             StmtNode::Continue => return Flow::Continue,
-            StmtNode::Return(value) => {
-                let value = value.as_ref().map_or(Value::Whole(0), |it| self.value(it));
-                return Flow::Return(value);
+            StmtNode::Return(None) => return Flow::Return(Value::Whole(0)),
+            StmtNode::Return(Some(value)) if self.refers => {
+                return Flow::Return(match self.reach(value) {
+                    Reach::Location(slot, path) => Value::Reference(slot, path),
+                    reached => self.load(&reached, value),
+                });
             }
+            StmtNode::Return(Some(value)) => return Flow::Return(self.value(value)),
             StmtNode::Function(function) => self.define(function),
             StmtNode::Struct(class) => self.class(class, it.place),
             StmtNode::Class(members) => {
@@ -87,14 +92,7 @@ impl Machine<'_> {
     pub(super) fn condition(&mut self, it: &Expr) -> Value {
         match self.value(it) {
             Value::Symbol(name) if self.device.value_of(&name).is_none() => {
-                if ["VS_", "vs_", "SCAMP"]
-                    .iter()
-                    .any(|begin| name.starts_with(begin))
-                {
-                    return Value::Unknown(format!("`{name}`").into());
-                }
-                self.undeclared(&name, it.place);
-                Value::Whole(0)
+                self.unheard(&name, it.place)
             }
             value if self.no_number(&value, it.place) => Value::Whole(0),
             value => value,
@@ -162,21 +160,19 @@ impl Machine<'_> {
     fn switch(&mut self, on: &Expr, body: &[Stmt]) -> Flow {
         let value = self.value(on);
         if let Value::Unknown(why) = &value {
-            let why = Arc::clone(why);
-            let parts: Vec<&Stmt> = body.iter().collect();
-            // A `break` in it ends the switch, and nothing more.
-            let maybe = self.maybe.clone();
-            self.either(on, &parts, &why);
-            self.maybe = maybe;
-            return Flow::Next;
+            return self.any_case(on, body, &Arc::clone(why));
         }
         let mut start = None;
         for (i, statement) in body.iter().enumerate() {
             match &statement.node {
-                StmtNode::Case(Some(case)) if self.is_case(case, &value) => {
-                    start = Some(i);
-                    break;
-                }
+                StmtNode::Case(Some(case)) => match self.is_case(case, &value, on.place) {
+                    Ok(true) => {
+                        start = Some(i);
+                        break;
+                    }
+                    Ok(false) => {}
+                    Err(why) => return self.any_case(on, body, &why),
+                },
                 StmtNode::Case(None) => start = start.or(Some(i)),
                 _ => {}
             }
@@ -191,17 +187,31 @@ impl Machine<'_> {
         }
     }
 
-    /// Whether a case is of this value: `case value:`, or `case first ... last:`.
-    fn is_case(&mut self, case: &Expr, value: &Value) -> bool {
-        let case = self.value(case);
-        let Value::List(ends) = &case else {
-            return case.number() == value.number();
+    /// A `switch` of which only the run knows which case is taken.
+    fn any_case(&mut self, on: &Expr, body: &[Stmt], why: &Arc<str>) -> Flow {
+        let parts: Vec<&Stmt> = body.iter().collect();
+        // A `break` in it ends the switch, and nothing more.
+        let maybe = self.maybe.clone();
+        self.either(on, &parts, why);
+        self.maybe = maybe;
+        Flow::Next
+    }
+
+    /// Whether a case is of this value: `case value:`, or `case first ... last:`; the reason where only
+    /// the run knows.
+    fn is_case(&mut self, case: &Expr, value: &Value, place: Place) -> Result<bool, Arc<str>> {
+        let held = self.value(case);
+        let Value::List(ends) = &held else {
+            let on = (value.clone(), place);
+            return self
+                .operated("==", on, (held, case.place), case.place)
+                .truth();
         };
         let ends: Option<Vec<f64>> = ends.iter().map(Value::number).collect();
-        match (ends.as_deref(), value.number()) {
+        Ok(match (ends.as_deref(), value.number()) {
             (Some([first, last]), Some(value)) => (*first..=*last).contains(&value),
             _ => false,
-        }
+        })
     }
 
     fn each(&mut self, it: &Declared, list: &Expr, body: &Stmt) -> Flow {

@@ -2,7 +2,7 @@
 
 use std::{rc::Rc, sync::Arc};
 
-use crate::config::Place;
+use crate::{config::Place, program::syntax::Item};
 
 /// A name.
 pub(super) type Word = Arc<str>;
@@ -211,12 +211,16 @@ pub(super) struct Function {
     pub place: Place,
     /// What the number that it gives back becomes.
     pub returns: Kind,
+    /// Whether it gives back a variable itself: `type &name(…)`.
+    pub refers: bool,
     /// What stands in `template <…>`.
     pub template: Vec<TemplateParameter>,
     /// What stands in the brackets of a lambda.
     pub captures: Captures,
     /// The variables that a lambda was made with, by name.
     pub held: Vec<(Word, usize)>,
+    /// The words of a kernel, as they were when it was made.
+    pub words: Option<Rc<[Item]>>,
 }
 
 impl Function {
@@ -231,9 +235,11 @@ impl Function {
             qualified: false,
             place,
             returns: Kind::Any,
+            refers: false,
             template: Vec::new(),
             captures: Captures::default(),
             held: Vec::new(),
+            words: None,
         }
     }
 

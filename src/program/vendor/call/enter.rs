@@ -103,7 +103,9 @@ impl Machine<'_> {
         self.base = self.scopes.len();
         self.scopes.push(scope);
         self.depth += 1;
+        let refers = std::mem::replace(&mut self.refers, function.refers);
         let flow = self.statements(&function.body);
+        self.refers = refers;
         self.depth -= 1;
         self.scopes.pop();
         self.base = base;
@@ -112,8 +114,14 @@ impl Machine<'_> {
         self.types = outer;
         // Whether it returned early is its own affair, but for what it gives back.
         let unsure = std::mem::replace(&mut self.maybe, maybe.clone());
+        self.referred = None;
         match (flow, unsure) {
             (_, Some(why)) if maybe.is_none() => Value::Unknown(why),
+            (Flow::Return(Value::Reference(slot, path)), _) => {
+                let value = self.decayed(slot, &path, &function.name);
+                self.referred = Some((place, (slot, path)));
+                value
+            }
             (Flow::Return(value), _) => value.converted(returns),
             (Flow::Next, _)
                 if matches!(

@@ -36,8 +36,13 @@ impl Machine<'_> {
                     return self.swapped(of, other);
                 }
                 let location = (*slot, path.clone());
-                self.list_method(location, member, given)
-                    .unwrap_or_else(|| self.changed(&reached, &name, member))
+                let given: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
+                let found = self.list_method(location.clone(), member, &given);
+                let found = found.unwrap_or_else(|| self.changed(&reached, &name, member));
+                self.referred = self
+                    .given_back(location, member, &given)
+                    .map(|it| (place, it));
+                found
             }
             (Some(Value::Text(text)), _) => {
                 let text = text.clone();
@@ -49,6 +54,12 @@ impl Machine<'_> {
             {
                 let reached = self.member(reached, member);
                 self.call_reached(callee, &reached, given, place)
+            }
+            (Some(Value::Lambda(function)), Reach::Location(slot, path))
+                if function.words.is_some() =>
+            {
+                let (function, location) = (Rc::clone(function), (*slot, path.clone()));
+                self.kernel_method(&function, location, member, place)
             }
             (_, Reach::Location(slot, _))
                 if self.companion.is_some() && matches!(member, "reset" | "get_usec") =>
@@ -110,10 +121,30 @@ impl Machine<'_> {
         Some(written)
     }
 
-    fn list_method(&mut self, location: Location, member: &str, given: &[Expr]) -> Option<Value> {
-        let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
-        self.asked_of_array(&location, member, &values)
-            .or_else(|| self.of_array(location, member, &values))
+    /// The element that a function of an array gives back itself.
+    fn given_back(
+        &self,
+        (slot, mut path): Location,
+        member: &str,
+        given: &[Value],
+    ) -> Option<Location> {
+        let Some(Value::List(all)) = self.peek(slot, &path) else {
+            return None;
+        };
+        let length = all.len();
+        let at = match (member, given) {
+            ("front", []) => 0,
+            ("back", []) => length.checked_sub(1)?,
+            ("at", [index]) => usize::try_from(index.whole()?).ok()?,
+            _ => return None,
+        };
+        path.push(at);
+        (at < length).then_some((slot, path))
+    }
+
+    fn list_method(&mut self, location: Location, member: &str, given: &[Value]) -> Option<Value> {
+        self.asked_of_array(&location, member, given)
+            .or_else(|| self.of_array(location, member, given))
     }
 
     /// A function that leaves an array of the language's library as it is.

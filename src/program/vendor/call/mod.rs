@@ -1,6 +1,7 @@
 //! Calls: of functions of the file, of the library, of the chip.
 
 mod enter;
+pub(super) mod kernel;
 mod library;
 mod member;
 mod method;
@@ -60,8 +61,9 @@ impl Machine<'_> {
             && let ExprNode::Lambda(function) = &only.node
             && self.takes_kernel(*slot, path)
         {
-            // It runs when it is launched.
-            let value = Value::Lambda(self.closure(function));
+            let function = self.closure(function);
+            // It runs when it is launched, with the words that it has now.
+            let value = self.kernel_of(function);
             self.put(*slot, path, value.clone());
             return value;
         }
@@ -145,7 +147,9 @@ impl Machine<'_> {
 
     fn called(&mut self, callee: &Expr, value: Value, given: &[Expr], place: Place) -> Value {
         match value {
-            Value::Lambda(function) if self.is_kernel(&function) => self.launch(&function),
+            Value::Lambda(function) if function.words.is_some() || self.is_kernel(&function) => {
+                self.launch(&function, place)
+            }
             Value::Lambda(function) => self.enter(&function, given, place),
             // A function by another name.
             Value::Symbol(name) => self.call_named(&name, given, None, place),

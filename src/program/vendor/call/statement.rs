@@ -8,7 +8,7 @@ use super::super::{
     host::{self, Role},
     machine::Machine,
     reach::base_name,
-    tree::{Expr, Function},
+    tree::Expr,
     value::Value,
 };
 use crate::{
@@ -21,19 +21,6 @@ use crate::{
 const READOUT: usize = 1 << 13;
 
 impl Machine<'_> {
-    pub(super) fn kernel_border(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
-        let ordinal = given.first().and_then(|it| self.value(it).whole());
-        let ordinal = ordinal.unwrap_or_default();
-        match name {
-            "scamp5_kernel_begin" | "scamp5_kernel_begin_print" => {
-                self.begin_kernel(place, ordinal, true);
-            }
-            "scamp5_dynamic_kernel_begin" => self.begin_kernel(place, ordinal, false),
-            _ => self.end_kernel(place),
-        }
-        Value::Whole(0)
-    }
-
     /// What the micro-controller does cannot stand inside a kernel.
     pub(super) fn in_kernel(&mut self, name: &str, place: Place) {
         if self.kernel.is_some() {
@@ -180,7 +167,7 @@ impl Machine<'_> {
         if name == "scamp5_launch_kernel" {
             if let Some((Value::Lambda(function), ..)) = values.first() {
                 let function = Rc::clone(function);
-                return self.launch(&function);
+                return self.launch(&function, place);
             }
             self.error(
                 place,
@@ -299,12 +286,5 @@ impl Machine<'_> {
             _ => None,
         });
         lists.collect()
-    }
-
-    pub(super) fn launch(&mut self, function: &Rc<Function>) -> Value {
-        self.begin_kernel(function.place, 0, false);
-        let value = self.enter(function, &[], function.place);
-        self.end_kernel(function.place);
-        value
     }
 }

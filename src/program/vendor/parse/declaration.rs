@@ -53,7 +53,7 @@ impl Parser<'_> {
             return Ok(None);
         }
         if self.sees("(")
-            && let Some(node) = self.function(&name, name_place, first.value_kind(), &qualified)?
+            && let Some(node) = self.function(&name, name_place, &first, &qualified)?
         {
             return Ok(Some(node));
         }

@@ -10,7 +10,7 @@ use super::super::{
 use super::{
     Parsed, Parser,
     declaration::Pointed,
-    types::{QUALIFIERS, kind_of},
+    types::{QUALIFIERS, Type, kind_of},
     within,
 };
 use crate::config::Place;
@@ -21,7 +21,7 @@ impl<'a> Parser<'a> {
         &mut self,
         name: &Word,
         place: Place,
-        returns: Kind,
+        returns: &Type,
         qualified: &[&str],
     ) -> Parsed<Option<StmtNode>> {
         let space: Word = within(&self.space, qualified).into();
@@ -48,7 +48,8 @@ impl<'a> Parser<'a> {
             space,
             parameters: parameters.into(),
             qualified,
-            returns,
+            returns: returns.value_kind(),
+            refers: returns.reference && !returns.pointer,
             template: self.template.clone(),
             ..Function::new(name.clone(), place)
         };

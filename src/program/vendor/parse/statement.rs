@@ -54,8 +54,14 @@ impl Parser<'_> {
             "switch" => {
                 self.at += 1;
                 let (first, on) = self.headed()?;
-                let node = StmtNode::Switch(on, self.block()?);
-                Ok(self.behind(first, node))
+                let body = self.block()?;
+                if let Some(place) = body.iter().find_map(inner_case) {
+                    let message = "a case inside another statement of its `switch` is not followed";
+                    let fault = Fault::error(place, message, "this case");
+                    self.faults
+                        .push(fault.help("put it between the other cases"));
+                }
+                Ok(self.behind(first, StmtNode::Switch(on, body)))
             }
             "case" => {
                 self.at += 1;
@@ -360,5 +366,33 @@ impl Parser<'_> {
         }
         self.at = start;
         Ok(None)
+    }
+}
+
+/// A case of the `switch` around it that stands inside this statement.
+fn inner_case(it: &Stmt) -> Option<Place> {
+    let body = |it: &Stmt| match it.node {
+        StmtNode::Case(_) => Some(it.place),
+        _ => inner_case(it),
+    };
+    match &it.node {
+        StmtNode::Block(all) | StmtNode::Namespace(_, all) => all.iter().find_map(body),
+        StmtNode::If(_, yes, no) => body(yes).or_else(|| body(no.as_deref()?)),
+        StmtNode::For(_, _, _, of)
+        | StmtNode::Each(_, _, of)
+        | StmtNode::While(_, of)
+        | StmtNode::DoWhile(of, _) => body(of),
+        StmtNode::Switch(..)
+        | StmtNode::Declare(_)
+        | StmtNode::Expr(_)
+        | StmtNode::Case(_)
+        | StmtNode::Break
+        | StmtNode::Continue
+        | StmtNode::Return(_)
+        | StmtNode::Function(_)
+        | StmtNode::Prototype(_)
+        | StmtNode::Struct(_)
+        | StmtNode::Class(_)
+        | StmtNode::Nothing => None,
     }
 }
