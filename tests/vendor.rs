@@ -758,6 +758,23 @@ fn functions_give_back_variables_themselves() {
 }
 
 #[test]
+fn what_the_objects_of_a_class_share_is_its_own() {
+    whole(
+        "class Edge { int level; public: static int launches; inline static int most = 9;\n\
+         Edge(int l) : level(l) {} void detect(dreg_t out) { scamp5_in(F, level);\n\
+         scamp5_dynamic_kernel_begin(); where(A, F); MOV(out, FLAG); all(); scamp5_dynamic_kernel_end(); launches++; } };\n\
+         struct Other { static int launches; };\n\
+         int Edge::launches = 1;\nint Other::launches = 40;\n\
+         int main() { Edge e(10); std::vector<int> v = {3, 1, 2};\n\
+         std::sort(v.begin(), v.end(), std::greater<int>());\n\
+         e.detect(S0); Other::launches++; scamp5_in(A, Edge::launches); scamp5_in(B, Other::launches);\n\
+         scamp5_in(C, Edge::most); for (int k : v) scamp5_in(D, k); }",
+        "scamp5_in(F, 10); where(A, F); MOV(R5, FLAG); all(); scamp5_in(A, 2); scamp5_in(B, 41);\n\
+         scamp5_in(C, 9); scamp5_in(D, 3); scamp5_in(D, 2); scamp5_in(D, 1);",
+    );
+}
+
+#[test]
 fn a_kernel_has_the_words_that_it_was_made_with() {
     whole(
         "int main() { int n = 2; scamp5_kernel k([&] { for (int i = 0; i < n; i++) movx(A, A, west); });\n\

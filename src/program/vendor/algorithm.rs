@@ -44,6 +44,9 @@ impl Machine<'_> {
         let found = match name {
             "memset" | "memcpy" | "memmove" => self.memory(name, &values),
             "for_each" | "transform" => self.applied(name, &values, place),
+            "sort" | "stable_sort" if given.get(2).is_some_and(falls) => {
+                self.moved_about("fall", &values[..2])
+            }
             "sort" | "stable_sort" if values.len() == 3 => self.ordered(&values, place),
             "min_element" | "max_element" | "count" | "find" | "accumulate" => {
                 self.looked(name, &values)
@@ -51,7 +54,13 @@ impl Machine<'_> {
             _ => self.moved_about(name, &values),
         };
         found.unwrap_or_else(|| {
-            self.written_by(name, &values);
+            let only_reads = matches!(
+                name,
+                "min_element" | "max_element" | "count" | "find" | "accumulate"
+            );
+            let mut may_write = values;
+            may_write.retain(|it| !only_reads || matches!(it, Value::Lambda(_)));
+            self.written_by(name, &may_write);
             Value::Unknown(format!("`{name}`").into())
         })
     }
@@ -170,13 +179,14 @@ impl Machine<'_> {
                 all.rotate_left(before);
                 (range, all)
             }
-            ("reverse" | "sort" | "stable_sort", [from, to]) => {
+            ("reverse" | "fall" | "sort" | "stable_sort", [from, to]) => {
                 let range = self.range(from, to)?;
                 let mut all = self.values_of(&range);
-                if name == "reverse" {
-                    all.reverse();
-                } else {
+                if name != "reverse" {
                     sorted(&mut all)?;
+                }
+                if matches!(name, "reverse" | "fall") {
+                    all.reverse();
                 }
                 (range, all)
             }
@@ -304,6 +314,18 @@ impl Machine<'_> {
             kind,
         };
         self.enter_with(function, vec![argument], None, place)
+    }
+}
+
+/// Whether elements are sorted from the largest: `std::greater<int>()`.
+fn falls(by: &Expr) -> bool {
+    match &by.node {
+        ExprNode::Template(_, of) => falls(of),
+        ExprNode::Call(callee, given) => {
+            let greater = matches!(&callee.node, ExprNode::Name(name) if last(name) == "greater");
+            greater && given.is_empty()
+        }
+        _ => false,
     }
 }
 

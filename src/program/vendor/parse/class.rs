@@ -260,6 +260,12 @@ impl Parser<'_> {
         (plain.then_some(data), functions)
     }
 
+    /// Whether what is declared here belongs to the class, not to its objects: `inline static int n;`.
+    fn is_shared(&self) -> bool {
+        let words = (0..).map(|ahead| self.word(ahead));
+        words.take_while(|it| QUALIFIERS.contains(it)).any(|it| it == "static")
+    }
+
     /// A member of a class that is data or a plain function; nothing where it is more than that.
     fn plain_member(&mut self, class: &str) -> Option<StmtNode> {
         if matches!(self.word(0), "public" | "private" | "protected") {
@@ -285,7 +291,7 @@ impl Parser<'_> {
         if operator {
             return None;
         }
-        let (told, shared) = (self.faults.len(), self.word(0) == "static");
+        let (told, shared) = (self.faults.len(), self.is_shared());
         self.in_class = true;
         let place = self.place();
         let node = self.declaration();
@@ -293,8 +299,7 @@ impl Parser<'_> {
         let clean = self.faults.len() == told;
         self.faults.truncate(told);
         if shared {
-            // A function or a constant of the class; what else its objects share is not run.
-            let fixed = |it: &Declared| it.constant && it.value.is_some();
+            // A function of the class, or what its objects share.
             let mut all = match node {
                 Ok(Some(StmtNode::Declare(all))) => all,
                 Ok(Some(StmtNode::Function(mut function))) if clean => {
@@ -308,7 +313,7 @@ impl Parser<'_> {
                 }
                 _ => return None,
             };
-            if !clean || !all.iter().all(fixed) {
+            if !clean {
                 return None;
             }
             for it in &mut all {

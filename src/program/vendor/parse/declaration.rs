@@ -58,8 +58,13 @@ impl Parser<'_> {
             return Ok(Some(node));
         }
         self.at = name_at;
-        let all = self.declarators(&first)?;
+        let mut all = self.declarators(&first)?;
         self.end_statement()?;
+        if !qualified.is_empty() {
+            // What the objects of a class share, or a variable of a namespace.
+            let name = &all[0].name;
+            all[0].name = format!("{}::{name}", qualified.join("::")).into();
+        }
         Ok(Some(StmtNode::Declare(all)))
     }
 

@@ -127,12 +127,19 @@ impl Parser<'_> {
                 let outer = std::mem::replace(&mut self.template, template);
                 let node = self.statement_node();
                 self.template = outer;
-                if let (Err(fault), true) = (&node, special) {
-                    let message = "a specialised template is not followed";
-                    return Err(Fault::error(fault.place, message, "behind `template <>`")
-                        .help("write it as a function of another name, and call that"));
+                let (Err(fault), true) = (&node, special) else {
+                    return node;
+                };
+                let message = "a specialised template is not followed";
+                let fault = Fault::error(fault.place, message, "behind `template <>`");
+                let help = "write it as a function of another name, and call that";
+                self.faults.push(fault.help(help));
+                // Its body would be told of as well.
+                while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
+                    self.at += 1;
                 }
-                node
+                self.skip_group();
+                Ok(StmtNode::Nothing)
             }
             "namespace" => self.namespace(),
             "enum" => self.enumeration(),
