@@ -1,6 +1,6 @@
 //! Statistics of a readout: events, latency, utilisation.
 
-use super::time::picos;
+use super::time::{picos, span_start};
 use crate::{
     event::{Dropped, Packet},
     unit::Picos,
@@ -117,10 +117,8 @@ impl Statistics {
         mut stages: Vec<Stage>,
         end: u128,
     ) -> Self {
-        let first = packet.events.first().map(|e| e.t);
-        let start = first.map_or(packet.span.0, |t| t.min(packet.span.0));
         let end = end.max(picos(packet.span.1));
-        let whole = end.saturating_sub(picos(start));
+        let whole = end.saturating_sub(picos(span_start(packet)));
         for stage in &mut stages {
             stage.busy = if whole > 0 {
                 stage.time as f64 / whole as f64
