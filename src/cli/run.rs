@@ -80,7 +80,8 @@ pub struct Arguments {
     /// Write voxels, float32 (P+1,K,H,W): each event shared between the two nearest frame times
     #[arg(long, value_name = "V.npy", value_parser = Content::Array)]
     voxels: Option<Output>,
-    /// The most events [default: any number; with --readout 100000000, or what there is memory for]
+    /// The most events [default: any number, those of a pair of frames as many as there is memory
+    /// for; with --readout 100000000, or what there is memory for]
     #[arg(long)]
     max_events: Option<usize>,
     /// What to do when a frame pair's events are too many [default: stop]
@@ -462,7 +463,7 @@ fn events(
         return Ok(Limit::default().events);
     }
     if !arguments.readout.is_asked() {
-        return budget::events(&need, None, budget::MADE, &what, help);
+        return budget::room(&need, budget::MADE, &what, help);
     }
     // A readout makes a second packet.
     let each = budget::MADE + Packet::bytes(1);
