@@ -7,7 +7,7 @@ use serde_json::json;
 
 use crate::{
     event::{
-        Packet,
+        Dropped, Packet,
         address::AddressWord,
         readout::{Statistics, settings::Description as ReadoutDescription},
     },
@@ -302,7 +302,8 @@ struct Watched {
     report: Report,
     /// Frame pairs in which the authors' refractory rule lets no cell fire.
     too_short: u64,
-    dropped: u64,
+    /// What is not in the file, by reason.
+    dropped: Dropped,
     read_out: Option<(ReadoutDescription, Statistics)>,
     paper_metric: Option<f64>,
     warnings: Vec<Warning>,
@@ -406,7 +407,6 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     progress.finish();
     let first = first.unwrap_or(0.0);
     packet.span = (Micros::from_seconds(first), Micros::from_seconds(last));
-    let dropped = packet.dropped.total();
     let mut read_out = None;
     if let Some((chosen, read)) = arguments.readout.apply(&packet)? {
         packet = read.packet;
@@ -425,7 +425,7 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
         tally,
         report: reference.report(),
         too_short,
-        dropped,
+        dropped: packet.dropped,
         read_out,
         paper_metric: grid.is_some().then(|| paper.value()),
     })
@@ -626,7 +626,7 @@ impl Watched {
                 "crossings without a sign of their own pixel, not emitted (polarity = \"pixel\")",
             ),
             (
-                self.dropped,
+                self.dropped.over_limit,
                 "of the events are not in the file: the list was full (what is counted above, --counts and --voxels have all)",
             ),
         ];
