@@ -31,8 +31,8 @@ use std::collections::{BTreeMap, BTreeSet, HashSet, VecDeque};
 use super::{
     ReadOut, Statistics, WhenFull,
     queue::Queue,
-    statistics::Stage,
-    time::{micros, picos, since},
+    statistics::{Latencies, Stage},
+    time::{micros, picos},
 };
 use crate::{
     event::{Dropped, Event, Packet},
@@ -110,10 +110,10 @@ impl Arbiter {
         }
         queue.finish();
         let mut out = Vec::with_capacity(queue.sent.len());
-        let mut latencies = Vec::with_capacity(queue.sent.len());
+        let mut latencies = Latencies::new(packet);
         for (at, event) in &queue.sent {
             if let Some(e) = packet.events.get(*event) {
-                latencies.push(since(e.t, *at));
+                latencies.push(e.t, *at);
                 let t = micros(*at);
                 out.push(Event { t, ..*e });
             }
@@ -322,5 +322,31 @@ mod tests {
         assert!(read.packet.events.iter().all(|e| e.t.0 == 5));
         let latency = read.statistics.latency.unwrap();
         assert_eq!((latency.p50.0, latency.max.0), (72_000, 108_000));
+    }
+
+    #[test]
+    fn a_stage_falls_behind_where_events_wait_longer_and_longer() {
+        let behind = |arbiter: Arbiter, events: u64| {
+            let events: Vec<_> = (0..events).map(|t| event(t, t as u16 % 8, 0)).collect();
+            let read = arbiter.read(&packet(8, 8, &events));
+            assert!(read.statistics.stages[1].busy > 0.99);
+            read.statistics.stages[1].falls_behind
+        };
+        let slow = Arbiter {
+            row: Picos(0),
+            event: Picos(0),
+            link: Picos(10_000_000),
+            requests: Requests::All,
+            ..arbiter()
+        };
+        assert!(behind(slow, 300));
+        // What is lost does not wait, and one event waits for none.
+        let full = Arbiter {
+            fifo: Some(2),
+            when_full: WhenFull::DropNewest,
+            ..slow
+        };
+        assert!(!behind(full, 300));
+        assert!(!behind(slow, 1));
     }
 }

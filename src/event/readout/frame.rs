@@ -18,7 +18,8 @@ use std::collections::HashSet;
 use super::{
     ReadOut, Statistics,
     link::Link,
-    time::{Window, since, windows},
+    statistics::Latencies,
+    time::{Window, windows},
 };
 use crate::{
     event::{Dropped, Event, Packet},
@@ -55,7 +56,7 @@ impl Frame {
     #[must_use]
     pub fn read(&self, packet: &Packet) -> ReadOut {
         let mut out = Vec::with_capacity(packet.events.len());
-        let mut latencies = Vec::with_capacity(packet.events.len());
+        let mut latencies = Latencies::new(packet);
         let (mut dropped, mut most) = (Dropped::default(), 0);
         let bits = Self::bits(packet.size, packet.channels);
         let frame = u128::from(self.bit.0).saturating_mul(bits.into());
@@ -66,7 +67,7 @@ impl Frame {
             let before = out.len();
             for e in events {
                 if set.insert((e.channel, e.polarity, e.y, e.x)) {
-                    latencies.push(since(e.t, arrival));
+                    latencies.push(e.t, arrival);
                     out.push(Event { t: stamp, ..*e });
                 } else {
                     dropped.merged += 1;

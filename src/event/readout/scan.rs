@@ -18,11 +18,7 @@
 //! what it reads with the frame's time, as it knows which frame it reads; how long after that
 //! an event was read is its latency.
 
-use super::{
-    ReadOut, Statistics,
-    link::Link,
-    time::{since, windows},
-};
+use super::{ReadOut, Statistics, link::Link, statistics::Latencies, time::windows};
 use crate::{
     event::{Dropped, Event, Packet, Polarity},
     plane::{At, Size},
@@ -122,7 +118,7 @@ impl Scan {
     #[must_use]
     pub fn read(&self, packet: &Packet) -> ReadOut {
         let mut out = Vec::with_capacity(packet.events.len());
-        let mut latencies = Vec::with_capacity(packet.events.len());
+        let mut latencies = Latencies::new(packet);
         let (mut dropped, mut ambiguous) = (Dropped::default(), 0);
         let mut most = 0;
         let scan = u128::from(self.slot.0) * u128::from(self.slots);
@@ -142,7 +138,7 @@ impl Scan {
                 dropped.no_slot += (plane.len() - slots) as u64;
                 for (e, slot) in plane.iter().take(slots).zip(1..) {
                     let read = start + number(e) * scan + slot * u128::from(self.slot.0);
-                    latencies.push(since(e.t, read));
+                    latencies.push(e.t, read);
                     let at = At {
                         y: e.y.into(),
                         x: e.x.into(),
