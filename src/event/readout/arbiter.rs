@@ -6,8 +6,9 @@
 //! ```
 //!
 //! * A cell that fires raises its request and holds it until it has been read; what it fires
-//!   meanwhile is `merged` into that one request ([`Requests::One`]), or waits its turn
-//!   ([`Requests::All`], where a model makes several events at once).
+//!   meanwhile, of either sign, is `merged` into that one request, which keeps the sign that
+//!   raised it ([`Requests::One`]), or waits its turn ([`Requests::All`], where a model makes
+//!   several events at once).
 //! * The arbiter chooses a row that has requests, which takes the time `row`. With `burst` all
 //!   requests of the row at the end of that time are latched and read column by column, `event`
 //!   each (word-serial: the row is sent once); without, only the one that has waited longest.
@@ -42,7 +43,7 @@ use crate::{
 /// What a cell's request stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Requests {
-    /// One event: what the cell fires before it is read is merged into it.
+    /// One event: what the cell fires before it is read, of either sign, is merged into it.
     #[default]
     One,
     /// Every event waits its turn.
@@ -235,7 +236,10 @@ impl<'a> Cells<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::event::readout::testing::{event, packet};
+    use crate::event::{
+        Polarity,
+        readout::testing::{event, packet},
+    };
 
     fn arbiter() -> Arbiter {
         let us = |n: u64| Picos(n * 1_000_000);
@@ -294,8 +298,9 @@ mod tests {
 
     #[test]
     fn a_request_stands_for_one_event_until_it_is_read() {
-        // Read at 4: what fires up to then is merged.
-        let events = [0, 2, 4, 5].map(|t| event(t, 0, 0));
+        // Read at 4: what fires up to then is merged, of the other sign too.
+        let mut events = [0, 2, 4, 5].map(|t| event(t, 0, 0));
+        events[1].polarity = Polarity::Off;
         let read = arbiter().read(&packet(1, 1, &events));
         assert_eq!(read.packet.dropped.merged, 2);
         let times: Vec<_> = read.packet.events.iter().map(|e| e.t.0).collect();
