@@ -172,6 +172,15 @@ pub enum SensorError {
         /// How many events it may hold.
         limit: usize,
     },
+    /// The events of a pair of frames have no room, before they are passed on.
+    #[error("a pair of frames has more events than there is memory for: more than {room}")]
+    #[diagnostic(help(
+        "allow more with --max-memory SIZE, raise the thresholds, put frames in (--upsample), ask for --counts or --voxels instead of --events, or choose to drop (--when-full drop)"
+    ))]
+    PairFull {
+        /// How many events there is room for.
+        room: usize,
+    },
     /// Weights times light that the number format cannot hold.
     #[error(
         "what the cell at x = {x}, y = {y} of channel {channel} sees is beyond the largest number of the format {format}"

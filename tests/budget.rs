@@ -456,8 +456,14 @@ fn lists_end_where_the_memory_does() {
     // Of 13 bytes each in the file, 16 in a packet.
     assert!(written > 40 << 20, "{written} bytes do not try it");
     assert!(ran.peak < 40 << 10, "held {} KiB", ran.peak);
-    // And no more than were asked for.
     fs::remove_file(&out).unwrap();
+    // A single pair has to fit.
+    refused(
+        &[&little[..], &["--threshold", "0.001"]].concat(),
+        &["a pair of frames has more events than", "--max-memory"],
+    );
+    assert!(!Path::new(&out).exists());
+    // And no more than were asked for.
     refused(
         &[&little[..], &["--max-events", "2000000"]].concat(),
         &["more than 2000000 events", "--when-full drop"],

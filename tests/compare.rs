@@ -1021,6 +1021,31 @@ mod verb {
         assert!(said.contains("theypartat"), "{said}");
     }
 
+    /// Times of crossings are on no frames, whoever knows the frame rate of the scene.
+    #[test]
+    fn a_scene_makes_no_frames_of_crossing_times() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+        let scene = "pattern:noise?width=24&height=20&frames=12&speed=90&fps=5";
+        let [sensor, events] = ["dvs.toml", "events.npy"].map(path);
+        let text = "response = { lin-log = { knee = 20 } }\nmemory = \"filtered-step\"\n[[channel]]\nkernel = \"dvs\"\nthreshold = { on = 0.2, off = 0.2 }\n";
+        std::fs::write(&sensor, text).unwrap();
+        let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let run = [
+            "run", "--scene", scene, "--sensor", &sensor, "--events", &events,
+        ];
+        common::amacrine(here, &run).assert().success();
+        let said = |more: &[&str]| -> serde_json::Value {
+            let arguments = [&[events.as_str(), &events, "--json"], more].concat();
+            let out = amacrine(&arguments).assert().success();
+            serde_json::from_slice(&out.get_output().stdout).unwrap()
+        };
+        let (alone, beside) = (said(&[]), said(&["--scene", scene, "--sensor", &sensor]));
+        assert_eq!(beside["headline"]["window_us"], 100_000);
+        assert!(beside["headline"]["frame_interval_us"].is_null());
+        assert_eq!(alone["curve"], beside["curve"]);
+    }
+
     #[test]
     fn json_holds_every_metric_beside_what_is_known() {
         let folder = tempfile::tempdir().unwrap();

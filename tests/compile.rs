@@ -276,12 +276,17 @@ fn what_cannot_be_is_said() {
     assert!(matches!(
         error,
         CompileError::NotDyadic {
-            kernel: 0,
             row: 0,
             column: 1,
             ..
         }
     ));
+    assert!(error.to_string().starts_with("kernel 0, row 0"), "{error}");
+    let named = error.of_kernel("edges.toml").to_string();
+    assert!(
+        named.starts_with("edges.toml, row 0, column 1: "),
+        "{named}"
+    );
     let kinds = vec![
         CellKind {
             name: None,

@@ -216,6 +216,18 @@ fn run_offers_the_same_readout() {
             .unwrap()
             > 0.0
     );
+    // What is lost is told as in every verb: all of it, by reason.
+    let full = [
+        &slow[..],
+        &["--with", "fifo=0", "--with", "when-full=drop-newest"],
+    ];
+    let seen = json(
+        folder.path(),
+        &[&run[..], &["few.npy"], &full.concat()].concat(),
+    );
+    let lost = read("few.npy").dropped;
+    assert!(lost.queue_full > 0);
+    assert_eq!(seen["dropped"], serde_json::to_value(lost).unwrap());
     let alone = amacrine(
         folder.path(),
         &[

@@ -86,18 +86,23 @@ pub fn events(
     what: &str,
     help: &str,
 ) -> miette::Result<usize> {
-    let list = |events: usize| {
-        let part = format!("a list of up to {events} events");
-        need.clone().and(part, bytes * events as u128)
+    let Some(asked) = asked else {
+        return Ok(Limit::default().events.min(room(need, bytes, what, help)?));
     };
     let help = format!("{help}, give a smaller --max-events");
-    if let Some(asked) = asked {
-        check(&list(asked), what, &help)?;
-        return Ok(asked);
-    }
-    check(&list(SHORTEST), what, &help)?;
-    let room = u128::from(need.left(budget())) / bytes;
-    Ok(Limit::default().events.min(room as usize))
+    check(&with_list(need, asked, bytes), what, &help)?;
+    Ok(asked)
+}
+
+/// How many events, each `bytes`, there is room for beside `need`.
+pub fn room(need: &Need, bytes: u128, what: &str, help: &str) -> miette::Result<usize> {
+    check(&with_list(need, SHORTEST, bytes), what, help)?;
+    Ok((u128::from(need.left(budget())) / bytes) as usize)
+}
+
+fn with_list(need: &Need, events: usize, bytes: u128) -> Need {
+    let part = format!("a list of up to {events} events");
+    need.clone().and(part, bytes * events as u128)
 }
 
 /// The events that a packet may come to hold while something else holds `need`.
@@ -132,5 +137,23 @@ impl Growth {
             "{what}: there is no room for more events: {held}; {} are left for them",
             Bytes(Packet::bytes(self.most as u64))
         ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn room_ends_where_the_memory_does() {
+        let need = Need::new();
+        let bytes = need.left(budget());
+        assert_eq!(room(&need, 1, "it", "").unwrap() as u64, bytes);
+        let usual = Limit::default().events;
+        assert_eq!(events(&need, None, 1, "it", "").unwrap(), usual);
+        assert_eq!(
+            events(&need, Some(usual + 1), 1, "it", "").unwrap(),
+            usual + 1
+        );
     }
 }

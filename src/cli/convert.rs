@@ -47,7 +47,8 @@ pub struct Arguments {
     /// The size of the sensor, where A does not say it
     #[arg(long, value_name = "WxH", value_parser = recording::size)]
     size: Option<Size>,
-    /// Only the events from FROM on and before TO, each with its unit; either may be left out
+    /// Only the events from FROM on and before TO, each with its unit; either may be left out.
+    /// Windows (`voxels`, `show`) have those after their start and up to their end
     #[arg(long, value_name = "FROM..TO", value_parser = slice)]
     slice: Option<(Micros, Micros)>,
     /// Times from the start of the recording on, or of the slice: for formats that hold no times of

@@ -540,7 +540,7 @@ fn over_chips(over: &OverChips) -> String {
     );
     let is_silent = over.has_nothing_to_keep();
     if is_silent {
-        text += "kept                   nothing to keep: the float kernel has no event in what they watched\n";
+        let _ = writeln!(text, "{:<22} {}", "kept", OverChips::NOTHING_TO_KEEP);
     }
     let of_kept = |spread| Some(spread).filter(|_| !is_silent);
     let rows = [

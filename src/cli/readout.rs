@@ -118,7 +118,7 @@ pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> 
             100.0 * stage.busy,
             stage.most
         ));
-        if stage.busy > 0.99 {
+        if stage.falls_behind {
             lines.push(format!(
                 "note     the {} cannot keep up: what comes waits longer and longer",
                 stage.name

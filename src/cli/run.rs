@@ -7,7 +7,7 @@ use serde_json::json;
 
 use crate::{
     event::{
-        Packet,
+        Dropped, Packet,
         address::AddressWord,
         readout::{Statistics, settings::Description as ReadoutDescription},
     },
@@ -80,7 +80,8 @@ pub struct Arguments {
     /// Write voxels, float32 (P+1,K,H,W): each event shared between the two nearest frame times
     #[arg(long, value_name = "V.npy", value_parser = Content::Array)]
     voxels: Option<Output>,
-    /// The most events [default: any number; with --readout 100000000, or what there is memory for]
+    /// The most events [default: any number, those of a pair of frames as many as there is memory
+    /// for; with --readout 100000000, or what there is memory for]
     #[arg(long)]
     max_events: Option<usize>,
     /// What to do when a frame pair's events are too many [default: stop]
@@ -301,7 +302,8 @@ struct Watched {
     report: Report,
     /// Frame pairs in which the authors' refractory rule lets no cell fire.
     too_short: u64,
-    dropped: u64,
+    /// What is not in the file, by reason.
+    dropped: Dropped,
     read_out: Option<(ReadoutDescription, Statistics)>,
     paper_metric: Option<f64>,
     warnings: Vec<Warning>,
@@ -405,7 +407,6 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     progress.finish();
     let first = first.unwrap_or(0.0);
     packet.span = (Micros::from_seconds(first), Micros::from_seconds(last));
-    let dropped = packet.dropped.total();
     let mut read_out = None;
     if let Some((chosen, read)) = arguments.readout.apply(&packet)? {
         packet = read.packet;
@@ -424,7 +425,7 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
         tally,
         report: reference.report(),
         too_short,
-        dropped,
+        dropped: packet.dropped,
         read_out,
         paper_metric: grid.is_some().then(|| paper.value()),
     })
@@ -462,7 +463,7 @@ fn events(
         return Ok(Limit::default().events);
     }
     if !arguments.readout.is_asked() {
-        return budget::events(&need, None, budget::MADE, &what, help);
+        return budget::room(&need, budget::MADE, &what, help);
     }
     // A readout makes a second packet.
     let each = budget::MADE + Packet::bytes(1);
@@ -625,7 +626,7 @@ impl Watched {
                 "crossings without a sign of their own pixel, not emitted (polarity = \"pixel\")",
             ),
             (
-                self.dropped,
+                self.dropped.over_limit,
                 "of the events are not in the file: the list was full (what is counted above, --counts and --voxels have all)",
             ),
         ];

@@ -42,10 +42,11 @@ pub struct Arguments {
     /// Which view of it
     #[arg(long, value_enum, default_value = "overview")]
     view: Shown,
-    /// Leave out what is not later than this
+    /// Leave out what is not later than this: as in a window, an event at the time of a frame
+    /// belongs to what ends there (`convert --slice` keeps what is at its start)
     #[arg(long, value_name = "TIME")]
     from: Option<Micros>,
-    /// Leave out what is later than this
+    /// Leave out what is later than this; what is at this time stays
     #[arg(long, value_name = "TIME")]
     to: Option<Micros>,
     /// Length of a frame, and time constant of a time surface

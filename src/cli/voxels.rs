@@ -26,7 +26,7 @@ use crate::{
 /// What `voxels` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine voxels events.npy -o voxels.npy --window 50ms\n  amacrine voxels events.npy -o voxels.npz --window 100ms --every 50ms --bins 9 --polarity split --half\n  amacrine voxels events.npy -o voxels.h5 --window 50ms --normalise std --align centred\n\nThe array has the shape (windows, kinds, sides, bins, H, W); sides is 1, or with --polarity split OFF and then ON. Files of any length are read block by block; what is held is the windows that overlap."
+    after_help = "Examples:\n  amacrine voxels events.npy -o voxels.npy --window 50ms\n  amacrine voxels events.npy -o voxels.npz --window 100ms --every 50ms --bins 9 --polarity split --half\n  amacrine voxels events.npy -o voxels.h5 --window 50ms --normalise std --align centred\n\nThe array has the shape (windows, kinds, sides, bins, H, W); sides is 1, or with --polarity split OFF and then ON. A window has the events after its start and up to its end, the first one those at its start, too: an event at the time of a frame is in the window that ends with it. Files of any length are read block by block; what is held is the windows that overlap."
 )]
 pub struct Arguments {
     /// An event file

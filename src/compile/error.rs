@@ -36,14 +36,14 @@ pub(super) fn times_that_fit(times: f64) -> String {
 pub enum CompileError {
     /// A weight that sums and halves do not make exactly.
     #[error(
-        "kernel {kernel}, row {row}, column {column}: {weight} is not a whole number of 1/4096 of at most 4096"
+        "{kernel}, row {row}, column {column}: {weight} is not a whole number of 1/4096 of at most 4096"
     )]
     #[diagnostic(help(
         "sums and halves make dyadic weights only; quantise the kernel with --to (ternary, po2-3, int-5, q1.4 …), or write the weight as a fraction of a power of two"
     ))]
     NotDyadic {
-        /// Which kernel, from 0.
-        kernel: usize,
+        /// Which kernel: its number, from 0, or [its name](Self::of_kernel).
+        kernel: String,
         /// Row, from 0 in the north.
         row: usize,
         /// Column, from 0 in the west.
@@ -53,14 +53,14 @@ pub enum CompileError {
     },
     /// A kernel that is too large.
     #[error(
-        "kernel {kernel} is {} by {}; at most 15 by 15 here",
+        "{kernel} is {} by {}; at most 15 by 15 here",
         crate::unit::counted(*height, "row"),
         crate::unit::counted(*width, "column")
     )]
     #[diagnostic(help("cut the kernel where its weights are small"))]
     Size {
-        /// Which kernel, from 0.
-        kernel: usize,
+        /// Which kernel: its number, from 0, or [its name](Self::of_kernel).
+        kernel: String,
         /// Rows of the kernel.
         height: usize,
         /// Columns of the kernel.
@@ -209,6 +209,17 @@ impl CompileError {
         | Self::Store { advice, .. } = &mut self
         {
             *advice = advised();
+        }
+        self
+    }
+}
+
+impl CompileError {
+    /// What is said of a kernel by its number, said of it by its name.
+    #[must_use]
+    pub fn of_kernel(mut self, name: &str) -> Self {
+        if let Self::NotDyadic { kernel, .. } | Self::Size { kernel, .. } = &mut self {
+            name.clone_into(kernel);
         }
         self
     }

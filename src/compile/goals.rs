@@ -22,7 +22,7 @@ pub(super) fn goals(kernels: &[Kernel]) -> Result<(Vec<LinearForm>, i64), Compil
         let (height, width) = own.weights().dim();
         if height.max(width) > SIDE {
             return Err(CompileError::Size {
-                kernel,
+                kernel: format!("kernel {kernel}"),
                 height,
                 width,
             });
@@ -32,7 +32,7 @@ pub(super) fn goals(kernels: &[Kernel]) -> Result<(Vec<LinearForm>, i64), Compil
             let bits = (0..=FRACTION).find(whole);
             let Some(bits) = bits.filter(|_| weight.abs() <= LARGEST) else {
                 return Err(CompileError::NotDyadic {
-                    kernel,
+                    kernel: format!("kernel {kernel}"),
                     row,
                     column,
                     weight,

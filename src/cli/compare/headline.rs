@@ -61,10 +61,13 @@ impl Headline {
         redraws: &Redraws,
         fps: Option<f64>,
     ) -> Result<Self, SceneError> {
+        let told = || window::frame_interval(pair);
         let interval = match fps {
-            Some(fps) if fps > 0.0 && fps.is_finite() => Some(window::interval(fps)),
+            // The scene has frames; whether the events are at their times is for them to say.
+            Some(fps) if fps > 0.0 && fps.is_finite() => Some(window::interval(fps))
+                .filter(|_| arguments.sensor.is_none() || told().is_some()),
             Some(fps) => return Err(SceneError::BadRate { fps }),
-            None => window::frame_interval(pair),
+            None => told(),
         };
         let asked = arguments.window.within;
         let within = asked.unwrap_or_else(|| window::headline_of(interval));
@@ -122,9 +125,9 @@ impl Headline {
             Short(window_us)
         );
         let _ = match (self.fps, self.frame_interval_us) {
-            (Some(fps), _) => write!(text, "; {} frames/s", equivalent::rate(fps)),
+            (Some(fps), Some(_)) => write!(text, "; {} frames/s", equivalent::rate(fps)),
             (None, Some(interval)) => write!(text, "; a frame every {}", Short(interval)),
-            (None, None) => write!(text, "; times on no frames"),
+            (_, None) => write!(text, "; times on no frames"),
         };
         if let Some(equivalent) = self.equivalent {
             let percents = equivalent::percents(equivalent.percent, equivalent.is_least);

@@ -12,7 +12,7 @@ mod shared;
 
 use std::time::Instant;
 
-use miette::{Diagnostic as _, IntoDiagnostic, miette};
+use miette::{IntoDiagnostic, miette};
 
 use on_chip::OnChip;
 
@@ -535,12 +535,7 @@ fn check_weights(asked: &Asked) -> miette::Result<()> {
                 "{source} has no weight but 0: nothing comes of it"
             ));
         }
-        if let Err(error) = naive_cost(std::slice::from_ref(kernel)) {
-            let said = error.to_string();
-            let rest = said.strip_prefix("kernel 0").unwrap_or(&said);
-            let help = error.help().map_or_else(String::new, |it| it.to_string());
-            return Err(miette!(help = help, "{source}{rest}"));
-        }
+        naive_cost(std::slice::from_ref(kernel)).map_err(|error| error.of_kernel(source))?;
     }
     Ok(())
 }

@@ -228,7 +228,8 @@ pub fn entropy(counts: &[u64]) -> f64 {
         let p = *c as f64 / all;
         -p * elementary::log2(p)
     };
-    counts.iter().filter(|c| **c > 0).map(bits).sum()
+    // Adding 0 turns -0 to 0.
+    counts.iter().filter(|c| **c > 0).map(bits).sum::<f64>() + 0.0
 }
 
 #[cfg(test)]
@@ -342,8 +343,11 @@ mod tests {
         );
         assert_eq!(book.mean_length(&counts), Some(1.875));
         assert_eq!(entropy(&counts), 1.875);
-        assert_eq!(entropy(&[7]), 0.0);
-        assert_eq!(entropy(&[0, 0]), 0.0);
+        // Not -0, which would be printed.
+        assert_eq!(
+            [&[7][..], &[0, 0]].map(|counts| entropy(counts).to_bits()),
+            [0; 2]
+        );
     }
 
     #[test]

@@ -6,8 +6,9 @@
 //! ```
 //!
 //! * A cell that fires raises its request and holds it until it has been read; what it fires
-//!   meanwhile is `merged` into that one request ([`Requests::One`]), or waits its turn
-//!   ([`Requests::All`], where a model makes several events at once).
+//!   meanwhile, of either sign, is `merged` into that one request, which keeps the sign that
+//!   raised it ([`Requests::One`]), or waits its turn ([`Requests::All`], where a model makes
+//!   several events at once).
 //! * The arbiter chooses a row that has requests, which takes the time `row`. With `burst` all
 //!   requests of the row at the end of that time are latched and read column by column, `event`
 //!   each (word-serial: the row is sent once); without, only the one that has waited longest.
@@ -31,8 +32,8 @@ use std::collections::{BTreeMap, BTreeSet, HashSet, VecDeque};
 use super::{
     ReadOut, Statistics, WhenFull,
     queue::Queue,
-    statistics::Stage,
-    time::{micros, picos, since},
+    statistics::{Latencies, Stage},
+    time::{micros, picos},
 };
 use crate::{
     event::{Dropped, Event, Packet},
@@ -42,7 +43,7 @@ use crate::{
 /// What a cell's request stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Requests {
-    /// One event: what the cell fires before it is read is merged into it.
+    /// One event: what the cell fires before it is read, of either sign, is merged into it.
     #[default]
     One,
     /// Every event waits its turn.
@@ -110,10 +111,10 @@ impl Arbiter {
         }
         queue.finish();
         let mut out = Vec::with_capacity(queue.sent.len());
-        let mut latencies = Vec::with_capacity(queue.sent.len());
+        let mut latencies = Latencies::new(packet);
         for (at, event) in &queue.sent {
             if let Some(e) = packet.events.get(*event) {
-                latencies.push(since(e.t, *at));
+                latencies.push(e.t, *at);
                 let t = micros(*at);
                 out.push(Event { t, ..*e });
             }
@@ -235,7 +236,10 @@ impl<'a> Cells<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::event::readout::testing::{event, packet};
+    use crate::event::{
+        Polarity,
+        readout::testing::{event, packet},
+    };
 
     fn arbiter() -> Arbiter {
         let us = |n: u64| Picos(n * 1_000_000);
@@ -294,8 +298,9 @@ mod tests {
 
     #[test]
     fn a_request_stands_for_one_event_until_it_is_read() {
-        // Read at 4: what fires up to then is merged.
-        let events = [0, 2, 4, 5].map(|t| event(t, 0, 0));
+        // Read at 4: what fires up to then is merged, of the other sign too.
+        let mut events = [0, 2, 4, 5].map(|t| event(t, 0, 0));
+        events[1].polarity = Polarity::Off;
         let read = arbiter().read(&packet(1, 1, &events));
         assert_eq!(read.packet.dropped.merged, 2);
         let times: Vec<_> = read.packet.events.iter().map(|e| e.t.0).collect();
@@ -322,5 +327,31 @@ mod tests {
         assert!(read.packet.events.iter().all(|e| e.t.0 == 5));
         let latency = read.statistics.latency.unwrap();
         assert_eq!((latency.p50.0, latency.max.0), (72_000, 108_000));
+    }
+
+    #[test]
+    fn a_stage_falls_behind_where_events_wait_longer_and_longer() {
+        let behind = |arbiter: Arbiter, events: u64| {
+            let events: Vec<_> = (0..events).map(|t| event(t, t as u16 % 8, 0)).collect();
+            let read = arbiter.read(&packet(8, 8, &events));
+            assert!(read.statistics.stages[1].busy > 0.99);
+            read.statistics.stages[1].falls_behind
+        };
+        let slow = Arbiter {
+            row: Picos(0),
+            event: Picos(0),
+            link: Picos(10_000_000),
+            requests: Requests::All,
+            ..arbiter()
+        };
+        assert!(behind(slow, 300));
+        // What is lost does not wait, and one event waits for none.
+        let full = Arbiter {
+            fifo: Some(2),
+            when_full: WhenFull::DropNewest,
+            ..slow
+        };
+        assert!(!behind(full, 300));
+        assert!(!behind(slow, 1));
     }
 }

@@ -17,8 +17,9 @@ use std::collections::HashSet;
 
 use super::{
     ReadOut, Statistics,
-    statistics::Stage,
-    time::{Window, picos, since, windows},
+    link::Link,
+    statistics::Latencies,
+    time::{Window, windows},
 };
 use crate::{
     event::{Dropped, Event, Packet},
@@ -55,16 +56,18 @@ impl Frame {
     #[must_use]
     pub fn read(&self, packet: &Packet) -> ReadOut {
         let mut out = Vec::with_capacity(packet.events.len());
-        let mut latencies = Vec::with_capacity(packet.events.len());
+        let mut latencies = Latencies::new(packet);
         let (mut dropped, mut most) = (Dropped::default(), 0);
-        let mut link = Link::new(self, packet);
+        let bits = Self::bits(packet.size, packet.channels);
+        let frame = u128::from(self.bit.0).saturating_mul(bits.into());
+        let mut link = Link::new(self.period, frame, packet);
         for Window { stamp, events } in windows(packet, self.period) {
             let arrival = link.send(stamp);
             let mut set = HashSet::new();
             let before = out.len();
             for e in events {
                 if set.insert((e.channel, e.polarity, e.y, e.x)) {
-                    latencies.push(since(e.t, arrival));
+                    latencies.push(e.t, arrival);
                     out.push(Event { t: stamp, ..*e });
                 } else {
                     dropped.merged += 1;
@@ -77,70 +80,9 @@ impl Frame {
             }
         }
         link.idle_until(packet.span.1);
-        let stages = vec![Stage::new("link", link.busy, most)];
-        let statistics = Statistics::new("frame", packet, dropped, &latencies, stages, link.free);
+        let stages = vec![link.stage("link", most)];
+        let statistics = Statistics::new("frame", packet, dropped, &latencies, stages, link.free());
         ReadOut::new(packet, out, statistics)
-    }
-}
-
-/// The link: frames are sent one after the other, empty ones included.
-struct Link {
-    /// Microseconds; 0 when only frames with events are sent.
-    period: u64,
-    /// Picoseconds that a frame takes.
-    frame: u128,
-    /// Number of the frame that is sent next.
-    next: u64,
-    free: u128,
-    busy: u128,
-}
-
-impl Link {
-    fn new(frame: &Frame, packet: &Packet) -> Self {
-        let first = packet.events.first().map_or(packet.span.0, |e| e.t);
-        let bits = Frame::bits(packet.size, packet.channels);
-        Self {
-            period: frame.period.0,
-            frame: u128::from(frame.bit.0).saturating_mul(bits.into()),
-            next: first.min(packet.span.0).0.div_ceil(frame.period.0.max(1)),
-            free: 0,
-            busy: 0,
-        }
-    }
-
-    /// Sends the frame that ends at `stamp`, after the empty ones before it; returns its arrival.
-    fn send(&mut self, stamp: Micros) -> u128 {
-        if let Some(number) = stamp.0.checked_div(self.period) {
-            self.skip(number.saturating_sub(self.next));
-            self.next = number.saturating_add(1);
-        }
-        self.free = self.free.max(picos(stamp)).saturating_add(self.frame);
-        self.busy = self.busy.saturating_add(self.frame);
-        self.free
-    }
-
-    fn idle_until(&mut self, end: Micros) {
-        if self.period > 0 {
-            let last = end.0.div_ceil(self.period);
-            self.skip(last.saturating_add(1).saturating_sub(self.next));
-        }
-    }
-
-    /// The next `n` frames are empty. Each begins when it has ended and the one before it has
-    /// been sent; the last is done when the slowest of three chains is: all of them behind what
-    /// went before, all behind the end of the first, or the last alone behind its own end.
-    fn skip(&mut self, n: u64) {
-        if n == 0 {
-            return;
-        }
-        let end = |number: u64| picos(Micros(number.saturating_mul(self.period)));
-        let all = self.frame.saturating_mul(n.into());
-        let last = self.next.saturating_add(n - 1);
-        self.free = (self.free.saturating_add(all))
-            .max(end(self.next).saturating_add(all))
-            .max(end(last).saturating_add(self.frame));
-        self.busy = self.busy.saturating_add(all);
-        self.next = last.saturating_add(1);
     }
 }
 

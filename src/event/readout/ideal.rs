@@ -1,6 +1,10 @@
 //! The ideal readout: nothing is lost or delayed.
 
-use super::{arrival::ReadOut, statistics::Statistics};
+use super::{
+    arrival::ReadOut,
+    statistics::{Latencies, Statistics},
+    time::picos,
+};
 use crate::event::{Dropped, Packet};
 
 /// Every event arrives when it fired.
@@ -11,7 +15,10 @@ impl Ideal {
     /// The packet as it was.
     #[must_use]
     pub fn read(&self, packet: &Packet) -> ReadOut {
-        let latencies = vec![0; packet.events.len()];
+        let mut latencies = Latencies::new(packet);
+        for e in &packet.events {
+            latencies.push(e.t, picos(e.t));
+        }
         let nothing = Dropped::default();
         let statistics = Statistics::new("ideal", packet, nothing, &latencies, Vec::new(), 0);
         ReadOut::new(packet, packet.events.clone(), statistics)

@@ -24,6 +24,7 @@ pub mod arbiter;
 mod arrival;
 pub mod frame;
 mod ideal;
+mod link;
 mod queue;
 pub mod scan;
 pub mod settings;

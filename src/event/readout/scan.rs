@@ -13,15 +13,12 @@
 //! cannot be told from the end of the list.
 //!
 //! [`Scan`] puts a packet through it: for each frame and kind the pixels of ON, then those of
-//! OFF, are scanned; the frames wait for each other where they come too fast. The host stamps
+//! OFF, are scanned; the frames wait for each other where they come too fast. With a period every
+//! frame is read, whether or not there are events in it. The host stamps
 //! what it reads with the frame's time, as it knows which frame it reads; how long after that
 //! an event was read is its latency.
 
-use super::{
-    ReadOut, Statistics,
-    statistics::Stage,
-    time::{picos, since, windows},
-};
+use super::{ReadOut, Statistics, link::Link, statistics::Latencies, time::windows};
 use crate::{
     event::{Dropped, Event, Packet, Polarity},
     plane::{At, Size},
@@ -117,16 +114,19 @@ pub struct Scan {
 
 impl Scan {
     /// Reads a packet out: what arrives, and its statistics.
+    /// Frames of a period that are empty are read as well, from the first time watched to the last.
     #[must_use]
     pub fn read(&self, packet: &Packet) -> ReadOut {
         let mut out = Vec::with_capacity(packet.events.len());
-        let mut latencies = Vec::with_capacity(packet.events.len());
+        let mut latencies = Latencies::new(packet);
         let (mut dropped, mut ambiguous) = (Dropped::default(), 0);
-        let (mut free, mut busy, mut most) = (0, 0, 0);
+        let mut most = 0;
         let scan = u128::from(self.slot.0) * u128::from(self.slots);
-        let scans = 2 * u128::from(packet.channels);
+        // A scan that finds nothing takes as long.
+        let all = 2 * u128::from(packet.channels) * scan;
+        let mut link = Link::new(self.period, all, packet);
         for frame in windows(packet, self.period) {
-            let start = free.max(picos(frame.stamp));
+            let start = link.send(frame.stamp) - all;
             let mut set: Vec<&Event> = frame.events.iter().collect();
             // The first event of a pixel sets its bit.
             set.sort_by_key(|e| (number(e), self.order.key(e)));
@@ -138,7 +138,7 @@ impl Scan {
                 dropped.no_slot += (plane.len() - slots) as u64;
                 for (e, slot) in plane.iter().take(slots).zip(1..) {
                     let read = start + number(e) * scan + slot * u128::from(self.slot.0);
-                    latencies.push(since(e.t, read));
+                    latencies.push(e.t, read);
                     let at = At {
                         y: e.y.into(),
                         x: e.x.into(),
@@ -148,12 +148,10 @@ impl Scan {
                     out.push(Event { t, ..**e });
                 }
             }
-            // A scan that finds nothing takes as long.
-            free = start + scans * scan;
-            busy += scans * scan;
         }
-        let stages = vec![Stage::new("scan", busy, most)];
-        let statistics = Statistics::new("scan", packet, dropped, &latencies, stages, free);
+        link.idle_until(packet.span.1);
+        let stages = vec![link.stage("scan", most)];
+        let statistics = Statistics::new("scan", packet, dropped, &latencies, stages, link.free());
         ReadOut::new(
             packet,
             out,
@@ -237,5 +235,26 @@ mod tests {
         assert_eq!(read.statistics.ambiguous, 0);
         let corner = scan(1).read(&packet(8, 1, &[event(0, 7, 0)]));
         assert_eq!(corner.statistics.ambiguous, 1);
+    }
+
+    #[test]
+    fn empty_frames_take_their_time() {
+        // Each frame takes 18 us, one ends every 10: those at 20 and 30 are empty, and the one at
+        // 40 waits for them, from 10 + 3 x 18 = 64 on.
+        let read = |period| {
+            let scan = Scan {
+                period: Micros(period),
+                ..scan(9)
+            };
+            scan.read(&packet(8, 1, &[event(10, 0, 0), event(40, 0, 0)]))
+                .statistics
+        };
+        let statistics = read(10);
+        assert_eq!(statistics.latency.unwrap().max.0, 25_000_000);
+        // From 10 to 82 without a pause.
+        assert_eq!(statistics.stages[0].busy, 1.0);
+        let statistics = read(0);
+        assert_eq!(statistics.latency.unwrap().max.0, 1_000_000);
+        assert_eq!(statistics.stages[0].busy, 36.0 / 48.0);
     }
 }

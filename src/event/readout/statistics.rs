@@ -1,9 +1,9 @@
 //! Statistics of a readout: events, latency, utilisation.
 
-use super::time::picos;
+use super::time::{picos, since, span_start};
 use crate::{
     event::{Dropped, Packet},
-    unit::Picos,
+    unit::{Micros, Picos},
 };
 
 /// Statistics of a readout.
@@ -80,6 +80,47 @@ impl Latency {
     }
 }
 
+/// The latencies of the events that arrive, as they come.
+#[derive(Debug)]
+pub(super) struct Latencies {
+    all: Vec<u64>,
+    /// The middle of the time in which events fired.
+    middle: Micros,
+    /// Sum and number of the latencies of events that fired before it and from it on.
+    halves: [(u128, u64); 2],
+}
+
+impl Latencies {
+    /// For the events of a packet.
+    pub(super) fn new(packet: &Packet) -> Self {
+        let [first, last] =
+            [packet.events.first(), packet.events.last()].map(|e| e.map_or(Micros(0), |e| e.t));
+        Self {
+            all: Vec::with_capacity(packet.events.len()),
+            middle: Micros(first.0.midpoint(last.0)),
+            halves: [(0, 0); 2],
+        }
+    }
+
+    /// Of an event that fired at `t` and arrived at `at`, picoseconds.
+    pub(super) fn push(&mut self, t: Micros, at: u128) {
+        let latency = since(t, at);
+        self.all.push(latency);
+        let [early, late] = &mut self.halves;
+        let half = if t <= self.middle { early } else { late };
+        half.0 += u128::from(latency);
+        half.1 += 1;
+    }
+
+    /// Whether events that fired in the second half of the time waited twice as long as those of
+    /// the first, or longer: a steady growth makes that three times.
+    fn grow(&self) -> bool {
+        let [early, late] = self.halves.map(|(sum, number)| sum as f64 / number as f64);
+        // Not a number where there are none.
+        late >= 2.0 * early
+    }
+}
+
 /// A stage of a readout, which serves one event at a time.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Stage {
@@ -87,6 +128,8 @@ pub struct Stage {
     pub name: &'static str,
     /// Part of the time that it was busy, from 0 to 1: its utilisation.
     pub busy: f64,
+    /// Whether it cannot keep up: it was busy all the time, and what came waited longer and longer.
+    pub falls_behind: bool,
     /// The most that waited for it, or were with it, at once.
     pub most: u64,
     /// Busy time in picoseconds, until the whole time is known.
@@ -99,6 +142,7 @@ impl Stage {
         Self {
             name,
             busy: 0.0,
+            falls_behind: false,
             most,
             time,
         }
@@ -113,26 +157,25 @@ impl Statistics {
         readout: &'static str,
         packet: &Packet,
         dropped: Dropped,
-        latencies: &[u64],
+        latencies: &Latencies,
         mut stages: Vec<Stage>,
         end: u128,
     ) -> Self {
-        let first = packet.events.first().map(|e| e.t);
-        let start = first.map_or(packet.span.0, |t| t.min(packet.span.0));
         let end = end.max(picos(packet.span.1));
-        let whole = end.saturating_sub(picos(start));
+        let whole = end.saturating_sub(picos(span_start(packet)));
         for stage in &mut stages {
             stage.busy = if whole > 0 {
                 stage.time as f64 / whole as f64
             } else {
                 0.0
             };
+            stage.falls_behind = stage.busy > 0.99 && latencies.grow();
         }
         Self {
             readout,
-            events: [packet.events.len() as u64, latencies.len() as u64],
+            events: [packet.events.len() as u64, latencies.all.len() as u64],
             dropped,
-            latency: Latency::from_latencies(latencies),
+            latency: Latency::from_latencies(&latencies.all),
             stages,
             ambiguous: 0,
         }

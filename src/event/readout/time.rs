@@ -29,6 +29,13 @@ pub(super) fn windows(packet: &Packet, period: Micros) -> impl Iterator<Item = W
         })
 }
 
+/// From when on a packet was watched: the span that it states, or its first event where that is
+/// earlier.
+pub(super) fn span_start(packet: &Packet) -> Micros {
+    let first = packet.events.first().map(|e| e.t);
+    first.map_or(packet.span.0, |t| t.min(packet.span.0))
+}
+
 /// A time stamp in picoseconds. Wide enough for any.
 pub(super) fn picos(t: Micros) -> u128 {
     u128::from(t.0) * 1_000_000

@@ -1,7 +1,10 @@
 //! The list of events as a sink: bands pack their events, which are then sorted interval by
 //! interval.
 
-use std::ops::Range;
+use std::{
+    ops::Range,
+    sync::atomic::{AtomicU64, Ordering},
+};
 
 use crate::{
     event::{Event, Packet},
@@ -36,11 +39,17 @@ pub struct EventList<'a> {
     passed: usize,
     quantiser: TimeQuantiser,
     buffers: Buffers,
+    /// How many events the interval has so far, in all bands.
+    total: AtomicU64,
 }
 
 /// The sink of one band of rows.
 #[derive(Debug)]
-pub struct ListBand<'a>(&'a mut Part);
+pub struct ListBand<'a> {
+    part: &'a mut Part,
+    total: &'a AtomicU64,
+    room: u64,
+}
 
 impl<'a> EventList<'a> {
     /// A list that continues the packet. It may take many intervals, and reuses its buffers.
@@ -61,6 +70,7 @@ impl<'a> EventList<'a> {
             passed: 0,
             quantiser: TimeQuantiser::default(),
             buffers,
+            total: AtomicU64::new(0),
         }
     }
 
@@ -68,8 +78,8 @@ impl<'a> EventList<'a> {
         self.buffers
     }
 
-    /// The list of which the packet holds so many events at most, the others being
-    /// [passed on](Self::pass).
+    /// The list of which the packet holds so many events at most, those of a pair of frames; the
+    /// others are [passed on](Self::pass).
     #[must_use]
     pub fn holding(self, held: usize) -> Self {
         Self { held, ..self }
@@ -87,16 +97,17 @@ impl<'a> EventList<'a> {
         Ok(())
     }
 
-    /// How many more events fit, and the limit that says so.
-    fn room(&self) -> (u64, usize) {
+    /// How many more events fit, and what is said where there are more.
+    fn room(&self) -> (u64, SensorError) {
         let held = self.packet.events.len();
         let all = self.passed.saturating_add(held);
-        let rooms = [
-            (self.limit.events.saturating_sub(all), self.limit.events),
-            (self.held.saturating_sub(held), self.held),
-        ];
-        let (room, limit) = rooms.into_iter().min().unwrap_or_default();
-        (room as u64, limit)
+        let of_list = self.limit.events.saturating_sub(all);
+        let of_pair = self.held.saturating_sub(held);
+        if of_pair < of_list {
+            return (of_pair as u64, SensorError::PairFull { room: self.held });
+        }
+        let limit = self.limit.events;
+        (of_list as u64, SensorError::ListFull { limit })
     }
 
     /// Appends the events of all bands in order of time.
@@ -126,22 +137,25 @@ impl Sink for EventList<'_> {
 
     fn begin(&mut self, interval: Interval, bands: &[Range<usize>]) -> Vec<ListBand<'_>> {
         self.quantiser = TimeQuantiser::new(interval);
+        self.total = AtomicU64::new(0);
         let (room, _) = self.room();
+        let (quantiser, total) = (self.quantiser, &self.total);
         let parts = &mut self.buffers.parts;
         parts.resize_with(bands.len(), Part::default);
-        for part in &mut *parts {
-            part.begin(self.quantiser, room);
-        }
-        parts.iter_mut().map(ListBand).collect()
+        { parts.iter_mut() }
+            .map(|part| {
+                part.begin(quantiser);
+                ListBand { part, total, room }
+            })
+            .collect()
     }
 
     fn end(&mut self) -> Result<(), SensorError> {
-        let parts = self.buffers.parts.iter();
-        let total: u64 = parts.map(|part| part.total).sum();
-        let (room, limit) = self.room();
+        let total = *self.total.get_mut();
+        let (room, full) = self.room();
         if total > room {
             return match self.limit.when_full {
-                WhenFull::Stop => Err(SensorError::ListFull { limit }),
+                WhenFull::Stop => Err(full),
                 WhenFull::Drop => {
                     self.packet.dropped.over_limit += total;
                     Ok(())
@@ -155,7 +169,12 @@ impl Sink for EventList<'_> {
 
 impl BandSink for ListBand<'_> {
     fn row<R: Real>(&mut self, row: &TrainRow<R>) -> Result<(), SensorError> {
-        self.0.take(row);
+        // A single cell may have 2^30: what does not fit in all bands together is never held.
+        let events = row.events();
+        let before = self.total.fetch_add(events, Ordering::Relaxed);
+        if before.saturating_add(events) <= self.room {
+            self.part.take(row);
+        }
         Ok(())
     }
 }
@@ -325,7 +344,7 @@ mod tests {
             })
         };
         let held = tell(&mut list, 0, [5, 0]);
-        assert!(matches!(held, Err(SensorError::ListFull { limit: 4 })));
+        assert!(matches!(held, Err(SensorError::PairFull { room: 4 })));
         tell(&mut list, 1, [4, 0]).unwrap();
         tell(&mut list, 2, [-2, 2]).unwrap();
         let all = tell(&mut list, 3, [2, 0]);

@@ -12,10 +12,6 @@ use super::{
 #[derive(Clone, Debug, Default)]
 pub(super) struct Part {
     quantiser: TimeQuantiser,
-    /// How many events fit.
-    room: u64,
-    /// How many there are.
-    pub(super) total: u64,
     /// The packed events; the buffer is longer.
     packed: Vec<PackedEvent>,
     /// The number of packed events.
@@ -26,24 +22,18 @@ pub(super) struct Part {
 
 impl Part {
     /// Clears it for a new interval.
-    pub(super) fn begin(&mut self, quantiser: TimeQuantiser, room: u64) {
-        (self.quantiser, self.room) = (quantiser, room);
-        (self.total, self.len) = (0, 0);
+    pub(super) fn begin(&mut self, quantiser: TimeQuantiser) {
+        (self.quantiser, self.len) = (quantiser, 0);
         self.events.clear();
     }
 
-    /// Packs the events of a row of trains, if they fit: a single cell may have 2^30.
+    /// Packs the events of a row of trains.
     pub(super) fn take<R: Real>(&mut self, row: &TrainRow<R>) {
-        let events = row.events();
-        self.total = self.total.saturating_add(events);
-        if self.total > self.room {
-            return;
-        }
         if self.quantiser.is_long() {
             self.take_long(row);
             return;
         }
-        let end = self.len + events as usize;
+        let end = self.len + row.events() as usize;
         if self.packed.len() < end + FEW {
             let room = (end + FEW).next_power_of_two();
             self.packed.resize(room, PackedEvent::default());

@@ -317,6 +317,10 @@ fn stretch(runs: usize, pixels: usize, words: f64, frames: u64) -> u64 {
 }
 
 impl OverChips {
+    /// What stands in place of what is kept, where it [has nothing to keep](Self::has_nothing_to_keep).
+    pub const NOTHING_TO_KEEP: &str =
+        "nothing to keep: the float kernel has no event in what they watched";
+
     /// Whether the float kernel has no event in what the chips watched: nothing can be kept.
     #[must_use]
     pub fn has_nothing_to_keep(&self) -> bool {

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     isa::Evidence,
-    study::feasibility::{Feasibility, named::FigureSummary, spread::Spread},
+    study::feasibility::{Feasibility, chips::OverChips, named::FigureSummary, spread::Spread},
 };
 
 /// The headlines over the chips, and the numbers that were drawn; nothing where none were.
@@ -108,7 +108,7 @@ fn ranges(all: &Feasibility, evidence: Evidence) -> Markup {
         @if is_silent {
             tr {
                 th scope="row" { "Kept" }
-                td { "nothing to keep: the float kernel has no event in what they watched" }
+                td { (OverChips::NOTHING_TO_KEEP) }
                 td {}
             }
         }
