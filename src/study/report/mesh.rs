@@ -42,7 +42,7 @@ fn row(i: usize, fit: &Fit) -> Markup {
     let at = |key: &str| format!("/mesh/{i}/{key}");
     html! {
         tr {
-            th scope="row" { @if fit.sheets.len() == 1 { "one" } @else { "two" } }
+            th scope="row" { @match fit.sheets.len() { 0 => "none", 1 => "one", _ => "two" } }
             td.n { (number::fixed(&at("error"), fit.error, 3)) }
             td.n {
                 @for (k, sheet) in fit.sheets.iter().enumerate() {
