@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from . import _amacrine, arguments, toml, voxels as voxel
 from ._amacrine import Error
-from .caution import SILENT, Caution, Said, caution_of
+from .caution import OF_ALL, Caution, Said, caution_of
 from .events import NamedEvents, check_side, named, view
 from .frames import Clips, clips
 from .kernels import Kernel, Kernels, kernels as each, npy
@@ -288,11 +288,12 @@ class Stream:
         return self._run, given.clip(0)
 
     def _caution(self, *, over: bool = False) -> None:
-        """Warns once of each thing; of no event where so much was seen, or the clip is over."""
+        """Warns once of each thing; of no event and of small light where so much was seen, or the
+        clip is over."""
         if self._run is None:
             return
         for about, text in self._run.warnings(self._sensor.name):
-            early = about == SILENT and not over and self.seen < PART
+            early = about in OF_ALL and not over and self.seen < PART
             if about not in self._told and not early:
                 self._told.add(about)
                 warnings.warn(text, Caution, stacklevel=3)

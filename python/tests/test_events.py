@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import multiprocessing
 import warnings
 from pathlib import Path
@@ -227,6 +228,33 @@ def test_every_way_to_watch_warns(frames: Frames) -> None:
     still = np.stack([np.repeat(clip[:1], 24, axis=0), clip])[:, :, None]
     assert _said(lambda: amacrine.Sensor("dvs", 0.7).events(still, FPS)) == []
     assert len(_said(lambda: amacrine.Sensor("dvs", 0.7).events(still[:1], FPS))) == 1
+
+
+def test_light_of_0_to_1_is_told_of(
+    frames: Frames, program: Callable[..., str], tmp_path: Path
+) -> None:
+    """In the words of `amacrine run`, for the sensor's response."""
+    small = np.concatenate([frames, frames[::-1]]) / 255
+    np.save(tmp_path / "small.npy", small)
+    log = {"log": {"white": 255, "offset": 1e-5}}
+    for sensor in (amacrine.Sensor("dvs", 0.002), amacrine.Sensor("dvs", 0.9, response=log)):
+        (tmp_path / "it.toml").write_text(sensor.text)
+        words = ("run", "--sensor", tmp_path / "it.toml", "--scene", tmp_path / "small.npy")
+        told = json.loads(program(*words, "--fps", FPS, "--json"))["warnings"]
+        stated = next(one for one in told if one["about"] == "scale")
+        want = f"{stated['seen']}: {stated['why']}; give scale=255, or multiply the array"
+
+        def of(clip: Any) -> list[str]:
+            return [said for said in _said(lambda: sensor.events(clip, FPS, scale=1)) if "lies" in said]
+
+        assert of(small) == [f"the scene: {want}"]
+        assert of(small * 255) == []
+        # Of a batch only where all clips are small; of a stream when enough was seen.
+        assert of(np.stack([small, small * 255])[:, :, None]) == []
+        assert of(np.stack([small, small])[:, :, None]) == [f"the scene: {want}"]
+        stream = sensor.stream(FPS, scale=1)
+        assert not any("lies" in said for said in _said(lambda: stream.counts(small[:4])))
+        assert any("lies" in said for said in _said(lambda: stream.counts(small[4:])))
 
 
 def test_a_stream_is_silent_for_a_while(frames: Frames) -> None:
