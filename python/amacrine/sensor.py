@@ -30,6 +30,9 @@ Thresholds = Union[float, Mapping[str, float], Sequence[Any], npt.NDArray[Any]]
 """One for all kernels, or one for each: a number for both signs, a pair (on, off), or a table with
 the keys ``on``, ``off`` and ``sigma``."""
 
+MEMORIES = ("filtered-step", "filtered-snap", "raw-snap")
+"""What an event may do to the memory of a sensor that is made of arguments."""
+
 PART = 16
 """Frames that are watched before windows that are over are handed on."""
 
@@ -387,6 +390,12 @@ class Sensor(EventSensor):
         format: str = "f64",
         max_events: int | None = None,
     ) -> None:
+        if memory == "authors-pixel-step":
+            raise Error(
+                f"memory = {memory!r} needs a kernel for the memory and the authors' refractory rule\n"
+                "help: write a sensor file with its memory-kernel, for Sensor.from_text or from_file"
+            )
+        arguments.one_of("memory", memory, MEMORIES)
         head = {
             "name": name,
             "response": {"linear": 255} if response is None else response,
