@@ -541,6 +541,28 @@ class Sensor(EventSensor):
     def __repr__(self) -> str:
         return f"<Sensor {self.name}: {', '.join(self.channels)}>"
 
+    def for_rate(
+        self, frames: Any, fps: float, rate: float, *, scale: float | None = None
+    ) -> Sensor:
+        """The sensor that says so many events of these frames: all thresholds, and their mismatch,
+        times one number, as ``amacrine run --rate`` finds it.
+
+        Args:
+            frames: Light, one clip.
+            fps: Frames per second.
+            rate: Events per pixel and second, all kinds together.
+            scale: What makes light from 0 to 255 of the numbers.
+
+        The thresholds are found in ``f64``, whatever the format.
+        """
+        given, fps = clips(frames, scale), arguments.rate(fps)
+        if given.batched:
+            raise Error("several clips where one is watched\nhelp: give an array of shape (T,H,W)")
+        rate = arguments.number("rate", rate, "give events per pixel and second, such as rate=2")
+        text = self._native.for_rate(given.clip(0), fps, given.scale, rate, self._seed)
+        how = (self._seed, self._format, self._max_events)
+        return Sensor._of_text(self._from[0], text, None, how)
+
     def on_chip(
         self,
         to: str = "exact",

@@ -7,6 +7,7 @@ use amacrine::{
     plane::Size,
     reference::Description,
     source,
+    study::rate,
 };
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -16,6 +17,7 @@ use crate::{
     error::raised,
     pool,
     run::Run,
+    source::Source,
     watcher,
 };
 
@@ -108,9 +110,9 @@ impl Sensor {
         let size = Size::new(size.0, size.1);
         let description = self.description.clone();
         let channels = description.channels.len() as u8;
+        let response = description.response;
         let watcher = pool::work(py, || watcher::float(description, size, seed, format))?;
         let watcher = watcher.map_err(raised)?;
-        let response = description.response;
         Run::new(watcher, (size, channels), response, fps, scale, max_events)
     }
 
