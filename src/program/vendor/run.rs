@@ -1,13 +1,12 @@
 //! Statements, run one after the other.
 
-use std::sync::Arc;
-
 use super::{
     look,
     machine::{Flow, Machine},
     reach::Reach,
     tree::{Declared, Expr, Stmt, StmtNode},
     value::Value,
+    why::Why,
 };
 
 impl Machine<'_> {
@@ -126,11 +125,11 @@ impl Machine<'_> {
 
     /// Branches of which only the run knows which is taken. What they show is shown beside the array
     /// alone; what they compute is forgotten; that they change the array is a fault.
-    pub(super) fn either(&mut self, on: &Expr, parts: &[&Stmt], why: &Arc<str>) -> Flow {
+    pub(super) fn either(&mut self, on: &Expr, parts: &[&Stmt], why: &Why) -> Flow {
         let changes = parts.iter().any(|part| look::changes(self, part));
         if changes {
             let message = format!("whether this kernel runs, {why} decides");
-            self.unknown(on.place, message, Some(on));
+            self.unknown(on.place, message, why, Some(on));
         } else if parts.iter().any(|part| look::reads(self, part)) {
             self.unread(on.place, "whether this is read out", why);
         } else if parts.iter().any(|part| look::shows(self, part)) {
@@ -146,7 +145,7 @@ impl Machine<'_> {
             }
             look::forget(self, part, why);
             if look::leaves(part) {
-                self.maybe = Some(Arc::clone(why));
+                self.maybe = Some(why.clone());
             }
         }
         Flow::Next
@@ -162,7 +161,7 @@ impl Machine<'_> {
     fn switch(&mut self, on: &Expr, body: &[Stmt]) -> Flow {
         let value = self.value(on);
         if let Value::Unknown(why) = &value {
-            let why = Arc::clone(why);
+            let why = why.clone();
             let parts: Vec<&Stmt> = body.iter().collect();
             // A `break` in it ends the switch, and nothing more.
             let maybe = self.maybe.clone();
@@ -217,11 +216,8 @@ impl Machine<'_> {
             other => (None, self.load(other, list)),
         };
         if let (Value::Unknown(_), Some(why)) = (&listed, self.not_followed(&reached)) {
-            self.unknown(
-                list.place,
-                format!("how often this loop runs, {why} decides"),
-                None,
-            );
+            let message = format!("how often this loop runs, {why} decides");
+            self.unknown(list.place, message, &why, None);
             return Flow::Next;
         }
         let Value::List(all) = listed else {
