@@ -388,5 +388,5 @@ def test_no_option_is_told_of_late_times(tmp_path: Path) -> None:
     late = np.zeros(1, amacrine.EVENT)
     late["t"] = 1 << 60
     with pytest.raises(amacrine.Error) as wrong:
-        amacrine.write(tmp_path / "late.raw", late, size=(8, 8))
+        amacrine.write(tmp_path / "late.evt2", late, size=(8, 8))
     assert "--" not in str(wrong.value) and "events['t'] - events['t'].min()" in str(wrong.value)
