@@ -870,13 +870,13 @@ mod verbs {
         // Far above its offset a logarithm moves as much on any scale.
         let far = said(log, (0.1, 1.0)).unwrap();
         assert!(
-            far.contains("moves by 2.2801, and times 255 by 2.3025: a logarithm"),
+            far.contains("moves by 2.2800, and times 255 by 2.3025: a logarithm"),
             "{far}"
         );
         assert!(!far.contains("threshold"));
         let near = said(log, (0.0, 1.0)).unwrap();
         assert!(
-            near.contains("moves by 5.9743, and times 255 by 11.5129"),
+            near.contains("moves by 5.9742, and times 255 by 11.5129"),
             "{near}"
         );
         // Below its knee it is a straight line.
