@@ -65,6 +65,9 @@ pub enum LightError {
 }
 
 impl Response {
+    /// Light as it is.
+    pub const IDENTITY: Self = Self::new(Curve::Identity);
+
     /// A response of this shape in full precision.
     #[must_use]
     pub const fn new(curve: Curve) -> Self {
@@ -97,6 +100,15 @@ impl Response {
         } else {
             signal
         })
+    }
+
+    /// The light that it takes for white; 255 where it does not say.
+    #[must_use]
+    pub const fn white(self) -> f64 {
+        match self.curve {
+            Curve::Linear { white } | Curve::Log { white, .. } => white,
+            Curve::Identity | Curve::LinLog { .. } => 255.0,
+        }
     }
 
     /// `dR/dI` at `light`, which must be one that the response is defined for; at the knee of

@@ -7,6 +7,7 @@ use std::{fs, io, path::Path};
 
 use amacrine::{
     event::Packet,
+    photoreceptor::{Curve, Response},
     plane::{Plane, Size},
     reference::{Description, Reference},
     rig::{
@@ -499,7 +500,7 @@ fn a_clip_that_repeats_frames_says_so() {
     };
     let twice = clip(&[2; 10]);
     assert_eq!(found(&twice), Some((10, 20)));
-    let warnings = Warning::of_scene(&twice, 255.0);
+    let warnings = Warning::of_scene(&twice, Response::IDENTITY);
     let [warning] = warnings.as_slice() else {
         panic!("{warnings:?}");
     };
@@ -510,7 +511,7 @@ fn a_clip_that_repeats_frames_says_so() {
     // Now and then is no other rate, and a scene may stand still for long.
     let rarely = clip(&[1, 1, 1, 1, 1, 2, 1, 1, 1, 1, 1]);
     assert_eq!(found(&rarely), Some((1, 12)));
-    assert!(Warning::of_scene(&rarely, 255.0).is_empty());
+    assert!(Warning::of_scene(&rarely, Response::IDENTITY).is_empty());
     assert_eq!(found(&clip(&[9, 1, 1, 1, 9, 1, 1, 9])), None);
     for scene in ["pattern:bar?speed=20", "pattern:disc?speed=1"] {
         let scene = open(scene, &OpenOptions::default()).unwrap();
@@ -850,6 +851,44 @@ mod verbs {
         );
         assert!(!about(&json).contains(&"scale".to_owned()), "{json}");
         assert!(json["events"].as_u64().unwrap() > 50);
+    }
+
+    /// What small light does to the signal is told of the response at hand.
+    #[test]
+    fn the_guard_of_scale_knows_the_response() {
+        let said = |curve: Curve, extent| {
+            let warning = Warning::scale(Some(extent), Response::new(curve));
+            warning.map(|warning| warning.to_string())
+        };
+        let whole = said(Curve::Identity, (0.0, 1.0)).unwrap();
+        assert!(whole.contains("moves by 1.0000, and times 255 by 255.0000; give --scale 255"));
+        let offset = 1e-5;
+        let log = Curve::Log {
+            white: 255.0,
+            offset,
+        };
+        // Far above its offset a logarithm moves as much on any scale.
+        let far = said(log, (0.1, 1.0)).unwrap();
+        assert!(
+            far.contains("moves by 2.2800, and times 255 by 2.3025: a logarithm"),
+            "{far}"
+        );
+        assert!(!far.contains("threshold"));
+        let near = said(log, (0.0, 1.0)).unwrap();
+        assert!(
+            near.contains("moves by 5.9742, and times 255 by 11.5129"),
+            "{near}"
+        );
+        // Below its knee it is a straight line.
+        let below = said(Curve::LinLog { knee: 20.0 }, (0.0, 1.0)).unwrap();
+        assert!(
+            below.contains("moves by 0.1498, and times 255 by 5.5413;"),
+            "{below}"
+        );
+        let hundred = said(Curve::Linear { white: 100.0 }, (0.0, 1.0)).unwrap();
+        assert!(hundred.contains("the sensor takes 0 to 100") && hundred.contains("--scale 100"));
+        assert_eq!(said(Curve::Linear { white: 1.0 }, (0.0, 1.0)), None);
+        assert_eq!(said(Curve::Identity, (0.0, 9.0)), None);
     }
 
     #[test]

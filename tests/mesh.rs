@@ -7,7 +7,7 @@ mod network;
 #[path = "mesh/sensor.rs"]
 mod sensor;
 
-use std::f64::consts::PI;
+use std::{f64::consts::PI, iter};
 
 use amacrine::{
     mesh::{Between, Euler, Flow, MOST_LAMBDA, MeshError, Sheet, Steady},
@@ -514,6 +514,40 @@ fn what_cannot_be_answered_is_refused() {
         let mut flow = Flow::settled(sheet(1.0), 1e-3, &signal).unwrap();
         assert!(flow.advance(&signal, time, Between::Step).is_err());
     }
+}
+
+/// How far uniform light that begins to ramp takes the surround from the straight line between
+/// two frames, over what the light changes; light that goes on as it went takes it nowhere.
+#[test]
+fn between_frames_the_line_is_near() {
+    let flat = |level: f64| Plane::from_elem((3, 4), level);
+    let off = |tau: f64, pairs: u32| {
+        let mut flow = Flow::settled(sheet(3.0), tau, &flat(0.0)).unwrap();
+        for n in 1..pairs {
+            flow.advance(&flat(n.into()), 1.0, Between::Ramp).unwrap();
+        }
+        let begin = f64::from(pairs - 1);
+        let before = flow.surround()[[1, 1]];
+        let parts = 400;
+        let curve: Vec<f64> = (1..=parts)
+            .map(|i| {
+                let part = f64::from(i) / f64::from(parts);
+                let seconds = 1.0 / f64::from(parts);
+                flow.advance(&flat(begin + part), seconds, Between::Ramp)
+                    .unwrap();
+                flow.surround()[[1, 1]]
+            })
+            .collect();
+        let after = curve[curve.len() - 1];
+        let line = (1..=parts).map(|i| before + (after - before) * f64::from(i) / f64::from(parts));
+        iter::zip(curve, line)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max)
+    };
+    let first = [0.01, 0.1, 0.2, 1.0 / 2.7, 1.0, 10.0].map(|tau| off(tau, 1));
+    assert!(first.iter().all(|off| *off < 0.107), "{first:?}");
+    assert!(first[3] > 0.106 && first[3] >= first.into_iter().fold(0.0, f64::max));
+    assert!(off(0.1, 8) < 1e-12 && off(0.0, 1) < 1e-12);
 }
 
 /// v2e's rule stops before it has arrived: what is left of a uniform step of ln 1.2 after a

@@ -251,6 +251,11 @@ fn fit_and_show_say_what_a_mesh_can_do() {
         text.contains("nothing: it is all unreachable") && text.contains("H(1.8"),
         "{text}"
     );
+    // A pixel alone needs no sheet, and is said once.
+    let out = mesh(&["fit", "dvs", "csdvs-5"], here);
+    let text = String::from_utf8(out.stdout).unwrap();
+    assert_eq!(text.matches("1.000 P: a pixel alone, no sheet").count(), 1);
+    assert_eq!(text.matches("H(").count(), 3, "{text}");
     refused(&["fit", "no-such-kernel"], here);
     refused(&["fit", "dvs", "--sheets", "4"], here);
     refused(&["fit", "dvs", "--ridge", "-1"], here);
@@ -263,6 +268,60 @@ fn fit_and_show_say_what_a_mesh_can_do() {
     assert!(here.join("a.png").exists() && here.join("b.png").exists());
     refused(&["show", "--lambda", "-3", "--output", "c.png"], here);
     assert!(!here.join("c.png").exists());
+}
+
+#[test]
+fn step_takes_short_times_and_names_and_answers_machines() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let stack = Array3::from_shape_fn((3, 4, 5), |(t, y, x)| (t * (x + 2 * y)) as f64);
+    write_npy(here.join("scene.npy"), &stack).unwrap();
+    let step = |more: &[&str]| {
+        let always = ["step", "--lambda", "2", "--scene", "scene.npy", "--json"];
+        let output = ["--fps", "500", "--output", "H.npy"];
+        let out = mesh(&[&always[..], &output, more].concat(), here);
+        let told = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert!(out.status.success(), "{told}");
+        let said: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+        (
+            said,
+            read_npy::<_, Array3<f64>>(here.join("H.npy")).unwrap(),
+        )
+    };
+    let (said, quoted) = step(&["--tau", "0.5us", "--response", "\"identity\""]);
+    assert_eq!(said["frames"], 3);
+    assert_eq!(said["size"], serde_json::json!({ "height": 4, "width": 5 }));
+    assert!((said["tau_s"].as_f64().unwrap() - 0.5e-6).abs() < 1e-18);
+    assert!(said["euler_steps"].is_null() && said["light"]["most"].as_f64() == Some(20.0));
+    let (_, named) = step(&["--tau", "500ns", "--response", "identity"]);
+    assert_eq!(quoted, named);
+    let (said, _) = step(&[
+        "--tau",
+        "20ns",
+        "--response",
+        "{ linear = 255 }",
+        "--rule",
+        "v2e",
+    ]);
+    assert!(said["euler_steps"].as_u64() > Some(0));
+    let refusal = |option: &str, value: &str| {
+        let always = ["step", "--lambda", "2", "--scene", "scene.npy"];
+        let more = ["--output", "no.npy", option, value];
+        let tau: &[&str] = if option == "--tau" {
+            &[]
+        } else {
+            &["--tau", "1ms"]
+        };
+        refused(&[&always[..], &more, tau].concat(), here)
+    };
+    for response in ["cubic", "linear = 255", "3"] {
+        let said = refusal("--response", response);
+        assert!(
+            said.contains("identity") && said.contains("{ linear = 255 }"),
+            "{said}"
+        );
+    }
+    assert!(refusal("--tau", "20").contains("such as 36ns"));
 }
 
 /// What the command line says of a number that is none is what it expects, whatever the verb.

@@ -242,6 +242,12 @@ fn leak_spreads_log_normally() {
         let (middle, spread) = moments(&rates);
         near(seed, "log rate", middle, 3f64.log10(), 0.2 / n.sqrt());
         near(seed, "its spread", spread, 0.2, 0.2 / (2.0 * n).sqrt());
+        // `leak-hz` is the median of a log-normal; its mean is larger.
+        let variance = (0.2 * 10f64.ln()).powi(2);
+        let want = 3.0 * (variance / 2.0).exp();
+        let got = mean(seen.values().map(|t| t.len() as f64 / 100.0));
+        let sigma = want * (variance.exp_m1() / n).sqrt();
+        near(seed, "mean rate", got, want, sigma);
     }
 }
 
@@ -310,6 +316,22 @@ fn shot_noise_is_a_poisson_process_at_any_frame_rate() {
                 && short / m < share * (1.0 + 2.0 * (1.0 - cut(seconds))),
             "seed {seed}: {short} of {m} waits are short"
         );
+    }
+}
+
+/// The light of a pair of frames is that of the later.
+#[test]
+fn shot_noise_sees_the_later_frame() {
+    let size = Size::new(40, 40);
+    let text = "response = \"identity\"\nmemory = \"filtered-step\"\nnoise = { shot-hz = 100, shot-at-white = 0.25 }\n[[channel]]\nkernel = \"csdvs-3\"\nthreshold = { on = 0.2, off = 0.2 }\n";
+    let description = Description::parse("shot.toml", text, &|_| unreachable!()).unwrap();
+    for seed in SEEDS {
+        for (from, to, share) in [(0.0, 255.0, 0.25), (255.0, 0.0, 1.0)] {
+            let light = |seconds| if seconds > 0.0 { to } else { from };
+            let seen = events(&description, &uniform(size, &[0.0, 1.0], light), seed);
+            let want = size.pixels() as f64 * 100.0 * share;
+            near(seed, "shot", seen.len() as f64, want, want.sqrt());
+        }
     }
 }
 

@@ -50,6 +50,9 @@ class Sensor:
         format: str,
         max_events: int | None,
     ) -> Run: ...
+    def for_rate(
+        self, frames: npt.NDArray[Any], fps: float, scale: float, rate: float, seed: int
+    ) -> str: ...
     def on_chip(
         self, to: str, sum: str, memory: str | None, chip: str, effort: float, seed: int
     ) -> Chip: ...

@@ -44,6 +44,16 @@ def numbers(name: str, given: Any, help: str) -> list[float]:
     return [number(name, one, help) for one in all]
 
 
+def unmasked(name: str, given: Any) -> None:
+    """Refuses a masked array of numpy, or a list with one: the mask would be lost."""
+    all = given if isinstance(given, (list, tuple)) else (given,)
+    if any(isinstance(one, np.ma.MaskedArray) for one in all):
+        raise Error(
+            f"{name} of a masked array, whose mask would be ignored\n"
+            "help: say what stands where it masks, as array.filled(0) does, or leave that out"
+        )
+
+
 def share(name: str, given: Any) -> float:
     """A share of something, below all of it."""
     help = f"give a share, from 0 on and below 1, such as {name}=0.1"

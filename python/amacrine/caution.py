@@ -8,8 +8,9 @@ from collections.abc import Iterable
 Said = list[tuple[str, str]]
 """What a run warns of: what each warning is about, and its words."""
 
-SILENT = "no-events"
-"""What the warning of a sensor that never fired is about."""
+OF_ALL = ("no-events", "scale")
+"""What warnings are about that hold of a whole clip alone: that no cell fires, that all light is
+small."""
 
 
 class Caution(UserWarning):
@@ -19,13 +20,14 @@ class Caution(UserWarning):
 
 def caution_of(runs: Iterable[Said]) -> None:
     """Warns the caller of a sensor's method of what its runs say: once of each thing, and of no event
-    only where none of them has any."""
+    or small light only where that holds of all of them."""
     said = list(runs)
     first: dict[str, str] = {}
     for run in said:
         for about, text in run:
             first.setdefault(about, text)
-    if not all(any(about == SILENT for about, _ in run) for run in said):
-        first.pop(SILENT, None)
+    for of_all in OF_ALL:
+        if not all(any(about == of_all for about, _ in run) for run in said):
+            first.pop(of_all, None)
     for text in first.values():
         warnings.warn(text, Caution, stacklevel=3)

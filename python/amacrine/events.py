@@ -149,6 +149,7 @@ def records(events: Any) -> npt.NDArray[Any]:
     stands in them checked."""
     if hasattr(events, "to_records"):
         events = events.to_records(index=False)
+    arguments.unmasked("events", events)
     given = np.asarray(events).ravel()
     names = given.dtype.names
     if names is None:

@@ -45,6 +45,7 @@ class Clips(NamedTuple):
 def clips(frames: Any, scale: float | None) -> Clips:
     """Frames of any of the shapes that are taken; arrays and tensors are not copied where they
     are of a type that is read in place."""
+    arguments.unmasked("frames", frames)
     try:
         array = np.asarray(widened(frames))
     except (TypeError, RuntimeError, ValueError) as cause:

@@ -9,6 +9,7 @@ from typing import Any, Sequence, Union
 import numpy as np
 import numpy.typing as npt
 
+from . import arguments
 from ._amacrine import Error
 from .tensor import untracked
 
@@ -40,6 +41,7 @@ def _axes(of: Any) -> int:
 
 
 def _array(given: Any) -> npt.NDArray[Any]:
+    arguments.unmasked("kernels", given)
     try:
         array = np.asarray(untracked(given))
     except (TypeError, RuntimeError, ValueError) as cause:

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from . import _amacrine, arguments, toml, voxels as voxel
 from ._amacrine import Error
-from .caution import SILENT, Caution, Said, caution_of
+from .caution import OF_ALL, Caution, Said, caution_of
 from .events import NamedEvents, check_side, named, view
 from .frames import Clips, clips
 from .kernels import Kernel, Kernels, kernels as each, npy
@@ -29,6 +29,9 @@ T = TypeVar("T")
 Thresholds = Union[float, Mapping[str, float], Sequence[Any], npt.NDArray[Any]]
 """One for all kernels, or one for each: a number for both signs, a pair (on, off), or a table with
 the keys ``on``, ``off`` and ``sigma``."""
+
+MEMORIES = ("filtered-step", "filtered-snap", "raw-snap")
+"""What an event may do to the memory of a sensor that is made of arguments."""
 
 PART = 16
 """Frames that are watched before windows that are over are handed on."""
@@ -288,11 +291,12 @@ class Stream:
         return self._run, given.clip(0)
 
     def _caution(self, *, over: bool = False) -> None:
-        """Warns once of each thing; of no event where so much was seen, or the clip is over."""
+        """Warns once of each thing; of no event and of small light where so much was seen, or the
+        clip is over."""
         if self._run is None:
             return
         for about, text in self._run.warnings(self._sensor.name):
-            early = about == SILENT and not over and self.seen < PART
+            early = about in OF_ALL and not over and self.seen < PART
             if about not in self._told and not early:
                 self._told.add(about)
                 warnings.warn(text, Caution, stacklevel=3)
@@ -386,6 +390,12 @@ class Sensor(EventSensor):
         format: str = "f64",
         max_events: int | None = None,
     ) -> None:
+        if memory == "authors-pixel-step":
+            raise Error(
+                f"memory = {memory!r} needs a kernel for the memory and the authors' refractory rule\n"
+                "help: write a sensor file with its memory-kernel, for Sensor.from_text or from_file"
+            )
+        arguments.one_of("memory", memory, MEMORIES)
         head = {
             "name": name,
             "response": {"linear": 255} if response is None else response,
@@ -530,6 +540,28 @@ class Sensor(EventSensor):
 
     def __repr__(self) -> str:
         return f"<Sensor {self.name}: {', '.join(self.channels)}>"
+
+    def for_rate(
+        self, frames: Any, fps: float, rate: float, *, scale: float | None = None
+    ) -> Sensor:
+        """The sensor that says so many events of these frames: all thresholds, and their mismatch,
+        times one number, as ``amacrine run --rate`` finds it.
+
+        Args:
+            frames: Light, one clip.
+            fps: Frames per second.
+            rate: Events per pixel and second, all kinds together.
+            scale: What makes light from 0 to 255 of the numbers.
+
+        The thresholds are found in ``f64``, whatever the format.
+        """
+        given, fps = clips(frames, scale), arguments.rate(fps)
+        if given.batched:
+            raise Error("several clips where one is watched\nhelp: give an array of shape (T,H,W)")
+        rate = arguments.number("rate", rate, "give events per pixel and second, such as rate=2")
+        text = self._native.for_rate(given.clip(0), fps, given.scale, rate, self._seed)
+        how = (self._seed, self._format, self._max_events)
+        return Sensor._of_text(self._from[0], text, None, how)
 
     def on_chip(
         self,

@@ -8,6 +8,7 @@ use amacrine::{
         Kernel,
         quantise::{Quantiser, QuantiserNameError, Sum},
     },
+    photoreceptor::Response,
     plane::Size,
     reference::Description,
     rig::guard::Warning,
@@ -274,7 +275,14 @@ impl Chip {
         })?;
         let (sensor, channels) = made.map_err(raised)?;
         let watcher = Box::new(watcher::Events::new(sensor));
-        Run::new(watcher, (size, channels), fps, scale, max_events)
+        Run::new(
+            watcher,
+            (size, channels),
+            Response::IDENTITY,
+            fps,
+            scale,
+            max_events,
+        )
     }
 }
 

@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 
 /// What the library says of options that have no argument of their own here, and what is said
 /// instead.
-const PHRASES: [(&str, &str); 9] = [
+const PHRASES: [(&str, &str); 15] = [
     (
         "the limit (--max-events, and --max-memory where there is no room for more), ask for \
          --counts or --voxels instead of --events, or choose to drop (--when-full drop)",
@@ -25,16 +25,35 @@ const PHRASES: [(&str, &str); 9] = [
         "--clip on or --domain silicon",
         "clip=True or domain=\"silicon\"",
     ),
+    (
+        "(`convert --from-zero`), and cut what is longer (`--slice`)",
+        "(events['t'] - events['t'].min()), and cut what is longer",
+    ),
+    ("(`--upsample`, or `upsample` in a study)", "(upsample)"),
+    (
+        "; a sensor beside a packet needs a scene (`--scene`) of the packet's size",
+        "",
+    ),
+    ("; --objective words compiles it as it is", ""),
+    (
+        "raise --max-memory, or lower --jobs: points share it",
+        "lower jobs: points share the memory",
+    ),
+    (
+        "; --space lists them",
+        "; `amacrine sweep --space` lists them",
+    ),
     ("--constant", "constants"),
     ("--const ", "constants "),
 ];
 
 /// Arguments of Python that are called as the option is, with underscores for dashes. Those that
 /// are true take a word; behind the others a word goes on with the sentence.
-const ARGUMENTS: [(&str, bool); 17] = [
+const ARGUMENTS: [(&str, bool); 21] = [
     ("bins", false),
     ("chip", true),
     ("chips", false),
+    ("compression", true),
     ("domain", true),
     ("effort", false),
     ("exposure", false),
@@ -46,21 +65,33 @@ const ARGUMENTS: [(&str, bool); 17] = [
     ("memory", true),
     ("output", false),
     ("rate", false),
+    ("range", true),
     ("scale", false),
+    ("size", false),
+    ("sum", true),
     ("to", true),
     ("within", false),
 ];
 
-/// A message of the library, with arguments in place of options. Commands in backticks are left as
-/// they are: those are typed.
+/// What a message of too much memory ends with: there is no such argument.
+const MORE_MEMORY: &str = ", or allow more with --max-memory";
+
+/// A message of the library, with arguments in place of options. Commands in backticks are typed in
+/// a terminal: they are left as they are, but for the name of the program.
 pub fn in_python(text: &str) -> String {
     let mut text = text.to_owned();
+    if let Some(at) = text.find(MORE_MEMORY) {
+        let end = text[at..].find('\n').map_or(text.len(), |line| at + line);
+        text.replace_range(at..end, "");
+    }
     for (option, argument) in PHRASES {
         text = text.replace(option, argument);
     }
     let parts = text.split('`').enumerate().map(|(n, part)| {
         let is_command = n % 2 == 1 && !part.starts_with("--");
-        if is_command {
+        if is_command && is_of_verb(part) {
+            format!("amacrine {part}")
+        } else if is_command {
             part.to_owned()
         } else {
             renamed(part)
@@ -74,6 +105,12 @@ pub fn in_python(text: &str) -> String {
 #[pyo3(name = "in_python")]
 pub fn in_words(text: &str) -> String {
     in_python(text)
+}
+
+/// Whether a command begins with a verb of the program: `exec --set …`.
+fn is_of_verb(command: &str) -> bool {
+    let verb = command.split_once(" --").map_or("", |(verb, _)| verb);
+    !verb.is_empty() && verb.bytes().all(|letter| letter.is_ascii_lowercase())
 }
 
 /// What stands between backticks, or in them.

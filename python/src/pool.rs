@@ -2,8 +2,16 @@
 //! process, in which the threads of any pool that was there before are gone.
 
 use std::{
-    mem, process,
-    sync::{Arc, Mutex, PoisonError},
+    mem,
+    panic::resume_unwind,
+    process,
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
+        mpsc::{RecvTimeoutError, channel},
+    },
+    thread,
+    time::Duration,
 };
 
 use amacrine::limit::THREADS;
@@ -57,6 +65,43 @@ pub fn pool() -> PyResult<Arc<ThreadPool>> {
 pub fn work<T: Send>(py: Python<'_>, what: impl FnOnce() -> T + Send) -> PyResult<T> {
     let pool = pool()?;
     Ok(py.detach(|| pool.install(what)))
+}
+
+/// How often it is looked whether the person wants to stop.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Does it on a thread of its own, with the interpreter released. Meanwhile this thread looks for
+/// signals, such as that of Ctrl-C: on one that raises, `stop` is set, for the work to end by, and
+/// what it made is dropped.
+pub fn watched<T: Send>(
+    py: Python<'_>,
+    stop: &AtomicBool,
+    what: impl FnOnce() -> T + Send,
+) -> PyResult<T> {
+    py.detach(|| {
+        thread::scope(|scope| {
+            // Closed when the work has ended, by a panic too.
+            let (open, ended) = channel::<()>();
+            let work = scope.spawn(move || {
+                let _open = open;
+                what()
+            });
+            let mut asked = Ok(());
+            while ended.recv_timeout(LOOK) == Err(RecvTimeoutError::Timeout) {
+                if asked.is_ok() {
+                    #[expect(
+                        clippy::redundant_closure_for_method_calls,
+                        reason = "the method is of one lifetime alone"
+                    )]
+                    let signals = Python::attach(|py| py.check_signals());
+                    asked = signals;
+                    stop.store(asked.is_err(), Ordering::Relaxed);
+                }
+            }
+            let made = work.join().unwrap_or_else(|panic| resume_unwind(panic));
+            asked.map(|()| made)
+        })
+    })
 }
 
 /// Sets the number of threads from now on; 0 for as many as there are cores.

@@ -7,6 +7,7 @@ use std::{
 
 use amacrine::{
     event::Packet,
+    photoreceptor::Response,
     plane::{Plane, Size},
     reference::Limit,
     rig::guard::{Crowd, Guard, Warning},
@@ -44,6 +45,9 @@ struct Watch {
     made: usize,
     most: usize,
     crowd: Crowd,
+    response: Response,
+    /// The least and the most light so far.
+    extent: Option<(f64, f64)>,
     /// Cells that fired, over all frames.
     fired: u64,
     /// Whether a frame could not be watched: what cells hold is then not known.
@@ -54,6 +58,7 @@ impl Run {
     pub fn new(
         watcher: Box<dyn Watcher>,
         (size, channels): (Size, u8),
+        response: Response,
         fps: f64,
         scale: f64,
         most: Option<usize>,
@@ -79,6 +84,8 @@ impl Run {
             made: 0,
             most: most.unwrap_or(Limit::default().events),
             crowd: Crowd::new(size.pixels() as u64 * u64::from(channels)),
+            response,
+            extent: None,
             fired: 0,
             is_stopped: false,
         })))
@@ -140,6 +147,9 @@ impl Watch {
         self.frame.seconds = self.seen as f64 / self.fps;
         if let Some(light) = self.frame.light.as_slice_mut() {
             frames.light(n, self.scale, light);
+            let begin = self.extent.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
+            let wider = |(low, high): (f64, f64), light: &f64| (low.min(*light), high.max(*light));
+            self.extent = Some(light.iter().fold(begin, wider));
         }
     }
 
@@ -277,6 +287,9 @@ impl Watch {
     /// As `amacrine run` warns.
     fn warnings(&self, subject: &str) -> Vec<Warning> {
         let mut guard = Guard::new();
+        if let Some(warning) = Warning::scale(self.extent, self.response) {
+            guard.warn(warning);
+        }
         let lost = self.packet.dropped.no_slot;
         if self.fired == 0 && lost == 0 {
             guard.warn(Warning::no_events(subject, Some(self.seen)));

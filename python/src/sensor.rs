@@ -7,6 +7,7 @@ use amacrine::{
     plane::Size,
     reference::Description,
     source,
+    study::rate,
 };
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -16,6 +17,7 @@ use crate::{
     error::raised,
     pool,
     run::Run,
+    source::Source,
     watcher,
 };
 
@@ -108,9 +110,29 @@ impl Sensor {
         let size = Size::new(size.0, size.1);
         let description = self.description.clone();
         let channels = description.channels.len() as u8;
+        let response = description.response;
         let watcher = pool::work(py, || watcher::float(description, size, seed, format))?;
         let watcher = watcher.map_err(raised)?;
-        Run::new(watcher, (size, channels), fps, scale, max_events)
+        Run::new(watcher, (size, channels), response, fps, scale, max_events)
+    }
+
+    /// The text of the sensor with all thresholds times the factor at which it says `rate` events per
+    /// pixel and second of these frames.
+    fn for_rate(
+        &self,
+        py: Python<'_>,
+        frames: &Bound<'_, PyAny>,
+        fps: f64,
+        scale: f64,
+        rate: f64,
+        seed: u64,
+    ) -> PyResult<String> {
+        let source = Source::new(None, Some(frames), Some(fps), Some(scale))?;
+        let found = source.work(py, || {
+            rate::factor(&self.description, rate, seed, &|| source.open())
+        })?;
+        let factor = found.map_err(raised)?.factor;
+        Ok(rate::times(&self.description, factor).to_toml())
     }
 
     /// Its cells as one program of a chip.

@@ -1,6 +1,12 @@
 //! Scenes: by name, or an array that the caller gives.
 
-use std::sync::Arc;
+use std::{
+    io,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
 
 use amacrine::{
     memory::Budget,
@@ -21,7 +27,13 @@ use crate::{
 };
 
 /// What scenes are watched by a study.
-pub enum Source {
+pub struct Source {
+    of: Of,
+    /// Whether the person wants to stop: scenes then end with an error.
+    stop: Arc<AtomicBool>,
+}
+
+enum Of {
     /// A file, a folder, a pattern; or the bundled clip.
     Named(Option<String>, OpenOptions),
     Given(Given),
@@ -66,7 +78,7 @@ impl Source {
         scale: Option<f64>,
     ) -> PyResult<Self> {
         let Some(frames) = frames else {
-            return Ok(Self::Named(name, options(fps, scale)));
+            return Ok(Of::Named(name, options(fps, scale)).into());
         };
         let borrowed = Borrowed::new(frames)?;
         let (count, height, width) = borrowed.shape();
@@ -84,7 +96,7 @@ impl Source {
                 "give fps, a number above 0, in frames/s",
             )
         })?;
-        Ok(Self::Given(Given {
+        let given = Given {
             numbers: match borrowed.frames()? {
                 Frames::U8(all) => Numbers::U8(all.into()),
                 Frames::F32(all) => Numbers::F32(all.into()),
@@ -95,26 +107,73 @@ impl Source {
             fps,
             scale: scale.unwrap_or(1.0),
             next: 0,
-        }))
+        };
+        Ok(Of::Given(given).into())
     }
 
     /// The scene from its start.
     pub fn open(&self) -> Result<Box<dyn Scene>, SceneError> {
-        match self {
-            Self::Named(Some(name), options) if name != "bundled" => open(name, options),
-            Self::Named(_, options) => bundled_with(options),
-            Self::Given(given) => Ok(Box::new(given.clone())),
-        }
+        check(&self.stop)?;
+        let scene = match &self.of {
+            Of::Named(Some(name), options) if name != "bundled" => open(name, options)?,
+            Of::Named(_, options) => bundled_with(options)?,
+            Of::Given(given) => Box::new(given.clone()),
+        };
+        let stop = Arc::clone(&self.stop);
+        Ok(Box::new(Stoppable { scene, stop }))
     }
 
     /// What it is called.
     pub fn name(&self) -> &str {
-        match self {
-            Self::Named(Some(name), _) if name != "bundled" => name,
-            Self::Named(..) => "the bundled clip",
-            Self::Given(_) => "the frames given",
+        match &self.of {
+            Of::Named(Some(name), _) if name != "bundled" => name,
+            Of::Named(..) => "the bundled clip",
+            Of::Given(_) => "the frames given",
         }
     }
+
+    /// Does on the pool what looks at these scenes. On Ctrl-C it ends at the next frame of one.
+    pub fn work<T: Send>(&self, py: Python<'_>, what: impl FnOnce() -> T + Send) -> PyResult<T> {
+        let pool = pool::pool()?;
+        pool::watched(py, &self.stop, || pool.install(what))
+    }
+}
+
+impl From<Of> for Source {
+    fn from(of: Of) -> Self {
+        Self {
+            of,
+            stop: Arc::default(),
+        }
+    }
+}
+
+/// A scene that ends with an error once the person wants to stop.
+struct Stoppable {
+    scene: Box<dyn Scene>,
+    stop: Arc<AtomicBool>,
+}
+
+impl Scene for Stoppable {
+    fn outline(&self) -> Outline {
+        self.scene.outline()
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        check(&self.stop)?;
+        self.scene.next_frame()
+    }
+}
+
+/// The error is not shown: what the signal raised is.
+fn check(stop: &AtomicBool) -> Result<(), SceneError> {
+    if !stop.load(Ordering::Relaxed) {
+        return Ok(());
+    }
+    Err(SceneError::Unreadable {
+        path: "the scene".into(),
+        cause: io::ErrorKind::Interrupted.into(),
+    })
 }
 
 impl Scene for Given {
@@ -162,7 +221,7 @@ pub fn scene<'py>(
     frames: Option<u64>,
 ) -> PyResult<(Bound<'py, PyAny>, f64, bool)> {
     let source = Source::new(name, None, fps, scale)?;
-    let kept = pool::work(py, || {
+    let kept = source.work(py, || {
         let scene = source.open()?;
         let is_assumed = scene.outline().fps_is_assumed;
         let mut scene = amacrine::scene::part::First::new(scene, frames.unwrap_or(u64::MAX));

@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
     sync::atomic::{AtomicBool, Ordering},
     thread,
-    time::{Duration, Instant},
+    time::Instant,
 };
 
 use amacrine::{
@@ -20,9 +20,6 @@ use pyo3::prelude::*;
 use serde_json::json;
 
 use crate::{error::raised, files::json, pool};
-
-/// How often it is looked whether the person wants to stop.
-const LOOK: Duration = Duration::from_millis(50);
 
 /// What stands in a folder of results.
 fn told(title: &str, points: usize, tables: &Tables) -> serde_json::Value {
@@ -52,34 +49,10 @@ pub fn sweep(
         .map(|text| text.parse().map_err(|e: ShardError| raised(e)))
         .transpose()?;
     let stop = AtomicBool::new(false);
-    let swept = py.detach(|| {
-        thread::scope(|scope| {
-            let work = scope.spawn(|| {
-                let study = Study::parse_with(&file, &text, &sets)?;
-                let how = (shard, jobs, max_seconds);
-                complete(study, &folder, &output, how, &stop)
-            });
-            let mut asked = Ok(());
-            while !work.is_finished() {
-                thread::sleep(LOOK);
-                if asked.is_ok() {
-                    #[expect(
-                        clippy::redundant_closure_for_method_calls,
-                        reason = "the method is of one lifetime alone"
-                    )]
-                    let signals = Python::attach(|py| py.check_signals());
-                    asked = signals;
-                    stop.store(asked.is_err(), Ordering::Relaxed);
-                }
-            }
-            let did = work.join().unwrap_or_else(|_| {
-                Err(miette!(
-                    help = "report this",
-                    "the sweep panicked, which is a defect of amacrine"
-                ))
-            });
-            asked.map(|()| did)
-        })
+    let swept = pool::watched(py, &stop, || {
+        let study = Study::parse_with(&file, &text, &sets)?;
+        let how = (shard, jobs, max_seconds);
+        complete(study, &folder, &output, how, &stop)
     })?;
     swept.map_err(raised).and_then(|answer| json(&answer))
 }

@@ -48,7 +48,17 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "kernel name": (lambda: amacrine.Sensor("csdvs-55", 1), "neither built in nor a file"),
     "thresholds": (lambda: amacrine.Sensor(kernels(3), [1, 2]), "2 thresholds for 3 kernels"),
     "threshold": (lambda: amacrine.Sensor("dvs", 0), "above 0"),
-    "memory": (lambda: amacrine.Sensor("dvs", 1, memory="snap"), "filtered-step"),
+    "memory": (lambda: amacrine.Sensor("dvs", 1, memory="snap"), "filtered-snap, raw-snap"),
+    "authors' memory": (
+        lambda: amacrine.Sensor("dvs", 1, memory="authors-pixel-step"), "Sensor.from_text"
+    ),
+    "masked frames": (lambda: sensor().events(np.ma.masked_less(GOOD, 1), 9), ".filled(0)"),
+    "masked frame": (lambda: sensor().events([np.ma.array(GOOD[0])], 9), "mask"),
+    "masked kernel": (lambda: amacrine.Sensor(np.ma.array(np.ones((3, 3))), 1), "kernels of a masked"),
+    "masked kernels": (lambda: amacrine.Sensor(["dvs", np.ma.array(np.ones((3, 3)))], 1), "mask"),
+    "masked events": (
+        lambda: amacrine.compare(np.ma.array(_few()), _few(), size=(8, 8)), "events of a masked"
+    ),
     "response": (lambda: amacrine.Sensor("dvs", 1, response={"lin": 2}), "unknown key `lin`"),
     "format": (lambda: amacrine.Sensor("dvs", 1, format="f12").events(GOOD, 9), "f12"),
     "sensor file": (lambda: amacrine.Sensor.from_file("rgc-5"), "rgc-4"),
@@ -353,3 +363,30 @@ def test_a_write_that_fails_leaves_nothing(tmp_path: Path) -> None:
     with pytest.raises(amacrine.Error, match="x.npy"):
         amacrine.write(tmp_path / "file" / "x.npy", _events([3]))
     assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_options_are_arguments() -> None:
+    """What the library says of options of the command line, as it is said here."""
+    said = amacrine._amacrine.in_python
+    for text, want in {
+        "take more values (another --to)": "take more values (another to)",
+        "leave the sum free (--sum free), or": 'leave the sum free (sum="free"), or',
+        "leave the compression out (--compression), or": "leave the compression out (compression), or",
+        "give a contrast (`--upsample`, or `upsample` in a study) such": "give a contrast (upsample) such",
+        "longer (--effort); --objective words compiles it as it is": "longer (effort)",
+        "help: take less, or allow more with --max-memory SIZE, such as --max-memory 5G\nx": "help: take less\nx",
+        "; `convert --salvage` keeps": "; `amacrine convert --salvage` keeps",
+        "`exec --set A=FILE.npy`; or": "`amacrine exec --set A=FILE.npy`; or",
+        "`ffmpeg -i A.gif --x`": "`ffmpeg -i A.gif --x`",
+        "`amacrine sweep --x`": "`amacrine sweep --x`",
+    }.items():
+        assert said(text) == want
+        assert said(want) == want
+
+
+def test_no_option_is_told_of_late_times(tmp_path: Path) -> None:
+    late = np.zeros(1, amacrine.EVENT)
+    late["t"] = 1 << 60
+    with pytest.raises(amacrine.Error) as wrong:
+        amacrine.write(tmp_path / "late.evt2", late, size=(8, 8))
+    assert "--" not in str(wrong.value) and "events['t'] - events['t'].min()" in str(wrong.value)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import multiprocessing
 import warnings
 from pathlib import Path
@@ -229,6 +230,33 @@ def test_every_way_to_watch_warns(frames: Frames) -> None:
     assert len(_said(lambda: amacrine.Sensor("dvs", 0.7).events(still[:1], FPS))) == 1
 
 
+def test_light_of_0_to_1_is_told_of(
+    frames: Frames, program: Callable[..., str], tmp_path: Path
+) -> None:
+    """In the words of `amacrine run`, for the sensor's response."""
+    small = np.concatenate([frames, frames[::-1]]) / 255
+    np.save(tmp_path / "small.npy", small)
+    log = {"log": {"white": 255, "offset": 1e-5}}
+    for sensor in (amacrine.Sensor("dvs", 0.002), amacrine.Sensor("dvs", 0.9, response=log)):
+        (tmp_path / "it.toml").write_text(sensor.text)
+        words = ("run", "--sensor", tmp_path / "it.toml", "--scene", tmp_path / "small.npy")
+        told = json.loads(program(*words, "--fps", FPS, "--json"))["warnings"]
+        stated = next(one for one in told if one["about"] == "scale")
+        want = f"{stated['seen']}: {stated['why']}; give scale=255, or multiply the array"
+
+        def of(clip: Any) -> list[str]:
+            return [said for said in _said(lambda: sensor.events(clip, FPS, scale=1)) if "lies" in said]
+
+        assert of(small) == [f"the scene: {want}"]
+        assert of(small * 255) == []
+        # Of a batch only where all clips are small; of a stream when enough was seen.
+        assert of(np.stack([small, small * 255])[:, :, None]) == []
+        assert of(np.stack([small, small])[:, :, None]) == [f"the scene: {want}"]
+        stream = sensor.stream(FPS, scale=1)
+        assert not any("lies" in said for said in _said(lambda: stream.counts(small[:4])))
+        assert any("lies" in said for said in _said(lambda: stream.counts(small[4:])))
+
+
 def test_a_stream_is_silent_for_a_while(frames: Frames) -> None:
     stream = amacrine.Sensor("dvs", 50.0).stream(FPS)
     assert _said(lambda: stream.events(frames)) == []
@@ -259,3 +287,32 @@ def test_kernels_of_several_sizes() -> None:
     assert sensor == amacrine.Sensor.from_file("mosaic")
     pattern = next(own for own in sensor.kernels if own.ndim == 3)
     assert len(pattern) == 4 and pattern.shape[1] % 2 == 1
+
+
+def test_thresholds_for_a_rate(
+    frames: Frames, program: Callable[..., str], tmp_path: Path
+) -> None:
+    """Those of `amacrine run --rate`."""
+    np.save(tmp_path / "scene.npy", frames)
+    spread = {"on": 0.2, "off": 0.3, "sigma": 0.02}
+    noise = {"shot-hz": 5}
+    sensor = amacrine.Sensor(kernels(2, 3), [spread, 0.4], noise=noise, name="two", seed=3)
+    (tmp_path / "it.toml").write_text(sensor.text)
+    words = ("--scene", tmp_path / "scene.npy", "--sensor", tmp_path / "it.toml", "--fps", FPS)
+    stated = json.loads(program("run", *words, "--rate", 20, "--seed", 3, "--json"))
+    rated = sensor.for_rate(frames, FPS, 20)
+    for own, before in zip(rated.thresholds, sensor.thresholds, strict=True):
+        np.testing.assert_array_equal(own, before * stated["rate"]["factor"])
+    assert [own[0] for own in rated.thresholds] == stated["rate"]["thresholds"]
+    assert len(rated.events(frames, FPS)) == stated["events"]
+    assert (rated.name, rated.channels) == ("two", sensor.channels)
+    for own, before in zip(rated.kernels, sensor.kernels, strict=True):
+        assert np.array_equal(own, before)
+    # The same light, as floats with a scale.
+    assert sensor.for_rate(frames / 255, FPS, 20, scale=255).channels == rated.channels
+    with pytest.raises(amacrine.Error, match="give a rate between them"):
+        sensor.for_rate(frames, FPS, 1e12)
+    with pytest.raises(amacrine.Error, match="no event at any threshold"):
+        amacrine.Sensor("dvs", 0.1).for_rate(frames[:1].repeat(3, axis=0), FPS, 1)
+    with pytest.raises(amacrine.Error, match="rate=2"):
+        sensor.for_rate(frames, FPS, "fast")  # type: ignore[arg-type]

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import pickle
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 from typing import Any, Callable
 
@@ -179,3 +184,38 @@ def test_results_that_hold_arrays_can_be_compared() -> None:
     """By what they are, as arrays' own comparison is none."""
     one, other = (amacrine.quantise(np.eye(3), "ternary") for _ in range(2))
     assert one == one and one != other
+
+
+STUDIES = {
+    "feasibility": "amacrine.feasibility('csdvs-3', 20, to='ternary', candidates=['ternary'], **how)",
+    "design": "amacrine.design('csdvs-3', thresholds=20, to='ternary', **how)",
+    "waterfall": "amacrine.waterfall('csdvs-3', 20, to='ternary', **how)",
+    "quantise": "amacrine.quantise('csdvs-3', 'ternary', threshold=20, **how)",
+}
+
+ENDLESS = """
+import amacrine, sys
+how = dict(scene="pattern:disc?width=48&height=40&frames=1000000&fps=50", effort=0.01)
+print("begun", flush=True)
+{}
+"""
+
+
+@pytest.mark.parametrize("study", STUDIES)
+def test_studies_end_on_ctrl_c(study: str) -> None:
+    """At the next frame of their scene."""
+    code = ENDLESS.format(STUDIES[study])
+    with subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as run:
+        assert run.stdout is not None and run.stdout.readline() == "begun\n"
+        time.sleep(2)
+        assert run.poll() is None, "the study was over before it could be stopped"
+        begun = time.monotonic()
+        os.kill(run.pid, signal.SIGINT)
+        try:
+            said = run.communicate(timeout=30)[1]
+        finally:
+            run.kill()
+    assert "KeyboardInterrupt" in said, said
+    assert time.monotonic() - begun < 20

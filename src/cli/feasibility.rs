@@ -9,6 +9,7 @@ use crate::{
     compile::Effort,
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
+    photoreceptor::Response,
     reference::MemoryRule,
     rig::guard::Warning,
     save::save,
@@ -215,7 +216,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let progress = Progress::new("watching", frames.map(|frames| shows * frames));
     let answer = ask(&questions, &open, &progress);
     progress.finish();
-    let warnings = Warning::of_scene(&observation, 255.0);
+    let warnings = Warning::of_scene(&observation, Response::IDENTITY);
     light::warn(&warnings);
     let answer = answer?.with(&warnings);
     let explain = |what: &String| answer.explain(what, arguments.json);

@@ -3,7 +3,7 @@
 use crate::{
     event::Packet,
     number::Format,
-    photoreceptor::{Curve, Response},
+    photoreceptor::Response,
     plane::Size,
     reference::{Description, Firing, Tally},
     rig::guard::{Crowd, Guard, Warning},
@@ -55,14 +55,6 @@ impl RunGuard {
             guard.warn(warning);
         }
         guard.warnings()
-    }
-}
-
-/// The light that a sensor takes for white; 255 where its response does not say.
-pub fn white(response: Response) -> f64 {
-    match response.curve {
-        Curve::Linear { white } | Curve::Log { white, .. } => white,
-        Curve::Identity | Curve::LinLog { .. } => 255.0,
     }
 }
 

@@ -32,7 +32,7 @@ use super::{
     event_output::EventOutput,
     fidelity::{Fidelity, Source, make},
     files::{self, Input, Named, Output},
-    guards::{RunGuard, white},
+    guards::RunGuard,
     light::{self, Samples},
     progress::Progress,
     readout,
@@ -243,7 +243,7 @@ fn watched(
         end,
         shown,
     });
-    let mut warnings = Warning::of_scene(observation, white(description.response));
+    let mut warnings = Warning::of_scene(observation, description.response);
     light::warn(&warnings);
     let mut watched = watched
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;

@@ -12,6 +12,7 @@ use crate::{
     event::readout::Readout,
     isa::{Device, Figure},
     kernel::quantise::Quantiser,
+    photoreceptor::Response,
     picture::share_text,
     rig::guard::Warning,
     scene::{Observation, Scene as _},
@@ -309,7 +310,7 @@ impl Arguments {
             Ok((memory, steps, rates))
         };
         let answers: Result<_, WaterfallError> = answer();
-        let warnings = Warning::of_scene(observation, 255.0);
+        let warnings = Warning::of_scene(observation, Response::IDENTITY);
         light::warn(&warnings);
         let (memory, steps, rates) = answers.map_err(|error| {
             let what = format!("no waterfall of {} on {}", self.kernels, self.chip);

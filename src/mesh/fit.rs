@@ -12,6 +12,8 @@
 //! | not the same under both mirrors | no sheet whose resistors run down and across |
 //! | not the same under the eight turns and mirrors | no sheet of equal resistors |
 //!
+//! What is left where that leaves the centre alone is the pixel itself, without a sheet.
+//!
 //! The rest is fitted over the whole plane, in the frequency domain, where a surround is
 //! `1 / (1 + λ² μ)`. For given space constants the gains are linear least squares with a ridge
 //! (Tikhonov) penalty, without which those of a Laplacian would grow without bound. Space constants
@@ -47,7 +49,8 @@ pub struct Fit {
     pub turned: f64,
     /// Gain of the pixel itself, `c`.
     pub centre: f64,
-    /// The sheets.
+    /// The sheets; none where what can be reached of the kernel is its centre alone, which is the
+    /// pixel itself.
     pub sheets: Vec<FittedSheet>,
     /// The response to uniform light, which is the sum of all gains; that of the kernel is its sum.
     pub uniform: f64,
@@ -96,7 +99,10 @@ pub fn fit(kernel: &Kernel, how: Fitting) -> Result<Fit, MeshError> {
     } else {
         &parts.turned
     };
-    let best = search(&(spectrum(target) / norm), how);
+    let best = match alone(target) {
+        Some(weight) => Candidate::pixel(weight / norm),
+        None => search(&(spectrum(target) / norm), how),
+    };
     let rest = |part: &Plane<f64>| {
         let left = square.iter().zip(part).map(|(a, b)| (a - b) * (a - b));
         left.sum::<f64>().sqrt() / norm
@@ -124,6 +130,14 @@ pub fn fit(kernel: &Kernel, how: Fitting) -> Result<Fit, MeshError> {
             })
             .collect(),
     })
+}
+
+/// The weight of a kernel that has one, in its centre.
+fn alone(square: &Plane<f64>) -> Option<f64> {
+    let reach = square.nrows() / 2;
+    let weight = square[[reach, reach]];
+    let others = square.iter().filter(|w| **w != 0.0).count();
+    (weight != 0.0 && others == 1).then_some(weight)
 }
 
 /// The kernel centred in a square window.
@@ -215,6 +229,18 @@ struct Candidate {
     left: f64,
     /// Squared norm of the residual and the ridge's penalty: what is minimised.
     price: f64,
+}
+
+impl Candidate {
+    /// The pixel itself with this gain, which is all that is to be reached.
+    fn pixel(gain: f64) -> Self {
+        Self {
+            lambdas: Vec::new(),
+            gains: vec![gain],
+            left: 0.0,
+            price: 0.0,
+        }
+    }
 }
 
 fn search(target: &Plane<f64>, how: Fitting) -> Candidate {
@@ -491,6 +517,25 @@ mod tests {
         let better = fit(&bar, how).unwrap();
         assert!(better.error < 0.8 * found.error, "{better:?}");
         assert!(found.error >= found.turned && better.error >= better.mirrored);
+    }
+
+    /// A kernel of one weight is the pixel itself: no sheet, whatever may be used.
+    #[test]
+    fn a_pixel_alone_needs_no_sheet() {
+        let alone = Kernel::from_rows(&[vec![0.0; 3], vec![0.0, -2.0, 0.0], vec![0.0; 3]]).unwrap();
+        for (kernel, weight) in [(named("dvs"), 1.0), (alone, -2.0)] {
+            for sheets in 1..=3 {
+                let found = fitted(&kernel, sheets);
+                assert!(found.sheets.is_empty(), "{found:?}");
+                assert_eq!((found.centre, found.uniform), (weight, weight));
+                assert_eq!((found.error, found.gain), (0.0, 1.0));
+            }
+        }
+        // The centre is all that can be reached of it; the rest is odd.
+        let odd = Kernel::from_rows(&[vec![-1.0, 1.0, 1.0]]).unwrap();
+        let found = fitted(&odd, 2);
+        assert!(found.sheets.is_empty() && found.odd > 0.8);
+        assert!((found.error - found.odd).abs() < 1e-15, "{found:?}");
     }
 
     #[test]

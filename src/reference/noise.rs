@@ -7,7 +7,7 @@
 //! | `leak-hz` | events/s | the memory falls by `leak-hz θ_on` each second (junction leakage of the reset switch; Nozaki & Delbruck, IEEE TED 64:3239, 2017) | `leak-hz` ON events per cell |
 //! | `leak-spread` | decades | each cell's own leak: log-normal with this standard deviation, median `leak-hz` | `leak-hz exp((ln 10 leak-spread)² / 2)` |
 //! | `shot-hz` | events/s | noise events in the dark, half ON half OFF, a Poisson process in each cell | `shot-hz` |
-//! | `shot-at-white` | - | the share of it that is left at light 255; a straight line between, constant above | `shot-hz (1 + (shot-at-white - 1) I / 255)` |
+//! | `shot-at-white` | - | the share of it that is left at light 255; a straight line between, constant above; the light of the later frame of a pair | `shot-hz (1 + (shot-at-white - 1) I / 255)` |
 //! | `hot-fraction`, `hot-hz` | -, events/s | this share of the cells fires ON at this rate instead, a Poisson process, whatever it sees | `hot-fraction hot-hz` per cell |
 //! | `jitter-us` | us | the events of a cell in an interval move together by a normal draw, reflected at the interval's ends | |
 //! | `cutoff-hz` | Hz | the photoreceptor is a first-order low-pass whose bandwidth grows with light, `cutoff-hz (I + 20) / 275` (v2e's law) | |
@@ -16,7 +16,7 @@
 //!
 //! **Leak.** Cells do not start in step: each has leaked for a part of its first interval
 //! already, uniformly drawn, as in a sensor that has been on for long. The mean count in a
-//! time `T` is then exactly `leak-hz T`.
+//! time `T` is then exactly the cell's leak times `T`.
 //!
 //! **Shot noise and hot pixels** leave the memory alone. Under a dead time a cell is deaf to
 //! them for that time after each of its events, and they give way to an event of the scene

@@ -9,6 +9,7 @@ use std::fmt;
 use crate::{
     event::{Event, Packet},
     kernel::quantise::Erasure,
+    photoreceptor::{Curve, Response},
     plane::Size,
     scene::{Cut, Frame, Light, Observation, Repeated},
     unit::{Micros, counted},
@@ -276,20 +277,38 @@ impl Warning {
         )
     }
 
-    /// Light that lies within 0 and 1, for a sensor that takes 0 to `white`.
+    /// Numbers without a scale of their own that lie within 0 and 1, for a sensor whose response
+    /// takes 0 to 255, or to another white.
     #[must_use]
-    pub fn scale(light: &Light, extent: Option<(f64, f64)>, white: f64) -> Option<Self> {
+    pub fn scale(extent: Option<(f64, f64)>, response: Response) -> Option<Self> {
         let (low, high) = extent?;
+        let white = response.white();
         let is_unit = low >= 0.0 && high <= 1.0001 && high > 0.0;
-        if !light.has_free_scale() || !is_unit || white <= 2.0 {
+        if !is_unit || white <= 2.0 {
             return None;
         }
+        // Light of 0 and above has a signal in every response.
+        let moves = |by: f64| {
+            let at = |light: f64| response.apply(by * light).unwrap_or(0.0);
+            at(high) - at(low)
+        };
+        let (here, there) = (moves(1.0), moves(white));
+        let also = match response.curve {
+            Curve::Log { .. } => {
+                ": a logarithm feels the scale by its offset, and noise that depends on light does"
+            }
+            Curve::Identity | Curve::Linear { .. } | Curve::LinLog { .. } => "",
+        };
         Some(Self::new(
             About::Scale,
             "the scene",
-            format!("all light lies between {low:.4} and {high:.4}, but sensors take 0 to 255"),
-            "the array is scaled to 1, and no change of it comes near a threshold",
-            "give --scale 255, or multiply the array",
+            format!(
+                "all light lies between {low:.4} and {high:.4}, but the sensor takes 0 to {white}"
+            ),
+            format!(
+                "the array is scaled to 1; from its darkest to its brightest the signal moves by {here:.4}, and times {white} by {there:.4}{also}"
+            ),
+            format!("give --scale {white}, or multiply the array"),
         ))
     }
 
@@ -383,11 +402,11 @@ impl Warning {
         })
     }
 
-    /// What a scene warns of, for a sensor that takes light from 0 to `white`.
+    /// What a scene warns of, for a sensor of this response.
     #[must_use]
-    pub fn of_scene(observation: &Observation, white: f64) -> Vec<Self> {
-        let light = observation.light();
-        let scale = light.and_then(|light| Self::scale(&light, observation.extent(), white));
+    pub fn of_scene(observation: &Observation, response: Response) -> Vec<Self> {
+        let free = observation.light().filter(Light::has_free_scale);
+        let scale = free.and_then(|_| Self::scale(observation.extent(), response));
         let cuts = Self::cuts(&observation.cuts());
         let repeats = observation.repeated().and_then(Self::repeats);
         scale.into_iter().chain(cuts).chain(repeats).collect()

@@ -12,7 +12,6 @@ use super::{Named, Search, Shown, device, kernel, quantisers};
 use crate::{
     chip::{effort, memory_named, sum},
     error::raised,
-    pool,
 };
 
 /// Sensors, each compiled and run: as JSON, with the texts of their files.
@@ -34,7 +33,7 @@ pub fn design(
     let memory: Option<DriveMemory> = how.1.map(memory_named).transpose()?;
     let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
     let source = scene.source()?;
-    let answer = pool::work(py, || {
+    let answer = source.work(py, || {
         let question = Question {
             title: "design",
             names: &names,

@@ -18,7 +18,6 @@ use crate::{
     chip::{effort, quantiser, sum},
     error::raised,
     files::json,
-    pool,
 };
 
 /// Both answers as one object.
@@ -54,7 +53,7 @@ pub fn waterfall(
         of.0,
         source.name()
     );
-    let answer = pool::work(py, || {
+    let answer = source.work(py, || {
         let mut shown = source.open()?;
         let choice = rates.map(|rates| falls::Choice {
             rates,

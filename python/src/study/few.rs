@@ -14,7 +14,6 @@ use crate::{
     chip::{effort, sum},
     error::raised,
     files::json,
-    pool,
 };
 
 /// A kernel in few values.
@@ -79,7 +78,7 @@ pub fn on_chip(
     let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
     check(threshold)?;
     let source = scene.source()?;
-    let answer = pool::work(py, || {
+    let answer = source.work(py, || {
         let fps = source.open()?.fps();
         let question = quantisation::Question {
             kernel: &kernel,

@@ -23,7 +23,6 @@ use super::Shown;
 use crate::{
     error::{raised, refused},
     files::json,
-    pool,
     program::Program,
     sensor::Sensor,
     source::Source,
@@ -99,7 +98,7 @@ fn surveyed<M: Send>(
             "give a part above 0 and up to 1, and at least one run",
         ));
     }
-    let answer = pool::work(py, || {
+    let answer = source.work(py, || {
         let mut shown = source.open()?;
         let kept = Kept::new(&mut *shown, KEPT)?.ok_or_else(|| {
             miette!(

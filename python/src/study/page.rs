@@ -14,7 +14,6 @@ use super::{Named, Search, Shown, device, kernel, quantisers, scan, within};
 use crate::{
     chip::{effort, memory_named, quantiser, sum},
     error::{raised, refused},
-    pool,
 };
 
 /// Whether kernels can run on a chip: the answer as JSON, and as a page.
@@ -47,7 +46,7 @@ pub fn feasibility(
         return Err(refused(format!("{chips} chips"), "give 1 to 1024"));
     }
     let source = scene.source()?;
-    let answer = pool::work(py, || {
+    let answer = source.work(py, || {
         let fps = source.open()?.fps();
         let questions: Vec<_> = { of.iter().zip(&kernels).zip(&thresholds) }
             .map(|((named, kernel), threshold)| {

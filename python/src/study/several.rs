@@ -15,7 +15,6 @@ use crate::{
     chip::{effort, sum},
     error::raised,
     files::json,
-    pool,
     source::Source,
 };
 
@@ -70,7 +69,7 @@ pub fn on_chip_together(
     let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
     thresholds.iter().try_for_each(|it| check(*it))?;
     let source = scene.source()?;
-    let answer = pool::work(py, || {
+    let answer = source.work(py, || {
         let floats = kernels.iter().zip(&thresholds);
         let question = Question {
             names: of.iter().map(|(name, _)| name.clone()).collect(),

@@ -12,6 +12,7 @@ use crate::{
     compare::{Pair, equality},
     event::Packet,
     number::Format,
+    photoreceptor::Response,
     reference::{Description, Reference},
     rig::{self, guard::Warning},
     scene::{Observation, Scene, upsample},
@@ -100,7 +101,7 @@ impl Arguments {
         let packets = rig::watch(&mut *scene, &mut watching, |_| progress.tick());
         progress.finish();
         if parts.len() > 1 {
-            light::warn(&Warning::of_scene(&observation, 255.0));
+            light::warn(&Warning::of_scene(&observation, Response::IDENTITY));
             light::warn(Warning::assumed_rate(&observation, "--fps").as_slice());
         }
         let mut packets = packets?.into_iter();

@@ -15,6 +15,7 @@ use crate::{
     compile::{CellKind, EventReadout, SensorProgram},
     event::Packet,
     isa::{Device, Figure},
+    photoreceptor::Response,
     program::{
         Cost, Overrides, Program,
         readout::{Demand, Plan, Scans, Way, choose},
@@ -180,7 +181,7 @@ fn watched(
     let packets = rig::watch(&mut *scene, &mut sensors, |_| frames += 1)?;
     let empty = Packet::new(size, 1);
     let packet = packets.into_iter().next().unwrap_or(empty);
-    light::warn(&Warning::of_scene(observation, 255.0));
+    light::warn(&Warning::of_scene(observation, Response::IDENTITY));
     if packet.events.is_empty() {
         light::warn(&[Warning::no_events(name, Some(frames))]);
     }

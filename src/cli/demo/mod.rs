@@ -9,6 +9,7 @@ mod showing;
 mod table;
 
 use crate::{
+    photoreceptor::Response,
     program::Cost,
     rig::guard::{Guard, Warning},
     scene::{Observation, Observed, Scene, SceneError, bundled, resample::Resampled},
@@ -63,7 +64,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         progress.tick();
     })?;
     progress.finish();
-    let mut warnings = Warning::of_scene(&observation, 255.0);
+    let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
     warnings.append(&mut guard.warnings());
     light::warn(&warnings);
     let written = files::write(&arguments.output, &faster, &moments.kept)?;

@@ -27,6 +27,7 @@ use crate::{
     compile::Effort,
     isa::Device,
     kernel::quantise::Quantiser,
+    photoreceptor::Response,
     rig::guard::{Guard, Warning},
     save::save,
     scene::Observation,
@@ -228,7 +229,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         }
     }
     progress.finish();
-    let mut warnings = Warning::of_scene(&observation, 255.0);
+    let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
     warnings.extend(by_accident(&found));
     light::warn(&warnings);
     let commands = written.as_ref().map(|written| arguments.commands(written));

@@ -24,6 +24,7 @@ use crate::{
     limit::THREADS,
     memory::Need,
     number::Format,
+    photoreceptor::Response,
     plane::{At, Size},
     program::{Action, Expansion, Exposure, Host, Program, Step},
     rig::{
@@ -248,7 +249,7 @@ impl<'a> Bench<'a> {
         saturated: Vec<Saturated>,
     ) -> Vec<Warning> {
         let program = &self.opened.program.file;
-        for warning in Warning::of_scene(&self.observation, 255.0) {
+        for warning in Warning::of_scene(&self.observation, Response::IDENTITY) {
             guard.warn(warning);
         }
         // A host that decides looks for one pixel after the other, and knows what it leaves.

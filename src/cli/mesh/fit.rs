@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
-use miette::{IntoDiagnostic, WrapErr};
+use miette::WrapErr;
 
+use super::output::say_json;
 use crate::{
     cli::{files::Named, kernels, say},
     kernel::Kernel,
@@ -19,7 +20,7 @@ pub struct Arguments {
     /// Kernel files (.toml or .npy), or names of built-in kernels
     #[arg(required = true)]
     kernels: Vec<Named>,
-    /// Sheets at most, 1 to 3; each number up to it has a row
+    /// Sheets at most, 1 to 3; each number up to it has a row, a kernel that needs none has one
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
     sheets: u8,
     /// Resistors down and across may differ
@@ -64,19 +65,22 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             };
             for sheets in 1..=usize::from(arguments.sheets) {
                 let fit = fitted(arguments, kernel, sheets).wrap_err_with(|| shown.clone())?;
+                let needs_no_sheet = fit.sheets.is_empty();
                 rows.push(Row {
                     kernel: shown.clone(),
                     fit,
                 });
+                // Where none is needed, more of them change nothing.
+                if needs_no_sheet {
+                    break;
+                }
             }
         }
     }
     if arguments.json {
-        let json = serde_json::to_string(&rows).into_diagnostic()?;
-        say(&format!("{json}\n"));
-    } else {
-        say(&table(&rows));
+        return say_json(&rows);
     }
+    say(&table(&rows));
     Ok(())
 }
 
@@ -130,6 +134,9 @@ fn formula(fit: &Fit) -> String {
         return "nothing: it is all unreachable".into();
     }
     let mut text = format!("{:.3} P", fit.centre);
+    if fit.sheets.is_empty() {
+        text.push_str(": a pixel alone, no sheet");
+    }
     for sheet in &fit.sheets {
         let sign = if sheet.gain < 0.0 { '-' } else { '+' };
         let _ = write!(

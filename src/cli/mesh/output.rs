@@ -1,7 +1,9 @@
 //! What of a sheet is written, and how.
 
+use miette::IntoDiagnostic;
+
 use crate::{
-    cli::{files::Output, npy},
+    cli::{files::Output, npy, say},
     picture::{panel, write_png},
     plane::Plane,
 };
@@ -31,4 +33,11 @@ pub(super) fn extremes(plane: &Plane<f64>) -> (f64, f64) {
     plane
         .iter()
         .fold(infinite, |(low, high), v| (low.min(*v), high.max(*v)))
+}
+
+/// An answer for machines.
+pub(super) fn say_json<T: serde::Serialize>(json: &T) -> miette::Result<()> {
+    let json = serde_json::to_string(json).into_diagnostic()?;
+    say(&format!("{json}\n"));
+    Ok(())
 }

@@ -15,6 +15,7 @@ use crate::{
     mesh::{Fitting, Sheet, Steady, fit},
     picture::{SurroundShow, surround, write_png},
     plane::{Plane, Size},
+    unit::counted,
 };
 
 /// What `mesh show` is asked to do.
@@ -133,8 +134,8 @@ impl Shown {
         });
         Ok(Self {
             title: format!(
-                "{name} by {} sheets: error {:.3}, of which {:.3} no equal resistors can have",
-                fitted.sheets.len(),
+                "{name} by {}: error {:.3}, of which {:.3} no equal resistors can have",
+                counted(fitted.sheets.len(), "sheet"),
                 fitted.error,
                 fitted.turned
             ),

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use miette::{IntoDiagnostic, WrapErr, miette};
+use miette::{WrapErr, miette};
 
 use super::{
     constants::Constants,
-    output::{Show, extremes, write},
+    output::{Show, extremes, say_json, write},
 };
 use crate::{
     cli::{
@@ -95,12 +95,6 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         "{}  {size}, mean {mean}, from {least} to {most}\n",
         arguments.output.display()
     ));
-    Ok(())
-}
-
-fn say_json<T: serde::Serialize>(json: &T) -> miette::Result<()> {
-    let json = serde_json::to_string(json).into_diagnostic()?;
-    say(&format!("{json}\n"));
     Ok(())
 }
 

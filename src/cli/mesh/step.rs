@@ -4,7 +4,10 @@ use std::ops::ControlFlow;
 
 use miette::{WrapErr, miette};
 
-use super::{constants::Constants, output::Show};
+use super::{
+    constants::Constants,
+    output::{Show, say_json},
+};
 use crate::{
     cli::{
         budget,
@@ -21,7 +24,7 @@ use crate::{
     rig,
     save::save,
     scene::{Frame, Observation, Scene, part::First},
-    unit::{Micros, counted},
+    unit::{Picos, counted},
 };
 
 /// What `mesh step` is asked to do.
@@ -32,9 +35,9 @@ use crate::{
 pub struct Arguments {
     #[command(flatten)]
     constants: Constants,
-    /// Time constant C/g; 0us settles at once
+    /// Time constant C/g, such as 20ns, 0.5us or 1ms; 0us settles at once
     #[arg(long, value_name = "TIME")]
-    tau: Micros,
+    tau: Picos,
     /// A clip, a .npy of shape (T,H,W), a folder of pictures, or pattern:NAME
     #[arg(short, long)]
     scene: Named,
@@ -43,8 +46,8 @@ pub struct Arguments {
     /// Frames a second, instead of what the scene says
     #[arg(long)]
     fps: Option<f64>,
-    /// From light to signal, as in a sensor file
-    #[arg(long, default_value = "\"identity\"", value_parser = response)]
+    /// From light to signal, as in a sensor file: identity, or { log = { white = 255, offset = 1e-5 } }
+    #[arg(long, default_value = "identity", value_parser = response)]
     response: Response,
     /// What the signal does between two frames
     #[arg(long, value_enum, default_value = "ramp")]
@@ -58,6 +61,20 @@ pub struct Arguments {
     /// Where to: a .npy of shape (T,H,W), float64
     #[arg(short, long, value_name = "FILE.npy", value_parser = Content::Array)]
     output: Output,
+    /// Print one JSON object instead of a line
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(serde::Serialize)]
+struct Json {
+    lambda_y: f64,
+    lambda_x: f64,
+    tau_s: f64,
+    size: Size,
+    frames: u64,
+    /// Of v2e's rule.
+    euler_steps: Option<u64>,
 }
 
 /// How a sheet is moved on.
@@ -71,9 +88,19 @@ enum Rule {
     V2e,
 }
 
-/// A response as it stands in a sensor file.
+/// A response as it stands in a sensor file; a name needs no quotes.
 fn response(text: &str) -> Result<Response, String> {
-    Response::parse(text).map_err(|fault| fault.message)
+    let is_name = text.starts_with(|c: char| c.is_ascii_alphabetic())
+        && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '-');
+    let read = if is_name {
+        Response::parse(&format!("\"{text}\""))
+    } else {
+        Response::parse(text)
+    };
+    read.map_err(|fault| match fault.message {
+        told if told.contains("identity") => told,
+        told => format!("{told}; write identity, or a table such as {{ linear = 255 }}"),
+    })
 }
 
 /// A sheet that is moved on by one of the rules.
@@ -154,15 +181,39 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     save(&arguments.output, |out| {
         npy::write(out, &shape, written.iter().copied())
     })?;
-    let steps = match &sheet_now {
-        Some((_, Moved::V2e(euler))) => format!(", {} Euler steps", euler.steps()),
-        _ => String::new(),
+    let euler_steps = match &sheet_now {
+        Some((_, Moved::V2e(euler))) => Some(euler.steps()),
+        _ => None,
     };
+    tell(arguments, (size, frames, euler_steps), &observation)
+}
+
+/// What was written.
+fn tell(
+    arguments: &Arguments,
+    (size, frames, euler_steps): (Size, u64, Option<u64>),
+    observation: &Observation,
+) -> miette::Result<()> {
+    if arguments.json {
+        let (lambda_y, lambda_x) = arguments.constants.sheet()?.lambdas();
+        let json = Json {
+            lambda_y,
+            lambda_x,
+            tau_s: arguments.tau.seconds(),
+            size,
+            frames,
+            euler_steps,
+        };
+        return say_json(&light::Shown::new(&json, observation));
+    }
+    let steps = euler_steps.map_or(String::new(), |steps| {
+        format!(", {}", counted(steps, "Euler step"))
+    });
     say(&format!(
         "{}  {} of {size}{steps}\n{}",
         arguments.output.display(),
         counted(frames, "frame"),
-        light::line(&observation)
+        light::line(observation)
     ));
     Ok(())
 }

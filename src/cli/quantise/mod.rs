@@ -15,6 +15,7 @@ use crate::{
         Kernel,
         quantise::{self, Change, QuantiseError, Quantised, Quantiser, Summary},
     },
+    photoreceptor::Response,
     picture::{self, write_png},
     plane::Plane,
     rig::guard::{Guard, Warning},
@@ -286,7 +287,7 @@ fn on_chip(
     let progress = Progress::new("watching", frames.map(|frames| 2 * frames));
     let answer = quantisation::ask(&question, &open, |_| progress.tick());
     progress.finish();
-    let warnings = Warning::of_scene(observation, 255.0);
+    let warnings = Warning::of_scene(observation, Response::IDENTITY);
     light::warn(&warnings);
     let mut answer = answer?;
     light::warn(&answer.warnings);

@@ -8,6 +8,7 @@ use super::{Arguments, Row, drawn, erased, rows_of, short, table};
 use crate::{
     cli::{budget, kernels::Kinds, light, progress::Progress},
     isa::Device,
+    photoreceptor::Response,
     rig::guard::{Guard, Warning},
     scene::{Observation, Scene as _},
     study::{
@@ -135,7 +136,7 @@ fn together(
         )?);
     }
     progress.finish();
-    let of_scene = Warning::of_scene(observation, 255.0);
+    let of_scene = Warning::of_scene(observation, Response::IDENTITY);
     let own = guard.warnings();
     light::warn(&of_scene);
     light::warn(&own);

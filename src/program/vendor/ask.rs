@@ -5,6 +5,7 @@ use super::{
     machine::{Kernel, Machine},
     tree::{Expr, last},
     value::Value,
+    why::Why,
 };
 use crate::{
     config::{Fault, Place},
@@ -20,13 +21,6 @@ const FRAMES: usize = 64;
 
 /// Statements that may be asked of the array.
 const ASKED: usize = crate::limit::EXPANDED_STEPS;
-
-/// How reasons end that no run takes away.
-const NEVER: [&str; 3] = [
-    "which is not followed,",
-    "does not have,",
-    "which ends without a `return`,",
-];
 
 impl Machine<'_> {
     /// Whether the host does this, outside of kernels.
@@ -47,7 +41,7 @@ impl Machine<'_> {
     pub(super) fn ask(&mut self, name: &str, arguments: Vec<Term>, place: Place) {
         if let Some(why) = self.maybe.clone() {
             let message = format!("whether `{name}` runs, {why} decides");
-            self.unknown(place, message, None);
+            self.unknown(place, message, &why, None);
         }
         if !self.asks(1, place) {
             return;
@@ -113,18 +107,17 @@ impl Machine<'_> {
     }
 
     /// A fault that something depends on what only the run knows.
-    pub(super) fn unknown(&mut self, place: Place, message: String, of: Option<&Expr>) {
+    pub(super) fn unknown(&mut self, place: Place, message: String, why: &Why, of: Option<&Expr>) {
         let name = of.and_then(|it| look::unknown(self, it));
         // Only a variable can be given a value.
         let way = match name.as_deref().map(last) {
             Some(name) => format!("give the value with `--const {name}=VALUE`"),
             None => "write it with what docs/vendor-code.md lists".to_owned(),
         };
-        let never = NEVER.iter().any(|why| message.contains(why));
-        let (label, help) = match self.companion {
-            _ if never => ("not known", format!("{way}, or take this out")),
-            Some(_) => ("not known here", format!("{way}, or take this out")),
-            None => (
+        let (label, help) = match (why, &self.companion) {
+            (Why::Never(_), _) => ("not known", format!("{way}, or take this out")),
+            (Why::Run(_), Some(_)) => ("not known here", format!("{way}, or take this out")),
+            (Why::Run(_), None) => (
                 "only the run knows",
                 format!(
                     "`exec` runs it, with the host beside the array. Here a program is the same words in every frame: {way}, or take this out"
@@ -136,7 +129,7 @@ impl Machine<'_> {
 
     /// Warns of a readout of which only the run knows: a program that has to be known before goes
     /// without it.
-    pub(super) fn unread(&mut self, place: Place, what: &str, why: &str) {
+    pub(super) fn unread(&mut self, place: Place, what: &str, why: &Why) {
         if self.companion.is_some() {
             let message = format!("{what}, {why} decides: it is left out");
             self.fault(

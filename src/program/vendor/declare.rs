@@ -1,6 +1,6 @@
 //! Declarations: functions, classes and variables.
 
-use std::{rc::Rc, sync::Arc};
+use std::rc::Rc;
 
 use super::{
     call::kernel,
@@ -10,6 +10,7 @@ use super::{
     shape::{self, Leaf},
     tree::{Declared, Function, Kind, Struct, last},
     value::{Layout, Member, Value, unassigned},
+    why::Why,
 };
 use crate::config::Place;
 
@@ -99,7 +100,7 @@ impl Machine<'_> {
             if let Some(value) = &it.value {
                 self.value(value);
             }
-            let slot = self.make(&it.name, Value::Unknown(Arc::clone(&why)), Kind::Any);
+            let slot = self.make(&it.name, Value::Unknown(why.clone()), Kind::Any);
             self.not_followed.insert(slot, why);
             return;
         }
@@ -185,7 +186,7 @@ impl Machine<'_> {
     }
 
     /// Why nothing is known of a variable of this type.
-    fn unread_type(&self, it: &Declared) -> Option<Arc<str>> {
+    fn unread_type(&self, it: &Declared) -> Option<Why> {
         let of = last(&it.of);
         if it.pointer || it.reference || self.layouts.contains_key(&it.of) {
             return None;
@@ -195,7 +196,10 @@ impl Machine<'_> {
             None if UNREAD_CONTAINERS.contains(&of) => format!("a `std::{of}`"),
             None => return None,
         };
-        Some(format!("`{}`, {what}, which is not followed,", it.name).into())
+        Some(Why::never(&format!(
+            "`{}`, {what}, which is not followed,",
+            it.name
+        )))
     }
 
     /// What an array of objects begins with, where a constructor makes each.

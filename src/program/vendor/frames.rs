@@ -1,13 +1,12 @@
 //! The loop over the frames: its first iteration, and what every later iteration does.
 
-use std::sync::Arc;
-
 use super::{
     light::{capture, light},
     look,
     machine::{Flow, Machine},
     tree::{Expr, ExprNode, Stmt, Word, last},
     value::Value,
+    why::Why,
 };
 use crate::{
     config::{Fault, Place},
@@ -51,7 +50,7 @@ impl Machine<'_> {
             known = self.snapshot();
         }
         let mut steady = self.iteration(body, step);
-        let why: Arc<str> = "a value that changes from frame to frame".into();
+        let why: Why = "a value that changes from frame to frame".into();
         for _ in 0..TURNS {
             if self.done() {
                 break;
@@ -60,7 +59,7 @@ impl Machine<'_> {
             let mut changed = false;
             for (slot, (old, new)) in known.iter_mut().zip(&after).enumerate() {
                 if differs(old, new) {
-                    let why = self.named(slot).unwrap_or_else(|| Arc::clone(&why));
+                    let why = self.named(slot).unwrap_or_else(|| why.clone());
                     unknown_where_other(old, new, &why);
                     changed = true;
                 }
@@ -98,7 +97,7 @@ impl Machine<'_> {
     }
 
     /// The name of a variable that changes, as a reason.
-    fn named(&self, slot: usize) -> Option<Arc<str>> {
+    fn named(&self, slot: usize) -> Option<Why> {
         let name = self.word(slot)?;
         Some(format!("`{name}`, which changes from frame to frame,").into())
     }
@@ -273,7 +272,7 @@ fn differs(old: &Value, new: &Value) -> bool {
 }
 
 /// What has another value is not known; an array stays one, of elements of which some are not.
-fn unknown_where_other(old: &mut Value, new: &Value, why: &Arc<str>) {
+fn unknown_where_other(old: &mut Value, new: &Value, why: &Why) {
     if !differs(old, new) {
         return;
     }
@@ -283,6 +282,6 @@ fn unknown_where_other(old: &mut Value, new: &Value, why: &Arc<str>) {
                 unknown_where_other(old, new, why);
             }
         }
-        (old, _) => *old = Value::Unknown(Arc::clone(why)),
+        (old, _) => *old = Value::Unknown(why.clone()),
     }
 }

@@ -4,7 +4,6 @@
 use std::{
     collections::{BTreeMap, BTreeSet},
     rc::Rc,
-    sync::Arc,
 };
 
 use super::{
@@ -13,6 +12,7 @@ use super::{
     scope::foreign,
     tree::{Expr, ExprNode, Function, Stmt, StmtNode, TemplateArgument, Word, last},
     value::{Slot, Value},
+    why::Why,
 };
 
 /// Whether it changes anything in the array.
@@ -311,7 +311,7 @@ pub(super) fn leaves(it: &Stmt) -> bool {
 }
 
 /// Forgets what it assigns.
-pub(super) fn forget(machine: &mut Machine<'_>, it: &Stmt, why: &Arc<str>) {
+pub(super) fn forget(machine: &mut Machine<'_>, it: &Stmt, why: &Why) {
     let (names, functions) = assigned(machine, it);
     let mut slots: BTreeSet<Slot> = names.iter().flat_map(|it| machine.find_all(it)).collect();
     // What a lambda took along, it assigns wherever it is called.

@@ -1,12 +1,11 @@
 //! Loops: their iterations, and what of them becomes a repetition on the array.
 
-use std::sync::Arc;
-
 use super::{
     ask::item,
     look,
     machine::{Flow, Machine},
     tree::{Expr, Stmt},
+    why::Why,
 };
 use crate::{
     config::Place,
@@ -99,13 +98,13 @@ impl Machine<'_> {
         condition: &Expr,
         step: Option<&Expr>,
         body: &Stmt,
-        why: &Arc<str>,
+        why: &Why,
     ) {
         let step = step.map(look::statement);
         let each = [Some(body), step.as_ref(), Some(&look::statement(condition))];
         if each.iter().flatten().any(|it| look::changes(self, it)) {
             let message = format!("how often this loop runs, {why} decides");
-            self.unknown(it.place, message, Some(condition));
+            self.unknown(it.place, message, why, Some(condition));
         } else if each.iter().flatten().any(|it| look::reads(self, it)) {
             self.unread(it.place, "how often this is read out", why);
         } else if each.iter().flatten().any(|it| look::shows(self, it)) {

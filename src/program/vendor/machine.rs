@@ -4,7 +4,6 @@ use std::{
     cell::Cell,
     collections::{BTreeMap, BTreeSet},
     rc::Rc,
-    sync::Arc,
 };
 
 use super::{
@@ -12,6 +11,7 @@ use super::{
     files::Files,
     tree::{Function, Kind, TemplateArgument, Word},
     value::{Layout, Slot, Value},
+    why::Why,
 };
 use crate::{
     config::{Fault, Place, Severity, enough},
@@ -87,7 +87,7 @@ pub(super) struct Machine<'a> {
     /// Classes that are not followed: what they are, and where.
     pub unread: BTreeMap<Word, String>,
     /// Variables of types that are not followed: why nothing is known of them.
-    pub not_followed: BTreeMap<Slot, Arc<str>>,
+    pub not_followed: BTreeMap<Slot, Why>,
     /// Whether the function that runs gives back a variable itself.
     pub refers: bool,
     /// The variable that the call at this place gave back.
@@ -117,7 +117,7 @@ pub(super) struct Machine<'a> {
     /// The words that kernels had, by where they begin.
     pub stored: BTreeMap<(usize, i64), Vec<Vec<Item>>>,
     /// Whether some earlier statement may have ended this block: why.
-    pub maybe: Option<Arc<str>>,
+    pub maybe: Option<Why>,
     pub depth: usize,
     /// The variable that is being declared.
     pub naming: Option<Word>,

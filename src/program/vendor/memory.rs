@@ -1,14 +1,13 @@
 //! The memory of a host that runs beside the array: what is read goes there, and what nothing leads
 //! to is given up.
 
-use std::sync::Arc;
-
 use super::{
     beside::HELD,
     machine::{GAIN, Location, Machine},
     shape,
     tree::{Expr, ExprNode, Kind},
     value::{Slot, Value},
+    why::Why,
 };
 use crate::{config::Place, limit::VENDOR_VALUES};
 
@@ -70,7 +69,7 @@ impl Machine<'_> {
         if held == kind || held == Kind::Any {
             return Value::Pointer(slot, first, name);
         }
-        let why: Arc<str> = format!("`{name}`, which is seen as numbers of another type,").into();
+        let why: Why = format!("`{name}`, which is seen as numbers of another type,").into();
         self.forget(slot, &[], &why);
         self.fixed.insert(slot);
         Value::Unknown(why)

@@ -48,6 +48,7 @@ mod token;
 mod tree;
 mod value;
 mod variable;
+mod why;
 mod write;
 
 pub use beside::{Answer, Beside};

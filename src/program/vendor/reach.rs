@@ -1,13 +1,12 @@
 //! Where expressions lead: variables, elements and members, and what is loaded from and stored
 //! there.
 
-use std::sync::Arc;
-
 use super::{
     machine::{Location, Machine},
     shape,
     tree::{Expr, ExprNode, Kind, last},
     value::{Layout, Slot, Value, moved},
+    why::Why,
 };
 
 impl Machine<'_> {
@@ -105,7 +104,7 @@ impl Machine<'_> {
         }
         let Some(at) = index.whole() else {
             let why = match index {
-                Value::Unknown(why) => Arc::clone(why),
+                Value::Unknown(why) => why.clone(),
                 other => format!("the element {}", other.describe()).into(),
             };
             return match base {
@@ -202,7 +201,7 @@ impl Machine<'_> {
     }
 
     /// Why nothing is known of a member.
-    fn no_member(&self, base: &Reach, name: &str) -> Arc<str> {
+    fn no_member(&self, base: &Reach, name: &str) -> Why {
         if let Some(why) = self.not_followed(base) {
             return why;
         }
@@ -210,7 +209,7 @@ impl Machine<'_> {
             Some(Value::Record(layout, _))
                 if !layout.names(name) && !self.is_shared(layout, name) =>
             {
-                format!("`{name}`, which `{}` does not have,", layout.name).into()
+                Why::never(&format!("`{name}`, which `{}` does not have,", layout.name))
             }
             _ => format!("`{name}` of an object").into(),
         }
@@ -223,7 +222,7 @@ impl Machine<'_> {
     }
 
     /// Why nothing is known of a variable, where its class is not followed.
-    pub(super) fn not_followed(&self, base: &Reach) -> Option<Arc<str>> {
+    pub(super) fn not_followed(&self, base: &Reach) -> Option<Why> {
         match base {
             Reach::Location(slot, _) => self.not_followed.get(slot).cloned(),
             _ => None,
@@ -243,7 +242,7 @@ impl Machine<'_> {
                     other => other,
                 }
             }
-            Reach::Lost(_, _, why) => Value::Unknown(Arc::clone(why)),
+            Reach::Lost(_, _, why) => Value::Unknown(why.clone()),
             Reach::Value(value) => value.clone(),
             Reach::Beyond(_) => {
                 self.beyond(reached, it);
@@ -306,7 +305,7 @@ impl Machine<'_> {
             }
             Reach::Lost(slot, path, _) => {
                 // An element that is not known: any of them.
-                let why: Arc<str> = "which element was written".into();
+                let why: Why = "which element was written".into();
                 self.forget(*slot, path, &why);
                 value
             }
@@ -316,7 +315,7 @@ impl Machine<'_> {
             }
             Reach::Value(Value::Unknown(why)) if matches!(to.node, ExprNode::Call(..)) => {
                 let message = format!("where this is stored, {why} decides");
-                self.unknown(to.place, message, None);
+                self.unknown(to.place, message, why, None);
                 value
             }
             // An object, or memory, of which nothing is known.
@@ -384,7 +383,7 @@ impl Machine<'_> {
 pub(super) enum Reach {
     Location(Slot, Vec<usize>),
     /// Some element of an array: why it is not known which.
-    Lost(Slot, Vec<usize>, Arc<str>),
+    Lost(Slot, Vec<usize>, Why),
     /// An element that no array has.
     Beyond(i64),
     /// A value that lies nowhere.

@@ -1,13 +1,12 @@
 //! Statements, run one after the other.
 
-use std::sync::Arc;
-
 use super::{
     look,
     machine::{Flow, Machine},
     reach::Reach,
     tree::{Declared, Expr, Stmt, StmtNode},
     value::Value,
+    why::Why,
 };
 use crate::config::Place;
 
@@ -124,11 +123,11 @@ impl Machine<'_> {
 
     /// Branches of which only the run knows which is taken. What they show is shown beside the array
     /// alone; what they compute is forgotten; that they change the array is a fault.
-    pub(super) fn either(&mut self, on: &Expr, parts: &[&Stmt], why: &Arc<str>) -> Flow {
+    pub(super) fn either(&mut self, on: &Expr, parts: &[&Stmt], why: &Why) -> Flow {
         let changes = parts.iter().any(|part| look::changes(self, part));
         if changes {
             let message = format!("whether this kernel runs, {why} decides");
-            self.unknown(on.place, message, Some(on));
+            self.unknown(on.place, message, why, Some(on));
         } else if parts.iter().any(|part| look::reads(self, part)) {
             self.unread(on.place, "whether this is read out", why);
         } else if parts.iter().any(|part| look::shows(self, part)) {
@@ -144,7 +143,7 @@ impl Machine<'_> {
             }
             look::forget(self, part, why);
             if look::leaves(part) {
-                self.maybe = Some(Arc::clone(why));
+                self.maybe = Some(why.clone());
             }
         }
         Flow::Next
@@ -160,7 +159,7 @@ impl Machine<'_> {
     fn switch(&mut self, on: &Expr, body: &[Stmt]) -> Flow {
         let value = self.value(on);
         if let Value::Unknown(why) = &value {
-            return self.any_case(on, body, &Arc::clone(why));
+            return self.any_case(on, body, &why.clone());
         }
         let mut start = None;
         for (i, statement) in body.iter().enumerate() {
@@ -188,7 +187,7 @@ impl Machine<'_> {
     }
 
     /// A `switch` of which only the run knows which case is taken.
-    fn any_case(&mut self, on: &Expr, body: &[Stmt], why: &Arc<str>) -> Flow {
+    fn any_case(&mut self, on: &Expr, body: &[Stmt], why: &Why) -> Flow {
         let parts: Vec<&Stmt> = body.iter().collect();
         // A `break` in it ends the switch, and nothing more.
         let maybe = self.maybe.clone();
@@ -199,7 +198,7 @@ impl Machine<'_> {
 
     /// Whether a case is of this value: `case value:`, or `case first ... last:`; the reason where only
     /// the run knows.
-    fn is_case(&mut self, case: &Expr, value: &Value, place: Place) -> Result<bool, Arc<str>> {
+    fn is_case(&mut self, case: &Expr, value: &Value, place: Place) -> Result<bool, Why> {
         let held = self.value(case);
         let Value::List(ends) = &held else {
             let on = (value.clone(), place);
@@ -227,11 +226,8 @@ impl Machine<'_> {
             other => (None, self.load(other, list)),
         };
         if let (Value::Unknown(_), Some(why)) = (&listed, self.not_followed(&reached)) {
-            self.unknown(
-                list.place,
-                format!("how often this loop runs, {why} decides"),
-                None,
-            );
+            let message = format!("how often this loop runs, {why} decides");
+            self.unknown(list.place, message, &why, None);
             return Flow::Next;
         }
         let Value::List(all) = listed else {

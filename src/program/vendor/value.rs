@@ -1,12 +1,13 @@
 //! What the micro-controller's variables hold, as far as it is known before the program runs.
 
-use std::{rc::Rc, sync::Arc};
+use std::rc::Rc;
 
 use super::{
     constant,
     host::Random,
     shape,
     tree::{Function, Kind, Width, Word},
+    why::Why,
 };
 use crate::limit::VENDOR_VALUES;
 
@@ -14,7 +15,7 @@ use crate::limit::VENDOR_VALUES;
 pub(super) type Slot = usize;
 
 /// Why a variable to which nothing was assigned has no value.
-pub(super) fn unassigned(name: &str) -> Arc<str> {
+pub(super) fn unassigned(name: &str) -> Why {
     format!("`{name}`, to which nothing was assigned,").into()
 }
 
@@ -27,7 +28,7 @@ pub(super) enum Value {
     Wide(i64, Width),
     Real(f64),
     /// Only the run knows: why.
-    Unknown(Arc<str>),
+    Unknown(Why),
     /// A register, a direction, a display: something with a name.
     Symbol(Word),
     /// Directions that were joined with `|`.
@@ -133,9 +134,9 @@ impl Value {
     }
 
     /// Whether a condition holds; the reason where only the run knows.
-    pub(super) fn truth(&self) -> Result<bool, Arc<str>> {
+    pub(super) fn truth(&self) -> Result<bool, Why> {
         match self {
-            Self::Unknown(why) => Err(Arc::clone(why)),
+            Self::Unknown(why) => Err(why.clone()),
             other => Ok(other.number().is_none_or(|value| value != 0.0)),
         }
     }
@@ -257,7 +258,7 @@ impl Value {
         };
         Ok(match (left, right) {
             // `0 * x` and `false && x` are not worth knowing better.
-            (Unknown(why), _) | (_, Unknown(why)) => Unknown(Arc::clone(why)),
+            (Unknown(why), _) | (_, Unknown(why)) => Unknown(why.clone()),
             (Whole(a) | Wide(a, _), Whole(b) | Wide(b, _)) => Self::of_whole(operator, left, right)
                 .ok_or_else(|| format!("{a} {operator} {b} has no value"))?,
             (Whole(_) | Wide(..) | Real(_), Whole(_) | Wide(..) | Real(_)) => {

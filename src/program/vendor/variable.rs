@@ -1,11 +1,10 @@
 //! Variables: what they hold, and the way to the elements of it.
 
-use std::sync::Arc;
-
 use super::{
     machine::Machine,
     tree::{Kind, Word},
     value::{Slot, Value},
+    why::Why,
 };
 
 impl Machine<'_> {
@@ -118,7 +117,7 @@ impl Machine<'_> {
     }
 
     /// Forgets what lies where a pointer leads, and in its array behind that.
-    pub(super) fn forget_from(&mut self, slot: Slot, path: &[usize], why: &Arc<str>) {
+    pub(super) fn forget_from(&mut self, slot: Slot, path: &[usize], why: &Why) {
         let Some((array, first, length)) = self.array_of(slot, path) else {
             self.forget(slot, path, why);
             return;
@@ -129,19 +128,19 @@ impl Machine<'_> {
     }
 
     /// Makes a value, and all that is in it, one that only the run knows.
-    pub(super) fn forget(&mut self, slot: Slot, path: &[usize], why: &Arc<str>) {
+    pub(super) fn forget(&mut self, slot: Slot, path: &[usize], why: &Why) {
         let value = self.at(slot, path);
         let value = blurred(value, why);
         self.put(slot, path, value);
     }
 }
 
-fn blurred(value: Value, why: &Arc<str>) -> Value {
+fn blurred(value: Value, why: &Why) -> Value {
     match value {
         Value::List(all) => Value::List(all.into_iter().map(|it| blurred(it, why)).collect()),
         Value::Record(layout, all) => {
             Value::Record(layout, all.into_iter().map(|it| blurred(it, why)).collect())
         }
-        _ => Value::Unknown(Arc::clone(why)),
+        _ => Value::Unknown(why.clone()),
     }
 }

@@ -181,7 +181,7 @@ fn heard<T>(answer: Result<T, WaterfallError>) -> Result<Option<T>, WaterfallErr
     }
 }
 
-/// The kernel fitted by one resistive grid and by two; nothing for a kernel of zeros.
+/// The kernel fitted by one resistive grid and by two, or by none; nothing for a kernel of zeros.
 fn meshes(kernel: &Kernel) -> Vec<mesh::Fit> {
     let fit = |sheets| {
         let how = Fitting {
@@ -191,7 +191,10 @@ fn meshes(kernel: &Kernel) -> Vec<mesh::Fit> {
         };
         mesh::fit(kernel, how).ok()
     };
-    (1..=2).filter_map(fit).collect()
+    let mut fits: Vec<_> = (1..=2).filter_map(fit).collect();
+    // Where no sheet is needed both are the same.
+    fits.dedup_by(|b, a| a.sheets.is_empty() && b.sheets.is_empty());
+    fits
 }
 
 impl Question<'_> {

@@ -463,6 +463,7 @@ fn mesh(all: &Feasibility) -> Option<Finding> {
         says: format!(
             "A resistor mesh of {} {says}: {} of it is left over. {}",
             match best.sheets.len() {
+                0 => "no sheet, the pixel alone,".to_owned(),
                 1 => "one sheet".to_owned(),
                 n => format!("{n} sheets"),
             },

@@ -42,9 +42,10 @@ fn row(i: usize, fit: &Fit) -> Markup {
     let at = |key: &str| format!("/mesh/{i}/{key}");
     html! {
         tr {
-            th scope="row" { @if fit.sheets.len() == 1 { "one" } @else { "two" } }
+            th scope="row" { @match fit.sheets.len() { 0 => "none", 1 => "one", _ => "two" } }
             td.n { (number::fixed(&at("error"), fit.error, 3)) }
             td.n {
+                @if fit.sheets.is_empty() { (number::none()) }
                 @for (k, sheet) in fit.sheets.iter().enumerate() {
                     @if k > 0 { ", " }
                     (number::plain(&format!("/mesh/{i}/sheets/{k}/lambda_x"), sheet.lambda_x))

@@ -10,6 +10,7 @@ use std::{
 use sha2::{Digest, Sha256};
 
 use crate::{
+    photoreceptor::Response,
     plane::{Plane, Size},
     rig::{self, guard::Warning},
     scene::{
@@ -106,7 +107,7 @@ impl CachedScene {
 
     /// What the scene warns of, under its own name.
     pub fn warnings(&self) -> Vec<Warning> {
-        let mut warnings = Warning::of_scene(&self.observation, 255.0);
+        let mut warnings = Warning::of_scene(&self.observation, Response::IDENTITY);
         warnings.extend(Warning::assumed_rate(&self.observation, "the key `fps`"));
         warnings.extend(Warning::short(&self.observation, self.wanted.frames));
         for warning in &mut warnings {

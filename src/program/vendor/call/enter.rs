@@ -7,6 +7,7 @@ use super::super::{
     shape,
     tree::{Expr, Function, Kind, Parameter, TemplateArgument, Word},
     value::Value,
+    why::Why,
 };
 use super::overload::Argument;
 use crate::config::Place;
@@ -131,7 +132,8 @@ impl Machine<'_> {
             {
                 let name = Some(&*function.name).filter(|name| !name.is_empty());
                 let name = name.map_or_else(|| "a lambda".to_owned(), |name| format!("`{name}`"));
-                Value::Unknown(format!("{name}, which ends without a `return`,").into())
+                let why = format!("{name}, which ends without a `return`,");
+                Value::Unknown(Why::never(&why))
             }
             _ => Value::Whole(0),
         }

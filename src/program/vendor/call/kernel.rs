@@ -96,7 +96,7 @@ impl Machine<'_> {
         };
         if let Some(why) = self.maybe.clone() {
             let message = format!("whether this kernel runs, {why} decides");
-            self.unknown(place, message, None);
+            self.unknown(place, message, &why, None);
         }
         self.passes(words.len());
         if self.asks(words.len(), place) && !words.is_empty() {

@@ -1,7 +1,5 @@
 //! Functions of the language's library and of the vendor's host.
 
-use std::sync::Arc;
-
 use super::super::{
     beside::Companion,
     host::{self},
@@ -78,7 +76,7 @@ impl Machine<'_> {
         let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
         if let Some(Value::Unknown(why)) = values.iter().find(|it| matches!(it, Value::Unknown(_)))
         {
-            return Value::Unknown(Arc::clone(why));
+            return Value::Unknown(why.clone());
         }
         let numbers: Vec<f64> = values.iter().filter_map(Value::number).collect();
         let whole = values

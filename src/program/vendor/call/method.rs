@@ -1,6 +1,6 @@
 //! Functions of vectors, arrays and text.
 
-use std::{rc::Rc, sync::Arc};
+use std::rc::Rc;
 
 use super::super::{
     machine::{Location, Machine},
@@ -8,6 +8,7 @@ use super::super::{
     shape,
     tree::{Expr, Width, Word},
     value::Value,
+    why::Why,
 };
 use crate::{config::Place, limit::VENDOR_VALUES};
 
@@ -86,9 +87,9 @@ impl Machine<'_> {
 
     /// A function that is not known may have changed what it belongs to, its length too.
     fn changed(&mut self, reached: &Reach, name: &str, member: &str) -> Value {
-        let why: Arc<str> = format!("`{name}.{member}`").into();
+        let why: Why = format!("`{name}.{member}`").into();
         if let Reach::Location(slot, path) = reached {
-            self.put(*slot, path, Value::Unknown(Arc::clone(&why)));
+            self.put(*slot, path, Value::Unknown(why.clone()));
         }
         Value::Unknown(why)
     }

@@ -155,7 +155,7 @@ impl Machine<'_> {
             Value::Symbol(name) => self.call_named(&name, given, None, place),
             Value::Unknown(why) if why != unassigned(&base_name(callee)) => {
                 let message = format!("what this call runs, {why} decides");
-                self.unknown(place, message, Some(callee));
+                self.unknown(place, message, &why, Some(callee));
                 Value::Unknown(why)
             }
             Value::Random(random, parameters) => self.draws(random, parameters, given),

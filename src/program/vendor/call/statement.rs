@@ -1,6 +1,6 @@
 //! Statements of the chip, and the kernels that they stand in.
 
-use std::{rc::Rc, sync::Arc};
+use std::rc::Rc;
 
 use super::super::{
     ask::term,
@@ -10,6 +10,7 @@ use super::super::{
     reach::base_name,
     tree::Expr,
     value::Value,
+    why::Why,
 };
 use crate::{
     config::{Fault, Place},
@@ -96,7 +97,7 @@ impl Machine<'_> {
         match value {
             Value::Unknown(why) => {
                 let message = format!("`{name}` takes a value of which {why} decides");
-                self.unknown(place, message, of);
+                self.unknown(place, message, why, of);
             }
             other => {
                 let message = format!("`{name}` does not take {}", other.describe());
@@ -241,7 +242,7 @@ impl Machine<'_> {
             self.scanned_twice(buffer, *at);
         }
         self.ask(&name, terms, place);
-        let why: Arc<str> = format!("what `{name}` reads in {}", self.line(place)).into();
+        let why: Why = format!("what `{name}` reads in {}", self.line(place)).into();
         // The count destroys a register, and is read none the less.
         let read = host::role(&name, values.len()) == Role::Read || name == "scamp5_global_count";
         if read && self.companion.is_some() {

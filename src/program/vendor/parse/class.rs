@@ -9,7 +9,7 @@ use super::super::{
 };
 use super::{
     Parsed, Parser,
-    types::{RESERVED, Type},
+    types::{QUALIFIERS, RESERVED, Type},
     within,
 };
 
@@ -263,7 +263,9 @@ impl Parser<'_> {
     /// Whether what is declared here belongs to the class, not to its objects: `inline static int n;`.
     fn is_shared(&self) -> bool {
         let words = (0..).map(|ahead| self.word(ahead));
-        words.take_while(|it| QUALIFIERS.contains(it)).any(|it| it == "static")
+        words
+            .take_while(|it| QUALIFIERS.contains(it))
+            .any(|it| it == "static")
     }
 
     /// A member of a class that is data or a plain function; nothing where it is more than that.

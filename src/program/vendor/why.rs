@@ -1,0 +1,38 @@
+//! Why a value is not known.
+
+use std::{fmt, sync::Arc};
+
+/// What decides on a value, in words that stand before "decides".
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Why {
+    /// Something that a run knows.
+    Run(Arc<str>),
+    /// Something of the text that no run makes known: what is not followed, or is not there.
+    Never(Arc<str>),
+}
+
+impl Why {
+    /// What no run makes known.
+    pub(super) fn never(says: &str) -> Self {
+        Self::Never(says.into())
+    }
+}
+
+impl From<&str> for Why {
+    fn from(says: &str) -> Self {
+        Self::Run(says.into())
+    }
+}
+
+impl From<String> for Why {
+    fn from(says: String) -> Self {
+        Self::Run(says.into())
+    }
+}
+
+impl fmt::Display for Why {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Self::Run(says) | Self::Never(says)) = self;
+        f.write_str(says)
+    }
+}
