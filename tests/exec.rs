@@ -200,6 +200,7 @@ fn bad_input_has_its_message() {
     says(&["--set", "A=p.scamp"], &["p.scamp", "numpy.save"]);
     says(&["--domain", "f128"], &["f128", "exact", "silicon", "q8.8"]);
     says(&["--frames", "0"], &["--frames 0"]);
+    says(&["--scale", "2"], &["--scale 2", "no scene"]);
     says(&["--edge", "NaN"], &["--edge is NaN"]);
     says(&["--set", "R3=A.in.npy"], &["-10 at [0, 0]", "0 or 1"]);
     says(&["--chip", "none"], &["none", "scamp5"]);

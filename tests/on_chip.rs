@@ -196,6 +196,27 @@ fn nothing_that_comes_out_is_warned_of() {
     assert!(!said.contains("inf") && !said.contains("-0.00"), "{said}");
 }
 
+/// Without a file to write to, the program is printed, and what is said of it as its comments.
+#[test]
+fn what_is_printed_is_a_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let compile = [
+        "compile",
+        "sobel-x",
+        "--threshold",
+        "100",
+        "--effort",
+        "0.1",
+    ];
+    for (more, file) in [("scamp", "p.scamp"), ("cpp", "p.cpp")] {
+        let said = good(folder, &[&compile[..], &["--as", more]].concat());
+        assert!(said.contains("\n// words "), "{said}");
+        fs::write(folder.join(file), said).unwrap();
+        good(folder, &["asm", file]);
+    }
+}
+
 /// Without light a program is said to have been in the dark.
 #[test]
 fn a_program_without_light_is_told_so() {

@@ -10,7 +10,7 @@ mod proof;
 mod readout;
 mod shared;
 
-use std::time::Instant;
+use std::{fmt::Write as _, time::Instant};
 
 use miette::{IntoDiagnostic, miette};
 
@@ -256,20 +256,29 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{}\n", compiled.json(&asked, &device, seconds)));
         return Ok(());
     }
-    super::say(&light::of_kernels(&asked.warnings));
-    if arguments.output.is_none() {
-        super::say(&compiled.text);
-        super::say("\n");
-    }
-    super::say(&compiled.account(&asked, &device, seconds));
+    let mut account = light::of_kernels(&asked.warnings);
+    account += &compiled.account(&asked, &device, seconds);
     if let Some(to) = arguments.to.0 {
         let scales: Vec<String> = asked.scales.iter().map(|s| format!("{s:.4}")).collect();
-        super::say(&format!(
-            "levels    {to}; the program's kernel times {} is the one asked for: thresholds are divided by it\n",
+        let _ = writeln!(
+            account,
+            "levels    {to}; the program's kernel times {} is the one asked for: thresholds are divided by it",
             scales.join(", ")
-        ));
+        );
     }
+    if arguments.output.is_none() {
+        // What is printed is a program.
+        super::say(&compiled.text);
+        super::say("\n");
+        account = account.lines().map(comment).collect();
+    }
+    super::say(&account);
     Ok(())
+}
+
+/// A line as a comment of a program.
+fn comment(line: &str) -> String {
+    format!("{}\n", format!("// {line}").trim_end())
 }
 
 /// What is to be compiled.

@@ -112,6 +112,12 @@ impl Light {
         let scene = image
             .map(|spec| arguments.samples.open(Some(spec), asked, observation))
             .transpose()?;
+        if let (None, Some((option, value))) = (&scene, arguments.samples.written().first()) {
+            return Err(miette!(
+                help = "show a scene (--image SCENE); registers are set to the numbers that a file has",
+                "--{option} {value}: there is no scene whose light it could change"
+            ));
+        }
         let found = scene.as_deref().map_or(ASSUMED_FPS, <dyn Scene>::fps);
         let own = program.settings.frames;
         // A clip that was asked for is not cut by what the program says of its own; a pattern is one
