@@ -54,7 +54,14 @@ class Sensor:
         self, frames: npt.NDArray[Any], fps: float, scale: float, rate: float, seed: int
     ) -> str: ...
     def on_chip(
-        self, to: str, sum: str, memory: str | None, chip: str, effort: float, seed: int
+        self,
+        to: str,
+        sum: str,
+        memory: str | None,
+        chip: str,
+        objective: str,
+        effort: float,
+        seed: int,
     ) -> Chip: ...
 
 @final

@@ -572,6 +572,7 @@ class Sensor(EventSensor):
         sum: str = "kept",
         memory: str | None = None,
         readout: str = "all",
+        objective: str = "silicon",
         effort: float = 1.0,
         seed: int | None = None,
     ) -> ChipSensor:
@@ -592,6 +593,10 @@ class Sensor(EventSensor):
                 is nearest to the sensor where it is left out.
             readout: ``"all"`` reads every event, ``"slots"`` at most 4000 in each scan, as the
                 program asks for; others are lost.
+            objective: What the program is to be best at: ``"silicon"``, the events that are kept on
+                the chip and nearly all of them without its errors too; ``"events"``, whatever
+                saturates; ``"exact"``, event for event what the float model of the same levels says
+                where the array is exact; ``"words"``, the fewest.
             effort: How long to search for the program, in seconds of two cores of 2024.
             seed: Which chip and which noise, and the seed of the search; the sensor's own where it
                 is left out.
@@ -599,28 +604,29 @@ class Sensor(EventSensor):
         The program takes one decision a frame, stores what was seen (``filtered-snap``) and sees 0
         off the array: where the sensor is another, a :class:`Caution` says so.
         """
-        return _cautioned(self._found(to, domain, chip, sum, memory, readout, effort, seed))
+        how = (sum, memory, readout, objective)
+        return _cautioned(self._found(to, domain, chip, how, effort, seed))
 
     def _found(
         self,
         to: str,
         domain: str,
         chip: str | Path,
-        sum: str,
-        memory: str | None,
-        readout: str,
+        how: tuple[str, str | None, str, str],
         effort: float,
         seed: int | None,
     ) -> ChipSensor:
+        sum, memory, readout, objective = how
         arguments.one_of("readout", readout, ("all", "slots"))
         seed = self._seed if seed is None else arguments.whole("seed", seed)
         effort = arguments.number("effort", effort, "give seconds, such as effort=1")
         to, domain = arguments.word("to", to, "int-5"), arguments.word("domain", domain, "exact")
         sum, memory = arguments.word("sum", sum, "kept"), arguments.word_or_none("memory", memory, "shared")
+        objective = arguments.word("objective", objective, "silicon")
         on = str(arguments.file("chip", chip, "the name of a chip, or its folder"))
-        native = self._native.on_chip(to, sum, memory, on, effort, seed)
-        how = (seed, domain, readout == "slots", self._max_events)
-        return ChipSensor(native, self.channels, how)
+        native = self._native.on_chip(to, sum, memory, on, objective, effort, seed)
+        watched = (seed, domain, readout == "slots", self._max_events)
+        return ChipSensor(native, self.channels, watched)
 
 
 class ChipSensor(EventSensor):
@@ -721,6 +727,7 @@ def compile(
     sum: str = "kept",
     memory: str = "analogue",
     readout: str = "all",
+    objective: str = "silicon",
     effort: float = 1.0,
     seed: int = 0,
 ) -> ChipSensor:
@@ -744,7 +751,8 @@ def compile(
         name="compiled",
         seed=seed,
     )
-    return _cautioned(sensor._found(to, domain, chip, sum, memory, readout, effort, None))
+    how = (sum, memory, readout, objective)
+    return _cautioned(sensor._found(to, domain, chip, how, effort, None))
 
 
 def _cautioned(chip: ChipSensor) -> ChipSensor:

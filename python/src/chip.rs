@@ -2,7 +2,7 @@
 
 use amacrine::{
     array::{Arithmetic, ArithmeticError},
-    compile::{DriveMemory, Effort},
+    compile::{DriveMemory, Effort, Objective, Request, SensorProgram},
     isa::Device,
     kernel::{
         Kernel,
@@ -39,9 +39,25 @@ pub struct Asked<'a> {
     /// `analogue`, `shared` or `bits:N`.
     pub memory: Option<&'a str>,
     pub chip: &'a str,
+    /// What the program is to be best at.
+    pub objective: &'a str,
     /// Seconds.
     pub effort: f64,
     pub seed: u64,
+}
+
+/// What a program is to be best at, by name.
+fn objective(name: &str) -> PyResult<Objective> {
+    match name {
+        "silicon" => Ok(Objective::Silicon),
+        "events" => Ok(Objective::Events),
+        "exact" => Ok(Objective::Exact),
+        "words" => Ok(Objective::Words),
+        _ => Err(refused(
+            format!("`{name}` is no objective"),
+            "give silicon, events, exact or words",
+        )),
+    }
 }
 
 /// What kernels must sum to, by name.
@@ -146,8 +162,13 @@ impl Chip {
             kind.kernel = quantised.levels.clone();
             levels.push((quantised.levels, quantised.scale));
         }
-        let search = (effort, asked.seed);
-        let compiled = Compiled::new(&description.name, (&kinds, memory), &device, search);
+        let first = [kinds[0].kernel.clone()];
+        let mut request = Request::new(&first, &device).map_err(raised)?;
+        (request.effort, request.seed) = (effort, asked.seed);
+        request.objective = objective(asked.objective)?;
+        let name = &description.name;
+        let program = SensorProgram::new(&kinds, memory, name, &request).map_err(raised)?;
+        let compiled = Compiled::from_program(name, program, &device);
         let Compiled { program, expanded } = compiled.map_err(raised)?;
         Ok(Self {
             expanded,

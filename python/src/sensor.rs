@@ -136,6 +136,7 @@ impl Sensor {
     }
 
     /// Its cells as one program of a chip.
+    #[expect(clippy::too_many_arguments, reason = "as Python has them")]
     fn on_chip(
         &self,
         py: Python<'_>,
@@ -143,6 +144,7 @@ impl Sensor {
         sum: &str,
         memory: Option<&str>,
         chip: &str,
+        objective: &str,
         effort: f64,
         seed: u64,
     ) -> PyResult<Chip> {
@@ -151,6 +153,7 @@ impl Sensor {
             sum,
             memory,
             chip,
+            objective,
             effort,
             seed,
         };

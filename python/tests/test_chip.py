@@ -197,3 +197,20 @@ def test_a_host_that_ends_shows_fewer_frames(tmp_path: Path) -> None:
     (tmp_path / "p.cpp").write_text(text)
     run = amacrine.Program.from_file(tmp_path / "p.cpp").run(np.zeros((5, 4, 4), np.uint8), keep=["A"])
     assert run.posts == [(0, "0"), (1, "1")] and run.films["A"].shape == (2, 4, 4)
+
+
+def test_a_program_of_an_objective(frames: Frames) -> None:
+    def compiled(objective: str) -> amacrine.ChipSensor:
+        how: Any = {"domain": "exact", "objective": objective, "effort": 0.2}
+        return amacrine.compile("csdvs-3", 20.0, to="int-4", **how)
+
+    words = {name: compiled(name).words for name in ("silicon", "exact", "words")}
+    assert words["words"] == min(words.values())
+    exact = compiled("exact")
+    kernel, scale = exact.levels[0]
+    same = amacrine.Sensor(
+        kernel, 20.0 / scale, response="identity", memory="filtered-snap", border="zero", format="f64"
+    )
+    assert np.array_equal(exact.counts(frames, FPS), same.counts(frames, FPS))
+    with pytest.raises(amacrine.Error, match="`quick` is no objective"):
+        compiled("quick")
