@@ -256,8 +256,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{}\n", compiled.json(&asked, &device, seconds)));
         return Ok(());
     }
-    let mut account = light::of_kernels(&asked.warnings);
-    account += &compiled.account(&asked, &device, seconds);
+    let lost = light::of_kernels(&asked.warnings);
+    let mut account = compiled.account(&asked, &device, seconds);
     if let Some(to) = arguments.to.0 {
         let scales: Vec<String> = asked.scales.iter().map(|s| format!("{s:.4}")).collect();
         let _ = writeln!(
@@ -266,13 +266,16 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             scales.join(", ")
         );
     }
-    if arguments.output.is_none() {
-        // What is printed is a program.
-        super::say(&compiled.text);
-        super::say("\n");
-        account = account.lines().map(comment).collect();
+    if arguments.output.is_some() {
+        super::say(&format!("{lost}{account}"));
+        return Ok(());
     }
-    super::say(&account);
+    // What is printed is a program.
+    let commented = |text: &str| text.lines().map(comment).collect::<String>();
+    super::say(&commented(&lost));
+    super::say(&compiled.text);
+    super::say("\n");
+    super::say(&commented(&account));
     Ok(())
 }
 
