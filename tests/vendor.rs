@@ -757,6 +757,23 @@ fn functions_give_back_variables_themselves() {
     );
 }
 
+/// Of 32 bits, and not by way of 64.
+#[test]
+fn floats_are_those_of_cpp() {
+    whole(
+        "const float gain = 1.15f;\nint main() { int k = 0; for (float x = 0; x < 1.0f; x += 0.1f) k++;\n\
+         double d = 0; int n = 0; while (d < 1.0) { d += 0.1; n++; }\n\
+         float third = 1.0f / 3; auto more = 3 * third;\n\
+         while (1) { scamp5_in(A, k); scamp5_in(A, n); scamp5_in(B, (int)(100 * gain)); scamp5_in(B, (int)(100 * 1.15));\n\
+         scamp5_in(C, 1.1f == 1.1); scamp5_in(C, sqrtf(2.0f) == (float)sqrt(2.0)); scamp5_in(C, sizeof(more)); } }",
+        "scamp5_in(A, 10); scamp5_in(A, 11); scamp5_in(B, 115); scamp5_in(B, 114);\n\
+         scamp5_in(C, 0); scamp5_in(C, 1); scamp5_in(C, 4);",
+    );
+    // A setting is told as it is written.
+    let text = "const float gain = 1.15f;\nint main() { while (1) { scamp5_in(A, 10 * gain); } }";
+    assert_eq!(expand(text, &[]).unwrap().constants["gain"], 1.15);
+}
+
 #[test]
 fn what_the_objects_of_a_class_share_is_its_own() {
     whole(

@@ -232,8 +232,8 @@ pub(super) const fn item(node: Node, place: Place) -> Item {
 pub(super) fn term(value: &Value) -> Option<Term> {
     let place = Place::default();
     Some(match value {
-        Value::Whole(_) | Value::Wide(..) | Value::Real(_) => {
-            let number = value.number()?;
+        Value::Whole(_) | Value::Wide(..) | Value::Real(_) | Value::Single(_) => {
+            let number = value.decimal()?;
             if number < 0.0 {
                 let term = Term::Number(-number);
                 Term::Negate(Box::new(Expression { term, place }))

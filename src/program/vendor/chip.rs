@@ -115,7 +115,7 @@ pub(super) fn rewritten(
 
 /// What the host takes are whole numbers.
 fn in_whole(machine: &mut Machine<'_>, value: &mut Value, at: Place) {
-    let Value::Real(real) = *value else {
+    let (Value::Real(_) | Value::Single(_), Some(real)) = (&*value, value.decimal()) else {
         return;
     };
     if real.fract() != 0.0 {

@@ -134,11 +134,14 @@ impl Machine<'_> {
         };
         let set = match initial {
             // Registers, arrays and texts are not set from outside.
-            None | Some(Value::Whole(_) | Value::Wide(..) | Value::Real(_) | Value::Unknown(_))
-                if it.lengths.is_empty() =>
-            {
-                self.set(&it.name)
-            }
+            None
+            | Some(
+                Value::Whole(_)
+                | Value::Wide(..)
+                | Value::Real(_)
+                | Value::Single(_)
+                | Value::Unknown(_),
+            ) if it.lengths.is_empty() => self.set(&it.name),
             _ => None,
         };
         let fixed = self.companion.is_some() && set.is_some();
@@ -168,7 +171,7 @@ impl Machine<'_> {
         };
         let value = self.shaped(it, value);
         self.settle(it, &value);
-        if let (true, Some(number)) = (it.constant, value.number()) {
+        if let (true, Some(number)) = (it.constant, value.decimal()) {
             self.constants.entry(it.name.to_string()).or_insert(number);
         }
         let copied = it.library && matches!(value, Value::List(_));

@@ -45,7 +45,7 @@ pub(super) fn unexpected(found: Option<&Token>, place: Place, expected: &str, he
         None => "the end of the file".to_owned(),
         Some(TokenKind::Name(name)) => format!("`{name}`"),
         Some(TokenKind::Whole(value) | TokenKind::Wide(value, _)) => format!("the number {value}"),
-        Some(TokenKind::Real(value)) => format!("the number {value}"),
+        Some(TokenKind::Real(value) | TokenKind::Single(value)) => format!("the number {value}"),
         Some(TokenKind::Text(_)) => "text in quotes".to_owned(),
         Some(TokenKind::Punctuator(operator)) => format!("`{operator}`"),
     };
@@ -216,6 +216,10 @@ fn primary(it: &mut Parser<'_>) -> Parsed<Expr> {
         TokenKind::Whole(value) => ExprNode::Whole(*value),
         TokenKind::Wide(value, width) => ExprNode::Wide(*value, *width),
         TokenKind::Real(value) => ExprNode::Real(*value),
+        TokenKind::Single(value) => {
+            let node = ExprNode::Real(*value);
+            ExprNode::Convert(Kind::Float, Box::new(Expr { node, place }))
+        }
         TokenKind::Text(text) => {
             it.at += 1;
             let mut all = unescaped(text);

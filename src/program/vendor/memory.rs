@@ -176,7 +176,7 @@ impl Machine<'_> {
 /// A number all of whose bytes are this one; nothing for real ones, but 0.
 fn repeated(byte: u8, kind: Kind) -> Option<Value> {
     match kind {
-        Kind::Float | Kind::Real => (byte == 0).then_some(Value::Real(0.0)),
+        Kind::Float | Kind::Real => (byte == 0).then_some(Value::Real(0.0).converted(kind)),
         Kind::Any if byte > 0 => None,
         _ => Some(Value::Whole(i64::from_ne_bytes([byte; 8])).converted(kind)),
     }
@@ -195,6 +195,7 @@ fn leads_to(value: &Value, all: &mut Vec<Slot>) {
         Value::Whole(_)
         | Value::Wide(..)
         | Value::Real(_)
+        | Value::Single(_)
         | Value::Unknown(_)
         | Value::Symbol(_)
         | Value::Symbols(_)

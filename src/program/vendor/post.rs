@@ -63,7 +63,8 @@ impl Printed<'_> {
             }
             Value::Wide(number, Width::Long) if number != i64::MIN => number.format(spec),
             Value::Wide(number, _) => (number as u64).format(spec),
-            Value::Real(number) => {
+            Value::Real(_) | Value::Single(_) => {
+                let number = self.0.number().unwrap_or_default();
                 let whole = || (number as i32).format(spec);
                 let text = rounded(number, spec).format(spec).or_else(|_| whole())?;
                 // `%g` has no point without a digit behind it.

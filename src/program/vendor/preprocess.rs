@@ -608,6 +608,10 @@ fn written(given: &[Token]) -> String {
             Kind::Name(name) => text.push_str(name),
             Kind::Whole(value) | Kind::Wide(value, _) => text.push_str(&value.to_string()),
             Kind::Real(value) => text.push_str(&value.to_string()),
+            Kind::Single(value) => {
+                text.push_str(&value.to_string());
+                text.push('f');
+            }
             Kind::Text(inner) => {
                 text.push('"');
                 text.push_str(inner);
@@ -647,7 +651,7 @@ fn literal(body: &[Token]) -> Option<f64> {
     match body {
         [one] => match one.kind {
             Kind::Whole(value) | Kind::Wide(value, _) => Some(sign * value as f64),
-            Kind::Real(value) => Some(sign * value),
+            Kind::Real(value) | Kind::Single(value) => Some(sign * value),
             _ => None,
         },
         _ => None,

@@ -181,7 +181,11 @@ pub(super) fn size(value: &Value, kind: Kind) -> Option<(i64, i64)> {
         Value::Text(text) => Some((text.len() as i64 + 1, 1)),
         // A register, or a direction: an enumeration of the vendor's.
         Value::Symbol(_) => Some((4, 4)),
-        Value::Whole(_) | Value::Wide(..) | Value::Real(_) | Value::Unknown(_) => {
+        Value::Whole(_)
+        | Value::Wide(..)
+        | Value::Real(_)
+        | Value::Single(_)
+        | Value::Unknown(_) => {
             let kind = if kind == Kind::Any {
                 value.kind()
             } else {

@@ -27,6 +27,8 @@ pub(super) enum Kind {
     /// A whole number that is no `int`.
     Wide(i64, Width),
     Real(f64),
+    /// A real number of 32 bits, as it is written: `0.1f`.
+    Single(f64),
     /// Text between quotes, without them.
     Text(Arc<str>),
     Punctuator(&'static str),
@@ -223,9 +225,14 @@ impl<'a> Lexer<'a> {
             }
         }
         if digits.contains(['.', 'e']) || digits.ends_with('f') {
+            let single = digits.ends_with('f');
             let digits = digits.trim_end_matches(['f', 'l']);
             let value: f64 = digits.parse().map_err(|_| wrong())?;
-            return Ok(Kind::Real(value));
+            return Ok(if single {
+                Kind::Single(value)
+            } else {
+                Kind::Real(value)
+            });
         }
         let octal = digits.len() > 1 && digits.starts_with('0');
         whole_number(&digits, if octal { 8 } else { 10 }, !octal).ok_or_else(wrong)

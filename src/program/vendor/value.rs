@@ -27,6 +27,8 @@ pub(super) enum Value {
     /// A whole number of another type.
     Wide(i64, Width),
     Real(f64),
+    /// A real number of 32 bits.
+    Single(f32),
     /// Only the run knows: why.
     Unknown(Why),
     /// A register, a direction, a display: something with a name.
@@ -110,7 +112,16 @@ impl Value {
             Self::Wide(value, Width::UnsignedLong) => Some(*value as u64 as f64),
             Self::Whole(value) | Self::Wide(value, _) => Some(*value as f64),
             Self::Real(value) => Some(*value),
+            Self::Single(value) => Some(f64::from(*value)),
             _ => None,
+        }
+    }
+
+    /// A number as it is written: of 32 bits, the shortest that stands for it.
+    pub(super) fn decimal(&self) -> Option<f64> {
+        match self {
+            Self::Single(value) => value.to_string().parse().ok(),
+            other => other.number(),
         }
     }
 
@@ -118,6 +129,7 @@ impl Value {
         match self {
             Self::Whole(value) | Self::Wide(value, _) => Some(*value),
             Self::Real(value) if value.is_finite() => Some(*value as i64),
+            Self::Single(value) if value.is_finite() => Some(*value as i64),
             _ => None,
         }
     }
@@ -145,12 +157,24 @@ impl Value {
     pub(super) fn converted(self, kind: Kind) -> Self {
         match kind {
             _ if self.number().is_none() => self,
-            Kind::Float | Kind::Real => Self::Real(self.number().unwrap_or_default()),
+            Kind::Float => Self::Single(self.single()),
+            Kind::Real => Self::Real(self.number().unwrap_or_default()),
             Kind::Flag => Self::flag(self.number().is_some_and(|value| value != 0.0)),
             Kind::Bits(bits, signed) => {
                 Self::fitted(self.whole().unwrap_or_default(), bits, signed)
             }
             Kind::Any | Kind::Analog | Kind::Digital | Kind::Parameter(_) => self,
+        }
+    }
+
+    /// A number in 32 bits, as real; 0 where it is none.
+    fn single(&self) -> f32 {
+        match self {
+            Self::Single(value) => *value,
+            // Not by way of 64 bits, which would round twice.
+            Self::Wide(value, Width::UnsignedLong) => *value as u64 as f32,
+            Self::Whole(value) | Self::Wide(value, _) => *value as f32,
+            other => other.number().unwrap_or_default() as f32,
         }
     }
 
@@ -178,6 +202,7 @@ impl Value {
             Self::Wide(_, Width::Long) => Kind::Bits(64, true),
             Self::Wide(_, Width::UnsignedLong) => Kind::Bits(64, false),
             Self::Real(_) => Kind::Real,
+            Self::Single(_) => Kind::Float,
             _ => Kind::Any,
         }
     }
@@ -204,6 +229,9 @@ impl Value {
     pub(super) fn signed(&self, operator: &str) -> Option<Self> {
         if let (Self::Real(value), "-" | "+") = (self, operator) {
             return Some(Self::Real(if operator == "-" { -value } else { *value }));
+        }
+        if let (Self::Single(value), "-" | "+") = (self, operator) {
+            return Some(Self::Single(if operator == "-" { -value } else { *value }));
         }
         let (value, width) = self.parts()?;
         let value = match operator {
@@ -250,7 +278,7 @@ impl Value {
 
     /// Arithmetic of C++; `Err` says why there is none.
     pub(super) fn binary(operator: &str, left: &Self, right: &Self) -> Result<Self, String> {
-        use Value::{Pointer, Real, Symbol, Symbols, Unknown, Whole, Wide};
+        use Value::{Pointer, Real, Single, Symbol, Symbols, Unknown, Whole, Wide};
         let names = |value: &Self| match value {
             Symbol(name) => Some(vec![name.clone()]),
             Symbols(names) => Some(names.clone()),
@@ -261,13 +289,33 @@ impl Value {
             (Unknown(why), _) | (_, Unknown(why)) => Unknown(why.clone()),
             (Whole(a) | Wide(a, _), Whole(b) | Wide(b, _)) => Self::of_whole(operator, left, right)
                 .ok_or_else(|| format!("{a} {operator} {b} has no value"))?,
-            (Whole(_) | Wide(..) | Real(_), Whole(_) | Wide(..) | Real(_)) => {
-                let (a, b) = (left.number().unwrap_or(0.0), right.number().unwrap_or(0.0));
+            (
+                Whole(_) | Wide(..) | Real(_) | Single(_),
+                Whole(_) | Wide(..) | Real(_) | Single(_),
+            ) => {
+                // Of 32 bits where neither has more.
+                let narrow = !matches!((left, right), (Real(_), _) | (_, Real(_)));
+                let of = |value: &Self| {
+                    if narrow {
+                        f64::from(value.single())
+                    } else {
+                        value.number().unwrap_or(0.0)
+                    }
+                };
+                let (a, b) = (of(left), of(right));
+                // What 64 bits make of two numbers of 32 rounds to what 32 bits make of them.
+                let made = |value: f64| {
+                    if narrow {
+                        Single(value as f32)
+                    } else {
+                        Real(value)
+                    }
+                };
                 match operator {
-                    "+" => Real(a + b),
-                    "-" => Real(a - b),
-                    "*" => Real(a * b),
-                    "/" => Real(a / b),
+                    "+" => made(a + b),
+                    "-" => made(a - b),
+                    "*" => made(a * b),
+                    "/" => made(a / b),
                     "<" => Self::flag(a < b),
                     ">" => Self::flag(a > b),
                     "<=" => Self::flag(a <= b),
@@ -326,6 +374,7 @@ impl Value {
         match self {
             Self::Whole(value) | Self::Wide(value, _) => format!("the number {value}"),
             Self::Real(value) => format!("the number {value}"),
+            Self::Single(value) => format!("the number {value}"),
             Self::Unknown(why) => format!("a value of which {why} decides"),
             Self::Symbol(name) | Self::Pointer(_, _, name) => format!("`{name}`"),
             Self::Symbols(names) => format!("`{}`", names.join(" | ")),

@@ -98,6 +98,20 @@ impl Machine<'_> {
             ("lround" | "lroundf" | "llround", _) => {
                 Value::Real(result).converted(Kind::Bits(64, true))
             }
+            // `sqrtf` and its kin, and what is chosen of numbers of 32 bits.
+            ("abs" | "fabs" | "min" | "max" | "clamp", [first, ..]) => {
+                let narrow = values.iter().all(|it| matches!(it, Value::Single(_)));
+                if narrow {
+                    Value::Real(result).converted(first.kind())
+                } else {
+                    Value::Real(result)
+                }
+            }
+            _ if name.ends_with('f')
+                && host::number(&name[..name.len() - 1], &numbers).is_some() =>
+            {
+                Value::Real(result).converted(Kind::Float)
+            }
             _ => Value::Real(result),
         }
     }
@@ -190,7 +204,10 @@ impl Machine<'_> {
                 [Value::Whole(value) | Value::Wide(value, _)] => {
                     Value::Text(value.to_string().into())
                 }
-                [Value::Real(value)] => Value::Text(format!("{value:.6}").into()),
+                [value @ (Value::Real(_) | Value::Single(_))] => {
+                    let value = value.number().unwrap_or_default();
+                    Value::Text(format!("{value:.6}").into())
+                }
                 _ => Value::Unknown("a number as text".into()),
             },
             "vs_gui_is_on" => Value::Whole(1),
