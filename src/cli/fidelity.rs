@@ -50,10 +50,16 @@ pub fn percent(text: &str) -> Result<f64, String> {
     let share = number.and_then(|number| number.parse::<f64>().ok());
     match share {
         // 3 may mean 3 % or 300 %: it is asked for, not guessed.
-        None if text.trim().parse().is_ok_and(|n| (0.0..=100.0).contains(&n)) => Err(format!(
-            "`{text}` has no percent sign: for {text} per cent write {}%",
-            text.trim()
-        )),
+        None if text
+            .trim()
+            .parse()
+            .is_ok_and(|n| (0.0..=100.0).contains(&n)) =>
+        {
+            Err(format!(
+                "`{text}` has no percent sign: for {text} per cent write {}%",
+                text.trim()
+            ))
+        }
         None => Err(format!(
             "`{text}` is not a percentage: write a number and a percent sign, such as 1% or 0.1%"
         )),

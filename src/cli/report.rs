@@ -12,7 +12,13 @@ use super::{
 };
 use crate::{
     picture::front::{Dot, FrontShow, fronts},
-    study::sweep::{Report, key::Side, report::{Group, Refused}, store, study::COSTS},
+    study::sweep::{
+        Report,
+        key::Side,
+        report::{Group, Refused},
+        store,
+        study::COSTS,
+    },
     unit::counted,
 };
 
@@ -182,7 +188,11 @@ fn table(report: &Report, arguments: &Arguments) -> String {
         } in list
         {
             let points = counted(*points, "point");
-            let first = if *reasons > 1 { "the first of them: " } else { "" };
+            let first = if *reasons > 1 {
+                "the first of them: "
+            } else {
+                ""
+            };
             let _ = writeln!(text, "\n{what}   {name} ({points}): {first}{reason}");
         }
     }

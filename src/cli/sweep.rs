@@ -481,7 +481,9 @@ impl Said<'_> {
         }
         // A search keeps few points of a task: its front is that of all together.
         let search = self.plan.study.sample.and_then(|sample| sample.search);
-        let more = search.map_or_else(String::new, |search| format!(" --pool --cost {}", search.cost));
+        let more = search.map_or_else(String::new, |search| {
+            format!(" --pool --cost {}", search.cost)
+        });
         let _ = write!(
             text,
             "wrote    {output}/results.csv and results.jsonl, {}\nnext     amacrine report {output}{more}\n",

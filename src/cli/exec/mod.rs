@@ -131,11 +131,7 @@ fn repeat(bench: &Bench<'_>, runs: u64) -> miette::Result<()> {
     Ok(())
 }
 
-fn print(
-    arguments: &Arguments,
-    report: &Report<'_>,
-    plan: Option<&Planned>,
-) -> miette::Result<()> {
+fn print(arguments: &Arguments, report: &Report<'_>, plan: Option<&Planned>) -> miette::Result<()> {
     if arguments.json {
         let mut json = report.json();
         if let Some(plan) = plan {

@@ -132,8 +132,8 @@ impl<F: Family> Trial<'_, F> {
         mut check: impl FnMut(usize, &mut [Ran<F::Model>]),
     ) -> Result<Vec<Ran<F::Model>>, SensorError> {
         let is_late = || late.is_finite() && (self.clock)() > late;
-        let (mut sensors, mut runs): (Vec<Box<dyn Sensor + Send>>, Vec<Ran<F::Model>>) =
-            (Vec::new(), Vec::new());
+        let mut sensors: Vec<Box<dyn Sensor + Send>> = Vec::new();
+        let mut runs: Vec<Ran<F::Model>> = Vec::new();
         for model in models {
             // Programs on many small arrays take longer to be made than to run.
             if !runs.is_empty() && is_late() {

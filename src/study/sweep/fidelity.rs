@@ -345,14 +345,24 @@ mod tests {
     fn the_window_is_that_of_the_finest_metric() {
         for (keys, fps, want) in [
             ("metrics = [\"f1\"]", 100.0, 100_000),
-            ("metrics = [\"f1\"]\nwithin = [\"20ms\", \"1ms\"]", 100.0, 1_000),
+            (
+                "metrics = [\"f1\"]\nwithin = [\"20ms\", \"1ms\"]",
+                100.0,
+                1_000,
+            ),
             ("", 100.0, 5_000),
             ("van-rossum = [\"5ms\", \"1ms\"]", 100.0, 1_000),
-            ("metrics = [\"victor-purpura\"]\nvictor-purpura = \"2ms\"", 2.0, 2_000),
+            (
+                "metrics = [\"victor-purpura\"]\nvictor-purpura = \"2ms\"",
+                2.0,
+                2_000,
+            ),
             // Not asked for.
             ("metrics = [\"f1\"]\nvan-rossum = \"1ms\"", 100.0, 100_000),
         ] {
-            let text = format!("{keys}\nscene = \"pattern:disc\"\nkernel = \"dvs\"\n[[side]]\nside = \"reference\"\n");
+            let text = format!(
+                "{keys}\nscene = \"pattern:disc\"\nkernel = \"dvs\"\n[[side]]\nside = \"reference\"\n"
+            );
             let study = Study::parse("study.toml", &text).unwrap();
             assert_eq!(within(&study.settings, fps), Micros(want), "{keys}");
         }
