@@ -947,12 +947,31 @@ mod command {
     }
 
     #[test]
+    fn voxels_are_made_where_they_are_asked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let voxels = folder.path().join("v.npy");
+        let text = format!("run {SCENE}");
+        let mut run = words(&text);
+        let plain = common::json(here(), &run);
+        assert!(plain["paper_events_per_bin"].is_null(), "{plain}");
+        run.extend(["--voxels", voxels.to_str().unwrap()]);
+        let binned = common::json(here(), &run);
+        assert!(binned["paper_events_per_bin"].as_f64().unwrap() > 0.0);
+        assert_eq!(plain["events"], binned["events"]);
+    }
+
+    #[test]
     fn bad_input_is_told() {
         for (arguments, told) in [
             ("plan {} --tolerance 1", "percent sign"),
             ("plan {} --tolerance -1%", "cannot be tolerated"),
             ("plan {} --tolerance 101%", "cannot be tolerated"),
             ("plan {} --tolerance nan%", "0% (the full model) to 100%"),
+            ("plan {} --tolerance nan", "such as 1% or 0.1%"),
+            (
+                "run {} --fidelity auto --without leak",
+                "without leak: it chooses what is left out",
+            ),
             ("plan {} --formats f31", "unknown number format"),
             ("plan {} --within 3", "not a duration"),
             (

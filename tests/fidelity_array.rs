@@ -1,7 +1,10 @@
 //! The pilot on the array: tiles of a program have the events of the whole array, to the bit, errors
 //! of the chip included, and limits hold.
 
-use std::sync::LazyLock;
+use std::sync::{
+    LazyLock,
+    atomic::{AtomicU64, Ordering},
+};
 
 use amacrine::{
     array::{Arithmetic, Settings},
@@ -231,6 +234,34 @@ fn limits_hold_on_the_array() {
         with > 30 && changed > 15 && 20 * above <= with,
         "{above} of {with}"
     );
+}
+
+/// Programs on small arrays take longer to be tried than to run: trials end with the pilot's time.
+#[test]
+fn a_pilot_on_a_small_array_keeps_its_time() {
+    let kept = kept(0, 64, 64, 12);
+    let (arithmetic, full) = machine("silicon");
+    let chips = chips(&PROGRAMS[0], arithmetic);
+    // A clock on which every step takes a second.
+    let ticks = AtomicU64::new(0);
+    let clock = || ticks.fetch_add(1, Ordering::Relaxed) as f64;
+    let measure = Measure {
+        kept: &kept,
+        upsample: None,
+        tolerance: 0.01,
+        within: Micros(100),
+        seed: 0,
+        clock: &clock,
+        budget: (0.0, 60.0),
+        tiles: None,
+        look: None,
+        limits_only: false,
+    };
+    let candidates = chips.candidates(&[Format::F32, Format::F64]);
+    let answer = measure.ask(&chips, &candidates).unwrap();
+    assert_eq!(answer.choice, full);
+    assert!(answer.why.contains("too quick"), "{}", answer.why);
+    assert!((60.0..64.0).contains(&answer.seconds), "{}", answer.seconds);
 }
 
 /// What propagates, what is moved on with every frame, and what is addressed has no tiles.

@@ -197,18 +197,24 @@ fn an_array_says_what_it_left_out() {
         &[&run[..], &["--fidelity", "auto", "--dump", "out"]].concat(),
         &["--fidelity auto keeps events"],
     );
-    // Slots that are full lose events for others.
+    let bare = ["exec", "convolve/sobel", "--image", image];
+    common::refused(
+        here,
+        &[&bare[..], &["--fidelity", "auto"]].concat(),
+        &["convolve/sobel", "is bare statements: it says no events"],
+    );
+    // Slots that are full lose events for others: then the full model runs.
     let few = program.replace("4000", "3");
     fs::write(here.join("few.scamp"), few).unwrap();
-    let run = [
-        "exec",
-        "few.scamp",
-        "--image",
-        image,
-        "--frames",
-        "12",
-        "--fidelity",
-        "auto",
-    ];
-    common::refused(here, &run, &["found no slot"]);
+    let run = ["exec", "few.scamp", "--image", image, "--frames", "12"];
+    let full = common::json(here, &[&run[..], &["-o", "full.npy"]].concat());
+    assert!(full["dropped"]["no_slot"].as_u64().unwrap() > 0, "{full}");
+    for tolerance in ["0%", "1%", "100%"] {
+        let auto = ["--fidelity", "auto", "--tolerance", tolerance];
+        let auto = [&run[..], &auto, &["-o", "auto.npy"]].concat();
+        let auto = common::json(here, &auto);
+        assert_eq!(auto["fidelity"]["choice"]["format"], "f64");
+        let read = |name| fs::read(here.join(name)).unwrap();
+        assert!(read("full.npy") == read("auto.npy"), "{tolerance}");
+    }
 }

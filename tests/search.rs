@@ -113,6 +113,9 @@ fn a_search_finds_the_front_at_a_fraction_of_its_cost() {
         said.contains("point-frames") && !said.contains("missing"),
         "{said}"
     );
+    let next = "next     amacrine report search --pool --cost state_memory_bytes\n";
+    assert!(said.ends_with(next), "{said}");
+    assert!(said.contains("nor compiling programs is counted"), "{said}");
     // The report and the rest of the grid take the same folder.
     assert_eq!(json(at, &["report", "search"])["finished"], 8);
     let rest = json(at, &["sweep", "grid.toml", "--output", "search"]);

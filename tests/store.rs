@@ -242,6 +242,25 @@ fn damage_of_every_kind_is_listed_at_once_and_computed_again() {
 }
 
 #[test]
+fn what_a_killed_process_left_half_written_is_removed() {
+    let folder = swept();
+    let at = folder.path();
+    let pilots = at.join("out/pilots");
+    fs::create_dir_all(&pilots).unwrap();
+    let left = [&pilots, &at.join("out"), &at.join("out/points")]
+        .map(|folder| folder.join(".amacrine-4194304-1.tmp"));
+    for file in &left {
+        fs::write(file, "{").unwrap();
+    }
+    fs::write(pilots.join("other.json"), "{}").unwrap();
+    sweep(at, "out");
+    for file in left {
+        assert!(!file.exists(), "{}", file.display());
+    }
+    assert!(pilots.join("other.json").exists());
+}
+
+#[test]
 fn a_damaged_manifest_is_named_and_can_be_made_again_around_its_points() {
     let folder = swept();
     let (at, out) = (folder.path(), folder.path().join("out"));

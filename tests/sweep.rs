@@ -370,22 +370,27 @@ fn the_headline_s_window_is_that_of_the_scene() {
 #[test]
 fn a_kernel_that_does_not_fit_the_chip_is_a_row() {
     let folder = folder(&format!(
-        "scene = \"{SCENE}\"\nkernel = \"large.toml\"\nthreshold = 20\neffort = 0\n[[side]]\nside = \"array\"\nquantise = \"q1.11\"\n[[side]]\nside = \"reference\"\n"
+        "scene = \"{SCENE}\"\nkernel = [\"large.toml\", \"other.toml\"]\nthreshold = 20\neffort = 0\n[[side]]\nside = \"array\"\nquantise = \"q1.11\"\n[[side]]\nside = \"reference\"\n"
     ));
-    let row = |y: i32| -> Vec<f64> {
-        (0..15)
-            .map(|x| f64::from((x * x * 7 + y * 13 + x * y * 5) % 2039) / 2039.0)
-            .collect()
-    };
-    let rows: Vec<_> = (0..15).map(row).collect();
-    let text = format!("name = \"large\"\nsource = \"test\"\nweights = {rows:?}\n");
-    fs::write(folder.path().join("large.toml"), text).unwrap();
+    for (name, by) in [("large", 7), ("other", 11)] {
+        let row = |y: i32| -> Vec<f64> {
+            (0..15)
+                .map(|x| f64::from((x * x * by + y * 13 + x * y * 5) % 2039) / 2039.0)
+                .collect()
+        };
+        let rows: Vec<_> = (0..15).map(row).collect();
+        let text = format!("name = \"{name}\"\nsource = \"test\"\nweights = {rows:?}\n");
+        fs::write(folder.path().join(format!("{name}.toml")), text).unwrap();
+    }
     let said = json(
         folder.path(),
         &["sweep", "study.toml", "--output", "out", "--json"],
     );
-    assert_eq!(said["finished"], 2);
+    assert_eq!(said["finished"], 4);
     let report = json(folder.path(), &["report", "out", "--json"]);
+    assert_eq!(report["refused"][0]["reasons"], 2, "{report}");
+    let told = good(folder.path(), &["report", "out"]);
+    assert!(told.contains("(2 points): the first of them: "), "{told}");
     let why = report["refused"][0]["reason"].as_str().unwrap();
     assert!(
         why.contains("more than the 1024 that scamp5 holds"),

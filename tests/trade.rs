@@ -137,7 +137,14 @@ fn a_sensor_s_trade_has_its_front_and_commands_that_run() {
         }
     }
     let svg = fs::read_to_string(at.join("trade.svg")).unwrap();
-    for words in ["events that change, %", "knee: ", "bf16", "amacrine run"] {
+    for words in [
+        "events that change, %",
+        "knee: ",
+        "bf16",
+        "amacrine run",
+        "changed",
+        "squares: measured",
+    ] {
         assert!(svg.contains(words), "{words}");
     }
     let text = good(
@@ -328,7 +335,7 @@ fn what_is_left_out_by_hand_is_left_out() {
     refused(
         at,
         &[&base[..], &["leak", "--fidelity", "auto"]].concat(),
-        &["cannot be used with"],
+        &["it chooses what is left out", "leave --without out"],
     );
     fs::write(at.join("dvs.scamp"), PROGRAM).unwrap();
     let exec = [

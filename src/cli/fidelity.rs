@@ -50,14 +50,23 @@ pub fn percent(text: &str) -> Result<f64, String> {
     let share = number.and_then(|number| number.parse::<f64>().ok());
     match share {
         // 3 may mean 3 % or 300 %: it is asked for, not guessed.
-        None if text.trim().parse::<f64>().is_ok() => Err(format!(
-            "`{text}` has no percent sign: for {text} per cent write {}%",
-            text.trim()
-        )),
+        None if text
+            .trim()
+            .parse()
+            .is_ok_and(|n| (0.0..=100.0).contains(&n)) =>
+        {
+            Err(format!(
+                "`{text}` has no percent sign: for {text} per cent write {}%",
+                text.trim()
+            ))
+        }
         None => Err(format!(
             "`{text}` is not a percentage: write a number and a percent sign, such as 1% or 0.1%"
         )),
         Some(percent) if (0.0..=100.0).contains(&percent) => Ok(percent / 100.0),
+        Some(percent) if !percent.is_finite() => Err(format!(
+            "`{text}` is not a percentage from 0% (the full model) to 100%"
+        )),
         Some(percent) => Err(format!(
             "{percent} % of the events cannot be tolerated: give 0% (the full model) to 100%"
         )),
@@ -84,6 +93,20 @@ impl Fidelity {
             )),
             _ => Ok(()),
         }
+    }
+
+    /// Refuses what is left out by hand beside a plan; `told` is what, after the model.
+    ///
+    /// # Errors
+    /// When both are given.
+    pub fn check_without(&self, told: &str) -> miette::Result<()> {
+        if !self.is_auto() || told.is_empty() {
+            return Ok(());
+        }
+        Err(miette!(
+            help = "leave --without out, or choose the rest by hand as well",
+            "--fidelity auto{told}: it chooses what is left out"
+        ))
     }
 
     /// Whether a plan is asked for.
@@ -287,6 +310,10 @@ mod tests {
             assert!(percent(wrong).is_err(), "{wrong}");
         }
         assert!(percent("3").unwrap_err().ends_with("write 3%"));
+        for none in ["nan", "inf", "-1", "300"] {
+            let told = percent(none).unwrap_err();
+            assert!(told.ends_with("such as 1% or 0.1%"), "{told}");
+        }
     }
 
     #[test]

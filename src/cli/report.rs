@@ -12,7 +12,13 @@ use super::{
 };
 use crate::{
     picture::front::{Dot, FrontShow, fronts},
-    study::sweep::{Report, key::Side, report::Group, store, study::COSTS},
+    study::sweep::{
+        Report,
+        key::Side,
+        report::{Group, Refused},
+        store,
+        study::COSTS,
+    },
     unit::counted,
 };
 
@@ -173,23 +179,22 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             );
         }
     }
-    for refused in &report.refused {
-        let _ = writeln!(
-            text,
-            "\ncannot   {} ({}): {}",
-            refused.name,
-            counted(refused.points, "point"),
-            refused.reason
-        );
-    }
-    for failed in &report.failed {
-        let _ = writeln!(
-            text,
-            "\nfailed   {} ({}): {}",
-            failed.name,
-            counted(failed.points, "point"),
-            failed.reason
-        );
+    for (what, list) in [("cannot", &report.refused), ("failed", &report.failed)] {
+        for Refused {
+            name,
+            points,
+            reason,
+            reasons,
+        } in list
+        {
+            let points = counted(*points, "point");
+            let first = if *reasons > 1 {
+                "the first of them: "
+            } else {
+                ""
+            };
+            let _ = writeln!(text, "\n{what}   {name} ({points}): {first}{reason}");
+        }
     }
     if !report.without.is_empty() {
         let _ = writeln!(

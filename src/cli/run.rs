@@ -115,6 +115,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     arguments.check_list()?;
     arguments.fidelity.check()?;
+    let without = arguments.without.told();
+    arguments.fidelity.check_without(&without)?;
     let observation = Observation::new();
     let samples = &arguments.samples;
     let open = || samples.open(Some(&arguments.scene), arguments.fps, &observation);
@@ -354,9 +356,8 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     let mut counts = counts_path.map(|_| Counts::new(size, channels));
     let count_stack = counts_path.map(|path| Stack::<i32>::create(path, channels, size));
     let mut count_stack = count_stack.transpose()?;
-    let mut grid =
-        (arguments.voxels.is_some() || arguments.json).then(|| VoxelGrid::new(size, channels));
     let voxels_path = arguments.voxels.as_ref();
+    let mut grid = voxels_path.map(|_| VoxelGrid::new(size, channels));
     let voxel_stack = voxels_path.map(|path| Stack::<f32>::create(path, channels, size));
     let mut voxel_stack = voxel_stack.transpose()?;
     let mut paper = PaperMetric::default();
@@ -443,7 +444,7 @@ fn events(
     let cells = (channels * size.pixels()) as u128;
     let [planes, binned, listed] = [
         arguments.counts.is_some(),
-        arguments.voxels.is_some() || arguments.json,
+        arguments.voxels.is_some(),
         arguments.events.is_some(),
     ]
     .map(u128::from);

@@ -369,7 +369,7 @@ fn searched(search: &Searched, all: usize) -> String {
     }
     let _ = writeln!(
         text,
-        "search   {:.0} point-frames, {:.1} % of the {:.0} of all {all} points (what points are measured against not counted)",
+        "search   {:.0} point-frames, {:.1} % of the {:.0} of all {all} points (neither what points are measured against nor compiling programs is counted)",
         search.point_frames,
         100.0 * search.point_frames / search.of.max(1.0),
         search.of
@@ -479,9 +479,14 @@ impl Said<'_> {
                 "missing  {missing} of {all}: the other shards, or run again"
             );
         }
+        // A search keeps few points of a task: its front is that of all together.
+        let search = self.plan.study.sample.and_then(|sample| sample.search);
+        let more = search.map_or_else(String::new, |search| {
+            format!(" --pool --cost {}", search.cost)
+        });
         let _ = write!(
             text,
-            "wrote    {output}/results.csv and results.jsonl, {}\nnext     amacrine report {output}\n",
+            "wrote    {output}/results.csv and results.jsonl, {}\nnext     amacrine report {output}{more}\n",
             counted(self.tables.finished + self.tables.failed, "row")
         );
         text

@@ -12,7 +12,7 @@ use crate::{
 /// `--without` of `amacrine run`.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Effects {
-    #[arg(long, value_name = "EFFECTS", value_delimiter = ',', value_parser = effect, conflicts_with = "fidelity",
+    #[arg(long, value_name = "EFFECTS", value_delimiter = ',', value_parser = effect,
         help = format!("Leave effects of the sensor out: {}", keys(Effect::of_sensors().map(Effect::key))))]
     without: Vec<Effect>,
 }
@@ -20,7 +20,7 @@ pub struct Effects {
 /// `--without` of `amacrine exec`.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Terms {
-    #[arg(long, value_name = "ERRORS", value_delimiter = ',', value_parser = term, conflicts_with = "fidelity",
+    #[arg(long, value_name = "ERRORS", value_delimiter = ',', value_parser = term,
         help = format!("Leave errors of analogue cells out: {}", keys(ErrorTerm::ALL.into_iter().map(ErrorTerm::key))))]
     without: Vec<ErrorTerm>,
 }

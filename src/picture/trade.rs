@@ -34,6 +34,8 @@ pub struct TradeDot {
 pub struct TradeShow<'a> {
     /// The line on top.
     pub title: &'a str,
+    /// Whether all was run on the whole scene, so that shares are what was measured.
+    pub is_whole: bool,
     /// Lines below it.
     pub captions: &'a [String],
     /// The dots, in the order of their seconds with planning.
@@ -92,7 +94,7 @@ pub fn trade(show: &TradeShow<'_>) -> Drawing {
         y += line;
         write(&mut page, (MARGIN, y), Weight::Plain, ink::CAPTION, caption);
     }
-    legend(&mut page, y + 1.5 * line);
+    legend(&mut page, y + 1.5 * line, show.is_whole);
     let plot = Plot::new(area, &show.dots);
     axes(&mut page, area, plot.across, plot.up);
     let zero = plot.y(0.0);
@@ -116,7 +118,7 @@ pub fn trade(show: &TradeShow<'_>) -> Drawing {
         };
         write(&mut page, place, Weight::Plain, ink, &number.to_string());
     }
-    names(&mut page, area, &show.dots);
+    names(&mut page, area, show);
     let mut y = bottom - (show.knee.len() as f64 + 1.0) * line + line;
     for (n, text) in show.knee.iter().enumerate() {
         let weight = if n == 0 {
@@ -200,23 +202,30 @@ impl Plot {
         }
     }
 
-    /// Where the dots' numbers stand: beside the dot, and above the number of another that is
-    /// there.
+    /// Where the dots' numbers stand: beside the dot inside the axes, and above the number of
+    /// another that is there, or below where there is no room.
     fn numbers(&self, dots: &[TradeDot]) -> Vec<Point> {
         let line = f64::from(LINE);
         let mut places: Vec<Point> = Vec::new();
-        for dot in dots {
-            let x = self.x(dot.run + dot.planning) + 6.0;
-            let mut y = self.y(dot.limit) - line + 2.0;
+        for (number, dot) in (1..).zip(dots) {
+            let (dot_x, width) = (self.x(dot.run + dot.planning), LETTER * digits(number));
+            let x = if dot_x + 6.0 + width > self.area.right() {
+                dot_x - 6.0 - width
+            } else {
+                dot_x + 6.0
+            };
+            let (top, bottom) = (self.area.y, self.area.bottom() - line);
+            let y = (self.y(dot.limit) - line + 2.0).clamp(top, bottom);
             let taken = |y: f64| {
                 let covers =
                     |at: &Point| (at.0 - x).abs() < 2.0 * LETTER && (at.1 - y).abs() < line;
                 places.iter().any(covers)
             };
-            while taken(y) {
-                y -= 0.5 * line;
-            }
-            places.push((x, y));
+            let steps = || (0..2 * dots.len()).map(|n| 0.5 * line * n as f64);
+            let above = steps().map(|step| y - step).take_while(|y| *y >= top);
+            let below = steps().map(|step| y + step).take_while(|y| *y <= bottom);
+            let free = above.chain(below).find(|y| !taken(*y));
+            places.push((x, free.unwrap_or(y)));
         }
         places
     }
@@ -232,6 +241,11 @@ impl Plot {
     }
 }
 
+/// Digits of a number of a list.
+fn digits(number: usize) -> f64 {
+    f64::from(number.checked_ilog10().unwrap_or(0) + 1)
+}
+
 const fn colour(dot: &TradeDot) -> Ink {
     if dot.is_knee {
         KNEE
@@ -242,7 +256,7 @@ const fn colour(dot: &TradeDot) -> Ink {
     }
 }
 
-fn legend(page: &mut Drawing, y: f64) {
+fn legend(page: &mut Drawing, y: f64, is_whole: bool) {
     let mut x = MARGIN;
     for (ink, text) in [
         (FRONT, "on the front: nothing is quicker and changes less"),
@@ -253,24 +267,29 @@ fn legend(page: &mut Drawing, y: f64) {
         write(page, (x + 16.0, y), Weight::Plain, ink::TEXT, text);
         x += 40.0 + LETTER * text.chars().count() as f64;
     }
-    let lines = "squares: the limit, and the seconds with the plan; lines: down to what was estimated, left to a run alone";
+    let lines = if is_whole {
+        "squares: measured on the whole scene, and the seconds with the plan; lines: left to a run alone"
+    } else {
+        "squares: the limit, and the seconds with the plan; lines: down to what was estimated, left to a run alone"
+    };
     let place = (MARGIN, y + f64::from(LINE));
     write(page, place, Weight::Plain, ink::CAPTION, lines);
 }
 
-/// Every model with its number: seconds with planning, and the limit.
-fn names(page: &mut Drawing, area: Area, dots: &[TradeDot]) {
+/// Every model with its number: seconds with planning, and its share of changed events.
+fn names(page: &mut Drawing, area: Area, show: &TradeShow<'_>) {
     let line = f64::from(LINE);
     let left = area.right() + MARGIN;
-    let heading = "    seconds  at most  model";
+    let share_is = if show.is_whole { "changed" } else { "at most" };
+    let heading = format!("    seconds  {share_is}  model");
     write(
         page,
         (left, area.y - line),
         Weight::Heading,
         ink::TEXT,
-        heading,
+        &heading,
     );
-    for (number, dot) in (1..).zip(dots) {
+    for (number, dot) in (1..).zip(&show.dots) {
         let y = area.y + f64::from(number - 1) * line;
         page.square((left + 4.0, y + line / 2.0), 4.0, colour(dot));
         let text = format!(
@@ -336,8 +355,9 @@ mod tests {
             dot("all", 5.0, 0.0, 0.0, true),
             dot("slow", 50.0, 0.0, 0.1, false),
         ];
-        let show = TradeShow {
+        let mut show = TradeShow {
             title: "a scene",
+            is_whole: false,
             captions: &["two of ten tiles".to_owned()],
             dots: dots.clone(),
             knee: &["the knee".to_owned(), "amacrine run".to_owned()],
@@ -360,6 +380,15 @@ mod tests {
                 .iter()
                 .any(|text| text.contains("0.500  1.000 %  f32"))
         );
+        show.is_whole = true;
+        let whole = trade(&show);
+        for (drawing, heading, legend) in [
+            (&drawing, "at most", "squares: the limit"),
+            (&whole, "changed", "squares: measured on the whole scene"),
+        ] {
+            let has = |part: &str| drawing.texts().any(|text| text.contains(part));
+            assert!(has(heading) && has(legend), "{heading}");
+        }
         let picture = raster(&drawing, 1);
         let area = Area {
             x: LEFT,

@@ -145,7 +145,9 @@ impl<'a> Bench<'a> {
 
     /// Refuses what cannot be run so.
     pub fn check(&self) -> miette::Result<()> {
-        self.arguments.fidelity.check()?;
+        let fidelity = &self.arguments.fidelity;
+        fidelity.check()?;
+        fidelity.check_without(&self.arguments.without.told())?;
         self.check_room()?;
         self.check_events()?;
         self.check_known()

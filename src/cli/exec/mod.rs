@@ -7,6 +7,7 @@ mod debug;
 mod dump;
 mod light;
 mod moment;
+mod pass;
 mod pilot;
 mod reading;
 mod report;
@@ -19,14 +20,12 @@ mod trace;
 
 pub use arguments::Arguments;
 
-use std::ops::ControlFlow;
-
 use self::{
-    arguments::Assignment, bench::Bench, debug::Debugger, report::Report, shows::Shows,
-    statistics::Statistics, strip::Strip, trace::Tracer,
+    arguments::Assignment, bench::Bench, pass::Pass, pilot::Planned, report::Report, shows::Shows,
+    statistics::Statistics, trace::Tracer,
 };
 use super::files;
-use crate::{picture::write_png, rig::guard::Guard, save::save, unit::counted};
+use crate::{picture::write_png, save::save, unit::counted};
 
 /// Runs the verb.
 ///
@@ -57,41 +56,25 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(runs) = arguments.repeat {
         return repeat(&bench, runs);
     }
-    let mut chip = bench.chip(arguments.seed)?;
-    let mut strip = Strip::new(bench.written());
-    let traced = arguments.trace.as_ref();
-    let mut tracer = traced.map(|_| Tracer::new(&bench)).transpose()?;
-    let mut guard = Guard::new();
-    let mut saturation = bench.saturation();
-    let mut shows = Shows::new(&bench.opened, arguments.displays.as_deref());
-    let (packet, frames) = if arguments.debug {
-        let mut debugger = Debugger::new(&bench);
-        let seen = bench.watch(&mut *chip, |chip, moment, packet| {
-            guard.frame_at(moment.t);
-            let flow = debugger.frame(chip, moment, packet)?;
-            saturation.frame(chip);
-            shows.frame(chip, moment.index)?;
-            Ok(flow)
-        })?;
-        debugger.end(&*chip)?;
-        seen
-    } else {
-        bench.watch(&mut *chip, |chip, moment, packet| {
-            guard.frame_at(moment.t);
-            if arguments.strip.is_some() {
-                strip.frame(&bench.opened, chip, moment, packet)?;
-            } else {
-                moment.run(chip, packet)?;
-            }
-            if let Some(tracer) = &mut tracer {
-                tracer.frame(moment)?;
-            }
-            saturation.frame(chip);
-            shows.frame(chip, moment.index)?;
-            Ok(ControlFlow::Continue(()))
-        })?
-    };
-    pilot::check(plan.as_ref(), &packet)?;
+    let mut pass = Pass::new(&bench, plan.as_ref().is_some_and(Planned::leaves_out))?;
+    if let Some(plan) = plan.as_mut().filter(|plan| plan.leaves_out())
+        && pass.packet.dropped.no_slot > 0
+    {
+        drop(pass);
+        plan.give_up();
+        bench.machine = Some(plan.answer.choice.clone());
+        pass = Pass::new(&bench, false)?;
+    }
+    let Pass {
+        chip,
+        packet,
+        frames,
+        guard,
+        saturation,
+        strip,
+        tracer,
+        shows,
+    } = pass;
     let warnings = bench.warnings(guard, &*chip, &packet, frames, saturation.end());
     super::light::warn(&warnings);
 
@@ -148,11 +131,7 @@ fn repeat(bench: &Bench<'_>, runs: u64) -> miette::Result<()> {
     Ok(())
 }
 
-fn print(
-    arguments: &Arguments,
-    report: &Report<'_>,
-    plan: Option<&pilot::Planned>,
-) -> miette::Result<()> {
+fn print(arguments: &Arguments, report: &Report<'_>, plan: Option<&Planned>) -> miette::Result<()> {
     if arguments.json {
         let mut json = report.json();
         if let Some(plan) = plan {

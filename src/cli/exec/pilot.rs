@@ -6,20 +6,21 @@ use miette::{IntoDiagnostic, miette};
 use serde_json::{Value, json};
 
 use super::{
-    super::fidelity::{WITHIN, line, told},
+    super::{
+        complain,
+        fidelity::{WITHIN, line, told},
+    },
     arguments::Arguments,
     bench::Bench,
     light::{Lasting, Light},
 };
 use crate::{
-    event::Packet,
     number::Format,
     scene::kept::Kept,
     study::pilot::{
         Answer, Chips, Machine, Measure, Quicker, order,
         plan::{BUDGET, KEPT},
     },
-    unit::counted,
 };
 
 /// Domains that may be taken in place of the one that was asked for, beside `exact`.
@@ -28,6 +29,7 @@ const FORMATS: [&str; 2] = ["f32", "q8.8"];
 /// What is left out of a run, and the order in which the array is worked on.
 pub struct Planned {
     pub answer: Answer<Machine>,
+    full: Machine,
     /// A quicker schedule than the usual one, if there is one and none was asked for.
     pub quicker: Option<Quicker>,
     /// The clip, which was read for it.
@@ -49,10 +51,17 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Planned> {
         ));
     }
     let opened = &bench.opened;
-    if opened.expansion.bare || !bench.planes.is_empty() {
+    if opened.expansion.bare {
         return Err(miette!(
-            help = "run it without --fidelity",
-            "--fidelity auto takes programs of `init` and `frame` that see nothing but light"
+            help = "give a program with `init` and `frame`, or run it without --fidelity",
+            "--fidelity auto: {} is bare statements: it says no events",
+            opened.program.file
+        ));
+    }
+    if !bench.planes.is_empty() {
+        return Err(miette!(
+            help = "leave --set of registers out, or run it without --fidelity",
+            "--fidelity auto with registers that are set: a pilot shows nothing but light"
         ));
     }
     let mut light = Light::open(arguments, &opened.program, &bench.observation)?;
@@ -101,25 +110,40 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Planned> {
     };
     Ok(Planned {
         answer,
+        full: family.machine(),
         quicker,
         read,
     })
 }
 
-/// A readout whose slots are full loses events for others, wherever they are: then the pilot's
-/// limit is none.
-///
-/// # Errors
-/// When slots were full.
-pub fn check(plan: Option<&Planned>, packet: &Packet) -> miette::Result<()> {
-    if plan.is_none() || packet.dropped.no_slot == 0 {
-        return Ok(());
+impl Planned {
+    /// Whether anything is left out that may change an event.
+    pub fn leaves_out(&self) -> bool {
+        self.answer.offers.iter().any(|offer| offer.left_out)
     }
-    Err(miette!(
-        help = "run it without --fidelity, or with more slots",
-        "{} found no slot: which ones depends on the whole array, and a pilot has no limit on what its changes do to that",
-        counted(packet.dropped.no_slot, "event")
-    ))
+
+    /// Takes the full model, and warns. A readout whose slots are full loses events for others,
+    /// wherever they are: then the pilot's limit is none.
+    pub fn give_up(&mut self) {
+        let why = "slots of the readout were full: which events are lost depends on the whole array, and a pilot has no limit on what its changes do to that";
+        complain(&format!("warning: {why}: the full model ran\n"));
+        let Answer {
+            choice,
+            change,
+            offers,
+            why: ended,
+            expected,
+            ..
+        } = &mut self.answer;
+        choice.clone_from(&self.full);
+        *change = None;
+        *expected = expected.map(|[full, _]| [full, full]);
+        why.clone_into(ended);
+        for offer in offers.iter_mut().filter(|offer| offer.left_out) {
+            offer.left_out = false;
+            "slots of the readout were full".clone_into(&mut offer.why);
+        }
+    }
 }
 
 /// What is left out, for machines.

@@ -260,6 +260,7 @@ impl<M> Told<'_, M> {
         };
         picture::trade(&TradeShow {
             title: &title,
+            is_whole: trade.no_tiles.is_some() || self.arguments.verify,
             captions: &captions,
             dots: dots.collect(),
             knee: &knee,

@@ -212,7 +212,13 @@ impl<F: Family> Pilot<'_, F> {
         let models = going(trial.family.full(), &answer.offers);
         let [inserted, own] = Stage::frames(measure.kept, trial.between);
         let frames = (TRIED_INSERTED * own / inserted.max(1)).clamp(3, TRIED_FRAMES);
-        let tried = trial.run(&models, &mosaic, frames, |_, _| ())?;
+        // Where only tiles tell what the full model takes, nothing is known yet to stop by.
+        let late = on_the_whole.map_or(f64::INFINITY, |whole| self.start + self.allowed(whole));
+        let is_late = || late.is_finite() && (measure.clock)() > late;
+        let tried = trial.run(&models, &mosaic, frames, late, |_, _| ())?;
+        if is_late() {
+            return because(TOO_QUICK);
+        }
         let Some((reference, others)) = tried.split_first() else {
             return because("nothing was run");
         };
@@ -235,6 +241,9 @@ impl<F: Family> Pilot<'_, F> {
             .iter_mut()
             .filter(|offer| offer.why.is_empty());
         for (offer, ran) in going.zip(others) {
+            if is_late() {
+                return because(TOO_QUICK);
+            }
             let seconds = expected(ran);
             offer.seconds = Some([seconds, whole]);
             let much = || self.changes_much(full.as_ref()?, ran);
@@ -326,8 +335,8 @@ impl<F: Family> Pilot<'_, F> {
             None => self.start + 2.0 * self.allowed(whole),
         };
         let all = measure.kept.len();
-        let runs = trial.run(&models, &mosaic, all, |shown, runs| {
-            self.drop_early(shown, runs, late);
+        let runs = trial.run(&models, &mosaic, all, late, |shown, runs| {
+            self.drop_early(shown, runs);
         })?;
         let Some((reference, others)) = runs.split_first() else {
             return because("nothing was run");
@@ -375,7 +384,7 @@ impl<F: Family> Pilot<'_, F> {
                 left_out: false,
                 why: String::new(),
             };
-            for ran in trial.run(&[together], &mosaic, all, |_, _| ())? {
+            for ran in trial.run(&[together], &mosaic, all, late, |_, _| ())? {
                 judge.fill(&mut offer, &ran, whole);
             }
             answer.offers.push(offer);
@@ -395,16 +404,9 @@ impl<F: Family> Pilot<'_, F> {
         Ok(())
     }
 
-    /// Gives candidates up that would save too little, or that change far too much; all of them
-    /// when the pilot takes too long.
-    fn drop_early(&self, shown: usize, runs: &mut [Ran<F::Model>], late: f64) {
+    /// Gives candidates up that would save too little, or that change far too much.
+    fn drop_early(&self, shown: usize, runs: &mut [Ran<F::Model>]) {
         let of = self.measure.kept.len();
-        if (self.measure.clock)() > late {
-            for ran in runs {
-                ran.given_up = Some("the pilot took longer than it may".to_owned());
-            }
-            return;
-        }
         let Some((reference, others)) = runs.split_first_mut() else {
             return;
         };

@@ -152,7 +152,13 @@ impl<'a> Survey<'a> {
             return Err("nothing ever changes".to_owned());
         }
         let mosaic = trial.mosaic(&drawn);
-        let ran = trial.run(&[family.full()], &mosaic, kept.len(), |_, _| ());
+        let ran = trial.run(
+            &[family.full()],
+            &mosaic,
+            kept.len(),
+            f64::INFINITY,
+            |_, _| (),
+        );
         let ran = ran.map_err(|error| error.to_string())?;
         let full = ran.into_iter().next().ok_or("nothing was run")?;
         if let Some(why) = &full.given_up {
@@ -231,7 +237,9 @@ impl<F: Family> Begun<'_, F> {
     /// When one cannot be made.
     pub fn ask(&self, models: &[F::Model]) -> Result<Vec<Result<Known, String>>, SensorError> {
         let all = self.survey.kept.len();
-        let runs = self.trial.run(models, &self.mosaic, all, |_, _| ())?;
+        let runs = self
+            .trial
+            .run(models, &self.mosaic, all, f64::INFINITY, |_, _| ())?;
         Ok(runs.iter().map(|ran| self.known(ran)).collect())
     }
 

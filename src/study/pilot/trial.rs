@@ -49,6 +49,15 @@ impl<M> Ran<M> {
     }
 }
 
+/// The clock has passed the time of a trial.
+struct Late;
+
+fn give_up<M>(runs: &mut [Ran<M>]) {
+    for ran in runs {
+        ran.given_up = Some("the pilot took longer than it may".to_owned());
+    }
+}
+
 /// The fewest tiles that stand for anything.
 pub(super) const LEAST_TILES: usize = 12;
 
@@ -112,16 +121,25 @@ impl<F: Family> Trial<'_, F> {
     }
 
     /// Runs models on a mosaic for the first `frames` frames of the scene. After each frame of the
-    /// scene `check` is told how many there were, and may give models up.
+    /// scene `check` is told how many there were, and may give models up. When the clock passes
+    /// `late` all that were made so far are given up.
     pub fn run(
         &self,
         models: &[F::Model],
         mosaic: &Mosaic,
         frames: usize,
+        late: f64,
         mut check: impl FnMut(usize, &mut [Ran<F::Model>]),
     ) -> Result<Vec<Ran<F::Model>>, SensorError> {
-        let (mut sensors, mut runs) = (Vec::new(), Vec::new());
+        let is_late = || late.is_finite() && (self.clock)() > late;
+        let mut sensors: Vec<Box<dyn Sensor + Send>> = Vec::new();
+        let mut runs: Vec<Ran<F::Model>> = Vec::new();
         for model in models {
+            // Programs on many small arrays take longer to be made than to run.
+            if !runs.is_empty() && is_late() {
+                give_up(&mut runs);
+                return Ok(runs);
+            }
             let sensor = self.family.on_tiles(model, mosaic)?;
             runs.push(Ran {
                 model: model.clone(),
@@ -134,9 +152,12 @@ impl<F: Family> Trial<'_, F> {
         }
         let stage = Stage::new(self.kept, self.between, mosaic, self.family.outside());
         let mut shown = 0;
-        stage.play(frames, |Shown { frame, own }| {
+        let played = stage.play(frames, |Shown { frame, own }| {
             let timed = frame.index >= UNCLOCKED;
             for (sensor, ran) in sensors.iter_mut().zip(&mut runs) {
+                if is_late() {
+                    return Err(Late);
+                }
                 let sees = own.is_some() || self.family.sees_inserted(&ran.model);
                 if sees && ran.given_up.is_none() {
                     self.watch(&mut **sensor, ran, &frame, timed);
@@ -146,8 +167,11 @@ impl<F: Family> Trial<'_, F> {
                 shown += 1;
                 check(shown, &mut runs);
             }
-            Ok::<(), SensorError>(())
-        })?;
+            Ok(())
+        });
+        if played.is_err() {
+            give_up(&mut runs);
+        }
         Ok(runs)
     }
 

@@ -25,6 +25,7 @@ use super::{
 };
 use crate::{
     array::{Arithmetic, Schedule},
+    compare::metric,
     limit::MANIFEST_BYTES,
     number::Format,
     reference::Description,
@@ -275,10 +276,13 @@ fn pilot<F: Family>(
     }
 }
 
-/// The narrowest window in which anything is measured.
+/// The narrowest window in which anything is measured, or the shortest time constant: a limit on
+/// what moves by more says nothing of a metric that is finer.
 fn within(settings: &Settings, fps: f64) -> Micros {
-    let windows = settings.windows().iter().copied();
-    windows.fold(settings.headline(fps), Micros::min)
+    let named = { settings.metrics.iter() }.filter_map(|name| metric::Entry::in_studies(name));
+    let scales = named.flat_map(|metric| settings.scales(metric.scale));
+    let all = settings.windows().iter().chain(scales).copied();
+    all.fold(settings.headline(fps), Micros::min)
 }
 
 fn measured<F: Family>(
@@ -330,4 +334,37 @@ pub(super) fn write(folder: &Path, id: &str, limits: &Found) {
     let text = json!(limits).to_string() + "\n";
     let path = folder.join(format!("{id}.json"));
     let _ = save_durably(&path, |out| std::io::Write::write_all(out, text.as_bytes()));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::sweep::study::Study;
+
+    #[test]
+    fn the_window_is_that_of_the_finest_metric() {
+        for (keys, fps, want) in [
+            ("metrics = [\"f1\"]", 100.0, 100_000),
+            (
+                "metrics = [\"f1\"]\nwithin = [\"20ms\", \"1ms\"]",
+                100.0,
+                1_000,
+            ),
+            ("", 100.0, 5_000),
+            ("van-rossum = [\"5ms\", \"1ms\"]", 100.0, 1_000),
+            (
+                "metrics = [\"victor-purpura\"]\nvictor-purpura = \"2ms\"",
+                2.0,
+                2_000,
+            ),
+            // Not asked for.
+            ("metrics = [\"f1\"]\nvan-rossum = \"1ms\"", 100.0, 100_000),
+        ] {
+            let text = format!(
+                "{keys}\nscene = \"pattern:disc\"\nkernel = \"dvs\"\n[[side]]\nside = \"reference\"\n"
+            );
+            let study = Study::parse("study.toml", &text).unwrap();
+            assert_eq!(within(&study.settings, fps), Micros(want), "{keys}");
+        }
+    }
 }

@@ -107,6 +107,8 @@ pub struct Refused {
     pub points: usize,
     /// Why, of the first of them.
     pub reason: String,
+    /// How many different reasons they have.
+    pub reasons: usize,
 }
 
 /// What makes the figures of these rows mean something else than they seem to.
@@ -174,6 +176,10 @@ impl Report {
                         name: name.clone(),
                         points: without.len(),
                         reason: table::cell(first, "reason"),
+                        reasons: { without.iter() }
+                            .map(|row| table::cell(row, "reason"))
+                            .collect::<BTreeSet<_>>()
+                            .len(),
                     });
                 }
             }

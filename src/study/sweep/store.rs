@@ -123,7 +123,9 @@ impl Store {
         }
         let points = folder.join("points");
         make_folder_durably(&points)?;
-        for folder in [&*points, folder] {
+        let pilots = folder.join("pilots");
+        let made = [&*points, &pilots, folder];
+        for folder in made.into_iter().filter(|folder| folder.is_dir()) {
             sweep_up(folder).map_err(|cause| StoreError::Unreadable {
                 path: folder.to_owned(),
                 cause,

@@ -10,7 +10,7 @@ use super::{
 };
 pub use crate::compare::metric::IN_STUDIES as METRICS;
 use crate::{
-    compare::window,
+    compare::{metric::Scale, window},
     compile::Effort,
     config::{
         self, CHANGES_NOTHING, Document, Fault, Faults, Kind, Name, Node, Place, Range, Read,
@@ -85,6 +85,16 @@ impl Settings {
             &[window::HEADLINE]
         } else {
             &self.within
+        }
+    }
+
+    /// What metrics of a scale are measured at: windows, or time constants.
+    pub(super) fn scales(&self, scale: Scale) -> &[Micros] {
+        match scale {
+            Scale::Window => self.windows(),
+            Scale::TimeConstant => &self.van_rossum,
+            Scale::Shift => &self.victor_purpura,
+            Scale::None => &[],
         }
     }
 

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::{Map, Value as Json};
 
 use super::study::Settings;
-use crate::compare::metric::{Entry, Metric, Scale};
+use crate::compare::metric::{Entry, Metric};
 
 /// A row: a value for each column that has one.
 pub type Row = Map<String, Json>;
@@ -193,7 +193,7 @@ const FIDELITY: [(&str, Holds, &str); 2] = [
     ),
     real(
         "left_out_limit",
-        "the share of the point's events that this hardly changes more of; 0 where it changes none",
+        "the share of the point's events that this hardly changes more of; 0 where it changes none. An event that moves by more than the narrowest window or time constant of the study is changed",
     ),
 ];
 
@@ -250,14 +250,7 @@ pub fn metrics(settings: &Settings) -> Vec<Metric> {
         .metrics
         .iter()
         .filter_map(|name| Entry::in_studies(name));
-    let each = named.flat_map(|entry| {
-        entry.metrics(match entry.scale {
-            Scale::Window => settings.windows(),
-            Scale::TimeConstant => &settings.van_rossum,
-            Scale::Shift => &settings.victor_purpura,
-            Scale::None => &[],
-        })
-    });
+    let each = named.flat_map(|entry| entry.metrics(settings.scales(entry.scale)));
     each.collect()
 }
 
