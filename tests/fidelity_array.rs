@@ -261,7 +261,7 @@ fn a_pilot_on_a_small_array_keeps_its_time() {
     let answer = measure.ask(&chips, &candidates).unwrap();
     assert_eq!(answer.choice, full);
     assert!(answer.why.contains("too quick"), "{}", answer.why);
-    assert!((60.0..64.0).contains(&answer.seconds), "{}", answer.seconds);
+    assert!((60.0..70.0).contains(&answer.seconds), "{}", answer.seconds);
 }
 
 /// What propagates, what is moved on with every frame, and what is addressed has no tiles.

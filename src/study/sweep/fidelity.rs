@@ -361,7 +361,7 @@ mod tests {
             ("metrics = [\"f1\"]\nvan-rossum = \"1ms\"", 100.0, 100_000),
         ] {
             let text = format!(
-                "{keys}\nscene = \"pattern:disc\"\nkernel = \"dvs\"\n[[side]]\nside = \"reference\"\n"
+                "{keys}\nscene = \"pattern:disc\"\nkernel = \"dvs\"\nthreshold = 20\n[[side]]\nside = \"reference\"\n"
             );
             let study = Study::parse("study.toml", &text).unwrap();
             assert_eq!(within(&study.settings, fps), Micros(want), "{keys}");
