@@ -596,7 +596,7 @@ class Sensor(EventSensor):
             objective: What the program is to be best at: ``"silicon"``, the events that are kept on
                 the chip and nearly all of them without its errors too; ``"events"``, whatever
                 saturates; ``"exact"``, event for event what the float model of the same levels says
-                where the array is exact; ``"words"``, the fewest.
+                where the array is exact; ``"words"``, the fewest where no light saturates.
             effort: How long to search for the program, in seconds of two cores of 2024.
             seed: Which chip and which noise, and the seed of the search; the sensor's own where it
                 is left out.

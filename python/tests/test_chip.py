@@ -205,7 +205,8 @@ def test_a_program_of_an_objective(frames: Frames) -> None:
         return amacrine.compile("csdvs-3", 20.0, to="int-4", **how)
 
     words = {name: compiled(name).words for name in ("silicon", "exact", "words")}
-    assert words["words"] == min(words.values())
+    # The default lets strong light saturate.
+    assert words["words"] <= words["exact"]
     exact = compiled("exact")
     kernel, scale = exact.levels[0]
     same = amacrine.Sensor(
