@@ -92,12 +92,21 @@ pub enum Primitive {
     },
 }
 
+/// What others take a word apart into.
+enum Parts<'a> {
+    /// A bus word's targets and sources.
+    Bus(&'a [Target], &'a [Source]),
+    /// What a word that propagates reads off the array.
+    Propagates(bool),
+    /// No other word is taken apart.
+    Whole,
+}
+
 impl Primitive {
-    /// The targets and the sources of a bus word; none of any other.
-    #[must_use]
-    pub fn as_bus(&self) -> Option<(&[Target], &[Source])> {
+    fn parts(&self) -> Parts<'_> {
         match self {
-            Self::Bus { targets, sources } => Some((targets, sources)),
+            Self::Bus { targets, sources } => Parts::Bus(targets, sources),
+            Self::Prop { boundary } => Parts::Propagates(*boundary),
             Self::Nop
             | Self::ResetPix
             | Self::Square { .. }
@@ -111,31 +120,25 @@ impl Primitive {
             | Self::Nor { .. }
             | Self::WhereBit { .. }
             | Self::Dnews { .. }
-            | Self::PropRead
-            | Self::Prop { .. } => None,
+            | Self::PropRead => Parts::Whole,
+        }
+    }
+
+    /// The targets and the sources of a bus word; none of any other.
+    #[must_use]
+    pub fn as_bus(&self) -> Option<(&[Target], &[Source])> {
+        match self.parts() {
+            Parts::Bus(targets, sources) => Some((targets, sources)),
+            Parts::Propagates(_) | Parts::Whole => None,
         }
     }
 
     /// What a word that propagates reads off the array; none of any other word.
     #[must_use]
-    pub const fn propagates_from(&self) -> Option<bool> {
-        match self {
-            Self::Prop { boundary } => Some(*boundary),
-            Self::Nop
-            | Self::ResetPix
-            | Self::Bus { .. }
-            | Self::Square { .. }
-            | Self::Where { .. }
-            | Self::All
-            | Self::BlurSet
-            | Self::Blur { .. }
-            | Self::Set { .. }
-            | Self::Clear { .. }
-            | Self::Or { .. }
-            | Self::Nor { .. }
-            | Self::WhereBit { .. }
-            | Self::Dnews { .. }
-            | Self::PropRead => None,
+    pub fn propagates_from(&self) -> Option<bool> {
+        match self.parts() {
+            Parts::Propagates(boundary) => Some(boundary),
+            Parts::Bus(..) | Parts::Whole => None,
         }
     }
 }
