@@ -1,6 +1,6 @@
 //! The float model against `reference::model`, one cell and one pair of frames at a time, to the
 //! bit: every memory rule (of pixels also shared by all kinds) with every polarity, refractory rule
-//! and border, one to three kinds of cells, 2x2 patterns, mismatch, leak, strays, slow
+//! and border, one to three kinds of cells, 2x2 patterns, mismatch, leak, noise events, slow
 //! photoreceptors, in every number format.
 //!
 //! What the sensor's rows tell is compared train by train (sign, count, place of the first,

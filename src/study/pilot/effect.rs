@@ -15,7 +15,6 @@ pub enum Effect {
     /// The dead time after an event.
     DeadTime,
     /// Shot noise and hot pixels.
-    #[serde(rename = "strays")]
     NoiseEvents,
     /// The jitter of event times.
     Jitter,
@@ -62,7 +61,7 @@ impl Effect {
             Self::Surroundings => "surroundings",
             Self::InsertedFrames => "inserted-frames",
             Self::DeadTime => "dead-time",
-            Self::NoiseEvents => "strays",
+            Self::NoiseEvents => "noise-events",
             Self::Jitter => "jitter",
             Self::Bandwidth => "bandwidth",
             Self::Leak => "leak",
