@@ -742,6 +742,16 @@ fn a_switch_is_over_directions_and_registers_too() {
 
 #[test]
 fn functions_give_back_variables_themselves() {
+    // The calls of a macro have one place; only the outer one's variable is given.
+    whole(
+        "#define SIZE(i) std::abs(entry(i))\nint table[] = {-5, 7};\n\
+         int& entry(int i) { return table[i]; } template <int I> int& at() { return table[I]; }\n\
+         void set(int v) { scamp5_in(A, v); }\n\
+         int main() { auto second = [&]() -> int& { return table[1]; };\n\
+         while (1) { set(SIZE(0)); set(std::abs(entry(0))); at<1>() = 8; set(table[1]);\n\
+         int& third = at<1>(); third = 9; set(table[1]); second() = 3; set(table[1]); } }",
+        "scamp5_in(A, 5); scamp5_in(A, 5); scamp5_in(A, 8); scamp5_in(A, 9); scamp5_in(A, 3);",
+    );
     whole(
         "struct Settings { int th = 10, n = 1;\n\
          Settings& threshold(int t) { th = t; return *this; } Settings& times(int k) { n = k; return *this; } };\n\

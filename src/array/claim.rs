@@ -168,9 +168,7 @@ pub fn check(
             settings,
             register,
         };
-        let found = far.impulse().map_err(not_linear)?;
-        far.superposes(&found).map_err(not_linear)?;
-        (found, Proof::Impulse)
+        (far.kernel().map_err(not_linear)?, Proof::Impulse)
     };
     let stated = plane(&computes.kernel);
     let found = found.mapv(|weight| weight / computes.scale + 0.0);
@@ -304,12 +302,19 @@ impl Far<'_> {
         Ok(chip.analog(self.register))
     }
 
-    /// What a bright pixel in the dark leaves around itself, for one unit of light.
-    fn impulse(&self) -> Result<Plane<f64>, String> {
+    /// The kernel that its words are, if they are one.
+    fn kernel(&self) -> Result<Plane<f64>, String> {
+        let dark = self.left_by(&Plane::zeros((Self::SIDE, Self::SIDE)))?;
+        let kernel = self.impulse(&dark)?;
+        self.superposes(&kernel, &dark)?;
+        Ok(kernel)
+    }
+
+    /// What a bright pixel leaves around itself, for one unit of light; `dark`: what is left without.
+    fn impulse(&self, dark: &Plane<f64>) -> Result<Plane<f64>, String> {
         const LEVEL: f64 = 64.0;
         let (side, middle) = (Self::SIDE, Self::SIDE / 2);
         let mut picture = Plane::zeros((side, side));
-        let dark = self.left_by(&picture)?;
         picture[(middle, middle)] = LEVEL;
         let spread = self.left_by(&picture)? - dark;
         // What is left at (y, x) of the pixel in the middle is the weight that the pixel at (y, x)
@@ -328,13 +333,12 @@ impl Far<'_> {
 
     /// Whether spots of several brightnesses leave behind what the kernel makes of them, with what is
     /// left in the dark. Spots are small: what reaches far spoils wide borders.
-    fn superposes(&self, kernel: &Plane<f64>) -> Result<(), String> {
+    fn superposes(&self, kernel: &Plane<f64>, dark: &Plane<f64>) -> Result<(), String> {
         const BRIGHTEST: [f64; 3] = [8.0, 64.0, 255.0];
         const RADIUS: usize = 4;
         let side = Self::SIDE;
         let rim = kernel.nrows().max(kernel.ncols()) / 2;
         let inside = || rim..side.saturating_sub(rim);
-        let dark = self.left_by(&Plane::zeros((side, side)))?;
         let size: f64 = kernel.iter().map(|weight| weight.abs()).sum();
         for (n, most) in BRIGHTEST.into_iter().enumerate() {
             let light = |(y, x): (usize, usize)| {

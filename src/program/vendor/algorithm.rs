@@ -48,18 +48,12 @@ impl Machine<'_> {
                 self.moved_about("fall", &values[..2])
             }
             "sort" | "stable_sort" if values.len() == 3 => self.ordered(&values, place),
-            "min_element" | "max_element" | "count" | "find" | "accumulate" => {
-                self.looked(name, &values)
-            }
+            _ if looks(name) => self.looked(name, &values),
             _ => self.moved_about(name, &values),
         };
         found.unwrap_or_else(|| {
-            let only_reads = matches!(
-                name,
-                "min_element" | "max_element" | "count" | "find" | "accumulate"
-            );
             let mut may_write = values;
-            may_write.retain(|it| !only_reads || matches!(it, Value::Lambda(_)));
+            may_write.retain(|it| !looks(name) || matches!(it, Value::Lambda(_)));
             self.written_by(name, &may_write);
             Value::Unknown(format!("`{name}`").into())
         })
@@ -315,6 +309,14 @@ impl Machine<'_> {
         };
         self.enter_with(function, vec![argument], None, place)
     }
+}
+
+/// Whether an algorithm leaves the elements as they are.
+fn looks(name: &str) -> bool {
+    matches!(
+        name,
+        "min_element" | "max_element" | "count" | "find" | "accumulate"
+    )
 }
 
 /// Whether elements are sorted from the largest: `std::greater<int>()`.

@@ -459,13 +459,14 @@ fn lambda(it: &mut Parser<'_>) -> Parsed<Expr> {
     } else {
         Vec::new()
     };
-    let mut returns = Kind::Any;
+    let (mut returns, mut refers) = (Kind::Any, false);
     while it.peek(0).is_some() && !it.sees("{") {
         if it.sees(";") {
             return Err(unexpected(it.peek(0), it.place(), "`{`", SHAPE));
         }
         if it.take("->") {
-            returns = it.read_kind().unwrap_or(Kind::Any);
+            let of = it.read_cast().unwrap_or_default();
+            (returns, refers) = (of.value_kind(), of.refers());
         } else {
             it.at += 1;
         }
@@ -476,6 +477,7 @@ fn lambda(it: &mut Parser<'_>) -> Parsed<Expr> {
         parameters: parameters.into(),
         body: body.into(),
         returns,
+        refers,
         captures,
         ..Function::new("".into(), place)
     };

@@ -90,8 +90,11 @@ pub(super) struct Machine<'a> {
     pub not_followed: BTreeMap<Slot, Why>,
     /// Whether the function that runs gives back a variable itself.
     pub refers: bool,
-    /// The variable that the call at this place gave back.
-    pub referred: Option<(Place, Location)>,
+    /// How many calls are being worked out, one in the arguments of another.
+    pub calls: usize,
+    /// The variable that a call gave back, with how many there were around it. Places do not tell calls
+    /// apart: all those of a macro have one.
+    pub referred: Option<(usize, Location)>,
     /// The types that the template which runs was given, by position.
     pub types: Vec<Kind>,
     /// What stands in `<…>` before the call that comes next.
@@ -170,6 +173,7 @@ impl<'a> Machine<'a> {
             unread: BTreeMap::new(),
             not_followed: BTreeMap::new(),
             refers: false,
+            calls: 0,
             referred: None,
             types: Vec::new(),
             angles: None,

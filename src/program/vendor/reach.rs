@@ -34,10 +34,18 @@ impl Machine<'_> {
                 self.member(base, name)
             }
             ExprNode::Convert(Kind::Any, of) => self.reach(of),
+            ExprNode::Template(given, call) => {
+                self.angles = Some(given.clone());
+                let reached = self.reach(call);
+                self.angles = None;
+                reached
+            }
             ExprNode::Call(callee, given) => {
                 let value = self.call(callee, given, it.place);
                 match self.referred.take() {
-                    Some((place, (slot, path))) if place == it.place => Reach::Location(slot, path),
+                    Some((calls, (slot, path))) if calls == self.calls + 1 => {
+                        Reach::Location(slot, path)
+                    }
                     _ => Reach::Value(value),
                 }
             }

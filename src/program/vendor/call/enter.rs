@@ -120,7 +120,7 @@ impl Machine<'_> {
             (_, Some(why)) if maybe.is_none() => Value::Unknown(why),
             (Flow::Return(Value::Reference(slot, path)), _) => {
                 let value = self.decayed(slot, &path, &function.name);
-                self.referred = Some((place, (slot, path)));
+                self.referred = Some((self.calls, (slot, path)));
                 value
             }
             (Flow::Return(value), _) => value.converted(returns),

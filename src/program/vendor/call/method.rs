@@ -42,7 +42,7 @@ impl Machine<'_> {
                 let found = found.unwrap_or_else(|| self.changed(&reached, &name, member));
                 self.referred = self
                     .given_back(location, member, &given)
-                    .map(|it| (place, it));
+                    .map(|it| (self.calls, it));
                 found
             }
             (Some(Value::Text(text)), _) => {

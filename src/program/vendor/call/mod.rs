@@ -27,6 +27,14 @@ use crate::config::Place;
 
 impl Machine<'_> {
     pub(super) fn call(&mut self, callee: &Expr, given: &[Expr], place: Place) -> Value {
+        self.referred = None;
+        self.calls += 1;
+        let value = self.dispatched(callee, given, place);
+        self.calls -= 1;
+        value
+    }
+
+    fn dispatched(&mut self, callee: &Expr, given: &[Expr], place: Place) -> Value {
         self.work(place);
         let angles = self.angles.take();
         match &callee.node {

@@ -49,7 +49,7 @@ impl<'a> Parser<'a> {
             parameters: parameters.into(),
             qualified,
             returns: returns.value_kind(),
-            refers: returns.reference && !returns.pointer,
+            refers: returns.refers(),
             template: self.template.clone(),
             ..Function::new(name.clone(), place)
         };

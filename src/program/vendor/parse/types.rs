@@ -92,8 +92,13 @@ impl Type {
         }
     }
 
+    /// Whether a function of this type gives back a variable itself.
+    pub(in crate::program::vendor) const fn refers(&self) -> bool {
+        self.reference && !self.pointer
+    }
+
     /// What a number of this type becomes.
-    pub(super) fn value_kind(&self) -> Kind {
+    pub(in crate::program::vendor) fn value_kind(&self) -> Kind {
         if self.pointer || self.library {
             Kind::Any
         } else {
@@ -128,11 +133,6 @@ impl Parser<'_> {
             self.at = start;
         }
         found
-    }
-
-    /// A type, if one stands here.
-    pub(in crate::program::vendor) fn read_kind(&mut self) -> Option<Kind> {
-        self.read_cast().map(|it| it.value_kind())
     }
 
     /// The type that something is converted to, if one stands here.
