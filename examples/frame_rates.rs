@@ -68,7 +68,13 @@ fn main() -> miette::Result<()> {
         let rate = equivalent::rate(scene.fps());
         let rows = judged(&float, &designs, &mut scene)?;
         let cells: Vec<String> = { rows.iter() }
-            .map(|(f1, judged)| format!("{f1:.3} | {:.3} | {}", judged.kept, judged.equivalent()))
+            .map(|(f1, judged)| {
+                format!(
+                    "{f1:.3} | {} | {}",
+                    equivalent::kept(judged.kept, 3),
+                    judged.equivalent()
+                )
+            })
             .collect();
         println!("| {rate} | {} |", cells.join(" | "));
     }

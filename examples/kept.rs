@@ -153,7 +153,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                     );
                     let Ok(judged) = judged else { continue };
                     let [a, b] = [&judged.programs[0][0], &judged.programs[1][0]];
-                    let all = [a.exact.kept, a.silicon.kept, b.exact.kept, b.silicon.kept];
+                    let all = [a.exact, a.silicon, b.exact, b.silicon];
+                    let all = all.map(|likeness| likeness.kept.unwrap_or(0.0));
                     println!(
                         "| {} | {name} | {to} | {:.0} | {} | {:.3} | {:.3} | {} | {:.3} | {:.3} |",
                         path.rsplit('/').next().unwrap_or(path),

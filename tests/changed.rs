@@ -120,7 +120,7 @@ fn what_cannot_be_is_said() {
     refused(
         folder,
         &with(&["--rate", "1e9"]),
-        &["--rate", "at any threshold"],
+        &["--rate", "4096 times as high"],
     );
     refused(folder, &with(&["--rate", "2/s"]), &["2/px/s"]);
     refused(

@@ -98,6 +98,13 @@ fn slices_kinds_and_json() {
     let part = file::read(&folder.path("part.npy")).unwrap().packet;
     assert_eq!(part.span, (Micros(1_000_000), Micros(1_500_000)));
 
+    // A slice beside the recording is empty, and that is said.
+    let said = folder.said(&["one.npy", "none.npy", "--slice", "5s..6s"]);
+    assert!(
+        said.contains("no event is in the slice: those read are from 0 us to 2999000 us"),
+        "{said}"
+    );
+
     folder.said(&["kinds.npy", "k.evt3", "--kind", "2", "--slice", "..500ms"]);
     let kind = file::read(&folder.path("k.evt3")).unwrap().packet;
     let times: Vec<u64> = kind.events.iter().map(|e| e.t.0).collect();
@@ -349,6 +356,23 @@ fn a_recording_without_events_has_the_size_that_was_given() {
         let said = good(folder, &["packets", name]);
         assert!(said.contains("48x32"), "{name}: {said}");
     }
+    // Where the size stands in the file, it is known.
+    good(folder, &["convert", "none.npz", "none.e2vid"]);
+    let said = json(folder, &["convert", "none.e2vid", "again.npz", "--json"]);
+    assert_eq!(said["read"]["width"], 48);
+}
+
+/// Of a part it is not known what was lost of it.
+#[test]
+fn a_part_does_not_say_what_was_lost() {
+    let folder = Folder::new();
+    let mut packet = file::read(&folder.path("one.npy")).unwrap().packet;
+    packet.dropped.no_slot = 17;
+    file::write(&folder.path("lost.npy"), &packet).unwrap();
+    let said = folder.said(&["lost.npy", "part.npy", "--slice", "1s..2s"]);
+    assert!(said.contains("17 events lost on the way"), "{said}");
+    let said = folder.said(&["lost.npy", "whole.npz"]);
+    assert!(!said.contains("lost on the way"), "{said}");
 }
 
 /// As spreadsheets write it, and with the column of the field that is wrong.

@@ -82,7 +82,7 @@ fn what_the_chip_can_carry_is_what_feasibility_chooses() {
         };
         for (domain, likeness) in [("exact", &chip.exact), ("silicon", &chip.silicon)] {
             let shown = row(true, to, domain);
-            assert_eq!(number(shown, "kept"), likeness.kept, "{to} {domain}");
+            assert_eq!(Some(number(shown, "kept")), likeness.kept, "{to} {domain}");
             let percent = number(shown, "threshold_equivalent_percent");
             assert_eq!(percent, likeness.threshold_equivalent_percent);
             assert_eq!(number(shown, "words"), chip.words as f64);

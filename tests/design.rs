@@ -13,7 +13,7 @@ use amacrine::{
     },
     scene::{OpenOptions, Scene, bundled_with},
 };
-use common::{good, json, line, refused};
+use common::{amacrine, good, json, line, refused};
 use ndarray::Array3;
 use ndarray_npy::{ReadNpyExt, WriteNpyExt};
 
@@ -171,6 +171,97 @@ fn four_kernels_become_a_sensor_a_program_and_a_report() {
     assert!(text.contains("  2> ") && text.contains("knee"), "{text}");
 }
 
+/// What was designed is the same for the other verbs: its report again, to the byte, and programs
+/// that remember what its sensor does.
+#[test]
+fn what_was_designed_is_what_other_verbs_judge() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    clip(folder);
+    kernels(folder);
+    let design = ["design", "four.npy", "--rate", "3", "--memory", "shared"];
+    let quick = ["--to", "ternary", "--effort", "0.05", "--chips", "1"];
+    let said = json(
+        folder,
+        &[&design[..], &SHOWN, &quick, &["-o", "out"]].concat(),
+    );
+    let page = fs::read_to_string(folder.join("out/report.html")).unwrap();
+    let begin = page.find("amacrine feasibility ").unwrap();
+    let command = page[begin..].split('<').next().unwrap();
+    let words: Vec<&str> = command.split_whitespace().skip(1).collect();
+    good(folder, &words);
+    let again = fs::read_to_string(folder.join("report.html")).unwrap();
+    assert!(again == page, "{command}");
+
+    let quick = ["--to", "ternary", "--effort", "0.05"];
+    let asked = ["quantise", "out/sensor.toml"];
+    let table = json(folder, &[&asked[..], &SHOWN, &quick].concat());
+    let judged = &table["together"][0]["on_chip"];
+    assert_eq!(judged["memory"], "one memory of the pixel for all kinds");
+    let kept = |kinds: &serde_json::Value, at: &str| -> Vec<f64> {
+        let kinds = kinds.as_array().unwrap().iter();
+        kinds
+            .map(|kind| kind[at]["kept"].as_f64().unwrap())
+            .collect()
+    };
+    let picked = &said["candidates"][said["picked"].as_u64().unwrap() as usize];
+    assert_eq!(
+        kept(&judged["kinds"], "silicon"),
+        kept(&picked["kinds"], "silicon")
+    );
+
+    // What programs cannot follow of a sensor file is said.
+    fs::write(
+        folder.join("much.toml"),
+        "response = { linear = 255 }\nmemory = \"filtered-step\"\n[[channel]]\nkernel = \"sobel-x\"\nthreshold = { on = 0.2, off = 0.2, sigma = 0.02 }\n[noise]\nshot-hz = 5\n",
+    )
+    .unwrap();
+    let quick = [
+        "--to", "ternary", "--effort", "0.05", "--scene", "clip.npy", "--fps", "10",
+    ];
+    let asked = [&["quantise", "much.toml"], &quick[..]].concat();
+    let ran = amacrine(folder, &asked).output().unwrap();
+    let notes = line(&ran.stderr);
+    for words in [
+        "its memory is not filtered-snap",
+        "mismatch of its thresholds",
+        "noise in its cells",
+    ] {
+        assert!(notes.contains(words), "{notes}");
+    }
+}
+
+/// Where the float sensor says nothing, nothing is kept and nothing is chosen.
+#[test]
+fn no_event_is_nothing_to_choose_by() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    clip(folder);
+    let silent = [
+        "sobel-x",
+        "--threshold",
+        "9000",
+        "--to",
+        "ternary",
+        "--effort",
+        "0.01",
+    ];
+    refused(
+        folder,
+        &[&["design"], &silent[..], &SHOWN].concat(),
+        &[
+            "no event on this scene with a threshold of 9000",
+            "lower thresholds",
+        ],
+    );
+    let table = json(folder, &[&["quantise"], &silent[..], &SHOWN].concat());
+    let chip = &table["rows"][0]["on_chip"];
+    assert!(
+        chip["silicon"]["kept"].is_null() && chip["exact"]["kept"].is_null(),
+        "{table}"
+    );
+}
+
 #[test]
 fn what_cannot_be_designed_is_said() {
     let folder = tempfile::tempdir().unwrap();
@@ -193,7 +284,7 @@ fn what_cannot_be_designed_is_said() {
     ask(&[], &["a rate of events, or thresholds", "--rate"]);
     ask(
         &["--rate", "1e9"],
-        &["at any threshold", "give a rate between them"],
+        &["4096 times as high", "give a rate between them"],
     );
     ask(&["--threshold", "1,2"], &["2 thresholds for 1 kernel"]);
     ask(&["--threshold", "8", "--pick", "9"], &["--pick 9", "rows"]);

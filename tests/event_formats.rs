@@ -499,6 +499,37 @@ fn a_first_event_that_looks_like_a_comment() {
     }
 }
 
+/// The first event of a file without `% end` may begin with the byte of a comment.
+#[test]
+fn a_first_event_that_begins_like_a_header() {
+    for format in [Format::Evt2, Format::Evt21, Format::Evt3] {
+        for step in 0..64 {
+            let mut packet = Packet::new(Size::new(260, 346), 1);
+            // The upper part of the time ends in the byte of `%`; later words have that of a line's end.
+            let first = if format == Format::Evt3 {
+                0x25 << 12
+            } else {
+                0x25 << 6
+            };
+            packet.events = (0..400)
+                .map(|i| event(first + i / 50 + step, (i % 256) as u16, 10, i % 3 == 0))
+                .collect();
+            packet.span = (packet.events[0].t, packet.events[399].t);
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("a.raw");
+            file::write_as(&path, format, Compression::Lz4, &packet).unwrap();
+            let bytes = std::fs::read(&path).unwrap();
+            let end = b"% end\n";
+            let at = bytes.windows(end.len()).position(|it| it == end).unwrap();
+            let mut bare = format!("% evt {}\n", &format.name()[3..]).into_bytes();
+            bare.extend_from_slice(&bytes[at + end.len()..]);
+            std::fs::write(&path, bare).unwrap();
+            let read = file::read(&path).unwrap().packet;
+            assert_eq!(read.events, packet.events, "{format} {step}");
+        }
+    }
+}
+
 /// A format, what is done to its file, how many of the three events are kept, and what is said.
 type Damage = (Format, Compression, fn(&mut Vec<u8>), usize, &'static str);
 

@@ -390,6 +390,16 @@ fn packets_of_aedat3_are_counted() {
         bytes[header + 4 + 4 * field] = value;
         read(Format::Aedat3, bytes).unwrap_err().1.to_string()
     };
+    // Room that is not used lies behind the records, as readers of the field take it.
+    let mut roomy = bytes.clone();
+    roomy[header + 4 + 4 * 3] = 4;
+    roomy.extend([0; 16]);
+    let second = roomy.len();
+    roomy.extend_from_slice(&bytes[header..]);
+    roomy[second + 28 + 4] = 6;
+    assert_eq!(read(Format::Aedat3, roomy.clone()).unwrap().events.len(), 4);
+    roomy.truncate(bytes.len() + 8);
+    assert!(read(Format::Aedat3, roomy).is_err());
     assert!(with(3, 1).contains("room for 1 records, it says that it has 2"));
     assert!(with(5, 1).contains("says that 1 of its events are valid, 2 are"));
 }

@@ -343,7 +343,8 @@ fn several_kernels_are_a_chapter_each_and_one_program() {
         (ask[2], ask[4]) = ("k.toml,sobel-x", threshold);
         [
             &ask[..],
-            &["--to", "ternary", "-o", "report.html", "--json"],
+            &["--to", "ternary", "--within", "10ms"],
+            &["-o", "report.html", "--json"],
         ]
         .concat()
     };
@@ -358,7 +359,7 @@ fn several_kernels_are_a_chapter_each_and_one_program() {
     assert_eq!(all(&page, "table.answers").len(), 2);
 
     // Each chapter is the answer to its own question, but for the command.
-    let (_, alone) = asked(folder.path(), &["--to", "ternary"]);
+    let (_, alone) = asked(folder.path(), &["--to", "ternary", "--within", "10ms"]);
     let mut chapter = numbers["kernels"][0].clone();
     chapter["command"] = alone["command"].clone();
     // The light is that of all.
@@ -1015,7 +1016,7 @@ fn a_chip_without_intervals_has_nothing_to_turn() {
 fn a_number_is_explained_down_to_its_sources() {
     let folder = folder();
     let said = |what: &str| {
-        let all = [&ASK[..], &["--explain", what]].concat();
+        let all = [&ASK[..], &["--within", "10ms", "--explain", what]].concat();
         let output = amacrine(folder.path(), &all).assert().success();
         String::from_utf8(output.get_output().stdout.clone()).unwrap()
     };

@@ -83,7 +83,7 @@ fn judged(times: u32) -> [(f64, f64); 2] {
         }
         let within = window::headline(fps);
         let point = Point::new(&pair, &Redraws::new(&pair, 0), within);
-        (point.kept, window::f1(&pair, Micros(1_000)))
+        (point.kept.unwrap(), window::f1(&pair, Micros(1_000)))
     })
 }
 

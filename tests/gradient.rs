@@ -624,6 +624,53 @@ fn batch<R: Float>(text: &str, size: Size, clips: usize) -> (Model<R>, Forward<R
     (model, seen, voxels)
 }
 
+/// Kernels and thresholds scaled together, mismatch with them, change no event.
+#[test]
+fn scaling_all_changes_nothing() {
+    let size = Size::new(40, 24);
+    for rules in [
+        "filtered-step\"",
+        "filtered-step\"\nrefractory = { us = 1000 }",
+        "filtered-snap\"",
+    ] {
+        // A third of the thresholds of the last lie at the twentieth that is the least.
+        for sigma in [0.0, 0.01, 0.2] {
+            let text = format!(
+                "response = \"identity\"\nmemory = \"{rules}\n[[channel]]\nkernel = {}\nthreshold = {{ on = 0.05, off = 0.07, sigma = {sigma} }}\n",
+                kernel(5, 3)
+            );
+            let light = pan::<f64>(2, 6, size, 1.0);
+            let model = Model::new(describe(&text), size, 0).unwrap();
+            let model = model.with_phase(7, 0.3);
+            let seen = model
+                .forward(Clips::new(&light, &times(6), size).unwrap())
+                .unwrap();
+            let voxels = weights(5, seen.voxels().len());
+            for rule in [Rule::Through, Rule::Reset, Rule::Mean] {
+                if rules.contains("snap") && rule != Rule::Reset {
+                    continue;
+                }
+                let ask = Ask {
+                    voxels: Some(&voxels),
+                    events: 0.3,
+                    ..Ask::default()
+                };
+                let gradient = model.backward(&seen, &ask, rule).unwrap();
+                let own = &gradient.channels[0];
+                let weights = model.description().channels[0].kernels[0].weights();
+                let by_kernel: f64 = own.kernels[0].iter().zip(weights).map(|(g, w)| g * w).sum();
+                let by_threshold = 0.05 * own.on[0] + 0.07 * own.off[0] + sigma * own.sigma[0];
+                assert!(by_kernel.abs() > 1.0, "{rules} {rule:?}: {by_kernel}");
+                let apart = (by_kernel + by_threshold).abs() / by_kernel.abs();
+                assert!(
+                    apart < 1e-9,
+                    "{rules} {sigma} {rule:?}: {by_kernel} {by_threshold}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn single_precision_is_near_to_double() {
     let (size, mut others) = (Size::new(40, 24), 0);

@@ -394,7 +394,7 @@ fn kinds_of_one_program_fall_together() {
         within: WITHIN,
         ..question(designs[0])
     };
-    let falls = Fall::together(&designs, asked).unwrap();
+    let falls = Fall::together(&designs, asked, None).unwrap();
     assert_eq!(falls[0].remembered(), Some(DriveMemory::Shared));
     let all = steps_together(&falls, &mut *scene(), |_| ()).unwrap();
     let quantised = designs.map(|own| own.quantise(asked.to, asked.sum).unwrap());
@@ -424,7 +424,7 @@ fn kinds_of_one_program_fall_together() {
     let rates = falls[1].rates(&two, &open, &|| {}).unwrap();
     for rate in &rates.rates {
         let taken: f64 = rate.causes.iter().map(|cause| cause.share).sum();
-        assert!((taken + rate.headline.kept - 1.0).abs() < 1e-9);
+        assert!((taken + rate.headline.kept.unwrap() - 1.0).abs() < 1e-9);
     }
 }
 
@@ -483,7 +483,7 @@ fn what_is_kept_and_what_the_causes_take_is_all() {
                 let found: Vec<_> = rate.causes.iter().map(|share| share.cause).collect();
                 assert_eq!(found, causes);
                 let sum: f64 = rate.causes.iter().map(|share| share.share).sum();
-                let kept = rate.headline.kept;
+                let kept = rate.headline.kept.unwrap();
                 assert!((sum + kept - 1.0).abs() < 1e-9, "{sum} {kept}");
                 assert!(kept < 0.9, "nothing was lost: {kept}");
                 let [low, high] = rate.kept_10_90;
@@ -527,11 +527,11 @@ fn rates_and_steps_agree_where_they_ask_the_same() {
         let mut before = 1.0;
         for (step, share) in steps.steps.iter().zip(&rate.causes).take(4) {
             assert_eq!(step.cause, share.cause);
-            near(share.share, before - step.likeness.kept);
-            before = step.likeness.kept;
+            near(share.share, before - step.likeness.kept.unwrap());
+            before = step.likeness.kept.unwrap();
         }
         let last = steps.steps.last().unwrap().likeness;
-        near(rate.headline.kept, last.kept);
+        near(rate.headline.kept.unwrap(), last.kept.unwrap());
         near(
             rate.headline.threshold_equivalent_percent,
             last.threshold_equivalent_percent,
@@ -539,7 +539,7 @@ fn rates_and_steps_agree_where_they_ask_the_same() {
         let readout = &steps.steps[steps.steps.len() - 2..];
         near(
             taken(&all, Cause::Readout)[0],
-            readout[0].likeness.kept - readout[1].likeness.kept,
+            readout[0].likeness.kept.unwrap() - readout[1].likeness.kept.unwrap(),
         );
     });
 }
@@ -569,7 +569,7 @@ fn its_headline_is_that_of_quantise() {
     let answer = quantisation::ask(&asked, &open, |_| ()).unwrap();
     let quantised = answer.rows[0].headline.unwrap();
     assert_eq!(quantised, own.into());
-    assert!(own.kept < 0.999, "{}", own.kept);
+    assert!(own.kept.unwrap() < 0.999, "{}", own.kept.unwrap());
 }
 
 /// Only the float model's steps lose anything, and less the more often the chip decides.
@@ -585,7 +585,11 @@ fn a_perfect_chip_loses_nothing_of_its_own_at_any_rate() {
         }
         assert_eq!(rate.noise.unwrap().events_per_second, 0.0);
     }
-    let kept: Vec<f64> = all.rates.iter().map(|rate| rate.headline.kept).collect();
+    let kept: Vec<f64> = all
+        .rates
+        .iter()
+        .map(|rate| rate.headline.kept.unwrap())
+        .collect();
     assert!(kept[0] < kept[1] && kept[1] < kept[2], "{kept:?}");
     assert!(kept[2] > 0.6, "{kept:?}");
     assert_eq!(all.noise.unwrap().sigmas, None);
@@ -637,7 +641,7 @@ fn tiles_stand_for_the_whole_sensor() {
     assert_eq!((some.sample.width, some.sample.halo), (16, 2));
     assert_eq!(whole.sample.pixels, 176 * 112);
     let [some, whole] = [&some.rates[0], &whole.rates[0]];
-    let (a, b) = (some.headline.kept, whole.headline.kept);
+    let (a, b) = (some.headline.kept.unwrap(), whole.headline.kept.unwrap());
     assert!((a - b).abs() < 0.05, "{a} {b}");
     for (a, b) in some.causes.iter().zip(&whole.causes) {
         let (a, b) = (a.share, b.share);
@@ -661,7 +665,7 @@ fn rates_do_not_depend_on_threads_and_chips_differ() {
     // One chip is its own spread, and it is the first of the four.
     let one = on(2, 1);
     let [low, high] = one.rates[0].kept_10_90;
-    assert_eq!([low, high], [one.rates[0].headline.kept; 2]);
+    assert_eq!([low, high], [one.rates[0].headline.kept.unwrap(); 2]);
 }
 
 #[test]
@@ -704,6 +708,8 @@ mod verb {
             SCENE,
             "--effort",
             "0.01",
+            "--within",
+            "10ms",
         ];
         [&ask[..], more].concat()
     }

@@ -9,7 +9,9 @@ import numpy.typing as npt
 _Path = str | PathLike[str]
 _Named = tuple[str, bytes | None]
 _Search = tuple[str, str, float, int]
-_OfKind = tuple[list[npt.NDArray[np.float64]], list[float], list[float], tuple[float, float]]
+_OfKind = tuple[
+    list[npt.NDArray[np.float64]], list[float], list[float], list[float], tuple[float, float]
+]
 _Shown = tuple[str | None, npt.NDArray[Any] | None, float | None, float | None]
 
 __version__: str

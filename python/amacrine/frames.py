@@ -62,10 +62,10 @@ def clips(frames: Any, scale: float | None) -> Clips:
             return Clips(array[np.newaxis, :, 0], scale, batched=False)
         case 5 if array.shape[2] == 1:
             return Clips(array[:, :, 0], scale, batched=True)
-    raise Error(f"frames of shape {array.shape} are no clip\nhelp: {_shaped(array.shape)}")
+    raise Error(f"frames of shape {array.shape} are no clip\nhelp: {shaped(array.shape)}")
 
 
-def _shaped(shape: tuple[int, ...]) -> str:
+def shaped(shape: tuple[int, ...]) -> str:
     """What makes a clip of frames of another shape."""
     if len(shape) == 2:
         return f"{SHAPES}: one frame is frames[None]"

@@ -38,6 +38,8 @@ class Gradient:
     """For each kind of cell that of its ON threshold, (1,); (4,) of a pattern."""
     off: list[npt.NDArray[np.float64]]
     """The same of the OFF threshold, a positive magnitude."""
+    sigma: list[npt.NDArray[np.float64]]
+    """The same of the deviation of the thresholds' mismatch, which ON and OFF share."""
     light: npt.NDArray[Any] | None
     """That of the light (0 to 255), (B,T,H,W), or (T,H,W) of one clip; where it was asked for."""
 
@@ -85,7 +87,7 @@ class Forward:
             events: The loss's gradient of the number of events, whatever their sign.
             rule: What flows back through the memory; ``through`` where it steps and ``reset`` where
                 it snaps if it is left out.
-            slope: Which cells feel ``events``.
+            slope: Which cells feel ``events``; with the rule ``mean`` those that leave their play.
             light: Whether the light's gradient is wanted.
         """
         of_voxels = self._flat(voxels, self.voxels.shape)
@@ -105,8 +107,9 @@ class Forward:
             back = back if self._batched else back[0]
         return Gradient(
             kernels=[np.stack(own) if len(own) > 1 else own[0] for own, *_ in kinds],
-            on=[np.array(on) for _, on, _, _ in kinds],
-            off=[np.array(off) for _, _, off, _ in kinds],
+            on=[np.array(on) for _, on, *_ in kinds],
+            off=[np.array(off) for _, _, off, *_ in kinds],
+            sigma=[np.array(sigma) for _, _, _, sigma, _ in kinds],
             light=back,
         )
 

@@ -67,8 +67,15 @@ pub struct Seen(Either);
 /// mismatch.
 type Learned<'py> = (PyReadonlyArray3<'py, f64>, PyReadonlyArray2<'py, f64>);
 
-/// A kind's gradient: its kernels, its ON and its OFF thresholds, and the gains of the released code.
-type OfKind<'py> = (Vec<Bound<'py, PyArray2<f64>>>, Vec<f64>, Vec<f64>, [f64; 2]);
+/// A kind's gradient: its kernels, its ON and its OFF thresholds, the deviation of their mismatch, and
+/// the gains of the released code.
+type OfKind<'py> = (
+    Vec<Bound<'py, PyArray2<f64>>>,
+    Vec<f64>,
+    Vec<f64>,
+    Vec<f64>,
+    [f64; 2],
+);
 
 /// The description with kernels and thresholds of arrays.
 fn learned(description: &Description, (kernels, limits): &Learned<'_>) -> PyResult<Description> {
@@ -278,7 +285,8 @@ impl<R: Spare + Element> Pass<R> {
         let gradient = gradient.map_err(raised)?;
         let kinds = gradient.channels.iter().map(|kind| {
             let kernels = kind.kernels.iter().map(|it| plane(py, it)).collect();
-            (kernels, kind.on.clone(), kind.off.clone(), kind.gains)
+            let (on, off, sigma) = (kind.on.clone(), kind.off.clone(), kind.sigma.clone());
+            (kernels, on, off, sigma, kind.gains)
         });
         let light = gradient
             .light

@@ -224,6 +224,50 @@ def test_mistakes(which: str, frames: Frames) -> None:
     assert words in str(told.value), str(told.value)
 
 
+@pytest.mark.parametrize("rule", ["through", "reset", "mean"])
+def test_mismatch_learns_with_the_thresholds(rule: Any, frames: Frames) -> None:
+    """Kernels and thresholds scaled together, mismatch with them, change no event."""
+    how: dict[str, Any] = dict(fps=60, rule=rule, dtype=torch.float64)
+    layer = EventSensor(kernels(2, 3), {"on": 0.2, "off": 0.3, "sigma": 0.05}, **how)
+    assert layer.mismatch == pytest.approx(0.2)
+    seen = layer(torch.from_numpy(frames))
+    (seen.voxels * torch.rand(seen.voxels.shape[-2:])).sum().backward()
+    assert layer.kernels.grad is not None and layer.log_thresholds.grad is not None
+    by_kernel = float((layer.kernels * layer.kernels.grad).sum())
+    by_threshold = float(layer.log_thresholds.grad.sum())
+    assert abs(by_kernel) > 1.0
+    assert by_threshold == pytest.approx(-by_kernel, rel=1e-9)
+    plain = EventSensor(kernels(2, 3), (0.2, 0.3), **how)
+    assert not torch.equal(plain(torch.from_numpy(frames)).counts, seen.counts)
+
+
+def test_a_layer_may_be_changed_in_place_and_given_nothing(frames: Frames) -> None:
+    layer = EventSensor("csdvs-3", 0.2, fps=60)
+    light = torch.from_numpy(frames)
+    torch.nn.ReLU(inplace=True)(layer(light).voxels).sum().backward()
+    first = layer.kernels.grad
+    layer.zero_grad()
+    torch.nn.ReLU()(layer(light).voxels).sum().backward()
+    assert first is not None and layer.kernels.grad is not None
+    assert torch.equal(first, layer.kernels.grad)
+    clip = light if light.ndim == 5 else light.reshape(1, *light.shape[:1], 1, *light.shape[-2:])
+    none = layer(clip[:0])
+    assert none.voxels.shape == (0, *layer(clip).voxels.shape[1:])
+    assert float(none.events) == 0.0
+
+
+def test_what_no_clip_passes_is_told_by_the_layer() -> None:
+    for how, words in [
+        ({"rule": "mean", "memory": "filtered-snap"}, "filtered-step"),
+        ({"memory": "raw-snap"}, "holds pixels"),
+        ({"noise": {"shot-hz": 5}}, "noise in its cells"),
+        ({"format": "f16"}, "no option format"),
+        ({"phase": float("nan")}, "phase = nan"),
+    ]:
+        with pytest.raises(amacrine.Error, match=words):
+            EventSensor("csdvs-3", 0.2, fps=60, **how)
+
+
 @pytest.fixture(scope="module")
 def videos(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder: Path = tmp_path_factory.mktemp("videos")
@@ -311,10 +355,29 @@ def test_mistakes_of_data_sets(videos: Path, tmp_path: Path) -> None:
         (lambda: _dataset(videos, thresholds=3), "thresholds = 3"),
         (lambda: _dataset(videos, frames=99)[0], "where 99 of 32x24"),
         (lambda: _dataset(videos, kernels="dvs"), "kernels to draw from"),
+        (lambda: _dataset(videos, kernels=["dvs", ["dvs", "dvs"]]), "as many kinds each"),
+        (lambda: _dataset(videos, quantisers=["int-99"]), "int-99"),
+        (lambda: _dataset(videos, chips=["scamp9"]), "no chip scamp9"),
+        (lambda: _dataset(videos, voxels={"bins": -1}), "bins"),
+        (lambda: _dataset(videos, crop=(0, 8)), "crop"),
+        (lambda: _dataset(videos, options={"seed": 1}), "seed of a sensor"),
     ]
     for make, words in mistakes:
         with pytest.raises(amacrine.Error, match=words):
             make()
+
+
+def test_light_of_videos_has_its_scale(tmp_path: Path) -> None:
+    clip = np.random.default_rng(1).random((8, 16, 16)).astype(np.float32)
+    np.save(tmp_path / "clip.npy", clip)
+    (tmp_path / ".hidden").mkdir()
+    how: dict[str, Any] = dict(frames=8, fps=60, flips=False, thresholds=(0.1, 0.1))
+    with pytest.warns(amacrine.Caution, match="scale=255"):
+        dark = EventDataset(tmp_path, **how)[0]
+    lit = EventDataset(tmp_path, **how, scale=255)
+    assert len(lit.videos) == 1
+    assert not bool(dark["voxels"].any()) and bool(lit[0]["voxels"].any())
+    assert torch.allclose(lit[0]["frames"][:, 0], torch.from_numpy(clip * 255))
 
 
 def test_weights_are_taken_as_a_layer_has_them() -> None:

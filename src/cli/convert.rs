@@ -98,10 +98,12 @@ struct Seen {
     size_known: bool,
     channels: u8,
     skipped: u64,
-    note: Option<&'static str>,
+    note: Option<String>,
     damage: Option<FileError>,
     /// Where the recording begins, where that is asked for.
     start: Micros,
+    /// The first and the last event that was read.
+    ends: Option<(Micros, Micros)>,
 }
 
 /// A file that was written.
@@ -235,6 +237,7 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
         note: None,
         damage: None,
         start: Micros(0),
+        ends: None,
     };
     let mut events = Vec::new();
     let mut start = match (arguments.from_zero, arguments.slice) {
@@ -242,7 +245,6 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
         (true, Some((from, _))) => Some(from),
         (true, None) => None,
     };
-    // Text says what it is with its first events.
     let progress = Progress::new("looking", None);
     loop {
         let about = reader.about();
@@ -257,6 +259,9 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
             Err(_) if arguments.salvage => break,
             Err(error) => return Err(error.into()),
         };
+        // Text says what it is with its first events.
+        let about = reader.about();
+        let channels = about.channels.or((!format.limits().channels).then_some(1));
         // A span may be stated that begins after the first event.
         let stated = || reader.about().span.map(|(from, _)| from);
         let first = events.first().map(|event: &Event| event.t);
@@ -360,6 +365,9 @@ fn pass(
             }
             Err(error) => return Err(error.into()),
         }
+        if let (Some(first), Some(last)) = (events.first(), events.last()) {
+            seen.ends = Some((seen.ends.map_or(first.t, |(first, _)| first), last.t));
+        }
         for (writer, kind, ends) in &mut writers {
             let part = choose(&events, &mut chosen, (from, to), zero, *kind);
             writer.put(part)?;
@@ -374,7 +382,8 @@ fn pass(
     }
     progress.finish();
     seen.skipped = reader.skipped();
-    seen.note = reader.note();
+    let dropped = about.dropped.unwrap_or_default().total();
+    seen.note = note(arguments, reader.note(), dropped, seen.ends);
     let mut written = Vec::new();
     for ((writer, _, ends), (path, _)) in writers.into_iter().zip(targets) {
         written.push(Written {
@@ -384,6 +393,31 @@ fn pass(
         });
     }
     Ok(written)
+}
+
+/// What is to be said of what was read and chosen.
+fn note(
+    arguments: &Arguments,
+    read: Option<&str>,
+    dropped: u64,
+    ends: Option<(Micros, Micros)>,
+) -> Option<String> {
+    let mut notes: Vec<String> = read.into_iter().map(str::to_owned).collect();
+    if let (Some((from, to)), Some((first, last))) = (arguments.slice, ends)
+        && (first >= to || last < from)
+    {
+        notes.push(format!(
+            "no event is in the slice: those read are from {first} to {last}, and slices are in the recording's own times"
+        ));
+    }
+    if dropped > 0 && (arguments.slice.is_some() || arguments.kind.is_some() || arguments.each_kind)
+    {
+        notes.push(format!(
+            "{} lost on the way to the recording: of a part it is not known how many",
+            counted(dropped, "event")
+        ));
+    }
+    (!notes.is_empty()).then(|| notes.join("; "))
 }
 
 /// The events of a slice and a kind, in times from `zero` on; a kind of its own is kind 0.
@@ -436,7 +470,7 @@ fn table(arguments: &Arguments, format: Format, seen: &Seen, written: &[Written]
             counted(seen.skipped, "record")
         ));
     }
-    if let Some(note) = seen.note {
+    if let Some(note) = &seen.note {
         lines.push(format!("note     {note}"));
     }
     if let Some(damage) = &seen.damage {
@@ -457,7 +491,7 @@ fn table(arguments: &Arguments, format: Format, seen: &Seen, written: &[Written]
             counted(*events, "event")
         ));
     }
-    for Written { path, .. } in written.iter().filter(|it| it.path.as_os_str() != "-") {
+    for Written { path, .. } in written.iter().filter(|_| !arguments.b.is_node()) {
         lines.push(format!("open     {}", format.opened_by(path)));
     }
     lines.join("\n") + "\n"

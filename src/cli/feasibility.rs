@@ -193,7 +193,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             candidates: &arguments.candidates,
             sum: arguments.sum.into(),
             device: &device,
-            memory: arguments.memory.map(|memory| memory.0),
+            memory: arguments.memory.map(|memory| memory.0).or(kinds.memory),
             exposure: arguments.exposure,
             order: arguments.readout.into(),
             link: [least, most],
@@ -419,17 +419,15 @@ fn summary_of_several(several: &Several) -> String {
         "in one program", "to", "kept", "as threshold", "alone"
     );
     for kind in &together.kinds {
-        let number =
-            |kept: Option<f64>| kept.map_or("-".to_owned(), |kept| equivalent::kept(kept, 3));
         let _ = writeln!(
             text,
             "{:<22} {:>10} {:>10} {:>14} {:>10}",
             kind.name,
             kind.to,
-            number(kind.headline.map(|headline| headline.kept)),
+            equivalent::kept(kind.headline.and_then(|headline| headline.kept), 3),
             kind.silicon
                 .map_or("-".to_owned(), |silicon| silicon.equivalent()),
-            number(kind.kept_apart),
+            equivalent::kept(kind.kept_apart, 3),
         );
     }
     for all in &several.kernels {
@@ -543,14 +541,10 @@ fn over_chips(over: &OverChips) -> String {
     if is_silent {
         let _ = writeln!(text, "{:<22} {}", "kept", OverChips::NOTHING_TO_KEEP);
     }
-    let of_kept = |spread| Some(spread).filter(|_| !is_silent);
+    let threshold = Some(ranges.threshold_equivalent_percent).filter(|_| !is_silent);
     let rows = [
-        ("kept", of_kept(ranges.kept), 3),
-        (
-            "threshold, % higher",
-            of_kept(ranges.threshold_equivalent_percent),
-            1,
-        ),
+        ("kept", ranges.kept, 3),
+        ("threshold, % higher", threshold, 1),
         ("events to the float's", ranges.event_ratio, 3),
         ("frames/s at most", Some(ranges.frames_s), 0),
         ("mW, array busy", Some(ranges.power_busy_mw), 3),
@@ -601,7 +595,7 @@ fn row(name: &str, stream: &Stream, is_scored: bool) -> String {
         number(stream.mean_kbit_s, 1),
         number(likeness.map(|it| it.f1), 4),
         number(likeness.map(|it| it.floor), 4),
-        number(likeness.map(|it| it.kept), 4),
+        number(likeness.and_then(|it| it.kept), 4),
         likeness.map_or("-".to_owned(), |it| it.equivalent()),
     )
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{files::Named, kernels::Kinds};
+use super::{complain, files::Named, kernels::Kinds};
 
 /// Which kernels, by file or by name.
 #[derive(Clone, Debug, clap::Args)]
@@ -35,12 +35,16 @@ impl KernelNames {
         }
     }
 
-    /// Reads them.
+    /// Reads them, and tells in what programs cannot follow a sensor that they stand in.
     ///
     /// # Errors
     /// As [`Kinds::of_all`].
     pub(super) fn kinds(&self) -> miette::Result<Kinds> {
-        Kinds::of_all(self.names())
+        let kinds = Kinds::of_all(self.names())?;
+        for note in &kinds.notes {
+            complain(&format!("note: {note}\n"));
+        }
+        Ok(kinds)
     }
 }
 

@@ -10,6 +10,7 @@ use super::{
 };
 use crate::{
     bundled::Kind,
+    compile::DriveMemory,
     kernel::{FEWER, Kernel, KernelFileError, SHAPES, wrong_number},
     limit::KERNELS,
     npy,
@@ -27,6 +28,10 @@ pub(super) struct Kinds {
     pub kernels: Vec<Kernel>,
     /// The threshold of each, in kernel times light (0 to 255); only of a sensor file.
     pub thresholds: Option<Vec<f64>>,
+    /// What a program of several must remember to follow the sensor; only of one sensor file.
+    pub memory: Option<DriveMemory>,
+    /// In what programs cannot follow sensor files, a sentence each.
+    pub notes: Vec<String>,
 }
 
 impl Kinds {
@@ -44,6 +49,8 @@ impl Kinds {
             names: names(name, kernels.len()),
             kernels,
             thresholds: None,
+            memory: None,
+            notes: Vec::new(),
         })
     }
 
@@ -56,11 +63,15 @@ impl Kinds {
             names: Vec::new(),
             kernels: Vec::new(),
             thresholds: Some(Vec::new()),
+            memory: None,
+            notes: Vec::new(),
         };
         for name in names {
             let own = Self::read(name)?;
             all.names.extend(own.names);
             all.kernels.extend(own.kernels);
+            all.notes.extend(own.notes);
+            all.memory = own.memory.filter(|_| names.len() == 1);
             all.thresholds =
                 { all.thresholds.take().zip(own.thresholds) }.map(|(all, own)| [all, own].concat());
         }
@@ -91,9 +102,12 @@ impl Kinds {
     }
 
     fn of_sensor(name: &str, description: &Description) -> miette::Result<Self> {
-        let cells = cells::cells(name, description)?;
+        let several = description.channels.len() > 1;
+        let followed = cells::memory_of(name, description).ok();
+        let memory = followed.filter(|_| several);
+        let cells =
+            cells::compiled_cells(name, description, memory.unwrap_or(DriveMemory::Analogue))?;
         let thresholds = cells.thresholds(name)?;
-        let several = cells.kinds.len() > 1;
         let names = cells.kinds.iter().map(|kind| kind.name.clone());
         Ok(Self {
             names: names
@@ -106,6 +120,8 @@ impl Kinds {
                 .collect(),
             kernels: cells.kinds.into_iter().map(|kind| kind.kernel).collect(),
             thresholds: Some(thresholds),
+            memory,
+            notes: cells.notes,
         })
     }
 }

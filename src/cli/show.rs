@@ -247,7 +247,7 @@ fn cut(packet: &mut Packet, arguments: &Arguments) -> miette::Result<()> {
     let (first, last) = packet.span;
     let from = arguments.from.unwrap_or(first);
     let to = arguments.to.unwrap_or(last);
-    if from > to {
+    if from > to || from > last || to < first {
         return Err(miette!(
             help = "give times within the packet, the first before the last",
             "from {from} to {to}: nothing is in between; the packet was watched from {first} to {last}"

@@ -183,8 +183,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             seed: arguments.seed,
         })
         .collect();
-    let (memory, all) =
-        arguments.falls((&kinds.names, &designs), readout.readout()?, &observation)?;
+    let (memory, all) = arguments.falls(
+        (&kinds.names, &designs, kinds.memory),
+        readout.readout()?,
+        &observation,
+    )?;
     if let (Some(path), [told], [threshold]) = (&arguments.output, &all[..], &thresholds[..]) {
         let scene = arguments.clip.name();
         let title = format!(
@@ -261,7 +264,7 @@ impl Arguments {
     /// where there are several.
     fn falls(
         &self,
-        (names, designs): (&[String], &[Design<'_>]),
+        (names, designs, memory): (&[String], &[Design<'_>], Option<DriveMemory>),
         readout: Readout,
         observation: &Observation,
     ) -> miette::Result<(Option<DriveMemory>, Vec<Told>)> {
@@ -292,7 +295,7 @@ impl Arguments {
             check_crossings(designs, &mut *open()?)?;
             let falls = match designs {
                 [_] => vec![Fall::new(question)?],
-                several => Fall::together(several, question)?,
+                several => Fall::together(several, question, memory)?,
             };
             let progress = Progress::new("watching", scene.frames());
             let steps = steps_together(&falls, &mut *scene, |_| progress.tick());
@@ -351,7 +354,7 @@ fn rate_table(steps: &Waterfall, rates: &Rates) -> String {
     let all = || rates.rates.iter();
     let head = |rate: &Rate| format!("{:>6} frames/s", equivalent::rate(rate.headline.fps));
     row(&mut text, "%", &mut all().map(head));
-    let kept = |rate: &Rate| cell(rate.headline.kept, rate.kept_10_90);
+    let kept = |rate: &Rate| cell(rate.headline.kept.unwrap_or(0.0), rate.kept_10_90);
     row(&mut text, "kept", &mut all().map(kept));
     let first: &[Share] = rates.rates.first().map_or(&[], |rate| &rate.causes);
     for (i, cause) in first.iter().enumerate() {

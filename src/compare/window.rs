@@ -44,7 +44,7 @@ pub static KEPT: Entry = Entry {
     value: |of, within| {
         let [a, b] = of.pair.events();
         let f1 = matching::share(2 * of.matched(within), a + b);
-        Some(kept(f1, of.redraws.floor(within)))
+        kept(f1, of.redraws.floor(within))
     },
 };
 
@@ -88,15 +88,13 @@ pub fn interval(fps: f64) -> Micros {
 
 /// What of a score is more than accident; the score is at most 1.
 ///
-/// Where accident scores 1, a packet that scores 1 keeps all, and any other nothing.
+/// Where accident scores 1, a packet that scores 1 keeps all; of any other nothing can be said.
 #[must_use]
-pub fn kept(score: f64, floor: f64) -> f64 {
+pub fn kept(score: f64, floor: f64) -> Option<f64> {
     if floor < 1.0 {
-        (score - floor) / (1.0 - floor)
-    } else if score >= 1.0 {
-        1.0
+        Some((score - floor) / (1.0 - floor))
     } else {
-        0.0
+        (score >= 1.0).then_some(1.0)
     }
 }
 
@@ -110,7 +108,7 @@ pub struct Point {
     /// F1 of a redraw of the reference, the mean of some.
     pub floor: f64,
     /// `(f1 - floor) / (1 - floor)`.
-    pub kept: f64,
+    pub kept: Option<f64>,
 }
 
 /// Redraws of a reference, as often as 200 000 events allow, at most 16 times: the floor of all
@@ -241,11 +239,11 @@ mod tests {
 
     #[test]
     fn what_is_kept_lies_between_accident_and_all() {
-        assert_eq!(kept(1.0, 0.4), 1.0);
-        assert_eq!(kept(0.4, 0.4), 0.0);
-        assert!((kept(0.7, 0.4) - 0.5).abs() < 1e-12);
-        assert!(kept(0.1, 0.4) < 0.0);
-        assert_eq!([kept(1.0, 1.0), kept(0.9, 1.0)], [1.0, 0.0]);
+        assert_eq!(kept(1.0, 0.4), Some(1.0));
+        assert_eq!(kept(0.4, 0.4), Some(0.0));
+        assert!((kept(0.7, 0.4).unwrap() - 0.5).abs() < 1e-12);
+        assert!(kept(0.1, 0.4).unwrap() < 0.0);
+        assert_eq!([kept(1.0, 1.0), kept(0.9, 1.0)], [Some(1.0), None]);
     }
 
     #[test]

@@ -50,6 +50,8 @@ pub(super) struct BackPass<'a, R: Float> {
     from: Vec<R>,
     ones: Vec<R>,
     none: Vec<R>,
+    /// The gradients of a row's own thresholds, ON and OFF, where cells have their own.
+    own: [Vec<R>; 2],
     drive: Vec<R>,
     parts: Parts<R>,
     /// With [`Rule::Mean`], by how much each cell left its play, (pairs, channels, rows, columns).
@@ -87,6 +89,7 @@ impl<'a, R: Float> BackPass<'a, R> {
             from: vec![R::ZERO; width],
             ones: vec![R::ONE; width],
             none: vec![R::ZERO; width],
+            own: [vec![R::ZERO; width], vec![R::ZERO; width]],
             drive: vec![R::ZERO; width],
             parts: Parts::default(),
             over: Vec::new(),
@@ -104,6 +107,7 @@ impl<'a, R: Float> BackPass<'a, R> {
             for k in 0..channels {
                 for y in rows.clone() {
                     self.pair(tape, pair, k, y);
+                    self.settle(k, y);
                     self.frame(tape, pair + 1, k, y);
                 }
                 self.sums[k].fold();
@@ -112,6 +116,7 @@ impl<'a, R: Float> BackPass<'a, R> {
         for k in 0..channels {
             for y in rows.clone() {
                 self.start(k, y);
+                self.settle(k, y);
                 self.frame(tape, 0, k, y);
             }
             self.sums[k].fold();
@@ -221,7 +226,7 @@ impl<'a, R: Float> BackPass<'a, R> {
             duration: R::from_f64(dt),
             events: Pair::asks(self.ask.events, self.ask.slope),
         };
-        let [on, off] = &mut self.sums[k].columns[y % 2];
+        let [on, off] = sums_of(model, (&mut self.own, &mut self.sums), k, y);
         if self.rule == Rule::Mean {
             let rows = MeanRows {
                 from: input.from,
@@ -275,8 +280,18 @@ impl<'a, R: Float> BackPass<'a, R> {
         run(&input, &shared, output);
     }
 
+    /// Adds what a row has left for its cells' own thresholds, where they have such.
+    fn settle(&mut self, k: usize, y: usize) {
+        if self.model.is_mismatched(k) {
+            let nominal = &self.model.description.channels[k].thresholds;
+            let theta = self.model.thresholds[k].row(y);
+            self.sums[k].add_row(y, &mut self.own, theta, nominal);
+        }
+    }
+
     /// Leaves `dL/dS` of the first frame, from which the memories began.
     fn start(&mut self, k: usize, y: usize) {
+        let model = self.model;
         let place = self.place(k, y);
         let memory = &self.memory[place.clone()];
         let cells = memory.iter().zip(&self.before[place]);
@@ -286,7 +301,7 @@ impl<'a, R: Float> BackPass<'a, R> {
         // A memory that begins a part of a threshold away follows the threshold.
         self.model.begin((self.piece.clip, k, y), &mut self.from);
         let mean = self.rule == Rule::Mean;
-        let [on, off] = &mut self.sums[k].columns[y % 2];
+        let [on, off] = sums_of(model, (&mut self.own, &mut self.sums), k, y);
         for (x, (&part, memory)) in self.from.iter().zip(memory).enumerate() {
             let part = if mean { mean::begin(part) } else { part };
             let column = if part >= R::ZERO {
@@ -347,6 +362,21 @@ impl<'a, R: Float> BackPass<'a, R> {
                 R::ZERO
             };
         }
+    }
+}
+
+/// Where a row's gradients of its thresholds go: to the channel's columns, or, where cells have their
+/// own thresholds, first to those.
+fn sums_of<'a, R: Float>(
+    model: &Model<R>,
+    (own, sums): (&'a mut [Vec<R>; 2], &'a mut [ChannelSum<R>]),
+    k: usize,
+    y: usize,
+) -> &'a mut [Vec<R>; 2] {
+    if model.is_mismatched(k) {
+        own
+    } else {
+        &mut sums[k].columns[y % 2]
     }
 }
 

@@ -58,11 +58,13 @@ pub struct Gradient<R> {
 pub struct ChannelGradient {
     /// Of its kernel, or of the four of a 2x2 pattern, row 0 north.
     pub kernels: Vec<Plane<f64>>,
-    /// Of its ON threshold, or of four. Each cell's own threshold, mismatch included, counts as the
-    /// nominal one plus a constant.
+    /// Of its ON threshold, or of four, the deviation of the mismatch held: each cell's own threshold
+    /// is the nominal one plus its share of that deviation.
     pub on: Vec<f64>,
     /// Of its OFF threshold, a positive magnitude.
     pub off: Vec<f64>,
+    /// Of the deviation of the mismatch, which both have.
+    pub sigma: Vec<f64>,
     /// With `log-temporal` and [`Rule::Authors`]: of the released code's two multipliers, by which the
     /// logarithm and the memory come into the distance. Otherwise 0.
     pub gains: [f64; 2],
@@ -83,7 +85,7 @@ impl<R: Float> Model<R> {
             return Err(GradientError::Rule {
                 name: self.description.name.clone(),
                 what: "the rule `mean` is that of a memory that steps, with a dead time or none",
-                help: "use memory = \"filtered-step\" with rule = \"dead-time\", or another rule of the gradient",
+                help: "use memory = \"filtered-step\" and, with a period, refractory.rule = \"dead-time\"; or another rule of the gradient",
             });
         }
         shape(seen, Tensor::Voxels, ask.voxels, seen.voxels.len(), 0)?;
@@ -129,7 +131,7 @@ impl ChannelGradient {
                 return Err(fault(Tensor::Kernel { channel }, vec![n, y, x], *value));
             }
         }
-        for (side, values) in [&self.on, &self.off].into_iter().enumerate() {
+        for (side, values) in [&self.on, &self.off, &self.sigma].into_iter().enumerate() {
             if let Some(n) = values.iter().position(|v| !v.is_finite()) {
                 return Err(fault(
                     Tensor::Thresholds { channel },

@@ -120,6 +120,12 @@ impl<R: Float> Model<R> {
         cells * (2 * size_of::<R>() + 4 + 8 + 8 + 2 * size_of::<R>())
     }
 
+    /// Whether the cells of a channel have thresholds of their own.
+    pub(super) fn is_mismatched(&self, channel: usize) -> bool {
+        let thresholds = &self.description.channels[channel].thresholds;
+        thresholds.iter().any(|threshold| threshold.sigma > 0.0)
+    }
+
     /// Kinds of cells.
     pub(super) fn channels(&self) -> usize {
         self.description.channels.len()
@@ -188,7 +194,7 @@ fn stands_in_the_way(description: &Description) -> Option<(&'static str, &'stati
     if description.noise != Noise::NONE {
         return Some((
             "it has noise in its cells",
-            "leave `noise` out while it learns: add noise to the light, and mismatch by threshold.sigma",
+            "leave `noise` out while it learns: add noise to the light; mismatch of thresholds (`threshold.sigma`) can stay",
         ));
     }
     if description.channels.iter().any(|c| c.surrounds.is_some()) {

@@ -6,7 +6,11 @@
 //! together), a step `δ` of the kernel that keeps `C` scales the thresholds by `-(c δ) / c_t`, and so
 //! changes the loss by `(g - (g_t / c_t) c) δ`: the reduced gradient.
 
-use crate::{elementary, plane::Plane, reference::Description};
+use crate::{
+    elementary,
+    plane::Plane,
+    reference::{Description, Threshold},
+};
 
 use super::{
     backward::{ChannelGradient, Gradient},
@@ -55,18 +59,18 @@ impl ConstantRate {
     }
 }
 
-/// The derivative by the logarithm of a factor that scales all thresholds.
+/// The derivative by the logarithm of a factor that scales all thresholds and their mismatch.
 fn by_scale<R>(description: &Description, gradient: &Gradient<R>) -> f64 {
     let channels = description.channels.iter().zip(&gradient.channels);
     channels
         .map(|(channel, gradient)| {
-            let sides = channel
-                .thresholds
-                .iter()
-                .zip(gradient.on.iter().zip(&gradient.off));
-            sides
-                .map(|(theta, (on, off))| theta.on * on + theta.off * off)
-                .sum::<f64>()
+            let of = |n: usize, theta: &Threshold| {
+                theta.on * gradient.on[n]
+                    + theta.off * gradient.off[n]
+                    + theta.sigma * gradient.sigma[n]
+            };
+            let sides = channel.thresholds.iter().enumerate();
+            sides.map(|(n, theta)| of(n, theta)).sum::<f64>()
         })
         .sum()
 }

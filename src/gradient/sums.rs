@@ -1,6 +1,6 @@
 //! What a piece adds up on its way back, channel by channel.
 
-use crate::plane::Plane;
+use crate::{plane::Plane, reference::Threshold};
 
 use super::{backward::ChannelGradient, float::Float, kernel_sum::KernelSum, model::Model};
 
@@ -13,6 +13,8 @@ pub(super) struct ChannelSum<R> {
     pub(super) columns: [[Vec<R>; 2]; 2],
     /// The same for each place of a 2x2 pattern, ON and OFF.
     pub(super) thresholds: [[f64; 2]; 4],
+    /// By the deviation of the mismatch, at each place of a pattern.
+    pub(super) sigma: [f64; 4],
     /// Gains of the signal and of the memory.
     pub(super) gains: [f64; 2],
 }
@@ -26,6 +28,7 @@ impl<R: Float> ChannelSum<R> {
             kernels: kernels.map(|kernel| KernelSum::new(kernel.dim())).collect(),
             columns: [both(), both()],
             thresholds: [[0.0; 2]; 4],
+            sigma: [0.0; 4],
             gains: [0.0; 2],
         }
     }
@@ -43,6 +46,39 @@ impl<R: Float> ChannelSum<R> {
         }
     }
 
+    /// Adds a row's gradients of its cells' own thresholds `theta`, and leaves `of` at 0. A cell's
+    /// threshold is the nominal one plus its share of the deviation, and no less than a twentieth of
+    /// the nominal one.
+    pub(super) fn add_row(
+        &mut self,
+        y: usize,
+        of: &mut [Vec<R>; 2],
+        theta: (&[R], &[R]),
+        nominal: &[Threshold],
+    ) {
+        for (sign, (of, theta)) in of.iter_mut().zip([theta.0, theta.1]).enumerate() {
+            let columns = &mut self.columns[y % 2][sign];
+            for (x, (of, theta)) in of.iter_mut().zip(theta).enumerate() {
+                let place = 2 * (y % 2) + x % 2;
+                let own = match nominal {
+                    [one] => one,
+                    four => &four[place],
+                };
+                let mean = [own.on, own.off][sign];
+                let gradient = std::mem::replace(of, R::ZERO);
+                if *theta > R::from_f64(mean / 20.0) {
+                    columns[x] = columns[x] + gradient;
+                    if own.sigma > 0.0 {
+                        let share = (theta.to_f64() - mean) / own.sigma;
+                        self.sigma[place] += gradient.to_f64() * share;
+                    }
+                } else {
+                    columns[x] = columns[x] + gradient * R::from_f64(0.05);
+                }
+            }
+        }
+    }
+
     /// Adds what another piece has summed.
     pub(super) fn add(&mut self, other: &Self) {
         for (kernel, other) in self.kernels.iter_mut().zip(&other.kernels) {
@@ -54,6 +90,9 @@ impl<R: Float> ChannelSum<R> {
             sums[0] += other[0];
             sums[1] += other[1];
         }
+        for (sum, other) in self.sigma.iter_mut().zip(&other.sigma) {
+            *sum += other;
+        }
         self.gains[0] += other.gains[0];
         self.gains[1] += other.gains[1];
     }
@@ -61,13 +100,11 @@ impl<R: Float> ChannelSum<R> {
     /// The gradient of the channel.
     pub(super) fn gradient(&self, model: &Model<R>, channel: usize) -> ChannelGradient {
         let planes = self.kernels.iter().zip(&model.kernels[channel]);
-        let sides = |side: usize| {
-            let each = self.thresholds.map(|signs| signs[side]);
-            match model.description.channels[channel].thresholds.len() {
-                1 => vec![each.iter().sum()],
-                _ => each.to_vec(),
-            }
+        let each = |of: [f64; 4]| match model.description.channels[channel].thresholds.len() {
+            1 => vec![of.iter().sum()],
+            _ => of.to_vec(),
         };
+        let sides = |side: usize| each(self.thresholds.map(|signs| signs[side]));
         ChannelGradient {
             kernels: planes
                 .map(|(sum, kernel)| {
@@ -80,6 +117,7 @@ impl<R: Float> ChannelSum<R> {
                 .collect(),
             on: sides(0),
             off: sides(1),
+            sigma: each(self.sigma),
             gains: self.gains,
         }
     }

@@ -188,7 +188,7 @@ impl Warning {
                 "what is kept",
                 format!("within {within} accident scores {floor:.3} of 1"),
                 "the events last little longer than the window, or cells speak more often than that",
-                "take a shorter window (within), or a longer scene",
+                "take a shorter window (--within, in a study `within`), or a longer scene",
             )
         })
     }

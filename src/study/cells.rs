@@ -17,7 +17,7 @@ use crate::{
     compile::{CellKind, DriveMemory},
     kernel::KernelError,
     photoreceptor::Curve,
-    reference::{Border, Channel, Description, MemoryRule, PolarityRule},
+    reference::{Border, Channel, Description, MemoryRule, Noise, PolarityRule},
 };
 
 /// The cells of a sensor as a chip computes them.
@@ -220,6 +220,17 @@ pub fn compiled_cells(
     if description.border == Border::Replicate {
         cells.notes.push(format!(
             "{sensor} replicates the border; off the array the chip sees 0"
+        ));
+    }
+    if description.noise != Noise::NONE {
+        cells.notes.push(format!(
+            "{sensor} has noise in its cells; the program has that of the chip alone"
+        ));
+    }
+    let mut thresholds = { description.channels.iter() }.flat_map(|channel| &channel.thresholds);
+    if thresholds.any(|threshold| threshold.sigma > 0.0) {
+        cells.notes.push(format!(
+            "{sensor} has mismatch of its thresholds; the program has the chip's alone"
         ));
     }
     if description.refractory.us > 0.0 {

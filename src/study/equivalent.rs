@@ -38,8 +38,10 @@ pub const RUNGS: [f64; 15] = [
 /// How a packet compares with the float sensor's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Likeness {
-    /// What of F1 is more than accident: `(f1 - floor) / (1 - floor)`.
-    pub kept: f64,
+    /// What of F1 is more than accident: `(f1 - floor) / (1 - floor)`; none where the reference has
+    /// no event, or accident scores as much as anything, of which there is a
+    /// [`warning`](Self::warning).
+    pub kept: Option<f64>,
     /// The window of the matches, in microseconds.
     pub window_us: Micros,
     /// Frames a second that were shown.
@@ -282,7 +284,7 @@ impl Ladder {
         let (percent, is_least) = self.equivalent(point.f1);
         let [reference, judged] = pair.events().map(|events| events as f64);
         Ok(Likeness {
-            kept: point.kept,
+            kept: point.kept.filter(|_| reference > 0.0),
             window_us: self.window,
             fps: self.fps,
             f1: point.f1,
@@ -339,10 +341,11 @@ impl Ladder {
     ) -> Result<(), CompareError> {
         let pair = Pair::new(tuned, packet)?;
         let point = Point::new(&pair, &Redraws::new(&pair, self.seed), self.window);
-        let (equivalent, is_least) = self.equivalent_of_kept(point.kept);
+        let kept = point.kept.unwrap_or(0.0);
+        let (equivalent, is_least) = self.equivalent_of_kept(kept);
         likeness.tuned = Some(Tuned {
             threshold_percent: percent(part),
-            kept: point.kept,
+            kept,
             threshold_equivalent_percent: equivalent,
             threshold_equivalent_is_least: is_least,
         });
@@ -425,8 +428,8 @@ impl std::fmt::Display for Likeness {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "kept {:.3} ({}, {} frames/s), as a threshold {} higher",
-            self.kept,
+            "kept {} ({}, {} frames/s), as a threshold {} higher",
+            kept(self.kept, 3),
             Short(self.window_us),
             rate(self.fps),
             self.equivalent()
@@ -467,15 +470,15 @@ pub fn percents(percent: f64, is_least: bool) -> String {
     }
 }
 
-/// What is kept, with so many decimals. Where accident scores nearly 1 it can be far below 0: of
-/// that only so much is told, so that columns stay apart.
+/// What is kept, with so many decimals, or a dash where nothing can be. Where accident scores nearly 1
+/// it can be far below 0: of that only so much is told, so that columns stay apart.
 #[must_use]
-pub fn kept(kept: f64, decimals: usize) -> String {
+pub fn kept(kept: impl Into<Option<f64>>, decimals: usize) -> String {
     const LEAST: f64 = -9.9;
-    if kept < LEAST {
-        format!("<{LEAST}")
-    } else {
-        format!("{kept:.decimals$}")
+    match kept.into() {
+        None => "-".to_owned(),
+        Some(kept) if kept < LEAST => format!("<{LEAST}"),
+        Some(kept) => format!("{kept:.decimals$}"),
     }
 }
 

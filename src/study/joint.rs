@@ -9,6 +9,7 @@ use super::{
     together::{self, Together},
 };
 use crate::{
+    compile::DriveMemory,
     isa::Figure,
     kernel::quantise::{Quantised, Quantiser, Sum},
     rig::guard::Guard,
@@ -77,14 +78,15 @@ pub struct Kind {
 impl Joint {
     /// Quantises the kernels of these designs, compiles all of them into one program and runs it
     /// beside the float sensor; what there is to be warned of goes to `guard`. `names` has one for
-    /// each design, and `seen` is called for each frame.
+    /// each design, and `seen` is called for each frame. The program has `memory`, or the first in which
+    /// the chip holds it.
     ///
     /// # Errors
     /// When a sensor cannot be made, or scene or sensor cannot go on; not where the chip refuses.
     pub fn new(
         names: &[String],
         floats: &[Design<'_>],
-        (to, sum): (Quantiser, Sum),
+        (to, sum, memory): (Quantiser, Sum, Option<DriveMemory>),
         (within, scene): (Micros, &mut dyn Scene),
         guard: &mut Guard,
         seen: impl FnMut(),
@@ -95,7 +97,7 @@ impl Joint {
                 let levels: Vec<Design<'_>> = { floats.iter().zip(&few) }
                     .map(|(float, few)| float.in_levels(few))
                     .collect();
-                match Together::compile(&levels, "together", None)? {
+                match Together::compile(&levels, "together", memory)? {
                     Err(why) => Outcome::Refused(why),
                     Ok(program) => {
                         let kinds =

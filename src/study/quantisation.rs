@@ -72,8 +72,8 @@ pub struct Row {
 /// What of a chip's [`Likeness`] a row begins with.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Headline {
-    /// What of F1 is more than accident.
-    pub kept: f64,
+    /// What of F1 is more than accident; none where nothing can be kept.
+    pub kept: Option<f64>,
     /// The window of the matches, in microseconds.
     pub window_us: Micros,
     /// Frames a second that were shown.

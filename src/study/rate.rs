@@ -49,7 +49,9 @@ pub enum RateError {
     Silent(f64),
     /// Beyond what any threshold gives.
     #[error(
-        "{asked} events per pixel and second: this scene gives {least:.3} to {most:.3} at any threshold"
+        "{asked} events per pixel and second: this scene gives {} to {} with thresholds from 4096 times as high to a 4096th",
+        up(*least),
+        down(*most)
     )]
     #[diagnostic(help("give a rate between them"))]
     Unreachable {
@@ -60,6 +62,16 @@ pub enum RateError {
         /// With thresholds of a 4096th.
         most: f64,
     },
+}
+
+/// A rate with four decimals that is no less than it.
+pub(super) fn up(rate: f64) -> String {
+    format!("{:.4}", (rate * 1e4).ceil() / 1e4)
+}
+
+/// A rate with four decimals that is no more than it.
+pub(super) fn down(rate: f64) -> String {
+    format!("{:.4}", (rate * 1e4).floor() / 1e4)
 }
 
 /// Thresholds are tried from a 4096th of the description's own to 4096 times them.

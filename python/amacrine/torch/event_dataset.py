@@ -78,6 +78,8 @@ class EventDataset(torch.utils.data.Dataset[Item]):
             chip can follow (``filtered-snap``, border ``zero``).
         voxels: Of :meth:`amacrine.Sensor.voxels`: ``bins``, ``window``, ``polarity``, ``normalise``, ….
         fps: Frames per second, instead of what the videos say.
+        scale: What the numbers of .npy videos are multiplied by to be light from 0 to 255: 255 where
+            they are 0 to 1.
         length: Items of an epoch; as many as there are videos where it is left out.
         seed: Chooses everything. The seed of a sensor's mismatch and noise is drawn for each item.
         cache: Bytes of videos that each worker keeps.
@@ -104,6 +106,7 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         options: Mapping[str, Any] | None = None,
         voxels: Mapping[str, Any] | None = None,
         fps: float | None = None,
+        scale: float | None = None,
         length: int | None = None,
         seed: int = 0,
         cache: int = 1 << 30,
@@ -126,19 +129,44 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         self._sensors = arguments.whole("sensors", sensors, 1)
         self._options = {"memory": "filtered-snap", "border": "zero", **(options or {})}
         self._voxels = dict(voxels or {})
-        # What no sensor takes is told here, not in a worker.
-        for of in self._kernels:
-            Sensor(of, self._range[0], **self._options)
+        self._fps = None if fps is None else arguments.rate(fps)
+        self._scale = None if scale is None else arguments.scale(scale)
         odd = sorted(set(self._voxels) - VOXELS)
         if odd:
             raise Error(
                 f"voxels: there is no {odd[0]}\nhelp: give {', '.join(sorted(VOXELS))}"
             )
-        self._fps = None if fps is None else arguments.rate(fps)
+        self._check()
         self._length = None if length is None else arguments.whole("length", length, 1)
         self._seed, self._most = arguments.whole("seed", seed), arguments.whole("cache", cache)
         self._transform, self._epoch = transform, 0
         self._forget()
+
+    def _check(self) -> None:
+        """Tells what no sensor takes here, not in a worker."""
+        if "seed" in self._options:
+            raise Error(
+                "options: the seed of a sensor is drawn for each item\nhelp: give seed=… of the data set"
+            )
+        sensors = [Sensor(of, self._range[0], **self._options) for of in self._kernels]
+        if len({len(sensor.kernels) for sensor in sensors}) > 1:
+            told = ", ".join(str(len(sensor.kernels)) for sensor in sensors)
+            raise Error(
+                f"kernels to draw from have {told} kinds of cells\nhelp: give as many kinds each"
+            )
+        for to in self._quantisers:
+            if to is not None:
+                _amacrine.quantise([("dvs", None)], [arguments.word("quantisers", to, "int-5")], "kept", 0)
+        for chip in self._chips:
+            if chip not in _amacrine.names("chips") and not Path(chip).is_dir():
+                names = ", ".join(_amacrine.names("chips"))
+                raise Error(f"chips: there is no chip {chip}\nhelp: give {names}, or a folder")
+        if self._crop is not None and 0 in self._crop:
+            raise Error(f"crop = {self._crop}\nhelp: give a height and a width above 0")
+        still = np.zeros((self._frames, 16, 16), np.uint8)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Caution)
+            sensors[0].voxels(still, self._fps or 30.0, **self._voxels)
 
     def _forget(self) -> None:
         self._clips: OrderedDict[int, tuple[npt.NDArray[Any], float]] = OrderedDict()
@@ -192,9 +220,16 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         if video in self._clips:
             self._clips.move_to_end(video)
             return self._clips[video]
-        clip, fps = load(self.videos[video], fps=self._fps)
+        clip, fps = load(self.videos[video], fps=self._fps, scale=self._scale)
         if clip.dtype != np.uint8:
             clip = clip.astype(np.float32)
+            if self._scale is None and clip.size > 0 and clip.max() <= 1.0:
+                warnings.warn(
+                    f"{self.videos[video]}: all light lies between {clip.min():.4g} and "
+                    f"{clip.max():.4g}, but sensors take 0 to 255: say scale=255 where white is 1",
+                    Caution,
+                    stacklevel=3,
+                )
         self._clips[video] = clip, fps
         while sum(kept.nbytes for kept, _ in self._clips.values()) > self._most:
             if len(self._clips) == 1:
@@ -259,7 +294,8 @@ def _videos(folder: str | Path | Sequence[str | Path]) -> list[str]:
     path = Path(folder)
     if not path.is_dir():
         raise Error(f"{path}: no such folder\nhelp: give a folder of videos, or a list of paths")
-    found = sorted(p for p in path.iterdir() if p.suffix.lower() in VIDEOS or p.is_dir())
+    seen = [p for p in path.iterdir() if not p.name.startswith(".")]
+    found = sorted(p for p in seen if p.suffix.lower() in VIDEOS or p.is_dir())
     if not found:
         raise Error(f"{path}: no videos\nhelp: give a folder of {', '.join(VIDEOS)}, or of folders")
     return [str(video) for video in found]

@@ -12,11 +12,15 @@ from torch.autograd.function import once_differentiable
 
 from .. import _amacrine, arguments
 from .._amacrine import Error
+from ..frames import shaped
 from ..gradient import Rule, Slope, seconds
 from ..kernels import Kernels
 from ..sensor import Sensor, Thresholds
 
 RULES = ("through", "reset", "authors", "mean")
+
+OPTIONS = ("response", "memory", "border", "refractory", "names", "name")
+"""What of :class:`amacrine.Sensor` a layer can be told."""
 
 
 class Watched(NamedTuple):
@@ -36,7 +40,7 @@ class Watched(NamedTuple):
 class EventSensor(torch.nn.Module):
     """A float sensor whose kernels and thresholds are learned.
 
-    Frames go in, voxels and counts come out, to the bit those of the sensor that
+    Frames go in, voxels and counts come out: without ``phase`` to the bit those of the sensor that
     :meth:`to_sensor` gives, for light that is exact in ``dtype``, as 8-bit light is. The way back is the
     adjoint of the float model (``docs/learning.md``): kernels, thresholds and light have gradients. It
     is computed on the processor, on all threads and with the interpreter released; the results are the
@@ -52,11 +56,13 @@ class EventSensor(torch.nn.Module):
         rule: What flows back through the memory: ``"through"``, ``"reset"``, ``"authors"`` or
             ``"mean"``; ``"through"`` where the memory steps and ``"reset"`` where it snaps if it is left
             out. Where events are few, ``"mean"`` points where the loss falls.
-        slope: Which cells feel a loss on the number of events: ``"all"`` or ``"fired"``.
+        slope: Which cells feel a loss on the number of events: ``"all"`` or ``"fired"``. With the rule
+            ``"mean"`` those that leave their play, whatever it is.
         mismatch: Deviation of the thresholds from cell to cell, as a share of their mean; a fixed
-            pattern that ``seed`` chooses.
-        phase: Begins each memory between two thresholds, at a place of its own that this moves on;
-            left out, all begin at the first frame.
+            pattern that ``seed`` chooses, and that learns with the thresholds. Left out, that of
+            ``thresholds`` (``sigma``).
+        phase: Begins each memory between two thresholds, at a place of its own that this moves on,
+            another for each clip of a batch; left out, all begin at the first frame.
         seed: Chooses mismatch and phases.
         dtype: ``torch.float32`` or ``torch.float64``: all is computed in it.
         options: Of :class:`amacrine.Sensor`: ``response``, ``memory`` (``"filtered-step"`` or
@@ -76,18 +82,24 @@ class EventSensor(torch.nn.Module):
         scale: float | None = None,
         rule: Rule | None = None,
         slope: Slope = "all",
-        mismatch: float = 0.0,
+        mismatch: float | None = None,
         phase: float | None = None,
         seed: int = 0,
         dtype: torch.dtype = torch.float32,
         **options: Any,
     ) -> None:
         super().__init__()
+        odd = sorted(set(options) - {*OPTIONS, "noise"})
+        if odd:
+            raise Error(f"a layer has no option {odd[0]}\nhelp: give {', '.join(OPTIONS)}")
         given = kernels.detach().cpu() if isinstance(kernels, torch.Tensor) else kernels
         limits = thresholds
         if isinstance(limits, torch.Tensor):
             limits = limits.detach().cpu().double().tolist()
-        self._begin(Sensor(given, limits, **options), dtype)
+        sensor = Sensor(given, limits, **options)
+        self._begin(sensor, dtype)
+        if mismatch is None:
+            mismatch = _mismatch(sensor)
         self._set(fps, scale, rule, slope, mismatch, phase, seed)
 
     @classmethod
@@ -149,8 +161,17 @@ class EventSensor(torch.nn.Module):
         seconds(2, fps, None)
         self.fps, self.rule, self.slope = arguments.rate(fps), rule, slope
         self.scale = None if scale is None else arguments.scale(scale)
-        self.phase = None if phase is None else arguments.number("phase", phase, "give a part of 1")
+        help = "give a part of 1, such as phase=0.3"
+        self.phase = None if phase is None else arguments.number("phase", phase, help)
+        if self.phase is not None and not math.isfinite(self.phase):
+            raise Error(f"phase = {self.phase}\nhelp: {help}")
         self.seed = arguments.whole("seed", seed)
+        # What no clip passes is told here, not after the first.
+        side = self.kernels.shape[-1]
+        light = torch.zeros((1, 2, side, side), dtype=self.kernels.dtype)
+        with torch.enable_grad():
+            self._watched(light).events.backward()
+        self.zero_grad()
 
     @property
     def thresholds(self) -> torch.Tensor:
@@ -163,20 +184,30 @@ class EventSensor(torch.nn.Module):
         # Whoever calls half() or bfloat16() has changed it since.
         _check_dtype(self.kernels.dtype)
         light, batched = self._light(frames)
-        thresholds = self.thresholds
-        limits = thresholds.detach().double()
-        sigma = self.mismatch * limits.mean(1, keepdim=True)
+        seen = self._watched(light)
+        return seen if batched else Watched(seen.voxels[0], seen.counts[0], seen.events)
+
+    def _watched(self, light: torch.Tensor) -> Watched:
+        """The events of light (B,T,H,W)."""
+        clips, frames, height, width = light.shape
         how = _How(
             native=self._template._native,
-            sigma=sigma,
-            times=seconds(light.shape[1], self.fps, None),
+            times=seconds(frames, self.fps, None),
             seed=self.seed,
             phase=self.phase,
             rule=self.rule,
             slope=self.slope,
+            made=[],
         )
-        seen = Watched(*_Watch.apply(self.kernels, thresholds, light, how))
-        return seen if batched else Watched(seen.voxels[0], seen.counts[0], seen.events)
+        thresholds = self.thresholds
+        if clips == 0:
+            # Of no clip, with a gradient of 0.
+            none = 0.0 * (self.kernels.sum() + thresholds.sum() + light.sum())
+            kinds = self.kernels.shape[0]
+            voxels = light.new_zeros((0, frames, kinds, height, width))
+            return Watched(voxels + none, voxels[:, 1:] + none, none)
+        sigma = self.mismatch * thresholds.double().mean(1, keepdim=True)
+        return Watched(*_Watch.apply(self.kernels, thresholds, sigma, light, how))
 
     def _light(self, frames: torch.Tensor) -> tuple[torch.Tensor, bool]:
         """Light from 0 to 255, (B,T,H,W), and whether there are several clips."""
@@ -202,12 +233,12 @@ class EventSensor(torch.nn.Module):
             return light[:, :, 0], True
         raise Error(
             f"frames of shape {shape} are no clip\n"
-            "help: give a tensor of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W)"
+            f"help: {shaped(shape)}"
         )
 
     def to_sensor(self, name: str | None = None) -> Sensor:
-        """The sensor as it is now, which makes the same counts and voxels; its ``text`` is the file
-        that ``amacrine run --sensor`` takes."""
+        """The sensor as it is now, which makes the same counts and voxels where the layer has no
+        ``phase``; its ``text`` is the file that ``amacrine run --sensor`` takes."""
         limits = self.thresholds.detach().double()
         sigma = self.mismatch * limits.mean(1, keepdim=True)
         parameters = _parameters(self.kernels, limits, sigma)
@@ -217,8 +248,9 @@ class EventSensor(torch.nn.Module):
 
     def extra_repr(self) -> str:
         """What stands in the representation of the layer."""
-        kinds, side, _ = self.kernels.shape
-        return f"{kinds} kinds of {side}x{side}, fps={self.fps}, rule={self.rule or 'by memory'}"
+        kinds, rows, columns = self.kernels.shape
+        count = "1 kind" if kinds == 1 else f"{kinds} kinds"
+        return f"{count} of {rows}x{columns}, fps={self.fps}, rule={self.rule or 'by memory'}"
 
 
 def _check_dtype(dtype: torch.dtype) -> None:
@@ -244,20 +276,20 @@ def _parameters(
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Kernels (K,k,k) and thresholds with their mismatch (K,3), as the library takes them."""
     weights = kernels.detach().cpu().double().contiguous().numpy()
-    both = torch.cat([limits.detach().cpu().double(), sigma.cpu()], 1)
+    both = torch.cat([limits.detach().cpu().double(), sigma.detach().cpu()], 1)
     return weights, both.contiguous().numpy()
 
 
 class _How(NamedTuple):
-    """What has no gradient."""
+    """What has no gradient, and what the way forward leaves for the way back."""
 
     native: _amacrine.Sensor
-    sigma: torch.Tensor
     times: list[float]
     seed: int
     phase: float | None
     rule: Rule | None
     slope: Slope
+    made: list[_amacrine.Seen]
 
 
 class _Watch(torch.autograd.Function):
@@ -265,29 +297,35 @@ class _Watch(torch.autograd.Function):
 
     @staticmethod
     def forward(
-        ctx: Any,
         kernels: torch.Tensor,
         thresholds: torch.Tensor,
+        sigma: torch.Tensor,
         light: torch.Tensor,
         how: _How,
     ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
         seen = _amacrine.forward(
             how.native,
-            _parameters(kernels, thresholds, how.sigma),
+            _parameters(kernels, thresholds, sigma),
             light.detach().cpu().contiguous().numpy(),
             how.times,
             how.seed,
             how.phase,
         )
+        how.made.append(seen)
         clips, frames, *rest = seen.shape
-        ctx.seen, ctx.how, ctx.device = seen, how, light.device
-        ctx.dtype = kernels.dtype
-        ctx.set_materialize_grads(False)
-        voxels = torch.from_numpy(seen.voxels).reshape(seen.shape)
+        # Not a view of another tensor, which could not be changed in place.
+        voxels = torch.from_numpy(seen.voxels.reshape(seen.shape))
         counts = torch.from_numpy(seen.counts).reshape(clips, frames - 1, *rest)
         events = torch.tensor(float(seen.events), dtype=kernels.dtype)
         to = light.device
         return voxels.to(to), counts.to(to, kernels.dtype), events.to(to)
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: tuple[Any, ...], output: Any) -> None:
+        kernels, _, _, light, how = inputs
+        ctx.seen, ctx.how, ctx.device = how.made[-1], how, light.device
+        ctx.dtype = kernels.dtype
+        ctx.set_materialize_grads(False)
 
     @staticmethod
     @once_differentiable
@@ -296,7 +334,7 @@ class _Watch(torch.autograd.Function):
         voxels: torch.Tensor | None,
         counts: torch.Tensor | None,
         events: torch.Tensor | None,
-    ) -> tuple[torch.Tensor | None, torch.Tensor | None, torch.Tensor | None, None]:
+    ) -> tuple[torch.Tensor | None, ...]:
         seen: _amacrine.Seen = ctx.seen
         asked = 0.0 if events is None else float(events)
         if not math.isfinite(asked):
@@ -305,18 +343,19 @@ class _Watch(torch.autograd.Function):
                 "help: look at what made it: a loss that divides by zero, or a network that has "
                 "diverged"
             )
-        wants_light = bool(ctx.needs_input_grad[2])
+        wants_light = bool(ctx.needs_input_grad[3])
         kinds, light = seen.backward(
             _flat(voxels), _flat(counts), asked, ctx.how.rule, ctx.how.slope, wants_light
         )
         weights = torch.stack([torch.from_numpy(own[0]) for own, *_ in kinds])
-        limits = torch.tensor([[on[0], off[0]] for _, on, off, _ in kinds], dtype=torch.float64)
+        limits = torch.tensor([[on[0], off[0]] for _, on, off, *_ in kinds], dtype=torch.float64)
+        spread = torch.tensor([sigma for _, _, _, sigma, _ in kinds], dtype=torch.float64)
         back = None
         if light is not None:
             clips, frames, _, height, width = seen.shape
             back = torch.from_numpy(light).reshape(clips, frames, height, width).to(ctx.device)
         to = {"device": ctx.device, "dtype": ctx.dtype}
-        return weights.to(**to), limits.to(**to), back, None
+        return weights.to(**to), limits.to(**to), spread.to(ctx.device), back, None
 
 
 def _flat(of: torch.Tensor | None) -> Any:

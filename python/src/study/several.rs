@@ -108,7 +108,7 @@ impl Question<'_> {
             together.push(Joint::new(
                 &self.names,
                 &self.floats,
-                (*to, self.sum),
+                (*to, self.sum, None),
                 (self.within, &mut *scene),
                 &mut guard,
                 || (),

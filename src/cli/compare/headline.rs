@@ -121,12 +121,17 @@ impl Headline {
             kept,
         } = self.point;
         let mut text = format!(
-            "kept {kept:.4} within {}: F1 {f1:.4}, by accident {floor:.4}",
+            "kept {} within {}: F1 {f1:.4}, by accident {floor:.4}",
+            equivalent::kept(kept, 4),
             Short(window_us)
         );
         let _ = match (self.fps, self.frame_interval_us) {
             (Some(fps), Some(_)) => write!(text, "; {} frames/s", equivalent::rate(fps)),
-            (None, Some(interval)) => write!(text, "; a frame every {}", Short(interval)),
+            (None, Some(interval)) => write!(
+                text,
+                "; by the events' times a frame every {} (--fps knows better)",
+                Short(interval)
+            ),
             (_, None) => write!(text, "; times on no frames"),
         };
         if let Some(equivalent) = self.equivalent {
@@ -193,7 +198,7 @@ pub(super) fn table(curve: &[Flagged]) -> String {
     for (row, name) in ["F1", "floor", "kept"].iter().enumerate() {
         let _ = write!(text, "\n{name:<8}");
         for Flagged { point, .. } in &decades {
-            let values = [point.f1, point.floor, point.kept];
+            let values = [Some(point.f1), Some(point.floor), point.kept];
             let _ = write!(text, "{:>9}", equivalent::kept(values[row], 4));
         }
     }

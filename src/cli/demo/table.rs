@@ -1,6 +1,10 @@
 //! The demo for people: two tables, and how to read them.
 
-use crate::{compare::metric::Short, event::readout::scan::SLOTS, study::equivalent::rate};
+use crate::{
+    compare::metric::Short,
+    event::readout::scan::SLOTS,
+    study::equivalent::{self, rate},
+};
 
 use super::{
     super::light,
@@ -96,12 +100,12 @@ impl Demo<'_> {
                 chip.equivalent()
             ));
         }
-        if let (Some(slow), Some(fast)) = (of(own, CHOSEN, silicon), of(faster, CHOSEN, silicon))
-            && fast.kept < slow.kept
+        let kept = |rows| of(rows, CHOSEN, silicon)?.kept;
+        if let (Some(slow), Some(fast)) = (kept(own), kept(faster))
+            && fast < slow
         {
             lines.push(format!(
-                "With more frames less is kept ({:.3}, not {:.3}): each is another chance for noise to cross the threshold, and",
-                fast.kept, slow.kept
+                "With more frames less is kept ({fast:.3}, not {slow:.3}): each is another chance for noise to cross the threshold, and"
             ));
             lines.push(
                 "the memory takes what it finds. `amacrine waterfall` tells what each error does."
@@ -149,7 +153,7 @@ fn row(row: &Row<'_>) -> String {
         row.runs_in(),
         row.packet.events.len(),
         of(&|chip| number(chip.likeness.floor)),
-        of(&|chip| number(chip.likeness.kept)),
+        of(&|chip| equivalent::kept(chip.likeness.kept, 3)),
         of(&|chip| format!("+{}", chip.likeness.equivalent()).replace("+> ", "> +")),
         of(&|chip| chip.program.compiled.cost.words.0.to_string()),
         of(&|chip| format!("{:.0} frames/s", most_frames(&chip.program.compiled.cost))),

@@ -82,6 +82,9 @@ fn command(arguments: &Arguments, candidate: &Candidate, sensor: &Path) -> Strin
     add("sum", arguments.sum.name());
     add("memory", &Remembered(candidate.remembers).to_string());
     add("chip", &arguments.chip);
+    let [least, most] = LINK;
+    add("link-energy", &format!("{least}..{most}"));
+    add("readout", ReadoutOrder::Overlapped.name());
     add("chips", &arguments.chips.to_string());
     if let Some(within) = arguments.window.within {
         add("within", &format!("{}us", within.0));

@@ -388,7 +388,9 @@ impl Row {
 }
 
 fn rows_of(weights: &Plane<f64>) -> Vec<Vec<f64>> {
-    weights.rows().into_iter().map(|row| row.to_vec()).collect()
+    // Rounded to 0 from below is 0.
+    let row = |row: ndarray::ArrayView1<'_, f64>| row.iter().map(|weight| weight + 0.0).collect();
+    weights.rows().into_iter().map(row).collect()
 }
 
 /// The levels as a kernel file.

@@ -129,7 +129,7 @@ fn together(
         programs.push(Joint::new(
             &kinds.names,
             &floats,
-            (*to, arguments.sum.into()),
+            (*to, arguments.sum.into(), kinds.memory),
             (arguments.window.at(fps), &mut *scene),
             &mut guard,
             || progress.tick(),

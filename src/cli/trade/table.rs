@@ -161,14 +161,15 @@ impl<M> Told<'_, M> {
         } else {
             String::new()
         };
-        let number = |of: fn(&Known) -> f64| {
-            known.map_or("-".to_owned(), |known| format!("{:.3}", of(&known)))
+        let number = |of: fn(&Known) -> Option<f64>| {
+            let number = known.and_then(|known| of(&known));
+            number.map_or("-".to_owned(), |number| format!("{number:.3}"))
         };
         let time = |of: Option<f64>| of.map_or("-".to_owned(), seconds);
         format!(
             "{mark} {:<width$} {about:>10} {limit:>10}{measured} {:>7} {:>7} {:>9} {:>9} {:>9}  {front}\n",
             point.name,
-            number(|known| known.f1),
+            number(|known| Some(known.f1)),
             number(|known| known.kept),
             time(known.map(|known| known.seconds)),
             time(known.map(|_| point.planning())),

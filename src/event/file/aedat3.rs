@@ -78,6 +78,8 @@ struct Packet {
     record: usize,
     /// Records left.
     left: u32,
+    /// Bytes of room behind its records.
+    unused: u64,
     /// Its place in the file, how many of its records should be valid, and how many were.
     at: u64,
     valid: (u32, u32),
@@ -116,6 +118,20 @@ pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
 }
 
 impl Reading {
+    /// Leaves bytes out, in parts: a frame may be large.
+    fn pass(&mut self, bytes: u64) -> Result<(), Stop> {
+        let mut rest = bytes;
+        while rest > 0 {
+            let here = (self.chunks.ahead(1)?.len() as u64).min(rest);
+            if here == 0 {
+                return Err(self.chunks.truncated("a packet".into()));
+            }
+            self.chunks.eat(here as usize);
+            rest -= here;
+        }
+        Ok(())
+    }
+
     /// The header of the next packet; false at the end of the file.
     fn next_packet(&mut self) -> Result<bool, Stop> {
         let Packet { events, valid, .. } = self.packet;
@@ -124,6 +140,7 @@ impl Reading {
             let other = format!("{} are", valid.1);
             return Err(Stop::twice(Format::Aedat3, self.packet.at, one, other));
         }
+        self.pass(self.packet.unused)?;
         if self.chunks.ahead(1)?.is_empty() {
             return Ok(false);
         }
@@ -157,6 +174,7 @@ impl Reading {
             turns: turns.into(),
             record: size as usize,
             left: number,
+            unused: u64::from(room - number) * u64::from(size),
             at,
             valid: (valid, 0),
         };
@@ -180,16 +198,7 @@ impl Source for Reading {
             }
             let Packet { record, turns, .. } = self.packet;
             if !self.packet.events {
-                // A frame may be large, so it is skipped in parts.
-                let mut rest = record;
-                while rest > 0 {
-                    let here = self.chunks.ahead(1)?.len().min(rest);
-                    if here == 0 {
-                        return Err(self.chunks.truncated("a packet".into()));
-                    }
-                    self.chunks.eat(here);
-                    rest -= here;
-                }
+                self.pass(record as u64)?;
                 self.skipped += 1;
                 self.packet.left -= 1;
                 continue;

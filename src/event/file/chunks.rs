@@ -115,14 +115,18 @@ impl Chunks {
         Ok(())
     }
 
-    /// The next line without its end, if it starts with `mark`.
+    /// The next line without its end, if it starts with `mark` and is text: an event may begin
+    /// with the same byte.
     pub fn line(&mut self, mark: u8) -> Result<Option<String>, Stop> {
         let here = self.ahead(LONGEST_LINE)?;
-        if here.first() != Some(&mark) {
+        let here = &here[..here.len().min(LONGEST_LINE)];
+        let end = here.iter().position(|b| *b == b'\n');
+        let text = here[..end.unwrap_or(here.len())].trim_ascii_end();
+        let is_text = |b: &u8| *b == b'\t' || !b.is_ascii_control();
+        if here.first() != Some(&mark) || !text.iter().all(is_text) {
             return Ok(None);
         }
-        let here = &here[..here.len().min(LONGEST_LINE)];
-        let Some(end) = here.iter().position(|b| *b == b'\n') else {
+        let Some(end) = end else {
             let fault = if here.len() < LONGEST_LINE {
                 return Err(self.truncated("a line of the header".into()));
             } else {
@@ -132,7 +136,7 @@ impl Chunks {
             };
             return Err(self.stop(fault));
         };
-        let line = String::from_utf8_lossy(here[..end].trim_ascii_end()).into_owned();
+        let line = String::from_utf8_lossy(text).into_owned();
         self.eat(end + 1);
         Ok(Some(line))
     }

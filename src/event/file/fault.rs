@@ -234,7 +234,7 @@ pub enum Fault {
         channels: u8,
     },
     /// More kinds of cells than the format can tell apart.
-    #[error("the packet has {channels} channels, and .{format} has no place for them")]
+    #[error("the packet has {channels} kinds of cells, and .{format} has no place for them")]
     NoChannels {
         /// How many.
         channels: u8,
@@ -404,7 +404,7 @@ impl Fault {
             }
             Self::Channel { .. } => "correct the number of channels, or the channel of the event",
             Self::NoChannels { .. } => {
-                "write csv, npy, npz, hdf5 or parquet, which keep them; or one channel with `convert --kind N`, or one file a channel with `convert --each-kind`"
+                "write csv, npy, npz, hdf5 or parquet, which keep them; or one kind with `convert --kind N`, or one file a kind with `convert --each-kind`"
             }
             Self::About { .. } => {
                 "it should read like `# amacrine size=346x260 channels=1 span=0..2000000 dropped=0,0`, before the first event, once; all but `amacrine` may be left out"
@@ -425,6 +425,7 @@ impl Fault {
         match self {
             Self::Layout { .. }
             | Self::Word { .. }
+            | Self::Backwards { .. }
             | Self::Remark { .. }
             | Self::Twice { .. }
             | Self::Truncated { .. } => "; `convert --salvage` keeps the events before the damage",

@@ -23,9 +23,10 @@ pub struct Candidate {
     /// The same.
     #[serde(skip)]
     pub remembers: DriveMemory,
-    /// What of F1 is more than accident with the chip's errors, the mean of its kinds.
+    /// What of F1 is more than accident with the chip's errors, the mean of its kinds that have
+    /// something to keep; 0 where none has.
     pub kept: f64,
-    /// The same of the kind that keeps least.
+    /// The same of that which keeps least.
     pub least_kept: f64,
     /// Instruction words of a frame.
     pub words: u64,

@@ -1,6 +1,10 @@
 //! Why there is nothing to choose from.
 
-use super::super::{design::DesignError, equivalent::EquivalentError, rate::RateError};
+use super::super::{
+    design::DesignError,
+    equivalent::EquivalentError,
+    rate::{RateError, down, up},
+};
 use crate::{config::Faults, scene::SceneError};
 
 /// Why nothing could be explored.
@@ -20,7 +24,9 @@ pub enum ExplorationError {
     Rate(#[from] RateError),
     /// No threshold of a kernel gives its share of the rate.
     #[error(
-        "{rate} events per pixel and second are {share} of each of {kernels} kernels: with {name} this scene gives {least:.3} to {most:.3} at any threshold"
+        "{rate} events per pixel and second are {share} of each of {kernels} kernels: with {name} this scene gives {} to {} with thresholds from 4096 times as high to a 4096th",
+        up(*least),
+        down(*most)
     )]
     #[diagnostic(help("give a rate whose equal share lies between them"))]
     Share {
@@ -60,6 +66,17 @@ pub enum ExplorationError {
         names: usize,
         /// Thresholds.
         thresholds: usize,
+    },
+    /// The float sensor says nothing.
+    #[error(
+        "the float sensor has no event on this scene with {} {}, so that nothing can be judged",
+        if thresholds.len() == 1 { "a threshold of" } else { "thresholds of" },
+        thresholds.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
+    )]
+    #[diagnostic(help("give lower thresholds or a higher rate, or a scene in which more moves"))]
+    Silent {
+        /// The thresholds, in kernel times light (0 to 255).
+        thresholds: Vec<f64>,
     },
     /// Nothing fits.
     #[error("the chip takes none of these")]

@@ -116,6 +116,7 @@ pub fn explore(
     let shared = |memory: &DriveMemory| *memory == DriveMemory::Shared;
     let (of_pixel, of_drives): (Vec<_>, Vec<_>) = every.into_iter().partition(shared);
     let apart = question.thresholds(open)?;
+    let mut silent = None;
     for memories in [of_drives, of_pixel] {
         let Some(first) = memories.first() else {
             continue;
@@ -155,6 +156,17 @@ pub fn explore(
             rates: events.iter().map(|own| per(*own)).collect(),
             thresholds: thresholds.clone(),
         });
+        if shown.float.events.is_empty() {
+            let why = ExplorationError::Silent { thresholds };
+            let none = found.iter().map(|it| Refused {
+                to: it.to.to_string(),
+                memory: Some(together::name(it.memory)),
+                why: why.to_string(),
+            });
+            all.refused.extend(none);
+            silent = Some(why);
+            continue;
+        }
         let sensor = question.sensor(description);
         let judged = shown.programs.iter().zip(&shown.packets);
         for (found, (judged, packet)) in found.into_iter().zip(judged) {
@@ -164,6 +176,9 @@ pub fn explore(
         }
     }
     if all.candidates.is_empty() {
+        if let Some(silent) = silent {
+            return Err(silent);
+        }
         let refused = all.refused.into_iter().map(|it| Untaken(it.to_string()));
         return Err(ExplorationError::Nothing {
             refused: refused.collect(),
@@ -386,7 +401,9 @@ impl Found {
             }
         });
         let kinds: Vec<Kind> = kinds.collect();
-        let kept = || kinds.iter().map(|kind| kind.silicon.kept);
+        let kept: Vec<f64> = { kinds.iter() }
+            .filter_map(|kind| kind.silicon.kept)
+            .collect();
         let filters = if self.program.filters.is_empty() {
             vec![self.program.filter.prescale]
         } else {
@@ -397,8 +414,10 @@ impl Found {
             to: self.to,
             memory: together::name(self.memory),
             remembers: self.memory,
-            kept: kept().sum::<f64>() / kinds.len().max(1) as f64,
-            least_kept: kept().fold(f64::INFINITY, f64::min),
+            kept: kept.iter().sum::<f64>() / kept.len().max(1) as f64,
+            least_kept: { kept.iter().copied() }
+                .min_by(f64::total_cmp)
+                .unwrap_or_default(),
             words: compiled.cost.words.0,
             stored_words,
             array_us,

@@ -88,8 +88,8 @@ pub struct Stretch {
 /// The headlines over the chips.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Ranges {
-    /// What of F1 is more than accident.
-    pub kept: Spread,
+    /// What of F1 is more than accident; none where nothing can be kept.
+    pub kept: Option<Spread>,
     /// The change of the float sensor's threshold that costs as much, in per cent.
     pub threshold_equivalent_percent: Spread,
     /// Events for each of the float sensor's; none where it has none.
@@ -109,8 +109,8 @@ pub struct DrawnChip {
     pub seed: u64,
     /// Whether it keeps enough and is fast enough.
     pub is_feasible: bool,
-    /// What of F1 is more than accident.
-    pub kept: f64,
+    /// What of F1 is more than accident; none where nothing can be kept.
+    pub kept: Option<f64>,
     /// The window of the matches, in microseconds.
     pub window_us: Micros,
     /// Frames a second that were shown.
@@ -296,7 +296,7 @@ impl Trial<'_> {
         Ok(DrawnChip {
             chip: chip.chip,
             seed: chip.seed,
-            is_feasible: kept >= MOSTLY && frames_s >= self.fps,
+            is_feasible: kept >= Some(MOSTLY) && frames_s >= self.fps,
             kept,
             window_us,
             fps,
@@ -345,10 +345,11 @@ impl OverChips {
             let values: Vec<f64> = drawn.iter().map(of).collect();
             Spread::new(&values)
         };
+        let kept: Vec<f64> = drawn.iter().filter_map(|chip| chip.kept).collect();
         let ratios: Vec<f64> = drawn.iter().filter_map(|chip| chip.event_ratio).collect();
         let ranges = || {
             Some(Ranges {
-                kept: spread(&|chip| chip.kept)?,
+                kept: Spread::new(&kept),
                 threshold_equivalent_percent: spread(&|chip| chip.threshold_equivalent_percent)?,
                 event_ratio: Spread::new(&ratios),
                 frames_s: spread(&|chip| chip.frames_s)?,
@@ -358,7 +359,7 @@ impl OverChips {
         Self {
             chips: drawn.len() as u64,
             chips_feasible: judged(&|chip| chip.is_feasible),
-            chips_feasible_with_loss: judged(&|chip| chip.kept >= HALF && is_fast(chip)),
+            chips_feasible_with_loss: judged(&|chip| chip.kept >= Some(HALF) && is_fast(chip)),
             chips_fast_enough: share(&is_fast),
             chips_evidence: Some(evidence),
             stretch: Some(stretch),
@@ -404,7 +405,7 @@ mod tests {
             chip: 0,
             seed: 0,
             is_feasible: kept >= MOSTLY && frames_s >= 100.0,
-            kept,
+            kept: Some(kept),
             window_us: Micros(100_000),
             fps: 100.0,
             threshold_equivalent_percent: 1.0,

@@ -291,7 +291,16 @@ pub fn explain(all: &Feasibility, what: &str) -> Result<Explanation, ExplainErro
     } else {
         None
     };
-    found.ok_or_else(|| unknown(what))
+    found.ok_or_else(|| {
+        if LINKS.iter().any(|link| link.name == what) {
+            let help = "this answer has none, as where there is no program, no event to keep, or a window in which accident scores as much (--within)";
+            return ExplainError {
+                what: what.to_owned(),
+                help: help.to_owned(),
+            };
+        }
+        unknown(what)
+    })
 }
 
 struct Chain<'a> {

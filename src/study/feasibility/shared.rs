@@ -174,7 +174,7 @@ impl SharedKind {
             to: answer.chosen.to.clone(),
             headline: None,
             kept_apart: chosen.and_then(|row| match &row.outcome {
-                Outcome::OnChip(chip) => Some(chip.silicon.kept),
+                Outcome::OnChip(chip) => chip.silicon.kept,
                 Outcome::Refused(_) => None,
             }),
             exact: None,
@@ -244,7 +244,7 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
         _ => "Fit together",
     };
     let loses = |kind: &&SharedKind| {
-        let together = kind.headline.map(|headline| headline.kept);
+        let together = kind.headline.and_then(|headline| headline.kept);
         together
             .zip(kind.kept_apart)
             .is_some_and(|(together, apart)| together < apart - LOSS)

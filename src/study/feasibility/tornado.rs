@@ -101,7 +101,9 @@ impl Trial<'_> {
         ladder: &Ladder,
     ) -> Result<Vec<Turn>, CompareError> {
         let device = self.question.device;
-        let kept_nominal = ladder.judge(nominal)?.kept;
+        // Where nothing can be kept, nothing changes it.
+        let kept_of = |packet| Ok::<_, CompareError>(ladder.judge(packet)?.kept.unwrap_or(0.0));
+        let kept_nominal = kept_of(nominal)?;
         let busy = Demand::new(nominal, self.frames);
         let mut turns = Vec::new();
         for (number, named) in numbers.iter().enumerate() {
@@ -111,7 +113,7 @@ impl Trial<'_> {
             let mut kept = [kept_nominal; 2];
             for (end, packet) in ends.iter().zip(packets) {
                 if end.number == number {
-                    kept[usize::from(end.is_high)] = ladder.judge(packet)?.kept;
+                    kept[usize::from(end.is_high)] = kept_of(packet)?;
                 }
             }
             let [low, high] = interval.ends();

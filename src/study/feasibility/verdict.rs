@@ -171,16 +171,20 @@ fn over_chips(all: &Feasibility) -> Option<Finding> {
                 stretch.frames, stretch.of_frames
             )
         });
+    let keep = ranges.kept.map_or(String::new(), |kept| {
+        format!(
+            "; they keep {:.2} to {:.2} (10 to 90 % of them)",
+            kept.p10, kept.p90
+        )
+    });
     Some(Finding {
         about: "chips",
         word,
         says: format!(
-            "It is feasible on {} of {} chips that the public data allow, with loss or without on {}; they keep {:.2} to {:.2} (10 to 90 % of them).{decides}{stretch}",
+            "It is feasible on {} of {} chips that the public data allow, with loss or without on {}{keep}.{decides}{stretch}",
             over.count(clean),
             over.chips,
             over.count(with_loss),
-            ranges.kept.p10,
-            ranges.kept.p90
         ),
         rule: format!(
             "feasible: keeps at least {MOSTLY} and reaches the scene's frame rate; with loss: at least {HALF}. Nearly all: {} of the chips; some: more than {}. What decides is the number that changes most of what is kept from one end of its interval to the other, where that is at least {LITTLE}.",
@@ -284,13 +288,14 @@ fn speed(chip: &OnChip, fps: f64) -> Finding {
 fn kept(judged: &Judged, float_events: u64) -> Finding {
     let [all, most, half] = KEPT;
     let likeness = &judged.likeness;
+    let kept = likeness.kept.unwrap_or(0.0);
     let word = if float_events == 0 || !can_judge(likeness.floor) {
         SILENT
-    } else if likeness.kept >= all {
+    } else if kept >= all {
         "kept"
-    } else if likeness.kept >= most {
+    } else if kept >= most {
         "mostly kept"
-    } else if likeness.kept >= half {
+    } else if kept >= half {
         "half kept"
     } else {
         "mostly lost"
@@ -322,9 +327,17 @@ fn kept(judged: &Judged, float_events: u64) -> Finding {
 
 /// Few values, or the chip.
 fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
-    let few = 1.0 - exact.headline.kept;
-    let chip = exact.headline.kept - silicon.headline.kept;
-    let (word, says) = if few.max(chip) < LITTLE {
+    let [exact, silicon] = [exact, silicon].map(|judged| judged.headline.kept);
+    let (few, chip) = match (exact, silicon) {
+        (Some(exact), Some(silicon)) => (1.0 - exact, exact - silicon),
+        _ => (0.0, 0.0),
+    };
+    let (word, says) = if exact.is_none() || silicon.is_none() {
+        (
+            SILENT,
+            "There is nothing to keep here, so it cannot be said what costs most of it.".to_owned(),
+        )
+    } else if few.max(chip) < LITTLE {
         (
             "little",
             "Neither the few values nor the chip's errors cost much.".to_owned(),
@@ -338,7 +351,8 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
         )
     } else {
         let better = all.quantisation.iter().filter(|row| match &row.outcome {
-            Outcome::OnChip(other) => other.silicon.kept > silicon.headline.kept + LITTLE,
+            Outcome::OnChip(other) => { other.silicon.kept.zip(silicon) }
+                .is_some_and(|(other, this)| other > this + LITTLE),
             Outcome::Refused(_) => false,
         });
         let others: Vec<&str> = better.map(|row| row.to.as_str()).collect();

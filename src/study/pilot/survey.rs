@@ -54,7 +54,7 @@ pub struct Known {
     /// F1 of its events and the full model's within the same window.
     pub f1: f64,
     /// What of F1 is more than accident, within 100 ms or the time from frame to frame.
-    pub kept: f64,
+    pub kept: Option<f64>,
     /// What accident scores within that time; 0 of the full model.
     pub floor: f64,
     /// Seconds that it takes for the whole scene, the making of its light included.
@@ -223,7 +223,7 @@ impl<F: Family> Begun<'_, F> {
                 changes: 0,
             },
             f1: 1.0,
-            kept: 1.0,
+            kept: Some(1.0),
             floor: 0.0,
             seconds: self.full_seconds + self.light_of(&self.full.model),
             // Nothing need be known to run it.
@@ -369,7 +369,7 @@ impl<'a, F: Family> Whole<'a, F> {
         Known {
             change: all_of(self.full.events.len() as u64, 0),
             f1: 1.0,
-            kept: 1.0,
+            kept: Some(1.0),
             floor: 0.0,
             seconds: self.seconds,
             planning: None,

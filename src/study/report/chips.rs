@@ -66,20 +66,20 @@ fn ranges(all: &Feasibility, evidence: Evidence) -> Markup {
         return html! {};
     };
     let is_silent = all.over_chips.has_nothing_to_keep();
-    let of_kept = |spread| Some(spread).filter(|_| !is_silent);
+    let threshold = Some(ranges.threshold_equivalent_percent).filter(|_| !is_silent);
     let rows = [
         (
             "Kept",
             "of the float kernel\u{2019}s events, above accident",
             "kept",
-            of_kept(ranges.kept),
+            ranges.kept,
             "",
         ),
         (
             "As a threshold higher by",
             "the change of the float sensor\u{2019}s threshold that costs as much",
             "threshold_equivalent_percent",
-            of_kept(ranges.threshold_equivalent_percent),
+            threshold,
             "%",
         ),
         (

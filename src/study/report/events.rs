@@ -133,7 +133,7 @@ pub(super) fn right(all: &Feasibility) -> Part {
 fn kept(at: &str, likeness: &Likeness) -> Markup {
     let tuned = likeness.tuned.as_ref();
     html! {
-        td.n { (number::fixed(&format!("{at}/kept"), likeness.kept, 3)) }
+        td.n { (number::fixed_or_none(&format!("{at}/kept"), likeness.kept, 3)) }
         td.n { (number::equivalent(
             &format!("{at}/threshold_equivalent_percent"),
             likeness.threshold_equivalent_percent,

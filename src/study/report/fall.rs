@@ -110,7 +110,7 @@ fn over_rates(all: &Feasibility, rates: &Rates) -> Markup {
                         th scope="row" { "kept" }
                         @for (i, rate) in all_rates() {
                             @let at = format!("/over_rates/rates/{i}");
-                            (cell(&format!("{at}/kept"), &format!("{at}/kept_10_90"), rate.headline.kept, rate.kept_10_90))
+                            (cell(&format!("{at}/kept"), &format!("{at}/kept_10_90"), rate.headline.kept.unwrap_or(0.0), rate.kept_10_90))
                         }
                     }
                     @for (k, cause) in causes.iter().enumerate() {

@@ -17,6 +17,11 @@ pub(super) fn fixed(at: &str, value: f64, decimals: usize) -> Markup {
     data(at, value, &format!("{value:.decimals$}"))
 }
 
+/// The same of a number that may be missing.
+pub(super) fn fixed_or_none(at: &str, value: Option<f64>, decimals: usize) -> Markup {
+    value.map_or_else(none, |value| fixed(at, value, decimals))
+}
+
 /// A number in another unit than that of the JSON, which is so many times it.
 pub(super) fn scaled(at: &str, value: f64, by: f64) -> Markup {
     html! { data value=(value) data-at=(at) data-by=(by) { (minus(&short(value * by))) } }

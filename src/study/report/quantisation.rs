@@ -99,7 +99,7 @@ fn row(i: usize, row: &Row, chosen: bool) -> Markup {
 fn on_chip(at: &str, chip: &OnChip) -> Markup {
     let score = |key: &str, score: &Likeness| {
         html! {
-            td.n { (number::fixed(&format!("{at}/{key}/kept"), score.kept, 3)) }
+            td.n { (number::fixed_or_none(&format!("{at}/{key}/kept"), score.kept, 3)) }
             td.n {
                 (number::equivalent(
                     &format!("{at}/{key}/threshold_equivalent_percent"),

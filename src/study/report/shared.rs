@@ -46,7 +46,7 @@ pub(super) fn section(all: &Several) -> Part {
 
 fn row(i: usize, kind: &SharedKind, headline: &str) -> Markup {
     let at = |key: &str| format!("/together/kinds/{i}/{key}");
-    let kept = kind.headline.map(|headline| headline.kept);
+    let kept = kind.headline.and_then(|headline| headline.kept);
     html! {
         tr {
             th scope="row" { a href=(Place::chapter(i + 1).link("verdict")) { (kind.name) } }

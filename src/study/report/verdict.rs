@@ -112,7 +112,7 @@ fn task(all: &Feasibility) -> Line {
         number: kept.map(|(i, headline, silicon)| {
             let at = |key: &str| format!("/quantisation/{i}/{key}");
             html! {
-                "kept " (number::fixed(&at("kept"), headline.kept, 3))
+                "kept " (number::fixed_or_none(&at("kept"), headline.kept, 3))
                 ", as a threshold "
                 (number::equivalent(&at("threshold_equivalent_percent"), headline.threshold_equivalent_percent, silicon.threshold_equivalent_is_least))
                 " higher"
@@ -134,8 +134,10 @@ fn over_chips(all: &Feasibility) -> Markup {
     html! {
         @if let Some((share, ranges)) = judged {
             span.line {
-                (number::fixed("/ranges/kept/p10", ranges.kept.p10, 3)) " to "
-                (number::fixed("/ranges/kept/p90", ranges.kept.p90, 3))
+                @if let Some(kept) = ranges.kept {
+                    (number::fixed("/ranges/kept/p10", kept.p10, 3)) " to "
+                    (number::fixed("/ranges/kept/p90", kept.p90, 3))
+                }
                 span.of {
                     "on 10 to 90 % of " (number::plain("/chips", over.chips as f64))
                     " chips that the public data allow; feasible on "
@@ -177,7 +179,7 @@ fn emit(all: &Feasibility) -> Line {
 fn trade_offs(all: &Feasibility) -> Line {
     let rows = || {
         let rows = all.quantisation.iter().enumerate();
-        rows.filter_map(|(i, row)| Some((i, row, row.headline?.kept, words(row)?)))
+        rows.filter_map(|(i, row)| Some((i, row, row.headline?.kept?, words(row)?)))
     };
     let fewest = rows().min_by_key(|(.., words)| *words);
     let most = rows().max_by(|a, b| a.2.total_cmp(&b.2));
@@ -185,6 +187,9 @@ fn trade_offs(all: &Feasibility) -> Line {
         question: "What are the trade-offs?",
         part: "trade-offs",
         answer: match fewest.zip(most) {
+            None if all.quantisation.iter().any(|row| words(row).is_some()) => {
+                "Nothing can be kept on this scene".to_owned()
+            }
             None => "No candidate has a program".to_owned(),
             Some((a, b)) if a.0 == b.0 => {
                 format!("{} has the fewest words and keeps most", a.1.to)

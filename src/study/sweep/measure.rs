@@ -163,7 +163,7 @@ fn measured(
     put("window_us", json!(headline.window_us));
     put("kept", json!(headline.kept));
     put("floor", json!(headline.floor));
-    put("error", json!(1.0 - headline.kept));
+    put("error", json!(headline.kept.map(|kept| 1.0 - kept)));
     if settings.threshold_equivalent {
         let percent = truth.equivalent(headline.f1, &watched)?;
         put("threshold_equivalent_percent", json!(percent));

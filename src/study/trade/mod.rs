@@ -344,7 +344,7 @@ mod tests {
                 changes,
             },
             f1: 1.0 - share,
-            kept: 1.0 - share,
+            kept: Some(1.0 - share),
             floor: 0.0,
             seconds,
             planning: Some(planning),

@@ -79,7 +79,9 @@ impl Rates {
         let kept = RatesCause {
             name: "kept",
             ink: ink::MATCHED,
-            shares: self.rates.iter().map(|rate| rate.headline.kept).collect(),
+            shares: { self.rates.iter() }
+                .map(|rate| rate.headline.kept.unwrap_or(0.0))
+                .collect(),
             spreads: self.rates.iter().map(|rate| rate.kept_10_90).collect(),
         };
         let of = |(i, cause): (usize, &Share)| {

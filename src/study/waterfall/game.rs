@@ -29,7 +29,7 @@ pub(super) struct Judge<'a> {
 impl Judge<'_> {
     pub(super) fn kept(self, said: &Packet) -> Result<f64, CompareError> {
         let f1 = window::f1(&Pair::new(self.reference, said)?, self.window);
-        Ok(window::kept(f1, self.floor))
+        Ok(window::kept(f1, self.floor).unwrap_or(0.0))
     }
 }
 

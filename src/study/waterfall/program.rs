@@ -45,17 +45,18 @@ impl<'a> Kinds<'a> {
         }
     }
 
-    /// All of them in one program, with the first memory that the chip holds them in.
+    /// All of them in one program, with this memory, or with the first that the chip holds them in.
     pub(super) fn together(
         designs: &[Design<'a>],
         quantised: Vec<Quantised>,
+        wanted: Option<DriveMemory>,
     ) -> Result<Self, WaterfallError> {
         let levels: Vec<Design<'_>> = { designs.iter().zip(&quantised) }
             .map(|(design, quantised)| design.in_levels(quantised))
             .collect();
         let Together {
             memory, compiled, ..
-        } = Together::compile(&levels, "levels", None)?.map_err(WaterfallError::Refused)?;
+        } = Together::compile(&levels, "levels", wanted)?.map_err(WaterfallError::Refused)?;
         Ok(Self {
             compiled,
             memory,

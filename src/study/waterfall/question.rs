@@ -92,21 +92,22 @@ impl<'a> Fall<'a> {
     }
 
     /// Kinds of one program, each a fall of its own: quantises their kernels and compiles them
-    /// together, with the first memory that the chip holds them in. The design of the question is
-    /// not looked at.
+    /// together, with this memory or the first that the chip holds them in. The design of the
+    /// question is not looked at.
     ///
     /// # Errors
     /// When a kernel cannot be quantised as asked, or no memory holds all kinds on the chip.
     pub fn together(
         designs: &[Design<'a>],
         question: Question<'a>,
+        memory: Option<DriveMemory>,
     ) -> Result<Vec<Self>, WaterfallError> {
         let mut quantised = Vec::new();
         for design in designs {
             design.description(MemoryRule::FilteredSnap)?;
             quantised.push(design.quantise(question.to, question.sum)?);
         }
-        let kinds = Arc::new(Kinds::together(designs, quantised)?);
+        let kinds = Arc::new(Kinds::together(designs, quantised, memory)?);
         let of = |(kind, design): (usize, &Design<'a>)| Self {
             question: Question {
                 design: *design,

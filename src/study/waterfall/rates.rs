@@ -420,7 +420,7 @@ impl OneRate<'_> {
         };
         Ok(Rate {
             headline: Headline {
-                kept: mean,
+                kept: Some(mean),
                 window_us: window,
                 fps,
                 threshold_equivalent_percent,
