@@ -194,10 +194,17 @@ impl Arguments {
     fn check_disk(&self, frames: Option<u64>, channels: usize, size: Size) -> miette::Result<()> {
         let planes = u128::from(frames.unwrap_or_default()) * channels as u128;
         let bytes = planes * size.pixels() as u128 * 4;
-        let outputs = [(&self.counts, "counts"), (&self.voxels, "voxels")];
-        for (output, what) in outputs {
-            if let Some(path) = output.as_ref().filter(|path| !path.is_node()) {
-                budget::check_disk(path, bytes, what, "take fewer frames or a smaller scene")?;
+        let help = "take fewer frames or a smaller scene";
+        let file = |output: &'_ Option<Output>| output.clone().filter(|path| !path.is_node());
+        let (counts, voxels) = (file(&self.counts), file(&self.voxels));
+        if let (Some(counts), Some(voxels)) = (&counts, &voxels)
+            && counts.parent() == voxels.parent()
+        {
+            return budget::check_disk(counts, 2 * bytes, "counts and voxels", help);
+        }
+        for (output, what) in [(counts, "counts"), (voxels, "voxels")] {
+            if let Some(path) = output {
+                budget::check_disk(&path, bytes, what, help)?;
             }
         }
         Ok(())
