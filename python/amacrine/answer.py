@@ -16,7 +16,8 @@ from .arguments import file
 
 class Answer:
     """What a study says, in the names and numbers of the command line's ``--json``; what that repeats
-    of the command (files, light, commands to run) is left out.
+    of the command (files, light, commands to run) is left out, and options in its messages are called
+    as arguments are here.
 
     Keys are attributes: ``answer.verdict``, or ``answer["verdict"]`` where a name is no word of
     Python. Lists and numbers are plain. In a notebook it shows its report or its drawing.
