@@ -610,7 +610,7 @@ fn the_guard_of_silence_knows_what_light_reaches() {
         let kind =
             |on| format!("[[channel]]\nkernel = \"dvs\"\nthreshold = {{ on = {on}, off = 9 }}\n");
         let kinds: String = thresholds.iter().map(kind).collect();
-        let text = format!("response = {response}\n{kinds}");
+        let text = format!("response = {response}\nmemory = \"filtered-step\"\n{kinds}");
         let read = |_: &str| Err(io::ErrorKind::NotFound.into());
         let sensor = Description::parse("s.toml", &text, &read).unwrap();
         Warning::no_events_of("s", 9, sensor.response, sensor.reach()).to_string()
