@@ -105,7 +105,7 @@ impl Row {
         let device = Device::scamp5();
         let found = |objective| {
             let mut request = Request::new(&kernels, &device)?;
-            request.effort = Effort { states };
+            request.effort = Effort::states(states);
             request.objective = objective;
             let filter = request.filter()?;
             let registers = (request.input, &request.into[..]);

@@ -48,7 +48,7 @@ fn main() -> miette::Result<()> {
         kernel: &kernel,
         threshold: 128.0,
         device: &device,
-        effort: Effort { states: 1 },
+        effort: Effort::states(1),
         seed: 0,
     };
     let levels = float.quantise(Quantiser::TERNARY, Sum::Kept)?;

@@ -33,6 +33,7 @@ pub mod plane;
 pub mod rng;
 pub mod save;
 pub mod source;
+pub mod stop;
 pub mod unit;
 
 pub mod number;

@@ -3,7 +3,10 @@
 //! costs more than a naive snake, nor more than was once reached; and a whole compiled sensor
 //! emits the packets of the float reference.
 
-use std::fmt::Write as _;
+use std::{
+    fmt::Write as _,
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 use amacrine::{
     array::{Arithmetic, Chip, Exact, Input, Settings, range, taps},
@@ -23,6 +26,7 @@ use amacrine::{
     reference::{Description, Reference},
     scene::{Frame, bundled},
     sensor::Sensor,
+    stop::Stop,
     study::design::Design,
     unit::Micros,
 };
@@ -72,7 +76,7 @@ fn read_back(filter: &Filter, request: &Request<'_>) -> Vec<Plane<f64>> {
 fn compiled(kernels: &[Kernel], states: u64) -> usize {
     let device = Device::scamp5();
     let mut request = Request::new(kernels, &device).unwrap();
-    request.effort = Effort { states };
+    request.effort = Effort::states(states);
     request.objective = Objective::Words;
     let filter = request.filter().unwrap();
     for (kernel, found) in kernels.iter().zip(read_back(&filter, &request)) {
@@ -143,7 +147,7 @@ fn dense_kernels_cost_two_words_a_place() {
     let device = Device::scamp5();
     let kernels = [kernel(&rows(11))];
     let mut request = Request::new(&kernels, &device).unwrap();
-    request.effort = Effort { states: 0 };
+    request.effort = Effort::states(0);
     let words = request.filter().unwrap().words.len();
     println!("11x11: {words} words");
     assert!(words <= 310, "{words} words, 310 were reached");
@@ -172,7 +176,7 @@ fn silicon_errs_as_predicted() {
     for (seed, kernel) in kernels.into_iter().enumerate() {
         let kernels = [kernel];
         let mut request = Request::new(&kernels, &device).unwrap();
-        request.effort = Effort { states: 3000 };
+        request.effort = Effort::states(3000);
         request.range = Some((0.0, 32.0));
         let filter = request.filter().unwrap();
         let level = 24.0;
@@ -229,7 +233,7 @@ fn what_holds_works_as_silicon() {
         }];
         let kernels = [quantised.levels];
         let mut request = Request::new(&kernels, &device).unwrap();
-        request.effort = Effort { states: 20_000 };
+        request.effort = Effort::states(20_000);
         request.objective = Objective::Exact;
         let sensor = SensorProgram::new(&kinds, DriveMemory::Analogue, "holds", &request).unwrap();
         assert!(sensor.filter.holds, "{to}");
@@ -263,7 +267,7 @@ fn the_same_seed_gives_the_same_program() {
     let device = Device::scamp5();
     let kernels = [Kernel::builtin("rgc-5x5-ternary").unwrap()];
     let mut request = Request::new(&kernels, &device).unwrap();
-    request.effort = Effort { states: 30_000 };
+    request.effort = Effort::states(30_000);
     let first = request.filter().unwrap();
     assert_eq!(first.words, request.filter().unwrap().words);
 }
@@ -316,7 +320,7 @@ fn levels_are_as_close_as_the_threshold_needs() {
     let device = Device::scamp5();
     let kernels = [outer(&[1.0], &[1.0], 1.0)];
     let mut request = Request::new(&kernels, &device).unwrap();
-    request.effort = Effort { states: 0 };
+    request.effort = Effort::states(0);
     // Light in half LSB: a threshold of 2 LSB, a range of 127.5.
     let kinds = |count| {
         let kind = CellKind {
@@ -368,7 +372,7 @@ fn keeps_to_registers_and_range(device: &Device, kernel: Kernel, keep: usize, in
     let mut request = Request::new(&kernels, device).unwrap();
     request.into = vec![Analog(into)];
     request.keep = (0..keep).map(|i| Analog(5 - i as u8)).collect();
-    request.effort = Effort { states: 2000 };
+    request.effort = Effort::states(2000);
     request.range = Some((0.0, f64::from(high)));
     let filter = match request.filter() {
         // Of an input of few LSB a dense kernel may leave nothing.
@@ -440,7 +444,7 @@ proptest! {
         let device = Device::scamp5();
         let kernels = [kernel];
         let mut request = Request::new(&kernels, &device).unwrap();
-        request.effort = Effort { states: 0 };
+        request.effort = Effort::states(0);
         let filter = request.filter().unwrap();
         prop_assert!(filter.words.len() as u64 <= naive_cost(&kernels).unwrap());
     }
@@ -461,7 +465,7 @@ proptest! {
         let device = Device::scamp5();
         let kernels = [kernel.clone()];
         let mut request = Request::new(&kernels, &device).unwrap();
-        request.effort = Effort { states: 3000 };
+        request.effort = Effort::states(3000);
         request.objective = Objective::Exact;
         let light = f64::from(threshold) / 4.0;
         let kinds = [CellKind { name: None, kernel: kernel.clone(), on: light, off: light }];
@@ -490,7 +494,7 @@ fn shared(kinds: &[CellKind], states: u64, objective: Objective) -> (SensorProgr
     let device = Device::scamp5();
     let kernels = [kinds[0].kernel.clone()];
     let mut request = Request::new(&kernels, &device).unwrap();
-    request.effort = Effort { states };
+    request.effort = Effort::states(states);
     request.objective = objective;
     let sensor = SensorProgram::new(kinds, DriveMemory::Shared, "shared", &request).unwrap();
     assert!(sensor.filters.iter().all(|filter| filter.border));
@@ -657,7 +661,7 @@ fn one_kind_survives_the_silicon() {
         let kernels = [quantised.levels];
         let [chosen, strict] = [Objective::Silicon, Objective::Exact].map(|objective| {
             let mut request = Request::new(&kernels, &device).unwrap();
-            request.effort = Effort { states: 100_000 };
+            request.effort = Effort::states(100_000);
             request.objective = objective;
             SensorProgram::new(&kinds, DriveMemory::Analogue, "one", &request).unwrap()
         });
@@ -728,6 +732,29 @@ fn four_kinds_fit_on_scamp5() {
     }
 }
 
+/// A search that nobody waits for ends, and what it found so far is not kept for the next.
+#[test]
+fn a_search_can_be_given_up() {
+    static FLAG: AtomicBool = AtomicBool::new(true);
+    let device = Device::scamp5();
+    let kernels = [Kernel::builtin("sobel-x").unwrap()];
+    let mut request = Request::new(&kernels, &device).unwrap();
+    // A seed that no other test has.
+    request.seed = 0x57_0f;
+    let with = |states| Effort {
+        stop: Stop::when(&FLAG),
+        ..Effort::states(states)
+    };
+    request.effort = with(u64::MAX);
+    let given_up = request.filter().unwrap_err();
+    assert!(matches!(given_up, CompileError::GivenUp), "{given_up}");
+    FLAG.store(false, Ordering::Relaxed);
+    request.effort = with(2000);
+    let filter = request.filter().unwrap();
+    request.effort = Effort::states(2000);
+    assert_eq!(filter.words, request.filter().unwrap().words);
+}
+
 /// Kinds take turns in the registers that are scanned: each is read before the next is there.
 #[test]
 fn every_event_of_several_kinds_is_read() {
@@ -740,7 +767,7 @@ fn every_event_of_several_kinds_is_read() {
         kernel,
         threshold: 40.0,
         device: &device,
-        effort: Effort { states: 1000 },
+        effort: Effort::states(1000),
         seed: 0,
     });
     let clip = clip(3);
@@ -751,9 +778,9 @@ fn every_event_of_several_kinds_is_read() {
             let chip = compiled.chip(exact, Size::of(&clip[0]), compiled.settings());
             chip.unwrap()
         };
-        let scanned = watch(&mut *chip(), &clip);
-        let all = watch(&mut compiled.all_events(chip()), &clip);
-        assert_eq!(all, scanned);
+        let scanned = delivered(&mut *chip(), &clip);
+        let all = delivered(&mut compiled.all_events(chip()), &clip);
+        assert_eq!(all, scanned, "in this order, too");
         for kind in 0..2 {
             assert!(all.events.iter().any(|event| event.channel == kind));
         }
@@ -856,7 +883,7 @@ fn a_memory_in_bits_is_its_twin() {
             .collect();
         let kernels: Vec<Kernel> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
         let mut request = Request::new(&kernels, &device).unwrap();
-        request.effort = Effort { states: 2000 };
+        request.effort = Effort::states(2000);
         let sensor = SensorProgram::new(&kinds, DriveMemory::Bits(bits), "bits", &request).unwrap();
         assert!(sensor.filter.border);
         let program = Program::parse("bits", &sensor.text).unwrap();
@@ -933,6 +960,13 @@ fn clip(seed: u64) -> Vec<Plane<f64>> {
 }
 
 fn watch(sensor: &mut dyn Sensor, clip: &[Plane<f64>]) -> Packet {
+    let mut packet = delivered(sensor, clip);
+    packet.events = packet.canonical();
+    packet
+}
+
+/// Events in the order in which they come.
+fn delivered(sensor: &mut dyn Sensor, clip: &[Plane<f64>]) -> Packet {
     let mut packet = Packet::new(sensor.size(), sensor.channels());
     for (index, light) in clip.iter().enumerate() {
         let frame = Frame {
@@ -942,6 +976,5 @@ fn watch(sensor: &mut dyn Sensor, clip: &[Plane<f64>]) -> Packet {
         };
         sensor.watch(&frame, &mut packet).unwrap();
     }
-    packet.events = packet.canonical();
     packet
 }

@@ -55,7 +55,7 @@ fn with_ladder(see: impl FnOnce(&Design<'_>, &Ladder)) {
         kernel: &kernel,
         threshold: 6.0,
         device: &device,
-        effort: Effort { states: 1 },
+        effort: Effort::states(1),
         seed: 0,
     };
     let fps = open().fps();

@@ -41,7 +41,7 @@ static PROGRAMS: LazyLock<Vec<Compiled>> = LazyLock::new(|| {
             kernel: &kernel,
             threshold,
             device: &device,
-            effort: Effort { states: 2_000 },
+            effort: Effort::states(2_000),
             seed: 0,
         };
         let quantised = float.quantise(Quantiser::TERNARY, Sum::Free).unwrap();

@@ -54,7 +54,7 @@ fn judged(times: u32) -> [(f64, f64); 2] {
         kernel: &kernel,
         threshold: 128.0,
         device: &device,
-        effort: Effort { states: 1 },
+        effort: Effort::states(1),
         seed: 0,
     };
     let levels = float.quantise(Quantiser::TERNARY, Sum::Kept).unwrap();

@@ -603,6 +603,41 @@ fn crowds_are_counted_by_frames_and_cells() {
     assert!(text.contains("6 of 8 events (75.0 %)"), "{text}");
 }
 
+/// Thresholds beyond what the response makes of any light are told of as such.
+#[test]
+fn the_guard_of_silence_knows_what_light_reaches() {
+    let said = |response: &str, thresholds: &[&str]| {
+        let kind =
+            |on| format!("[[channel]]\nkernel = \"dvs\"\nthreshold = {{ on = {on}, off = 9 }}\n");
+        let kinds: String = thresholds.iter().map(kind).collect();
+        let text = format!("response = {response}\nmemory = \"filtered-step\"\n{kinds}");
+        let read = |_: &str| Err(io::ErrorKind::NotFound.into());
+        let sensor = Description::parse("s.toml", &text, &read).unwrap();
+        Warning::no_events_of("s", 9, sensor.response, sensor.reach()).to_string()
+    };
+    let linear = said("{ linear = 255 }", &["1.5"]);
+    assert!(
+        linear.contains("the least is 1.5: its response makes 0 to 1 of light from 0 to 255, and what its cells see moves by 1 at most; give thresholds in that unit, or response = \"identity\""),
+        "{linear}"
+    );
+    let log = said("{ log = { white = 255, offset = 0.001 } }", &["7"]);
+    assert!(log.contains("makes -6.9078 to 0.001 of light"), "{log}");
+    let beyond = said("\"identity\"", &["300"]);
+    assert!(
+        !beyond.contains("no light reaches"),
+        "OFF is within: {beyond}"
+    );
+    for response in ["{ linear = 255 }", "\"identity\""] {
+        let one = said(response, &["0.9", "1.5"]);
+        assert!(
+            one.contains("what its cells see never moves by a threshold"),
+            "{one}"
+        );
+    }
+    let still = Warning::no_events_of("s", 1, Response::IDENTITY, Some([9.0, 1.0])).to_string();
+    assert!(still.contains("there are not two"), "{still}");
+}
+
 #[cfg(feature = "cli")]
 mod common;
 

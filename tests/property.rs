@@ -110,7 +110,7 @@ proptest! {
         let kinds = [CellKind { name: None, kernel: kernel.clone(), on: 30.0, off: 30.0 }];
         let kernels = [kernel.clone()];
         let mut request = Request::new(&kernels, &device).unwrap();
-        request.effort = Effort { states: 500 };
+        request.effort = Effort::states(500);
         request.objective = Objective::Exact;
         let program = SensorProgram::new(&kinds, DriveMemory::Analogue, "any", &request).unwrap();
         prop_assume!(program.filter.border);

@@ -15,7 +15,7 @@ use amacrine::{
 };
 use filters::{correlations, filters};
 
-const EFFORT: Effort = Effort { states: 20_000 };
+const EFFORT: Effort = Effort::states(20_000);
 
 /// Words that other compilers need.
 const PEER: [(&str, usize); 6] = [
@@ -97,7 +97,7 @@ fn no_more_words_than_others_need() {
     for (name, most) in PEER {
         let kernels = named(name);
         let mut request = Request::new(&kernels, &device).unwrap();
-        request.effort = Effort { states: 100_000 };
+        request.effort = Effort::states(100_000);
         let words = request.filter().unwrap().words.len();
         assert!(words <= most, "{name}: {words} words of {most}");
     }
@@ -195,7 +195,7 @@ fn more_registers_never_cost_words() {
             let kernels = named(name);
             let words = |device: &Device| {
                 let mut request = Request::new(&kernels, device).unwrap();
-                request.effort = Effort { states: 5000 };
+                request.effort = Effort::states(5000);
                 request.objective = objective;
                 request.filter().unwrap().words.len()
             };
@@ -229,7 +229,7 @@ fn one_register_more_never_costs_words() {
         let kernels = [Kernel::from_rows(&rows).unwrap()];
         let words = |count: usize| {
             let mut request = Request::new(&kernels, &wide).unwrap();
-            request.effort = Effort { states: 1500 };
+            request.effort = Effort::states(1500);
             request.objective = Objective::Words;
             request.keep = registers[count..].to_vec();
             request.filter().unwrap().words.len()
@@ -301,7 +301,7 @@ fn the_atlas_is_up_to_date() {
         let mut found = vec![bound::LowerBound::new(&kernels).words.to_string()];
         for objective in [Objective::Words, Objective::Silicon] {
             let mut request = Request::new(&kernels, &device).unwrap();
-            request.effort = Effort { states: 12_000 };
+            request.effort = Effort::states(12_000);
             request.objective = objective;
             let filter = request.filter().unwrap();
             let registers = (request.input, &request.into[..]);

@@ -1197,7 +1197,7 @@ fn every_bundled_kernel_reads_back_from_cpp() {
     for name in Kernel::builtin_names() {
         let kernels = [Kernel::builtin(name).unwrap()];
         let mut request = Request::new(&kernels, &device).unwrap();
-        request.effort = Effort { states: 300 };
+        request.effort = Effort::states(300);
         let kinds = [CellKind {
             name: None,
             kernel: kernels[0].clone(),

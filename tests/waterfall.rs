@@ -73,7 +73,7 @@ fn design<'a>(kernel: &'a Kernel, device: &'a Device, threshold: f64) -> Design<
         kernel,
         threshold,
         device,
-        effort: Effort { states: 4_000 },
+        effort: Effort::states(4_000),
         seed: 1,
     }
 }

@@ -22,7 +22,7 @@ const CHIPS: u64 = 2;
 fn main() -> Result<(), CompileError> {
     let device = Device::scamp5();
     let states = std::env::args().nth(1).and_then(|it| it.parse().ok());
-    let effort = states.map_or_else(Effort::default, |states| Effort { states });
+    let effort = states.map_or_else(Effort::default, Effort::states);
     println!(
         "| kernels | words, `words` | correlation | words, `silicon` | correlation | predicted |"
     );

@@ -198,7 +198,7 @@ fn drawn_weights_arrive_at_their_levels() {
 }
 
 fn chip() -> Chip {
-    Chip::new(Device::scamp5(), Effort { states: 3_000 }, 0)
+    Chip::new(Device::scamp5(), Effort::states(3_000), 0)
 }
 
 /// What is projected is what the compiler makes: the kernel read back from the program's words.

@@ -23,7 +23,9 @@ from .frames import load
 from .names import names, text
 from .pool import set_threads
 from .program import Program, ProgramRun
-from .sensor import ChipSensor, EventSensor, Sensor, Stream, compile
+from .sensor import (
+    ChipSensor, CompiledFilter, EventSensor, Sensor, Stream, compile, compile_filter
+)
 from .study import Quantised, design, feasibility, quantise, trade, waterfall
 from .sweeps import Sweep, sweep
 
@@ -34,6 +36,7 @@ __all__ = [
     "Answer",
     "Caution",
     "ChipSensor",
+    "CompiledFilter",
     "Error",
     "EventSensor",
     "Program",
@@ -46,6 +49,7 @@ __all__ = [
     "about",
     "compare",
     "compile",
+    "compile_filter",
     "design",
     "events",
     "feasibility",

@@ -12,6 +12,7 @@ _Search = tuple[str, str, float, int]
 _OfKind = tuple[
     list[npt.NDArray[np.float64]], list[float], list[float], list[float], tuple[float, float]
 ]
+_Readout = tuple[str, str | None, list[tuple[str, str]]]
 _Shown = tuple[str | None, npt.NDArray[Any] | None, float | None, float | None]
 
 __version__: str
@@ -62,6 +63,7 @@ class Sensor:
         memory: str | None,
         chip: str,
         objective: str,
+        events: int | None,
         effort: float,
         seed: int,
     ) -> Chip: ...
@@ -106,11 +108,15 @@ class Chip:
 
 @final
 class Run:
-    def events(self, frames: npt.NDArray[Any]) -> npt.NDArray[np.uint8]: ...
-    def counts(self, frames: npt.NDArray[Any], out: npt.NDArray[np.int32]) -> None: ...
+    def events(
+        self, frames: npt.NDArray[Any], contrast: float | None, readout: _Readout | None
+    ) -> npt.NDArray[np.uint8]: ...
+    def counts(
+        self, frames: npt.NDArray[Any], contrast: float | None, out: npt.NDArray[np.int32]
+    ) -> None: ...
     def voxels(self, frames: npt.NDArray[Any], out: npt.NDArray[np.float32]) -> None: ...
     def windows(
-        self, frames: npt.NDArray[Any], stream: Stream
+        self, frames: npt.NDArray[Any], contrast: float | None, stream: Stream
     ) -> list[npt.NDArray[np.float32]]: ...
     @property
     def seen(self) -> int: ...
@@ -155,6 +161,7 @@ class Program:
         clip: bool | None,
         seed: int,
         keep: list[str],
+        set: list[tuple[str, npt.NDArray[np.float64]]],
     ) -> tuple[
         npt.NDArray[np.uint8],
         int,
@@ -276,9 +283,18 @@ def compare(
     seed: int,
 ) -> str: ...
 def scene(
-    name: str | None, fps: float | None, scale: float | None, frames: int | None
+    name: str | None,
+    fps: float | None,
+    scale: float | None,
+    frames: int | None,
+    coded: tuple[str, str],
 ) -> tuple[npt.NDArray[Any], float, bool]: ...
 def in_python(text: str) -> str: ...
+def compile_filter(
+    of: list[_Named],
+    how: tuple[str, tuple[float, float] | None, bool, str],
+    search: _Search,
+) -> tuple[str, list[tuple[str, float]]]: ...
 def quantise(of: list[_Named], to: list[str], sum_to: str, seed: int) -> str: ...
 def on_chip(
     of: _Named,
@@ -307,7 +323,7 @@ def design(
 ) -> str: ...
 def feasibility(
     of: list[_Named],
-    thresholds: list[float],
+    aim: tuple[float | None, list[float]],
     levels: tuple[str | None, list[str], str | None],
     search: _Search,
     scene: _Shown,
@@ -324,6 +340,7 @@ def waterfall(
     within_us: int | None,
     rates: list[float] | None,
     sample: tuple[int, int | None],
+    through: _Readout | None,
 ) -> tuple[str, str]: ...
 def trade_program(
     program: Program,

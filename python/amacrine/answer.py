@@ -9,13 +9,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from . import _amacrine
 from ._amacrine import Error
 from .arguments import file
 
 
 class Answer:
     """What a study says, in the names and numbers of the command line's ``--json``; what that repeats
-    of the command (files, light, commands to run) is left out.
+    of the command (files, light, commands to run) is left out, and options in its messages are called
+    as arguments are here.
 
     Keys are attributes: ``answer.verdict``, or ``answer["verdict"]`` where a name is no word of
     Python. Lists and numbers are plain. In a notebook it shows its report or its drawing.
@@ -37,7 +39,7 @@ class Answer:
     @classmethod
     def parse(cls, text: str, **more: str | None) -> Answer:
         """From JSON."""
-        data = json.loads(text)
+        data = _in_python(json.loads(text))
         if isinstance(data, list):
             return cls({"rows": data}, rows="rows")
         return cls(data, **more)
@@ -132,6 +134,21 @@ def _again(
     data: dict[str, Any], page: str | None, drawing: str | None, rows: str | None
 ) -> Answer:
     return Answer(data, page=page, drawing=drawing, rows=rows)
+
+
+def _in_python(of: Any) -> Any:
+    """The same with arguments in messages where the command line has options."""
+    if isinstance(of, str):
+        return _amacrine.in_python(of) if "--" in of else of
+    if isinstance(of, list):
+        return [_in_python(one) for one in of]
+    if isinstance(of, dict):
+        return {name: one if name in TEXTS else _in_python(one) for name, one in of.items()}
+    return of
+
+
+TEXTS = ("program", "sensor")
+"""What is a text of a file."""
 
 
 def _wrapped(of: Any) -> Any:

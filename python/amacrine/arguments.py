@@ -6,11 +6,12 @@ Python, or raises :class:`Error` with the name, what was given, and what to give
 
 from __future__ import annotations
 
+import functools
 import math
 import operator
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from os import PathLike
-from typing import Any, Union
+from typing import Any, ParamSpec, TypeVar, Union
 
 import numpy as np
 
@@ -23,6 +24,29 @@ MOST = (1 << 64) - 1
 
 SECONDS = (1 << 63) // 10**6
 """No time is longer: microseconds are kept in 63 bits."""
+
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def renamed(**names: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """A function whose arguments had other names before: who gives one of those is told the new one."""
+
+    def checked(function: Callable[P, R]) -> Callable[P, R]:
+        @functools.wraps(function)
+        def called(*args: P.args, **kwargs: P.kwargs) -> R:
+            for old, new in names.items():
+                if old in kwargs:
+                    raise Error(
+                        f"{function.__name__} has no argument {old}\n"
+                        f"help: it is called {new}: give {new}={kwargs[old]!r}"
+                    )
+            return function(*args, **kwargs)
+
+        return called
+
+    return checked
 
 
 def number(name: str, given: Any, help: str) -> float:
@@ -52,6 +76,19 @@ def unmasked(name: str, given: Any) -> None:
             f"{name} of a masked array, whose mask would be ignored\n"
             "help: say what stands where it masks, as array.filled(0) does, or leave that out"
         )
+
+
+CONTRAST = "give a number above 0, in ln units, such as upsample=0.2"
+
+
+def contrast(given: Any) -> float | None:
+    """By how much a pixel may change from frame to frame, in ln units; none is none."""
+    if given is None:
+        return None
+    found = number("upsample", given, CONTRAST)
+    if not 0.0 < found < math.inf:
+        raise Error(f"upsample = {found:g}\nhelp: {CONTRAST}")
+    return found
 
 
 def share(name: str, given: Any) -> float:

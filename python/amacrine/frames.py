@@ -18,6 +18,10 @@ from .tensor import widened
 SHAPES = "give an array of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W)"
 
 
+RANGES = ("auto", "limited", "full")
+TRANSFERS = ("auto", "as-coded", "linear", "srgb", "bt709")
+
+
 class Clips(NamedTuple):
     """Clips of one size."""
 
@@ -119,6 +123,8 @@ def load(
     *,
     fps: float | None = None,
     scale: float | None = None,
+    range: str = "auto",
+    transfer: str = "as-coded",
     frames: int | None = None,
 ) -> tuple[npt.NDArray[Any], float]:
     """A clip as an array.
@@ -130,6 +136,10 @@ def load(
         fps: Frames per second, instead of what the scene says. Where neither says it, as of a .npy and
             of a folder, a rate is assumed, and a :class:`Caution` says so.
         scale: What the numbers of a .npy are multiplied by; 255 where they are 0 to 1.
+        range: Which samples are black and white: ``"limited"`` (16 and 235 of 255), ``"full"``, or
+            ``"auto"``: what the file says, else limited for mp4 and y4m with colour.
+        transfer: How light was coded, to be undone: ``"as-coded"`` (nothing is), ``"linear"``,
+            ``"srgb"``, ``"bt709"``, or ``"auto"``, what the file says.
         frames: The first so many frames only.
 
     Returns:
@@ -145,7 +155,11 @@ def load(
     first = None if frames is None else arguments.whole("frames", frames)
     by = None if scale is None else arguments.scale(scale)
     name = None if scene is None else str(scene)
-    light, rate, is_assumed = _amacrine.scene(name, rate, by, first)
+    coded = (
+        arguments.one_of("range", range, RANGES),
+        arguments.one_of("transfer", transfer, TRANSFERS),
+    )
+    light, rate, is_assumed = _amacrine.scene(name, rate, by, first, coded)
     if is_assumed:
         warnings.warn(
             f"{name}: {rate:g} frames per second are assumed; say fps=… otherwise",

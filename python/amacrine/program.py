@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import numpy.typing as npt
 
 from . import _amacrine, arguments
@@ -133,6 +134,7 @@ class Program:
         clip: bool | None = None,
         seed: int = 0,
         keep: str | Sequence[str] = (),
+        registers: Mapping[str, npt.ArrayLike] | None = None,
     ) -> ProgramRun:
         """Shows it frames: the first runs ``init``, every later one ``frame``.
 
@@ -146,6 +148,8 @@ class Program:
                 says, or not.
             seed: Which chip and which noise, in ``silicon``.
             keep: Registers to be looked at after every frame, such as ``("A", "R5")``.
+            registers: What registers hold before the first frame, (H,W) each or one number: analogue
+                ones in LSB, those of one bit 0 or 1.
         """
         given, seed = clips(frames, scale), arguments.whole("seed", seed)
         if given.batched:
@@ -160,6 +164,7 @@ class Program:
             None if clip is None else arguments.flag("clip", clip),
             seed,
             arguments.names("keep", keep),
+            _registers(registers, given.size),
         )
         records, channels, lost, registers, films, posts, warned = found
         for text in warned:
@@ -172,6 +177,20 @@ class Program:
         if self.decides:
             return f"<Program {self._native.file}: its host decides the words>"
         return f"<Program {self._native.file}: {self.words} words, {self.array_us:.1f} us>"
+
+
+def _registers(given: Any, size: tuple[int, int]) -> list[tuple[str, npt.NDArray[np.float64]]]:
+    """What registers are set to, by name."""
+    such_as = '{"A": array}'
+    found = []
+    for name, values in arguments.table("registers", given, such_as).items():
+        arguments.unmasked(f"registers: {name}", values)
+        try:
+            plane = np.broadcast_to(np.asarray(values, np.float64), size)
+        except (TypeError, ValueError) as cause:
+            raise Error(f"registers: {name}: {cause}\nhelp: give (H,W) of the frames") from cause
+        found.append((name, np.ascontiguousarray(plane)))
+    return found
 
 
 def _chip(given: str | Path | None) -> str | None:

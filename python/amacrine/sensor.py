@@ -7,6 +7,7 @@ import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar, Union
@@ -19,9 +20,10 @@ from ._amacrine import Error
 from .caution import OF_ALL, Caution, Said, caution_of
 from .events import NamedEvents, check_side, named, view
 from .frames import Clips, clips
-from .kernels import Kernel, Kernels, kernels as each, npy
+from .kernels import Kernel, Kernels, kernels as each, named as files, npy
 from .names import opened
 from .program import Program
+from .readout import Readout, readout_of
 from .tensor import untracked
 
 T = TypeVar("T")
@@ -75,8 +77,18 @@ class EventSensor(ABC):
         pairs = zip(self.channels, own)
         return [f"kind {i}" if name == i else name for name, i in pairs]
 
+    def _contrast(self, upsample: Any) -> float | None:
+        """The contrast for which frames are put in."""
+        return arguments.contrast(upsample)
+
     def events(
-        self, frames: Any, fps: float, *, scale: float | None = None
+        self,
+        frames: Any,
+        fps: float,
+        *,
+        scale: float | None = None,
+        upsample: float | None = None,
+        readout: Readout | None = None,
     ) -> NamedEvents:
         """The events of a clip.
 
@@ -84,6 +96,12 @@ class EventSensor(ABC):
             frames: Light, (T,H,W), (T,1,H,W) or (B,T,1,H,W).
             fps: Frames per second.
             scale: What floats are multiplied by to be light from 0 to 255.
+            upsample: Frames are put in so that no pixel's light changes by more than this from one to
+                the next, in ln units; of float sensors.
+            readout: What stands between the cells and the array: a name of
+                ``amacrine.names("readouts")``, a file like those, or a table with settings, such as
+                ``{"readout": "arbiter", "fifo": 64, "link": "1us"}``. What it loses is in
+                ``.dropped``.
 
         Returns:
             A structured array with the fields ``t`` (us), ``x``, ``y`` (pixels), ``p`` (1 for ON,
@@ -95,12 +113,13 @@ class EventSensor(ABC):
         given, fps = clips(frames, scale), arguments.rate(fps)
         check_side(given.size)
         kinds, called = len(self.channels), self._called
+        contrast, through = self._contrast(upsample), readout_of(readout)
 
         span = 0.0, max(given.frames - 1, 0) / fps
 
         def watch(b: int) -> tuple[NamedEvents, Said]:
             run = self._watch(given.size, fps, given.scale)
-            records = view(run.events(given.clip(b)), kinds)
+            records = view(run.events(given.clip(b), contrast, through), kinds)
             events = named(records, called, given.size, kinds, span, run.dropped)
             return events, run.warnings(self.name)
 
@@ -111,9 +130,20 @@ class EventSensor(ABC):
         return found
 
     def counts(
-        self, frames: Any, fps: float, *, scale: float | None = None
+        self,
+        frames: Any,
+        fps: float,
+        *,
+        scale: float | None = None,
+        upsample: float | None = None,
     ) -> npt.NDArray[np.int32]:
         """Signed event counts between each two frames.
+
+        Args:
+            frames: Light, (T,H,W), (T,1,H,W) or (B,T,1,H,W).
+            fps: Frames per second.
+            scale: What floats are multiplied by to be light from 0 to 255.
+            upsample: As for :meth:`events`; counts are those between two frames of the clip.
 
         Returns:
             ``int32`` of shape (T-1,K,H,W), or (B,T-1,K,H,W): ON less OFF of each of the K kinds
@@ -123,10 +153,11 @@ class EventSensor(ABC):
         pairs = max(given.frames - 1, 0)
         shape = (len(given.all), pairs, len(self.channels), *given.size)
         out = _zeros("counts", shape, np.int32, "take them part by part (stream)")
+        contrast = self._contrast(upsample)
 
         def watch(b: int) -> Said:
             run = self._watch(given.size, fps, given.scale)
-            run.counts(given.clip(b), out[b].reshape(-1))
+            run.counts(given.clip(b), contrast, out[b].reshape(-1))
             return run.warnings(self.name)
 
         caution_of(_all(given, watch))
@@ -146,6 +177,7 @@ class EventSensor(ABC):
         normalise: str | None = None,
         dtype: npt.DTypeLike = np.float32,
         scale: float | None = None,
+        upsample: float | None = None,
     ) -> npt.NDArray[Any]:
         """Events in bins of time.
 
@@ -168,6 +200,7 @@ class EventSensor(ABC):
                 deviation of 1, as E2VID takes it; ``"max"``: the largest is 1 in size.
             dtype: float32, float16 or float64; of single precision each.
             scale: What floats are multiplied by to be light from 0 to 255.
+            upsample: As for :meth:`events`, with ``bins``.
 
         Returns:
             Voxels in events. Without ``bins`` (T,K,H,W), what ``amacrine run --voxels`` writes.
@@ -177,10 +210,11 @@ class EventSensor(ABC):
         given, number, fps = clips(frames, scale), voxel.number(dtype), arguments.rate(fps)
         kinds, size = len(self.channels), given.size
         if bins is None:
-            asked = window, every, causal, polarity, share, normalise
-            if asked != (None, None, True, "signed", "bilinear", None):
+            asked = window, every, causal, polarity, share, normalise, upsample
+            if asked != (None, None, True, "signed", "bilinear", None, None):
                 raise Error(
-                    "window, every, causal, polarity, share and normalise are of windows of bins\n"
+                    "window, every, causal, polarity, share, normalise and upsample are of windows of "
+                    "bins\n"
                     "help: give bins, such as bins=9"
                 )
             shape = (len(given.all), given.frames, kinds, *size)
@@ -200,12 +234,15 @@ class EventSensor(ABC):
         one = voxel.shape(how, size, kinds, polarity)
         windows = how.count(round(seconds * 1e6))
         shared = _zeros("voxels", (len(given.all), windows, *one), number, FEWER)
+        contrast = self._contrast(upsample)
 
         def bin(b: int) -> Said:
             run = self._watch(size, fps, given.scale)
             clip = given.clip(b)
-            parts = (clip[n : n + PART] for n in range(0, len(clip), PART))
-            for to, values in zip(shared[b], _windows(run, parts, how, (size, kinds), fps)):
+            step = PART if contrast is None else max(len(clip), 1)
+            parts = (clip[n : n + step] for n in range(0, len(clip), step))
+            over = _windows(run, (parts, contrast), how, (size, kinds), seconds)
+            for to, values in zip(shared[b], over):
                 to[...] = voxel.narrowed(values, number).reshape(one)
             return run.warnings(self.name)
 
@@ -260,7 +297,7 @@ class EventSensor(ABC):
                     size = clip.shape[1], clip.shape[2]
                     opened = _amacrine.Stream(how, size, len(self.channels))
                     one = voxel.shape(how, size, len(self.channels), polarity)
-                for values in run.windows(clip[n : n + PART], opened):
+                for values in run.windows(clip[n : n + PART], None, opened):
                     yield voxel.narrowed(values, number).reshape(one)
         if opened is not None:
             for values in opened.rest(round(max(stream.seen - 1, 0) / stream.fps * 1e6)):
@@ -312,7 +349,7 @@ class Stream:
         size = clip.shape[1], clip.shape[2]
         check_side(size)
         kinds, begin = len(self._sensor.channels), max(run.seen - 1, 0)
-        events = view(run.events(clip), kinds)
+        events = view(run.events(clip, None, None), kinds)
         span = begin / self.fps, max(run.seen - 1, 0) / self.fps
         return named(events, self._sensor._called, size, kinds, span)
 
@@ -321,7 +358,7 @@ class Stream:
         run, clip = self._next(frames)
         pairs = len(clip) - (run.seen == 0)
         out = np.zeros((max(pairs, 0), len(self._sensor.channels), *clip.shape[1:]), np.int32)
-        run.counts(clip, out.reshape(-1))
+        run.counts(clip, None, out.reshape(-1))
         self._caution()
         return out
 
@@ -573,6 +610,7 @@ class Sensor(EventSensor):
         memory: str | None = None,
         readout: str = "all",
         objective: str = "silicon",
+        events_per_frame: int | None = None,
         effort: float = 1.0,
         seed: int | None = None,
     ) -> ChipSensor:
@@ -597,6 +635,9 @@ class Sensor(EventSensor):
                 the chip and nearly all of them without its errors too; ``"events"``, whatever
                 saturates; ``"exact"``, event for event what the float model of the same levels says
                 where the array is exact; ``"words"``, the fewest where no light saturates.
+            events_per_frame: How many events the busiest frame is expected to have, all signs and
+                kinds together: the program reads them in the cheapest way that loses none of so
+                many; all slots where it is left out.
             effort: How long to search for the program, in seconds of two cores of 2024.
             seed: Which chip and which noise, and the seed of the search; the sensor's own where it
                 is left out.
@@ -604,7 +645,7 @@ class Sensor(EventSensor):
         The program takes one decision a frame, stores what was seen (``filtered-snap``) and sees 0
         off the array: where the sensor is another, a :class:`Caution` says so.
         """
-        how = (sum, memory, readout, objective)
+        how = (sum, memory, readout, objective, events_per_frame)
         return _cautioned(self._found(to, domain, chip, how, effort, seed))
 
     def _found(
@@ -612,11 +653,13 @@ class Sensor(EventSensor):
         to: str,
         domain: str,
         chip: str | Path,
-        how: tuple[str, str | None, str, str],
+        how: tuple[str, str | None, str, str, int | None],
         effort: float,
         seed: int | None,
     ) -> ChipSensor:
-        sum, memory, readout, objective = how
+        sum, memory, readout, objective, busiest = how
+        if busiest is not None:
+            busiest = arguments.whole("events_per_frame", busiest, 1)
         arguments.one_of("readout", readout, ("all", "slots"))
         seed = self._seed if seed is None else arguments.whole("seed", seed)
         effort = arguments.number("effort", effort, "give seconds, such as effort=1")
@@ -624,7 +667,7 @@ class Sensor(EventSensor):
         sum, memory = arguments.word("sum", sum, "kept"), arguments.word_or_none("memory", memory, "shared")
         objective = arguments.word("objective", objective, "silicon")
         on = str(arguments.file("chip", chip, "the name of a chip, or its folder"))
-        native = self._native.on_chip(to, sum, memory, on, objective, effort, seed)
+        native = self._native.on_chip(to, sum, memory, on, objective, busiest, effort, seed)
         watched = (seed, domain, readout == "slots", self._max_events)
         return ChipSensor(native, self.channels, watched)
 
@@ -644,6 +687,10 @@ class ChipSensor(EventSensor):
     def _watch(self, size: tuple[int, int], fps: float, scale: float) -> _amacrine.Run:
         seed, domain, slots, most = self._how
         return self._native.watch(size, fps, scale, seed, domain, slots, most)
+
+    def _contrast(self, upsample: Any) -> None:
+        if upsample is not None:
+            raise Error("upsample of a program\nhelp: leave upsample out: a program sees frames")
 
     def _reseeded(self, seed: int) -> ChipSensor:
         return self.with_domain(self._how[1], seed=seed)
@@ -728,6 +775,7 @@ def compile(
     memory: str = "analogue",
     readout: str = "all",
     objective: str = "silicon",
+    events_per_frame: int | None = None,
     effort: float = 1.0,
     seed: int = 0,
 ) -> ChipSensor:
@@ -751,8 +799,77 @@ def compile(
         name="compiled",
         seed=seed,
     )
-    how = (sum, memory, readout, objective)
+    how = (sum, memory, readout, objective, events_per_frame)
     return _cautioned(sensor._found(to, domain, chip, how, effort, None))
+
+
+@dataclass(frozen=True)
+class CompiledFilter:
+    """Kernels as statements of the array, without thresholds and events."""
+
+    program: Program
+    """The statements, which filter what ``A`` holds: ``program.run(frames, registers={"A": …})``."""
+    results: dict[str, float]
+    """The register of each result, in the order of the kernels, and what it holds of the kernel's
+    response: kernel times input times this."""
+
+    @property
+    def text(self) -> str:
+        """The statements."""
+        return self.program.text
+
+    @property
+    def words(self) -> int:
+        """Instruction words."""
+        return self.program.words
+
+
+def compile_filter(
+    kernels: Kernels,
+    *,
+    to: str = "exact",
+    input: tuple[float, float] | None = None,
+    border: bool = False,
+    chip: str | Path = "scamp5",
+    sum: str = "kept",
+    objective: str = "silicon",
+    effort: float = 1.0,
+    seed: int = 0,
+) -> CompiledFilter:
+    """Kernels as statements that filter what register ``A`` holds, without thresholds and events:
+    ``amacrine compile --filter-only``.
+
+    Args:
+        kernels: As for :class:`Sensor`; the results lie in ``A``, ``B``, ….
+        to: A quantiser, or ``"exact"``.
+        input: The least and the most that ``A`` holds, in LSB: it is halved until nothing saturates.
+        border: Right up to the border, zeros beyond it, if that can be had.
+
+    The rest is that of :meth:`Sensor.on_chip`.
+    """
+    ends = None if input is None else arguments.numbers("input", input, INPUT)
+    if ends is not None and len(ends) != 2:
+        raise Error(f"input = {input!r}\nhelp: {INPUT}")
+    on = str(arguments.file("chip", chip, "the name of a chip, or its folder"))
+    text, results = _amacrine.compile_filter(
+        files(kernels),
+        (
+            arguments.word("to", to, "int-5"),
+            None if ends is None else (ends[0], ends[1]),
+            arguments.flag("border", border),
+            arguments.word("objective", objective, "silicon"),
+        ),
+        (
+            arguments.word("sum", sum, "kept"),
+            on,
+            arguments.number("effort", effort, "give seconds, such as effort=1"),
+            arguments.whole("seed", seed),
+        ),
+    )
+    return CompiledFilter(Program.from_text(text, chip=on), dict(results))
+
+
+INPUT = "give the least and the most, in LSB, such as input=(0, 127)"
 
 
 def _cautioned(chip: ChipSensor) -> ChipSensor:
@@ -772,16 +889,16 @@ def _zeros(what: str, shape: tuple[int, ...], dtype: npt.DTypeLike, help: str) -
 
 def _windows(
     run: _amacrine.Run,
-    parts: Iterable[npt.NDArray[Any]],
+    shown: tuple[Iterable[npt.NDArray[Any]], float | None],
     how: _amacrine.Voxels,
     place: tuple[tuple[int, int], int],
-    fps: float,
+    seconds: float,
 ) -> Iterator[npt.NDArray[np.float32]]:
-    """The windows of a clip, each when it is over."""
-    stream = _amacrine.Stream(how, *place)
+    """The windows of a clip of so many seconds, each when it is over."""
+    (parts, contrast), stream = shown, _amacrine.Stream(how, *place)
     for part in parts:
-        yield from run.windows(part, stream)
-    yield from stream.rest(round(max(run.seen - 1, 0) / fps * 1e6))
+        yield from run.windows(part, contrast, stream)
+    yield from stream.rest(round(seconds * 1e6))
 
 
 def _all(given: Clips, watch: Callable[[int], T]) -> list[T]:

@@ -20,6 +20,7 @@ from .caution import Caution
 from .frames import shown
 from .kernels import Kernels, named, one
 from .program import Program
+from .readout import Readout, readout_of
 from .sensor import Sensor
 from .arguments import flag, micros, names, whole, word, word_or_none
 
@@ -29,7 +30,6 @@ takes; or None, the clip that comes with the package."""
 
 
 THRESHOLD = "give a number above 0, in units of kernel times light (0 to 255)"
-CONTRAST = "give a number above 0, in ln units, such as upsample=0.2"
 PART = "give a part above 0 and up to 1, such as sample=0.05"
 LINK = "give the least and the most, in pJ, such as link_energy=(1.0, 20.0), or one number"
 
@@ -90,7 +90,7 @@ def quantise(
     kernel: Kernels,
     to: str | Sequence[str],
     *,
-    threshold: float | Sequence[float],
+    thresholds: float | Sequence[float],
     sum: str = "kept",
     scene: Scene = None,
     fps: float | None = None,
@@ -100,11 +100,12 @@ def quantise(
     effort: float = 1.0,
     seed: int = 0,
 ) -> Answer: ...
+@arguments.renamed(threshold="thresholds")
 def quantise(
     kernel: Kernels,
     to: str | Sequence[str],
     *,
-    threshold: float | Sequence[float] | None = None,
+    thresholds: float | Sequence[float] | None = None,
     sum: str = "kept",
     scene: Scene = None,
     fps: float | None = None,
@@ -119,26 +120,26 @@ def quantise(
     Args:
         kernel: A name, a file, an array (k,k), or several as for :class:`Sensor`.
         to: A quantiser such as ``"ternary"``, ``"int-5"``, ``"po2-3"``, ``"q3.4"``; or several.
-        threshold: Compile each for the chip, and run it on a scene beside the float kernel: events
+        thresholds: Compile each for the chip, and run it on a scene beside the float kernel: events
             where kernel times light (0 to 255) moved by more than this. Several kernels are run in one
             program; one threshold for all, or one for each.
         sum: What the quantised kernel must sum to: ``"free"``, ``"zero"`` or ``"kept"``.
-        scene: What they watch, with ``threshold``.
+        scene: What they watch, with ``thresholds``.
 
     Returns:
         A :class:`Quantised`, a list of them where several quantisers were asked for; of several
-        kernels a list with that of each. With ``threshold`` an :class:`Answer` whose table (``rows``)
+        kernels a list with that of each. With ``thresholds`` an :class:`Answer` whose table (``rows``)
         has words, us, what is kept and the threshold equivalent of each; of several kernels its table
         is ``together``, a row for each quantiser.
     """
     given, several = named(kernel), not isinstance(to, str)
     values, total = names("to", to), word("sum", sum, "kept")
-    if threshold is None:
+    if thresholds is None:
         whole_scene = scene, fps, scale, within
         if any(one is not None for one in whole_scene):
             raise Error(
-                "a scene is of no use without a threshold\n"
-                "help: give a threshold, too: then each is run on the chip"
+                "a scene is of no use without thresholds\n"
+                "help: give thresholds, too: then each is run on the chip"
             )
         if not values:
             raise Error("to names no quantiser\nhelp: give one, such as to=\"ternary\"")
@@ -148,7 +149,7 @@ def quantise(
         ]
         of_kernels = each if several else [few[0] for few in each]
         return of_kernels if len(given) > 1 else of_kernels[0]
-    limits = _limits(threshold, len(given), "threshold")
+    limits = _limits(thresholds, len(given))
     how = _search(total, chip, effort, seed), shown(scene, fps, scale), micros("within", within)
     if len(given) > 1:
         text = _amacrine.on_chip_together(given, values, limits, *how)
@@ -208,19 +209,9 @@ def design(
         more than accident does in this scene. ``rated`` has the rate of each kind (``rates``).
     """
     given = named(kernels)
-    limits: list[float] = []
-    per_second = "give events per pixel and second, such as rate=2"
-    if thresholds is not None:
-        limits = _limits(thresholds, len(given))
-    if (rate is None) == (thresholds is None):
-        raise Error(
-            "a design needs a rate of events, or thresholds, and not both\n"
-            "help: give rate=2, events per pixel and second, or thresholds=40"
-        )
     text = _amacrine.design(
         given,
-        None if rate is None else arguments.number("rate", rate, per_second),
-        limits,
+        *_aim("a design", rate, thresholds, len(given)),
         (names("to", to), word_or_none("memory", memory, "shared")),
         _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
@@ -231,8 +222,9 @@ def design(
 
 def feasibility(
     kernels: Kernels,
-    thresholds: float | Sequence[float],
+    thresholds: float | Sequence[float] | None = None,
     *,
+    rate: float | None = None,
     to: str | None = None,
     candidates: str | Sequence[str] = (),
     sum: str = "kept",
@@ -256,6 +248,8 @@ def feasibility(
         kernels: As for :class:`Sensor`; several are to share a chip.
         thresholds: Events where kernel times light (0 to 255) moved by more than this: one for all
             kernels, or one for each.
+        rate: Instead: events per pixel and second, all kernels together, each an equal share: the
+            thresholds are found.
         to: The few values that the chip computes with; else the best of the candidates.
         candidates: Rows of the table of quantisers; a usual list where it is empty.
         memory: What the program of all kernels remembers: ``"analogue"``, ``"shared"`` or
@@ -273,10 +267,10 @@ def feasibility(
         ``save("report.html")`` writes. ``docs/feasibility.md`` says how each number is found.
     """
     given = named(kernels)
-    limits = _limits(thresholds, len(given))
+    aim = _aim("a report", rate, thresholds, len(given))
     text, page = _amacrine.feasibility(
         given,
-        limits,
+        aim,
         (
             word_or_none("to", to, "int-5"),
             names("candidates", candidates),
@@ -291,13 +285,15 @@ def feasibility(
     return _told(Answer.parse(text, page=page, rows="quantisation"))
 
 
+@arguments.renamed(threshold="thresholds")
 def waterfall(
     kernel: Kernels,
-    threshold: float,
+    thresholds: float | Sequence[float],
     to: str = "ternary",
     *,
     sum: str = "kept",
     domain: str = "silicon",
+    readout: Readout | None = None,
     rates: float | Sequence[float] | None = None,
     steps: bool = False,
     scene: Scene = None,
@@ -315,9 +311,11 @@ def waterfall(
 
     Args:
         kernel: A name, a file, or an array (k,k).
-        threshold: Events where kernel times light (0 to 255) moved by more than this.
+        thresholds: Events where kernel times light (0 to 255) moved by more than this: one number.
         to: How the kernel comes into few values.
         domain: What the cells of the array hold.
+        readout: How the chip's events are read out, as for :meth:`Sensor.events`; the scan that a
+            compiled program asks for where it is left out.
         rates: Frames per second at which the same light is shown; four from the clip's own to the
             most that the chip allows where they are left out.
         steps: Tell only the steps at the clip's own rate, event by event.
@@ -334,7 +332,7 @@ def waterfall(
         )
     text, drawing = _amacrine.waterfall(
         one(kernel),
-        arguments.number("threshold", threshold, THRESHOLD),
+        _limits(thresholds, 1)[0],
         (word("to", to, "int-5"), word("domain", domain, "exact")),
         _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
@@ -344,6 +342,7 @@ def waterfall(
             whole("chips", chips, 1, MOST_FALLEN),
             None if tiles is None else whole("tiles", tiles, 1, MOST_FALLEN),
         ),
+        readout_of(readout),
     )
     return _told(Answer.parse(text, drawing=drawing, rows="steps" if steps else "rates"))
 
@@ -405,7 +404,7 @@ def trade(
         return Answer.parse(text, rows="points")
     if domain is not None:
         raise Error("domain of a float sensor\nhelp: leave domain out, or give a Program")
-    contrast = None if upsample is None else arguments.number("upsample", upsample, CONTRAST)
+    contrast = arguments.contrast(upsample)
     numbers = names("formats", OF_SENSOR if formats is None else formats)
     text = _amacrine.trade(sensor._native, light, contrast, numbers, asked, how)
     return Answer.parse(text, rows="points")
@@ -418,7 +417,7 @@ def _told(answer: Answer) -> Answer:
         first, *others = one["subjects"] or ["the run"]
         alike = f" (alike: {', '.join(others)})" if others else ""
         text = f"{first}: {one['seen']}{alike}: {one['why']}; {one['change']}"
-        said.setdefault(one["about"], _amacrine.in_python(text))
+        said.setdefault(one["about"], text)
     for text in said.values():
         warnings.warn(text, Caution, stacklevel=3)
     return answer
@@ -453,9 +452,9 @@ def _energy(given: Any) -> tuple[float, float]:
     return low, high
 
 
-def _limits(thresholds: Any, count: int, name: str = "thresholds") -> list[float]:
+def _limits(thresholds: Any, count: int) -> list[float]:
     """A threshold for each kernel."""
-    limits = arguments.numbers(name, thresholds, THRESHOLD)
+    limits = arguments.numbers("thresholds", thresholds, THRESHOLD)
     if len(limits) == 1:
         limits *= count
     if len(limits) != count:
@@ -464,6 +463,20 @@ def _limits(thresholds: Any, count: int, name: str = "thresholds") -> list[float
             "help: give one threshold for all kernels, or one for each, in their order"
         )
     return limits
+
+
+def _aim(
+    what: str, rate: Any, thresholds: Any, count: int
+) -> tuple[float | None, list[float]]:
+    """A rate, or a threshold for each kernel."""
+    if (rate is None) == (thresholds is None):
+        raise Error(
+            f"{what} needs a rate of events, or thresholds, and not both\n"
+            "help: give rate=2, events per pixel and second, or thresholds=40"
+        )
+    if rate is None:
+        return None, _limits(thresholds, count)
+    return arguments.number("rate", rate, "give events per pixel and second, such as rate=2"), []
 
 
 def _rates(given: Any) -> list[float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 from . import _amacrine, arguments, toml
 from ._amacrine import Error
 from .answer import table
+from .caution import Caution
 from .names import opened
 
 MOST_JOBS = (1 << 16) - 1
@@ -122,8 +124,9 @@ def sweep(
         if shards is not None:
             raise Error("shards without a client\nhelp: give client, or leave shards out")
         count = 0 if jobs is None else arguments.whole("jobs", jobs, 1, MOST_JOBS)
-        told = _amacrine.sweep(given, sets, path, None, count, longest)
-        return Sweep(path, json.loads(told))
+        told = json.loads(_amacrine.sweep(given, sets, path, None, count, longest))
+        _caution(told)
+        return Sweep(path, told)
     if jobs is not None:
         raise Error("jobs with a client\nhelp: leave jobs out: a worker computes a point at a time")
     if shards is None:
@@ -143,9 +146,17 @@ def sweep(
     except BaseException:
         client.cancel(tasks)
         raise
+    shares = [json.loads(one) for one in done]
+    _caution(*shares)
     told = json.loads(_amacrine.merge([path / f"shard-{n}" for n in range(count)], path / "all"))
-    told["computed"] = sum(json.loads(one)["computed"] for one in done)
+    told["computed"] = sum(one["computed"] for one in shares)
     return Sweep(path / "all", told)
+
+
+def _caution(*told: dict[str, Any]) -> None:
+    """Warns the caller of :func:`sweep` of what it warns of, once of each thing."""
+    for text in dict.fromkeys(text for one in told for text in one["warnings"]):
+        warnings.warn(_amacrine.in_python(text), Caution, stacklevel=3)
 
 
 def _shard(

@@ -2,22 +2,28 @@
 
 use amacrine::{
     array::{Arithmetic, ArithmeticError},
-    compile::{DriveMemory, Effort, Objective, Request, SensorProgram},
-    isa::Device,
+    compile::{DriveMemory, Effort, EventReadout, Objective, Request, SensorProgram},
+    isa::{Device, Figure},
     kernel::{
         Kernel,
         quantise::{Quantiser, QuantiserNameError, Sum},
     },
     photoreceptor::Response,
     plane::Size,
+    program::{
+        Overrides, Program,
+        readout::{Demand, Scans, choose},
+    },
     reference::Description,
     rig::guard::Warning,
     sensor::Sensor,
+    stop::Stop,
     study::{
         cells::{compiled_cells, memory_of},
         design::{Compiled, DesignError},
         expanded::Expanded,
     },
+    unit::counted,
 };
 use miette::Report;
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, ToPyArray};
@@ -41,13 +47,17 @@ pub struct Asked<'a> {
     pub chip: &'a str,
     /// What the program is to be best at.
     pub objective: &'a str,
+    /// Events that the busiest frame is expected to have, for which the readout is chosen.
+    pub events: Option<u64>,
     /// Seconds.
     pub effort: f64,
     pub seed: u64,
+    /// Whether to give up.
+    pub stop: Stop,
 }
 
 /// What a program is to be best at, by name.
-fn objective(name: &str) -> PyResult<Objective> {
+pub fn objective(name: &str) -> PyResult<Objective> {
     match name {
         "silicon" => Ok(Objective::Silicon),
         "events" => Ok(Objective::Events),
@@ -107,14 +117,43 @@ pub fn quantiser(name: &str) -> PyResult<Quantiser> {
 }
 
 /// How long to search.
-pub fn effort(seconds: f64) -> PyResult<Effort> {
+pub fn effort(seconds: f64, stop: Stop) -> PyResult<Effort> {
     if (0.0..=3600.0).contains(&seconds) {
-        return Ok(Effort::seconds(seconds));
+        return Ok(Effort {
+            stop,
+            ..Effort::seconds(seconds)
+        });
     }
     Err(refused(
         format!("`{seconds}` is not a number of seconds from 0 to 3600"),
         "give effort=1",
     ))
+}
+
+/// The cheapest readout that loses none of so many events in a frame.
+fn readout(
+    program: &SensorProgram,
+    kinds: usize,
+    events: u64,
+    device: &Device,
+) -> PyResult<EventReadout> {
+    let [rows, columns] = [Figure::Height, Figure::Width].map(|of| device.value(of) as u64);
+    let cells = rows * columns * kinds as u64;
+    if events > cells {
+        return Err(refused(
+            format!(
+                "events_per_frame = {events}, of {} on {rows} x {columns} pixels",
+                counted(kinds, "kind")
+            ),
+            format!("give at most {cells}: a cell has one event in a frame at most"),
+        ));
+    }
+    let parsed = Program::parse("compiled", &program.text).map_err(raised)?;
+    let code = parsed.expand(device, &Overrides::default());
+    let code = code.map_err(raised)?.code;
+    let plans = Scans::new(&code.frame, device).plans(Some(&Demand::expected(events)), device);
+    let chosen = choose(&plans).and_then(|chosen| plans.get(chosen));
+    Ok(chosen.map_or_else(EventReadout::default, EventReadout::from))
 }
 
 /// A sensor as a program of a chip.
@@ -142,7 +181,7 @@ impl Chip {
         };
         let sum = sum(asked.sum)?;
         let device = Device::find(asked.chip).map_err(raised)?;
-        let effort = effort(asked.effort)?;
+        let effort = effort(asked.effort, asked.stop)?;
         let memory = memory(asked.memory, description)?;
         let cells = compiled_cells(&description.name, description, memory).map_err(raised)?;
         let (mut kinds, mut notes) = (cells.kinds, cells.notes);
@@ -167,7 +206,11 @@ impl Chip {
         (request.effort, request.seed) = (effort, asked.seed);
         request.objective = objective(asked.objective)?;
         let name = &description.name;
-        let program = SensorProgram::new(&kinds, memory, name, &request).map_err(raised)?;
+        let mut program = SensorProgram::new(&kinds, memory, name, &request).map_err(raised)?;
+        if let Some(events) = asked.events {
+            let readout = readout(&program, kinds.len(), events, &device)?;
+            program.text = program.text_with(&kinds, name, &device, readout);
+        }
         let compiled = Compiled::from_program(name, program, &device);
         let Compiled { program, expanded } = compiled.map_err(raised)?;
         Ok(Self {
@@ -299,7 +342,7 @@ impl Chip {
         Run::new(
             watcher,
             (size, channels),
-            Response::IDENTITY,
+            (Response::IDENTITY, None),
             fps,
             scale,
             max_events,

@@ -62,6 +62,22 @@ impl<'py> Borrowed<'py> {
 }
 
 impl Frames<'_> {
+    /// The least and the most light.
+    pub fn extent(self, scale: f64) -> Option<(f64, f64)> {
+        fn ends<T: Copy + Into<f64>>(all: &[T], scale: f64) -> Option<(f64, f64)> {
+            let light = all.iter().map(|number| (*number).into() * scale);
+            light.fold(None, |ends: Option<(f64, f64)>, light| {
+                let (low, high) = ends.unwrap_or((light, light));
+                Some((low.min(light), high.max(light)))
+            })
+        }
+        match self {
+            Self::U8(all) => ends(all, scale),
+            Self::F32(all) => ends(all, scale),
+            Self::F64(all) => ends(all, scale),
+        }
+    }
+
     /// The light of frame `n`: each number times `scale`.
     pub fn light(self, n: usize, scale: f64, light: &mut [f64]) {
         fn put<T: Copy + Into<f64>>(all: &[T], n: usize, scale: f64, light: &mut [f64]) {

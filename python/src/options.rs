@@ -1,10 +1,13 @@
 //! The options of the command line in the words of Python.
 
+use std::ffi::CString;
+
+use amacrine::rig::guard::Warning;
 use pyo3::prelude::*;
 
 /// What the library says of options that have no argument of their own here, and what is said
 /// instead.
-const PHRASES: [(&str, &str); 15] = [
+const PHRASES: [(&str, &str); 18] = [
     (
         "the limit (--max-events, and --max-memory where there is no room for more), ask for \
          --counts or --voxels instead of --events, or choose to drop (--when-full drop)",
@@ -43,33 +46,43 @@ const PHRASES: [(&str, &str); 15] = [
         "; --space lists them",
         "; `amacrine sweep --space` lists them",
     ),
+    ("(--readout overlapped)", "(overlapped=True)"),
+    ("(--readout sequential)", "(overlapped=False)"),
+    ("--threshold", "thresholds"),
     ("--constant", "constants"),
     ("--const ", "constants "),
 ];
 
 /// Arguments of Python that are called as the option is, with underscores for dashes. Those that
 /// are true take a word; behind the others a word goes on with the sentence.
-const ARGUMENTS: [(&str, bool); 21] = [
+const ARGUMENTS: [(&str, bool); 28] = [
     ("bins", false),
+    ("candidates", false),
     ("chip", true),
     ("chips", false),
     ("compression", true),
     ("domain", true),
     ("effort", false),
+    ("events-per-frame", false),
     ("exposure", false),
     ("format", true),
     ("fps", false),
     ("jobs", false),
+    ("link-energy", false),
     ("max-events", false),
     ("max-seconds-per-point", false),
     ("memory", true),
+    ("objective", true),
     ("output", false),
     ("rate", false),
     ("range", true),
     ("scale", false),
+    ("seed", false),
     ("size", false),
     ("sum", true),
     ("to", true),
+    ("transfer", true),
+    ("upsample", false),
     ("within", false),
 ];
 
@@ -105,6 +118,13 @@ pub fn in_python(text: &str) -> String {
 #[pyo3(name = "in_python")]
 pub fn in_words(text: &str) -> String {
     in_python(text)
+}
+
+/// Warns whoever called the function of Python that called.
+pub fn caution(py: Python<'_>, warning: &Warning) -> PyResult<()> {
+    let category = py.import("amacrine.caution")?.getattr("Caution")?;
+    let words = in_python(&warning.to_string());
+    PyErr::warn(py, &category, &CString::new(words)?, 2)
 }
 
 /// Whether a command begins with a verb of the program: `exec --set …`.

@@ -6,16 +6,17 @@ use amacrine::{
     array::{Arithmetic, ArithmeticError, Array, Register, Settings},
     event::Packet,
     isa::Device,
+    photoreceptor::Response,
     plane::{Plane, Size},
     program::{
         Action, Cost, Expansion, Host, Overrides, Program as Text, Runnable, Step, included_files,
     },
-    rig::guard::Guard,
+    rig::guard::{Guard, Warning},
     study::pilot::Chips,
     unit::Micros,
 };
 use miette::{Report, miette};
-use numpy::{PyArray1, PyArrayMethods};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray2};
 use pyo3::{prelude::*, types::PyDict};
 
 use crate::{
@@ -142,6 +143,7 @@ impl Program {
         clip: Option<bool>,
         seed: u64,
         keep: Vec<String>,
+        set: Vec<(String, PyReadonlyArray2<'py, f64>)>,
     ) -> PyResult<(
         Bound<'py, PyArray1<u8>>,
         u8,
@@ -169,6 +171,9 @@ impl Program {
             .map_err(raised)?;
         let mut chip =
             pool::work(py, || self.chip_of(size, domain, clip, seed))?.map_err(raised)?;
+        for (name, values) in &set {
+            self.set(&mut *chip, name, &values.as_array().to_owned())?;
+        }
         let mut packet = Packet::new(size, amacrine::sensor::Sensor::channels(&*chip));
         let mut films: Vec<Vec<f64>> = vec![Vec::new(); kept.len()];
         let (mut posts, mut shown) = (Vec::new(), count);
@@ -334,6 +339,38 @@ impl Program {
         chip.map_err(Report::new)
     }
 
+    /// Sets a register before it runs.
+    fn set(&self, chip: &mut dyn Array, name: &str, values: &Plane<f64>) -> PyResult<()> {
+        let register = Register::named(&self.device, name).map_err(raised)?;
+        let is_bit = register.is_bit();
+        let wrong = |value: &f64| !value.is_finite() || (is_bit && *value != 0.0 && *value != 1.0);
+        if let Some(((y, x), value)) = values.indexed_iter().find(|(_, value)| wrong(value)) {
+            let want = if is_bit { "0 or 1" } else { "finite numbers" };
+            return Err(refused(
+                format!("registers: {name} is {value} at y = {y}, x = {x}"),
+                format!("give {want}"),
+            ));
+        }
+        let bits = || values.mapv(|value| value == 1.0);
+        let set = match register {
+            Register::Analog(register) => chip.set_analog(register, values),
+            Register::Digital(register) => chip.set_digital(register, &bits()),
+            Register::Flag => chip.set_flag(&bits()),
+            Register::Pix => {
+                return Err(refused(
+                    format!("registers: {name} are the photodiodes"),
+                    "give light as frames",
+                ));
+            }
+        };
+        set.map_err(|error| {
+            refused(
+                format!("registers: {name}: {error}"),
+                "give (H,W) of the frames",
+            )
+        })
+    }
+
     /// Runs its host beside the array; what that wrote, with the frame, and the frames it saw.
     fn run_beside(
         &self,
@@ -371,16 +408,19 @@ impl Program {
 
     /// What a run is to be warned of, as `amacrine exec` warns.
     fn warned(&self, chip: &dyn Array, packet: &Packet, light: &Light<'_>) -> Vec<String> {
+        let mut guard = Guard::new();
+        if let Some(warning) = Warning::scale(light.frames.extent(light.scale), Response::IDENTITY)
+        {
+            guard.warn(warning);
+        }
         // A program that reads no events out, and a single frame, have none to miss; a host that
         // decides knows what it leaves.
-        if self.decides || chip.ledger().slots == 0 || light.count < 2 {
-            return Vec::new();
+        if !self.decides && chip.ledger().slots > 0 && light.count > 1 {
+            for n in 0..light.count {
+                guard.frame_at(Micros::from_seconds(n as f64 / light.fps));
+            }
+            guard.packet(&self.source.file, packet);
         }
-        let mut guard = Guard::new();
-        for n in 0..light.count {
-            guard.frame_at(Micros::from_seconds(n as f64 / light.fps));
-        }
-        guard.packet(&self.source.file, packet);
         let warnings = guard.warnings().into_iter();
         warnings
             .map(|warning| in_python(&warning.to_string()))

@@ -11,10 +11,11 @@ use amacrine::{
     plane::{Plane, Size},
     reference::Limit,
     rig::guard::{Crowd, Guard, Warning},
-    scene::{Frame, check_rate},
+    scene::{Frame, check_rate, upsample},
     sensor::SensorError,
     unit::Micros,
 };
+use miette::Report;
 use numpy::{PyArray1, PyReadwriteArray1};
 use pyo3::prelude::*;
 
@@ -22,7 +23,8 @@ use crate::{
     error::{raised, refused},
     frames::{Borrowed, Frames},
     options::in_python,
-    pool, record,
+    pool, readout, record,
+    source::Source,
     tensor::{Stream, arrays},
     watcher::Watcher,
 };
@@ -46,6 +48,8 @@ struct Watch {
     most: usize,
     crowd: Crowd,
     response: Response,
+    /// The least threshold, and the most by which what is compared with it moves.
+    reach: Option<[f64; 2]>,
     /// The least and the most light so far.
     extent: Option<(f64, f64)>,
     /// Cells that fired, over all frames.
@@ -58,7 +62,7 @@ impl Run {
     pub fn new(
         watcher: Box<dyn Watcher>,
         (size, channels): (Size, u8),
-        response: Response,
+        (response, reach): (Response, Option<[f64; 2]>),
         fps: f64,
         scale: f64,
         most: Option<usize>,
@@ -85,6 +89,7 @@ impl Run {
             most: most.unwrap_or(Limit::default().events),
             crowd: Crowd::new(size.pixels() as u64 * u64::from(channels)),
             response,
+            reach,
             extent: None,
             fired: 0,
             is_stopped: false,
@@ -140,6 +145,55 @@ impl Run {
     }
 }
 
+impl Run {
+    /// The same with frames put in between those of a whole clip, so that no pixel changes by more than
+    /// a contrast from one to the next. `see` is told of which frame of the clip it is, or before
+    /// which one it is put.
+    fn play_between(
+        &self,
+        py: Python<'_>,
+        frames: &Bound<'_, PyAny>,
+        contrast: f64,
+        mut see: impl FnMut(&mut Watch, usize) -> Result<(), SensorError> + Send,
+    ) -> PyResult<()> {
+        let (fps, scale) = self.with(|watch| (watch.fps, watch.scale));
+        let source = Source::new(None, Some(frames), Some(fps), Some(scale))?;
+        let seen = source.work(py, || {
+            let mut scene = upsample::by_contrast(source.open()?, Some(contrast))?;
+            let mut n = 0;
+            self.with(|watch| {
+                while let Some(frame) = scene.next_frame()? {
+                    let is_own = frame.seconds >= n as f64 / fps;
+                    watch.frame = frame;
+                    watch.measure();
+                    see(watch, n)?;
+                    watch.seen += 1;
+                    n += usize::from(is_own);
+                }
+                Ok::<_, Report>(())
+            })
+        })?;
+        seen.map_err(|report| {
+            self.with(|watch| watch.is_stopped = true);
+            raised(report)
+        })
+    }
+
+    /// Plays with frames put in where that is asked.
+    fn play_with(
+        &self,
+        py: Python<'_>,
+        frames: &Bound<'_, PyAny>,
+        contrast: Option<f64>,
+        see: impl FnMut(&mut Watch, usize) -> Result<(), SensorError> + Send,
+    ) -> PyResult<()> {
+        match contrast {
+            Some(contrast) => self.play_between(py, frames, contrast, see),
+            None => self.play(py, frames, see),
+        }
+    }
+}
+
 impl Watch {
     /// Frame `n` of an array becomes the next one.
     fn take(&mut self, frames: Frames<'_>, n: usize) {
@@ -147,10 +201,15 @@ impl Watch {
         self.frame.seconds = self.seen as f64 / self.fps;
         if let Some(light) = self.frame.light.as_slice_mut() {
             frames.light(n, self.scale, light);
-            let begin = self.extent.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
-            let wider = |(low, high): (f64, f64), light: &f64| (low.min(*light), high.max(*light));
-            self.extent = Some(light.iter().fold(begin, wider));
         }
+        self.measure();
+    }
+
+    /// Looks at the light of the frame.
+    fn measure(&mut self) {
+        let begin = self.extent.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
+        let wider = |(low, high): (f64, f64), light: &f64| (low.min(*light), high.max(*light));
+        self.extent = Some(self.frame.light.iter().fold(begin, wider));
     }
 
     /// So many cells fired since the frame before.
@@ -174,37 +233,67 @@ impl Watch {
 
 #[pymethods]
 impl Run {
-    /// The events of these frames, as the bytes of their records.
+    /// The events of these frames, as the bytes of their records: with frames put in for a contrast,
+    /// and as a readout delivers them, where these are asked for.
     fn events<'py>(
         &self,
         py: Python<'py>,
         frames: &Bound<'py, PyAny>,
+        contrast: Option<f64>,
+        readout: Option<readout::Asked>,
     ) -> PyResult<Bound<'py, PyArray1<u8>>> {
-        let mut bytes = Vec::new();
-        self.play(py, frames, |watch, _| {
+        let Some(readout) = readout.map(readout::open).transpose()? else {
+            let mut bytes = Vec::new();
+            self.play_with(py, frames, contrast, |watch, _| {
+                watch.watch()?;
+                record::append(&watch.packet.events, watch.packet.channels, &mut bytes);
+                Ok(())
+            })?;
+            return Ok(PyArray1::from_vec(py, bytes));
+        };
+        // A readout wants the whole packet.
+        let mut events = Vec::new();
+        self.play_with(py, frames, contrast, |watch, _| {
             watch.watch()?;
-            record::append(&watch.packet.events, watch.packet.channels, &mut bytes);
+            events.append(&mut watch.packet.events);
             Ok(())
+        })?;
+        let bytes = pool::work(py, || {
+            self.with(|watch| {
+                watch.packet.events = events;
+                let last = Micros::from_seconds(watch.frame.seconds);
+                watch.packet.span = (Micros(0), last);
+                watch.packet = readout.read(&watch.packet).packet;
+                watch.made = watch.packet.events.len();
+                let mut bytes = Vec::new();
+                record::append(&watch.packet.events, watch.packet.channels, &mut bytes);
+                bytes
+            })
         })?;
         Ok(PyArray1::from_vec(py, bytes))
     }
 
-    /// Fills `out`, `(T - 1, K, H, W)`, or `(T, K, H, W)` where frames were seen before.
+    /// Fills `out`, `(T - 1, K, H, W)`, or `(T, K, H, W)` where frames were seen before; with frames put
+    /// in, what happened between two of the clip's own is added up.
     fn counts(
         &self,
         py: Python<'_>,
         frames: &Bound<'_, PyAny>,
+        contrast: Option<f64>,
         mut out: PyReadwriteArray1<'_, i32>,
     ) -> PyResult<()> {
         let out = out.as_slice_mut().map_err(|_| scattered())?;
         let each = self.with(|watch| watch.cells());
         let begun = self.with(|watch| watch.seen > 0);
-        let mut none = vec![0; each];
-        self.play(py, frames, |watch, n| {
+        let mut own = vec![0; each];
+        self.play_with(py, frames, contrast, |watch, n| {
             let place = if begun { Some(n) } else { n.checked_sub(1) };
             let place = place.and_then(|n| out.get_mut(n * each..(n + 1) * each));
             let Watch { watcher, frame, .. } = watch;
-            let firing = watcher.counts(frame, place.unwrap_or(&mut none))?;
+            let firing = watcher.counts(frame, &mut own)?;
+            for (sum, own) in place.into_iter().flatten().zip(&own) {
+                *sum += own;
+            }
             watch.see(firing);
             Ok(())
         })
@@ -239,13 +328,17 @@ impl Run {
         &self,
         py: Python<'py>,
         frames: &Bound<'py, PyAny>,
+        contrast: Option<f64>,
         stream: &Bound<'py, Stream>,
     ) -> PyResult<Vec<Bound<'py, PyArray1<f32>>>> {
         let stream = stream.get();
         let mut over = Vec::new();
-        self.play(py, frames, |watch, _| {
+        self.play_with(py, frames, contrast, |watch, _| {
             watch.watch()?;
-            let now = Micros::from_seconds(watch.frame.seconds);
+            // Right behind a frame that is put in there may be events of the same microsecond.
+            let behind = u64::from(contrast.is_some());
+            let now = Micros::from_seconds(watch.frame.seconds).0;
+            let now = Micros(now.saturating_sub(behind));
             stream.with(|stream| {
                 stream.add(&watch.packet.events);
                 over.append(&mut stream.finished(now));
@@ -292,7 +385,8 @@ impl Watch {
         }
         let lost = self.packet.dropped.no_slot;
         if self.fired == 0 && lost == 0 {
-            guard.warn(Warning::no_events(subject, Some(self.seen)));
+            let (response, reach) = (self.response, self.reach);
+            guard.warn(Warning::no_events_of(subject, self.seen, response, reach));
         }
         if self.crowd.over > 0 {
             guard.warn(Warning::most_cells(subject, &self.crowd));

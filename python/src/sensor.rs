@@ -18,6 +18,7 @@ use crate::{
     pool,
     run::Run,
     source::Source,
+    stop::Flag,
     watcher,
 };
 
@@ -110,10 +111,10 @@ impl Sensor {
         let size = Size::new(size.0, size.1);
         let description = self.description.clone();
         let channels = description.channels.len() as u8;
-        let response = description.response;
+        let seen = (description.response, description.reach());
         let watcher = pool::work(py, || watcher::float(description, size, seed, format))?;
         let watcher = watcher.map_err(raised)?;
-        Run::new(watcher, (size, channels), response, fps, scale, max_events)
+        Run::new(watcher, (size, channels), seen, fps, scale, max_events)
     }
 
     /// The text of the sensor with all thresholds times the factor at which it says `rate` events per
@@ -128,7 +129,7 @@ impl Sensor {
         seed: u64,
     ) -> PyResult<String> {
         let source = Source::new(None, Some(frames), Some(fps), Some(scale))?;
-        let found = source.work(py, || {
+        let found = source.study(py, self.description.response, || {
             rate::factor(&self.description, rate, seed, &|| source.open())
         })?;
         let factor = found.map_err(raised)?.factor;
@@ -145,18 +146,25 @@ impl Sensor {
         memory: Option<&str>,
         chip: &str,
         objective: &str,
+        events: Option<u64>,
         effort: f64,
         seed: u64,
     ) -> PyResult<Chip> {
+        let stop = Flag::new();
         let asked = chip::Asked {
             to,
             sum,
             memory,
             chip,
             objective,
+            events,
             effort,
             seed,
+            stop: stop.stop(),
         };
-        pool::work(py, || Chip::new(&self.description, &asked))?
+        let pool = pool::pool()?;
+        pool::watched(py, stop.flag(), || {
+            pool.install(|| Chip::new(&self.description, &asked))
+        })?
     }
 }

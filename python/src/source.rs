@@ -1,21 +1,19 @@
 //! Scenes: by name, or an array that the caller gives.
 
-use std::{
-    io,
-    sync::{
-        Arc,
-        atomic::{AtomicBool, Ordering},
-    },
-};
+use std::{io, sync::Arc};
 
 use amacrine::{
     memory::Budget,
+    photoreceptor::Response,
     plane::{Plane, Size},
+    rig::guard::Warning,
     scene::{
-        Coding, Frame, OpenOptions, Outline, Scene, SceneError, bundled_with,
+        Coding, Frame, Light, Observation, Observed, OpenOptions, Outline, Range, Samples, Scene,
+        SceneError, Transfer, bundled_with,
         kept::{Kept, Pixels},
         open,
     },
+    stop::Stop,
 };
 use numpy::{PyArray1, PyArray3, PyArrayMethods};
 use pyo3::prelude::*;
@@ -23,14 +21,18 @@ use pyo3::prelude::*;
 use crate::{
     error::{raised, refused},
     frames::{Borrowed, Frames},
+    options::caution,
     pool,
+    stop::Flag,
 };
 
 /// What scenes are watched by a study.
 pub struct Source {
     of: Of,
     /// Whether the person wants to stop: scenes then end with an error.
-    stop: Arc<AtomicBool>,
+    stop: Flag,
+    /// What is seen of them.
+    observation: Observation,
 }
 
 enum Of {
@@ -58,14 +60,11 @@ enum Numbers {
 }
 
 /// How scenes are opened.
-fn options(fps: Option<f64>, scale: Option<f64>) -> OpenOptions {
+fn options(fps: Option<f64>, coding: Coding) -> OpenOptions {
     OpenOptions {
         fps,
         memory: Some(Budget::from_machine()),
-        coding: Coding {
-            scale,
-            ..Coding::default()
-        },
+        coding,
     }
 }
 
@@ -78,7 +77,11 @@ impl Source {
         scale: Option<f64>,
     ) -> PyResult<Self> {
         let Some(frames) = frames else {
-            return Ok(Of::Named(name, options(fps, scale)).into());
+            let coding = Coding {
+                scale,
+                ..Coding::default()
+            };
+            return Ok(Of::Named(name, options(fps, coding)).into());
         };
         let borrowed = Borrowed::new(frames)?;
         let (count, height, width) = borrowed.shape();
@@ -113,13 +116,14 @@ impl Source {
 
     /// The scene from its start.
     pub fn open(&self) -> Result<Box<dyn Scene>, SceneError> {
-        check(&self.stop)?;
+        let stop = self.stop.stop();
+        check(stop)?;
         let scene = match &self.of {
             Of::Named(Some(name), options) if name != "bundled" => open(name, options)?,
             Of::Named(_, options) => bundled_with(options)?,
             Of::Given(given) => Box::new(given.clone()),
         };
-        let stop = Arc::clone(&self.stop);
+        let scene = Box::new(Observed::new(scene, &self.observation));
         Ok(Box::new(Stoppable { scene, stop }))
     }
 
@@ -135,7 +139,27 @@ impl Source {
     /// Does on the pool what looks at these scenes. On Ctrl-C it ends at the next frame of one.
     pub fn work<T: Send>(&self, py: Python<'_>, what: impl FnOnce() -> T + Send) -> PyResult<T> {
         let pool = pool::pool()?;
-        pool::watched(py, &self.stop, || pool.install(what))
+        pool::watched(py, self.stop.flag(), || pool.install(what))
+    }
+
+    /// The same for a study: of what there is to warn of in these scenes, for a sensor of this
+    /// response, it warns whoever called the function of Python that called.
+    pub fn study<T: Send>(
+        &self,
+        py: Python<'_>,
+        response: Response,
+        what: impl FnOnce() -> T + Send,
+    ) -> PyResult<T> {
+        let made = self.work(py, what)?;
+        for warning in Warning::of_scene(&self.observation, response) {
+            caution(py, &warning)?;
+        }
+        Ok(made)
+    }
+
+    /// What tells other work that the person wants to stop.
+    pub const fn stop(&self) -> Stop {
+        self.stop.stop()
     }
 }
 
@@ -143,7 +167,8 @@ impl From<Of> for Source {
     fn from(of: Of) -> Self {
         Self {
             of,
-            stop: Arc::default(),
+            stop: Flag::new(),
+            observation: Observation::new(),
         }
     }
 }
@@ -151,7 +176,7 @@ impl From<Of> for Source {
 /// A scene that ends with an error once the person wants to stop.
 struct Stoppable {
     scene: Box<dyn Scene>,
-    stop: Arc<AtomicBool>,
+    stop: Stop,
 }
 
 impl Scene for Stoppable {
@@ -160,14 +185,14 @@ impl Scene for Stoppable {
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
-        check(&self.stop)?;
+        check(self.stop)?;
         self.scene.next_frame()
     }
 }
 
 /// The error is not shown: what the signal raised is.
-fn check(stop: &AtomicBool) -> Result<(), SceneError> {
-    if !stop.load(Ordering::Relaxed) {
+fn check(stop: Stop) -> Result<(), SceneError> {
+    if !stop.is_asked() {
         return Ok(());
     }
     Err(SceneError::Unreadable {
@@ -180,6 +205,13 @@ impl Scene for Given {
     fn outline(&self) -> Outline {
         Outline {
             frames: Some(self.frames as u64),
+            coding: Light {
+                samples: match self.numbers {
+                    Numbers::U8(_) => Samples::Integers,
+                    Numbers::F32(_) | Numbers::F64(_) => Samples::Floats,
+                },
+                ..Light::DRAWN
+            },
             ..Outline::new(self.size, self.fps)
         }
     }
@@ -219,8 +251,25 @@ pub fn scene<'py>(
     fps: Option<f64>,
     scale: Option<f64>,
     frames: Option<u64>,
+    coded: (&str, &str),
 ) -> PyResult<(Bound<'py, PyAny>, f64, bool)> {
-    let source = Source::new(name, None, fps, scale)?;
+    let (range, transfer) = coded;
+    let coding = Coding {
+        range: match range {
+            "limited" => Some(Range::Limited),
+            "full" => Some(Range::Full),
+            _ => None,
+        },
+        transfer: match transfer {
+            "as-coded" => Some(Transfer::AsCoded),
+            "linear" => Some(Transfer::Linear),
+            "srgb" => Some(Transfer::Srgb),
+            "bt709" => Some(Transfer::Bt709),
+            _ => None,
+        },
+        scale,
+    };
+    let source: Source = Of::Named(name, options(fps, coding)).into();
     let kept = source.work(py, || {
         let scene = source.open()?;
         let is_assumed = scene.outline().fps_is_assumed;

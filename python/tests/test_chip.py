@@ -64,8 +64,9 @@ def test_a_sensor_on_the_chip_is_its_program(
     assert events.tobytes() == run.events.tobytes()
     _, every = chip("int-5", "exact")
     assert every.text == slots.text
-    assert len(every.events(frames, FPS)) >= len(events)
     assert run.lost == 0
+    # All of them in the order in which the chip gives them.
+    assert every.events(frames, FPS).tobytes() == events.tobytes()
     (tmp_path / "s.toml").write_text(sensor.text)
     out = tmp_path / "s.scamp"
     program(
@@ -74,6 +75,54 @@ def test_a_sensor_on_the_chip_is_its_program(
     )
     bare = [line for line in out.read_text().splitlines() if not line.startswith("//=")]
     assert "\n".join(bare).strip() == slots.text.strip()
+
+
+def test_a_program_for_so_many_events(
+    program: Callable[..., str], tmp_path: Path, frames: Frames
+) -> None:
+    """The readout is chosen as on the command line; what is seen of all events stays the same."""
+    sensor, usual = chip("int-5", "exact")
+    (tmp_path / "s.toml").write_text(sensor.text)
+    want = usual.events(frames, FPS)
+    for events, readout in ((300, "scamp5_scan_events"), (60_000, "scamp5_scan_dreg")):
+        _, own = chip("int-5", "exact", events_per_frame=events)
+        out = tmp_path / f"{events}.scamp"
+        program(
+            "compile", "--sensor", tmp_path / "s.toml", "--to", "int-5", "--effort", 0.05,
+            "--seed", 2, "--events-per-frame", events, "-o", out,
+        )
+        bare = [line for line in out.read_text().splitlines() if not line.startswith("//=")]
+        assert "\n".join(bare).strip() == own.text.strip()
+        assert readout in own.text
+        got = own.events(frames, FPS)
+        fields = [name for name in got.dtype.names or ()]
+        assert np.array_equal(np.sort(got, order=fields), np.sort(want, order=fields))
+
+
+def test_a_filter_alone(program: Callable[..., str], tmp_path: Path) -> None:
+    """As `compile --filter-only`, and it computes the kernel from what A holds."""
+    out = tmp_path / "f.scamp"
+    program(
+        "compile", "sobel-x", "--filter-only", "--input", "0..127", "--border", "--effort", 0.05, "-o", out
+    )
+    filter = amacrine.compile_filter("sobel-x", input=(0, 127), border=True, effort=0.05)
+    assert filter.text.strip() == out.read_text().strip() and filter.words > 3
+    light = np.random.default_rng(3).integers(0, 128, (8, 9)).astype(float)
+    run = filter.program.run(np.zeros((1, 8, 9), np.uint8), registers={"A": light})
+    (name, scale), = filter.results.items()
+    padded = np.pad(light, 1)
+    kernel = amacrine.Sensor("sobel-x", 1).kernels[0]
+    want = sum(kernel[y, x] * padded[y : y + 8, x : x + 9] for y in range(3) for x in range(3))
+    np.testing.assert_array_equal(run.registers[name], want * scale)
+    two = amacrine.compile_filter(np.stack([kernel, kernel.T]), to="ternary", effort=0.05)
+    assert list(two.results) == ["A", "B"]
+
+
+def test_small_light_is_told_of(frames: Frames) -> None:
+    snap = amacrine.Program.from_file("dvs/snap")
+    with pytest.warns(amacrine.Caution, match="all light lies between 0.0000 and 1.0000") as said:
+        snap.run(frames / 255, FPS, scale=1)
+    assert "give scale=255" in " ".join(str(one.message) for one in said)
 
 
 def test_without_errors_it_is_the_float_sensor_of_its_levels(frames: Frames) -> None:

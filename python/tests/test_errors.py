@@ -127,9 +127,40 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "levels": (lambda: amacrine.quantise("dvs", "int-99"), "int-"),
     "of no use": (
         lambda: amacrine.quantise("dvs", "ternary", fps=3),  # type: ignore[call-overload]
-        "give a threshold, too",
+        "give thresholds, too",
     ),
     "two kernels": (lambda: amacrine.waterfall(kernels(2), 1), "give one of them"),
+    "old name": (
+        lambda: _any(amacrine.quantise)("dvs", "ternary", threshold=20), "give thresholds=20"
+    ),
+    "old name of a fall": (
+        lambda: _any(amacrine.waterfall)("dvs", threshold=20), "it is called thresholds"
+    ),
+    "two thresholds": (
+        lambda: amacrine.waterfall("dvs", [1, 2]), "2 thresholds for 1 kernels"
+    ),
+    "no readout": (lambda: sensor().events(GOOD, 9, readout="scanner"), "scanner"),
+    "setting of a readout": (
+        lambda: sensor().events(GOOD, 9, readout={"readout": "scan", "fifo": 2}), "fifo"
+    ),
+    "settings alone": (lambda: sensor().events(GOOD, 9, readout={"fifo": 2}), "readout = None"),
+    "contrast": (lambda: sensor().events(GOOD, 9, upsample=0), "upsample=0.2"),
+    "upsample of a chip": (lambda: _on_chip().events(GOOD, 9, upsample=0.2), "sees frames"),
+    "upsample without bins": (lambda: sensor().voxels(GOOD, 9, upsample=0.2), "give bins"),
+    "many a frame": (
+        lambda: amacrine.compile("dvs", 16, events_per_frame=10**6), "a cell has one event in a frame"
+    ),
+    "input": (lambda: amacrine.compile_filter("dvs", input=(0, 300)), "input=(0, 127)"),
+    "input of one": (lambda: amacrine.compile_filter("dvs", input=_any(9)), "input=(0, 127)"),
+    "filter of zeros": (lambda: amacrine.compile_filter(np.zeros((3, 3))), "no weight but 0"),
+    "no register": (lambda: _snap(registers={"Z": 1}), "Z: no such register"),
+    "register of text": (lambda: _snap(registers={"A": "x"}), "registers: A"),
+    "register of another size": (lambda: _snap(registers={"A": np.zeros((3, 3))}), "(H,W)"),
+    "half a bit": (lambda: _snap(registers={"R5": 0.5}), "give 0 or 1"),
+    "photodiodes": (lambda: _snap(registers={"PIX": 1}), "give light as frames"),
+    "range": (lambda: amacrine.load(range="tv"), "auto, limited, full"),
+    "range of a pattern": (lambda: amacrine.load("pattern:bar", range="limited"), "drawn as light"),
+    "feasibility of neither": (lambda: amacrine.feasibility("dvs"), "or thresholds, and not both"),
     "kernel zero": (lambda: amacrine.quantise(np.zeros((3, 3)), "ternary"), "0"),
     "feasibility memory": (
         lambda: amacrine.feasibility("dvs", 9, memory="bits:9"), "`bits:9` is no memory"
@@ -309,6 +340,10 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
 }
 
 
+def _snap(**how: Any) -> Any:
+    return amacrine.Program.from_file("dvs/snap").run(GOOD, **how)
+
+
 def _on_chip() -> amacrine.ChipSensor:
     return amacrine.compile("dvs", 16, effort=0.01)
 
@@ -374,6 +409,9 @@ def test_options_are_arguments() -> None:
         "leave the compression out (--compression), or": "leave the compression out (compression), or",
         "give a contrast (`--upsample`, or `upsample` in a study) such": "give a contrast (upsample) such",
         "longer (--effort); --objective words compiles it as it is": "longer (effort)",
+        "while events are read (--readout overlapped): a": "while events are read (overlapped=True): a",
+        "put frames in (--upsample), or --transfer srgb": 'put frames in (upsample), or transfer="srgb"',
+        "a lower --threshold, or --objective exact": 'a lower thresholds, or objective="exact"',
         "help: take less, or allow more with --max-memory SIZE, such as --max-memory 5G\nx": "help: take less\nx",
         "; `convert --salvage` keeps": "; `amacrine convert --salvage` keeps",
         "`exec --set A=FILE.npy`; or": "`amacrine exec --set A=FILE.npy`; or",

@@ -76,6 +76,61 @@ def test_numbers_with_a_scale(
     assert sensor.events(given, FPS, scale=4).tobytes() == want["events"].tobytes()
 
 
+def test_frames_are_put_in(
+    program: Callable[..., str], tmp_path: Path, frames: Frames
+) -> None:
+    """As `--upsample` does."""
+    sensor = sensors()["learned"]
+    want = of_program(program, tmp_path, frames[:4], sensor.text, "--seed", 3, "--upsample", 0.5)
+    events = sensor.events(frames[:4], FPS, upsample=0.5)
+    assert events.tobytes() == want["events"].tobytes()
+    assert events.tobytes() != sensor.events(frames[:4], FPS).tobytes()
+    assert len(want["counts"]) > 3
+    counts = sensor.counts(frames[:4], FPS, upsample=0.5)
+    assert counts.shape == (3, 3, *frames.shape[1:])
+    assert np.array_equal(counts.sum(axis=0), want["counts"].sum(axis=0))
+    same = np.zeros_like(counts)
+    # An event at the time of a frame is before it.
+    pair = np.ceil(np.round(events["t"] * 1e-6 * FPS, 4)).astype(int) - 1
+    sign = np.where(events["p"] == 1, 1, -1)
+    np.add.at(same, (pair, events["channel"], events["y"], events["x"]), sign)
+    assert (same != counts).mean() < 1e-3
+    how: Any = {"bins": 4, "window": 1 / FPS}
+    voxels = sensor.voxels(frames[:4], FPS, upsample=0.5, **how)
+    assert np.array_equal(voxels, amacrine.events.voxels(events, end=3 / FPS, **how))
+
+
+def test_a_readout_stands_between(
+    program: Callable[..., str], tmp_path: Path, frames: Frames
+) -> None:
+    """As `--readout` and `--with` say, in every form."""
+    sensor = sensors()["shipped"]
+    np.save(tmp_path / "scene.npy", frames)
+    (tmp_path / "sensor.toml").write_text(sensor.text)
+    (tmp_path / "own.toml").write_text(amacrine.text("readouts", "arbiter"))
+    scene = ("--scene", tmp_path / "scene.npy", "--sensor", tmp_path / "sensor.toml", "--fps", FPS)
+    ways: list[tuple[Any, tuple[Any, ...]]] = [
+        ("scan", ("scan",)),
+        (tmp_path / "own.toml", (tmp_path / "own.toml",)),
+        ({"readout": "scan", "slots": 20}, ("scan", "--with", "slots=20")),
+        (
+            {"readout": "arbiter", "fifo": 16, "when_full": "drop-newest"},
+            ("arbiter", "--with", "fifo=16", "--with", "when-full=drop-newest"),
+        ),
+    ]
+    for readout, words in ways:
+        out = tmp_path / "e.npy"
+        stated = program("run", *scene, "--seed", 3, "--readout", *words, "-o", out, "--json")
+        dropped = json.loads(stated)["dropped"]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", amacrine.Caution)
+            events = sensor.events(frames, FPS, readout=readout)
+        assert events.tobytes() == np.load(out).tobytes(), readout
+        assert events.dropped == dropped
+    with pytest.warns(amacrine.Caution, match="the readout's slots were full"):
+        sensor.events(frames, FPS, readout={"readout": "scan", "slots": 20})
+
+
 def test_dtypes() -> None:
     assert amacrine.EVENT.descr == [("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "|i1")]
     assert amacrine.EVENT_OF_KINDS.descr == [*amacrine.EVENT.descr, ("channel", "|u1")]
@@ -186,6 +241,23 @@ def test_a_stream_goes_on(frames: Frames) -> None:
 def test_a_sensor_that_never_fires_says_so(frames: Frames) -> None:
     with pytest.warns(amacrine.Caution, match="no event at all in 12 frames"):
         amacrine.Sensor("dvs", 50.0).events(frames, FPS)
+
+
+def test_thresholds_that_no_light_reaches_are_told_of(
+    frames: Frames, program: Callable[..., str], tmp_path: Path
+) -> None:
+    """In the words of `amacrine run`: what the response makes of light is why."""
+    sensor = amacrine.Sensor("csdvs-3", 20)
+    (tmp_path / "it.toml").write_text(sensor.text)
+    np.save(tmp_path / "light.npy", frames)
+    words = ("run", "--sensor", tmp_path / "it.toml", "--scene", tmp_path / "light.npy")
+    (told,) = json.loads(program(*words, "--fps", FPS, "--json"))["warnings"]
+    want = f"sensor: {told['seen']}: {told['why']}; {told['change']}"
+    assert "the least is 20: its response makes 0 to 1 of light from 0 to 255" in want
+    assert 'response = "identity"' in want
+    assert _said(lambda: sensor.events(frames, FPS)) == [want]
+    identity = amacrine.Sensor("csdvs-3", 20, response="identity")
+    assert not any("no event" in said for said in _said(lambda: identity.events(frames, FPS)))
 
 
 def _said(watch: Callable[[], Any]) -> list[str]:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import os
 import pickle
+import re
 import signal
 import subprocess
 import sys
 import time
+import warnings
 from pathlib import Path
 from typing import Any, Callable
 
@@ -52,13 +54,13 @@ def test_several_kernels_are_run_in_one_program(program: Callable[..., str]) -> 
     words = ("--to", "ternary", "--threshold", "20,30", "--scene", SCENE, "--effort", 0.05)
     stated = json.loads(program("quantise", "dvs,sobel-x", *words, "--json"))
     answer = amacrine.quantise(
-        ["dvs", "sobel-x"], "ternary", threshold=[20, 30], scene=SCENE, effort=0.05
+        ["dvs", "sobel-x"], "ternary", thresholds=[20, 30], scene=SCENE, effort=0.05
     )
     assert answer.to_dict()["together"] == stated["together"]
     assert [kind.name for kind in answer.kernels] == ["dvs", "sobel-x"]
     assert "ternary" in answer._repr_html_()
     with pytest.raises(amacrine.Error, match="3 thresholds for 2 kernels"):
-        amacrine.quantise(["dvs", "sobel-x"], "ternary", threshold=[1, 2, 3], scene=SCENE)
+        amacrine.quantise(["dvs", "sobel-x"], "ternary", thresholds=[1, 2, 3], scene=SCENE)
 
 
 def test_a_quantised_kernel_is_a_table_in_a_notebook() -> None:
@@ -70,12 +72,12 @@ def test_a_quantised_kernel_is_a_table_in_a_notebook() -> None:
 def test_quantise_on_the_chip(program: Callable[..., str]) -> None:
     words = ("--threshold", 20, "--scene", SCENE, "--effort", 0.05)
     stated = json.loads(program("quantise", "csdvs-3", "--to", "ternary", *words, "--json"))
-    answer = amacrine.quantise("csdvs-3", ["ternary"], threshold=20, scene=SCENE, effort=0.05)
+    answer = amacrine.quantise("csdvs-3", ["ternary"], thresholds=20, scene=SCENE, effort=0.05)
     assert answer.to_dict()["rows"] == stated["chip"]["rows"]
     frames, fps = amacrine.load(SCENE)
     scale = None if frames.dtype == np.uint8 else 1
     same = amacrine.quantise(
-        "csdvs-3", ["ternary"], threshold=20, scene=frames, fps=fps, scale=scale, effort=0.05
+        "csdvs-3", ["ternary"], thresholds=20, scene=frames, fps=fps, scale=scale, effort=0.05
     )
     assert same == answer
     assert "ternary" in answer._repr_html_()
@@ -90,14 +92,45 @@ def test_feasibility(program: Callable[..., str], tmp_path: Path) -> None:
     )
     of = answer.to_dict()
     assert len(stated) > 15
+    said = amacrine.Answer.parse(json.dumps(stated)).to_dict()
     for name in set(stated) - {"command", "light", "warnings"}:
-        assert of[name] == stated[name], name
+        assert of[name] == said[name], name
+    # What it says is said in arguments.
+    assert "(--readout overlapped)" in json.dumps(stated)
+    assert "(overlapped=True)" in json.dumps(of) and not re.search(r"--[a-z]", json.dumps(of))
     assert "<iframe srcdoc=" in answer._repr_html_()
     answer.save(tmp_path / "report.html")
     assert (tmp_path / "report.html").read_text().startswith("<!DOCTYPE html>")
     assert pickle.loads(pickle.dumps(answer)) == answer
     with pytest.raises(AttributeError, match="verdict"):
         answer.verdicts
+
+
+def test_feasibility_at_a_rate(program: Callable[..., str]) -> None:
+    """The thresholds are found, as on the command line."""
+    words = ("--rate", 2, "--scene", SCENE, "--effort", 0.05, "--chips", 1, "--to", "ternary")
+    kernels = ["csdvs-3", "sobel-x"]
+    stated = program("feasibility", ",".join(kernels), *words, "--candidates", "ternary", "--json")
+    how: Any = {"to": "ternary", "candidates": ["ternary"], "scene": SCENE, "effort": 0.05}
+    answer = amacrine.feasibility(kernels, rate=2, chips=1, **how)
+    theirs = json.loads(stated)["kernels"]
+    for own, kernel in zip(answer.to_dict()["kernels"], theirs, strict=True):
+        assert own["kernel"] == kernel["kernel"] and own["streams"] == kernel["streams"]
+
+
+def test_light_of_another_scale_is_told_of() -> None:
+    """By studies, whatever they are of."""
+    frames, fps = amacrine.load(SCENE)
+    light: Any = {"scene": frames / 255, "fps": fps, "scale": 1}
+    snap = amacrine.Program.from_file("dvs/snap")
+    with pytest.warns(amacrine.Caution, match="all light lies between") as said:
+        amacrine.trade(snap, formats=["f32"], **light)
+    assert {Path(one.filename).name for one in said} == {"test_study.py"}
+    with pytest.warns(amacrine.Caution, match="give scale=255"):
+        amacrine.waterfall("csdvs-3", 0.1, steps=True, effort=0.01, **light)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        amacrine.trade(snap, frames, fps=fps, scale=1, formats=["f32"])
 
 
 def test_design(program: Callable[..., str], tmp_path: Path) -> None:
@@ -131,6 +164,16 @@ def test_waterfall(program: Callable[..., str], tmp_path: Path) -> None:
     answer.save(tmp_path / "fall.svg")
     with pytest.raises(ValueError, match="there is no .html"):
         answer.save(tmp_path / "fall.html")
+
+
+def test_a_waterfall_behind_a_readout(program: Callable[..., str]) -> None:
+    words = ("--threshold", 20, "--scene", SCENE, "--effort", 0.05, "--steps", "--to", "ternary")
+    few = ("--readout", "scan", "--with", "slots=3")
+    stated = json.loads(program("waterfall", "csdvs-3", *words, *few, "--json"))
+    how: Any = {"to": "ternary", "scene": SCENE, "effort": 0.05, "steps": True}
+    own = amacrine.waterfall("csdvs-3", 20, readout={"readout": "scan", "slots": 3}, **how)
+    assert own.to_dict()["steps"] == stated["steps"]
+    assert own.to_dict()["steps"] != amacrine.waterfall("csdvs-3", 20, **how).to_dict()["steps"]
 
 
 def test_trade() -> None:
@@ -190,8 +233,21 @@ STUDIES = {
     "feasibility": "amacrine.feasibility('csdvs-3', 20, to='ternary', candidates=['ternary'], **how)",
     "design": "amacrine.design('csdvs-3', thresholds=20, to='ternary', **how)",
     "waterfall": "amacrine.waterfall('csdvs-3', 20, to='ternary', **how)",
-    "quantise": "amacrine.quantise('csdvs-3', 'ternary', threshold=20, **how)",
+    "quantise": "amacrine.quantise('csdvs-3', 'ternary', thresholds=20, **how)",
 }
+
+LONG = "pattern:grating?width=192&height=192&frames=600&fps=100"
+
+SEARCHES = {
+    "compile": "amacrine.compile('rgc-5x5', 20, to='int-5', effort=3000)",
+    "words": "amacrine.compile('rgc-5x5', 20, to='int-5', effort=3000, objective='words')",
+    "on_chip": "amacrine.Sensor('dog', 0.1, memory='filtered-snap').on_chip('int-5', effort=3000)",
+    "shared": "amacrine.compile(['dog', 'sobel-x'], 20, to='int-5', memory='shared', effort=3000)",
+    "candidates": "amacrine.design('dog', thresholds=20, effort=3000)",
+    "trade": f"amacrine.trade(amacrine.Sensor.from_file('rgc-4'), '{LONG}', verify=True, sample=1)",
+    "trade of a program": f"amacrine.trade(amacrine.Program.from_file('dvs/snap'), '{LONG}', verify=True)",
+}
+"""What looks at no scene meanwhile, or at one that is kept."""
 
 ENDLESS = """
 import amacrine, sys
@@ -201,10 +257,10 @@ print("begun", flush=True)
 """
 
 
-@pytest.mark.parametrize("study", STUDIES)
+@pytest.mark.parametrize("study", [*STUDIES, *SEARCHES])
 def test_studies_end_on_ctrl_c(study: str) -> None:
-    """At the next frame of their scene."""
-    code = ENDLESS.format(STUDIES[study])
+    """At the next frame of their scene; searches after what they look at."""
+    code = ENDLESS.format((STUDIES | SEARCHES)[study])
     with subprocess.Popen(
         [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as run:

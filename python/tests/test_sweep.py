@@ -66,6 +66,13 @@ def test_it_is_the_sweep_of_the_program(
     assert len(other) == 2 and {row["threshold_on"] for row in other.rows} == {4.0}
 
 
+def test_a_scene_that_ends_early_is_told_of(study: Path, tmp_path: Path) -> None:
+    keys = {"threshold": 4, "frames": 50, "reference.format": "f32"}
+    with pytest.warns(amacrine.Caution, match="it ends after 8 frames") as said:
+        amacrine.sweep(study, tmp_path / "out", set=keys)
+    assert {Path(one.filename).name for one in said} == {"test_sweep.py"}
+
+
 def test_rows_as_a_frame(study: Path, tmp_path: Path) -> None:
     pandas = pytest.importorskip("pandas")
     swept = amacrine.sweep(study, tmp_path / "out", set={"threshold": 4})

@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use crate::{
     aligned::Aligned,
     isa::Direction,
-    plane::{At, Plane, Size},
+    plane::{Plane, Size},
 };
 
 /// One bit for every pixel. Rows start at a new word; bits beyond the width are 0.
@@ -58,20 +58,6 @@ impl BitPlane {
     #[must_use]
     pub fn to_plane(&self) -> Plane<bool> {
         Plane::from_shape_fn(self.size.shape(), |(y, x)| self.get(y, x))
-    }
-
-    /// Tells of every pixel that is 1, row by row.
-    pub fn each_one(&self, mut see: impl FnMut(At)) {
-        for y in 0..self.size.height {
-            for (word, x) in self.row(y).iter().zip((0..).step_by(64)) {
-                let mut left = *word;
-                while left != 0 {
-                    let x = x + left.trailing_zeros() as usize;
-                    see(At { y, x });
-                    left &= left - 1;
-                }
-            }
-        }
     }
 
     /// The bit of one pixel of the array.
@@ -306,10 +292,6 @@ mod tests {
             let plane = Plane::from_shape_fn((height, width), |(y, x)| bits[y * width + x]);
             let packed = BitPlane::from_plane(&plane);
             prop_assert_eq!(&packed.to_plane(), &plane);
-            let mut ones = Vec::new();
-            packed.each_one(|at| ones.push((at.y, at.x)));
-            let set = plane.indexed_iter().filter(|(_, bit)| **bit).map(|(at, _)| at);
-            prop_assert_eq!(ones, set.collect::<Vec<_>>());
             for direction in Direction::ALL {
                 let (dy, dx) = direction.step();
                 for y in 0..height {

@@ -17,6 +17,8 @@ pub struct RunGuard {
     name: String,
     crowd: Crowd,
     border: Border,
+    /// The least threshold, and the most by which what is compared with it moves.
+    reach: Option<[f64; 2]>,
 }
 
 impl RunGuard {
@@ -28,6 +30,7 @@ impl RunGuard {
             name: description.name.clone(),
             crowd: Crowd::new(cells as u64),
             border: Border::new(format, description.response),
+            reach: description.reach(),
         }
     }
 
@@ -41,7 +44,13 @@ impl RunGuard {
     pub fn warnings(&self, tally: &Tally, packet: &Packet) -> Vec<Warning> {
         let mut guard = Guard::new();
         if tally.total() == 0 {
-            guard.warn(Warning::no_events(&self.name, Some(self.crowd.frames)));
+            let response = self.border.response;
+            guard.warn(Warning::no_events_of(
+                &self.name,
+                self.crowd.frames,
+                response,
+                self.reach,
+            ));
         }
         if self.crowd.over > 0 {
             guard.warn(Warning::most_cells(&self.name, &self.crowd));

@@ -89,6 +89,9 @@ impl Survival<'_> {
             _ => 0.0,
         };
         let decided = |candidate: &Candidate| {
+            if self.effort.stop.is_asked() {
+                return None;
+            }
             let scale = 2f64.powi(-(candidate.bits as i32));
             trials.decided(
                 &candidate.solved.allocated.words,
@@ -150,7 +153,7 @@ impl Survival<'_> {
             let Some(whole) = compose(&halvings(outer), plan) else {
                 continue;
             };
-            let problem = self.problem(bits, Effort { states: 0 });
+            let problem = self.problem(bits, Effort::states(0));
             all.extend(self.tried(&problem, &whole, &Reads::new(), bits));
             match compared {
                 Compared::Drives => {

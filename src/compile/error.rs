@@ -34,6 +34,10 @@ pub(super) fn times_that_fit(times: f64) -> String {
 /// Kernels that cannot be compiled as asked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum CompileError {
+    /// Nobody waited for it any longer.
+    #[error("the search was given up")]
+    #[diagnostic(help("search again"))]
+    GivenUp,
     /// A weight that sums and halves do not make exactly.
     #[error(
         "{kernel}, row {row}, column {column}: {weight} is not a whole number of 1/4096 of at most 4096"

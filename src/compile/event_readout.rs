@@ -2,7 +2,10 @@
 
 use std::fmt::Write as _;
 
-use crate::event::readout::scan::SLOTS;
+use crate::{
+    event::readout::scan::SLOTS,
+    program::readout::{Plan, Way},
+};
 
 /// How a compiled program reads its events out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +29,19 @@ impl Default for EventReadout {
     /// Event by event, as many as the chip has slots.
     fn default() -> Self {
         Self::Slots(SLOTS)
+    }
+}
+
+impl From<&Plan> for EventReadout {
+    fn from(plan: &Plan) -> Self {
+        match (plan.way, plan.slots, &plan.rows) {
+            (_, Some(slots), _) => Self::Slots(slots as u32),
+            (_, _, Some(rows)) => Self::BitPlanes(*rows.start() as u16, *rows.end() as u16),
+            (Way::BoundingBox, ..) => Self::BoundingBox,
+            (Way::EventCounts, ..) => Self::Counts,
+            (Way::Sums, ..) => Self::Sums,
+            _ => Self::Any,
+        }
     }
 }
 

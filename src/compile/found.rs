@@ -70,7 +70,7 @@ mod tests {
         let all = ordinary_registers(&device);
         let mut searches = 0;
         let mut ask = |states: u64| {
-            let file = (request.input, &all[..], Effort { states });
+            let file = (request.input, &all[..], Effort::states(states));
             let found = found(request.problem(&forms, unit, file, None), |problem| {
                 searches += 1;
                 let plan = problem.solve()?.plan;

@@ -14,7 +14,7 @@
 //! let device = Device::scamp5();
 //! let kernels = [Kernel::builtin("sobel-x").unwrap()];
 //! let mut request = Request::new(&kernels, &device)?;
-//! request.effort = Effort { states: 20_000 };
+//! request.effort = Effort::states(20_000);
 //! let filter = request.filter()?;
 //! assert!(filter.words.len() <= 10);
 //! # Ok::<(), amacrine::compile::CompileError>(())

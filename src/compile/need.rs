@@ -132,7 +132,7 @@ fn ways(kinds: &[CellKind], memory: DriveMemory, request: &Request<'_>, own: &st
         // The plans that need no search are there in no time; more effort makes them shorter.
         let quick = Request {
             device,
-            effort: Effort { states: 0 },
+            effort: Effort::states(0),
             objective: Objective::Words,
             ..request.clone()
         };

@@ -78,6 +78,9 @@ impl Request<'_> {
                 break;
             }
         }
+        if self.effort.stop.is_asked() {
+            return Err(CompileError::GivenUp);
+        }
         match (best, failed) {
             (Some(best), _) => Ok(Filter { states, ..best }),
             (None, Some(error)) => Err(error),
@@ -100,7 +103,7 @@ impl Request<'_> {
             // The plans that need no search.
             _ => 0,
         };
-        Effort { states }
+        self.effort.with_states(states)
     }
 
     pub(super) fn key(&self, filter: &Filter) -> Key {

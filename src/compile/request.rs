@@ -16,6 +16,7 @@ use super::{
 use crate::{
     isa::{Analog, Device, Primitive, Source, Target},
     kernel::Kernel,
+    stop::Stop,
 };
 
 /// How long to search, in states looked at: the result does not depend on the machine.
@@ -23,6 +24,8 @@ use crate::{
 pub struct Effort {
     /// States that the search may look at; 0 leaves the plan that needs no search.
     pub states: u64,
+    /// Whether to give up before.
+    pub stop: Stop,
 }
 
 impl Effort {
@@ -30,12 +33,25 @@ impl Effort {
     /// program.
     pub const SECONDS: f64 = 1.0;
 
+    /// So many states.
+    #[must_use]
+    pub const fn states(states: u64) -> Self {
+        Self {
+            states,
+            stop: Stop::NEVER,
+        }
+    }
+
     /// About as many states as two cores of 2024 look at in `seconds`.
     #[must_use]
     pub fn seconds(seconds: f64) -> Self {
-        Self {
-            states: (seconds.clamp(0.0, 1e6) * 400_000.0) as u64,
-        }
+        Self::states((seconds.clamp(0.0, 1e6) * 400_000.0) as u64)
+    }
+
+    /// So many states, given up by the same.
+    #[must_use]
+    pub const fn with_states(self, states: u64) -> Self {
+        Self { states, ..self }
     }
 }
 
@@ -327,6 +343,7 @@ impl<'a> Request<'a> {
             },
             limits,
             shortest: self.objective == Objective::Words,
+            stop: effort.stop,
         }
     }
 

@@ -24,7 +24,7 @@ use super::{
     event_readout::EventReadout,
     filter::Filter,
     need::Need,
-    request::{Effort, Objective, Request},
+    request::{Objective, Request},
     sensor::{self, SensorProgram, largest_light},
 };
 use crate::{
@@ -123,9 +123,8 @@ fn filters(
 ) -> Result<Vec<Filter>, CompileError> {
     let device = request.device;
     let most = largest_light(device);
-    let effort = Effort {
-        states: request.effort.states / kinds.len().max(1) as u64,
-    };
+    let states = request.effort.states / kinds.len().max(1) as u64;
+    let effort = request.effort.with_states(states);
     let of = |kind: &CellKind, objective| {
         Request {
             kernels: std::slice::from_ref(&kind.kernel),

@@ -18,6 +18,7 @@ use super::{
 use crate::{
     order::Order,
     rng::{GOLDEN, Hash},
+    stop::Stop,
 };
 
 /// Goals, and the resources for them.
@@ -38,6 +39,8 @@ pub(super) struct Problem {
     pub(super) limits: Option<Limits>,
     /// Whether the fewest words are all that is sought, so that a plan of the table of them ends it.
     pub(super) shortest: bool,
+    /// Whether to give up.
+    pub(super) stop: Stop,
 }
 
 /// The range of an input and of a register, and the errors of the chip.
@@ -160,7 +163,8 @@ impl Problem {
         let mut width = 4;
         for round in 0.. {
             let left = self.states.saturating_sub(seen);
-            if left == 0 || best.as_ref().is_some_and(|b| b.allocated.words.is_empty()) {
+            let is_over = left == 0 || self.stop.is_asked();
+            if is_over || best.as_ref().is_some_and(|b| b.allocated.words.is_empty()) {
                 break;
             }
             let (more, found) = self.round(round, width, (best.as_ref(), slack), left);
@@ -200,6 +204,7 @@ impl Problem {
             registers: self.registers.all.len(),
             order: &order,
             over_input: last == Some(&self.registers.input),
+            stop: self.stop,
         };
         let fits = |solved: &&Solved| (solved.border || !self.border) && solved.holds;
         let below = best.filter(fits).map(|best| best.allocated.words.len());
@@ -244,6 +249,7 @@ impl Problem {
             registers: self.registers.all.len(),
             over_input: over(&all),
             border: self.border,
+            stop: self.stop,
         };
         let share = left / 2 + 1;
         let found: Vec<_> = heuristics
@@ -284,6 +290,7 @@ impl Problem {
                 registers: self.registers.all.len(),
                 over_input: None,
                 border: self.border,
+                stop: self.stop,
             };
             let tries = heuristics.par_iter();
             let found: Vec<_> = tries
@@ -320,6 +327,7 @@ impl Problem {
                     registers: self.registers.all.len().saturating_sub(done),
                     over_input: over.then_some(0),
                     border: self.border,
+                    stop: self.stop,
                 };
                 (task, goal)
             })

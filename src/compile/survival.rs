@@ -266,15 +266,17 @@ impl Survival<'_> {
         eighths: u64,
         seen: &mut u64,
     ) -> Result<Arc<[Plan]>, CompileError> {
-        let effort = Effort {
-            states: self.effort.states / 8 * eighths,
-        };
+        let effort = self.effort.with_states(self.effort.states / 8 * eighths);
         let mut problem = self.problem(inner, effort);
         if negated {
             problem.goals = self.goals.iter().map(|goal| goal.times(-1)).collect();
         }
         let found = found(problem, |problem| {
             let (best, all) = problem.solve_all();
+            // What was given up is not kept.
+            if problem.stop.is_asked() {
+                return None;
+            }
             Some(Found {
                 seen: best?.seen,
                 plans: short(all).into_iter().map(|solved| solved.plan).collect(),
@@ -321,7 +323,7 @@ impl Survival<'_> {
                 continue;
             };
             let bits_in_all = inner + bits;
-            let problem = self.problem(bits_in_all, Effort { states: 0 });
+            let problem = self.problem(bits_in_all, Effort::states(0));
             let tried = fitting
                 .iter()
                 .filter_map(|(reads, _)| self.tried(&problem, &whole, reads, bits_in_all));
@@ -433,7 +435,7 @@ impl Survival<'_> {
         let first = best.clone();
         let words = best.plain.words.len();
         best.reads.resize(words, false);
-        let problem = self.problem(best.bits, Effort { states: 0 });
+        let problem = self.problem(best.bits, Effort::states(0));
         for _ in 0..2 {
             let mut better = false;
             for at in 0..words {

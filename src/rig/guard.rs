@@ -145,6 +145,38 @@ impl Warning {
         Self::new(About::NoEvents, subject, seen, why, change)
     }
 
+    /// A sensor of this response that never fired. `reach`: its least threshold, and the most by which
+    /// what it sees can move, where both are known.
+    #[must_use]
+    pub fn no_events_of(
+        subject: &str,
+        frames: u64,
+        response: Response,
+        reach: Option<[f64; 2]>,
+    ) -> Self {
+        let shown = |number: f64| (number * 1e4).round() / 1e4;
+        match reach {
+            Some([threshold, most]) if frames > 1 && most < threshold => {
+                let [dark, bright] = [0.0, 255.0].map(|light| response.apply(light).unwrap_or(0.0));
+                let seen = format!("no event at all in {}", counted(frames, "frame"));
+                let why = format!(
+                    "no light reaches its thresholds, of which the least is {}: its response makes {} to {} of light from 0 to 255, and what its cells see moves by {} at most",
+                    shown(threshold),
+                    shown(dark),
+                    shown(bright),
+                    shown(most)
+                );
+                let change = if response.curve == Curve::Identity {
+                    "give lower thresholds".to_owned()
+                } else {
+                    "give thresholds in that unit, or response = \"identity\" for thresholds in kernel times light (0 to 255)".to_owned()
+                };
+                Self::new(About::NoEvents, subject, seen, why, change)
+            }
+            _ => Self::no_events(subject, Some(frames)),
+        }
+    }
+
     /// A program that never fired, since nobody gave it light.
     #[must_use]
     pub fn in_the_dark(subject: &str, frames: u64) -> Self {

@@ -1,4 +1,4 @@
-//! A chip of which every event is read, however many there are.
+//! A chip of which every event is read, however many there are, in the order of its own readout.
 
 use crate::{
     array::{Array, Body, RunError},
@@ -56,19 +56,21 @@ impl AllEvents {
     fn run(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError> {
         self.chip.begin_frame();
         for Part { body, scanned } in &self.parts {
-            self.chip.run_body(body, t, &mut self.delivered)?;
             let Some((register, polarity, channel)) = *scanned else {
+                // Whole rows of bits are all events already.
+                self.chip.run_body(body, t, packet)?;
                 continue;
             };
-            self.chip.each_one(register, &mut |at| {
-                packet.events.push(Event {
+            self.chip.run_body(body, t, &mut self.delivered)?;
+            packet
+                .events
+                .extend(self.chip.ones(register).iter().map(|at| Event {
                     t,
                     x: at.x as u16,
                     y: at.y as u16,
                     polarity,
                     channel,
-                });
-            });
+                }));
         }
         Ok(())
     }

@@ -18,7 +18,7 @@
 //!     kernel: &kernel,
 //!     threshold: 20.0,
 //!     device: &device,
-//!     effort: Effort { states: 2_000 },
+//!     effort: Effort::states(2_000),
 //!     seed: 0,
 //! };
 //! let quantised = float.quantise(Quantiser::TERNARY, Sum::Free)?;

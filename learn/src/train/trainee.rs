@@ -388,7 +388,7 @@ impl<'a> Trainee<'a> {
         let most = Effort::default().states;
         let states = (STATES_A_STEP * self.task.steps).clamp(FEWEST_STATES, most);
         let chip = self.chip.get_or_insert_with(|| {
-            let effort = Effort { states };
+            let effort = Effort::states(states);
             Arc::new(Chip::new(Device::scamp5(), effort, self.seed))
         });
         let threshold = self.state.threshold * 255.0;

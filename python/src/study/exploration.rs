@@ -2,6 +2,7 @@
 
 use amacrine::{
     compile::DriveMemory,
+    photoreceptor::Response,
     study::exploration::{Aim, Question, explore},
     unit::Micros,
 };
@@ -31,9 +32,10 @@ pub fn design(
     let names: Vec<String> = of.iter().map(|(name, _)| name.clone()).collect();
     let quantisers = quantisers(how.0)?;
     let memory: Option<DriveMemory> = how.1.map(memory_named).transpose()?;
-    let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
     let source = scene.source()?;
-    let answer = source.work(py, || {
+    let effort = effort(seconds, source.stop())?;
+    let (sum, device) = (sum(sum_to)?, device(chip)?);
+    let answer = source.study(py, Response::IDENTITY, || {
         let question = Question {
             title: "design",
             names: &names,

@@ -2,6 +2,7 @@
 
 use amacrine::{
     array::{Arithmetic, ArithmeticError},
+    photoreceptor::Response,
     picture::svg,
     study::{
         design::Design,
@@ -18,6 +19,7 @@ use crate::{
     chip::{effort, quantiser, sum},
     error::raised,
     files::json,
+    readout,
 };
 
 /// Both answers as one object.
@@ -41,19 +43,22 @@ pub fn waterfall(
     within_us: Option<u64>,
     rates: Option<Vec<f64>>,
     sample: (u64, Option<usize>),
+    through: Option<readout::Asked>,
 ) -> PyResult<(String, String)> {
     let ((to, domain), (chips, tiles)) = (how, sample);
     let (sum_to, chip, seconds, seed) = search;
     let (kernel, to) = (kernel(&of)?, quantiser(to)?);
-    let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
+    let (sum, device) = (sum(sum_to)?, device(chip)?);
     let arithmetic: Arithmetic = domain.parse().map_err(|e: ArithmeticError| raised(e))?;
+    let readout = through.map_or_else(|| scan().map_err(raised), readout::open)?;
     let source = scene.source()?;
+    let effort = effort(seconds, source.stop())?;
     let title = format!(
         "Where the events of {} went: {chip}, threshold {threshold}, {}",
         of.0,
         source.name()
     );
-    let answer = source.work(py, || {
+    let answer = source.study(py, Response::IDENTITY, || {
         let mut shown = source.open()?;
         let choice = rates.map(|rates| falls::Choice {
             rates,
@@ -75,7 +80,7 @@ pub fn waterfall(
             to,
             sum,
             arithmetic: arithmetic.with_seed(seed),
-            readout: scan()?,
+            readout,
             within: within(within_us, shown.fps()),
         })?;
         let steps = fall.steps(&mut *shown, |_| ())?;

@@ -2,6 +2,7 @@
 
 use amacrine::{
     kernel::quantise::{Quantiser, Sum, Summary},
+    photoreceptor::Response,
     rig::guard::Warning,
     study::quantisation,
 };
@@ -75,10 +76,11 @@ pub fn on_chip(
 ) -> PyResult<String> {
     let (sum_to, chip, seconds, seed) = search;
     let (kernel, quantisers) = (kernel(&of)?, quantisers(to)?);
-    let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
+    let (sum, device) = (sum(sum_to)?, device(chip)?);
     check(threshold)?;
     let source = scene.source()?;
-    let answer = source.work(py, || {
+    let effort = effort(seconds, source.stop())?;
+    let answer = source.study(py, Response::IDENTITY, || {
         let fps = source.open()?.fps();
         let question = quantisation::Question {
             kernel: &kernel,

@@ -5,6 +5,7 @@ use std::time::Instant;
 use amacrine::{
     array::{Arithmetic, ArithmeticError, Schedule},
     number::{Format, FormatError},
+    photoreceptor::Response,
     reference::Description,
     scene::kept::Kept,
     study::{
@@ -46,7 +47,8 @@ pub fn trade(
     let description = &sensor.get().description;
     let formats = numbers(&formats)?;
     let source = scene.source()?;
-    surveyed(py, &source, upsample, sample, how, |survey| {
+    let response = description.response;
+    surveyed(py, (&source, response), upsample, sample, how, |survey| {
         traded(description, survey, formats, (how.0, sample.2))
     })
 }
@@ -67,7 +69,8 @@ pub fn trade_program(
     let arithmetic: Arithmetic = domain.parse().map_err(|e: ArithmeticError| raised(e))?;
     let formats = numbers(&formats)?;
     let source = scene.source()?;
-    surveyed(py, &source, None, sample, how, |survey| {
+    let shown = (&source, Response::IDENTITY);
+    surveyed(py, shown, None, sample, how, |survey| {
         let mut settings = program.settings();
         settings.threads = Some(rayon::current_num_threads());
         let arithmetic = arithmetic.with_seed(survey.seed);
@@ -86,7 +89,7 @@ fn numbers(formats: &[String]) -> PyResult<Vec<Format>> {
 /// Keeps the scene and surveys it; the answer as JSON.
 fn surveyed<M: Send>(
     py: Python<'_>,
-    source: &Source,
+    (source, response): (&Source, Response),
     upsample: Option<f64>,
     (within_us, sample, runs): Sample,
     (_, seed): (bool, u64),
@@ -98,7 +101,7 @@ fn surveyed<M: Send>(
             "give a part above 0 and up to 1, and at least one run",
         ));
     }
-    let answer = source.work(py, || {
+    let answer = source.study(py, response, || {
         let mut shown = source.open()?;
         let kept = Kept::new(&mut *shown, KEPT)?.ok_or_else(|| {
             miette!(
@@ -123,6 +126,7 @@ fn surveyed<M: Send>(
             seed,
             clock: &|| start.elapsed().as_secs_f64(),
             sample,
+            stop: source.stop(),
         };
         Ok(trade(survey)?)
     })?;

@@ -3,6 +3,7 @@
 mod exploration;
 mod fall;
 mod few;
+mod filter;
 mod front;
 mod page;
 mod several;
@@ -10,6 +11,7 @@ mod several;
 pub use exploration::design;
 pub use fall::waterfall;
 pub use few::{on_chip, quantise};
+pub use filter::compile_filter;
 pub use front::{trade, trade_program};
 pub use page::feasibility;
 pub use several::on_chip_together;

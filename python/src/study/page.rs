@@ -1,9 +1,15 @@
 //! Whether kernels can run on a chip.
 
 use amacrine::{
+    compile::Effort,
+    isa::Device,
+    kernel::Kernel,
+    photoreceptor::Response,
+    reference::MemoryRule,
     study::{
+        design::Design,
         feasibility::{self as feasible, readout::ReadoutOrder},
-        report,
+        rate, report,
     },
     unit::Micros,
 };
@@ -14,14 +20,35 @@ use super::{Named, Search, Shown, device, kernel, quantisers, scan, within};
 use crate::{
     chip::{effort, memory_named, quantiser, sum},
     error::{raised, refused},
+    source::Source,
 };
+
+/// The threshold at which the float sensor of a kernel has so many events per pixel and second, to
+/// four digits.
+fn rated(
+    kernel: &Kernel,
+    asked: f64,
+    (device, effort, seed): (&Device, Effort, u64),
+    source: &Source,
+) -> Result<f64, Report> {
+    let design = Design {
+        kernel,
+        threshold: 64.0,
+        device,
+        effort,
+        seed,
+    };
+    let description = design.description(MemoryRule::FilteredSnap)?;
+    let found = rate::factor(&description, asked, seed, &|| source.open())?;
+    Ok(rate::four_digits(design.threshold * found.factor))
+}
 
 /// Whether kernels can run on a chip: the answer as JSON, and as a page.
 #[pyfunction]
 pub fn feasibility(
     py: Python<'_>,
     of: Vec<Named>,
-    thresholds: Vec<f64>,
+    aim: (Option<f64>, Vec<f64>),
     levels: (Option<&str>, Vec<String>, Option<&str>),
     search: Search<'_>,
     scene: Shown<'_>,
@@ -41,13 +68,20 @@ pub fn feasibility(
     } else {
         quantisers(candidates)
     }?;
-    let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
+    let (sum, device) = (sum(sum_to)?, device(chip)?);
     if !(1..=1024).contains(&chips) {
         return Err(refused(format!("{chips} chips"), "give 1 to 1024"));
     }
     let source = scene.source()?;
-    let answer = source.work(py, || {
+    let effort = effort(seconds, source.stop())?;
+    let answer = source.study(py, Response::IDENTITY, || {
         let fps = source.open()?.fps();
+        let (rate, mut thresholds) = aim;
+        if let Some(rate) = rate {
+            let share = rate / kernels.len().max(1) as f64;
+            let rated = |kernel| rated(kernel, share, (&device, effort, seed), &source);
+            thresholds = kernels.iter().map(rated).collect::<Result<_, _>>()?;
+        }
         let questions: Vec<_> = { of.iter().zip(&kernels).zip(&thresholds) }
             .map(|((named, kernel), threshold)| {
                 Ok(feasible::Question {

@@ -2,6 +2,7 @@
 
 use amacrine::{
     kernel::quantise::{Quantiser, Sum, Summary},
+    photoreceptor::Response,
     rig::guard::{Guard, Warning},
     study::{design::Design, joint::Joint},
     unit::Micros,
@@ -66,10 +67,11 @@ pub fn on_chip_together(
     let (sum_to, chip, seconds, seed) = search;
     let kernels = of.iter().map(kernel).collect::<PyResult<Vec<_>>>()?;
     let to = quantisers(to)?;
-    let (sum, device, effort) = (sum(sum_to)?, device(chip)?, effort(seconds)?);
+    let (sum, device) = (sum(sum_to)?, device(chip)?);
     thresholds.iter().try_for_each(|it| check(*it))?;
     let source = scene.source()?;
-    let answer = source.work(py, || {
+    let effort = effort(seconds, source.stop())?;
+    let answer = source.study(py, Response::IDENTITY, || {
         let floats = kernels.iter().zip(&thresholds);
         let question = Question {
             names: of.iter().map(|(name, _)| name.clone()).collect(),

@@ -50,8 +50,8 @@ pub trait Array: Sensor {
     /// A one-bit register.
     fn digital(&self, register: Digital) -> Plane<bool>;
 
-    /// Tells of every pixel whose one-bit register is 1, row by row.
-    fn each_one(&self, register: Digital, see: &mut dyn FnMut(At));
+    /// Every pixel whose one-bit register is 1, in the order in which the chip's scan finds them.
+    fn ones(&self, register: Digital) -> Vec<At>;
 
     /// FLAG.
     fn flag(&self) -> Plane<bool>;

@@ -2,7 +2,7 @@
 
 use super::{
     super::{
-        BitPlane, Layout, Ledger, Reading, RowOps, Settings,
+        BitPlane, Layout, Ledger, Reading, RowOps, Scanned, Settings,
         engine::{self, Lowered},
     },
     Array, Body, Chip, RunError, ShapeError,
@@ -56,8 +56,9 @@ impl<D: RowOps> Array for Chip<D> {
         self.state.digital(register).to_plane()
     }
 
-    fn each_one(&self, register: Digital, see: &mut dyn FnMut(At)) {
-        self.state.digital(register).each_one(see);
+    fn ones(&self, register: Digital) -> Vec<At> {
+        let bits = self.state.digital(register);
+        Scanned::new(bits, self.state.layout.size, u32::MAX, false, false).found
     }
 
     fn flag(&self) -> Plane<bool> {

@@ -124,15 +124,7 @@ pub(super) fn planned(
             "nobody says in which rows the events lie"
         )
     })?;
-    let plan = &plans[chosen];
-    let readout = match (plan.way, plan.slots, &plan.rows) {
-        (_, Some(slots), _) => EventReadout::Slots(slots as u32),
-        (_, _, Some(rows)) => EventReadout::BitPlanes(*rows.start() as u16, *rows.end() as u16),
-        (Way::BoundingBox, ..) => EventReadout::BoundingBox,
-        (Way::EventCounts, ..) => EventReadout::Counts,
-        (Way::Sums, ..) => EventReadout::Sums,
-        _ => EventReadout::Any,
-    };
+    let readout = EventReadout::from(&plans[chosen]);
     let readouts = Readouts {
         chosen,
         array_us,

@@ -22,6 +22,7 @@ use crate::{
     memory::Need,
     number::Format,
     scene::{Observation, Scene, kept::Kept, part::First},
+    stop::Stop,
     study::{
         pilot::{Family, Look, Survey, plan::KEPT},
         trade::{Ask, Trade, trade},
@@ -198,6 +199,7 @@ impl Arguments {
                 seed: self.seed,
                 clock: &clock,
                 sample: self.sample,
+                stop: Stop::NEVER,
             },
             models,
             alternative,

@@ -14,7 +14,7 @@ use super::{
     linear_form::{LinearForm, NEWS_CELLS},
     plan::{Plan, SOURCES, Store, Value, Word},
 };
-use crate::isa::Direction;
+use crate::{isa::Direction, stop::Stop};
 
 /// The task of one search.
 #[derive(Clone, Debug)]
@@ -29,6 +29,8 @@ pub(super) struct Task {
     pub(super) over_input: Option<usize>,
     /// Whether every value must be right up to the border.
     pub(super) border: bool,
+    /// Whether to give up.
+    pub(super) stop: Stop,
 }
 
 /// The estimated costs that order the beam, and its width.
@@ -204,7 +206,8 @@ impl<'a> Search<'a> {
             if let Some(at) = level.iter().position(|node| self.done(&node.state)) {
                 return self.plan(&levels, at);
             }
-            if depth + 1 >= below || level.is_empty() || self.seen > budget {
+            let is_over = self.seen > budget || task.stop.is_asked();
+            if depth + 1 >= below || level.is_empty() || is_over {
                 return None;
             }
             let mut children = Vec::new();

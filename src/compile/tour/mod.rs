@@ -25,7 +25,7 @@ use super::{
     linear_form::LinearForm,
     plan::Plan,
 };
-use crate::{isa::Direction, order::Order};
+use crate::{isa::Direction, order::Order, stop::Stop};
 
 /// The most copies of the input, itself among them.
 const MOST_COPIES: usize = 5;
@@ -44,6 +44,8 @@ pub(super) struct Room<'a> {
     pub(super) order: &'a [usize],
     /// Whether the last goal ends in the register of the input.
     pub(super) over_input: bool,
+    /// Whether to give up.
+    pub(super) stop: Stop,
 }
 
 /// The shortest tours of fewer than `fewer` words that are found, with five copies and with fewer,
@@ -94,7 +96,7 @@ pub(super) fn tours(
         tries.truncate(left);
         let mut at = 0;
         // In turns of a fixed size, so that what is searched does not depend on the threads.
-        while at < tries.len() && seen < budget {
+        while at < tries.len() && seen < budget && !room.stop.is_asked() {
             let end = (at + TURN).min(tries.len());
             let slack = if round == 0 { SLACK } else { 0 };
             let below = |copies: usize| {
@@ -240,6 +242,7 @@ mod tests {
             registers,
             order: &order,
             over_input: true,
+            stop: Stop::NEVER,
         };
         let (_, plans) = tours(goals, unit, room, (usize::MAX, budget));
         let fine = 1 << 20;

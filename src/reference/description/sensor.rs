@@ -37,4 +37,28 @@ impl Description {
     pub fn names(&self) -> Vec<String> {
         kind_names(self.channels.iter().map(|kind| kind.name.as_deref()))
     }
+
+    /// Of the kind of cells that comes nearest to firing: its least threshold, and the most by which
+    /// what it sees can move in light from 0 to 255. None where other things than kernels and the
+    /// response decide that.
+    #[must_use]
+    pub fn reach(&self) -> Option<[f64; 2]> {
+        let [dark, bright] = [0.0, 255.0].map(|light| self.response.apply(light).ok());
+        let signal = bright? - dark?;
+        let mut nearest: Option<[f64; 2]> = None;
+        for kind in &self.channels {
+            if kind.surrounds.is_some() || kind.memory_kernel.is_some() || kind.log_temporal {
+                return None;
+            }
+            for (kernel, threshold) in kind.kernels.iter().zip(&kind.thresholds) {
+                let least = threshold.on.min(threshold.off);
+                let sum: f64 = kernel.weights().iter().map(|weight| weight.abs()).sum();
+                let most = sum * signal;
+                if nearest.is_none_or(|[other, moves]| most * other > moves * least) {
+                    nearest = Some([least, most]);
+                }
+            }
+        }
+        nearest
+    }
 }

@@ -7,6 +7,7 @@ use crate::{
     mosaic::Mosaic,
     scene::kept::Kept,
     sensor::SensorError,
+    stop::Stop,
     unit::{Micros, counted},
 };
 
@@ -136,6 +137,7 @@ impl Measure<'_> {
             grid,
             halo,
             clock: self.clock,
+            stop: Stop::NEVER,
         };
         let pilot = Pilot {
             measure: self,

@@ -14,6 +14,7 @@ use crate::{
     rig,
     scene::{Scene as _, kept::Kept, upsample},
     sensor::{Sensor, SensorError},
+    stop::Stop,
     unit::Micros,
 };
 
@@ -44,6 +45,8 @@ pub struct Survey<'a> {
     pub clock: &'a (dyn Fn() -> f64 + Sync),
     /// The part of the sensor that is run, 0 to 1.
     pub sample: f64,
+    /// Whether to give up.
+    pub stop: Stop,
 }
 
 /// What is known of a model.
@@ -139,6 +142,7 @@ impl<'a> Survey<'a> {
             grid,
             halo,
             clock: self.clock,
+            stop: self.stop,
         };
         // `as` saturates.
         let count = (self.sample * grid.tiles() as f64).ceil() as usize;
@@ -423,6 +427,14 @@ fn all_of(events: u64, changes: u64) -> ChangeEstimate {
     ChangeEstimate::new(&[whole], History::Cell.into(), RISK)
 }
 
+/// Nobody waits for it any longer.
+fn given_up(sensor: &dyn Sensor) -> SensorError {
+    SensorError::Stopped {
+        sensor: sensor.name().to_owned(),
+        why: "it was told to".to_owned(),
+    }
+}
+
 fn run<F: Family>(
     survey: &Survey<'_>,
     family: &F,
@@ -434,6 +446,9 @@ fn run<F: Family>(
     let start = (survey.clock)();
     let mut scene = upsample::by_contrast(survey.kept.scene(), contrast)?;
     rig::play(&mut *scene, |frame| {
+        if survey.stop.is_asked() {
+            return Err(given_up(&*sensor).into());
+        }
         sensor.watch(&frame, &mut packet)?;
         Ok::<_, PlanError>(ControlFlow::Continue(()))
     })?;
@@ -473,6 +488,7 @@ mod tests {
             seed: 0,
             clock: &clock,
             sample: 1.0,
+            stop: Stop::NEVER,
         };
         let whole = Whole::new(survey, &family).unwrap();
         assert_eq!(whole.full().seconds, 0.0625);

@@ -6,6 +6,7 @@ use crate::{
     plane::Size,
     scene::{Frame, kept::Kept},
     sensor::{Sensor, SensorError},
+    stop::Stop,
 };
 
 use super::{
@@ -23,6 +24,8 @@ pub(super) struct Trial<'a, F> {
     pub grid: Grid,
     pub halo: usize,
     pub clock: &'a (dyn Fn() -> f64 + Sync),
+    /// Whether to give up.
+    pub stop: Stop,
 }
 
 /// A model on tiles.
@@ -131,7 +134,7 @@ impl<F: Family> Trial<'_, F> {
         late: f64,
         mut check: impl FnMut(usize, &mut [Ran<F::Model>]),
     ) -> Result<Vec<Ran<F::Model>>, SensorError> {
-        let is_late = || late.is_finite() && (self.clock)() > late;
+        let is_late = || self.stop.is_asked() || (late.is_finite() && (self.clock)() > late);
         let mut sensors: Vec<Box<dyn Sensor + Send>> = Vec::new();
         let mut runs: Vec<Ran<F::Model>> = Vec::new();
         for model in models {

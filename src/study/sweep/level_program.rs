@@ -66,9 +66,7 @@ impl LevelProgram {
         let memory = memory.and_then(|bits| bits.parse().ok());
         let memory = memory.map_or(DriveMemory::Analogue, DriveMemory::Bits);
         let title = format!("{} as {name}", point.word("kernel").unwrap_or_default());
-        let effort = Effort {
-            states: settings.effort,
-        };
+        let effort = Effort::states(settings.effort);
         let compiled = Compiled::new(&title, (&[kind], memory), device, (effort, 0))?;
         Ok(Self {
             compiled,
