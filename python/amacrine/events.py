@@ -254,7 +254,7 @@ def voxels(
     dtype: npt.DTypeLike = np.float32,
     size: tuple[int, int] | None = None,
     channels: int | None = None,
-    start: float = 0.0,
+    start: float | None = None,
     end: float | None = None,
 ) -> npt.NDArray[Any]:
     """Voxels of an array of events, as :meth:`amacrine.Sensor.voxels` makes them of frames.
@@ -266,7 +266,8 @@ def voxels(
             that the events are of (``.sensor_size``), else the smallest that holds them.
         channels: Kinds of cells, where some said nothing; where it is left out, those of that sensor
             (``.kinds``), else those that said something.
-        start: Where windows begin, in seconds; what is before is left out.
+        start: Where windows begin, in seconds; what is before is left out. By default where the
+            recording begins (``.span``), or at 0 where the events do not know that.
         end: Up to where there are windows, in seconds; the last event where it is left out.
 
     The rest is that of :meth:`amacrine.Sensor.voxels`.
@@ -274,6 +275,8 @@ def voxels(
     Returns:
         (windows,K,bins,H,W), or (windows,K,2,bins,H,W) with OFF first where they are split.
     """
+    if start is None:
+        start = (getattr(events, "span", None) or (0.0, 0.0))[0]
     since = round(arguments.seconds("start", start, -arguments.SECONDS) * 1e6)
     size, count = size_of(events, size), kinds_of(events, channels) or 1
     events, number = _after(_checked(events, size), since), voxel.number(dtype)

@@ -157,7 +157,9 @@ class EventSensor(ABC):
 
         def watch(b: int) -> Said:
             run = self._watch(given.size, fps, given.scale)
-            run.counts(given.clip(b), contrast, out[b].reshape(-1))
+            # Arrays of nothing all lie at one place, and are borrowed one at a time.
+            into = out[b].reshape(-1) if pairs else np.zeros(0, np.int32)
+            run.counts(given.clip(b), contrast, into)
             return run.warnings(self.name)
 
         caution_of(_all(given, watch))
