@@ -242,6 +242,35 @@ std::map<int, int> build(int n) { std::map<int, int> s; for (int i = n; i > 0; -
     );
 }
 
+/// Arrays, vectors and pointers of them; lambdas, references into maps, tuples.
+#[test]
+fn objects_hold_objects() {
+    numbers(
+        r"struct A0 { int n = 1; int get() const { return n; } void set(int k) { n = k; } }; struct Holder { A0 a; A0 arr[2]; std::vector<A0> v; A0* p = nullptr; int sum() { int s = a.get(); for (auto& x : arr) s += x.get(); for (const auto& x : v) s += x.get(); if (p) s += p->get(); return s; } };
+int apply(std::function<int(int)> f, int x) { return f(x); } struct Cnt { static int made; int id; Cnt() : id(++made) {} }; int Cnt::made = 0;
+std::map<int, A0> store; A0& fetch(int k) { return store[k]; } const A0& peek(int k) { return store.at(k); }
+std::vector<int> filter(const std::vector<int>& in, int t) { std::vector<int> out; for (int x : in) if (x > t) out.push_back(x); return out; }",
+        r"Holder h; h.a.set(5); h.arr[1].set(7); h.v.push_back(A0{3}); h.v.emplace_back(); h.p = &h.arr[0]; h.p->set(20); scamp5_in(A, h.sum()); Holder g = h; g.a.set(0); g.v[0].set(9); scamp5_in(A, h.sum()); scamp5_in(A, g.sum());
+int base = 4; scamp5_in(B, apply([base](int x) { return x + base; }, 3)); scamp5_in(B, apply([&](int x) { base += x; return base; }, 3)); scamp5_in(B, base); Cnt c1, c2; Cnt cs[2]; scamp5_in(B, cs[1].id); scamp5_in(B, Cnt::made);
+fetch(2).set(6); scamp5_in(C, peek(2).get()); A0& r = fetch(2); fetch(1).set(3); r.set(8); scamp5_in(C, store[2].get()); scamp5_in(C, (int)store.size()); scamp5_in(C, filter({1, 5, 9}, 4)[1]); for (auto [i, a] : store) { a.set(0); scamp5_in(C, i); } scamp5_in(C, store[1].get());
+std::pair<int, int> mm[2] = {{1, 2}, {3, 4}}; for (auto& [lo, hi] : mm) std::swap(lo, hi); scamp5_in(D, mm[1].first); auto t = std::make_tuple(1, 2.5f, 'c'); auto& [q, w, e] = t; w += 1; scamp5_in(D, (int)(std::get<1>(t) * 2)); scamp5_in(D, sizeof(e)); const int N = 3; int tot = 0; for (int i = N; i --> 0;) tot += i; scamp5_in(D, tot); int arr2[2][3] = {{1}, {4, 5}}; for (auto& row : arr2) for (int& x : row) x++; scamp5_in(D, arr2[1][2]); scamp5_in(D, arr2[0][0]);",
+        &[
+            56, 56, 57, 7, 7, 7, 4, 4, 6, 8, 2, 9, 1, 2, 3, 4, 7, 1, 3, 1, 2,
+        ],
+    );
+}
+
+/// Chains of filters, pointers that are chosen, parts of an object.
+#[test]
+fn objects_are_called_through_their_base() {
+    numbers(
+        r"struct Image { int w, h; explicit Image(int a, int b) : w(a), h(b) { size = w * h; } int size; }; class Filter { protected: int gain = 2; public: virtual int apply(int x) { return x * gain; } void setGain(int g) { gain = g; } }; class Offset : public Filter { int off; public: Offset(int o) : off(o) {} int apply(int x) override { return Filter::apply(x) + off; } }; class Chain : public Filter { std::vector<Filter*> all; public: Chain& add(Filter* f) { all.push_back(f); return *this; } int apply(int x) override { for (auto* f : all) x = f->apply(x); return x; } };
+int run(Filter& f, int x) { return f.apply(x); } Filter* pick(bool b, Filter* p, Filter* q) { return b ? p : q; } struct Tag {}; struct Empty : Tag { int z = 3; };",
+        r"Image im(3, 4); scamp5_in(A, im.size); Filter f; Offset o(5); Chain c; c.add(&f).add(&o); scamp5_in(A, run(c, 2)); f.setGain(3); scamp5_in(A, run(c, 2)); o.setGain(1); scamp5_in(A, c.apply(1)); scamp5_in(A, pick(true, &f, &o)->apply(1)); scamp5_in(A, pick(false, &f, &o)->apply(1)); Filter& fr = *pick(false, &f, &o); fr.setGain(4); scamp5_in(A, o.apply(1)); Filter* fs[] = {&c, &o, &f}; int s = 0; for (int i = 0; i < 3; i++) s += fs[i]->apply(1); scamp5_in(A, s); Empty e; scamp5_in(A, e.z); Offset* op = &o; Filter* fp = op; scamp5_in(A, fp == &o); scamp5_in(A, fp->apply(0)); Filter copy = *fp; scamp5_in(A, copy.apply(1));",
+        &[12, 13, 17, 8, 3, 6, 9, 29, 3, 1, 5, 4],
+    );
+}
+
 /// Pointers to objects, from behind, texts, what a function gives back.
 #[test]
 fn loops_over_what_is_no_array() {
@@ -250,10 +279,10 @@ fn loops_over_what_is_no_array() {
 static std::vector<int> some(int n) { std::vector<int> v; for (int i = 0; i < n; i++) v.push_back(i * i); return v; }",
         r#"blob b[3] = {{0, 0, 2, 3}, {1, 1, 4, 5}, {2, 2, 1, 1}}; for (const blob* p = b; p < b + 3; ++p) scamp5_in(A, p->area()); scamp5_in(A, (b + 1)->area()); scamp5_in(A, b->area()); const blob* q = b; scamp5_in(A, q->area()); scamp5_in(A, (*q).area());
 std::vector<int> v = {1, 2, 3, 4}; for (auto it = v.rbegin(); it != v.rend(); ++it) scamp5_in(B, *it); for (auto it = v.rbegin(); it < v.rend(); it += 2) *it *= 10; for (int x : v) scamp5_in(B, x); std::sort(v.rbegin(), v.rend()); for (int x : v) scamp5_in(B, x);
-for (char c : std::string("ab")) scamp5_in(C, c); std::string t = "xyz"; int n = 0; for (const char& c : t) n += c; scamp5_in(C, n - 300); for (auto c : t) n -= c; scamp5_in(C, n); for (int k : some(4)) scamp5_in(C, k); for (auto k : {5, 6}) scamp5_in(C, k);"#,
+for (char c : std::string("ab")) scamp5_in(C, c); std::string t = "xyz"; int n = 0; for (const char& c : t) n += c; scamp5_in(C, n - 300); for (auto c : t) n -= c; scamp5_in(C, n); for (int k : some(4)) scamp5_in(C, k); for (auto k : {5, 6}) scamp5_in(C, k); scamp5_in(C, (int)some(4).size()); scamp5_in(C, some(3).back());"#,
         &[
             6, 20, 1, 20, 6, 6, 6, 4, 3, 2, 1, 1, 20, 3, 40, 40, 20, 3, 1, 97, 98, 63, 0, 0, 1, 4,
-            9, 5, 6,
+            9, 5, 6, 4, 4,
         ],
     );
 }

@@ -6,7 +6,7 @@ use super::super::{
     machine::{Location, Machine},
     reach::{Reach, base_name},
     shape,
-    tree::{Expr, Width, Word},
+    tree::{Expr, Kind, Width, Word},
     value::Value,
     why::Why,
 };
@@ -25,6 +25,13 @@ impl Machine<'_> {
         let reached = self.reach(of);
         let reached = self.through(reached);
         let reached = self.first_object(reached, member);
+        // An array that a function gives back.
+        let reached = match reached {
+            Reach::Value(all @ Value::List(_)) => {
+                Reach::Location(self.hold(all, Kind::Any), Vec::new())
+            }
+            reached => reached,
+        };
         if let Some(Value::Record(layout, _)) = self.reached(&reached) {
             let layout = Rc::clone(layout);
             if let (Some(entry), Reach::Location(slot, path)) = (&layout.entry, &reached) {
