@@ -49,7 +49,7 @@ def test_kinds_are_kept(tmp_path: Path, frames: Frames) -> None:
     amacrine.write(path, events, channels=5)
     assert amacrine.read(path).tobytes() == events.tobytes()
     assert amacrine.about(path).channels == 5
-    with pytest.raises(amacrine.Error, match="channel"):
+    with pytest.raises(amacrine.Error, match="kinds of cells"):
         amacrine.write(tmp_path / "kinds.evt2", events)
 
 

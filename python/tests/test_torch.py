@@ -257,13 +257,14 @@ def test_a_layer_may_be_changed_in_place_and_given_nothing(frames: Frames) -> No
 
 
 def test_what_no_clip_passes_is_told_by_the_layer() -> None:
-    for how, words in [
+    mistakes: list[tuple[dict[str, Any], str]] = [
         ({"rule": "mean", "memory": "filtered-snap"}, "filtered-step"),
         ({"memory": "raw-snap"}, "holds pixels"),
         ({"noise": {"shot-hz": 5}}, "noise in its cells"),
         ({"format": "f16"}, "no option format"),
         ({"phase": float("nan")}, "phase = nan"),
-    ]:
+    ]
+    for how, words in mistakes:
         with pytest.raises(amacrine.Error, match=words):
             EventSensor("csdvs-3", 0.2, fps=60, **how)
 

@@ -206,11 +206,8 @@ impl Program {
                 decides: !undecided.is_empty(),
             });
         }
-        Err(Faults::new(
-            &self.file,
-            &self.text,
-            [faults, undecided].concat(),
-        ))
+        // What a run decides is no fault of a program that is run.
+        Err(Faults::new(&self.file, &self.text, faults))
     }
 
     /// What it becomes; its faults, and those that it has only because a program is the same in

@@ -1,6 +1,6 @@
 //! Algorithms of the language's library, on arrays whose values are known.
 
-use std::rc::Rc;
+use std::{rc::Rc, sync::Arc};
 
 use super::{
     call::Argument,
@@ -48,6 +48,9 @@ impl Machine<'_> {
                 self.moved_about("fall", &values[..2])
             }
             "sort" | "stable_sort" if values.len() == 3 => self.ordered(&values, place),
+            "sort" | "stable_sort" if values.len() == 2 && forwards(&values).is_some() => {
+                self.moved_about("fall", &forwards(&values).unwrap_or_default())
+            }
             _ if looks(name) => self.looked(name, &values),
             _ => self.moved_about(name, &values),
         };
@@ -65,7 +68,7 @@ impl Machine<'_> {
         let why = format!("what `{name}` does").into();
         for value in values {
             match value {
-                Value::Pointer(slot, path, _) => {
+                Value::Pointer(slot, path, _) | Value::Back(slot, path, _) => {
                     let array = self.array_of(*slot, path);
                     self.forget(*slot, array.map_or(path, |it| it.0), &why);
                 }
@@ -311,6 +314,17 @@ impl Machine<'_> {
     }
 }
 
+/// The elements between two reverse iterators, from the first one on.
+fn forwards(values: &[Value]) -> Option<Vec<Value>> {
+    let forward = |it: &Value| match it {
+        Value::Back(slot, path, name) => {
+            Some(Value::Pointer(*slot, path.clone(), Arc::clone(name)))
+        }
+        _ => None,
+    };
+    values.iter().rev().map(forward).collect()
+}
+
 /// Whether an algorithm leaves the elements as they are.
 fn looks(name: &str) -> bool {
     matches!(
@@ -333,11 +347,15 @@ fn falls(by: &Expr) -> bool {
 
 /// Sorts numbers; nothing where some are not known.
 fn sorted(all: &mut [Value]) -> Option<()> {
-    if all.iter().any(|it| it.number().is_none()) {
+    let ordered = |it: &Value| match it {
+        Value::Text(_) => true,
+        Value::Record(layout, _) => layout.is_tuple() && it.order(it).is_some(),
+        other => other.number().is_some(),
+    };
+    if !all.iter().all(ordered) {
         return None;
     }
-    let number = |it: &Value| it.number().unwrap_or_default();
     // In the order of C++: equal ones stay as they are.
-    all.order_by(|a, b| number(a).total_cmp(&number(b)));
+    all.order_by(|a, b| a.order(b).unwrap_or(std::cmp::Ordering::Equal));
     Some(())
 }

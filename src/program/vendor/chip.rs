@@ -49,7 +49,8 @@ pub(super) fn rewritten(
         "scamp5_load_region" => "scamp5_load_rect",
         "scamp5_shift" => {
             // What comes in at the edge, and how often the host refreshes.
-            if given.get(3).is_some_and(|it| it.0.number() == Some(1.0)) {
+            let edge = given.get(3).map(|it| it.0.number());
+            if edge.is_some_and(|it| it != Some(0.0)) {
                 machine.error(
                     place,
                     "`scamp5_shift` with ones at the edge".to_owned(),
@@ -83,6 +84,10 @@ pub(super) fn rewritten(
             given.truncate(1);
             name
         }
+        name if name.starts_with("scamp7_") => {
+            another_chip(machine, name, place);
+            return None;
+        }
         "icw" => {
             machine.error(
                 place,
@@ -111,6 +116,12 @@ pub(super) fn rewritten(
         }
     }
     Some((variant(machine, renamed, given.len()), given))
+}
+
+fn another_chip(machine: &mut Machine<'_>, name: &str, place: Place) {
+    let message = format!("`{name}` is a call of the SCAMP-7, which is not modelled");
+    let help = "the chip here is the SCAMP-5, whose calls begin with `scamp5_`";
+    machine.error(place, message, "another chip", help);
 }
 
 /// What the host takes are whole numbers.

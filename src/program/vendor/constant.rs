@@ -71,7 +71,7 @@ impl At<'_> {
         let (first, rest) = self.tokens.split_first()?;
         self.tokens = rest;
         match &first.kind {
-            Kind::Whole(value) | Kind::Wide(value, _) => Some(*value),
+            Kind::Whole(value) | Kind::Character(value) | Kind::Wide(value, _) => Some(*value),
             Kind::Name(name) => Some(i64::from(&**name == "true")),
             _ => None,
         }

@@ -4,12 +4,13 @@ use std::rc::Rc;
 
 use super::{
     call::kernel,
+    layout::{Layout, Member},
     look,
     machine::Machine,
     reach::Reach,
     shape::{self, Leaf},
-    tree::{Declared, Function, Kind, Struct, last},
-    value::{Layout, Member, Value, unassigned},
+    tree::{Declared, ExprNode, Function, Kind, Struct, last},
+    value::{Slot, Value, unassigned},
     why::Why,
 };
 use crate::config::Place;
@@ -36,6 +37,13 @@ impl Machine<'_> {
 
     /// A function is defined.
     pub(super) fn define(&mut self, function: &Rc<Function>) {
+        if function.special.is_some() {
+            let known = self.specials.entry(function.name.clone()).or_default();
+            if !known.contains(function) {
+                known.push(Rc::clone(function));
+            }
+            return;
+        }
         let known = self.functions.entry(function.name.clone()).or_default();
         if known.contains(function) {
             return;
@@ -71,7 +79,7 @@ impl Machine<'_> {
     /// Objects are made and ended without a call that could be refused: what does that must leave
     /// the array alone.
     pub(super) fn check_members(&mut self, members: &[Rc<Function>]) {
-        for function in members.iter().filter(|it| it.hidden) {
+        for function in { members.iter() }.filter(|it| it.hidden || it.is_operator()) {
             if function.body.iter().any(|it| look::runs_words(self, it)) {
                 self.error(
                     function.place,
@@ -111,6 +119,12 @@ impl Machine<'_> {
             self.bind(&it.name, slot);
             return;
         }
+        let known = self.known_inside(it);
+        // `auto`: of the type of its value.
+        let given = { &it.value }
+            .as_ref()
+            .filter(|_| &*it.of == "auto" && !it.pointer);
+        let given = given.map_or(Kind::Any, |value| self.kind_of(value));
         self.naming = Some(it.name.clone());
         let initial = match &it.value {
             // Another name for the same variable, or for an element.
@@ -150,23 +164,7 @@ impl Machine<'_> {
         }
         let value = match (set, initial) {
             (Some(value), _) | (None, Some(value)) => value,
-            (None, None) if it.lengths.is_empty() => {
-                let name = &it.name;
-                // A variable of the file begins at 0; others hold what was there before.
-                let empty = if self.scopes.len() == 1 || it.lasting {
-                    Value::Whole(0)
-                } else {
-                    Value::Unknown(unassigned(name))
-                };
-                match self.layouts.get(&it.of) {
-                    None if last(&it.of) == kernel::CLASS && !it.pointer => {
-                        Self::empty_kernel(it.place)
-                    }
-                    Some(layout) if !it.pointer => shape::fresh(layout, &empty),
-                    _ if last(&it.of) == "string" && !it.pointer => Value::Text("".into()),
-                    _ => empty,
-                }
-            }
+            (None, None) if it.lengths.is_empty() => self.empty(it),
             (None, None) => self.objects(it).unwrap_or(Value::List(Vec::new())),
         };
         let value = self.shaped(it, value);
@@ -174,18 +172,83 @@ impl Machine<'_> {
         if let (true, Some(number)) = (it.constant, value.decimal()) {
             self.constants.entry(it.name.to_string()).or_insert(number);
         }
-        let copied = it.library && matches!(value, Value::List(_));
-        let kind = self.resolved(it.kind);
-        let slot = self.make(&it.name, value, kind);
+        self.keep(it, value, (known, given, fixed));
+    }
+
+    /// What a variable begins with to which nothing is assigned.
+    fn empty(&self, it: &Declared) -> Value {
+        // A variable of the file begins at 0; others hold what was there before.
+        let empty = if self.scopes.len() == 1 || it.lasting {
+            Value::Whole(0)
+        } else {
+            Value::Unknown(unassigned(&it.name))
+        };
+        match self.layouts.get(&it.of) {
+            None if last(&it.of) == kernel::CLASS && !it.pointer => Self::empty_kernel(it.place),
+            Some(layout) if !it.pointer => shape::fresh(layout, &empty),
+            _ if last(&it.of) == "string" && !it.pointer => Value::Text("".into()),
+            _ => empty,
+        }
+    }
+
+    /// A variable of its own, or the one that was made before: its type, where the declaration has
+    /// none, and whether it keeps its value for good.
+    fn keep(
+        &mut self,
+        it: &Declared,
+        value: Value,
+        (known, given, fixed): (Option<Slot>, Kind, bool),
+    ) {
+        // What a function gives back, or a copy of another, where the type is that of the value.
+        let copied = it.library || &*it.of == "auto" && !it.pointer;
+        let copied = copied && matches!(value, Value::List(_));
+        let kind = match self.resolved(it.kind) {
+            Kind::Any if value.number().is_some() => given,
+            kind => kind,
+        };
+        let slot = match known {
+            Some(slot) => {
+                (self.slots[slot], self.kinds[slot]) = (value, kind);
+                slot
+            }
+            None => self.make(&it.name, value, kind),
+        };
         if fixed {
             self.fixed.insert(slot);
         }
         if copied {
             self.copied.insert(slot);
         }
+        if !it.pointer && self.layouts.contains_key(&it.of) {
+            self.classes.insert(slot, it.of.clone());
+        }
         if it.lasting {
             self.lasting.insert(it.place.start, slot);
         }
+    }
+
+    /// A variable whose own value names it: `sizeof(all[0])` in the braces of `all`, a function that
+    /// calls itself.
+    fn known_inside(&mut self, it: &Declared) -> Option<Slot> {
+        let value = it.value.as_ref().filter(|_| !it.reference)?;
+        let function = matches!(value.node, ExprNode::Lambda(_)) && last(&it.of) == "function";
+        let sized = !it.lengths.is_empty() && look::sizes(value, &it.name);
+        let before = if function {
+            Value::Unknown(unassigned(&it.name))
+        } else if sized {
+            // One element for those that are counted behind.
+            let known = it.lengths.first().is_some_and(Option::is_some);
+            let first = match it.lengths.len() {
+                1 => Value::Whole(0),
+                _ => Value::List(Vec::new()),
+            };
+            let all = if known { Vec::new() } else { vec![first] };
+            self.shaped(it, Value::List(all))
+        } else {
+            return None;
+        };
+        let kind = self.resolved(it.kind);
+        Some(self.make(&it.name, before, kind))
     }
 
     /// Why nothing is known of a variable of this type.
@@ -278,27 +341,47 @@ impl Machine<'_> {
             self.unread.insert(it.name.clone(), what);
             return;
         }
-        let mut members = Vec::new();
+        let base = { it.base.as_ref() }.and_then(|it| self.layouts.get(it).cloned());
+        if let Some(what) = base.as_ref().and_then(|base| hides(it, base)) {
+            let what = format!("{what}, of {}", self.line(place));
+            self.unread.insert(it.name.clone(), what);
+            self.layouts.remove(&it.name);
+            return;
+        }
+        let mut members = base.as_ref().map_or_else(Vec::new, |it| it.members.clone());
         for member in &it.members {
             let layout = self.layouts.get(&member.of).filter(|_| !member.pointer);
             let layout = layout.cloned();
             let lengths = self.lengths(member);
+            let text = last(&member.of) == "string" && !member.pointer && lengths.is_empty();
+            let text = text.then(|| Value::Text("".into()));
             let initial = member.value.as_ref().map(|value| self.value(value));
+            let initial = initial.or(text);
             members.push(Member {
                 name: member.name.clone(),
                 kind: member.kind,
+                library: member.library,
                 default: initial.map(|value| self.shaped(member, value)),
                 lengths,
                 layout,
             });
         }
-        let name = it.name.clone();
-        let functions = it.functions.clone();
-        let layout = Layout {
-            name,
+        let mut layout = Layout {
+            name: it.name.clone(),
+            space: it.space.clone(),
             members,
-            functions,
+            functions: it.functions.clone(),
+            base,
+            entry: None,
         };
+        if it.map {
+            let entry = Layout {
+                name: "pair".into(),
+                ..layout
+            };
+            layout = Layout::of_values(&it.name, Vec::new());
+            layout.entry = Some(entry.into());
+        }
         self.layouts.insert(it.name.clone(), layout.into());
     }
 
@@ -317,4 +400,19 @@ impl Machine<'_> {
         }
         lengths
     }
+}
+
+/// What a class is that has something under a name of its base, where it depends on the type of a
+/// pointer or a reference which of the two is meant.
+fn hides(it: &Struct, base: &Layout) -> Option<String> {
+    if let Some(member) = it.members.iter().find(|it| base.names(&it.name)) {
+        return Some(format!("a class with a `{}` as its base", member.name));
+    }
+    let own = it.functions.iter();
+    let mut own = own.filter(|of| of.name != it.name && !of.hidden);
+    let hiding = own.find(|it| base.names(&it.name) && !base.is_virtual(it))?;
+    Some(format!(
+        "a class whose `{}` hides that of its base, which is not `virtual`",
+        hiding.name
+    ))
 }

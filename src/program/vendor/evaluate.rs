@@ -3,12 +3,16 @@
 use std::rc::Rc;
 
 use super::{
-    constant, look,
+    constant,
+    host::vendors,
+    layout::Layout,
+    look,
     machine::{Flow, Location, Machine},
     reach::{Reach, base_name},
     scope::foreign,
     tree::{Declared, Expr, ExprNode, Function, Kind, Width, last},
-    value::{Slot, Value},
+    value::{Slot, Value, unassigned},
+    walk::tied,
 };
 use crate::config::{Place, suggestion};
 
@@ -30,16 +34,27 @@ impl Machine<'_> {
             ExprNode::Step(of, by, prefix) => {
                 let reached = self.reach(of);
                 let before = self.load(&reached, of);
-                let after = Value::binary("+", &before, &Value::Whole(*by));
-                let after = self.or_fault(after, it.place);
+                if let Value::Record(..) = before {
+                    return self.step_operator(reached, *by, *prefix, it.place);
+                }
+                let after = self.stepped(&before, &reached, *by, it.place);
                 let after = self.store(&reached, after, of);
                 if *prefix { after } else { before }
             }
             ExprNode::Binary(..) => self.chain(it),
             ExprNode::Assign(operator, to, value) => {
-                let mut value = self.value(value);
+                if operator.is_none()
+                    && let Some(members) = tied(to)
+                {
+                    return self.tie(members, value, it.place);
+                }
+                let argument = self.argument(value);
                 // Where it lies is found once: that may have effects of its own.
                 let reached = self.reach(to);
+                if let Some(Value::Record(..)) = self.reached(&reached) {
+                    return self.assign_operator(*operator, (reached, to), argument, it.place);
+                }
+                let mut value = argument.value;
                 if let Some(operator) = operator {
                     let before = self.load(&reached, to);
                     let after = Value::binary(operator, &before, &value);
@@ -48,14 +63,21 @@ impl Machine<'_> {
                 self.store(&reached, value, to)
             }
             ExprNode::Choose(condition, yes, no) => match self.condition(condition).truth() {
-                Ok(true) => self.value(yes),
-                Ok(false) => self.value(no),
+                Ok(holds) => {
+                    let kind = self.kind_of(it);
+                    self.value(if holds { yes } else { no }).converted(kind)
+                }
                 Err(why) => {
                     let (yes, no) = (look::statement(yes), look::statement(no));
                     self.either(condition, &[&yes, &no], &why);
                     Value::Unknown(why)
                 }
             },
+            ExprNode::Designated(all) => {
+                let names = all.iter().map(|it| it.0.clone()).collect();
+                let values = all.iter().map(|(_, it)| self.value(it)).collect();
+                Value::Record(Layout::designated(names).into(), values)
+            }
             ExprNode::Braces(all) => Value::List(all.iter().map(|it| self.value(it)).collect()),
             ExprNode::Lambda(function) => Value::Lambda(self.closure(function)),
             ExprNode::Block(body) => match self.block(body) {
@@ -85,6 +107,17 @@ impl Machine<'_> {
         {
             return Value::Wide(bytes, Width::UnsignedLong);
         }
+        // Nothing of it runs.
+        let named = matches!(
+            of.node,
+            ExprNode::Name(_)
+                | ExprNode::Member(..)
+                | ExprNode::Index(..)
+                | ExprNode::Unary("*", _)
+        );
+        if let (false, Some(bytes)) = (named, self.kind_of(of).bytes()) {
+            return Value::Wide(bytes, Width::UnsignedLong);
+        }
         let unknown = || Value::Unknown(format!("`sizeof` of `{}`", base_name(of)).into());
         let (value, kind) = match self.reach(of) {
             Reach::Location(slot, path) if self.copied.contains(&slot) && path.is_empty() => {
@@ -110,6 +143,14 @@ impl Machine<'_> {
             Value::Whole(0)
         } else {
             Value::List(Vec::new())
+        };
+        let layout = self
+            .layouts
+            .get(&it.of)
+            .filter(|_| !it.pointer && it.lengths.is_empty());
+        let empty = match layout {
+            Some(layout) => super::shape::fresh(layout, &Value::Unknown(unassigned("an object"))),
+            None => empty,
         };
         let value = self.shaped(it, value.unwrap_or(empty));
         let kind = self.resolved(it.kind);
@@ -164,7 +205,7 @@ impl Machine<'_> {
     /// The value that lies somewhere; an array becomes a pointer to its first element.
     pub(super) fn decayed(&self, slot: Slot, path: &[usize], name: &str) -> Value {
         match self.peek(slot, path) {
-            Some(Value::List(_)) if !self.copied.contains(&slot) => {
+            Some(Value::List(_)) if !self.is_library(slot, path) => {
                 let mut path = path.to_vec();
                 if !path.is_empty() {
                     path.push(0);
@@ -194,8 +235,18 @@ impl Machine<'_> {
             links.push((*operator, &**left, &**right, first.place));
             first = left;
         }
-        let mut value = self.value(first);
+        let reached = self.reach(first);
+        let mut value = self.load(&reached, first);
+        let mut location = match reached {
+            Reach::Location(slot, path) => Some((slot, path)),
+            _ => None,
+        };
         while let Some((operator, left, right, place)) = links.pop() {
+            if matches!(value, Value::Record(..)) && !matches!(operator, "," | "&&" | "||") {
+                (value, location) = self.object_under(operator, (value, location), right, place);
+                continue;
+            }
+            location = None;
             value = self.binary(operator, value, left, right, place);
         }
         value
@@ -246,6 +297,11 @@ impl Machine<'_> {
         (b, right): (Value, Place),
         place: Place,
     ) -> Value {
+        if let (Value::Record(..), _) | (_, Value::Record(..)) = (&a, &b)
+            && !matches!((&a, &b), (Value::Unknown(_), _) | (_, Value::Unknown(_)))
+        {
+            return self.binary_operator(operator, a.into(), b.into(), place);
+        }
         let single =
             matches!(operator, "&&" | "||") || a.number().is_some() != b.number().is_some();
         if single && (self.no_number(&a, left) || self.no_number(&b, right)) {
@@ -271,6 +327,9 @@ impl Machine<'_> {
             (Value::Pointer(one, from, _), Value::Pointer(other, to, _)) if one == other => {
                 self.between(operator, (*one, from, to))
             }
+            (Value::Back(one, from, _), Value::Back(other, to, _)) if one == other => {
+                self.between(operator, (*one, to, from))
+            }
             _ => Value::binary(operator, &a, &b),
         };
         self.or_fault(value, place)
@@ -288,10 +347,7 @@ impl Machine<'_> {
     /// A name that nothing declares, where its value decides: a constant of the vendor's has one that
     /// is not known, others are faults.
     pub(super) fn unheard(&mut self, name: &str, place: Place) -> Value {
-        if ["VS_", "vs_", "SCAMP"]
-            .iter()
-            .any(|own| name.starts_with(own))
-        {
+        if vendors(name) {
             return Value::Unknown(format!("`{name}`").into());
         }
         self.undeclared(name, place);
@@ -414,8 +470,11 @@ impl Machine<'_> {
                 reached => self.load(&reached, of),
             };
         }
-        let value = self.value(of);
-        match (operator, value) {
+        let argument = self.argument(of);
+        if let Value::Record(..) = argument.value {
+            return self.unary_operator(operator, argument, place);
+        }
+        match (operator, argument.value) {
             (_, Value::Unknown(why)) => Value::Unknown(why),
             ("!", other) if self.no_number(&other, of.place) => Value::Whole(0),
             ("!", Value::Symbol(name)) if !self.known(&name) => self.unheard(&name, of.place),
@@ -447,14 +506,19 @@ impl Machine<'_> {
                 made.held.push((capture.name.clone(), slot));
             }
         }
-        for name in super::look::names(self, function) {
+        let this = self.this();
+        let names = super::look::names(self, function);
+        for name in names.into_iter().chain(["this".into()]) {
             let own = self.scopes.get(self.base.max(1)..).unwrap_or_default();
             let found = own.iter().rev().find_map(|scope| scope.get(&name)).copied();
             let named = captures.named.iter().find(|it| it.name == name);
             let Some(slot) = found.filter(|_| named.is_none_or(|it| it.value.is_none())) else {
                 continue;
             };
-            let copied = named.map_or(captures.copies, |it| !it.reference);
+            // What belongs to the object is taken along with the object.
+            let own = matches!((&self.slots[slot], &this), (Value::Reference(of, path), Some((whole, part)))
+                if of == whole && path.starts_with(part));
+            let copied = !own && named.map_or(captures.copies, |it| !it.reference);
             let slot = if copied { self.copy(slot) } else { slot };
             made.held.push((name, slot));
         }

@@ -1,11 +1,9 @@
 //! Expressions of C++.
 
-use std::rc::Rc;
-
 use super::{
     parse::{Parsed, Parser},
     token::{Kind as TokenKind, Token, unescaped},
-    tree::{Capture, Captures, Expr, ExprNode, FILLED, Function, Kind, TemplateArgument},
+    tree::{Expr, ExprNode, FILLED, Kind, TemplateArgument},
 };
 use crate::config::{Fault, Place};
 
@@ -45,6 +43,7 @@ pub(super) fn unexpected(found: Option<&Token>, place: Place, expected: &str, he
         None => "the end of the file".to_owned(),
         Some(TokenKind::Name(name)) => format!("`{name}`"),
         Some(TokenKind::Whole(value) | TokenKind::Wide(value, _)) => format!("the number {value}"),
+        Some(TokenKind::Character(_)) => "a character".to_owned(),
         Some(TokenKind::Real(value) | TokenKind::Single(value)) => format!("the number {value}"),
         Some(TokenKind::Text(_)) => "text in quotes".to_owned(),
         Some(TokenKind::Punctuator(operator)) => format!("`{operator}`"),
@@ -88,6 +87,10 @@ pub(super) fn assignment(it: &mut Parser<'_>) -> Parsed<Expr> {
 
 fn braces(it: &mut Parser<'_>) -> Parsed<Expr> {
     let start = it.expect("{", HELP)?;
+    if let Some(node) = it.designated()? {
+        let place = start.to(it.before());
+        return Ok(Expr { node, place });
+    }
     let mut all = Vec::new();
     let (links, mut most) = (it.links, it.links);
     while !it.take("}") {
@@ -108,6 +111,26 @@ fn braces(it: &mut Parser<'_>) -> Parsed<Expr> {
         node: ExprNode::Braces(all),
         place: start.to(it.before()),
     })
+}
+
+/// What an object is made of, in braces or in parentheses.
+fn given(it: &mut Parser<'_>) -> Parsed<Vec<Expr>> {
+    if it.sees("{") {
+        return Ok(given_in(braces(it)?));
+    }
+    if !it.sees("(") {
+        let help = "an object is `std::pair<int, int>(1, 2)`";
+        return Err(unexpected(it.peek(0), it.place(), "`(` or `{`", help));
+    }
+    arguments(it, "an object is `std::pair<int, int>(1, 2)`")
+}
+
+/// What an object is made of, in braces.
+fn given_in(it: Expr) -> Vec<Expr> {
+    match it.node {
+        ExprNode::Braces(given) => given,
+        _ => vec![it],
+    }
 }
 
 fn choose(it: &mut Parser<'_>) -> Parsed<Expr> {
@@ -214,6 +237,10 @@ fn primary(it: &mut Parser<'_>) -> Parsed<Expr> {
     };
     let node = match &token.kind {
         TokenKind::Whole(value) => ExprNode::Whole(*value),
+        TokenKind::Character(code) => {
+            let node = ExprNode::Whole(*code);
+            ExprNode::Convert(Kind::CHARACTER, Box::new(Expr { node, place }))
+        }
         TokenKind::Wide(value, width) => ExprNode::Wide(*value, *width),
         TokenKind::Real(value) => ExprNode::Real(*value),
         TokenKind::Single(value) => {
@@ -250,7 +277,7 @@ fn primary(it: &mut Parser<'_>) -> Parsed<Expr> {
                 place: place.to(end),
             });
         }
-        TokenKind::Punctuator("[") => return lambda(it),
+        TokenKind::Punctuator("[") => return it.lambda(),
         TokenKind::Punctuator("{") => return braces(it),
         TokenKind::Punctuator("::") => {
             it.at += 1;
@@ -296,8 +323,13 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
         name = it.name(HELP)?;
         full = format!("{full}::{name}");
     }
+    if let Some(class) = it.container(&name) {
+        let given = given(it)?;
+        return Ok(Expr::made(&class, given, place.to(it.before())));
+    }
     let array = matches!(&*name, "vector" | "deque");
-    if std || array {
+    let get = std && &*name == "get";
+    if (std || array) && !get {
         let start = it.at;
         let angles = it.angles();
         if array && (std || angles) && it.sees("(") {
@@ -339,7 +371,7 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
         "new" => return allocation(it, place),
         _ => {}
     }
-    if it.templates.contains(&name) && it.sees("<") {
+    if (get || it.templates.contains(&name)) && it.sees("<") {
         let given = template_arguments(it)?;
         let callee = Expr {
             node: ExprNode::Name(full.into()),
@@ -351,11 +383,7 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
         });
     }
     if it.classes.contains(&name) && it.sees("{") {
-        let of = braces(it)?;
-        let given = match of.node {
-            ExprNode::Braces(given) => given,
-            _ => Vec::new(),
-        };
+        let given = given_in(braces(it)?);
         return Ok(Expr::made(&full, given, place.to(it.before())));
     }
     let node = match &*name {
@@ -436,7 +464,7 @@ fn allocation(it: &mut Parser<'_>, place: Place) -> Parsed<Expr> {
 }
 
 /// What a template is given, in `<…>`.
-fn template_arguments(it: &mut Parser<'_>) -> Parsed<Vec<TemplateArgument>> {
+pub(super) fn template_arguments(it: &mut Parser<'_>) -> Parsed<Vec<TemplateArgument>> {
     it.at += 1;
     let mut all = Vec::new();
     while !it.close_angle() {
@@ -445,72 +473,6 @@ fn template_arguments(it: &mut Parser<'_>) -> Parsed<Vec<TemplateArgument>> {
             let help = "a template is called by `name<value>(argument)`";
             return Err(unexpected(it.peek(0), it.place(), "`,` or `>`", help));
         }
-    }
-    Ok(all)
-}
-
-fn lambda(it: &mut Parser<'_>) -> Parsed<Expr> {
-    const SHAPE: &str = "a lambda is `[&](type parameter) { … }`";
-    let place = it.place();
-    it.at += 1;
-    let captures = captures(it)?;
-    let parameters = if it.take("(") {
-        it.parameters()?
-    } else {
-        Vec::new()
-    };
-    let (mut returns, mut refers) = (Kind::Any, false);
-    while it.peek(0).is_some() && !it.sees("{") {
-        if it.sees(";") {
-            return Err(unexpected(it.peek(0), it.place(), "`{`", SHAPE));
-        }
-        if it.take("->") {
-            let of = it.read_cast().unwrap_or_default();
-            (returns, refers) = (of.value_kind(), of.refers());
-        } else {
-            it.at += 1;
-        }
-    }
-    let body = it.block()?;
-    let place = place.to(it.before());
-    let function = Function {
-        parameters: parameters.into(),
-        body: body.into(),
-        returns,
-        refers,
-        captures,
-        ..Function::new("".into(), place)
-    };
-    Ok(Expr {
-        node: ExprNode::Lambda(Rc::new(function)),
-        place,
-    })
-}
-
-/// What a lambda takes along, up to `]`.
-fn captures(it: &mut Parser<'_>) -> Parsed<Captures> {
-    let mut all = Captures::default();
-    while !it.take("]") {
-        let reference = it.take("&");
-        let copies = !reference && it.take("=");
-        all.copies |= copies;
-        if !copies && !it.word(0).is_empty() {
-            let name = it.name(HELP)?;
-            let value = if it.take("=") {
-                Some(it.assignment()?)
-            } else {
-                None
-            };
-            all.named.push(Capture {
-                name,
-                reference,
-                value,
-            });
-        } else if !copies && !reference && !it.take("*") {
-            let help = "a lambda takes along `[&]`, `[=]`, or names";
-            return Err(unexpected(it.peek(0), it.place(), "`]`", help));
-        }
-        it.take(",");
     }
     Ok(all)
 }
@@ -557,10 +519,7 @@ fn postfix(it: &mut Parser<'_>, mut value: Expr) -> Parsed<Expr> {
             && let ExprNode::Name(class) = &value.node
             && it.constructs(class)
         {
-            let given = match braces(it)?.node {
-                ExprNode::Braces(given) => given,
-                _ => Vec::new(),
-            };
+            let given = given_in(braces(it)?);
             Expr::made(class, given, start.to(it.before())).node
         } else if it.sees("[") {
             it.link()?;

@@ -267,17 +267,29 @@ fn differs(old: &Value, new: &Value) -> bool {
         (Value::List(old), Value::List(new)) if old.len() == new.len() => {
             old.iter().zip(new).any(|(old, new)| differs(old, new))
         }
+        (Value::Record(of, old), Value::Record(is, new))
+            if of.name == is.name && old.len() == new.len() =>
+        {
+            old.iter().zip(new).any(|(old, new)| differs(old, new))
+        }
         _ => old != new,
     }
 }
 
-/// What has another value is not known; an array stays one, of elements of which some are not.
+/// What has another value is not known; arrays and objects stay such, of which some parts are not.
 fn unknown_where_other(old: &mut Value, new: &Value, why: &Why) {
     if !differs(old, new) {
         return;
     }
     match (old, new) {
         (Value::List(old), Value::List(new)) if old.len() == new.len() => {
+            for (old, new) in old.iter_mut().zip(new) {
+                unknown_where_other(old, new, why);
+            }
+        }
+        (Value::Record(of, old), Value::Record(is, new))
+            if of.name == is.name && old.len() == new.len() =>
+        {
             for (old, new) in old.iter_mut().zip(new) {
                 unknown_where_other(old, new, why);
             }

@@ -25,6 +25,13 @@ pub(super) enum Role {
     Library,
 }
 
+/// Whether a name is written as those of the vendor's header, of which not all are known here.
+pub(super) fn vendors(name: &str) -> bool {
+    ["VS_", "vs_", "SCAMP", "scamp"]
+        .iter()
+        .any(|begin| name.starts_with(begin))
+}
+
 /// What a call of this name with so many arguments does.
 pub(super) fn role(name: &str, given: usize) -> Role {
     match name {

@@ -3,6 +3,7 @@
 
 use std::{
     collections::{BTreeMap, BTreeSet},
+    ops::Bound::{Included, Unbounded},
     rc::Rc,
 };
 
@@ -10,8 +11,9 @@ use super::{
     host::{self, ALGORITHMS, Role},
     machine::Machine,
     scope::foreign,
-    tree::{Expr, ExprNode, Function, Stmt, StmtNode, TemplateArgument, Word, last},
+    tree::{Expr, ExprNode, Function, Stmt, StmtNode, Word, last},
     value::{Slot, Value},
+    walk::{Part, calls, tied, values, walk},
     why::Why,
 };
 
@@ -114,7 +116,11 @@ impl Callees {
             return false;
         }
         let name = last(name);
-        let known = [machine.functions.get(name), machine.members.get(name)];
+        let known = [
+            machine.functions.get(name),
+            machine.members.get(name),
+            machine.specials.get(name),
+        ];
         let before = self.functions.len();
         let all = known.into_iter().flatten().flatten();
         self.functions.extend(all.cloned());
@@ -172,6 +178,9 @@ impl Callees {
                 self.names.push(last(name).into());
             }
             Value::List(all) => all.iter().for_each(|it| self.held(machine, it)),
+            Value::Record(layout, _) if layout.names("operator()") => {
+                self.functions.extend(members(machine, "operator()"));
+            }
             _ => {}
         }
     }
@@ -234,6 +243,11 @@ fn scan(
     part: &mut dyn FnMut(&Part<'_>),
     leaf: &mut dyn FnMut(&str, usize),
 ) {
+    let defines = |all: &BTreeMap<Word, Vec<Rc<Function>>>| {
+        let mut behind = all.range::<str, _>((Included("operator"), Unbounded));
+        behind.next().is_some_and(|it| it.0.starts_with("operator"))
+    };
+    let operators = defines(&machine.functions) || defines(&machine.members);
     walk(it, false, &mut |it| {
         part(&it);
         match it {
@@ -266,9 +280,29 @@ fn scan(
                 }
                 queue.extend(callees.functions);
             }
+            Part::Expr(it) if operators => {
+                let mut callees = Callees::default();
+                if let Some(name) = operator(it) {
+                    callees.named(machine, &name);
+                }
+                queue.extend(callees.functions);
+            }
             _ => {}
         }
     });
+}
+
+/// The operator of a class that a value may call.
+fn operator(it: &Expr) -> Option<String> {
+    Some(match &it.node {
+        ExprNode::Binary(operator, ..) | ExprNode::Unary(operator, _) => {
+            format!("operator{operator}")
+        }
+        ExprNode::Assign(operator, ..) => format!("operator{}=", operator.unwrap_or_default()),
+        ExprNode::Index(..) => "operator[]".to_owned(),
+        ExprNode::Step(_, by, _) => format!("operator{}", if *by > 0 { "++" } else { "--" }),
+        _ => return None,
+    })
 }
 
 /// The first variable of a value that only the run knows.
@@ -297,12 +331,36 @@ pub(super) fn unknown(machine: &Machine<'_>, it: &Expr) -> Option<Word> {
 
 /// Whether it can leave the block that it is in.
 pub(super) fn leaves(it: &Stmt) -> bool {
+    let mut found = leaves_switch(it);
+    walk(it, true, &mut |part| {
+        found |= matches!(
+            part,
+            Part::Stmt(Stmt {
+                node: StmtNode::Break,
+                ..
+            })
+        );
+    });
+    found
+}
+
+/// Whether it can leave more than a `switch` around it: the loop's turn, or the function.
+pub(super) fn leaves_switch(it: &Stmt) -> bool {
     let mut found = false;
     walk(it, true, &mut |part| {
         found |= matches!(
             part,
             Part::Stmt(Stmt {
-                node: StmtNode::Break | StmtNode::Continue | StmtNode::Return(_),
+                node: StmtNode::Continue,
+                ..
+            })
+        );
+    });
+    walk(it, false, &mut |part| {
+        found |= matches!(
+            part,
+            Part::Stmt(Stmt {
+                node: StmtNode::Return(_),
                 ..
             })
         );
@@ -321,6 +379,11 @@ pub(super) fn forget(machine: &mut Machine<'_>, it: &Stmt, why: &Why) {
         match machine.slots[slot].clone() {
             Value::Pointer(slot, path, _) | Value::Reference(slot, path) => {
                 machine.forget(slot, &path, why);
+            }
+            // Of a reverse iterator, any element.
+            Value::Back(slot, path, _) => {
+                let array = path.split_last().map_or(&[][..], |it| it.1);
+                machine.forget(slot, array, why);
             }
             Value::Symbol(_) | Value::Lambda(_) => {}
             _ => machine.forget(slot, &[], why),
@@ -341,18 +404,30 @@ fn assigned(machine: &Machine<'_>, it: &Stmt) -> (Vec<Word>, Vec<Rc<Function>>) 
             )
         })
     };
+    let object = |name: &Word| {
+        let slot = machine.find(name);
+        slot.is_some_and(|slot| matches!(machine.slots[slot], Value::Record(..)))
+    };
     let mut part = |part: &Part<'_>| {
         let Part::Expr(value) = part else { return };
         match &value.node {
-            ExprNode::Assign(_, to, _) | ExprNode::Step(to, ..) => names.extend(base(to)),
+            ExprNode::Assign(_, to, _) | ExprNode::Step(to, ..) => {
+                names.extend(base(to));
+                names.extend(tied(to).into_iter().flatten().filter_map(base));
+            }
             ExprNode::Unary("&", of) => names.extend(base(of)),
+            // A map makes the element; an operator may change what is left of it.
+            ExprNode::Index(of, _) | ExprNode::Binary("<<" | ">>", of, _) => {
+                names.extend(base(of).filter(object));
+            }
             ExprNode::Call(callee, given) => {
                 // An array that is given may be written.
                 let reads = matches!(&callee.node, ExprNode::Name(name) if last(name) == "vs_gui_read_slider");
                 if !reads {
                     names.extend(given.iter().filter_map(base).filter(list));
                 }
-                // So may the object that a function belongs to.
+                // So may the object that is called, or that a function belongs to.
+                names.extend(base(callee).filter(object));
                 if let ExprNode::Member(of, _) = &callee.node {
                     names.extend(base(of));
                 }
@@ -433,126 +508,19 @@ pub(super) fn asks_host(machine: &Machine<'_>, it: &Stmt) -> bool {
     found
 }
 
-enum Part<'a> {
-    Stmt(&'a Stmt),
-    Expr(&'a Expr),
-}
-
-fn calls(it: &Stmt, act: &mut dyn FnMut(&str, usize)) {
-    walk(it, false, &mut |part| {
-        if let Part::Expr(value) = part
-            && let ExprNode::Call(callee, given) = &value.node
-            && let ExprNode::Name(name) = &callee.node
+/// Whether a value asks for the size of something of this name.
+pub(super) fn sizes(it: &Expr, name: &str) -> bool {
+    let mut found = false;
+    values(it, &mut |part| {
+        if let Part::Expr(Expr {
+            node: ExprNode::SizeOf(of),
+            ..
+        }) = part
         {
-            act(last(name), given.len());
+            found |= base(of).is_some_and(|it| &*it == name);
         }
     });
-}
-
-// A line for each part reads better than a loop for each.
-#[allow(clippy::needless_for_each)]
-/// Every statement and value in it; `own` leaves out what loops inside it have for themselves.
-fn walk(it: &Stmt, own: bool, act: &mut dyn FnMut(Part<'_>)) {
-    act(Part::Stmt(it));
-    match &it.node {
-        StmtNode::Block(all) | StmtNode::Namespace(_, all) => {
-            all.iter().for_each(|it| walk(it, own, act));
-        }
-        StmtNode::Switch(on, all) => {
-            values(on, act);
-            if own {
-                // Its `break` is its own.
-                let kept = all.iter().filter(|it| !matches!(it.node, StmtNode::Break));
-                kept.for_each(|it| walk(it, own, act));
-            } else {
-                all.iter().for_each(|it| walk(it, own, act));
-            }
-        }
-        StmtNode::Declare(all) => {
-            for declared in all {
-                let lengths = declared.lengths.iter().flatten();
-                lengths
-                    .chain(&declared.value)
-                    .for_each(|it| values(it, act));
-            }
-        }
-        StmtNode::Expr(value) | StmtNode::Return(Some(value)) | StmtNode::Case(Some(value)) => {
-            values(value, act);
-        }
-        StmtNode::If(condition, yes, no) => {
-            values(condition, act);
-            walk(yes, own, act);
-            no.iter().for_each(|it| walk(it, own, act));
-        }
-        StmtNode::For(start, condition, step, body) => {
-            start.iter().for_each(|it| walk(it, own, act));
-            condition.iter().chain(step).for_each(|it| values(it, act));
-            if !own {
-                walk(body, own, act);
-            }
-        }
-        StmtNode::Each(_, list, body) => {
-            values(list, act);
-            if !own {
-                walk(body, own, act);
-            }
-        }
-        StmtNode::While(condition, body) | StmtNode::DoWhile(body, condition) => {
-            values(condition, act);
-            if !own {
-                walk(body, own, act);
-            }
-        }
-        StmtNode::Case(None)
-        | StmtNode::Break
-        | StmtNode::Continue
-        | StmtNode::Return(None)
-        | StmtNode::Function(_)
-        | StmtNode::Prototype(_)
-        | StmtNode::Struct(_)
-        | StmtNode::Class(_)
-        | StmtNode::Nothing => {}
-    }
-}
-
-#[allow(clippy::needless_for_each)]
-fn values(it: &Expr, act: &mut dyn FnMut(Part<'_>)) {
-    act(Part::Expr(it));
-    match &it.node {
-        ExprNode::Call(callee, given) => {
-            values(callee, act);
-            given.iter().for_each(|it| values(it, act));
-        }
-        ExprNode::Member(of, _)
-        | ExprNode::Unary(_, of)
-        | ExprNode::Step(of, ..)
-        | ExprNode::Convert(_, of)
-        | ExprNode::Recast(_, of)
-        | ExprNode::SizeOf(of) => values(of, act),
-        ExprNode::Template(given, of) => {
-            for it in given {
-                if let TemplateArgument::Value(value) = it {
-                    values(value, act);
-                }
-            }
-            values(of, act);
-        }
-        ExprNode::New(declared) => declared.value.iter().for_each(|it| values(it, act)),
-        ExprNode::Index(a, b) | ExprNode::Binary(_, a, b) | ExprNode::Assign(_, a, b) => {
-            values(a, act);
-            values(b, act);
-        }
-        ExprNode::Choose(a, b, c) => [a, b, c].into_iter().for_each(|it| values(it, act)),
-        ExprNode::Braces(all) => all.iter().for_each(|it| values(it, act)),
-        ExprNode::Block(all) => all.iter().for_each(|it| walk(it, false, act)),
-        // Callbacks run when somebody moves a slider, not here.
-        ExprNode::Lambda(_)
-        | ExprNode::Whole(_)
-        | ExprNode::Wide(..)
-        | ExprNode::Real(_)
-        | ExprNode::Text(_)
-        | ExprNode::Name(_) => {}
-    }
+    found
 }
 
 /// Whether a function calls another.

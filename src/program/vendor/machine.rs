@@ -9,8 +9,9 @@ use std::{
 use super::{
     beside::Companion,
     files::Files,
+    layout::Layout,
     tree::{Function, Kind, TemplateArgument, Word},
-    value::{Layout, Slot, Value},
+    value::{Slot, Value},
     why::Why,
 };
 use crate::{
@@ -82,6 +83,10 @@ pub(super) struct Machine<'a> {
     pub kinds: Vec<Kind>,
     /// Arrays that are copied with their name, as those of the language's library.
     pub copied: BTreeSet<Slot>,
+    /// The classes of the elements of arrays.
+    pub classes: BTreeMap<Slot, Word>,
+    /// Bodies that a template has for some of what it is given.
+    pub specials: BTreeMap<Word, Vec<Rc<Function>>>,
     /// Classes whose members are known.
     pub layouts: BTreeMap<Word, Rc<Layout>>,
     /// Classes that are not followed: what they are, and where.
@@ -169,6 +174,8 @@ impl<'a> Machine<'a> {
             free: Vec::new(),
             kinds: vec![Kind::INT],
             copied: BTreeSet::new(),
+            classes: BTreeMap::new(),
+            specials: BTreeMap::new(),
             layouts: BTreeMap::new(),
             unread: BTreeMap::new(),
             not_followed: BTreeMap::new(),

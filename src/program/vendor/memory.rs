@@ -185,7 +185,9 @@ fn repeated(byte: u8, kind: Kind) -> Option<Value> {
 /// The variables that a value leads to.
 fn leads_to(value: &Value, all: &mut Vec<Slot>) {
     match value {
-        Value::Pointer(slot, ..) | Value::Reference(slot, _) => all.push(*slot),
+        Value::Pointer(slot, ..) | Value::Back(slot, ..) | Value::Reference(slot, _) => {
+            all.push(*slot);
+        }
         Value::List(values) | Value::Record(_, values) => {
             for value in values {
                 leads_to(value, all);

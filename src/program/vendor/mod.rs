@@ -10,6 +10,8 @@
 //! - [`parse`], [`expression`]: tokens to the [`tree`].
 //! - [`machine`], [`run`], [`evaluate`], [`call`]: the tree, run. [`value::Value::Unknown`] is what
 //!   only the run of the program knows; nothing that changes the array may depend on it.
+//! - [`layout`], [`operator`], [`map`]: classes, their operators, and those of the language's library.
+//! - [`written`], [`walk`], [`look`]: what a text says without being run.
 //! - [`frames`]: the loop over the frames, its first iteration and its steady one.
 //! - [`beside`], [`memory`], [`post`]: the host runs beside the array instead, and decides by what
 //!   it reads.
@@ -25,17 +27,21 @@ mod call;
 mod chip;
 mod constant;
 mod declare;
+mod entry;
 mod evaluate;
 mod expression;
 mod files;
 mod frames;
 mod host;
 mod includes;
+mod layout;
 mod light;
 mod look;
 mod loops;
 mod machine;
+mod map;
 mod memory;
+mod operator;
 mod parse;
 mod post;
 mod preprocess;
@@ -48,8 +54,10 @@ mod token;
 mod tree;
 mod value;
 mod variable;
+mod walk;
 mod why;
 mod write;
+mod written;
 
 pub use beside::{Answer, Beside};
 pub use files::Includes;

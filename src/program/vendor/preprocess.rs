@@ -590,7 +590,9 @@ fn arguments(tokens: &[Token]) -> Option<(Vec<&[Token]>, &[Token])> {
 fn spelled(token: &Token) -> Option<String> {
     match &token.kind {
         Kind::Name(name) => Some(name.to_string()),
-        Kind::Whole(value) | Kind::Wide(value, _) => Some(value.to_string()),
+        Kind::Whole(value) | Kind::Character(value) | Kind::Wide(value, _) => {
+            Some(value.to_string())
+        }
         _ => None,
     }
 }
@@ -606,7 +608,9 @@ fn written(given: &[Token]) -> String {
         end = Some(token.place.end);
         match &token.kind {
             Kind::Name(name) => text.push_str(name),
-            Kind::Whole(value) | Kind::Wide(value, _) => text.push_str(&value.to_string()),
+            Kind::Whole(value) | Kind::Character(value) | Kind::Wide(value, _) => {
+                text.push_str(&value.to_string());
+            }
             Kind::Real(value) => text.push_str(&value.to_string()),
             Kind::Single(value) => {
                 text.push_str(&value.to_string());
@@ -650,7 +654,9 @@ fn literal(body: &[Token]) -> Option<f64> {
     };
     match body {
         [one] => match one.kind {
-            Kind::Whole(value) | Kind::Wide(value, _) => Some(sign * value as f64),
+            Kind::Whole(value) | Kind::Character(value) | Kind::Wide(value, _) => {
+                Some(sign * value as f64)
+            }
             Kind::Real(value) | Kind::Single(value) => Some(sign * value),
             _ => None,
         },

@@ -1,11 +1,15 @@
 //! Where expressions lead: variables, elements and members, and what is loaded from and stored
 //! there.
 
+use std::rc::Rc;
+
 use super::{
+    host::vendors,
+    layout::Layout,
     machine::{Location, Machine},
     shape,
     tree::{Expr, ExprNode, Kind, last},
-    value::{Layout, Slot, Value, moved},
+    value::{Slot, Value, moved},
     why::Why,
 };
 
@@ -22,10 +26,22 @@ impl Machine<'_> {
                     let (slot, path) = self.pointed(slot, path);
                     Reach::Location(slot, path)
                 }
+                Value::Back(slot, path, _) => match moved(&path, -1) {
+                    Some(path) => Reach::Location(slot, path),
+                    None => Reach::Beyond(-1),
+                },
+                other @ Value::Record(..) => {
+                    let value = self.unary_operator("*", other.into(), it.place);
+                    Reach::Value(value)
+                }
                 other => Reach::Value(other),
             },
             ExprNode::Index(of, at) => {
                 let base = self.reach(of);
+                if let Some(Value::Record(layout, _)) = self.reached(&base) {
+                    let layout = Rc::clone(layout);
+                    return self.indexed(&layout, base, at, it.place);
+                }
                 let index = self.value(at);
                 self.element(base, &index)
             }
@@ -52,9 +68,10 @@ impl Machine<'_> {
             ExprNode::Step(of, by, true) => {
                 let reached = self.reach(of);
                 let before = self.load(&reached, of);
-                let after = Value::binary("+", &before, &Value::Whole(*by));
-                let after = self.or_fault(after, it.place);
-                self.store(&reached, after, of);
+                let after = self.stepped(&before, &reached, *by, it.place);
+                if !matches!(before, Value::Record(..)) {
+                    self.store(&reached, after, of);
+                }
                 reached
             }
             _ => Reach::Value(self.value(it)),
@@ -161,6 +178,10 @@ impl Machine<'_> {
     pub(super) fn through(&self, base: Reach) -> Reach {
         match self.reached(&base) {
             Some(Value::Pointer(slot, path, _)) => Reach::Location(*slot, path.clone()),
+            Some(Value::Back(slot, path, _)) => match moved(path, -1) {
+                Some(path) => Reach::Location(*slot, path),
+                None => Reach::Beyond(-1),
+            },
             _ => base,
         }
     }
@@ -355,10 +376,7 @@ impl Machine<'_> {
                 "here",
                 &format!("write `mov({name}, x);`, or `scamp5_in({name}, value);`"),
             );
-        } else if !["VS_", "vs_", "SCAMP", "scamp"]
-            .iter()
-            .any(|begin| name.starts_with(begin))
-        {
+        } else if !vendors(name) {
             self.error(
                 to.place,
                 format!("`{name}` is not declared"),
@@ -370,6 +388,7 @@ impl Machine<'_> {
 
     /// A value as the variable that it goes to holds it.
     fn fitted(&self, slot: Slot, path: &[usize], value: Value) -> Value {
+        let object = |it: &Value| matches!(it, Value::List(_) | Value::Record(..));
         let before = self.peek(slot, path);
         let mut kind = self.kind_at(slot, path);
         if kind == Kind::Any {
@@ -379,8 +398,9 @@ impl Machine<'_> {
         match (before, value) {
             // An array of the language's library is copied whole.
             (Some(Value::List(_)), Value::Pointer(from, path, _)) => self.at(from, &path),
-            (Some(Value::Record(layout, _)), Value::List(all)) => {
-                shape::record(layout, all).unwrap_or_else(|why| Value::Unknown(why.into()))
+            (Some(Value::Record(layout, _)), value) if object(&value) => {
+                let made = shape::object(value, layout);
+                made.unwrap_or_else(|why| Value::Unknown(Why::never(&why)))
             }
             (_, value) => shape::deep(value, kind),
         }

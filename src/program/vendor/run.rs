@@ -4,11 +4,11 @@ use super::{
     look,
     machine::{Flow, Machine},
     reach::Reach,
-    tree::{Declared, Expr, Stmt, StmtNode},
+    tree::{Declared, Expr, Kind, Stmt, StmtNode},
     value::Value,
     why::Why,
 };
-use crate::config::Place;
+use crate::config::{Fault, Place};
 
 impl Machine<'_> {
     /// Runs statements in a scope of their own.
@@ -77,7 +77,12 @@ impl Machine<'_> {
                 });
             }
             StmtNode::Return(Some(value)) => return Flow::Return(self.value(value)),
-            StmtNode::Function(function) => self.define(function),
+            StmtNode::Function(function) => {
+                self.define(function);
+                if function.is_operator() {
+                    self.check_members(std::slice::from_ref(function));
+                }
+            }
             StmtNode::Struct(class) => self.class(class, it.place),
             StmtNode::Class(members) => {
                 self.define_members(members);
@@ -136,8 +141,14 @@ impl Machine<'_> {
         for part in parts {
             look::forget(self, part, why);
             if changes {
-                // For the faults that are in it.
+                // For the faults that are in it, but for those that follow from this one.
+                let (told, maybe) = (self.undecided.len(), self.maybe.clone());
                 self.scoped(part);
+                let mut at = 0..;
+                let follows = |it: &Fault| it.message.contains(&why.to_string());
+                self.undecided
+                    .retain(|it| at.next() < Some(told) || !follows(it));
+                self.maybe = maybe;
             } else if self.companion.is_some() {
                 look::show(self, part);
             }
@@ -189,10 +200,12 @@ impl Machine<'_> {
     /// A `switch` of which only the run knows which case is taken.
     fn any_case(&mut self, on: &Expr, body: &[Stmt], why: &Why) -> Flow {
         let parts: Vec<&Stmt> = body.iter().collect();
-        // A `break` in it ends the switch, and nothing more.
         let maybe = self.maybe.clone();
         self.either(on, &parts, why);
-        self.maybe = maybe;
+        // A `break` in it ends the switch, and nothing more.
+        if !body.iter().any(look::leaves_switch) {
+            self.maybe = maybe;
+        }
         Flow::Next
     }
 
@@ -215,7 +228,7 @@ impl Machine<'_> {
 
     fn each(&mut self, it: &Declared, list: &Expr, body: &Stmt) -> Flow {
         let reached = self.reach(list);
-        let (location, listed) = match &reached {
+        let (mut location, listed) = match &reached {
             Reach::Location(slot, path) => match self.at(*slot, path) {
                 Value::Pointer(slot, path, _) => {
                     let listed = self.at(slot, &path);
@@ -230,6 +243,42 @@ impl Machine<'_> {
             self.unknown(list.place, message, &why, None);
             return Flow::Next;
         }
+        if let Value::Unknown(why) = &listed {
+            let message = format!("how often this loop runs, {why} decides");
+            self.unknown(list.place, message, why, None);
+            let why = why.clone();
+            look::forget(self, body, &why);
+            return Flow::Next;
+        }
+        let mut of = match &location {
+            Some((slot, path)) => self.kind_at(*slot, path),
+            None => Kind::Any,
+        };
+        let listed = match listed {
+            Value::Text(text) => {
+                // They lie nowhere by themselves.
+                if location.take().is_some() && it.reference && !it.constant {
+                    self.changes_text(list.place);
+                }
+                of = Kind::CHARACTER;
+                characters(&text)
+            }
+            listed => listed,
+        };
+        if let (Value::Record(layout, _), None) = (&listed, &location)
+            && layout.entry.is_some()
+        {
+            // A map that a function gives back.
+            location = Some((self.hold(listed.clone(), Kind::Any), Vec::new()));
+        }
+        let (listed, places) = match (listed, &location) {
+            (Value::Record(layout, all), Some((slot, path))) if layout.entry.is_some() => {
+                let places = self.ordered_by_key(*slot, path, list.place);
+                let listed = places.iter().map(|at| all[*at].clone()).collect();
+                (Value::List(listed), Some(places))
+            }
+            (listed, _) => (listed, None),
+        };
         let Value::List(all) = listed else {
             self.error(
                 list.place,
@@ -243,11 +292,16 @@ impl Machine<'_> {
             self.scopes.push(std::collections::BTreeMap::new());
             match &location {
                 Some((slot, path)) if it.reference => {
-                    let path = [&path[..], &[i]].concat();
+                    let at = places.as_ref().map_or(i, |it| it[i]);
+                    let path = [&path[..], &[at]].concat();
                     self.refer(&it.name, (*slot, path));
                 }
                 _ => {
-                    let kind = self.resolved(it.kind);
+                    let kind = match self.resolved(it.kind) {
+                        // `auto`: of the type of the elements.
+                        Kind::Any if !it.pointer => of,
+                        kind => kind,
+                    };
                     self.make(&it.name, value.converted(kind), kind);
                 }
             }
@@ -261,4 +315,22 @@ impl Machine<'_> {
         }
         Flow::Next
     }
+}
+
+impl Machine<'_> {
+    /// Tells of characters that a loop could assign to.
+    fn changes_text(&mut self, place: Place) {
+        self.error(
+            place,
+            "the characters of a text are not changed one by one here".to_owned(),
+            "the loop goes over references to them",
+            "go over `char` or `const char &`, and make a text of its own of what comes out",
+        );
+    }
+}
+
+/// The characters of a text, without the 0 at its end.
+fn characters(text: &str) -> Value {
+    let code = |code| Value::Whole(i64::from(code)).converted(Kind::CHARACTER);
+    Value::List(text.bytes().map(code).collect())
 }

@@ -4,8 +4,10 @@
 use std::{collections::VecDeque, rc::Rc};
 
 use super::{
+    entry,
+    layout::{Layout, Member},
     tree::Kind,
-    value::{Layout, Value},
+    value::Value,
 };
 
 /// What every element of an array is.
@@ -90,8 +92,7 @@ fn array(
 /// A value that is no array.
 fn single(value: Value, leaf: Leaf<'_>) -> Result<Value, String> {
     match (value, leaf.layout) {
-        (Value::List(all), Some(layout)) => record(layout, all),
-        (value, Some(_)) => Ok(value),
+        (value, Some(layout)) => object(value, layout),
         (Value::List(all), None) if leaf.kind != Kind::Any => {
             if all.len() > 1 {
                 return Err(format!("{} values for one variable", all.len()));
@@ -103,8 +104,65 @@ fn single(value: Value, leaf: Leaf<'_>) -> Result<Value, String> {
     }
 }
 
+/// A value in what holds objects of a class: from braces, or from an object of a class that is made
+/// from it.
+pub(super) fn object(value: Value, layout: &Rc<Layout>) -> Result<Value, String> {
+    match value {
+        Value::List(all) => record(layout, all),
+        Value::Record(ref of, _) if of.name == layout.name => Ok(value),
+        Value::Record(of, all) if of.is_designated() => designated(layout, &of, &all),
+        Value::Record(of, all) if of.is_tuple() && layout.is_tuple() => record(layout, all),
+        Value::Record(of, mut all) if of.line().any(|it| it.name == layout.name) => {
+            all.truncate(layout.members.len());
+            Ok(Value::Record(Rc::clone(layout), all))
+        }
+        Value::Record(of, _) => Err(format!(
+            "an object of `{}` is none of `{}`",
+            of.name, layout.name
+        )),
+        value => Ok(value),
+    }
+}
+
+/// A value in an array of objects of this class, where there is one.
+pub(super) fn element(value: Value, class: Option<&Rc<Layout>>) -> Value {
+    match class {
+        Some(layout) if matches!(value, Value::List(_) | Value::Record(..)) => {
+            object(value, layout).unwrap_or_else(|why| Value::Unknown(why.into()))
+        }
+        _ => value,
+    }
+}
+
+/// An object of a class, from the values of some of its members by name.
+fn designated(layout: &Rc<Layout>, of: &Layout, given: &[Value]) -> Result<Value, String> {
+    let unknown = |name: &str| !layout.members.iter().any(|it| &*it.name == name);
+    if let Some(it) = of.members.iter().find(|it| unknown(&it.name)) {
+        return Err(format!("`{}` has no member `{}`", layout.name, it.name));
+    }
+    let members = layout.members.iter().map(|member| {
+        let at = of.members.iter().position(|it| it.name == member.name);
+        let found = at.and_then(|at| given.get(at)).cloned();
+        match (found, &member.default) {
+            (Some(value), _) => shaped(value, &member.lengths, member.leaf()),
+            (None, Some(default)) => Ok(default.clone()),
+            (None, None) => array(&mut VecDeque::new(), &member.lengths, member.leaf()),
+        }
+    });
+    let all = members.collect::<Result<_, _>>()?;
+    Ok(Value::Record(Rc::clone(layout), all))
+}
+
 /// An object of a class, from the values of its members in their order.
 pub(super) fn record(layout: &Rc<Layout>, all: Vec<Value>) -> Result<Value, String> {
+    if let Some(entry) = &layout.entry {
+        return entry::made(layout, entry, all);
+    }
+    if let [only @ Value::Record(of, _)] = &all[..]
+        && (of.is_designated() || of.line().any(|it| it.name == layout.name))
+    {
+        return object(only.clone(), layout);
+    }
     let mut rest = all.into();
     let made = members(layout, &mut rest)?;
     if rest.is_empty() {
@@ -121,11 +179,7 @@ pub(super) fn record(layout: &Rc<Layout>, all: Vec<Value>) -> Result<Value, Stri
 fn members(layout: &Rc<Layout>, rest: &mut VecDeque<Value>) -> Result<Value, String> {
     let mut all = Vec::new();
     for member in &layout.members {
-        let leaf = Leaf {
-            kind: member.kind,
-            layout: member.layout.as_ref(),
-            library: false,
-        };
+        let leaf = member.leaf();
         let braces = matches!(rest.front(), Some(Value::List(_)));
         all.push(match (rest.is_empty(), &member.default) {
             (true, Some(default)) => default.clone(),
@@ -137,6 +191,27 @@ fn members(layout: &Rc<Layout>, rest: &mut VecDeque<Value>) -> Result<Value, Str
         });
     }
     Ok(Value::Record(Rc::clone(layout), all))
+}
+
+impl Layout {
+    /// How many values an object holds.
+    pub(super) fn size(&self) -> usize {
+        let members = self.members.iter().map(|member| {
+            let one = member.layout.as_ref().map_or(1, |it| it.size());
+            count(one, &member.lengths)
+        });
+        members.fold(1, usize::saturating_add)
+    }
+}
+
+impl Member {
+    const fn leaf(&self) -> Leaf<'_> {
+        Leaf {
+            kind: self.kind,
+            layout: self.layout.as_ref(),
+            library: false,
+        }
+    }
 }
 
 /// How many values an array of these lengths holds, of so many each; an empty one is made as well.
@@ -169,6 +244,7 @@ pub(super) fn size(value: &Value, kind: Kind) -> Option<(i64, i64)> {
             let (bytes, step) = size(all.first()?, kind)?;
             Some((bytes * all.len() as i64, step))
         }
+        Value::Record(layout, _) if layout.entry.is_some() => None,
         Value::Record(layout, all) => {
             let (mut end, mut steps) = (0_i64, 1);
             for (member, value) in layout.members.iter().zip(all) {

@@ -24,6 +24,8 @@ pub(super) struct Token {
 pub(super) enum Kind {
     Name(Arc<str>),
     Whole(i64),
+    /// The code of a character.
+    Character(i64),
     /// A whole number that is no `int`.
     Wide(i64, Width),
     Real(f64),
@@ -195,7 +197,7 @@ impl<'a> Lexer<'a> {
                     return Ok(Kind::Text(inner.into()));
                 }
                 let code = unescaped(inner).chars().next_back().unwrap_or(' ');
-                return Ok(Kind::Whole(i64::from(u32::from(code))));
+                return Ok(Kind::Character(i64::from(u32::from(code))));
             }
             escaped = c == '\\' && !escaped;
         }

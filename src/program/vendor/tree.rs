@@ -59,6 +59,8 @@ pub(super) enum ExprNode {
     Assign(Option<&'static str>, Box<Expr>, Box<Expr>),
     Choose(Box<Expr>, Box<Expr>, Box<Expr>),
     Braces(Vec<Expr>),
+    /// `{.member = value}`
+    Designated(Vec<(Word, Expr)>),
     Lambda(Rc<Function>),
     /// `({ … })`
     Block(Vec<Stmt>),
@@ -105,6 +107,8 @@ pub(super) enum Kind {
 impl Kind {
     /// `int`
     pub(super) const INT: Self = Self::Bits(32, true);
+    /// `char`
+    pub(super) const CHARACTER: Self = Self::Bits(8, true);
 
     /// What `sizeof` gives, where that is known.
     pub(super) const fn bytes(self) -> Option<i64> {
@@ -192,6 +196,12 @@ pub(super) struct Struct {
     pub name: Word,
     pub members: Vec<Declared>,
     pub functions: Vec<Rc<Function>>,
+    /// The class that it is made from.
+    pub base: Option<Word>,
+    /// The namespace of what belongs to it: its own name, behind those of its namespaces.
+    pub space: Word,
+    /// Whether these are the members of each element of a map.
+    pub map: bool,
     /// What it is, where its objects are not followed.
     pub unread: Option<&'static str>,
 }
@@ -211,6 +221,9 @@ pub(super) struct Function {
     pub place: Place,
     /// What the number that it gives back becomes.
     pub returns: Kind,
+    /// The class of what it gives back, and of the elements, where that is an array.
+    pub gives: Word,
+    pub element: Word,
     /// Whether it gives back a variable itself: `type &name(…)`.
     pub refers: bool,
     /// What stands in `template <…>`.
@@ -219,6 +232,10 @@ pub(super) struct Function {
     pub captures: Captures,
     /// The variables that a lambda was made with, by name.
     pub held: Vec<(Word, usize)>,
+    /// Whether a class that is made from its own may have another in its place.
+    pub bound: Bound,
+    /// What a template is given for which it stands in place of the template's own body.
+    pub special: Option<Rc<[TemplateArgument]>>,
     /// The words of a kernel, as they were when it was made.
     pub words: Option<Rc<[Item]>>,
 }
@@ -235,22 +252,48 @@ impl Function {
             qualified: false,
             place,
             returns: Kind::Any,
+            gives: "".into(),
+            element: "".into(),
             refers: false,
             template: Vec::new(),
             captures: Captures::default(),
             held: Vec::new(),
+            bound: Bound::Own,
+            special: None,
             words: None,
         }
     }
 
     /// Whether a call cannot tell the two apart.
     pub(super) fn same_form(&self, other: &Self) -> bool {
+        self.space == other.space && self.overrides(other)
+    }
+
+    /// Whether it has the name and the parameters of another, of whatever class.
+    pub(super) fn overrides(&self, other: &Self) -> bool {
         let form = |it: &Self| -> Vec<(Kind, bool, Word)> {
             let all = it.parameters.iter();
             all.map(|it| (it.kind, it.pointer, it.of.clone())).collect()
         };
-        self.name == other.name && self.space == other.space && form(self) == form(other)
+        self.name == other.name && form(self) == form(other)
     }
+
+    /// Whether it is an operator that is called by more than parentheses.
+    pub(super) fn is_operator(&self) -> bool {
+        self.name.starts_with("operator") && &*self.name != "operator()"
+    }
+}
+
+/// Which function of a class is meant, where an object of a class is at hand that is made from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Bound {
+    Own,
+    /// `virtual`: that of the object's class.
+    Virtual,
+    /// `virtual` without a body in the class.
+    Pure,
+    /// Without a body in the class, which may stand behind it.
+    Announced,
 }
 
 /// A name in `template <…>`.
@@ -283,7 +326,11 @@ pub(super) struct Parameter {
     pub kind: Kind,
     /// The type's own name.
     pub of: Word,
+    /// The class of the elements, where it is an array of the language's library.
+    pub element: Word,
     pub reference: bool,
+    /// Whether it is a reference, to a constant too.
+    pub alias: bool,
     /// Whether it is a pointer, or an array.
     pub pointer: bool,
     /// The name in `(&name)[extent]`, which a template may be after.

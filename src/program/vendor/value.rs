@@ -1,11 +1,11 @@
 //! What the micro-controller's variables hold, as far as it is known before the program runs.
 
-use std::rc::Rc;
+use std::{cmp::Ordering, rc::Rc};
 
 use super::{
     constant,
     host::Random,
-    shape,
+    layout::Layout,
     tree::{Function, Kind, Width, Word},
     why::Why,
 };
@@ -39,6 +39,8 @@ pub(super) enum Value {
     List(Vec<Value>),
     /// A variable, or an element of it, with the name that it was given.
     Pointer(Slot, Vec<usize>, Word),
+    /// A reverse iterator: the element is the one before, with the name of the array.
+    Back(Slot, Vec<usize>, Word),
     Lambda(Rc<Function>),
     /// An object of the language's library that draws random numbers, with its parameters.
     Random(Random, [f64; 2]),
@@ -46,43 +48,6 @@ pub(super) enum Value {
     Record(Rc<Layout>, Vec<Value>),
     /// Another name for an element of a variable.
     Reference(Slot, Vec<usize>),
-}
-
-/// A class: what its objects hold.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Layout {
-    pub name: Word,
-    pub members: Vec<Member>,
-    pub functions: Vec<Rc<Function>>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Member {
-    pub name: Word,
-    pub kind: Kind,
-    pub lengths: Vec<Option<usize>>,
-    /// The class of the member itself.
-    pub layout: Option<Rc<Layout>>,
-    /// What it begins with, where its declaration says so.
-    pub default: Option<Value>,
-}
-
-impl Layout {
-    /// Whether a member or a function has this name.
-    pub(super) fn names(&self, name: &str) -> bool {
-        let members = self.members.iter().map(|it| &it.name);
-        let functions = self.functions.iter().map(|it| &it.name);
-        members.chain(functions).any(|it| &**it == name)
-    }
-
-    /// How many values an object holds.
-    pub(super) fn size(&self) -> usize {
-        let members = self.members.iter().map(|member| {
-            let one = member.layout.as_ref().map_or(1, |it| it.size());
-            shape::count(one, &member.lengths)
-        });
-        members.fold(1, usize::saturating_add)
-    }
 }
 
 impl Value {
@@ -278,7 +243,7 @@ impl Value {
 
     /// Arithmetic of C++; `Err` says why there is none.
     pub(super) fn binary(operator: &str, left: &Self, right: &Self) -> Result<Self, String> {
-        use Value::{Pointer, Real, Single, Symbol, Symbols, Unknown, Whole, Wide};
+        use Value::{Back, Pointer, Real, Single, Symbol, Symbols, Unknown, Whole, Wide};
         let names = |value: &Self| match value {
             Symbol(name) => Some(vec![name.clone()]),
             Symbols(names) => Some(names.clone()),
@@ -334,6 +299,11 @@ impl Value {
                 let path = moved(path, by).ok_or_else(|| format!("`{name}` before its array"))?;
                 Pointer(*slot, path, name.clone())
             }
+            (Back(slot, path, name), Whole(by) | Wide(by, _)) if matches!(operator, "+" | "-") => {
+                let by = if operator == "+" { -by } else { *by };
+                let path = moved(path, by).ok_or_else(|| format!("`{name}` before its array"))?;
+                Back(*slot, path, name.clone())
+            }
             (Whole(_) | Wide(..), Pointer(..)) if operator == "+" => {
                 Self::binary(operator, right, left)?
             }
@@ -370,13 +340,32 @@ impl Value {
         })
     }
 
+    /// Which of two numbers, texts or pairs comes first; nothing where that is not known.
+    pub(super) fn order(&self, other: &Self) -> Option<Ordering> {
+        match (self, other) {
+            (Self::Text(a), Self::Text(b)) => Some(a.as_bytes().cmp(b.as_bytes())),
+            (Self::Record(_, one), Self::Record(_, other)) => {
+                for (a, b) in one.iter().zip(other) {
+                    let order = a.order(b)?;
+                    if order.is_ne() {
+                        return Some(order);
+                    }
+                }
+                Some(one.len().cmp(&other.len()))
+            }
+            _ => self.number()?.partial_cmp(&other.number()?),
+        }
+    }
+
     pub(super) fn describe(&self) -> String {
         match self {
             Self::Whole(value) | Self::Wide(value, _) => format!("the number {value}"),
             Self::Real(value) => format!("the number {value}"),
             Self::Single(value) => format!("the number {value}"),
             Self::Unknown(why) => format!("a value of which {why} decides"),
-            Self::Symbol(name) | Self::Pointer(_, _, name) => format!("`{name}`"),
+            Self::Symbol(name) | Self::Pointer(_, _, name) | Self::Back(_, _, name) => {
+                format!("`{name}`")
+            }
             Self::Symbols(names) => format!("`{}`", names.join(" | ")),
             Self::Text(_) => "a text".to_owned(),
             Self::List(_) => "an array".to_owned(),

@@ -1,6 +1,9 @@
 //! Variables: what they hold, and the way to the elements of it.
 
+use std::rc::Rc;
+
 use super::{
+    layout::Layout,
     machine::Machine,
     tree::{Kind, Word},
     value::{Slot, Value},
@@ -28,6 +31,7 @@ impl Machine<'_> {
         self.copied.remove(&slot);
         self.fixed.remove(&slot);
         self.not_followed.remove(&slot);
+        self.classes.remove(&slot);
         slot
     }
 
@@ -54,6 +58,48 @@ impl Machine<'_> {
             };
         }
         kind
+    }
+
+    /// Whether an array is one of the language's library, which is copied with its name.
+    pub(super) fn is_library(&self, slot: Slot, path: &[usize]) -> bool {
+        let mut library = self.copied.contains(&slot);
+        let mut value = self.slots.get(slot);
+        for index in path {
+            value = match value {
+                Some(Value::List(all)) => all.get(*index),
+                Some(Value::Record(layout, all)) => {
+                    library = layout.members.get(*index).is_some_and(|it| it.library);
+                    all.get(*index)
+                }
+                other => other,
+            };
+        }
+        library
+    }
+
+    /// The class of the elements of an array, where it is known.
+    pub(super) fn class_at(&self, slot: Slot, path: &[usize]) -> Option<Rc<Layout>> {
+        let mut class = self.classes.get(&slot).and_then(|it| self.layouts.get(it));
+        let mut value = self.slots.get(slot);
+        for index in path {
+            value = match value {
+                Some(Value::List(all)) => all.get(*index),
+                Some(Value::Record(layout, all)) => {
+                    class = layout.members.get(*index).and_then(|it| it.layout.as_ref());
+                    all.get(*index)
+                }
+                other => other,
+            };
+        }
+        // As those that are there.
+        let first = match value {
+            Some(Value::List(all)) => all.first(),
+            _ => None,
+        };
+        match (class, first) {
+            (None, Some(Value::Record(layout, _))) => Some(Rc::clone(layout)),
+            (class, _) => class.cloned(),
+        }
     }
 
     pub(super) fn at(&self, slot: Slot, path: &[usize]) -> Value {
@@ -138,6 +184,8 @@ impl Machine<'_> {
 fn blurred(value: Value, why: &Why) -> Value {
     match value {
         Value::List(all) => Value::List(all.into_iter().map(|it| blurred(it, why)).collect()),
+        // Which elements a map has is not known either.
+        Value::Record(ref layout, _) if layout.entry.is_some() => Value::Unknown(why.clone()),
         Value::Record(layout, all) => {
             Value::Record(layout, all.into_iter().map(|it| blurred(it, why)).collect())
         }

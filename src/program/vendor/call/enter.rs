@@ -71,6 +71,9 @@ impl Machine<'_> {
                 place,
             ))
         };
+        if let Some(special) = self.special((function, place), types.as_deref(), &scope) {
+            return self.enter_with(&special, given, None, place);
+        }
         let outer = std::mem::replace(&mut self.types, types.unwrap_or_default());
         let mut given = given.into_iter();
         for (i, parameter) in function.parameters.iter().enumerate() {
@@ -123,7 +126,7 @@ impl Machine<'_> {
                 self.referred = Some((self.calls, (slot, path)));
                 value
             }
-            (Flow::Return(value), _) => value.converted(returns),
+            (Flow::Return(value), _) => self.given_of(function, value).converted(returns),
             (Flow::Next, _)
                 if matches!(
                     returns,
@@ -139,20 +142,111 @@ impl Machine<'_> {
         }
     }
 
+    /// What a function gives back, as an object of the class that it says, or an array of them.
+    fn given_of(&self, function: &Function, value: Value) -> Value {
+        let made = |value: Value, class: &Word| match self.layouts.get(class) {
+            Some(layout) => shape::element(value, Some(layout)),
+            None => value,
+        };
+        match value {
+            Value::List(all) if self.layouts.contains_key(&function.element) => Value::List(
+                { all.into_iter() }
+                    .map(|it| made(it, &function.element))
+                    .collect(),
+            ),
+            value => made(value, &function.gives),
+        }
+    }
+
     /// The variable that a parameter is.
     fn taken(&mut self, value: Value, kind: Kind, parameter: &Parameter) -> usize {
         let value = match (self.layouts.get(&parameter.of), value) {
-            (Some(layout), Value::List(all)) if !parameter.pointer => {
-                shape::record(layout, all).unwrap_or_else(|why| Value::Unknown(why.into()))
+            // A reference keeps the class of the object.
+            (Some(_), value @ Value::Record(..)) if parameter.alias && !braces(&value) => value,
+            (Some(layout), value @ (Value::List(_) | Value::Record(..))) if !parameter.pointer => {
+                let made = shape::object(value, layout);
+                made.unwrap_or_else(|why| Value::Unknown(why.into()))
             }
             (_, value) => shape::deep(value, kind),
         };
         let whole = matches!(value, Value::List(_));
         let slot = self.hold(value, kind);
+        if self.layouts.contains_key(&parameter.element) {
+            self.classes.insert(slot, parameter.element.clone());
+        }
         if whole {
             self.copied.insert(slot);
         }
         slot
+    }
+
+    /// Whether a template was only announced.
+    fn is_announced(&self, function: &Rc<Function>) -> bool {
+        let all = self.prototypes.get(&function.name).into_iter().flatten();
+        function.body.is_empty() && { all }.any(|it| Rc::ptr_eq(it, function))
+    }
+
+    /// The body that a template has for what it is given here.
+    fn special(
+        &mut self,
+        (function, place): (&Rc<Function>, Place),
+        types: Option<&[Kind]>,
+        scope: &BTreeMap<Word, usize>,
+    ) -> Option<Rc<Function>> {
+        if function.template.is_empty() {
+            return None;
+        }
+        let all = self.specials.get(&function.name)?.clone();
+        let of_class = all.iter().find(|it| {
+            let angles = it.special.iter().flat_map(|it| it.iter());
+            let mut pairs = angles.zip(&function.template);
+            pairs.any(|(it, of)| of.is_type && matches!(it, TemplateArgument::Value(_)))
+        });
+        if let Some(it) = of_class {
+            self.error(
+                it.place,
+                "a template that is specialised for a class is not followed".to_owned(),
+                "behind `template <>`",
+                "write it as a function of another name, and call that",
+            );
+            return None;
+        }
+        let count = function.parameters.len();
+        let own = |it: &&Rc<Function>| it.space == function.space && it.parameters.len() == count;
+        let found = all.iter().filter(own).find(|special| {
+            let angles = special.special.clone().unwrap_or_default();
+            function.template.iter().enumerate().all(|(at, parameter)| {
+                let given = types.and_then(|it| it.get(at)).copied();
+                // What is not said is taken from the parameters.
+                let deduced = || {
+                    let of = |it: &&Parameter| it.kind == Kind::Parameter(at);
+                    let at = function.parameters.iter().position(|it| of(&it))?;
+                    Some(special.parameters[at].kind)
+                };
+                match (angles.get(at), parameter.is_type) {
+                    (Some(TemplateArgument::Type(kind)), true) => given == Some(*kind),
+                    (None, true) => given.is_some() && given == deduced(),
+                    (Some(TemplateArgument::Value(value)), false) => {
+                        let wanted = self.value(value);
+                        let held = scope.get(&parameter.name).map(|it| &self.slots[*it]);
+                        held.is_some_and(|it| match (it.number(), wanted.number()) {
+                            (Some(one), Some(other)) => one == other,
+                            _ => *it == wanted,
+                        })
+                    }
+                    _ => false,
+                }
+            })
+        });
+        if found.is_none() && self.is_announced(function) {
+            self.error(
+                place,
+                format!("`{}` has no body for what it is given here", function.name),
+                "this call",
+                "its template has only those behind `template <>`",
+            );
+        }
+        found.cloned()
     }
 
     /// What the parameters of a template are: given in `<…>`, taken from the arguments, or their
@@ -225,4 +319,9 @@ impl Machine<'_> {
         }
         types
     }
+}
+
+/// Whether a value stands in braces, with the names of its members.
+fn braces(value: &Value) -> bool {
+    matches!(value, Value::Record(layout, _) if layout.is_designated())
 }

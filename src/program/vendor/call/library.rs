@@ -8,7 +8,10 @@ use super::super::{
     tree::{Expr, ExprNode, Kind, Width},
     value::Value,
 };
-use crate::config::{Fault, Place};
+use crate::{
+    config::{Fault, Place},
+    limit::VENDOR_VALUES,
+};
 
 impl Machine<'_> {
     /// `static_assert(condition, "why")`
@@ -54,6 +57,57 @@ impl Machine<'_> {
                 Value::Whole(0)
             }
         }
+    }
+
+    /// `std::string("text")`, `std::string(length, character)`
+    pub(super) fn text(&mut self, given: &[Expr]) -> Value {
+        let all: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
+        match &all[..] {
+            [] => Value::Text("".into()),
+            [text @ Value::Text(_)] => text.clone(),
+            [length, character] => {
+                let code = { character.whole() }.and_then(|it| u8::try_from(it).ok());
+                let length = { length.whole() }.and_then(|it| usize::try_from(it).ok());
+                let code = code.filter(u8::is_ascii);
+                match code.zip(length.filter(|it| *it <= VENDOR_VALUES)) {
+                    Some((code, length)) => {
+                        Value::Text(char::from(code).to_string().repeat(length).into())
+                    }
+                    None => Value::Unknown("a text".into()),
+                }
+            }
+            _ => Value::Unknown("a text".into()),
+        }
+    }
+
+    /// `std::max({a, b, c})`
+    pub(super) fn extreme(&mut self, name: &str, of: &Expr, place: Place) -> Value {
+        let listed = self.value(of);
+        let listed = match listed {
+            Value::Unknown(why) => return Value::Unknown(why),
+            Value::List(all) => all,
+            other => vec![other],
+        };
+        let mut best: Option<(f64, Value)> = None;
+        for it in listed {
+            let number = match (&it, it.number()) {
+                (Value::Unknown(_), _) => return it,
+                (_, Some(number)) => number,
+                (_, None) => {
+                    let message = format!("`{name}` of {}", it.describe());
+                    self.error(place, message, "this call", "give it numbers in braces");
+                    return Value::Whole(0);
+                }
+            };
+            let better = |(known, _): &(f64, Value)| match name {
+                "max" => number > *known,
+                _ => number < *known,
+            };
+            if best.as_ref().is_none_or(better) {
+                best = Some((number, it));
+            }
+        }
+        best.map_or(Value::Whole(0), |it| it.1)
     }
 
     /// `std::swap(a, b)`
@@ -174,6 +228,7 @@ impl Machine<'_> {
                 values.push(value);
             }
         }
+        self.no_picture(name, place);
         if written(name) {
             self.written_by(name, &values);
         }
@@ -219,6 +274,18 @@ impl Machine<'_> {
                 _ => Value::Unknown("the length of a text".into()),
             },
             _ => Value::Unknown(format!("`{name}`").into()),
+        }
+    }
+
+    /// Tells of a picture that the GUI is asked for.
+    fn no_picture(&mut self, name: &str, place: Place) {
+        if name == "vs_gui_request_image" {
+            self.error(
+                place,
+                format!("`{name}` asks the GUI for a picture, and there is none here"),
+                "this call",
+                "give the picture as the scene, by `exec --image FILE`, and read it by `get_image(A);`",
+            );
         }
     }
 

@@ -4,12 +4,13 @@ use std::rc::Rc;
 
 use super::{
     super::{
+        layout::Layout,
         machine::{Location, Machine},
         parse::UNREAD,
         reach::Reach,
         shape,
-        tree::{Expr, ExprNode, Function, Kind, StmtNode, Word},
-        value::{Layout, Slot, Value, unassigned},
+        tree::{Bound, Expr, ExprNode, Function, Kind, StmtNode, Word, last, qualifier},
+        value::{Slot, Value, unassigned},
     },
     Argument,
 };
@@ -25,7 +26,7 @@ impl Machine<'_> {
         given: &[Expr],
         place: Place,
     ) -> Option<Value> {
-        let fitting = layout.fitting(member, given.len());
+        let fitting = self.own_functions(layout, member, given.len());
         if fitting.is_empty() {
             return None;
         }
@@ -38,7 +39,85 @@ impl Machine<'_> {
         let Some(function) = self.overload(member, &fitting, &given, place) else {
             return Some(Value::Whole(0));
         };
-        Some(self.enter_member(layout, &function, &location, given, place))
+        Some(self.enter_own(layout, &function, &location, given, place))
+    }
+
+    /// Calls a function of the object whose function runs, by its name alone or by `Base::name`.
+    pub(super) fn own_call(&mut self, name: &str, given: &[Expr], place: Place) -> Option<Value> {
+        let location = self.this()?;
+        let Some(Value::Record(layout, _)) = self.peek(location.0, &location.1) else {
+            return None;
+        };
+        let layout = Rc::clone(layout);
+        let class = match qualifier(name) {
+            // As the class has it whose function runs.
+            None => layout.line().find(|it| it.space == self.space)?,
+            Some(of) => layout.line().find(|it| *it.name == *last(of))?,
+        };
+        let fitting = self.own_functions(class, last(name), given.len());
+        if fitting.is_empty() {
+            return None;
+        }
+        let given: Vec<_> = given.iter().map(|it| self.argument(it)).collect();
+        let Some(function) = self.overload(last(name), &fitting, &given, place) else {
+            return Some(Value::Whole(0));
+        };
+        Some(match qualifier(name) {
+            None => self.enter_own(&layout, &function, &location, given, place),
+            Some(_) => self.enter_member(&layout, &function, &location, given, place),
+        })
+    }
+
+    /// The functions of this name of a class, or of the nearest that it is made from, which take so
+    /// many arguments and can be run.
+    pub(in crate::program::vendor) fn own_functions(
+        &self,
+        layout: &Rc<Layout>,
+        name: &str,
+        given: usize,
+    ) -> Vec<Rc<Function>> {
+        for class in layout.line().filter(|it| *it.name != *name) {
+            let behind = self.functions.get(name).into_iter().flatten();
+            let behind = behind.filter(|it| it.qualified && it.space == class.space);
+            let inside = class.functions.iter().filter(|it| *it.name == *name);
+            let mut all: Vec<_> = inside.chain(behind).cloned().collect();
+            // What is only announced gives way to what stands behind the class.
+            let whole = |it: &Rc<Function>| !matches!(it.bound, Bound::Pure | Bound::Announced);
+            let bodies: Vec<_> = { all.iter() }.filter(|it| whole(it)).cloned().collect();
+            all.retain(|it| whole(it) || !bodies.iter().any(|of| of.overrides(it)));
+            if !all.is_empty() {
+                return all.into_iter().filter(|it| self.takes(it, given)).collect();
+            }
+        }
+        Vec::new()
+    }
+
+    /// Whether a function of a class takes so many arguments, and can be run.
+    fn takes(&self, it: &Function, given: usize) -> bool {
+        let parameters = 0..it.parameters.len();
+        let least = parameters.filter(|i| self.default(it, *i).is_none());
+        (least.count()..=it.parameters.len()).contains(&given) && runs(it)
+    }
+
+    /// Runs a function of an object, or the one that its class has in place of it.
+    pub(in crate::program::vendor) fn enter_own(
+        &mut self,
+        layout: &Rc<Layout>,
+        function: &Rc<Function>,
+        object: &Location,
+        given: Vec<Argument>,
+        place: Place,
+    ) -> Value {
+        let mut function = Rc::clone(function);
+        if layout.is_virtual(&function) {
+            let count = function.parameters.len();
+            let found = layout.line().find_map(|class| {
+                let all = self.own_functions(class, &function.name, count);
+                all.into_iter().find(|it| it.overrides(&function))
+            });
+            function = found.unwrap_or(function);
+        }
+        self.enter_member(layout, &function, object, given, place)
     }
 
     /// Runs a function of an object.
@@ -50,19 +129,42 @@ impl Machine<'_> {
         given: Vec<Argument>,
         place: Place,
     ) -> Value {
-        let mut held = self.members_of(layout, object);
-        // Each name is a variable, and is looked up in the call.
-        self.looks(8 * (layout.members.len() + layout.functions.len()));
-        for other in layout.functions.iter().filter(|it| runs(it)) {
-            let mut own = Function::clone(other);
-            own.held.clone_from(&held);
-            self.passes(8 * held.len());
-            let slot = self.hold(Value::Lambda(own.into()), Kind::Any);
-            held.push((other.name.clone(), slot));
-        }
         let mut function = function.clone();
-        function.held = held;
+        function.held = self.members_of(layout, object);
+        // Each name is a variable, and is looked up in the call.
+        self.looks(8 * layout.members.len());
         self.enter_with(&function.into(), given, None, place)
+    }
+
+    /// Makes the part of an object that is of a base, or all of it by another constructor.
+    pub(super) fn part_made(
+        &mut self,
+        layout: &Rc<Layout>,
+        object: &Reach,
+        class: &str,
+        given: &[Expr],
+        place: Place,
+    ) -> Option<Value> {
+        let class = layout.line().find(|it| *it.name == *class)?.clone();
+        let made = if class.constructs() {
+            self.constructed(&class, given, place)
+        } else {
+            let given = given.iter().map(|it| self.value(it)).collect();
+            shape::record(&class, given).unwrap_or_else(|why| Value::Unknown(why.into()))
+        };
+        let Reach::Location(slot, path) = object else {
+            return None;
+        };
+        match made {
+            Value::Record(_, all) => {
+                for (i, value) in all.into_iter().enumerate() {
+                    self.put(*slot, &[&path[..], &[i]].concat(), value);
+                }
+            }
+            Value::Unknown(why) => self.forget(*slot, path, &why),
+            _ => {}
+        }
+        Some(Value::Whole(0))
     }
 
     /// An object of a class with constructors, made of these.
@@ -73,11 +175,18 @@ impl Machine<'_> {
         place: Place,
     ) -> Value {
         let name = &layout.name;
-        let fitting = layout.fitting(name, given.len());
+        let own = { layout.functions.iter() }.filter(|it| it.name == *name);
+        let fitting: Vec<_> = own
+            .filter(|it| self.takes(it, given.len()))
+            .cloned()
+            .collect();
         let given: Vec<_> = given.iter().map(|it| self.argument(it)).collect();
-        let same = |it: &Value| matches!(it, Value::Record(of, _) if of.name == *name);
+        let same = |it: &Value| match it {
+            Value::Record(of, _) => of.line().any(|it| it.name == *name),
+            _ => false,
+        };
         let copied = match &given[..] {
-            [only] if same(&only.value) => Some(only.value.clone()),
+            [only] if same(&only.value) => shape::object(only.value.clone(), layout).ok(),
             _ => None,
         };
         let copies = |it: &&Rc<Function>| it.parameters.first().is_some_and(|of| of.of == *name);
@@ -122,28 +231,11 @@ impl Machine<'_> {
     }
 }
 
-impl Layout {
-    /// The functions of this name that take so many arguments and can be run.
-    fn fitting(&self, name: &str, given: usize) -> Vec<Rc<Function>> {
-        let fits = |it: &&Rc<Function>| {
-            let least = it.parameters.iter().filter(|it| it.default.is_none());
-            *it.name == *name && (least.count()..=it.parameters.len()).contains(&given) && runs(it)
-        };
-        self.functions.iter().filter(fits).cloned().collect()
-    }
-
-    /// Whether its objects are made by a constructor.
-    pub(in crate::program::vendor) fn constructs(&self) -> bool {
-        self.functions
-            .iter()
-            .any(|it| it.name == self.name && !it.hidden)
-    }
-}
-
 /// Whether all of a function was understood.
 fn runs(it: &Function) -> bool {
     it.template.is_empty()
         && !it.hidden
+        && it.bound != Bound::Announced
         && it.body.iter().all(|part| match &part.node {
             StmtNode::Expr(Expr {
                 node: ExprNode::Call(callee, _),

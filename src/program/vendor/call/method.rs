@@ -6,7 +6,7 @@ use super::super::{
     machine::{Location, Machine},
     reach::{Reach, base_name},
     shape,
-    tree::{Expr, Width, Word},
+    tree::{Expr, Kind, Width, Word},
     value::Value,
     why::Why,
 };
@@ -24,9 +24,25 @@ impl Machine<'_> {
         let name = base_name(of);
         let reached = self.reach(of);
         let reached = self.through(reached);
+        let reached = self.first_object(reached, member);
+        // An array that a function gives back.
+        let reached = match reached {
+            Reach::Value(all @ Value::List(_)) => {
+                Reach::Location(self.hold(all, Kind::Any), Vec::new())
+            }
+            reached => reached,
+        };
         if let Some(Value::Record(layout, _)) = self.reached(&reached) {
             let layout = Rc::clone(layout);
+            if let (Some(entry), Reach::Location(slot, path)) = (&layout.entry, &reached) {
+                let location = (*slot, path.clone());
+                let found = self.map_method((&location, entry), member, given, place);
+                return found.unwrap_or_else(|| self.changed(&reached, &name, member));
+            }
             if let Some(found) = self.member_call(&layout, &reached, member, given, place) {
+                return found;
+            }
+            if let Some(found) = self.part_made(&layout, &reached, member, given, place) {
                 return found;
             }
         }
@@ -37,7 +53,10 @@ impl Machine<'_> {
                     return self.swapped(of, other);
                 }
                 let location = (*slot, path.clone());
-                let given: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
+                let (member, given) = match self.emplaced(&location, member, given, place) {
+                    Some((member, value)) => (member, vec![value]),
+                    None => (member, given.iter().map(|it| self.value(it)).collect()),
+                };
                 let found = self.list_method(location.clone(), member, &given);
                 let found = found.unwrap_or_else(|| self.changed(&reached, &name, member));
                 self.referred = self
@@ -70,6 +89,19 @@ impl Machine<'_> {
             }
             (held, _) => {
                 let record = matches!(held, Some(Value::Record(..)));
+                let why = match (held, &reached) {
+                    (Some(Value::Unknown(why)), _) | (_, Reach::Lost(_, _, why)) => {
+                        Some(why.clone())
+                    }
+                    _ => None,
+                };
+                if let Some(why @ Why::Run(_)) = why
+                    && self.acting(member).is_some()
+                {
+                    let message = format!("what `{name}.{member}` runs, {why} decides");
+                    self.unknown(place, message, &why, None);
+                    return Value::Unknown(why);
+                }
                 if self.leaves_array(&name, member, place) {
                     self.outside(&format!("{name}.{member}"), given, place);
                 }
@@ -82,6 +114,23 @@ impl Machine<'_> {
                 }
                 Value::Unknown(format!("`{name}.{member}`").into())
             }
+        }
+    }
+
+    /// The first object of an array, where a function of it is called by a pointer to the array.
+    fn first_object(&self, reached: Reach, member: &str) -> Reach {
+        let first = match self.reached(&reached) {
+            Some(Value::List(all)) => all.first(),
+            _ => None,
+        };
+        let has = matches!(first, Some(Value::Record(layout, _)) if layout.names(member));
+        match reached {
+            Reach::Location(slot, path)
+                if has && !(path.is_empty() && self.copied.contains(&slot)) =>
+            {
+                Reach::Location(slot, [&path[..], &[0]].concat())
+            }
+            reached => reached,
         }
     }
 
@@ -148,6 +197,29 @@ impl Machine<'_> {
             .or_else(|| self.of_array(location, member, given))
     }
 
+    /// The object that `emplace_back` makes of what it is given, and the function that adds it.
+    fn emplaced(
+        &mut self,
+        (slot, path): &Location,
+        member: &str,
+        given: &[Expr],
+        place: Place,
+    ) -> Option<(&'static str, Value)> {
+        let member = match member {
+            "emplace_back" => "push_back",
+            "emplace_front" => "push_front",
+            _ => return None,
+        };
+        let class = self.class_at(*slot, path)?;
+        let value = if class.constructs() {
+            self.constructed(&class, given, place)
+        } else {
+            let given = given.iter().map(|it| self.value(it)).collect();
+            shape::record(&class, given).unwrap_or_else(|why| Value::Unknown(why.into()))
+        };
+        Some((member, value))
+    }
+
     /// A function that leaves an array of the language's library as it is.
     fn asked_of_array(
         &self,
@@ -164,6 +236,16 @@ impl Machine<'_> {
             ("empty", []) => Some(Value::flag(all.is_empty())),
             ("data" | "begin" | "cbegin", []) => Some(to(0)),
             ("end" | "cend", []) => Some(to(all.len())),
+            ("rbegin" | "crbegin", []) => Some(Value::Back(
+                *slot,
+                [&path[..], &[all.len()]].concat(),
+                "data".into(),
+            )),
+            ("rend" | "crend", []) => Some(Value::Back(
+                *slot,
+                [&path[..], &[0]].concat(),
+                "data".into(),
+            )),
             ("front", []) => all.first().cloned(),
             ("back", []) => all.last().cloned(),
             ("at", [index]) => all.get(usize::try_from(index.whole()?).ok()?).cloned(),
@@ -176,6 +258,11 @@ impl Machine<'_> {
     /// array is no more.
     fn of_array(&mut self, (slot, path): Location, member: &str, given: &[Value]) -> Option<Value> {
         let kind = self.kind_at(slot, &path);
+        let class = self.class_at(slot, &path);
+        let of_class = |it: &Value| shape::element(it.clone(), class.as_ref());
+        // Of objects a length comes first, of `resize` and `assign`.
+        let given: Vec<Value> = given.iter().map(of_class).collect();
+        let given = &given[..];
         let Value::List(all) = self.target(slot, &path)? else {
             return None;
         };
@@ -189,9 +276,15 @@ impl Machine<'_> {
             let length = usize::try_from(length.whole()?).ok()?;
             (length.checked_mul(value.size())? <= VENDOR_VALUES).then_some(length)
         };
-        let zero = Value::Whole(0);
+        let zero = match &class {
+            Some(class) => shape::fresh(class, &Value::Whole(0)),
+            None => Value::Whole(0),
+        };
         // What a new element of an array of arrays is, is not known here.
-        let plain = all.first().is_none_or(|it| it.number().is_some());
+        let plain = match &class {
+            Some(class) => !class.constructs(),
+            None => all.first().is_none_or(|it| it.number().is_some()),
+        };
         let mut found = Value::Whole(0);
         match (member, given) {
             ("push_back" | "emplace_back" | "push_front" | "emplace_front" | "insert", _)

@@ -42,7 +42,10 @@ impl Machine<'_> {
                 Some((slot, path)) => {
                     self.call_reached(callee, &Reach::Location(slot, path), given, place)
                 }
-                None => self.call_named(name, given, angles, place),
+                None => match self.own_call(name, given, place) {
+                    Some(found) => found,
+                    None => self.call_named(name, given, angles, place),
+                },
             },
             ExprNode::Lambda(function) => {
                 let function = self.closure(function);
@@ -75,6 +78,12 @@ impl Machine<'_> {
             self.put(*slot, path, value.clone());
             return value;
         }
+        if let Some(Value::Record(layout, _)) = self.reached(reached) {
+            let layout = Rc::clone(layout);
+            if let Some(found) = self.member_call(&layout, reached, "operator()", given, place) {
+                return found;
+            }
+        }
         let value = self.load(reached, callee);
         self.called(callee, value, given, place)
     }
@@ -100,7 +109,10 @@ impl Machine<'_> {
         if let Some(layout) = self.layouts.get(last(name)).filter(|it| it.constructs()) {
             return self.constructed(&layout.clone(), given, place);
         }
-        let all = self.candidates(name, given.len(), place);
+        let mut all = self.candidates(name, given.len(), place);
+        if all.is_empty() && !foreign(name) {
+            all = self.announced(name, given.len());
+        }
         if !all.is_empty() {
             let given: Vec<_> = given.iter().map(|it| self.argument(it)).collect();
             let Some(function) = self.overload(last(name), &all, &given, place) else {
@@ -124,7 +136,18 @@ impl Machine<'_> {
         let name = last(name);
         match (name, given) {
             (super::tree::FILLED, _) => return self.filled(given, place),
+            ("string", _) if standard || !self.layouts.contains_key(name) => {
+                return self.text(given);
+            }
             ("static_assert", _) => return self.asserted(given, place),
+            ("make_pair" | "make_tuple", _) => return self.tuple(name, given),
+            ("max" | "min", [only]) => return self.extreme(name, only, place),
+            ("get", [of]) => {
+                if let Some([TemplateArgument::Value(index)]) = angles.as_deref() {
+                    let index = self.value(index);
+                    return self.got(&index, of, place);
+                }
+            }
             ("swap", [a, b]) => return self.swapped(a, b),
             ("begin" | "end" | "size", [of]) => {
                 if let Some(found) = self.of_whole(of, name) {
@@ -151,6 +174,16 @@ impl Machine<'_> {
             Role::Show => self.show(name, given, place),
             Role::Read | Role::Chip => self.chip(name, given, place),
         }
+    }
+
+    /// A template without a body of its own, which has bodies for some of what it is given.
+    fn announced(&self, name: &str, given: usize) -> Vec<Rc<Function>> {
+        if !self.specials.contains_key(last(name)) {
+            return Vec::new();
+        }
+        let all = self.prototypes.get(last(name)).into_iter().flatten();
+        let fits = |it: &&Rc<Function>| !it.template.is_empty() && it.parameters.len() == given;
+        all.filter(fits).take(1).cloned().collect()
     }
 
     fn called(&mut self, callee: &Expr, value: Value, given: &[Expr], place: Place) -> Value {
@@ -203,9 +236,7 @@ impl Machine<'_> {
     /// A member of a class of the file is called: classes are not run, so that it must leave the
     /// array alone.
     fn leaves_array(&mut self, name: &str, member: &str, place: Place) -> bool {
-        let all = look::members(self, member);
-        let acts = |it: &Rc<Function>| it.body.iter().any(|it| look::changes(self, it));
-        let Some(acting) = all.into_iter().find(acts) else {
+        let Some(acting) = self.acting(member) else {
             return true;
         };
         let line = self.line(acting.place);
@@ -218,6 +249,12 @@ impl Machine<'_> {
             &format!("make `{member}`, in {line}, a function outside of the class, and call that"),
         );
         false
+    }
+
+    /// A function of this name of a class that runs words of the array.
+    fn acting(&self, member: &str) -> Option<Rc<Function>> {
+        let acts = |it: &Rc<Function>| it.body.iter().any(|it| look::changes(self, it));
+        look::members(self, member).into_iter().find(acts)
     }
 
     /// Whether a function is the body of a kernel: it asks words, and begins no kernel itself.

@@ -6,7 +6,7 @@ use super::super::{
     machine::{Location, Machine},
     reach::Reach,
     scope::foreign,
-    tree::{Expr, ExprNode, Function, Kind, Parameter, last, qualifier},
+    tree::{Expr, Function, Kind, Parameter, last, qualifier},
     value::Value,
 };
 use crate::config::Place;
@@ -69,7 +69,7 @@ impl Machine<'_> {
     }
 
     /// The function that fits these arguments best.
-    pub(super) fn overload(
+    pub(in crate::program::vendor) fn overload(
         &mut self,
         name: &str,
         all: &[Rc<Function>],
@@ -125,14 +125,14 @@ impl Machine<'_> {
     }
 
     /// How badly an argument fits a parameter; `None` where it does not.
-    pub(super) fn cost(&self, it: &Argument, to: &Parameter) -> Option<u8> {
+    pub(in crate::program::vendor) fn cost(&self, it: &Argument, to: &Parameter) -> Option<u8> {
         const EXACT: u8 = 0;
         const PROMOTED: u8 = 1;
         const CONVERTED: u8 = 2;
         const ANY: u8 = 3;
         let pointed = matches!(
             it.value,
-            Value::Pointer(..) | Value::List(_) | Value::Text(_)
+            Value::Pointer(..) | Value::Back(..) | Value::List(_) | Value::Text(_)
         );
         match (&it.value, to.kind) {
             (Value::Symbol(name), Kind::Analog | Kind::Digital) => {
@@ -147,8 +147,13 @@ impl Machine<'_> {
             (Value::Symbol(_), Kind::Any) => Some(CONVERTED),
             (Value::Symbol(name), _) => self.device.value_of(name).is_none().then_some(ANY),
             (Value::Record(layout, _), _) => {
-                let exact = if layout.name == to.of { EXACT } else { ANY };
-                (exact == EXACT || to.kind == Kind::Any && !self.layouts.contains_key(&to.of))
+                let of = layout.line().position(|it| it.name == to.of);
+                let exact = match of {
+                    Some(0) => EXACT,
+                    Some(_) => PROMOTED,
+                    None => ANY,
+                };
+                (exact != ANY || to.kind == Kind::Any && !self.layouts.contains_key(&to.of))
                     .then_some(exact)
             }
             (Value::Unknown(_), kind) if it.kind == Kind::Any => {
@@ -174,17 +179,20 @@ impl Machine<'_> {
     }
 
     /// An argument, with where it lies, evaluated once.
-    pub(super) fn argument(&mut self, it: &Expr) -> Argument {
+    pub(in crate::program::vendor) fn argument(&mut self, it: &Expr) -> Argument {
+        let written = self.kind_of(it);
         let reached = self.reach(it);
         let value = self.load(&reached, it);
+        let reached_value = !matches!(reached, Reach::Location(..));
         let (location, kind) = match reached {
             Reach::Location(slot, path) => {
                 let kind = self.kind_at(slot, &path);
                 (Some((slot, path)), kind)
             }
-            _ => (None, self.written_kind(it)),
+            _ => (None, written),
         };
-        let kind = if kind == Kind::Any {
+        let plain = value.number().is_some() || matches!(value, Value::Unknown(_));
+        let kind = if kind == Kind::Any || reached_value && !plain {
             value.kind()
         } else {
             kind
@@ -193,18 +201,6 @@ impl Machine<'_> {
             value,
             location,
             kind,
-        }
-    }
-
-    /// The type that an expression shows by how it is written.
-    fn written_kind(&self, it: &Expr) -> Kind {
-        match &it.node {
-            ExprNode::Convert(kind, _) => self.resolved(*kind),
-            ExprNode::Unary("!", _)
-            | ExprNode::Binary("<" | ">" | "<=" | ">=" | "==" | "!=" | "&&" | "||", ..) => {
-                Kind::Flag
-            }
-            _ => Kind::Any,
         }
     }
 }

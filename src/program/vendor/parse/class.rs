@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::super::{
     expression::unexpected,
     token::Token,
-    tree::{Declared, Expr, ExprNode, Function, Kind, Stmt, StmtNode, Struct, Word},
+    tree::{Bound, Declared, Expr, ExprNode, Function, Kind, Stmt, StmtNode, Struct, Word},
 };
 use super::{
     Parsed, Parser,
@@ -159,18 +159,27 @@ impl Parser<'_> {
             special |= self.sees("<");
             self.at += 1;
         }
-        let unread = match (union, special, self.sees("{")) {
+        let base = self.base_class();
+        let unread = match (union, special, &base) {
             (true, ..) => Some("a union"),
             (_, true, _) => Some("a specialised class template"),
             _ if !self.template.is_empty() => Some("a class template"),
-            (.., false) => Some("a class with a base"),
+            (.., Err(what)) => Some(*what),
             _ => None,
         };
         let plain = unread.is_none();
+        let outer = std::mem::replace(&mut self.base, base.ok().flatten());
         while self.peek(0).is_some() && !self.sees("{") {
             self.at += 1;
         }
+        // It is known inside of itself.
+        let known = !plain || named_behind || !self.classes.insert(name.clone());
         let (data, functions) = self.class_body(&name, plain);
+        if !known && data.is_none() {
+            self.classes.remove(&name);
+        }
+        let base = std::mem::replace(&mut self.base, outer);
+        let space = within(&self.space, &[&*name]).into();
         let shared = std::mem::take(&mut self.shared);
         self.pending.extend(shared);
         if named_behind && let Some(behind) = self.peek(0).and_then(Token::name) {
@@ -182,7 +191,7 @@ impl Parser<'_> {
         let unread = unread.or_else(|| {
             let is_operator = |it: &Rc<Function>| &*it.name == "operator";
             Some(if functions.iter().any(is_operator) {
-                "a class with operators"
+                "a class with operators that are not followed"
             } else {
                 "a class with members that are not understood"
             })
@@ -192,6 +201,9 @@ impl Parser<'_> {
             unread: unread.filter(|_| data.is_none()),
             members: data.unwrap_or_default(),
             functions: functions.clone(),
+            base,
+            space,
+            map: false,
         }));
         let place = place.to(self.before());
         let functions = Stmt {
@@ -226,13 +238,27 @@ impl Parser<'_> {
         let (mut data, mut functions) = (Vec::new(), Vec::new());
         let mut plain = plain;
         while plain && self.at + 1 < end {
+            let bound = self.bound();
             let member = match self.constructor(class) {
                 None => self.plain_member(class),
                 Some(read) => read.ok(),
             };
             match member {
                 Some(StmtNode::Declare(more)) => data.extend(more),
-                Some(StmtNode::Function(function)) => functions.push(function),
+                Some(StmtNode::Function(mut function)) => {
+                    Rc::make_mut(&mut function).bound = bound;
+                    functions.push(function);
+                }
+                Some(StmtNode::Prototype(mut function)) => {
+                    let place = function.place;
+                    let node = StmtNode::Prototype(Rc::clone(&function));
+                    self.shared.push(Stmt { node, place });
+                    Rc::make_mut(&mut function).bound = match bound {
+                        Bound::Own => Bound::Announced,
+                        _ => Bound::Pure,
+                    };
+                    functions.push(function);
+                }
                 Some(_) => {}
                 None => plain = false,
             }
@@ -250,6 +276,9 @@ impl Parser<'_> {
         // An object that holds others with constructors is made in more steps than are followed.
         let whole = |it: &Declared| !it.reference && (it.pointer || !self.constructs(&it.of));
         let plain = plain && data.iter().all(whole);
+        if plain {
+            functions.extend(self.inherited(class, &functions));
+        }
         let constructors = |it: &&mut Rc<Function>| *it.name == *class && !it.hidden;
         for constructor in functions.iter_mut().filter(constructors) {
             Rc::make_mut(constructor).hidden = !plain;
@@ -266,6 +295,30 @@ impl Parser<'_> {
         words
             .take_while(|it| QUALIFIERS.contains(it))
             .any(|it| it == "static")
+    }
+
+    fn is_friend(&self) -> bool {
+        let words = (0..).map(|ahead| self.word(ahead));
+        let mut before = words.take_while(|it| QUALIFIERS.contains(it));
+        before.any(|it| it == "friend")
+    }
+
+    /// What a class makes its friend: a function with a body here is one of the namespace.
+    fn befriended(&mut self) -> Option<StmtNode> {
+        let (start, place, told) = (self.at, self.place(), self.faults.len());
+        let node = self.declaration();
+        let clean = self.faults.len() == told;
+        self.faults.truncate(told);
+        if let Ok(Some(node @ StmtNode::Function(_))) = node {
+            self.shared.push(Stmt { node, place });
+            return clean.then_some(StmtNode::Nothing);
+        }
+        // `friend class Name;`, or a function that stands elsewhere.
+        self.at = start;
+        let rest = self.tokens.get(start..).unwrap_or_default();
+        let named = rest.iter().find(|t| t.is("{") || t.is(";"))?.is(";");
+        self.skip_past(";");
+        named.then_some(StmtNode::Nothing)
     }
 
     /// A member of a class that is data or a plain function; nothing where it is more than that.
@@ -287,10 +340,12 @@ impl Parser<'_> {
             self.shared.push(Stmt { node, place });
             return Some(StmtNode::Nothing);
         }
-        let rest = self.tokens.get(self.at..).unwrap_or_default();
-        let mut head = rest.iter().take_while(|t| !t.is("{") && !t.is(";"));
-        let operator = head.any(|t| t.name().is_some_and(|it| &**it == "operator"));
-        if operator {
+        if self.is_friend() {
+            return self.befriended();
+        }
+        let mut words = (0..).map(|ahead| self.word(ahead));
+        // It says what its objects become.
+        if words.find(|it| !QUALIFIERS.contains(it)) == Some("operator") {
             return None;
         }
         let (told, shared) = (self.faults.len(), self.is_shared());
@@ -313,6 +368,10 @@ impl Parser<'_> {
                     self.shared.push(Stmt { node, place });
                     return Some(StmtNode::Function(function));
                 }
+                Ok(Some(StmtNode::Prototype(mut function))) if clean => {
+                    Rc::make_mut(&mut function).space = space;
+                    return Some(StmtNode::Prototype(function));
+                }
                 _ => return None,
             };
             if !clean {
@@ -331,7 +390,11 @@ impl Parser<'_> {
                 Rc::make_mut(&mut function).space = space;
                 Some(StmtNode::Function(function))
             }
-            Ok(Some(node @ (StmtNode::Declare(_) | StmtNode::Prototype(_)))) if clean => Some(node),
+            Ok(Some(StmtNode::Prototype(mut function))) if clean => {
+                Rc::make_mut(&mut function).space = space;
+                Some(StmtNode::Prototype(function))
+            }
+            Ok(Some(node @ StmtNode::Declare(_))) if clean => Some(node),
             _ => None,
         }
     }

@@ -2,8 +2,11 @@
 
 use std::rc::Rc;
 
-use super::super::tree::{Expr, ExprNode, Function, Stmt, StmtNode, last};
-use super::{Parsed, Parser, types::QUALIFIERS};
+use super::super::{
+    expression::arguments,
+    tree::{Expr, ExprNode, Function, Stmt, StmtNode, last},
+};
+use super::{Parsed, Parser, types::QUALIFIERS, within};
 
 impl Parser<'_> {
     /// Whether objects of this class are made by a constructor.
@@ -26,7 +29,9 @@ impl Parser<'_> {
         }
         let read = if ends {
             // It must leave the array alone, which is held against it as with an operator.
-            self.member(class).map(StmtNode::Function)
+            self.member(class)
+                .map(StmtNode::Function)
+                .or_else(|| self.plain_end())
         } else {
             self.defined(class).ok().flatten()
         };
@@ -57,25 +62,78 @@ impl Parser<'_> {
                 return Ok(Some(StmtNode::Nothing));
             }
         } else {
+            let mut made = false;
             if self.take(":") {
                 loop {
-                    let Some(set) = self.member_set()? else {
+                    if self.is_part(class) {
+                        // A base is made first, wherever it stands.
+                        let part = self.part()?;
+                        body.insert(0, part);
+                        made = true;
+                    } else if let Some(set) = self.member_set()? {
+                        body.push(set);
+                    } else {
                         return Ok(None);
-                    };
-                    body.push(set);
+                    }
                     if !self.take(",") {
                         break;
                     }
                 }
             }
+            let base = self.base.clone().filter(|it| !made && self.constructs(it));
+            body.splice(
+                0..0,
+                base.map(|it| Self::makes_part(&it, Vec::new(), place)),
+            );
             body.extend(self.block()?);
         }
         Ok(Some(StmtNode::Function(Rc::new(Function {
-            space: self.space.as_str().into(),
+            space: within(&self.space, &[class]).into(),
             parameters: parameters.into(),
             body: body.into(),
             ..Function::new(class.into(), place)
         }))))
+    }
+
+    /// `~Class() = default;`
+    fn plain_end(&mut self) -> Option<StmtNode> {
+        let start = self.at;
+        self.at += 1;
+        self.skip_group();
+        self.take_word("noexcept");
+        let found = self.take("=") && self.take_word("default") && self.take(";");
+        if !found {
+            self.at = start;
+        }
+        found.then_some(StmtNode::Nothing)
+    }
+
+    /// Whether what a constructor sets here is not a member: the part of the base, or all of it.
+    fn is_part(&self, class: &str) -> bool {
+        let mut ahead = 0;
+        while self.peek(ahead + 1).is_some_and(|t| t.is("::")) {
+            ahead += 2;
+        }
+        let name = self.word(ahead);
+        name == class || self.base.as_deref() == Some(name)
+    }
+
+    /// `Base(values)`
+    fn part(&mut self) -> Parsed<Stmt> {
+        let place = self.place();
+        let mut name = self.name("the name of a class")?;
+        while self.take("::") {
+            name = self.name("the name of a class")?;
+        }
+        let given = if self.sees("{") {
+            match self.assignment()?.node {
+                ExprNode::Braces(given) => given,
+                node => vec![Expr { node, place }],
+            }
+        } else {
+            arguments(self, "the part of a base is made by `Base(values)`")?
+        };
+        Ok(Self::makes_part(&name, given, place))
     }
 
     /// `member(value)` or `member{value}`, as an assignment; nothing where there is no one value.

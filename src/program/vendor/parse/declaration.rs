@@ -1,7 +1,9 @@
 //! Variables, arrays and pointers.
 
+use std::rc::Rc;
+
 use super::super::{
-    expression::arguments,
+    expression::{arguments, template_arguments},
     host::Random,
     token::Token,
     tree::{Declared, Expr, ExprNode, FILLED, Kind, StmtNode, Word, last},
@@ -29,6 +31,10 @@ impl Parser<'_> {
         };
         let (mut name_at, mut name_place) = (self.at, self.place());
         let mut name = self.name("the name of what is declared")?;
+        if !self.operator(&mut name) {
+            self.at = start;
+            return Ok(None);
+        }
         // A function of a class.
         let mut qualified = Vec::new();
         while self.sees("::") && !self.word(1).is_empty() {
@@ -36,7 +42,16 @@ impl Parser<'_> {
             self.at += 1;
             (name_at, name_place) = (self.at, self.place());
             name = self.name("a name")?;
+            if !self.operator(&mut name) {
+                self.at = start;
+                return Ok(None);
+            }
         }
+        let special = if self.special && self.sees("<") {
+            Some(template_arguments(self)?)
+        } else {
+            None
+        };
         let next = self.peek(0);
         let fits = next.is_none_or(|t| {
             t.first
@@ -55,7 +70,13 @@ impl Parser<'_> {
         if self.sees("(")
             && let Some(node) = self.function(&name, name_place, &first, &qualified)?
         {
-            return Ok(Some(node));
+            return Ok(Some(match node {
+                StmtNode::Function(mut function) if self.special => {
+                    Rc::make_mut(&mut function).special = Some(special.unwrap_or_default().into());
+                    StmtNode::Function(function)
+                }
+                node => node,
+            }));
         }
         self.at = name_at;
         let mut all = self.declarators(&first)?;
@@ -66,6 +87,18 @@ impl Parser<'_> {
             all[0].name = format!("{}::{name}", qualified.join("::")).into();
         }
         Ok(Some(StmtNode::Declare(all)))
+    }
+
+    /// Makes the name of an operator whole; false where that is not followed.
+    fn operator(&mut self, name: &mut Word) -> bool {
+        if &**name != "operator" {
+            return true;
+        }
+        let full = self.operator_name();
+        if let Some(full) = &full {
+            *name = full.clone();
+        }
+        full.is_some()
     }
 
     /// `auto [a, b] = value;`, if that stands here: names of the members of a value.
@@ -140,6 +173,10 @@ impl Parser<'_> {
                 declared.value = Some(match value.node {
                     ExprNode::Braces(given) if makes => {
                         Expr::made(&declared.of, given, value.place)
+                    }
+                    node @ ExprNode::Designated(_) if makes => {
+                        let place = value.place;
+                        Expr::made(&declared.of, vec![Expr { node, place }], place)
                     }
                     node => Expr { node, ..value },
                 });
@@ -314,7 +351,9 @@ impl Parser<'_> {
             }
             (true, 2) => Some(Expr::made(FILLED, given, place)),
             _ if number || it.pointer || last(&it.of) == "string" => given.into_iter().next(),
-            _ if self.makes(it) => Some(Expr::made(&it.of, given, place)),
+            _ if self.makes(it) || self.classes.contains(&it.of) => {
+                Some(Expr::made(&it.of, given, place))
+            }
             // An object of the language's library, of which nothing is known.
             _ => None,
         };

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::super::{
     expression::unexpected,
-    token::Token,
+    token::{Kind as TokenKind, Token},
     tree::{Function, Kind, Parameter, StmtNode, Word},
 };
 use super::{
@@ -28,23 +28,29 @@ impl<'a> Parser<'a> {
         let qualified = !qualified.is_empty();
         let start = self.at;
         self.skip_group();
-        while QUALIFIERS.contains(&self.word(0)) || self.word(0) == "override" {
-            self.at += 1;
-        }
-        let (body, prototype) = (self.sees("{") || self.sees(":"), self.sees(";"));
+        self.skip_specifiers();
+        self.arrow();
+        self.skip_specifiers();
+        let (body, prototype) = (
+            self.sees("{") || self.sees(":"),
+            self.sees(";") || self.no_body(),
+        );
         self.at = start;
         if !(body || prototype && self.looks_like_parameters()) {
             return Ok(None);
         }
         self.at += 1;
         let parameters = self.parameters()?;
-        while QUALIFIERS.contains(&self.word(0)) || self.word(0) == "override" {
-            self.at += 1;
-        }
+        self.skip_specifiers();
+        let arrow = self.arrow();
+        let returns = arrow.as_ref().unwrap_or(returns);
         if !self.template.is_empty() {
             self.templates.insert(name.clone());
         }
+        let (gives, element) = returns.classes();
         let mut it = Function {
+            gives,
+            element,
             space,
             parameters: parameters.into(),
             qualified,
@@ -53,7 +59,9 @@ impl<'a> Parser<'a> {
             template: self.template.clone(),
             ..Function::new(name.clone(), place)
         };
-        if self.take(";") {
+        self.skip_specifiers();
+        if self.no_body() || self.take(";") {
+            self.take(";");
             return Ok(Some(StmtNode::Prototype(Rc::new(it))));
         }
         while self.peek(0).is_some() && !self.sees("{") {
@@ -66,6 +74,32 @@ impl<'a> Parser<'a> {
         };
         it.body = body.into();
         Ok(Some(StmtNode::Function(Rc::new(it))))
+    }
+
+    /// Over words behind the parameters that say nothing about what runs.
+    fn skip_specifiers(&mut self) {
+        let word =
+            |it: &str| QUALIFIERS.contains(&it) || matches!(it, "override" | "final" | "noexcept");
+        while word(self.word(0)) {
+            self.at += 1;
+        }
+    }
+
+    /// Over `= 0`, `= default` and `= delete`, if one of them stands here.
+    fn no_body(&mut self) -> bool {
+        let zero = |t: &Token| matches!(t.kind, TokenKind::Whole(0));
+        let none = matches!(self.word(1), "default" | "delete") || self.peek(1).is_some_and(zero);
+        let found = self.sees("=") && none && self.peek(2).is_some_and(|t| t.is(";"));
+        self.at += if found { 2 } else { 0 };
+        found
+    }
+
+    /// `-> type` behind the parameters.
+    fn arrow(&mut self) -> Option<Type> {
+        if !self.take("->") {
+            return None;
+        }
+        self.read_cast()
     }
 
     /// Whether what stands in parentheses here are parameters rather than values.
@@ -137,7 +171,13 @@ impl<'a> Parser<'a> {
                     } else {
                         it.value_kind()
                     },
-                    of: if called { "".into() } else { it.name },
+                    of: if called || it.library {
+                        "".into()
+                    } else {
+                        it.name.clone()
+                    },
+                    element: if it.library { it.name } else { "".into() },
+                    alias: it.reference,
                     reference: it.reference && !it.constant && !called || alias,
                     pointer: it.pointer && !called || array,
                     extent: extent.map(Into::into),

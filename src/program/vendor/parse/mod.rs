@@ -1,9 +1,14 @@
 //! From tokens to statements. It recovers after a fault, so that all faults are told.
 
+mod base;
 mod class;
 mod constructor;
+mod container;
 mod declaration;
+mod designated;
 mod function;
+mod lambda;
+mod operator;
 mod statement;
 mod template;
 mod types;
@@ -48,6 +53,10 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
         constructed: BTreeSet::new(),
         classes: BTreeSet::new(),
         inside: None,
+        base: None,
+        special: false,
+        library: Vec::new(),
+        inner: 0,
     };
     let statements = parser.statements(false);
     if let Some(place) = parser.lost {
@@ -93,6 +102,14 @@ pub(super) struct Parser<'a> {
     pub classes: BTreeSet<Word>,
     /// The class whose members are read, with its namespaces.
     inside: Option<Word>,
+    /// The class that the class which is read is made from.
+    base: Option<Word>,
+    /// Whether `template <>` stands before what is read.
+    special: bool,
+    /// Classes of the language's library, of types that were given, which are to be defined.
+    library: Vec<Stmt>,
+    /// How many blocks of functions are open.
+    inner: usize,
 }
 
 pub(super) type Parsed<T> = Result<T, Fault>;
@@ -230,6 +247,9 @@ impl<'a> Parser<'a> {
             let start = self.at;
             match self.deeper(Self::statement) {
                 Ok(statement) => {
+                    if self.inner == 0 {
+                        all.append(&mut self.library);
+                    }
                     all.append(&mut self.pending);
                     if statement.node != StmtNode::Nothing {
                         all.push(statement);
@@ -260,6 +280,14 @@ impl<'a> Parser<'a> {
     }
 
     pub(super) fn block(&mut self) -> Parsed<Vec<Stmt>> {
+        self.inner += 1;
+        let all = self.open_block();
+        self.inner -= 1;
+        all
+    }
+
+    /// A block of a file, rather than of a function.
+    fn open_block(&mut self) -> Parsed<Vec<Stmt>> {
         let open = self.expect("{", "a block is `{ statements }`")?;
         let statements = self.statements(true);
         self.declared_twice(&statements);

@@ -125,21 +125,11 @@ impl Parser<'_> {
                 let special = self.peek(1).is_some_and(|t| t.is(">"));
                 let template = self.template_parameters()?;
                 let outer = std::mem::replace(&mut self.template, template);
+                let around = std::mem::replace(&mut self.special, special);
                 let node = self.statement_node();
+                self.special = around;
                 self.template = outer;
-                let (Err(fault), true) = (&node, special) else {
-                    return node;
-                };
-                let message = "a specialised template is not followed";
-                let fault = Fault::error(fault.place, message, "behind `template <>`");
-                let help = "write it as a function of another name, and call that";
-                self.faults.push(fault.help(help));
-                // Its body would be told of as well.
-                while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
-                    self.at += 1;
-                }
-                self.skip_group();
-                Ok(StmtNode::Nothing)
+                node
             }
             "namespace" => self.namespace(),
             "enum" => self.enumeration(),
@@ -147,7 +137,7 @@ impl Parser<'_> {
             "extern" if matches!(self.peek(1).map(|t| &t.kind), Some(TokenKind::Text(_))) => {
                 self.at += 2;
                 if self.sees("{") {
-                    return Ok(StmtNode::Block(self.block()?));
+                    return Ok(StmtNode::Block(self.open_block()?));
                 }
                 self.statement_node()
             }
@@ -192,7 +182,7 @@ impl Parser<'_> {
         }
         let outer = self.space.clone();
         self.space = within(&outer, &names);
-        let body = self.block();
+        let body = self.open_block();
         let space = std::mem::replace(&mut self.space, outer);
         Ok(StmtNode::Namespace(space.into(), body?))
     }

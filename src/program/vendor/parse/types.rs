@@ -92,6 +92,16 @@ impl Type {
         }
     }
 
+    /// The classes of a value of this type, and of its elements.
+    pub(in crate::program::vendor) fn classes(&self) -> (Word, Word) {
+        let none = || "".into();
+        match (self.pointer || self.reference, self.library) {
+            (true, _) => (none(), none()),
+            (false, true) => (none(), self.name.clone()),
+            (false, false) => (self.name.clone(), none()),
+        }
+    }
+
     /// Whether a function of this type gives back a variable itself.
     pub(in crate::program::vendor) const fn refers(&self) -> bool {
         self.reference && !self.pointer
@@ -222,6 +232,10 @@ impl Parser<'_> {
             return;
         }
         it.kind = self.kind_named(&name);
+        if let Some(full) = self.container(&name) {
+            it.name = full;
+            return;
+        }
         if matches!(&*name, "array" | "vector" | "deque") && self.sees("<") {
             let start = self.at;
             if let Some((kind, of, lengths)) = self.elements(&name) {
@@ -247,7 +261,8 @@ impl Parser<'_> {
         }
         lengths.extend(inner.lengths.iter().cloned());
         let kind = if inner.pointer { Kind::Any } else { inner.kind };
-        self.close_angle().then_some((kind, inner.name, lengths))
+        let of = if inner.pointer { "".into() } else { inner.name };
+        self.close_angle().then_some((kind, of, lengths))
     }
 }
 

@@ -1,0 +1,451 @@
+//! Vendor C++: classes, operators, containers, templates and types. What a program computes here a
+//! compiler makes of it too: the numbers are those of g++.
+
+use amacrine::{
+    config::Faults,
+    isa::Device,
+    program::{Action, Expansion, Host, Overrides, Program, Step},
+};
+
+fn expand(text: &str) -> Result<Expansion, Faults> {
+    Program::read("p.cpp", text).expand(&Device::scamp5(), &Overrides::new())
+}
+
+/// C++ that loads numbers, with what stands before `main`, and the numbers.
+#[track_caller]
+fn numbers(before: &str, inside: &str, all: &[i32]) {
+    let text = format!("{before}\nint main() {{ {inside} }}");
+    let code = expand(&text).unwrap_or_else(|faults| panic!("{faults:?}\n{text}"));
+    let all: Vec<f64> = all.iter().map(|n| f64::from(*n)).collect();
+    assert_eq!(loaded(&code.code.frame), all, "{text}");
+}
+
+/// The numbers that a program loads.
+fn loaded(steps: &[Step]) -> Vec<f64> {
+    let all = steps.iter().map(|it| match &it.action {
+        Action::Host(Host::LoadIn { value }) => vec![*value],
+        Action::Repeat { times, body } => loaded(body).repeat(*times as usize),
+        _ => Vec::new(),
+    });
+    all.flatten().collect()
+}
+
+/// What is told of C++ that is refused, with its line.
+#[track_caller]
+fn told(text: &str, line: u32, message: &str, help: &str) {
+    let faults = expand(text).expect_err(text).faults;
+    let found = faults.iter().any(|it| {
+        it.line == line
+            && it.fault.message.contains(message)
+            && it.fault.help.as_deref().unwrap_or_default().contains(help)
+    });
+    assert!(found, "{text}\n{faults:#?}");
+}
+
+/// Functions of a base, those in their place, and parts of objects.
+#[test]
+fn classes_are_made_from_others() {
+    numbers(
+        r"struct Shape { int w; int h; Shape(int a, int b = 2) : w(a), h(b) {} virtual int area() const { return w * h; } int twice() const { return 2 * area(); } int wide() const { return w; } virtual ~Shape() {} };
+struct Box : public Shape { int d; Box(int a) : Shape(a, 3), d(4) {} int area() const override { return Shape::area() + d; } };
+struct Cube final : Box { Cube() : Box(5) { d = 7; } int area() const final { return 1 + Box::area(); } int grow() { w++; return wide(); } };
+struct Plain { int x = 3; int get() const { return x; } }; struct More : Plain { int y = 9; int both() { return x * 10 + y; } };
+int show(const Shape& s) { return s.area(); } int part(Shape s) { return s.area(); } void widen(Shape& s) { s.w += 10; }",
+        r"Shape s(3); Box b(2); Cube c; Shape* all[] = {&s, &b, &c};
+for (Shape* p : all) { scamp5_in(A, p->area()); scamp5_in(A, p->twice()); }
+for (auto* p : all) scamp5_in(B, show(*p));
+scamp5_in(C, part(b)); widen(b); scamp5_in(C, b.area()); Shape copy = c; scamp5_in(C, copy.area()); scamp5_in(C, c.grow());
+More m; scamp5_in(D, m.both()); scamp5_in(D, m.get()); m.x = 1; scamp5_in(D, m.both());
+std::vector<Shape*> v; v.push_back(new Cube()); v.push_back(&b); for (auto it = v.begin(); it != v.end(); ++it) scamp5_in(A, (*it)->area());
+Shape& r = c; scamp5_in(A, r.area()); c.w = 1; scamp5_in(A, r.twice());",
+        &[
+            6, 12, 10, 20, 23, 46, 6, 10, 23, 6, 40, 15, 6, 39, 3, 19, 23, 40, 26, 22,
+        ],
+    );
+}
+
+/// What a pointer leads to says which function runs.
+#[test]
+fn virtual_functions_are_those_of_the_object() {
+    numbers(
+        r#"class Step { public: virtual int run(int x) = 0; virtual const char* name() const { return "step"; } virtual ~Step() = default; int chain(int x) { return run(run(x)); } };
+class Add : public Step { int n; public: explicit Add(int k) : n(k) {} int run(int x) override { return x + n; } };
+class Mul : public Step { public: virtual int run(int x) override { return x * 3; } const char* name() const override { return "multiply"; } };
+int over(int n, Step** all, int x) { for (int i = 0; i < n; i++) x = all[i]->run(x); return x; }"#,
+        r"Add a(2); Mul m; Step* all[2] = {&a, &m}; scamp5_in(A, over(2, all, 5)); scamp5_in(A, a.chain(1)); scamp5_in(A, m.chain(1));
+scamp5_in(B, (int)strlen(all[0]->name())); scamp5_in(B, (int)strlen(all[1]->name()));",
+        &[21, 5, 9, 4, 8],
+    );
+}
+
+/// Inside of a class and outside.
+#[test]
+fn operators_of_classes() {
+    numbers(
+        r"struct V { int x; int y; V operator+(const V& o) const { return V{x + o.x, y + o.y}; } V operator-() const { return {-x, -y}; } V& operator+=(const V& o) { x += o.x; y += o.y; return *this; } bool operator==(const V& o) const { return x == o.x && y == o.y; } int operator[](int i) const { return i ? y : x; } };
+V operator*(int k, const V& v) { return V{k * v.x, k * v.y}; } V operator*(const V& v, int k) { return k * v; } bool operator!=(const V& a, const V& b) { return !(a == b); } bool operator<(const V& a, const V& b) { return a.x < b.x; }
+struct Table { int data[4] = {1, 2, 3, 4}; int& operator[](int i) { return data[i & 3]; } int operator()(int a, int b) const { return data[a] * 10 + b; } Table& operator++() { data[0]++; return *this; } };
+struct Scale { float k; Scale(float f) : k(f) {} int operator()(int x) const { return (int)(k * x); } };",
+        r"V a{1, 2}, b{3, 4}; V c = a + b; scamp5_in(A, c.x); scamp5_in(A, c.y); c += a; scamp5_in(A, c[0]); scamp5_in(A, c[1]);
+scamp5_in(B, a == b); scamp5_in(B, a != b); scamp5_in(B, a < b); V d = 3 * a + b * 2; scamp5_in(B, d.x); scamp5_in(B, (-d).y); scamp5_in(B, (a + b + c)[1]); V e = d; e = a; scamp5_in(B, e == a);
+Table t; t[1] = 9; t[6] += 5; scamp5_in(C, t[1]); scamp5_in(C, t[2]); scamp5_in(C, t(1, 5)); ++t; scamp5_in(C, t[0]); Scale half(0.5f); scamp5_in(C, half(9)); scamp5_in(C, Scale(2.5f)(3));",
+        &[4, 6, 5, 8, 0, 1, 1, 9, -14, 14, 1, 9, 8, 95, 2, 4, 7],
+    );
+}
+
+/// They have the types that they are given.
+#[test]
+fn pairs_and_tuples() {
+    numbers(
+        r"std::tuple<int, float, int> triple(int x) { return std::make_tuple(x, x * 2, x * 3); } std::pair<int, int> both(int x) { return {x, -x}; }
+using Shift = std::pair<int, int>; static std::vector<Shift> path(int n) { std::vector<Shift> p; for (int i = 0; i < n; ++i) p.push_back({i % 3 - 1, (i & 1) ? -1 : 1}); p.emplace_back(7, 8); return p; }",
+        r"int a, b, c; std::tie(a, b, c) = triple(4); scamp5_in(A, a); scamp5_in(A, b); scamp5_in(A, c); scamp5_in(A, std::get<2>(triple(5)));
+std::tie(a, std::ignore) = both(6); scamp5_in(A, a); std::tie(a, b) = std::make_pair(b, a); scamp5_in(A, a); scamp5_in(A, b);
+for (const auto& s : path(2)) { scamp5_in(B, s.first); scamp5_in(B, s.second); } for (auto [x, y] : path(1)) scamp5_in(B, x * 10 + y);
+std::pair<int, float> p(3, 1); scamp5_in(C, (int)(p.second / 2 * 10)); auto q = std::make_pair('a', 2.5); scamp5_in(C, sizeof(q.first)); scamp5_in(C, (int)(q.second * 2)); std::get<0>(p) = 9; scamp5_in(C, p.first);
+std::pair<uint8_t, int> w{250, 1}; w.first += 10; scamp5_in(C, w.first); scamp5_in(C, both(1) == both(1)); scamp5_in(C, both(1) < both(2)); auto [m, n] = both(3); scamp5_in(C, n);
+std::vector<std::pair<int, int>> v = {{3, 1}, {1, 2}, {1, 1}}; std::sort(v.begin(), v.end()); for (auto& e : v) scamp5_in(D, e.first * 10 + e.second);",
+        &[
+            4, 8, 12, 15, 6, 8, 6, -1, 1, 0, -1, 7, 8, -9, 78, 5, 1, 5, 9, 4, 1, 1, -3, 11, 12, 31,
+        ],
+    );
+}
+
+/// What leads to an element leads there whatever is added before it.
+#[test]
+fn maps_have_their_elements_by_key() {
+    numbers(
+        r#"enum Mode { IDLE, RUN = 4, STOP }; struct P { int x; int y = 5; };
+std::map<std::string, int> params = {{"threshold", 14}, {"iterations", 3}};
+int get(const std::map<std::string, int>& m, const std::string& key, int other) { auto it = m.find(key); return it == m.end() ? other : it->second; }"#,
+        r#"scamp5_in(A, params["threshold"]); params["iterations"]++; scamp5_in(A, params.at("iterations")); scamp5_in(A, (int)params.size()); scamp5_in(A, params["none"]); scamp5_in(A, (int)params.size());
+scamp5_in(A, get(params, "threshold", 1)); scamp5_in(A, get(params, "gain", 1));
+std::map<int, float> m; m[5] = 1; m[-2] = 2.5f; m[3] += 4; for (auto& kv : m) { scamp5_in(B, kv.first); scamp5_in(B, (int)(kv.second * 2)); kv.second = 1; } for (const auto& [k, v] : m) scamp5_in(B, k * 10 + (int)v);
+auto& five = m[5]; m[0] = 9; five = 77; scamp5_in(C, (int)m[5]); scamp5_in(C, (int)m[0]); scamp5_in(C, (int)m.erase(3)); scamp5_in(C, (int)m.count(3)); scamp5_in(C, (int)m.count(5)); scamp5_in(C, m.find(3) == m.end());
+for (auto it = m.begin(); it != m.end(); ) { if (it->first < 0) it = m.erase(it); else ++it; } scamp5_in(C, (int)m.size()); scamp5_in(C, m.begin()->first);
+std::map<Mode, const char*> names = {{RUN, "run"}, {IDLE, "idle"}}; scamp5_in(D, (int)strlen(names[IDLE])); std::map<char, std::vector<int>> lists; lists['a'].push_back(3); lists['a'].push_back(4); scamp5_in(D, lists['a'][1]); scamp5_in(D, (int)lists['b'].size());
+std::unordered_map<int, P> objects; objects[2].x = 6; objects.insert({3, P{1, 2}}); auto r = objects.insert({3, P{9, 9}}); scamp5_in(D, r.second); scamp5_in(D, objects[3].x); scamp5_in(D, objects[2].y); objects.emplace(4, P{8, 8}); scamp5_in(D, objects.at(4).y); scamp5_in(D, (int)objects.size());
+std::map<std::string, std::map<int, int>> nested; nested["a"][2] = 3; nested["a"][2]++; scamp5_in(D, nested["a"][2]); auto copy = params; copy["threshold"] = 1; scamp5_in(D, params["threshold"]);"#,
+        &[
+            14, 4, 2, 0, 3, 14, 1, -2, 5, 3, 8, 5, 2, -19, 31, 51, 77, 9, 1, 0, 1, 1, 2, 0, 4, 4,
+            0, 0, 1, 5, 8, 3, 4, 14,
+        ],
+    );
+}
+
+/// Braces with names, objects that an array makes, the largest of a list.
+#[test]
+fn members_by_name_and_objects_in_place() {
+    numbers(
+        r"struct Cfg { int th = 10; int n; float gain = 1.5f; int all[2]; }; struct Outer { Cfg c; int k; }; struct P { int v; P(int x) : v(x) {} P(int a, int b) : v(a * b) {} P() : v(7) {} }; struct Q { int a; uint8_t b; };
+int total(const Cfg& c) { return c.th + c.n; } int sum(const std::vector<Q>& all) { int s = 0; for (auto& q : all) s += q.a * q.b; return s; }",
+        r"Cfg c = {.n = 4, .all = {5, 6}}; scamp5_in(A, c.th); scamp5_in(A, c.n); scamp5_in(A, (int)(c.gain * 2)); scamp5_in(A, c.all[1]); Cfg d{.th = 1}; scamp5_in(A, d.th); scamp5_in(A, d.n);
+scamp5_in(B, total({.th = 2, .n = 3})); Outer o = {.c = {.n = 8}, .k = 9}; scamp5_in(B, o.c.th + o.c.n + o.k); c = {.n = 1}; scamp5_in(B, c.th * 10 + c.n); static const Cfg table[] = {{.n = 1}, {.th = 3, .n = 2}}; scamp5_in(B, table[1].th); scamp5_in(B, total(Cfg{.n = 20}));
+std::vector<P> v; v.push_back(P(4)); v.emplace_back(6); v.emplace_back(2, 9); v.emplace_back(); for (auto& p : v) scamp5_in(C, p.v); std::vector<Q> w; w.emplace_back(Q{1, 2}); w.push_back({3, (uint8_t)258}); scamp5_in(C, w[1].b); scamp5_in(C, sum(w)); w.resize(3); scamp5_in(C, w[2].a);
+scamp5_in(D, std::max({1, 9, 3})); scamp5_in(D, std::min({4, 2, 8})); int k = 3; scamp5_in(D, std::max({k, k * 2, 5}));",
+        &[
+            10, 4, 3, 6, 1, 0, 5, 27, 101, 3, 30, 4, 6, 18, 7, 2, 8, 0, 9, 2, 6,
+        ],
+    );
+}
+
+/// The body is that for what is given or deduced.
+#[test]
+fn templates_have_bodies_of_their_own_for_some() {
+    numbers(
+        r"template <int N> int fact() { return N * fact<N - 1>(); } template <> int fact<0>() { return 1; }
+template <typename T> int bytes(T x) { return sizeof(T); } template <> int bytes<float>(float x) { return 40; } template <> int bytes(bool x) { return 70; }
+enum Op { ERODE, DILATE }; template <Op O> int morph(int x); template <> int morph<ERODE>(int x) { return x - 1; } template <> int morph<DILATE>(int x) { return x + 1; }",
+        r"scamp5_in(A, fact<5>()); scamp5_in(A, bytes(1)); scamp5_in(A, bytes(1.0f)); scamp5_in(A, bytes(1.0)); scamp5_in(A, bytes(true)); scamp5_in(A, bytes<float>(3));
+scamp5_in(B, morph<DILATE>(5)); scamp5_in(B, morph<ERODE>(5));",
+        &[120, 4, 40, 8, 70, 40, 6, 4],
+    );
+}
+
+/// Characters, what functions give back, choices, a variable inside its own value.
+#[test]
+fn expressions_have_the_types_of_cpp() {
+    numbers(
+        r"int f(int) { return 1; } int f(char) { return 3; } int f(double) { return 2; } int f(bool) { return 6; } int f(uint8_t) { return 7; } int f(unsigned) { return 5; } char letter() { return 'q'; } uint8_t byte() { return 9; }
+int table[4] = {1, 2, 3, 4}; auto at(int i) -> int& { return table[i]; } auto half(int x) -> float { return x / 2.0; } struct S { int v = 4; auto ref() -> int& { return v; } };",
+        r"scamp5_in(A, f('a')); scamp5_in(A, f('a' + 1)); scamp5_in(A, sizeof('a')); char c = 'a'; scamp5_in(A, f(c)); auto x = 'a'; scamp5_in(A, f(x)); scamp5_in(A, sizeof(x)); scamp5_in(A, f(letter())); scamp5_in(A, sizeof(letter())); scamp5_in(A, f(byte())); auto b = byte(); b += 250; scamp5_in(A, b); scamp5_in(A, f(true ? 1 : 2.5)); int k = 1; scamp5_in(A, (int)((k ? 1 : 2.5) / 2 * 10)); scamp5_in(A, f(k ? 'a' : 'b')); scamp5_in(A, f(1u + 1)); scamp5_in(A, f(!k));
+at(2) = 50; at(0)++; scamp5_in(B, table[2]); scamp5_in(B, table[0]); scamp5_in(B, (int)(half(5) * 2)); S s; s.ref() = 8; scamp5_in(B, s.v);
+int vals[] = {1, 2, (int)sizeof(vals[0])}; scamp5_in(C, vals[2]); const uint16_t small[2] = {sizeof(small[0]), sizeof(small)}; scamp5_in(C, small[0]); scamp5_in(C, small[1]);
+std::function<int(int)> fib = [&](int n) { return n < 2 ? n : fib(n - 1) + fib(n - 2); }; scamp5_in(C, fib(8));
+uint8_t bytes[3] = {250, 1, 2}; for (auto y : bytes) { y += 10; scamp5_in(D, y); }",
+        &[
+            3, 1, 1, 3, 3, 1, 3, 1, 7, 3, 2, 5, 3, 5, 6, 50, 2, 5, 8, 4, 2, 4, 21, 4, 11, 12,
+        ],
+    );
+}
+
+/// In namespaces, announced in the class; overloads and lambdas inside of it.
+#[test]
+fn functions_stand_behind_their_class() {
+    numbers(
+        r"namespace geo { class Track { int n = 0; std::vector<std::pair<int, int>> all; public: explicit Track(int k) : n(k) {} void add(int x, int y = 1); int size() const; virtual int weight() const; static int count(); int over(int) { return 1; } int over(double) { return 2; } int which() { return over(1) * 10 + over(2.5); } };
+struct V { int x; V operator+(V o) const { return V{x + o.x}; } }; V operator-(V a, V b) { return {a.x - b.x}; } }
+void geo::Track::add(int x, int y) { all.emplace_back(x, y); n += y; }
+int geo::Track::size() const { return (int)all.size() + n; }
+int geo::Track::weight() const { return 3; }
+int geo::Track::count() { return 8; }
+struct Heavy : public geo::Track { Heavy() : geo::Track(50) {} int weight() const override { return 2 * geo::Track::weight(); } };
+struct S { int n = 1; int f() { auto g = [=]() { return n; }; n = 5; return g(); } int h() { auto g = [this](int k) { n += k; return twice(); }; return g(2); } int twice() { return 2 * n; } };
+struct Q { int a; int b; }; int sum(std::vector<Q> all) { int s = 0; for (auto& q : all) s += q.a * q.b; return s; } int twice(int x) { return -x; }",
+        r"geo::Track t(2); t.add(4); t.add(5, 3); scamp5_in(A, t.size()); scamp5_in(A, t.weight()); scamp5_in(A, geo::Track::count()); scamp5_in(A, t.which());
+Heavy h; geo::Track* p = &h; scamp5_in(A, p->weight()); p->add(1, 1); scamp5_in(A, h.size()); scamp5_in(A, p->size());
+geo::V a{4}, b{1}; scamp5_in(B, (a + b).x); scamp5_in(B, (a - b).x);
+S s; scamp5_in(C, s.f()); scamp5_in(C, s.h()); scamp5_in(C, twice(3)); std::vector<Q> w; w.push_back({1, 2}); Q x{3, 4}; w.push_back(x); scamp5_in(D, sum(w));",
+        &[8, 3, 8, 12, 6, 52, 52, 5, 3, 5, 14, -3, 14],
+    );
+}
+
+/// Constructors of bases and of the same class, texts and arrays in objects, operators that change them.
+#[test]
+fn objects_are_made_and_copied() {
+    numbers(
+        r"struct Base { int id; Base() : id(1) { start(); } virtual void start() { id += 10; } int get() { return id; } }; struct Derived : Base { int extra = 2; void start() override { id += 100; } Derived() { extra += id; start(); } Derived(int k) : Derived() { extra += k; } };
+struct Item { std::string name; int n; Item(const std::string& s, int k) : name(s), n(k) {} bool operator<(const Item& o) const { return n < o.n; } };
+struct Mat { float m[2][2]; float& operator()(int i, int j) { return m[i][j]; } Mat operator*(const Mat& o) const { Mat r; for (int i = 0; i < 2; i++) for (int j = 0; j < 2; j++) { r.m[i][j] = 0; for (int k = 0; k < 2; k++) r.m[i][j] += m[i][k] * o.m[k][j]; } return r; } };
+struct Counter { int n = 0; Counter& operator++() { ++n; return *this; } Counter operator++(int) { Counter old = *this; n++; return old; } Counter& operator<<(int k) { n += k; return *this; } bool operator!() const { return n == 0; } Counter& operator=(int k) { n = k; return *this; } };
+int kinds(const Base&) { return 1; } int kinds(int) { return 2; }",
+        r#"Derived d; scamp5_in(A, d.id); scamp5_in(A, d.extra); Derived e(5); scamp5_in(A, e.extra); Base& r = d; scamp5_in(A, r.get()); scamp5_in(A, kinds(d)); Base copy(d); scamp5_in(A, copy.id);
+std::vector<Item> items; items.emplace_back("a", 3); items.emplace_back(std::string("bc"), 1); items.push_back(Item("d", 2)); int len = 0; for (const auto& it : items) len += (int)it.name.size() * it.n; scamp5_in(B, len);
+Mat m; m(0, 0) = 1; m(0, 1) = 2; m(1, 0) = 3; m(1, 1) = 4; Mat q = m * m; scamp5_in(B, (int)q(1, 0)); scamp5_in(B, (int)(m * q)(0, 1));
+Counter c; scamp5_in(C, !c); ++c; Counter old = c++; scamp5_in(C, old.n); scamp5_in(C, c.n); c << 3 << 4; scamp5_in(C, c.n); c = 6; scamp5_in(C, c.n); scamp5_in(C, !c);"#,
+        &[111, 13, 18, 111, 1, 111, 7, 15, 54, 1, 1, 2, 9, 6, 0],
+    );
+}
+
+/// In objects and maps, of functions, under `auto`.
+#[test]
+fn arrays_of_the_library_are_copied() {
+    numbers(
+        r"struct S { std::vector<int> all; int raw[2]; }; std::vector<int> some() { std::vector<int> v = {1, 2}; return v; } struct Bl { int get() const; int x = 2; }; int Bl::get() const { return x; }
+int first(std::vector<int> v) { v[0] += 5; return v[0]; }",
+        r"S s; s.all.push_back(1); s.raw[0] = 3; auto copy = s.all; copy[0] = 9; scamp5_in(A, s.all[0]); auto p = s.raw; p[0] = 4; scamp5_in(A, s.raw[0]); auto& same = s.all; same[0] = 7; scamp5_in(A, s.all[0]);
+auto v = some(); auto w = v; w[0] = 50; scamp5_in(B, v[0]); std::vector<std::vector<int>> grid = {{1, 2}, {3, 4}}; auto row = grid[1]; row[0] = 8; scamp5_in(B, grid[1][0]); auto& r = grid[1]; r[0] = 6; scamp5_in(B, grid[1][0]); scamp5_in(B, (int)v.size()); scamp5_in(B, first(v)); scamp5_in(B, v[0]);
+std::map<int, std::vector<int>> m; m[1].push_back(4); auto old = m[1]; old[0] = 5; scamp5_in(C, m[1][0]); for (auto x : grid) x[0] = 0; scamp5_in(C, grid[0][0]); Bl b; scamp5_in(D, b.get()); Bl bs[2]; scamp5_in(D, (bs + 1)->get()); scamp5_in(D, first(s.all)); scamp5_in(D, s.all[0]);",
+        &[1, 4, 7, 1, 3, 6, 2, 6, 1, 4, 1, 2, 2, 12, 7],
+    );
+}
+
+/// With and without a body in the class.
+#[test]
+fn friends_are_functions_of_the_namespace() {
+    numbers(
+        r"class Vec { float x, y; public: friend class Other; Vec(float a = 0, float b = 0) : x(a), y(b) {} friend Vec operator*(float k, const Vec& v) { return Vec(v.x * k, v.y * k); } friend bool operator==(const Vec& a, const Vec& b) { return a.x == b.x && a.y == b.y; } friend int peek(const Vec& v); int half() const { return (int)(y / 2); } };
+int peek(const Vec& v) { return (int)v.x; } struct P { friend struct Q; int a; int b; };
+std::map<int, int> build(int n) { std::map<int, int> s; for (int i = n; i > 0; --i) s[i % 3] = i; return s; }",
+        r"Vec a(1, 4); scamp5_in(A, peek(3.0f * a)); scamp5_in(A, (2.0f * a).half()); scamp5_in(A, a == Vec(1, 4)); P p = {5, 6}; scamp5_in(A, p.b); for (const auto& e : build(5)) scamp5_in(B, e.first * 10 + e.second);",
+        &[3, 4, 1, 6, 3, 11, 22],
+    );
+}
+
+/// Arrays, vectors and pointers of them; lambdas, references into maps, tuples.
+#[test]
+fn objects_hold_objects() {
+    numbers(
+        r"struct A0 { int n = 1; int get() const { return n; } void set(int k) { n = k; } }; struct Holder { A0 a; A0 arr[2]; std::vector<A0> v; A0* p = nullptr; int sum() { int s = a.get(); for (auto& x : arr) s += x.get(); for (const auto& x : v) s += x.get(); if (p) s += p->get(); return s; } };
+int apply(std::function<int(int)> f, int x) { return f(x); } struct Cnt { static int made; int id; Cnt() : id(++made) {} }; int Cnt::made = 0;
+std::map<int, A0> store; A0& fetch(int k) { return store[k]; } const A0& peek(int k) { return store.at(k); }
+std::vector<int> filter(const std::vector<int>& in, int t) { std::vector<int> out; for (int x : in) if (x > t) out.push_back(x); return out; }",
+        r"Holder h; h.a.set(5); h.arr[1].set(7); h.v.push_back(A0{3}); h.v.emplace_back(); h.p = &h.arr[0]; h.p->set(20); scamp5_in(A, h.sum()); Holder g = h; g.a.set(0); g.v[0].set(9); scamp5_in(A, h.sum()); scamp5_in(A, g.sum());
+int base = 4; scamp5_in(B, apply([base](int x) { return x + base; }, 3)); scamp5_in(B, apply([&](int x) { base += x; return base; }, 3)); scamp5_in(B, base); Cnt c1, c2; Cnt cs[2]; scamp5_in(B, cs[1].id); scamp5_in(B, Cnt::made);
+fetch(2).set(6); scamp5_in(C, peek(2).get()); A0& r = fetch(2); fetch(1).set(3); r.set(8); scamp5_in(C, store[2].get()); scamp5_in(C, (int)store.size()); scamp5_in(C, filter({1, 5, 9}, 4)[1]); for (auto [i, a] : store) { a.set(0); scamp5_in(C, i); } scamp5_in(C, store[1].get());
+std::pair<int, int> mm[2] = {{1, 2}, {3, 4}}; for (auto& [lo, hi] : mm) std::swap(lo, hi); scamp5_in(D, mm[1].first); auto t = std::make_tuple(1, 2.5f, 'c'); auto& [q, w, e] = t; w += 1; scamp5_in(D, (int)(std::get<1>(t) * 2)); scamp5_in(D, sizeof(e)); const int N = 3; int tot = 0; for (int i = N; i --> 0;) tot += i; scamp5_in(D, tot); int arr2[2][3] = {{1}, {4, 5}}; for (auto& row : arr2) for (int& x : row) x++; scamp5_in(D, arr2[1][2]); scamp5_in(D, arr2[0][0]);",
+        &[
+            56, 56, 57, 7, 7, 7, 4, 4, 6, 8, 2, 9, 1, 2, 3, 4, 7, 1, 3, 1, 2,
+        ],
+    );
+}
+
+/// Chains of filters, pointers that are chosen, parts of an object.
+#[test]
+fn objects_are_called_through_their_base() {
+    numbers(
+        r"struct Image { int w, h; explicit Image(int a, int b) : w(a), h(b) { size = w * h; } int size; }; class Filter { protected: int gain = 2; public: virtual int apply(int x) { return x * gain; } void setGain(int g) { gain = g; } }; class Offset : public Filter { int off; public: Offset(int o) : off(o) {} int apply(int x) override { return Filter::apply(x) + off; } }; class Chain : public Filter { std::vector<Filter*> all; public: Chain& add(Filter* f) { all.push_back(f); return *this; } int apply(int x) override { for (auto* f : all) x = f->apply(x); return x; } };
+int run(Filter& f, int x) { return f.apply(x); } Filter* pick(bool b, Filter* p, Filter* q) { return b ? p : q; } struct Tag {}; struct Empty : Tag { int z = 3; };",
+        r"Image im(3, 4); scamp5_in(A, im.size); Filter f; Offset o(5); Chain c; c.add(&f).add(&o); scamp5_in(A, run(c, 2)); f.setGain(3); scamp5_in(A, run(c, 2)); o.setGain(1); scamp5_in(A, c.apply(1)); scamp5_in(A, pick(true, &f, &o)->apply(1)); scamp5_in(A, pick(false, &f, &o)->apply(1)); Filter& fr = *pick(false, &f, &o); fr.setGain(4); scamp5_in(A, o.apply(1)); Filter* fs[] = {&c, &o, &f}; int s = 0; for (int i = 0; i < 3; i++) s += fs[i]->apply(1); scamp5_in(A, s); Empty e; scamp5_in(A, e.z); Offset* op = &o; Filter* fp = op; scamp5_in(A, fp == &o); scamp5_in(A, fp->apply(0)); Filter copy = *fp; scamp5_in(A, copy.apply(1));",
+        &[12, 13, 17, 8, 3, 6, 9, 29, 3, 1, 5, 4],
+    );
+}
+
+/// Pointers to objects, from behind, texts, what a function gives back.
+#[test]
+fn loops_over_what_is_no_array() {
+    numbers(
+        r"struct blob { int x, y, w, h; int area() const { return w * h; } };
+static std::vector<int> some(int n) { std::vector<int> v; for (int i = 0; i < n; i++) v.push_back(i * i); return v; }",
+        r#"blob b[3] = {{0, 0, 2, 3}, {1, 1, 4, 5}, {2, 2, 1, 1}}; for (const blob* p = b; p < b + 3; ++p) scamp5_in(A, p->area()); scamp5_in(A, (b + 1)->area()); scamp5_in(A, b->area()); const blob* q = b; scamp5_in(A, q->area()); scamp5_in(A, (*q).area());
+std::vector<int> v = {1, 2, 3, 4}; for (auto it = v.rbegin(); it != v.rend(); ++it) scamp5_in(B, *it); for (auto it = v.rbegin(); it < v.rend(); it += 2) *it *= 10; for (int x : v) scamp5_in(B, x); std::sort(v.rbegin(), v.rend()); for (int x : v) scamp5_in(B, x);
+for (char c : std::string("ab")) scamp5_in(C, c); std::string t = "xyz"; int n = 0; for (const char& c : t) n += c; scamp5_in(C, n - 300); for (auto c : t) n -= c; scamp5_in(C, n); for (int k : some(4)) scamp5_in(C, k); for (auto k : {5, 6}) scamp5_in(C, k); scamp5_in(C, (int)some(4).size()); scamp5_in(C, some(3).back());"#,
+        &[
+            6, 20, 1, 20, 6, 6, 6, 4, 3, 2, 1, 1, 20, 3, 40, 40, 20, 3, 1, 97, 98, 63, 0, 0, 1, 4,
+            9, 5, 6, 4, 4,
+        ],
+    );
+}
+
+/// What is not followed of classes is told for what it is.
+#[test]
+fn what_is_not_followed_of_classes_is_named() {
+    let base = "struct B { int n = 1; int get() { return n; } };\n";
+    told(
+        &format!(
+            "{base}struct D : B {{ int get() {{ return 2; }} }};\nint main() {{ D d; scamp5_in(A, d.get()); }}"
+        ),
+        3,
+        "`d`, a class whose `get` hides that of its base, which is not `virtual`, of line 2",
+        "",
+    );
+    told(
+        &format!("{base}int main() {{ B a; B b;\nscamp5_in(A, (a + b).n); }}"),
+        3,
+        "`+` between an object of `B` and an object of `B`",
+        "define `operator+`",
+    );
+    told(
+        "struct P { int x; };\nint main() { P p = {.y = 2}; scamp5_in(A, p.x); }",
+        2,
+        "`P` has no member `y`",
+        "",
+    );
+    told(
+        "int main() { std::map<int, int> m = {{1, 2}};\nscamp5_in(A, m.at(3)); }",
+        2,
+        "`at` of the number 3, which is no key of this map",
+        "`count`",
+    );
+    told(
+        "struct S { int n; S& operator+=(int k) { mov(A, B); n += k; return *this; } };\nint main() { S s{1}; s += 2; }",
+        1,
+        "`operator+=` runs words of the array where no call of it is written",
+        "",
+    );
+    let text = "int main() { std::unordered_map<int, int> m = {{2, 1}, {1, 2}}; for (auto& it : m) scamp5_in(A, it.first); }";
+    let warnings = expand(text).unwrap().warnings;
+    let order = "the order of an `unordered_map` is not stated by the language";
+    assert!(
+        warnings.iter().any(|it| it.message == order),
+        "{warnings:?}"
+    );
+}
+
+/// Another chip's calls, the GUI's pictures, and one fault for a `switch` that the run decides.
+#[test]
+fn messages_name_what_is_wrong() {
+    told(
+        "int main() { while (1) { vs_frame_loop_control();\nscamp7_in(A, 3); } }",
+        2,
+        "`scamp7_in` is a call of the SCAMP-7, which is not modelled",
+        "SCAMP-5",
+    );
+    told(
+        "int main() { while (1) { vs_frame_loop_control();\nvs_gui_request_image(\"a.bmp\", 6, [&](vs_dotmat const& m, int s) { }); mov(A, B); } }",
+        2,
+        "asks the GUI for a picture",
+        "exec --image FILE",
+    );
+    told(
+        "int main() { while (1) { int e = 1;\nscamp5_shift(R5, 1, 0, e); } }",
+        2,
+        "`scamp5_shift` with ones at the edge",
+        "",
+    );
+    let case = |n| {
+        format!(
+            "case {n}: scamp5_kernel_begin(); mov(A, B); scamp5_kernel_end(); scamp5_in(C, {n}); break;\n"
+        )
+    };
+    let cases = [1, 2, 3, 4, 5, 6].map(case).concat();
+    let text = format!(
+        "int main() {{ while (1) {{ vs_frame_loop_control(); switch (scamp5_global_or(R5)) {{ {cases} }} }} }}"
+    );
+    let faults = expand(&text).unwrap_err().faults;
+    assert_eq!(faults.len(), 1, "{faults:#?}");
+}
+
+/// Who can run a program beside the array is told what is wrong either way, and nothing else.
+#[test]
+fn what_a_run_decides_is_no_fault_of_a_run() {
+    let text = "int main() { while (1) { vs_frame_loop_control(); if (scamp5_global_or(R5)) { mov(A, B); } nonsense(A); } }";
+    let program = Program::read("p.cpp", text);
+    let faults = program.layout(&Device::scamp5(), &Overrides::new());
+    let faults = faults.err().unwrap().faults;
+    assert!(
+        matches!(&faults[..], [one] if one.fault.message.contains("nonsense")),
+        "{faults:#?}"
+    );
+}
+
+/// A functor runs words where it is called; what only the run knows makes a map unknown as a whole.
+#[test]
+fn objects_where_only_the_run_decides() {
+    told(
+        "struct Blur { int n; void operator()(areg_t a) const { for (int i = 0; i < n; i++) movx(a, a, west); } };\n\
+         int main() { Blur b{2}; while (1) { vs_frame_loop_control(); int s = scamp5_global_or(R5);\nif (s) b(A); } }",
+        3,
+        "whether this kernel runs",
+        "",
+    );
+    for inside in [
+        "m[3] = 1;",
+        "m.erase(1);",
+        "m.insert({3, 1});",
+        "int k = m[3];",
+    ] {
+        told(
+            &format!(
+                "int main() {{ std::map<int, int> m = {{{{1, 2}}}}; while (1) {{ vs_frame_loop_control(); if (scamp5_global_or(R5)) {{ {inside} }}\nscamp5_in(A, m.count(3)); }} }}"
+            ),
+            2,
+            "`scamp5_in` takes a value of which `m.count` decides",
+            "",
+        );
+    }
+}
+
+/// What a `switch` leaves beside itself, where only the run knows its case.
+#[test]
+fn a_switch_of_the_run_may_leave_more_than_itself() {
+    told(
+        "int main() { while (1) { vs_frame_loop_control(); for (int i = 0; i < 3; i++) { switch (scamp5_global_or(R5)) { case 1: continue; }\nscamp5_in(A, i); } } }",
+        2,
+        "whether `scamp5_in` runs, what `scamp5_global_or` reads",
+        "",
+    );
+    told(
+        "void f() { if (scamp5_global_or(R5)) { for (int k = 0; k < 2; k++) { return; } }\nmov(A, B); }\n\
+         int main() { while (1) { vs_frame_loop_control(); f(); } }",
+        2,
+        "whether `mov` runs, what `scamp5_global_or` reads",
+        "",
+    );
+    told(
+        "int pick(int k) { switch (k) { case 4: return 1; case VS_LED_1: return 5; default: return 2; } }\n\
+         int main() { while (1) { vs_frame_loop_control(); scamp5_in(A, pick(4));\nscamp5_in(A, pick(9)); } }",
+        3,
+        "`scamp5_in` takes a value of which `VS_LED_1` decides",
+        "",
+    );
+}
+
+/// Of an object that changes from frame to frame, only what changes is not known.
+#[test]
+fn objects_change_from_frame_to_frame() {
+    let text = "struct Op { int runs = 0; virtual void run(areg_t a) = 0; };\n\
+                struct Shift : Op { int n; Shift(int k) : n(k) {} void run(areg_t a) override { for (int i = 0; i < n; i++) movx(a, a, west); runs++; } };\n\
+                int main() { Shift s(2); Op* all[] = {&s}; while (1) { vs_frame_loop_control(); all[0]->run(A); scamp5_in(B, all[0]->runs > -1 ? 3 : 3); } }";
+    told(text, 3, "`scamp5_in` takes a value of which", "");
+    let text = text.replace(
+        "scamp5_in(B, all[0]->runs > -1 ? 3 : 3);",
+        "scamp5_in(B, s.n);",
+    );
+    assert_eq!(loaded(&expand(&text).unwrap().code.frame), [2.0]);
+    // Who can run it is not refused.
+    let text = "struct Op { void run(areg_t a) { mov(a, B); } };\nint main() { Op all[2]; while (1) { vs_frame_loop_control();\nall[scamp5_global_or(R5)].run(A); } }";
+    told(text, 3, "what `all.run` runs, ", "`exec` runs it");
+    let program = Program::read("p.cpp", text);
+    assert!(program.layout(&Device::scamp5(), &Overrides::new()).is_ok());
+}
