@@ -44,7 +44,8 @@ class EventSensor(torch.nn.Module):
     :meth:`to_sensor` gives, for light that is exact in ``dtype``, as 8-bit light is. The way back is the
     adjoint of the float model (``docs/learning.md``): kernels, thresholds and light have gradients. It
     is computed on the processor, on all threads and with the interpreter released; the results are the
-    same on any number of them. Tensors of another device are brought here and back.
+    same on any number of them. Tensors of another device are brought here and back. There is one
+    derivative: no second one, and no ``torch.func``.
 
     Args:
         kernels: (K,k,k) or (K,1,k,k), or names, as for :class:`amacrine.Sensor`: where learning begins.
@@ -170,7 +171,7 @@ class EventSensor(torch.nn.Module):
         side = self.kernels.shape[-1]
         light = torch.zeros((1, 2, side, side), dtype=self.kernels.dtype)
         with torch.enable_grad():
-            self._watched(light).events.backward()
+            torch.autograd.backward(self._watched(light).events)
         self.zero_grad()
 
     @property
@@ -197,7 +198,6 @@ class EventSensor(torch.nn.Module):
             phase=self.phase,
             rule=self.rule,
             slope=self.slope,
-            made=[],
         )
         thresholds = self.thresholds
         if clips == 0:
@@ -281,7 +281,7 @@ def _parameters(
 
 
 class _How(NamedTuple):
-    """What has no gradient, and what the way forward leaves for the way back."""
+    """What has no gradient."""
 
     native: _amacrine.Sensor
     times: list[float]
@@ -289,7 +289,6 @@ class _How(NamedTuple):
     phase: float | None
     rule: Rule | None
     slope: Slope
-    made: list[_amacrine.Seen]
 
 
 class _Watch(torch.autograd.Function):
@@ -297,6 +296,7 @@ class _Watch(torch.autograd.Function):
 
     @staticmethod
     def forward(
+        ctx: Any,
         kernels: torch.Tensor,
         thresholds: torch.Tensor,
         sigma: torch.Tensor,
@@ -311,21 +311,16 @@ class _Watch(torch.autograd.Function):
             how.seed,
             how.phase,
         )
-        how.made.append(seen)
         clips, frames, *rest = seen.shape
+        ctx.seen, ctx.how, ctx.device = seen, how, light.device
+        ctx.dtype = kernels.dtype
+        ctx.set_materialize_grads(False)
         # Not a view of another tensor, which could not be changed in place.
         voxels = torch.from_numpy(seen.voxels.reshape(seen.shape))
         counts = torch.from_numpy(seen.counts).reshape(clips, frames - 1, *rest)
         events = torch.tensor(float(seen.events), dtype=kernels.dtype)
         to = light.device
         return voxels.to(to), counts.to(to, kernels.dtype), events.to(to)
-
-    @staticmethod
-    def setup_context(ctx: Any, inputs: tuple[Any, ...], output: Any) -> None:
-        kernels, _, _, light, how = inputs
-        ctx.seen, ctx.how, ctx.device = how.made[-1], how, light.device
-        ctx.dtype = kernels.dtype
-        ctx.set_materialize_grads(False)
 
     @staticmethod
     @once_differentiable
