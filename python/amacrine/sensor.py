@@ -272,7 +272,9 @@ class EventSensor(ABC):
         Args:
             parts: The clip, part by part: arrays of shape (t,H,W) or (t,1,H,W).
 
-        The rest is that of :meth:`voxels`; the last windows come when the parts end.
+        The rest is that of :meth:`voxels`. A window comes with the frame after the one that ends
+        it, since right behind a frame there may be events of its microsecond; the last windows come
+        when the parts end.
 
         Yields:
             Windows of shape (K,bins,H,W), or (K,2,bins,H,W) where they are split.

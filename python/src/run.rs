@@ -335,10 +335,9 @@ impl Run {
         let mut over = Vec::new();
         self.play_with(py, frames, contrast, |watch, _| {
             watch.watch()?;
-            // Right behind a frame that is put in there may be events of the same microsecond.
-            let behind = u64::from(contrast.is_some());
+            // Right behind a frame there may be events of the same microsecond.
             let now = Micros::from_seconds(watch.frame.seconds).0;
-            let now = Micros(now.saturating_sub(behind));
+            let now = Micros(now.saturating_sub(1));
             stream.with(|stream| {
                 stream.add(&watch.packet.events);
                 over.append(&mut stream.finished(now));

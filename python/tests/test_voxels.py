@@ -100,6 +100,17 @@ def test_windows_come_one_by_one(chip: bool, frames: Frames) -> None:
     assert list(sensor.voxel_windows([], FPS, bins=3, window=1.0)) == []
 
 
+def test_no_event_falls_between_two_windows() -> None:
+    """Crossings right behind a frame have its time in microseconds."""
+    light = np.random.default_rng(0).integers(0, 256, (24, 48, 48)).astype(np.uint8)
+    sensor = amacrine.Sensor("csdvs-3", 0.02)
+    events = sensor.events(light, 1000)
+    how: dict[str, Any] = dict(bins=1, window=0.004, polarity="split", share="whole")
+    seen = sensor.voxels(light, 1000, **how)
+    assert seen.astype(np.float64).sum() == len(events)
+    assert np.array_equal(seen, amacrine.events.voxels(events, **how))
+
+
 def test_ranges_and_types(frames: Frames) -> None:
     sensor = amacrine.Sensor(kernels(2), 2.0)
     plain = sensor.voxels(frames, FPS, bins=5)
