@@ -9,7 +9,7 @@ use super::{
     machine::Machine,
     reach::Reach,
     shape::{self, Leaf},
-    tree::{Declared, ExprNode, Function, Kind, Struct, last},
+    tree::{Declared, Expr, ExprNode, Function, Kind, Struct, last},
     value::{Slot, Value, unassigned},
     why::Why,
 };
@@ -108,6 +108,7 @@ impl Machine<'_> {
             if let Some(value) = &it.value {
                 self.value(value);
             }
+            self.made_unread(it, &why);
             let slot = self.make(&it.name, Value::Unknown(why.clone()), Kind::Any);
             self.not_followed.insert(slot, why);
             return;
@@ -133,6 +134,13 @@ impl Machine<'_> {
                     self.naming = None;
                     self.refer(&it.name, (slot, path));
                     return;
+                }
+                Reach::Value(Value::Unknown(why))
+                    if !it.constant && matches!(value.node, ExprNode::Choose(..)) =>
+                {
+                    let message = format!("which variable `{}` is, {why} decides", it.name);
+                    self.unknown(value.place, message, &why, None);
+                    Some(Value::Unknown(why))
                 }
                 reached => Some(self.load(&reached, value)),
             },
@@ -201,9 +209,19 @@ impl Machine<'_> {
     ) {
         // What a function gives back, or a copy of another, where the type is that of the value.
         let copied = it.library || &*it.of == "auto" && !it.pointer;
+        // Names of the elements of an array are those of a copy.
+        let (value, bound) = match value {
+            Value::Pointer(slot, path, _) if it.name.starts_with('[') && !it.reference => {
+                let array = self.array_of(slot, &path).map(|it| it.0.to_vec());
+                let array = array.unwrap_or(path);
+                (self.at(slot, &array), self.kind_at(slot, &array))
+            }
+            value => (value, Kind::Any),
+        };
         let copied = copied && matches!(value, Value::List(_));
         let kind = match self.resolved(it.kind) {
             Kind::Any if value.number().is_some() => given,
+            Kind::Any => bound,
             kind => kind,
         };
         let slot = match known {
@@ -266,6 +284,20 @@ impl Machine<'_> {
             "`{}`, {what}, which is not followed,",
             it.name
         )))
+    }
+
+    /// Forgets what the constructors of a class could change that is not followed.
+    fn made_unread(&mut self, it: &Declared, why: &Why) {
+        let node = ExprNode::Name(last(&it.of).into());
+        let callee = Expr {
+            node,
+            place: it.place,
+        };
+        let given = match it.value.as_ref().map(|it| &it.node) {
+            Some(ExprNode::Call(_, given) | ExprNode::Braces(given)) => &given[..],
+            _ => &[],
+        };
+        self.forget_called(&callee, given, why);
     }
 
     /// What an array of objects begins with, where a constructor makes each.

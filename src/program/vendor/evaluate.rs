@@ -41,26 +41,9 @@ impl Machine<'_> {
                 let after = self.store(&reached, after, of);
                 if *prefix { after } else { before }
             }
-            ExprNode::Binary(..) => self.chain(it),
+            ExprNode::Binary(..) => self.chain(it).0,
             ExprNode::Assign(operator, to, value) => {
-                if operator.is_none()
-                    && let Some(members) = tied(to)
-                {
-                    return self.tie(members, value, it.place);
-                }
-                let argument = self.argument(value);
-                // Where it lies is found once: that may have effects of its own.
-                let reached = self.reach(to);
-                if let Some(Value::Record(..)) = self.reached(&reached) {
-                    return self.assign_operator(*operator, (reached, to), argument, it.place);
-                }
-                let mut value = argument.value;
-                if let Some(operator) = operator {
-                    let before = self.load(&reached, to);
-                    let after = Value::binary(operator, &before, &value);
-                    value = self.or_fault(after, it.place);
-                }
-                self.store(&reached, value, to)
+                self.assigned(*operator, to, value, it.place).0
             }
             ExprNode::Choose(condition, yes, no) => match self.condition(condition).truth() {
                 Ok(holds) => {
@@ -229,7 +212,7 @@ impl Machine<'_> {
     }
 
     /// A chain of operators, from its left end: without a call for each.
-    fn chain(&mut self, it: &Expr) -> Value {
+    pub(super) fn chain(&mut self, it: &Expr) -> (Value, Option<Location>) {
         let (mut first, mut links) = (it, Vec::new());
         while let ExprNode::Binary(operator, left, right) = &first.node {
             links.push((*operator, &**left, &**right, first.place));
@@ -249,7 +232,40 @@ impl Machine<'_> {
             location = None;
             value = self.binary(operator, value, left, right, place);
         }
-        value
+        (value, location)
+    }
+
+    /// An assignment: the value, and where it lies then.
+    pub(super) fn assigned(
+        &mut self,
+        operator: Option<&str>,
+        to: &Expr,
+        value: &Expr,
+        place: Place,
+    ) -> (Value, Option<Location>) {
+        if operator.is_none()
+            && let Some(members) = tied(to)
+        {
+            return (self.tie(members, value, place), None);
+        }
+        let argument = self.argument(value);
+        // Where it lies is found once: that may have effects of its own.
+        let reached = self.reach(to);
+        if let Some(Value::Record(..)) = self.reached(&reached) {
+            return self.assign_operator(operator, (reached, to), argument, place);
+        }
+        let mut value = argument.value;
+        if let Some(operator) = operator {
+            let before = self.load(&reached, to);
+            let after = Value::binary(operator, &before, &value);
+            value = self.or_fault(after, place);
+        }
+        let value = self.store(&reached, value, to);
+        let location = match reached {
+            Reach::Location(slot, path) => Some((slot, path)),
+            _ => None,
+        };
+        (value, location)
     }
 
     fn binary(

@@ -165,7 +165,7 @@ pub(super) fn simulates(name: &str) -> bool {
 }
 
 /// Algorithms of the language's library that are run: [`algorithm`](super::algorithm).
-pub(super) const ALGORITHMS: [&str; 20] = [
+pub(super) const ALGORITHMS: [&str; 21] = [
     "reverse",
     "rotate",
     "sort",
@@ -174,6 +174,7 @@ pub(super) const ALGORITHMS: [&str; 20] = [
     "fill_n",
     "iota",
     "copy",
+    "copy_if",
     "copy_n",
     "iter_swap",
     "min_element",

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::super::{
     expression::unexpected,
     token::Token,
-    tree::{Bound, Declared, Expr, ExprNode, Function, Kind, Stmt, StmtNode, Struct, Word},
+    tree::{Bound, Declared, Expr, ExprNode, Function, Kind, Parameter, Stmt, StmtNode, Struct, Word},
 };
 use super::{
     Parsed, Parser,
@@ -411,6 +411,7 @@ impl Parser<'_> {
             }
         }
         let called = self.sees("(") && !RESERVED.contains(&&*name);
+        let parameters = self.taken();
         while self.sees("(") {
             self.skip_group();
         }
@@ -423,9 +424,19 @@ impl Parser<'_> {
         let hidden = *name == *class || &*name == "operator";
         Some(Rc::new(Function {
             body: body.into(),
+            parameters: parameters.into(),
             hidden,
             ..Function::new(name, place)
         }))
+    }
+
+    /// The parameters that stand here, as far as they are understood; no step ahead.
+    fn taken(&mut self) -> Vec<Parameter> {
+        let (start, told) = (self.at, self.faults.len());
+        let found = if self.take("(") { self.parameters() } else { Ok(Vec::new()) };
+        self.faults.truncate(told);
+        self.at = start;
+        found.unwrap_or_default()
     }
 
     /// A body in braces; one that does not parse calls something unknown.
