@@ -152,7 +152,8 @@ impl Machine<'_> {
             Some(Value::Lambda(function)) if last(&it.of) == kernel::CLASS => {
                 Some(self.kernel_of(function))
             }
-            initial => initial,
+            Some(value) => Some(self.separate(value)),
+            None => None,
         };
         let set = match initial {
             // Registers, arrays and texts are not set from outside.
@@ -373,6 +374,13 @@ impl Machine<'_> {
             self.unread.insert(it.name.clone(), what);
             return;
         }
+        if let Some(member) = it.members.iter().find(|it| look::acts(self, it)) {
+            let (name, line) = (&member.name, self.line(place));
+            let what = format!("a class whose `{name}` begins with what changes others, of {line}");
+            self.unread.insert(it.name.clone(), what);
+            self.layouts.remove(&it.name);
+            return;
+        }
         let base = { it.base.as_ref() }.and_then(|it| self.layouts.get(it).cloned());
         if let Some(what) = base.as_ref().and_then(|base| hides(it, base)) {
             let what = format!("{what}, of {}", self.line(place));
@@ -440,6 +448,23 @@ fn hides(it: &Struct, base: &Layout) -> Option<String> {
     if let Some(member) = it.members.iter().find(|it| base.names(&it.name)) {
         return Some(format!("a class with a `{}` as its base", member.name));
     }
+    let defaults = |it: &Rc<Function>| -> Vec<Option<Expr>> {
+        it.parameters.iter().map(|it| it.default.clone()).collect()
+    };
+    let given = |it: &Rc<Function>| it.parameters.iter().any(|it| it.default.is_some());
+    let differs = it.functions.iter().find(|it| {
+        let mut all = std::iter::successors(Some(base), |it| it.base.as_deref());
+        let above = all.find_map(|of| of.functions.iter().find(|of| of.overrides(it)));
+        above.is_some_and(|of| {
+            (given(it) || given(of)) && !alike(&defaults(it), &defaults(of)) && base.is_virtual(it)
+        })
+    });
+    if let Some(it) = differs {
+        return Some(format!(
+            "a class whose `{}` has other default arguments than that of its base",
+            it.name
+        ));
+    }
     let own = it.functions.iter();
     let mut own = own.filter(|of| of.name != it.name && !of.hidden);
     let hiding = own.find(|it| base.names(&it.name) && !base.is_virtual(it))?;
@@ -447,4 +472,17 @@ fn hides(it: &Struct, base: &Layout) -> Option<String> {
         "a class whose `{}` hides that of its base, which is not `virtual`",
         hiding.name
     ))
+}
+
+/// Whether default arguments are written the same.
+fn alike(some: &[Option<Expr>], others: &[Option<Expr>]) -> bool {
+    let same = |(a, b): (&Option<Expr>, &Option<Expr>)| match (a, b) {
+        (Some(a), Some(b)) => match (&a.node, &b.node) {
+            (ExprNode::Unary(one, a), ExprNode::Unary(other, b)) => one == other && a.node == b.node,
+            (a, b) => a == b,
+        },
+        (None, None) => true,
+        _ => false,
+    };
+    some.len() == others.len() && some.iter().zip(others).all(same)
 }

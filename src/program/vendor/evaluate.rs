@@ -517,12 +517,29 @@ impl Machine<'_> {
         let captures = &function.captures;
         for capture in &captures.named {
             if let Some(value) = &capture.value {
-                let value = self.value(value);
-                let slot = self.hold(value, Kind::Any);
+                let slot = match self.reach(value) {
+                    Reach::Location(slot, path) if capture.reference && path.is_empty() => slot,
+                    Reach::Location(slot, path) if capture.reference => {
+                        self.hold(Value::Reference(slot, path), Kind::Any)
+                    }
+                    reached => {
+                        let argument = self.load(&reached, value);
+                        self.hold(argument, Kind::Any)
+                    }
+                };
                 made.held.push((capture.name.clone(), slot));
             }
         }
         let this = self.this();
+        if captures.object
+            && let Some((slot, path)) = &this
+            && let value @ Value::Record(..) = self.at(*slot, path)
+            && let Value::Record(layout, _) = &value
+        {
+            let layout = Rc::clone(layout);
+            let copy = (self.hold(value, Kind::Any), Vec::new());
+            made.held.extend(self.members_of(&layout, &copy));
+        }
         let names = super::look::names(self, function);
         for name in names.into_iter().chain(["this".into()]) {
             let own = self.scopes.get(self.base.max(1)..).unwrap_or_default();
@@ -534,11 +551,32 @@ impl Machine<'_> {
             // What belongs to the object is taken along with the object.
             let own = matches!((&self.slots[slot], &this), (Value::Reference(of, path), Some((whole, part)))
                 if of == whole && path.starts_with(part));
+            if captures.object && (own || &*name == "this") {
+                continue;
+            }
             let copied = !own && named.map_or(captures.copies, |it| !it.reference);
             let slot = if copied { self.copy(slot) } else { slot };
             made.held.push((name, slot));
         }
         Rc::new(made)
+    }
+
+    /// A copy of a value: a lambda that changes what it has copied has that for itself.
+    pub(super) fn separate(&mut self, value: Value) -> Value {
+        let Value::Lambda(function) = &value else {
+            return value;
+        };
+        if !function.captures.mutable {
+            return value;
+        }
+        let mut made = (**function).clone();
+        for (name, slot) in &mut made.held {
+            let leads = matches!(self.slots[*slot], Value::Reference(..));
+            if !leads && made.captures.copies(name) {
+                *slot = self.copy(*slot);
+            }
+        }
+        Value::Lambda(made.into())
     }
 
     /// A variable with the value of another.

@@ -375,6 +375,7 @@ impl Machine<'_> {
                     // A slider that writes the variable that its handle goes to.
                     return self.at(*slot, path);
                 }
+                let value = self.separate(value);
                 let value = self.fitted(*slot, path, value);
                 self.put(*slot, path, value.clone());
                 value

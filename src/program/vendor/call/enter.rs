@@ -186,6 +186,7 @@ impl Machine<'_> {
 
     /// A variable of its own for a parameter.
     fn taken(&mut self, value: Value, kind: Kind, parameter: &Parameter) -> usize {
+        let value = self.separate(value);
         let value = match (self.layouts.get(&parameter.of), value) {
             // A reference keeps the class of the object.
             (Some(_), value @ Value::Record(..)) if parameter.alias && !braces(&value) => value,

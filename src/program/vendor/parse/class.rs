@@ -9,6 +9,7 @@ use super::super::{
 };
 use super::{
     Parsed, Parser,
+    constructor::copies,
     types::{QUALIFIERS, RESERVED, Type},
     within,
 };
@@ -190,7 +191,11 @@ impl Parser<'_> {
         }
         let unread = unread.or_else(|| {
             let is_operator = |it: &Rc<Function>| &*it.name == "operator";
-            Some(if functions.iter().any(is_operator) {
+            let copies =
+                |it: &Rc<Function>| it.name == name && copies(&name, &it.parameters);
+            Some(if functions.iter().any(copies) {
+                "a class with a copy constructor"
+            } else if functions.iter().any(is_operator) {
                 "a class with operators that are not followed"
             } else {
                 "a class with members that are not understood"
@@ -275,9 +280,10 @@ impl Parser<'_> {
         self.at = end;
         // An object that holds others with constructors is made in more steps than are followed.
         let whole = |it: &Declared| !it.reference && (it.pointer || !self.constructs(&it.of));
-        let plain = plain && data.iter().all(whole);
+        let mut plain = plain && data.iter().all(whole);
         if plain {
             functions.extend(self.inherited(class, &functions));
+            plain = self.begin(class, &mut data, &mut functions);
         }
         let constructors = |it: &&mut Rc<Function>| *it.name == *class && !it.hidden;
         for constructor in functions.iter_mut().filter(constructors) {
