@@ -89,7 +89,8 @@ impl Machine<'_> {
             return None;
         };
         let mut all = Vec::new();
-        if let (Some(range), Some(Value::List(_))) = (self.range(&from, &to), self.peek(slot, &path))
+        if let (Some(range), Some(Value::List(_))) =
+            (self.range(&from, &to), self.peek(slot, &path))
         {
             for i in 0..range.length {
                 let (at, element) = range.at(i);

@@ -6,7 +6,7 @@ use super::{
     call::kernel,
     layout::{Layout, Member},
     look,
-    machine::Machine,
+    machine::{Location, Machine},
     reach::Reach,
     shape::{self, Leaf},
     tree::{Declared, Expr, ExprNode, Function, Kind, Struct, last},
@@ -114,7 +114,7 @@ impl Machine<'_> {
             return;
         }
         if it.lasting
-            && let Some(slot) = self.lasting.get(&it.place.start)
+            && let Some(slot) = self.lasting.get(&self.made_once(it))
         {
             let slot = *slot;
             self.bind(&it.name, slot);
@@ -132,7 +132,7 @@ impl Machine<'_> {
             Some(value) if it.reference => match self.reach(value) {
                 Reach::Location(slot, path) => {
                     self.naming = None;
-                    self.refer(&it.name, (slot, path));
+                    self.refer_as(it, (slot, path));
                     return;
                 }
                 Reach::Value(Value::Unknown(why))
@@ -155,6 +155,7 @@ impl Machine<'_> {
             Some(value) => Some(self.separate(value)),
             None => None,
         };
+        let initial = initial.map(|value| self.sliced(it, value));
         let set = match initial {
             // Registers, arrays and texts are not set from outside.
             None
@@ -242,7 +243,7 @@ impl Machine<'_> {
             self.classes.insert(slot, it.of.clone());
         }
         if it.lasting {
-            self.lasting.insert(it.place.start, slot);
+            self.lasting.insert(self.made_once(it), slot);
         }
     }
 
@@ -285,6 +286,65 @@ impl Machine<'_> {
             "`{}`, {what}, which is not followed,",
             it.name
         )))
+    }
+
+    /// Which variable it is, of those that are made once.
+    fn made_once(&self, it: &Declared) -> (usize, String) {
+        let types = if self.types.is_empty() {
+            String::new()
+        } else {
+            format!("{:?}", self.types)
+        };
+        (it.place.start, types)
+    }
+
+    /// Another name for a variable, which may be of a class that its own is made from.
+    fn refer_as(&mut self, it: &Declared, (slot, path): Location) {
+        let part = match self.peek(slot, &path) {
+            Some(Value::Record(layout, _)) => {
+                layout.name != it.of && layout.line().any(|of| of.name == it.of)
+            }
+            _ => false,
+        };
+        if part {
+            let own = self.make(&it.name, Value::Reference(slot, path), Kind::Any);
+            self.classes.insert(own, it.of.clone());
+        } else {
+            self.refer(&it.name, (slot, path));
+        }
+    }
+
+    /// A copy of the type that `auto` is: of a reference, the part that it names.
+    fn sliced(&mut self, it: &Declared, value: Value) -> Value {
+        let (Value::Record(layout, _), Some(from)) = (&value, &it.value) else {
+            return value;
+        };
+        if &*it.of != "auto" || it.pointer || layout.base.is_none() {
+            return value;
+        }
+        match &from.node {
+            ExprNode::Name(name) => {
+                let slot = self.find(name);
+                let slot = slot.filter(|it| matches!(self.slots[*it], Value::Reference(..)));
+                let class = slot.and_then(|it| self.classes.get(&it));
+                match class.and_then(|it| self.layouts.get(it)) {
+                    Some(layout) => shape::object(value, layout)
+                        .unwrap_or_else(|why| Value::Unknown(why.into())),
+                    None => value,
+                }
+            }
+            ExprNode::Unary("*", _) => {
+                let name = &layout.name;
+                self.error(
+                    it.place,
+                    format!("what `auto` is here: an object of `{name}`, or of its base"),
+                    "the type of the pointer says it, which is not followed",
+                    "write the class instead of `auto`",
+                );
+                value
+            }
+            _ => value,
+        }
     }
 
     /// Forgets what the constructors of a class could change that is not followed.
@@ -478,7 +538,9 @@ fn hides(it: &Struct, base: &Layout) -> Option<String> {
 fn alike(some: &[Option<Expr>], others: &[Option<Expr>]) -> bool {
     let same = |(a, b): (&Option<Expr>, &Option<Expr>)| match (a, b) {
         (Some(a), Some(b)) => match (&a.node, &b.node) {
-            (ExprNode::Unary(one, a), ExprNode::Unary(other, b)) => one == other && a.node == b.node,
+            (ExprNode::Unary(one, a), ExprNode::Unary(other, b)) => {
+                one == other && a.node == b.node
+            }
             (a, b) => a == b,
         },
         (None, None) => true,

@@ -90,6 +90,11 @@ impl Machine<'_> {
         {
             return Value::Wide(bytes, Width::UnsignedLong);
         }
+        let unknown = || Value::Unknown(format!("`sizeof` of `{}`", base_name(of)).into());
+        if let ExprNode::Convert(Kind::Parameter(_), _) = &of.node {
+            // A type that was not taken from an argument.
+            return unknown();
+        }
         // Nothing of it runs.
         let named = matches!(
             of.node,
@@ -101,7 +106,6 @@ impl Machine<'_> {
         if let (false, Some(bytes)) = (named, self.kind_of(of).bytes()) {
             return Value::Wide(bytes, Width::UnsignedLong);
         }
-        let unknown = || Value::Unknown(format!("`sizeof` of `{}`", base_name(of)).into());
         let (value, kind) = match self.reach(of) {
             Reach::Location(slot, path) if self.copied.contains(&slot) && path.is_empty() => {
                 return unknown();

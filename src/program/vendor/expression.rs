@@ -311,6 +311,15 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
         it.expect("(", "write `static_cast<int>(value)`")?;
         let value = Box::new(it.expression()?);
         it.expect(")", "close the parenthesis")?;
+        if &*name == "dynamic_cast" && of.pointer {
+            let node = ExprNode::Text(of.class());
+            let class = Expr { node, place };
+            return Ok(Expr::made(
+                &name,
+                vec![class, *value],
+                place.to(it.before()),
+            ));
+        }
         return Ok(Expr {
             node: of.converts(value),
             place: place.to(it.before()),

@@ -390,7 +390,8 @@ impl Machine<'_> {
                 self.beyond(reached, to);
                 value
             }
-            Reach::Value(Value::Unknown(why)) if matches!(to.node, ExprNode::Call(..) | ExprNode::Choose(..)) =>
+            Reach::Value(Value::Unknown(why))
+                if matches!(to.node, ExprNode::Call(..) | ExprNode::Choose(..)) =>
             {
                 let message = format!("where this is stored, {why} decides");
                 self.unknown(to.place, message, why, None);

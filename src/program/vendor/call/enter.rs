@@ -158,10 +158,20 @@ impl Machine<'_> {
         let same = parameter.alias && !parameter.pointer && self.is_of(&it, kind, parameter);
         match it.location {
             Some((slot, path)) if parameter.reference || same => {
-                if path.is_empty() {
+                let part = match &it.value {
+                    Value::Record(layout, _) => {
+                        layout.name != parameter.of && self.layouts.contains_key(&parameter.of)
+                    }
+                    _ => false,
+                };
+                if path.is_empty() && !part {
                     return slot;
                 }
-                self.hold(Value::Reference(slot, path), Kind::Any)
+                let own = self.hold(Value::Reference(slot, path), Kind::Any);
+                if part {
+                    self.classes.insert(own, parameter.of.clone());
+                }
+                own
             }
             _ => self.taken(it.value, kind, parameter),
         }

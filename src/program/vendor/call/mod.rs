@@ -149,6 +149,7 @@ impl Machine<'_> {
                     return self.got(&index, of, place);
                 }
             }
+            ("dynamic_cast", [class, of]) => return self.as_class(class, of),
             ("back_inserter" | "front_inserter" | "inserter", [into, ..]) => {
                 return self.inserts(name, into);
             }

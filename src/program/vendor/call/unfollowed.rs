@@ -50,6 +50,22 @@ impl Machine<'_> {
         Value::Unknown(format!("`{name}.{member}`").into())
     }
 
+    /// `dynamic_cast<Class *>(pointer)`: null where the object is of another class.
+    pub(super) fn as_class(&mut self, class: &Expr, of: &Expr) -> Value {
+        let pointer = self.value(of);
+        let (Value::Pointer(slot, path, _), ExprNode::Text(class)) = (&pointer, &class.node) else {
+            return pointer;
+        };
+        let (slot, path) = self.pointed(*slot, path.clone());
+        match self.peek(slot, &path) {
+            Some(Value::Record(layout, _)) if !layout.line().any(|it| it.name == *class) => {
+                Value::Whole(0)
+            }
+            Some(Value::Record(..)) => pointer,
+            _ => Value::Unknown("what `dynamic_cast` gives".into()),
+        }
+    }
+
     /// Forgets what the functions assign that this may call: variables of the file, and those that
     /// it is given by reference.
     pub(in crate::program::vendor) fn forget_called(
@@ -106,5 +122,4 @@ impl Machine<'_> {
         let acts = |it: &Rc<Function>| it.body.iter().any(|it| look::changes(self, it));
         look::members(self, member).into_iter().find(acts)
     }
-
 }

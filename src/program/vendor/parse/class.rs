@@ -5,7 +5,9 @@ use std::rc::Rc;
 use super::super::{
     expression::unexpected,
     token::Token,
-    tree::{Bound, Declared, Expr, ExprNode, Function, Kind, Parameter, Stmt, StmtNode, Struct, Word},
+    tree::{
+        Bound, Declared, Expr, ExprNode, Function, Kind, Parameter, Stmt, StmtNode, Struct, Word,
+    },
 };
 use super::{
     Parsed, Parser,
@@ -191,8 +193,7 @@ impl Parser<'_> {
         }
         let unread = unread.or_else(|| {
             let is_operator = |it: &Rc<Function>| &*it.name == "operator";
-            let copies =
-                |it: &Rc<Function>| it.name == name && copies(&name, &it.parameters);
+            let copies = |it: &Rc<Function>| it.name == name && copies(&name, &it.parameters);
             Some(if functions.iter().any(copies) {
                 "a class with a copy constructor"
             } else if functions.iter().any(is_operator) {
@@ -439,7 +440,11 @@ impl Parser<'_> {
     /// The parameters that stand here, as far as they are understood; no step ahead.
     fn taken(&mut self) -> Vec<Parameter> {
         let (start, told) = (self.at, self.faults.len());
-        let found = if self.take("(") { self.parameters() } else { Ok(Vec::new()) };
+        let found = if self.take("(") {
+            self.parameters()
+        } else {
+            Ok(Vec::new())
+        };
         self.faults.truncate(told);
         self.at = start;
         found.unwrap_or_default()
