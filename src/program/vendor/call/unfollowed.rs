@@ -74,9 +74,8 @@ impl Machine<'_> {
         given: &[Expr],
         why: &Why,
     ) {
-        let name = match &callee.node {
-            ExprNode::Member(_, name) | ExprNode::Name(name) => name,
-            _ => return,
+        let (ExprNode::Member(_, name) | ExprNode::Name(name)) = &callee.node else {
+            return;
         };
         let all = look::members(self, name);
         if all.is_empty() {
