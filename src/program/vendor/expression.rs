@@ -311,11 +311,7 @@ fn named_cast(it: &mut Parser<'_>, name: &str, place: Place) -> Parsed<Expr> {
     if name == "dynamic_cast" && of.pointer {
         let node = ExprNode::Text(of.class());
         let class = Expr { node, place };
-        return Ok(Expr::made(
-            &name,
-            vec![class, *value],
-            place.to(it.before()),
-        ));
+        return Ok(Expr::made(name, vec![class, *value], place.to(it.before())));
     }
     Ok(Expr {
         node: of.converts(value),
