@@ -551,7 +551,7 @@ int part(const A0& a) { auto x = a; return x.id() + a.id(); } int what(A0* p) { 
 #[test]
 fn functions_are_chosen_by_what_is_given() {
     numbers(
-        r#"int w(char) { return 1; } int w(int) { return 2; } int v(int*) { return 1; } int v(const char*) { return 2; } struct X { int a; }; struct Y { int b; }; int p(X*) { return 1; } int p(Y*) { return 2; } template <class T> int seen(T x) { static int n = 0; return ++n; }"#,
+        r"int w(char) { return 1; } int w(int) { return 2; } int v(int*) { return 1; } int v(const char*) { return 2; } struct X { int a; }; struct Y { int b; }; int p(X*) { return 1; } int p(Y*) { return 2; } template <class T> int seen(T x) { static int n = 0; return ++n; }",
         r#"std::string st = "q"; int n = 1; Y y{2}; scamp5_in(A, w("abc"[0])); scamp5_in(A, w(st[0])); scamp5_in(A, w(n)); scamp5_in(A, v(&n)); scamp5_in(A, v("a")); scamp5_in(A, p(&y)); uint8_t a = 200; uint8_t b = 7; auto m = std::max(a, b); m += 100; scamp5_in(A, m); seen(1); scamp5_in(A, seen(2)); scamp5_in(A, seen(2.5));"#,
         &[1, 1, 2, 1, 2, 2, 44, 2, 1],
     );
