@@ -488,11 +488,6 @@ fn objects_are_made_by_constructors() {
          scamp5_in(A, a.of(1)); scamp5_in(A, a.of(1.0));",
         &[3, 15, 99, 1, 2],
     );
-    numbers_with(
-        "struct Twin { int n; Twin(int n) : n(n) {} Twin(const Twin &it) : n(it.n + 1) {} };",
-        "Twin a(3); Twin b(a); Twin c = b; scamp5_in(A, b.n);",
-        &[4],
-    );
     // What it asks of the array is asked where the object is made.
     same(
         "struct Start { Start(areg_t a) { res(a); } void go() { mov(A, B); } };\n\

@@ -449,3 +449,144 @@ fn objects_change_from_frame_to_frame() {
     let program = Program::read("p.cpp", text);
     assert!(program.layout(&Device::scamp5(), &Overrides::new()).is_ok());
 }
+
+/// What is chosen lies where it lay; so does what is assigned.
+#[test]
+fn chosen_variables_are_themselves() {
+    numbers(
+        r"struct Base { int v = 1; virtual int f() const { return v; } }; struct More : Base { int f() const override { return 10 + v; } };
+int g1 = 1; int g2 = 2; int& pick(bool first) { return first ? g1 : g2; } struct V { int x; V& operator+=(const V& o) { x += o.x; return *this; } V& operator<<(int k) { x = x * 10 + k; return *this; } };",
+        r"int a = 3; int b = 2; int& m = a > b ? a : b; m = 100; scamp5_in(A, a); (a < b ? a : b) = 9; scamp5_in(A, b); pick(false) = 7; scamp5_in(A, g2); pick(true) += 4; scamp5_in(A, g1);
+More d; More e; e.v = 5; const Base& r = a > b ? d : e; scamp5_in(B, r.f()); e.v = 6; const Base& s = a < b ? d : e; scamp5_in(B, s.f()); const int& c = a > b ? a : 5; a = 1; scamp5_in(B, c); int k = 0; (k = 4) += 3; scamp5_in(B, k);
+V v{1}; V w{2}; (v += w) += w; scamp5_in(C, v.x); V& q = (v += w); q.x = 50; scamp5_in(C, v.x); V& u = v << 3; u.x++; scamp5_in(C, v.x - 450);",
+        &[100, 9, 7, 5, 11, 16, 100, 7, 5, 50, 54],
+    );
+}
+
+/// They see what is assigned meanwhile.
+#[test]
+fn constant_references_are_the_variable() {
+    numbers(
+        r"struct C { int v; }; const C* act; int g = 1; int both(const int& x) { g = 5; return x; } void keep(const C& c) { act = &c; } int mixed(const long& x) { g = 8; return (int)x; }
+struct L { int n; }; std::vector<const L*> ls; void add(const L& l) { ls.push_back(&l); } int sum(const std::vector<int>& all, std::vector<int>& more) { more.push_back(4); int s = 0; for (int x : all) s += x; return s; }",
+        r"C c{3}; keep(c); c.v = 4; scamp5_in(A, act->v); scamp5_in(A, both(g)); scamp5_in(A, mixed(g)); L l{1}; add(l); l.n = 6; scamp5_in(A, ls[0]->n); std::vector<int> v{1, 2}; scamp5_in(A, sum(v, v)); scamp5_in(A, both(3)); C all[2] = {{1}, {2}}; keep(all[1]); all[1].v = 9; scamp5_in(A, act->v);",
+        &[4, 5, 5, 6, 7, 3, 9],
+    );
+}
+
+/// What an algorithm adds to the end of an array is there.
+#[test]
+fn elements_are_added_by_inserters() {
+    numbers(
+        r"",
+        r"int arr[3] = {1, 2, 3}; std::vector<int> o; std::copy(arr, arr + 2, std::back_inserter(o)); scamp5_in(A, (int)o.size()); std::copy_if(arr, arr + 3, std::back_inserter(o), [](int x) { return x > 1; }); for (int x : o) scamp5_in(A, x);
+std::vector<uint8_t> q; std::transform(arr, arr + 3, std::back_inserter(q), [](int x) { return x * 100; }); scamp5_in(B, q[2]);
+auto [x, y, z] = arr; x = 9; scamp5_in(C, arr[0]); arr[1] = 55; scamp5_in(C, y); auto& [l, m, n] = arr; m = 7; scamp5_in(C, arr[1]); scamp5_in(C, x + z);",
+        &[2, 1, 2, 2, 3, 44, 1, 2, 7, 12],
+    );
+}
+
+/// In the order of the class, anew for each object.
+#[test]
+fn members_begin_in_their_order() {
+    numbers(
+        r"int next = 0; int count() { return ++next; } struct Node; struct Tag { int id = count(); int w; int h = w * 2; Tag(int a) : w(a) {} Tag() : w(3) { h++; } Tag(int a, int b) : Tag(a) { h += b; } };
+struct Turn { int a; int b; int c; Turn() : c(count()), a(count()), b(count()) {} }; int level = 4; struct Late { int x = level; int y = x + 1; }; struct Node { Node* next; int v; };",
+        r"Tag a(5); Tag b; Tag c(1, 2); scamp5_in(A, a.id * 40 + a.w * 10 + a.h); scamp5_in(A, b.id * 40 + b.w * 10 + b.h); scamp5_in(A, c.id); scamp5_in(A, c.h); Tag all[2]; scamp5_in(A, all[1].id); Turn t; scamp5_in(B, t.a * 10 + t.b - t.c);
+level = 7; Late l; scamp5_in(B, l.x * 10 + l.y); Node n{0, 3}; Node p{&n, 4}; scamp5_in(B, p.next->v);",
+        &[100, 117, 3, 4, 5, 59, 78, 3],
+    );
+}
+
+/// By reference, or for themselves.
+#[test]
+fn lambdas_have_what_they_took() {
+    numbers(
+        r"struct S { int k = 3; int run() { auto f = [*this](int x) { return x * k; }; k = 9; return f(2) + k; } int seen() { auto f = [this](int x) { return x * k; }; k = 5; return f(2); } };
+std::function<int()> counter(int s) { return [s]() mutable { return s++; }; } int twice(std::function<int()> f) { return f() * 10 + f(); }",
+        r"S s; scamp5_in(A, s.run()); scamp5_in(A, s.seen()); int b = 1; auto j = [&z = b] { z = 40; }; j(); scamp5_in(A, b); std::vector<int> v{1}; auto m = [&w = v] { w.push_back(2); }; m(); scamp5_in(A, (int)v.size());
+auto c = counter(5); c(); auto d = c; scamp5_in(B, c()); scamp5_in(B, c()); scamp5_in(B, d()); auto l = [n = 0]() mutable { return ++n; }; l(); scamp5_in(B, twice(l)); scamp5_in(B, l()); std::function<int()> f = l; f(); scamp5_in(B, l());",
+        &[15, 10, 40, 2, 6, 7, 6, 23, 2, 3],
+    );
+}
+
+/// What cannot be followed is told, not passed over.
+#[test]
+fn what_objects_change_that_are_not_followed() {
+    let class = "int g = 1; template <class T> struct Log { void add(int& x, int y) { g = 3; x = 4; } };\nint main() { Log<int> l; int a = 1; int b = 2; l.add(a, b);\n";
+    for (inside, line) in [("scamp5_in(A, g); }", 3), ("scamp5_in(A, a); }", 3)] {
+        told(&format!("{class}{inside}"), line, "not followed", "");
+    }
+    numbers(
+        "template <class T> struct Log { int n; void add(int& x, int y) { x = 4; } };",
+        "Log<int> l; int a = 1; int b = 2; l.add(a, b); scamp5_in(A, b);",
+        &[2],
+    );
+    told(
+        "struct T { int n; T(int n) : n(n) {} T(const T& it) : n(it.n + 1) {} };\nint main() { T a(3); T b = a;\nscamp5_in(A, b.n); }",
+        3,
+        "a class with a copy constructor of line 1",
+        "",
+    );
+    told(
+        "int main() { std::vector<int> a{1, 2}; std::vector<int> o;\nstd::merge(a.begin(), a.end(), a.begin(), a.end(), std::back_inserter(o)); if (o.empty())\nscamp5_in(A, 1); }",
+        2,
+        "decides",
+        "",
+    );
+}
+
+/// `auto` of a reference is of its type, and a cast finds what an object is.
+#[test]
+fn a_reference_names_a_part() {
+    numbers(
+        r"struct A0 { int v = 1; virtual int id() const { return v; } virtual int at() { return 4; } }; struct A1 : A0 { int id() const override { return 100; } }; struct A2 : A0 { int id() const override { return 50; } };
+int part(const A0& a) { auto x = a; return x.id() + a.id(); } int what(A0* p) { if (dynamic_cast<A1*>(p)) return 1; return dynamic_cast<A2*>(p) == nullptr ? 0 : 2; }",
+        r"A1 a; A2 b; A0 c; A0& r = a; auto x = r; scamp5_in(A, x.id()); scamp5_in(A, r.id()); scamp5_in(A, part(b)); scamp5_in(A, what(&a)); scamp5_in(A, what(&b)); scamp5_in(A, what(&c)); auto y = a; scamp5_in(A, y.id());",
+        &[1, 100, 51, 1, 2, 0, 100],
+    );
+}
+
+/// By the type, also of a character in a text.
+#[test]
+fn functions_are_chosen_by_what_is_given() {
+    numbers(
+        r"int w(char) { return 1; } int w(int) { return 2; } int v(int*) { return 1; } int v(const char*) { return 2; } struct X { int a; }; struct Y { int b; }; int p(X*) { return 1; } int p(Y*) { return 2; } template <class T> int seen(T x) { static int n = 0; return ++n; }",
+        r#"std::string st = "q"; int n = 1; Y y{2}; scamp5_in(A, w("abc"[0])); scamp5_in(A, w(st[0])); scamp5_in(A, w(n)); scamp5_in(A, v(&n)); scamp5_in(A, v("a")); scamp5_in(A, p(&y)); uint8_t a = 200; uint8_t b = 7; auto m = std::max(a, b); m += 100; scamp5_in(A, m); seen(1); scamp5_in(A, seen(2)); scamp5_in(A, seen(2.5));"#,
+        &[1, 1, 2, 1, 2, 2, 44, 2, 1],
+    );
+}
+
+/// Where which function is meant hangs on what is not told apart.
+#[test]
+fn what_is_not_told_apart_is_refused() {
+    for (before, call) in [
+        (
+            "enum E { ea, eb }; int f(E) { return 1; } int f(int) { return 2; }",
+            "f(ea)",
+        ),
+        (
+            "struct X { int v; }; int f(X&) { return 1; } int f(const X&) { return 2; } X x{1};",
+            "f(x)",
+        ),
+    ] {
+        told(
+            &format!("{before}\nint main() {{\nscamp5_in(A, {call}); }}"),
+            3,
+            "which `f` is meant is ambiguous",
+            "",
+        );
+    }
+    told(
+        "struct B { virtual int f(int a = 1) { return a; } }; struct D : B { int f(int a = 2) override { return a; } };\nint main() { D d; B* p = &d;\nscamp5_in(A, p->f()); }",
+        3,
+        "other default arguments",
+        "",
+    );
+    told(
+        "struct B { virtual int g() const { return 1; } }; struct D : B { int g() { return 2; } };\nint main() { D d; const B* p = &d;\nscamp5_in(A, p->g()); }",
+        3,
+        "hides that of its base",
+        "",
+    );
+}

@@ -6,9 +6,11 @@ use super::{
     call::Argument,
     look,
     machine::{Location, Machine},
+    reach::Reach,
     shape,
     tree::{Expr, ExprNode, Function, last},
     value::{Slot, Value},
+    why::Why,
 };
 use crate::{config::Place, order::Order};
 
@@ -37,6 +39,9 @@ impl Machine<'_> {
     /// What an algorithm gives. What it could write is forgotten where its values, or what it does
     /// with them, are not known.
     pub(super) fn algorithm(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
+        if let Some(found) = self.added(name, given, place) {
+            return found;
+        }
         let values: Vec<Value> = given.iter().map(|it| self.raw(it)).collect();
         for value in &values {
             self.keeps_register(name, value, place);
@@ -60,6 +65,68 @@ impl Machine<'_> {
             self.written_by(name, &may_write);
             Value::Unknown(format!("`{name}`").into())
         })
+    }
+
+    /// `copy`, `copy_if` and `transform` to the end of an array: `std::back_inserter(array)`.
+    fn added(&mut self, name: &str, given: &[Expr], place: Place) -> Option<Value> {
+        let ([from, to, into], by) = (given.first_chunk()?, given.get(3));
+        let ExprNode::Call(callee, arrays) = &into.node else {
+            return None;
+        };
+        let (ExprNode::Name(inserter), [array]) = (&callee.node, &arrays[..]) else {
+            return None;
+        };
+        let follows = matches!(
+            (name, by.is_some(), given.len()),
+            ("copy", false, 3) | ("copy_if" | "transform", true, 4)
+        );
+        if !follows || last(inserter) != "back_inserter" {
+            return None;
+        }
+        let (from, to) = (self.value(from), self.value(to));
+        let by = by.map(|it| self.value(it));
+        let Reach::Location(slot, path) = self.reach(array) else {
+            return None;
+        };
+        let mut all = Vec::new();
+        if let (Some(range), Some(Value::List(_))) =
+            (self.range(&from, &to), self.peek(slot, &path))
+        {
+            for i in 0..range.length {
+                let (at, element) = range.at(i);
+                let value = self.at(at, &element);
+                let answer = match &by {
+                    None => Value::flag(true),
+                    Some(Value::Lambda(function)) => {
+                        self.called_with(function, (at, element), place)
+                    }
+                    Some(_) => Value::Unknown(format!("what `{name}` calls").into()),
+                };
+                match (name, answer.truth()) {
+                    ("transform", _) => all.push(answer),
+                    (_, Ok(true)) => all.push(value),
+                    (_, Ok(false)) => {}
+                    (_, Err(_)) => return Some(self.inserts(last(inserter), array)),
+                }
+            }
+            for value in all {
+                let location = (slot, path.clone());
+                if { self.list_method(location, "push_back", &[value]) }.is_none() {
+                    self.inserts(last(inserter), array);
+                }
+            }
+            return Some(Value::Unknown(format!("what `{name}` gives").into()));
+        }
+        None
+    }
+
+    /// What something adds to an array, or puts into it, is not known: nor is its length then.
+    pub(super) fn inserts(&mut self, name: &str, into: &Expr) -> Value {
+        let why: Why = format!("what goes through `{name}`").into();
+        if let Reach::Location(slot, path) = self.reach(into) {
+            self.put(slot, &path, Value::Unknown(why.clone()));
+        }
+        Value::Unknown(why)
     }
 
     /// Forgets what something that is not known could write: the arrays that it is given a place

@@ -6,10 +6,10 @@ use super::{
     call::kernel,
     layout::{Layout, Member},
     look,
-    machine::Machine,
+    machine::{Location, Machine},
     reach::Reach,
     shape::{self, Leaf},
-    tree::{Declared, ExprNode, Function, Kind, Struct, last},
+    tree::{Declared, Expr, ExprNode, Function, Kind, Struct, last},
     value::{Slot, Value, unassigned},
     why::Why,
 };
@@ -108,12 +108,13 @@ impl Machine<'_> {
             if let Some(value) = &it.value {
                 self.value(value);
             }
+            self.made_unread(it, &why);
             let slot = self.make(&it.name, Value::Unknown(why.clone()), Kind::Any);
             self.not_followed.insert(slot, why);
             return;
         }
         if it.lasting
-            && let Some(slot) = self.lasting.get(&it.place.start)
+            && let Some(slot) = self.lasting.get(&self.made_once(it))
         {
             let slot = *slot;
             self.bind(&it.name, slot);
@@ -131,8 +132,15 @@ impl Machine<'_> {
             Some(value) if it.reference => match self.reach(value) {
                 Reach::Location(slot, path) => {
                     self.naming = None;
-                    self.refer(&it.name, (slot, path));
+                    self.refer_as(it, (slot, path));
                     return;
+                }
+                Reach::Value(Value::Unknown(why))
+                    if !it.constant && matches!(value.node, ExprNode::Choose(..)) =>
+                {
+                    let message = format!("which variable `{}` is, {why} decides", it.name);
+                    self.unknown(value.place, message, &why, None);
+                    Some(Value::Unknown(why))
                 }
                 reached => Some(self.load(&reached, value)),
             },
@@ -144,8 +152,10 @@ impl Machine<'_> {
             Some(Value::Lambda(function)) if last(&it.of) == kernel::CLASS => {
                 Some(self.kernel_of(function))
             }
-            initial => initial,
+            Some(value) => Some(self.separate(value)),
+            None => None,
         };
+        let initial = initial.map(|value| self.sliced(it, value));
         let set = match initial {
             // Registers, arrays and texts are not set from outside.
             None
@@ -201,9 +211,19 @@ impl Machine<'_> {
     ) {
         // What a function gives back, or a copy of another, where the type is that of the value.
         let copied = it.library || &*it.of == "auto" && !it.pointer;
+        // Names of the elements of an array are those of a copy.
+        let (value, bound) = match value {
+            Value::Pointer(slot, path, _) if it.name.starts_with('[') && !it.reference => {
+                let array = self.array_of(slot, &path).map(|it| it.0.to_vec());
+                let array = array.unwrap_or(path);
+                (self.at(slot, &array), self.kind_at(slot, &array))
+            }
+            value => (value, Kind::Any),
+        };
         let copied = copied && matches!(value, Value::List(_));
         let kind = match self.resolved(it.kind) {
             Kind::Any if value.number().is_some() => given,
+            Kind::Any => bound,
             kind => kind,
         };
         let slot = match known {
@@ -223,7 +243,7 @@ impl Machine<'_> {
             self.classes.insert(slot, it.of.clone());
         }
         if it.lasting {
-            self.lasting.insert(it.place.start, slot);
+            self.lasting.insert(self.made_once(it), slot);
         }
     }
 
@@ -266,6 +286,79 @@ impl Machine<'_> {
             "`{}`, {what}, which is not followed,",
             it.name
         )))
+    }
+
+    /// Which variable it is, of those that are made once.
+    fn made_once(&self, it: &Declared) -> (usize, String) {
+        let types = if self.types.is_empty() {
+            String::new()
+        } else {
+            format!("{:?}", self.types)
+        };
+        (it.place.start, types)
+    }
+
+    /// Another name for a variable, which may be of a class that its own is made from.
+    fn refer_as(&mut self, it: &Declared, (slot, path): Location) {
+        let part = match self.peek(slot, &path) {
+            Some(Value::Record(layout, _)) => {
+                layout.name != it.of && layout.line().any(|of| of.name == it.of)
+            }
+            _ => false,
+        };
+        if part {
+            let own = self.make(&it.name, Value::Reference(slot, path), Kind::Any);
+            self.classes.insert(own, it.of.clone());
+        } else {
+            self.refer(&it.name, (slot, path));
+        }
+    }
+
+    /// A copy of the type that `auto` is: of a reference, the part that it names.
+    fn sliced(&mut self, it: &Declared, value: Value) -> Value {
+        let (Value::Record(layout, _), Some(from)) = (&value, &it.value) else {
+            return value;
+        };
+        if &*it.of != "auto" || it.pointer || layout.base.is_none() {
+            return value;
+        }
+        match &from.node {
+            ExprNode::Name(name) => {
+                let slot = self.find(name);
+                let slot = slot.filter(|it| matches!(self.slots[*it], Value::Reference(..)));
+                let class = slot.and_then(|it| self.classes.get(&it));
+                match class.and_then(|it| self.layouts.get(it)) {
+                    Some(layout) => shape::object(value, layout)
+                        .unwrap_or_else(|why| Value::Unknown(why.into())),
+                    None => value,
+                }
+            }
+            ExprNode::Unary("*", _) => {
+                let name = &layout.name;
+                self.error(
+                    it.place,
+                    format!("what `auto` is here: an object of `{name}`, or of its base"),
+                    "the type of the pointer says it, which is not followed",
+                    "write the class instead of `auto`",
+                );
+                value
+            }
+            _ => value,
+        }
+    }
+
+    /// Forgets what the constructors of a class could change that is not followed.
+    fn made_unread(&mut self, it: &Declared, why: &Why) {
+        let node = ExprNode::Name(last(&it.of).into());
+        let callee = Expr {
+            node,
+            place: it.place,
+        };
+        let given = match it.value.as_ref().map(|it| &it.node) {
+            Some(ExprNode::Call(_, given) | ExprNode::Braces(given)) => &given[..],
+            _ => &[],
+        };
+        self.forget_called(&callee, given, why);
     }
 
     /// What an array of objects begins with, where a constructor makes each.
@@ -341,6 +434,13 @@ impl Machine<'_> {
             self.unread.insert(it.name.clone(), what);
             return;
         }
+        if let Some(member) = it.members.iter().find(|it| look::acts(self, it)) {
+            let (name, line) = (&member.name, self.line(place));
+            let what = format!("a class whose `{name}` begins with what changes others, of {line}");
+            self.unread.insert(it.name.clone(), what);
+            self.layouts.remove(&it.name);
+            return;
+        }
         let base = { it.base.as_ref() }.and_then(|it| self.layouts.get(it).cloned());
         if let Some(what) = base.as_ref().and_then(|base| hides(it, base)) {
             let what = format!("{what}, of {}", self.line(place));
@@ -408,6 +508,23 @@ fn hides(it: &Struct, base: &Layout) -> Option<String> {
     if let Some(member) = it.members.iter().find(|it| base.names(&it.name)) {
         return Some(format!("a class with a `{}` as its base", member.name));
     }
+    let defaults = |it: &Rc<Function>| -> Vec<Option<Expr>> {
+        it.parameters.iter().map(|it| it.default.clone()).collect()
+    };
+    let given = |it: &Rc<Function>| it.parameters.iter().any(|it| it.default.is_some());
+    let differs = it.functions.iter().find(|it| {
+        let mut all = std::iter::successors(Some(base), |it| it.base.as_deref());
+        let above = all.find_map(|of| of.functions.iter().find(|of| of.overrides(it)));
+        above.is_some_and(|of| {
+            (given(it) || given(of)) && !alike(&defaults(it), &defaults(of)) && base.is_virtual(it)
+        })
+    });
+    if let Some(it) = differs {
+        return Some(format!(
+            "a class whose `{}` has other default arguments than that of its base",
+            it.name
+        ));
+    }
     let own = it.functions.iter();
     let mut own = own.filter(|of| of.name != it.name && !of.hidden);
     let hiding = own.find(|it| base.names(&it.name) && !base.is_virtual(it))?;
@@ -415,4 +532,19 @@ fn hides(it: &Struct, base: &Layout) -> Option<String> {
         "a class whose `{}` hides that of its base, which is not `virtual`",
         hiding.name
     ))
+}
+
+/// Whether default arguments are written the same.
+fn alike(some: &[Option<Expr>], others: &[Option<Expr>]) -> bool {
+    let same = |(a, b): (&Option<Expr>, &Option<Expr>)| match (a, b) {
+        (Some(a), Some(b)) => match (&a.node, &b.node) {
+            (ExprNode::Unary(one, a), ExprNode::Unary(other, b)) => {
+                one == other && a.node == b.node
+            }
+            (a, b) => a == b,
+        },
+        (None, None) => true,
+        _ => false,
+    };
+    some.len() == others.len() && some.iter().zip(others).all(same)
 }

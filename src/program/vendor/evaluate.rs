@@ -41,26 +41,9 @@ impl Machine<'_> {
                 let after = self.store(&reached, after, of);
                 if *prefix { after } else { before }
             }
-            ExprNode::Binary(..) => self.chain(it),
+            ExprNode::Binary(..) => self.chain(it).0,
             ExprNode::Assign(operator, to, value) => {
-                if operator.is_none()
-                    && let Some(members) = tied(to)
-                {
-                    return self.tie(members, value, it.place);
-                }
-                let argument = self.argument(value);
-                // Where it lies is found once: that may have effects of its own.
-                let reached = self.reach(to);
-                if let Some(Value::Record(..)) = self.reached(&reached) {
-                    return self.assign_operator(*operator, (reached, to), argument, it.place);
-                }
-                let mut value = argument.value;
-                if let Some(operator) = operator {
-                    let before = self.load(&reached, to);
-                    let after = Value::binary(operator, &before, &value);
-                    value = self.or_fault(after, it.place);
-                }
-                self.store(&reached, value, to)
+                self.assigned(*operator, to, value, it.place).0
             }
             ExprNode::Choose(condition, yes, no) => match self.condition(condition).truth() {
                 Ok(holds) => {
@@ -107,6 +90,11 @@ impl Machine<'_> {
         {
             return Value::Wide(bytes, Width::UnsignedLong);
         }
+        let unknown = || Value::Unknown(format!("`sizeof` of `{}`", base_name(of)).into());
+        if let ExprNode::Convert(Kind::Parameter(_), _) = &of.node {
+            // A type that was not taken from an argument.
+            return unknown();
+        }
         // Nothing of it runs.
         let named = matches!(
             of.node,
@@ -118,7 +106,6 @@ impl Machine<'_> {
         if let (false, Some(bytes)) = (named, self.kind_of(of).bytes()) {
             return Value::Wide(bytes, Width::UnsignedLong);
         }
-        let unknown = || Value::Unknown(format!("`sizeof` of `{}`", base_name(of)).into());
         let (value, kind) = match self.reach(of) {
             Reach::Location(slot, path) if self.copied.contains(&slot) && path.is_empty() => {
                 return unknown();
@@ -229,7 +216,7 @@ impl Machine<'_> {
     }
 
     /// A chain of operators, from its left end: without a call for each.
-    fn chain(&mut self, it: &Expr) -> Value {
+    pub(super) fn chain(&mut self, it: &Expr) -> (Value, Option<Location>) {
         let (mut first, mut links) = (it, Vec::new());
         while let ExprNode::Binary(operator, left, right) = &first.node {
             links.push((*operator, &**left, &**right, first.place));
@@ -249,7 +236,40 @@ impl Machine<'_> {
             location = None;
             value = self.binary(operator, value, left, right, place);
         }
-        value
+        (value, location)
+    }
+
+    /// An assignment: the value, and where it lies then.
+    pub(super) fn assigned(
+        &mut self,
+        operator: Option<&str>,
+        to: &Expr,
+        value: &Expr,
+        place: Place,
+    ) -> (Value, Option<Location>) {
+        if operator.is_none()
+            && let Some(members) = tied(to)
+        {
+            return (self.tie(members, value, place), None);
+        }
+        let argument = self.argument(value);
+        // Where it lies is found once: that may have effects of its own.
+        let reached = self.reach(to);
+        if let Some(Value::Record(..)) = self.reached(&reached) {
+            return self.assign_operator(operator, (reached, to), argument, place);
+        }
+        let mut value = argument.value;
+        if let Some(operator) = operator {
+            let before = self.load(&reached, to);
+            let after = Value::binary(operator, &before, &value);
+            value = self.or_fault(after, place);
+        }
+        let value = self.store(&reached, value, to);
+        let location = match reached {
+            Reach::Location(slot, path) => Some((slot, path)),
+            _ => None,
+        };
+        (value, location)
     }
 
     fn binary(
@@ -501,12 +521,29 @@ impl Machine<'_> {
         let captures = &function.captures;
         for capture in &captures.named {
             if let Some(value) = &capture.value {
-                let value = self.value(value);
-                let slot = self.hold(value, Kind::Any);
+                let slot = match self.reach(value) {
+                    Reach::Location(slot, path) if capture.reference && path.is_empty() => slot,
+                    Reach::Location(slot, path) if capture.reference => {
+                        self.hold(Value::Reference(slot, path), Kind::Any)
+                    }
+                    reached => {
+                        let argument = self.load(&reached, value);
+                        self.hold(argument, Kind::Any)
+                    }
+                };
                 made.held.push((capture.name.clone(), slot));
             }
         }
         let this = self.this();
+        if captures.object
+            && let Some((slot, path)) = &this
+            && let value @ Value::Record(..) = self.at(*slot, path)
+            && let Value::Record(layout, _) = &value
+        {
+            let layout = Rc::clone(layout);
+            let copy = (self.hold(value, Kind::Any), Vec::new());
+            made.held.extend(self.members_of(&layout, &copy));
+        }
         let names = super::look::names(self, function);
         for name in names.into_iter().chain(["this".into()]) {
             let own = self.scopes.get(self.base.max(1)..).unwrap_or_default();
@@ -518,11 +555,32 @@ impl Machine<'_> {
             // What belongs to the object is taken along with the object.
             let own = matches!((&self.slots[slot], &this), (Value::Reference(of, path), Some((whole, part)))
                 if of == whole && path.starts_with(part));
+            if captures.object && (own || &*name == "this") {
+                continue;
+            }
             let copied = !own && named.map_or(captures.copies, |it| !it.reference);
             let slot = if copied { self.copy(slot) } else { slot };
             made.held.push((name, slot));
         }
         Rc::new(made)
+    }
+
+    /// A copy of a value: a lambda that changes what it has copied has that for itself.
+    pub(super) fn separate(&mut self, value: Value) -> Value {
+        let Value::Lambda(function) = &value else {
+            return value;
+        };
+        if !function.captures.mutable {
+            return value;
+        }
+        let mut made = (**function).clone();
+        for (name, slot) in &mut made.held {
+            let leads = matches!(self.slots[*slot], Value::Reference(..));
+            if !leads && made.captures.copies(name) {
+                *slot = self.copy(*slot);
+            }
+        }
+        Value::Lambda(made.into())
     }
 
     /// A variable with the value of another.

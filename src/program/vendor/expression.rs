@@ -300,21 +300,31 @@ fn of_file(it: &mut Expr) {
     }
 }
 
+/// `static_cast<type>(value)`, from the `<` on.
+fn named_cast(it: &mut Parser<'_>, name: &str, place: Place) -> Parsed<Expr> {
+    it.at += 1;
+    let of = it.read_cast().unwrap_or_default();
+    it.expect(">", "write `static_cast<int>(value)`")?;
+    it.expect("(", "write `static_cast<int>(value)`")?;
+    let value = Box::new(it.expression()?);
+    it.expect(")", "close the parenthesis")?;
+    if name == "dynamic_cast" && of.pointer {
+        let node = ExprNode::Text(of.class());
+        let class = Expr { node, place };
+        return Ok(Expr::made(name, vec![class, *value], place.to(it.before())));
+    }
+    Ok(Expr {
+        node: of.converts(value),
+        place: place.to(it.before()),
+    })
+}
+
 /// A name, with the spaces that are written before it; `type(value)`; `static_cast<type>(value)`.
 fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
     let place = it.place();
     let mut name = it.name(HELP)?;
     if name.ends_with("_cast") && it.sees("<") {
-        it.at += 1;
-        let of = it.read_cast().unwrap_or_default();
-        it.expect(">", "write `static_cast<int>(value)`")?;
-        it.expect("(", "write `static_cast<int>(value)`")?;
-        let value = Box::new(it.expression()?);
-        it.expect(")", "close the parenthesis")?;
-        return Ok(Expr {
-            node: of.converts(value),
-            place: place.to(it.before()),
-        });
+        return named_cast(it, &name, place);
     }
     let (mut std, mut full) = (false, name.to_string());
     while it.sees("::") && !it.word(1).is_empty() {

@@ -62,7 +62,9 @@ pub(super) fn role(name: &str, given: usize) -> Role {
         | "scamp5_global_sum_fast"
         | "scamp5_global_sum_sparse" => Role::Read,
         _ if given > 0 && number(name, &NUMBERS[..given.min(3)]).is_some() => Role::Number,
-        "sizeof" => Role::Library,
+        "sizeof" | "dynamic_cast" | "back_inserter" | "front_inserter" | "inserter" => {
+            Role::Library
+        }
         // The GUI of the box, its memory, lights, pins and messages; the language's own library.
         _ if name.starts_with("vs_")
             || name.starts_with("VS_")
@@ -165,7 +167,7 @@ pub(super) fn simulates(name: &str) -> bool {
 }
 
 /// Algorithms of the language's library that are run: [`algorithm`](super::algorithm).
-pub(super) const ALGORITHMS: [&str; 20] = [
+pub(super) const ALGORITHMS: [&str; 21] = [
     "reverse",
     "rotate",
     "sort",
@@ -174,6 +176,7 @@ pub(super) const ALGORITHMS: [&str; 20] = [
     "fill_n",
     "iota",
     "copy",
+    "copy_if",
     "copy_n",
     "iter_swap",
     "min_element",

@@ -11,7 +11,7 @@ use super::{
     host::{self, ALGORITHMS, Role},
     machine::Machine,
     scope::foreign,
-    tree::{Expr, ExprNode, Function, Stmt, StmtNode, Word, last},
+    tree::{Declared, Expr, ExprNode, Function, Stmt, StmtNode, Word, last},
     value::{Slot, Value},
     walk::{Part, calls, tied, values, walk},
     why::Why,
@@ -389,6 +389,16 @@ pub(super) fn forget(machine: &mut Machine<'_>, it: &Stmt, why: &Why) {
             _ => machine.forget(slot, &[], why),
         }
     }
+}
+
+/// Whether the value that a member begins with changes variables.
+pub(super) fn acts(machine: &Machine<'_>, it: &Declared) -> bool {
+    let value = it.value.as_ref();
+    let value = value.filter(|it| matches!(it.node, ExprNode::Call(..)));
+    value.is_some_and(|it| {
+        let (names, _) = assigned(machine, &statement(it));
+        names.iter().any(|it| !machine.find_all(it).is_empty())
+    })
 }
 
 /// The names that it assigns to, and the functions that it calls.

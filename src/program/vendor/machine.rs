@@ -113,8 +113,9 @@ pub(super) struct Machine<'a> {
     pub space: Word,
     /// Names of variables that are declared in several namespaces.
     pub ambiguous: BTreeSet<Word>,
-    /// Variables that are made once, by the place of their declaration.
-    pub lasting: BTreeMap<usize, Slot>,
+    /// Variables that are made once, by the place of their declaration, and by the types of the
+    /// template that they stand in.
+    pub lasting: BTreeMap<(usize, String), Slot>,
     /// What was asked of the array since the last frame began.
     pub items: Vec<Item>,
     /// What was asked in earlier frames.

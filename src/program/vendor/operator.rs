@@ -122,35 +122,47 @@ impl Machine<'_> {
         })
     }
 
-    /// `=`, or `+=` and its kin, of an object.
+    /// `=`, or `+=` and its kin, of an object: what comes out, and where it lies.
     pub(super) fn assign_operator(
         &mut self,
         operator: Option<&str>,
         (reached, to): (Reach, &Expr),
         value: Argument,
         place: Place,
-    ) -> Value {
+    ) -> (Value, Option<Location>) {
         let name = format!("operator{}=", operator.unwrap_or_default());
-        let target = match &reached {
-            Reach::Location(slot, path) => Reach::Location(*slot, path.clone()),
-            Reach::Value(value) => Reach::Value(value.clone()),
-            Reach::Lost(..) | Reach::Beyond(_) => return self.store(&reached, value.value, to),
+        let (target, location) = match &reached {
+            Reach::Location(slot, path) => {
+                let location = (*slot, path.clone());
+                (Reach::Location(*slot, path.clone()), Some(location))
+            }
+            Reach::Value(value) => (Reach::Value(value.clone()), None),
+            Reach::Lost(..) | Reach::Beyond(_) => {
+                return (self.store(&reached, value.value, to), None);
+            }
         };
         let target = self.argument_at(target);
         let described = (target.value.describe(), value.value.describe());
         if operator.is_none() {
             let Value::Record(layout, _) = &target.value else {
-                return Value::Whole(0);
+                return (Value::Whole(0), None);
             };
             if !layout
                 .line()
                 .any(|it| it.functions.iter().any(|it| *it.name == *name))
             {
-                return self.store(&reached, value.value, to);
+                return (self.store(&reached, value.value, to), location);
             }
         }
+        self.calls += 1;
+        self.referred = None;
         let found = self.operator_call(&name, vec![target, value], place);
-        found.unwrap_or_else(|| self.no_operator(&name["operator".len()..], &described, place))
+        self.calls -= 1;
+        let referred = self.referred.take();
+        let referred = referred.filter(|(calls, _)| *calls == self.calls + 1);
+        let value =
+            found.unwrap_or_else(|| self.no_operator(&name["operator".len()..], &described, place));
+        (value, referred.map(|it| it.1))
     }
 
     /// An element of an object, by its own operator or that of a map.

@@ -6,6 +6,7 @@ use std::rc::Rc;
 use super::{
     host::vendors,
     layout::Layout,
+    look,
     machine::{Location, Machine},
     shape,
     tree::{Expr, ExprNode, Kind, last},
@@ -74,7 +75,53 @@ impl Machine<'_> {
                 }
                 reached
             }
+            ExprNode::Choose(condition, yes, no) if self.chooses_place(yes, no) => {
+                match self.condition(condition).truth() {
+                    Ok(holds) => self.reach(if holds { yes } else { no }),
+                    Err(_) => Reach::Value(self.value(it)),
+                }
+            }
+            ExprNode::Assign(operator, to, value) => {
+                let (value, location) = self.assigned(*operator, to, value, it.place);
+                placed(value, location)
+            }
+            ExprNode::Binary(..) => {
+                let (value, location) = self.chain(it);
+                placed(value, location)
+            }
             _ => Reach::Value(self.value(it)),
+        }
+    }
+
+    /// Whether both of `c ? yes : no` lie somewhere, and have one type: then so does what is chosen.
+    fn chooses_place(&self, yes: &Expr, no: &Expr) -> bool {
+        self.kind_of(yes) == self.kind_of(no) && self.has_place(yes) && self.has_place(no)
+    }
+
+    /// Whether the value of an expression lies somewhere, as far as the text says it.
+    pub(super) fn has_place(&self, it: &Expr) -> bool {
+        match &it.node {
+            ExprNode::Name(_)
+            | ExprNode::Member(..)
+            | ExprNode::Index(..)
+            | ExprNode::Unary("*", _)
+            | ExprNode::Assign(..)
+            | ExprNode::Step(_, _, true) => true,
+            ExprNode::Choose(_, yes, no) => self.chooses_place(yes, no),
+            ExprNode::Convert(Kind::Any, of) => self.has_place(of),
+            ExprNode::Call(callee, _) => match &callee.node {
+                ExprNode::Name(name) => {
+                    let all = self.functions.get(last(name)).into_iter().flatten();
+                    let mut all = all.chain(self.members.get(last(name)).into_iter().flatten());
+                    all.any(|it| it.refers)
+                }
+                ExprNode::Member(_, name) => {
+                    matches!(&**name, "front" | "back" | "at")
+                        || look::members(self, name).iter().any(|it| it.refers)
+                }
+                _ => false,
+            },
+            _ => false,
         }
     }
 
@@ -328,6 +375,7 @@ impl Machine<'_> {
                     // A slider that writes the variable that its handle goes to.
                     return self.at(*slot, path);
                 }
+                let value = self.separate(value);
                 let value = self.fitted(*slot, path, value);
                 self.put(*slot, path, value.clone());
                 value
@@ -342,7 +390,9 @@ impl Machine<'_> {
                 self.beyond(reached, to);
                 value
             }
-            Reach::Value(Value::Unknown(why)) if matches!(to.node, ExprNode::Call(..)) => {
+            Reach::Value(Value::Unknown(why))
+                if matches!(to.node, ExprNode::Call(..) | ExprNode::Choose(..)) =>
+            {
                 let message = format!("where this is stored, {why} decides");
                 self.unknown(to.place, message, why, None);
                 value
@@ -434,6 +484,14 @@ fn character(text: &str, at: i64) -> Reach {
     found.map_or(Reach::Beyond(at), |code| {
         Reach::Value(Value::Whole(i64::from(code as i8)))
     })
+}
+
+/// A value, and where it lies if it lies somewhere.
+fn placed(value: Value, location: Option<Location>) -> Reach {
+    match location {
+        Some((slot, path)) => Reach::Location(slot, path),
+        None => Reach::Value(value),
+    }
 }
 
 /// The name that an expression begins with.

@@ -207,6 +207,7 @@ pub(super) struct Struct {
 }
 
 /// A function, or a lambda, which has no name.
+#[allow(clippy::struct_excessive_bools)] // What was said, each on its own.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Function {
     pub name: Word,
@@ -226,6 +227,8 @@ pub(super) struct Function {
     pub element: Word,
     /// Whether it gives back a variable itself: `type &name(…)`.
     pub refers: bool,
+    /// Whether it leaves its object as it is: `type name(…) const`.
+    pub constant: bool,
     /// What stands in `template <…>`.
     pub template: Vec<TemplateParameter>,
     /// What stands in the brackets of a lambda.
@@ -255,6 +258,7 @@ impl Function {
             gives: "".into(),
             element: "".into(),
             refers: false,
+            constant: false,
             template: Vec::new(),
             captures: Captures::default(),
             held: Vec::new(),
@@ -275,7 +279,7 @@ impl Function {
             let all = it.parameters.iter();
             all.map(|it| (it.kind, it.pointer, it.of.clone())).collect()
         };
-        self.name == other.name && form(self) == form(other)
+        self.name == other.name && self.constant == other.constant && form(self) == form(other)
     }
 
     /// Whether it is an operator that is called by more than parentheses.
@@ -310,7 +314,19 @@ pub(super) struct TemplateParameter {
 pub(super) struct Captures {
     /// Whether what is not named is copied.
     pub copies: bool,
+    /// `[*this]`: the object is copied.
+    pub object: bool,
+    /// Whether it may change what it has copied, which each copy of it then has for itself.
+    pub mutable: bool,
     pub named: Vec<Capture>,
+}
+
+impl Captures {
+    /// Whether a variable of this name is copied.
+    pub(super) fn copies(&self, name: &str) -> bool {
+        let named = self.named.iter().find(|it| &*it.name == name);
+        name != "this" && named.map_or(self.copies, |it| !it.reference)
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]

@@ -2,6 +2,7 @@
 
 use super::{
     machine::{Location, Machine},
+    scope::foreign,
     tree::{Expr, ExprNode, Kind, Width, last},
     value::Value,
 };
@@ -61,7 +62,21 @@ impl Machine<'_> {
                 .common(self.kind_of(b).promoted()),
             ExprNode::Choose(_, a, b) => self.kind_of(a).common(self.kind_of(b)),
             ExprNode::Assign(_, to, _) | ExprNode::Step(to, ..) => self.kind_of(to),
-            ExprNode::Call(callee, _) => self.kind_given(callee),
+            ExprNode::Call(callee, given) => match (&callee.node, &given[..]) {
+                // Of the type that both have.
+                (ExprNode::Name(name), [a, b])
+                    if foreign(name) && matches!(last(name), "max" | "min") =>
+                {
+                    let kind = self.kind_of(a);
+                    if kind == self.kind_of(b) {
+                        kind
+                    } else {
+                        Kind::Any
+                    }
+                }
+                _ => self.kind_given(callee),
+            },
+            ExprNode::Index(of, _) if self.is_text(of) => Kind::CHARACTER,
             ExprNode::Name(_)
             | ExprNode::Member(..)
             | ExprNode::Index(..)
@@ -73,6 +88,15 @@ impl Machine<'_> {
             }),
             _ => Kind::Any,
         }
+    }
+
+    /// Whether an expression is a text.
+    fn is_text(&self, it: &Expr) -> bool {
+        let held = || {
+            let (slot, path) = self.led_to(it)?;
+            Some(matches!(self.peek(slot, &path)?, Value::Text(_)))
+        };
+        matches!(it.node, ExprNode::Text(_)) || held().unwrap_or(false)
     }
 
     /// The type of the number that a function of the file gives back, where all of its name agree.

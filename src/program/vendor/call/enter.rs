@@ -79,13 +79,7 @@ impl Machine<'_> {
         for (i, parameter) in function.parameters.iter().enumerate() {
             let kind = self.resolved(parameter.kind);
             let slot = match (given.next(), self.default(function, i)) {
-                (Some(it), _) => match it.location {
-                    Some((slot, path)) if parameter.reference && path.is_empty() => slot,
-                    Some((slot, path)) if parameter.reference => {
-                        self.hold(Value::Reference(slot, path), Kind::Any)
-                    }
-                    _ => self.taken(it.value, kind, parameter),
-                },
+                (Some(it), _) => self.given(it, kind, parameter),
                 (None, Some(default)) => {
                     // It sees the names of the file, not those of the caller.
                     let base = std::mem::replace(&mut self.base, self.scopes.len());
@@ -158,8 +152,51 @@ impl Machine<'_> {
         }
     }
 
-    /// The variable that a parameter is.
+    /// The variable that a parameter is: that which it refers to, or one of its own.
+    fn given(&mut self, it: Argument, kind: Kind, parameter: &Parameter) -> usize {
+        // A constant refers to what has its type; of anything else it is made anew.
+        let same = parameter.alias && !parameter.pointer && self.is_of(&it, kind, parameter);
+        match it.location {
+            Some((slot, path)) if parameter.reference || same => {
+                let part = match &it.value {
+                    Value::Record(layout, _) => {
+                        layout.name != parameter.of && self.layouts.contains_key(&parameter.of)
+                    }
+                    _ => false,
+                };
+                if path.is_empty() && !part {
+                    return slot;
+                }
+                let own = self.hold(Value::Reference(slot, path), Kind::Any);
+                if part {
+                    self.classes.insert(own, parameter.of.clone());
+                }
+                own
+            }
+            _ => self.taken(it.value, kind, parameter),
+        }
+    }
+
+    /// Whether an argument is of the type of a parameter, or of a class that is made from it.
+    fn is_of(&self, it: &Argument, kind: Kind, parameter: &Parameter) -> bool {
+        match &it.value {
+            Value::Record(layout, _) => match self.layouts.get(&parameter.of) {
+                Some(_) => layout.line().any(|it| it.name == parameter.of),
+                None => true,
+            },
+            Value::List(_) => !self.layouts.contains_key(&parameter.of),
+            Value::Whole(_) | Value::Wide(..) | Value::Real(_) | Value::Single(_) => {
+                kind == Kind::Any || kind == it.kind
+            }
+            Value::Unknown(_) => kind == it.kind,
+            Value::Text(_) => kind == Kind::Any,
+            _ => false,
+        }
+    }
+
+    /// A variable of its own for a parameter.
     fn taken(&mut self, value: Value, kind: Kind, parameter: &Parameter) -> usize {
+        let value = self.separate(value);
         let value = match (self.layouts.get(&parameter.of), value) {
             // A reference keeps the class of the object.
             (Some(_), value @ Value::Record(..)) if parameter.alias && !braces(&value) => value,

@@ -185,14 +185,11 @@ impl Machine<'_> {
             Value::Record(of, _) => of.line().any(|it| it.name == *name),
             _ => false,
         };
-        let copied = match &given[..] {
-            [only] if same(&only.value) => shape::object(only.value.clone(), layout).ok(),
-            _ => None,
-        };
-        let copies = |it: &&Rc<Function>| it.parameters.first().is_some_and(|of| of.of == *name);
-        let copying = fitting.iter().find(copies).cloned();
-        if let (Some(copied), None) = (&copied, &copying) {
-            return copied.clone();
+        if let [only] = &given[..]
+            && same(&only.value)
+            && let Ok(copied) = shape::object(only.value.clone(), layout)
+        {
+            return copied;
         }
         let unknown = Value::Unknown(format!("an object of `{name}`").into());
         if fitting.is_empty() {
@@ -205,11 +202,7 @@ impl Machine<'_> {
             );
             return unknown;
         }
-        let function = match copied {
-            Some(_) => copying,
-            None => self.overload(name, &fitting, &given, place),
-        };
-        let Some(function) = function else {
+        let Some(function) = self.overload(name, &fitting, &given, place) else {
             return unknown;
         };
         let fresh = shape::fresh(layout, &Value::Unknown(unassigned(name)));
@@ -219,7 +212,11 @@ impl Machine<'_> {
     }
 
     /// What the functions of an object call its members by.
-    fn members_of(&mut self, layout: &Layout, (slot, path): &Location) -> Vec<(Word, Slot)> {
+    pub(in crate::program::vendor) fn members_of(
+        &mut self,
+        layout: &Layout,
+        (slot, path): &Location,
+    ) -> Vec<(Word, Slot)> {
         let mut held: Vec<(Word, Slot)> = Vec::new();
         for (i, member) in layout.members.iter().enumerate() {
             let own = Value::Reference(*slot, [&path[..], &[i]].concat());

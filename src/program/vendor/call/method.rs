@@ -87,33 +87,7 @@ impl Machine<'_> {
                 let slot = *slot;
                 self.stopwatch(slot, member).unwrap_or(Value::Whole(0))
             }
-            (held, _) => {
-                let record = matches!(held, Some(Value::Record(..)));
-                let why = match (held, &reached) {
-                    (Some(Value::Unknown(why)), _) | (_, Reach::Lost(_, _, why)) => {
-                        Some(why.clone())
-                    }
-                    _ => None,
-                };
-                if let Some(why @ Why::Run(_)) = why
-                    && self.acting(member).is_some()
-                {
-                    let message = format!("what `{name}.{member}` runs, {why} decides");
-                    self.unknown(place, message, &why, None);
-                    return Value::Unknown(why);
-                }
-                if self.leaves_array(&name, member, place) {
-                    self.outside(&format!("{name}.{member}"), given, place);
-                }
-                if let Some(why) = self.not_followed(&reached) {
-                    return Value::Unknown(why);
-                }
-                // What it does with the members of its object is not known.
-                if let (Reach::Location(slot, path), true) = (&reached, record) {
-                    self.forget(*slot, path, &format!("what `{name}.{member}` does").into());
-                }
-                Value::Unknown(format!("`{name}.{member}`").into())
-            }
+            _ => self.unfollowed(callee, (&reached, &name, member), given, place),
         }
     }
 
@@ -192,7 +166,12 @@ impl Machine<'_> {
         (at < length).then_some((slot, path))
     }
 
-    fn list_method(&mut self, location: Location, member: &str, given: &[Value]) -> Option<Value> {
+    pub(in crate::program::vendor) fn list_method(
+        &mut self,
+        location: Location,
+        member: &str,
+        given: &[Value],
+    ) -> Option<Value> {
         self.asked_of_array(&location, member, given)
             .or_else(|| self.of_array(location, member, given))
     }

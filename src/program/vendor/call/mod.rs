@@ -8,6 +8,7 @@ mod method;
 mod overload;
 mod random;
 mod statement;
+mod unfollowed;
 
 pub(super) use self::overload::Argument;
 
@@ -148,6 +149,10 @@ impl Machine<'_> {
                     return self.got(&index, of, place);
                 }
             }
+            ("dynamic_cast", [class, of]) => return self.as_class(class, of),
+            ("back_inserter" | "front_inserter" | "inserter", [into, ..]) => {
+                return self.inserts(name, into);
+            }
             ("swap", [a, b]) => return self.swapped(a, b),
             ("begin" | "end" | "size", [of]) => {
                 if let Some(found) = self.of_whole(of, name) {
@@ -231,30 +236,6 @@ impl Machine<'_> {
                 "define it as a function of this file that takes registers, and call that",
             );
         }
-    }
-
-    /// A member of a class of the file is called: classes are not run, so that it must leave the
-    /// array alone.
-    fn leaves_array(&mut self, name: &str, member: &str, place: Place) -> bool {
-        let Some(acting) = self.acting(member) else {
-            return true;
-        };
-        let line = self.line(acting.place);
-        self.error(
-            place,
-            format!(
-                "`{name}.{member}` runs words of the array, and members of classes are not run"
-            ),
-            "this call",
-            &format!("make `{member}`, in {line}, a function outside of the class, and call that"),
-        );
-        false
-    }
-
-    /// A function of this name of a class that runs words of the array.
-    fn acting(&self, member: &str) -> Option<Rc<Function>> {
-        let acts = |it: &Rc<Function>| it.body.iter().any(|it| look::changes(self, it));
-        look::members(self, member).into_iter().find(acts)
     }
 
     /// Whether a function is the body of a kernel: it asks words, and begins no kernel itself.

@@ -104,9 +104,12 @@ impl Machine<'_> {
             return None;
         };
         let same = found.iter().filter(|(other, it)| {
-            let kinds =
-                |it: &Function| -> Vec<Kind> { it.parameters.iter().map(|p| p.kind).collect() };
-            other == costs && !Rc::ptr_eq(it, function) && kinds(it) != kinds(function)
+            // An enumeration has the numbers of an `int`; what is constant is not known.
+            let form = |it: &Function| -> Vec<_> {
+                let all = it.parameters.iter();
+                all.map(|p| (p.kind, p.of.clone(), p.reference)).collect()
+            };
+            other == costs && !Rc::ptr_eq(it, function) && form(it) != form(function)
         });
         if same.count() > 0 {
             self.unclear(name, place);
@@ -160,7 +163,7 @@ impl Machine<'_> {
                 (!matches!(kind, Kind::Analog | Kind::Digital)).then_some(CONVERTED)
             }
             _ if pointed => match (to.pointer, to.kind) {
-                (true, _) => Some(EXACT),
+                (true, _) => self.leads(&it.value, to),
                 (false, Kind::Any | Kind::Parameter(_)) => Some(CONVERTED),
                 _ => None,
             },
@@ -175,6 +178,30 @@ impl Machine<'_> {
                 | (Kind::Float | Kind::Real, Kind::Float | Kind::Real) => PROMOTED,
                 _ => CONVERTED,
             }),
+        }
+    }
+
+    /// How badly a pointer or an array fits a pointer to something.
+    fn leads(&self, it: &Value, to: &Parameter) -> Option<u8> {
+        let characters = &*to.of == "char";
+        match it {
+            Value::Text(_) => Some(if characters { 0 } else { 2 }),
+            Value::Pointer(slot, path, _) => {
+                let (slot, path) = self.pointed(*slot, path.clone());
+                match self.peek(slot, &path) {
+                    Some(Value::Record(layout, _)) if self.layouts.contains_key(&to.of) => {
+                        let at = layout.line().position(|it| it.name == to.of)?;
+                        Some(u8::from(at > 0))
+                    }
+                    Some(Value::Whole(_)) if characters => {
+                        let kind = self.kind_at(slot, &path);
+                        let other = !matches!(kind, Kind::Any | Kind::Bits(8, _));
+                        Some(if other { 2 } else { 0 })
+                    }
+                    _ => Some(0),
+                }
+            }
+            _ => Some(0),
         }
     }
 

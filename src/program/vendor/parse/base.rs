@@ -59,7 +59,10 @@ impl Parser<'_> {
         let place = self.place();
         Some(Rc::new(Function {
             space: within(&self.space, &[class]).into(),
-            body: Rc::new([Self::makes_part(base, Vec::new(), place)]),
+            body: Rc::new([
+                Self::makes_part(base, Vec::new(), place),
+                Self::sets(Vec::new(), place),
+            ]),
             ..Function::new(class.into(), place)
         }))
     }

@@ -5,10 +5,13 @@ use std::rc::Rc;
 use super::super::{
     expression::unexpected,
     token::Token,
-    tree::{Bound, Declared, Expr, ExprNode, Function, Kind, Stmt, StmtNode, Struct, Word},
+    tree::{
+        Bound, Declared, Expr, ExprNode, Function, Kind, Parameter, Stmt, StmtNode, Struct, Word,
+    },
 };
 use super::{
     Parsed, Parser,
+    constructor::copies,
     types::{QUALIFIERS, RESERVED, Type},
     within,
 };
@@ -190,7 +193,10 @@ impl Parser<'_> {
         }
         let unread = unread.or_else(|| {
             let is_operator = |it: &Rc<Function>| &*it.name == "operator";
-            Some(if functions.iter().any(is_operator) {
+            let copies = |it: &Rc<Function>| it.name == name && copies(&name, &it.parameters);
+            Some(if functions.iter().any(copies) {
+                "a class with a copy constructor"
+            } else if functions.iter().any(is_operator) {
                 "a class with operators that are not followed"
             } else {
                 "a class with members that are not understood"
@@ -275,9 +281,10 @@ impl Parser<'_> {
         self.at = end;
         // An object that holds others with constructors is made in more steps than are followed.
         let whole = |it: &Declared| !it.reference && (it.pointer || !self.constructs(&it.of));
-        let plain = plain && data.iter().all(whole);
+        let mut plain = plain && data.iter().all(whole);
         if plain {
             functions.extend(self.inherited(class, &functions));
+            plain = self.begin(class, &mut data, &mut functions);
         }
         let constructors = |it: &&mut Rc<Function>| *it.name == *class && !it.hidden;
         for constructor in functions.iter_mut().filter(constructors) {
@@ -411,6 +418,7 @@ impl Parser<'_> {
             }
         }
         let called = self.sees("(") && !RESERVED.contains(&&*name);
+        let parameters = self.taken();
         while self.sees("(") {
             self.skip_group();
         }
@@ -423,9 +431,23 @@ impl Parser<'_> {
         let hidden = *name == *class || &*name == "operator";
         Some(Rc::new(Function {
             body: body.into(),
+            parameters: parameters.into(),
             hidden,
             ..Function::new(name, place)
         }))
+    }
+
+    /// The parameters that stand here, as far as they are understood; no step ahead.
+    fn taken(&mut self) -> Vec<Parameter> {
+        let (start, told) = (self.at, self.faults.len());
+        let found = if self.take("(") {
+            self.parameters()
+        } else {
+            Ok(Vec::new())
+        };
+        self.faults.truncate(told);
+        self.at = start;
+        found.unwrap_or_default()
     }
 
     /// A body in braces; one that does not parse calls something unknown.

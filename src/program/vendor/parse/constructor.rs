@@ -4,9 +4,10 @@ use std::rc::Rc;
 
 use super::super::{
     expression::arguments,
-    tree::{Expr, ExprNode, Function, Stmt, StmtNode, last},
+    tree::{Expr, ExprNode, Function, Parameter, Stmt, StmtNode, Word, last},
 };
 use super::{Parsed, Parser, types::QUALIFIERS, within};
+use crate::config::Place;
 
 impl Parser<'_> {
     /// Whether objects of this class are made by a constructor.
@@ -50,7 +51,7 @@ impl Parser<'_> {
         self.at += 2;
         let parameters = self.parameters()?;
         self.take_word("noexcept");
-        let mut body = Vec::new();
+        let (mut parts, mut sets, mut rest) = (Vec::new(), Vec::new(), Vec::new());
         if self.take("=") {
             // That which an object has anyway, and one that nobody may call.
             let deleted = self.word(0) == "delete";
@@ -61,17 +62,16 @@ impl Parser<'_> {
             if deleted || !parameters.is_empty() {
                 return Ok(Some(StmtNode::Nothing));
             }
+        } else if copies(class, &parameters) {
+            return Ok(None);
         } else {
-            let mut made = false;
             if self.take(":") {
                 loop {
                     if self.is_part(class) {
                         // A base is made first, wherever it stands.
-                        let part = self.part()?;
-                        body.insert(0, part);
-                        made = true;
+                        parts.push(self.part()?);
                     } else if let Some(set) = self.member_set()? {
-                        body.push(set);
+                        sets.push(set);
                     } else {
                         return Ok(None);
                     }
@@ -80,19 +80,26 @@ impl Parser<'_> {
                     }
                 }
             }
-            let base = self.base.clone().filter(|it| !made && self.constructs(it));
-            body.splice(
-                0..0,
-                base.map(|it| Self::makes_part(&it, Vec::new(), place)),
-            );
-            body.extend(self.block()?);
+            let base = self.base.clone();
+            let base = base.filter(|it| parts.is_empty() && self.constructs(it));
+            parts.extend(base.map(|it| Self::makes_part(&it, Vec::new(), place)));
+            rest = self.block()?;
         }
+        let mut body = parts;
+        body.push(Self::sets(sets, place));
+        body.extend(rest);
         Ok(Some(StmtNode::Function(Rc::new(Function {
             space: within(&self.space, &[class]).into(),
             parameters: parameters.into(),
             body: body.into(),
             ..Function::new(class.into(), place)
         }))))
+    }
+
+    /// What a constructor sets before its body.
+    pub(super) fn sets(all: Vec<Stmt>, place: Place) -> Stmt {
+        let node = StmtNode::Block(all);
+        Stmt { node, place }
     }
 
     /// `~Class() = default;`
@@ -155,12 +162,21 @@ impl Parser<'_> {
         if !self.take(close) {
             return Ok(None);
         }
-        let place = place.to(self.before());
-        let at = |node| Box::new(Expr { node, place });
-        // A parameter may have the name of the member.
-        let this = at(ExprNode::Name("this".into()));
-        let member = at(ExprNode::Member(this, name));
-        let node = StmtNode::Expr(*at(ExprNode::Assign(None, member, value.into())));
-        Ok(Some(Stmt { node, place }))
+        Ok(Some(set(name, value, place.to(self.before()))))
     }
+}
+
+/// Whether a constructor with these parameters copies an object: where that happens is not followed.
+pub(super) fn copies(class: &str, parameters: &[Parameter]) -> bool {
+    let first = parameters.first();
+    first.is_some_and(|it| it.alias && &*it.of == class && !it.pointer)
+}
+
+/// A member is set: a parameter may have its name.
+pub(super) fn set(name: Word, value: Expr, place: Place) -> Stmt {
+    let at = |node| Box::new(Expr { node, place });
+    let this = at(ExprNode::Name("this".into()));
+    let member = at(ExprNode::Member(this, name));
+    let node = StmtNode::Expr(*at(ExprNode::Assign(None, member, value.into())));
+    Stmt { node, place }
 }

@@ -186,6 +186,9 @@ impl Parser<'_> {
                 declared.value = Some(Expr::made(&declared.of, Vec::new(), place));
             }
             declared.place = place.to(self.before());
+            if !declared.constant {
+                self.variables.insert(declared.name.clone());
+            }
             all.push(declared);
             if !self.take(",") {
                 return Ok(all);

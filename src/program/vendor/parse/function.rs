@@ -41,6 +41,7 @@ impl<'a> Parser<'a> {
         }
         self.at += 1;
         let parameters = self.parameters()?;
+        let constant = self.word(0) == "const";
         self.skip_specifiers();
         let arrow = self.arrow();
         let returns = arrow.as_ref().unwrap_or(returns);
@@ -56,6 +57,7 @@ impl<'a> Parser<'a> {
             qualified,
             returns: returns.value_kind(),
             refers: returns.refers(),
+            constant,
             template: self.template.clone(),
             ..Function::new(name.clone(), place)
         };

@@ -24,6 +24,7 @@ impl Parser<'_> {
             Vec::new()
         };
         let mut of = Type::default();
+        let mut captures = captures;
         while it.peek(0).is_some() && !it.sees("{") {
             if it.sees(";") {
                 return Err(unexpected(it.peek(0), it.place(), "`{`", SHAPE));
@@ -31,6 +32,7 @@ impl Parser<'_> {
             if it.take("->") {
                 of = it.read_cast().unwrap_or_default();
             } else {
+                captures.mutable |= it.word(0) == "mutable";
                 it.at += 1;
             }
         }
@@ -58,6 +60,15 @@ impl Parser<'_> {
 fn captures(it: &mut Parser<'_>) -> Parsed<Captures> {
     let mut all = Captures::default();
     while !it.take("]") {
+        if it.take("*") {
+            // The object is copied, with all its members.
+            if !it.take_word("this") {
+                return Err(unexpected(it.peek(0), it.place(), "`this`", HELP));
+            }
+            all.object = true;
+            it.take(",");
+            continue;
+        }
         let reference = it.take("&");
         let copies = !reference && it.take("=");
         all.copies |= copies;
@@ -73,7 +84,7 @@ fn captures(it: &mut Parser<'_>) -> Parsed<Captures> {
                 reference,
                 value,
             });
-        } else if !copies && !reference && !it.take("*") {
+        } else if !copies && !reference {
             return Err(unexpected(it.peek(0), it.place(), "`]`", HELP));
         }
         it.take(",");

@@ -7,6 +7,7 @@ mod container;
 mod declaration;
 mod designated;
 mod function;
+mod initial;
 mod lambda;
 mod operator;
 mod statement;
@@ -46,6 +47,7 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
         shared: Vec::new(),
         aliases: BTreeMap::new(),
         templates: BTreeSet::new(),
+        variables: BTreeSet::new(),
         template: Vec::new(),
         begun: BTreeMap::new(),
         half: false,
@@ -88,6 +90,8 @@ pub(super) struct Parser<'a> {
     aliases: BTreeMap<Word, Type>,
     /// Names of functions that are templates.
     pub templates: BTreeSet<Word>,
+    /// Names of variables that are no constants.
+    pub variables: BTreeSet<Word>,
     /// The parameters of the template that is read.
     template: Vec<TemplateParameter>,
     /// How many kernels begin at a place: all those of a macro do at its call.

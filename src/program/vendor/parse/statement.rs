@@ -133,6 +133,13 @@ impl Parser<'_> {
             }
             "namespace" => self.namespace(),
             "enum" => self.enumeration(),
+            // It is defined elsewhere.
+            "class" | "struct" | "union"
+                if !self.word(1).is_empty() && self.peek(2).is_some_and(|t| t.is(";")) =>
+            {
+                self.at += 3;
+                Ok(StmtNode::Nothing)
+            }
             "class" | "struct" | "union" if self.is_definition() => self.class(false),
             "extern" if matches!(self.peek(1).map(|t| &t.kind), Some(TokenKind::Text(_))) => {
                 self.at += 2;

@@ -102,6 +102,11 @@ impl Type {
         }
     }
 
+    /// The class of what it is, or of what it leads to.
+    pub(in crate::program::vendor) fn class(&self) -> Word {
+        self.name.clone()
+    }
+
     /// Whether a function of this type gives back a variable itself.
     pub(in crate::program::vendor) const fn refers(&self) -> bool {
         self.reference && !self.pointer

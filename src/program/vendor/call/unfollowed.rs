@@ -1,0 +1,124 @@
+//! Functions of objects that are not run: what they could change is not known afterwards.
+
+use std::rc::Rc;
+
+use super::super::{
+    look,
+    machine::Machine,
+    reach::Reach,
+    tree::{Expr, ExprNode, Function},
+    value::Value,
+    why::Why,
+};
+use crate::config::Place;
+
+impl Machine<'_> {
+    /// A call of `object.member`, which is nothing that can be run.
+    pub(super) fn unfollowed(
+        &mut self,
+        callee: &Expr,
+        (reached, name, member): (&Reach, &str, &str),
+        given: &[Expr],
+        place: Place,
+    ) -> Value {
+        let held = self.reached(reached);
+        let record = matches!(held, Some(Value::Record(..)));
+        let why = match (held, reached) {
+            (Some(Value::Unknown(why)), _) | (_, Reach::Lost(_, _, why)) => Some(why.clone()),
+            _ => None,
+        };
+        if let Some(why @ Why::Run(_)) = why
+            && self.acting(member).is_some()
+        {
+            let message = format!("what `{name}.{member}` runs, {why} decides");
+            self.unknown(place, message, &why, None);
+            return Value::Unknown(why);
+        }
+        if self.leaves_array(name, member, place) {
+            self.outside(&format!("{name}.{member}"), given, place);
+        }
+        let why = self.not_followed(reached);
+        let does: Why = format!("what `{name}.{member}` does").into();
+        self.forget_called(callee, given, &why.clone().unwrap_or_else(|| does.clone()));
+        if let Some(why) = why {
+            return Value::Unknown(why);
+        }
+        // What it does with the members of its object is not known.
+        if let (Reach::Location(slot, path), true) = (reached, record) {
+            self.forget(*slot, path, &does);
+        }
+        Value::Unknown(format!("`{name}.{member}`").into())
+    }
+
+    /// `dynamic_cast<Class *>(pointer)`: null where the object is of another class.
+    pub(super) fn as_class(&mut self, class: &Expr, of: &Expr) -> Value {
+        let pointer = self.value(of);
+        let (Value::Pointer(slot, path, _), ExprNode::Text(class)) = (&pointer, &class.node) else {
+            return pointer;
+        };
+        let (slot, path) = self.pointed(*slot, path.clone());
+        match self.peek(slot, &path) {
+            Some(Value::Record(layout, _)) if !layout.line().any(|it| it.name == *class) => {
+                Value::Whole(0)
+            }
+            Some(Value::Record(..)) => pointer,
+            _ => Value::Unknown("what `dynamic_cast` gives".into()),
+        }
+    }
+
+    /// Forgets what the functions assign that this may call: variables of the file, and those that
+    /// it is given by reference.
+    pub(in crate::program::vendor) fn forget_called(
+        &mut self,
+        callee: &Expr,
+        given: &[Expr],
+        why: &Why,
+    ) {
+        let (ExprNode::Member(_, name) | ExprNode::Name(name)) = &callee.node else {
+            return;
+        };
+        let all = look::members(self, name);
+        if all.is_empty() {
+            return;
+        }
+        let call = Expr {
+            node: ExprNode::Call(callee.clone().into(), given.to_vec()),
+            place: callee.place,
+        };
+        look::forget(self, &look::statement(&call), why);
+        for (at, it) in given.iter().enumerate() {
+            // Of a function that is not read it is not known either what it takes.
+            let written = |of: &Rc<Function>| of.parameters.get(at).is_none_or(|it| it.reference);
+            if all.iter().any(written)
+                && self.has_place(it)
+                && let Reach::Location(slot, path) = self.reach(it)
+            {
+                self.forget(slot, &path, why);
+            }
+        }
+    }
+
+    /// A member of a class of the file is called: classes are not run, so that it must leave the
+    /// array alone.
+    fn leaves_array(&mut self, name: &str, member: &str, place: Place) -> bool {
+        let Some(acting) = self.acting(member) else {
+            return true;
+        };
+        let line = self.line(acting.place);
+        self.error(
+            place,
+            format!(
+                "`{name}.{member}` runs words of the array, and members of classes are not run"
+            ),
+            "this call",
+            &format!("make `{member}`, in {line}, a function outside of the class, and call that"),
+        );
+        false
+    }
+
+    /// A function of this name of a class that runs words of the array.
+    pub(super) fn acting(&self, member: &str) -> Option<Rc<Function>> {
+        let acts = |it: &Rc<Function>| it.body.iter().any(|it| look::changes(self, it));
+        look::members(self, member).into_iter().find(acts)
+    }
+}
