@@ -551,32 +551,21 @@ int part(const A0& a) { auto x = a; return x.id() + a.id(); } int what(A0* p) { 
 #[test]
 fn functions_are_chosen_by_what_is_given() {
     numbers(
-        r"int w(char) { return 1; } int w(int) { return 2; } int v(int*) { return 1; } int v(const char*) { return 2; } struct X { int a; }; struct Y { int b; }; int p(X*) { return 1; } int p(Y*) { return 2; } template <class T> int seen(T x) { static int n = 0; return ++n; }",
-        r#"std::string st = "q"; int n = 1; Y y{2}; scamp5_in(A, w("abc"[0])); scamp5_in(A, w(st[0])); scamp5_in(A, w(n)); scamp5_in(A, v(&n)); scamp5_in(A, v("a")); scamp5_in(A, p(&y)); uint8_t a = 200; uint8_t b = 7; auto m = std::max(a, b); m += 100; scamp5_in(A, m); seen(1); scamp5_in(A, seen(2)); scamp5_in(A, seen(2.5));"#,
-        &[1, 1, 2, 1, 2, 2, 44, 2, 1],
+        r"int w(char) { return 1; } int w(int) { return 2; } struct X { int a; }; struct Y { int b; }; int p(X*) { return 1; } int p(Y*) { return 2; } template <class T> int seen(T x) { static int n = 0; return ++n; }",
+        r#"std::string st = "q"; int n = 1; Y y{2}; scamp5_in(A, w("abc"[0])); scamp5_in(A, w(st[0])); scamp5_in(A, w(n)); scamp5_in(A, p(&y)); uint8_t a = 200; uint8_t b = 7; auto m = std::max(a, b); m += 100; scamp5_in(A, m); seen(1); scamp5_in(A, seen(2)); scamp5_in(A, seen(2.5));"#,
+        &[1, 1, 2, 2, 44, 2, 1],
     );
 }
 
 /// Where which function is meant hangs on what is not told apart.
 #[test]
 fn what_is_not_told_apart_is_refused() {
-    for (before, call) in [
-        (
-            "enum E { ea, eb }; int f(E) { return 1; } int f(int) { return 2; }",
-            "f(ea)",
-        ),
-        (
-            "struct X { int v; }; int f(X&) { return 1; } int f(const X&) { return 2; } X x{1};",
-            "f(x)",
-        ),
-    ] {
-        told(
-            &format!("{before}\nint main() {{\nscamp5_in(A, {call}); }}"),
-            3,
-            "which `f` is meant is ambiguous",
-            "",
-        );
-    }
+    told(
+        "struct X { int v; }; int f(X&) { return 1; } int f(const X&) { return 2; } X x{1};\nint main() {\nscamp5_in(A, f(x)); }",
+        3,
+        "which `f` is meant is ambiguous",
+        "",
+    );
     told(
         "struct B { virtual int f(int a = 1) { return a; } }; struct D : B { int f(int a = 2) override { return a; } };\nint main() { D d; B* p = &d;\nscamp5_in(A, p->f()); }",
         3,
