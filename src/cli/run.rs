@@ -195,19 +195,19 @@ impl Arguments {
         let planes = u128::from(frames.unwrap_or_default()) * channels as u128;
         let bytes = planes * size.pixels() as u128 * 4;
         let help = "take fewer frames or a smaller scene";
-        let file = |output: &'_ Option<Output>| output.clone().filter(|path| !path.is_node());
-        let (counts, voxels) = (file(&self.counts), file(&self.voxels));
-        if let (Some(counts), Some(voxels)) = (&counts, &voxels)
-            && counts.parent() == voxels.parent()
-        {
-            return budget::check_disk(counts, 2 * bytes, "counts and voxels", help);
-        }
-        for (output, what) in [(counts, "counts"), (voxels, "voxels")] {
-            if let Some(path) = output {
-                budget::check_disk(&path, bytes, what, help)?;
+        let outputs = [(&self.counts, "counts"), (&self.voxels, "voxels")];
+        let files: Vec<(&Path, &str)> = { outputs.into_iter() }
+            .filter_map(|(output, what)| Some((output.as_ref()?, what)))
+            .filter(|(path, _)| !path.is_node())
+            .map(|(path, what)| (&**path, what))
+            .collect();
+        match files[..] {
+            [(counts, _), (voxels, _)] if counts.parent() == voxels.parent() => {
+                budget::check_disk(counts, 2 * bytes, "counts and voxels", help)
             }
+            _ => (files.iter())
+                .try_for_each(|(path, what)| budget::check_disk(path, bytes, what, help)),
         }
-        Ok(())
     }
 
     /// The plan that was asked for, and the scene, which may have been read for it.

@@ -1,6 +1,9 @@
 //! What a piece adds up on its way back, channel by channel.
 
-use crate::{plane::Plane, reference::Threshold};
+use crate::{
+    plane::Plane,
+    reference::{Threshold, thresholds::least},
+};
 
 use super::{backward::ChannelGradient, float::Float, kernel_sum::KernelSum, model::Model};
 
@@ -47,8 +50,8 @@ impl<R: Float> ChannelSum<R> {
     }
 
     /// Adds a row's gradients of its cells' own thresholds `theta`, and leaves `of` at 0. A cell's
-    /// threshold is the nominal one plus its share of the deviation, and no less than a twentieth of
-    /// the nominal one.
+    /// threshold is the nominal one plus its share of the deviation, and no less than
+    /// [`least`] of the nominal one.
     pub(super) fn add_row(
         &mut self,
         y: usize,
@@ -66,14 +69,14 @@ impl<R: Float> ChannelSum<R> {
                 };
                 let mean = [own.on, own.off][sign];
                 let gradient = std::mem::replace(of, R::ZERO);
-                if *theta > R::from_f64(mean / 20.0) {
+                if *theta > R::from_f64(least(mean)) {
                     columns[x] = columns[x] + gradient;
                     if own.sigma > 0.0 {
                         let share = (theta.to_f64() - mean) / own.sigma;
                         self.sigma[place] += gradient.to_f64() * share;
                     }
                 } else {
-                    columns[x] = columns[x] + gradient * R::from_f64(0.05);
+                    columns[x] = columns[x] + gradient * R::from_f64(least(1.0));
                 }
             }
         }

@@ -7,6 +7,11 @@ use super::{
     reason::{Place, Reason},
 };
 
+/// The least that mismatch leaves of a threshold.
+pub(crate) const fn least(nominal: f64) -> f64 {
+    nominal / 20.0
+}
+
 /// The thresholds of one channel: the nominal ones and their mismatch.
 ///
 /// The mismatch is a fixed pattern: each pixel keeps its own as long as the sensor lives (the
@@ -52,7 +57,7 @@ impl<R: Real> Thresholds<R> {
                 x,
             };
             let draw = |reason, value: f64| {
-                (value + mean.sigma * place.normal(reason, 0)).max(value / 20.0)
+                (value + mean.sigma * place.normal(reason, 0)).max(least(value))
             };
             if mean.sigma > 0.0 {
                 (

@@ -35,7 +35,7 @@ use crate::{
     },
     program::{
         Cost, Expectation, ExpectedWords, Program, Step,
-        readout::{Demand, Plan, Scans, Way, choose},
+        readout::{Demand, Scans, Way, choose},
     },
     reference::Description,
     scene::{Frame, Scene, SceneError},
@@ -382,7 +382,7 @@ impl Found {
             time::array_us(frame, device).unwrap_or([Cost::of(frame, device).array_us; 2]);
         let plans = Scans::new(frame, device).plans(Some(demand), device);
         let plan = choose(&plans).and_then(|at| plans.get(at));
-        let readout = plan.map_or_else(EventReadout::default, readout_of);
+        let readout = plan.map_or_else(EventReadout::default, EventReadout::from);
         let text = self
             .program
             .text_with(&self.kinds, question.title, device, readout);
@@ -430,15 +430,6 @@ impl Found {
             sensor: sensor.clone(),
             program: blessed(&text, &compiled)?,
         })
-    }
-}
-
-/// The readout that a plan of whole events stands for.
-fn readout_of(plan: &Plan) -> EventReadout {
-    match (plan.slots, &plan.rows) {
-        (Some(slots), _) => EventReadout::Slots(slots as u32),
-        (_, Some(rows)) => EventReadout::BitPlanes(*rows.start() as u16, *rows.end() as u16),
-        _ => EventReadout::default(),
     }
 }
 
