@@ -44,8 +44,9 @@ class EventSensor(torch.nn.Module):
     :meth:`to_sensor` gives, for light that is exact in ``dtype``, as 8-bit light is. The way back is the
     adjoint of the float model (``docs/learning.md``): kernels, thresholds and light have gradients. It
     is computed on the processor, on all threads and with the interpreter released; the results are the
-    same on any number of them. Tensors of another device are brought here and back. There is one
-    derivative: no second one, and no ``torch.func``.
+    same on any number of them, and on any device. The answer lies where the layer does (``layer.cuda()``);
+    frames may lie elsewhere: those that a ``DataLoader`` gives are best left on the processor. There is
+    one derivative: no second one, and no ``torch.func``.
 
     Args:
         kernels: (K,k,k) or (K,1,k,k), or names, as for :class:`amacrine.Sensor`: where learning begins.
@@ -177,7 +178,11 @@ class EventSensor(torch.nn.Module):
     @property
     def thresholds(self) -> torch.Tensor:
         """ON and OFF thresholds, (K,2), in the unit of the filtered signal."""
-        return self.log_thresholds.exp()
+        return self._limits().to(self.log_thresholds.device)
+
+    def _limits(self) -> torch.Tensor:
+        """The thresholds on the processor: other devices round an exponential in another way."""
+        return self.log_thresholds.cpu().exp()
 
     def forward(self, frames: torch.Tensor) -> Watched:
         """The events of clips: light of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W), two frames at
@@ -199,15 +204,16 @@ class EventSensor(torch.nn.Module):
             rule=self.rule,
             slope=self.slope,
         )
-        thresholds = self.thresholds
+        kernels, thresholds, light = self.kernels.cpu(), self._limits(), light.cpu()
+        to = self.kernels.device
         if clips == 0:
             # Of no clip, with a gradient of 0.
-            none = 0.0 * (self.kernels.sum() + thresholds.sum() + light.sum())
-            kinds = self.kernels.shape[0]
-            voxels = light.new_zeros((0, frames, kinds, height, width))
+            none = (0.0 * (kernels.sum() + thresholds.sum() + light.sum())).to(to)
+            voxels = none.new_zeros((0, frames, len(kernels), height, width))
             return Watched(voxels + none, voxels[:, 1:] + none, none)
         sigma = self.mismatch * thresholds.double().mean(1, keepdim=True)
-        return Watched(*_Watch.apply(self.kernels, thresholds, sigma, light, how))
+        voxels, counts, events = _Watch.apply(kernels, thresholds, sigma, light, how)
+        return Watched(voxels.to(to), counts.to(to), events.to(to))
 
     def _light(self, frames: torch.Tensor) -> tuple[torch.Tensor, bool]:
         """Light from 0 to 255, (B,T,H,W), and whether there are several clips."""
@@ -239,7 +245,7 @@ class EventSensor(torch.nn.Module):
     def to_sensor(self, name: str | None = None) -> Sensor:
         """The sensor as it is now, which makes the same counts and voxels where the layer has no
         ``phase``; its ``text`` is the file that ``amacrine run --sensor`` takes."""
-        limits = self.thresholds.detach().double()
+        limits = self._limits().detach().double()
         sigma = self.mismatch * limits.mean(1, keepdim=True)
         parameters = _parameters(self.kernels, limits, sigma)
         text = _amacrine.learned_text(self._template._native, parameters, name)
@@ -276,7 +282,7 @@ def _parameters(
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Kernels (K,k,k) and thresholds with their mismatch (K,3), as the library takes them."""
     weights = kernels.detach().cpu().double().contiguous().numpy()
-    both = torch.cat([limits.detach().cpu().double(), sigma.detach().cpu()], 1)
+    both = torch.cat([limits.double(), sigma], 1).detach()
     return weights, both.contiguous().numpy()
 
 
@@ -292,7 +298,7 @@ class _How(NamedTuple):
 
 
 class _Watch(torch.autograd.Function):
-    """Light, kernels and thresholds to voxels, counts and the number of events."""
+    """Light, kernels and thresholds to voxels, counts and the number of events, on the processor."""
 
     @staticmethod
     def forward(
@@ -306,21 +312,19 @@ class _Watch(torch.autograd.Function):
         seen = _amacrine.forward(
             how.native,
             _parameters(kernels, thresholds, sigma),
-            light.detach().cpu().contiguous().numpy(),
+            light.detach().contiguous().numpy(),
             how.times,
             how.seed,
             how.phase,
         )
         clips, frames, *rest = seen.shape
-        ctx.seen, ctx.how, ctx.device = seen, how, light.device
-        ctx.dtype = kernels.dtype
+        ctx.seen, ctx.how, ctx.dtype = seen, how, kernels.dtype
         ctx.set_materialize_grads(False)
         # Not a view of another tensor, which could not be changed in place.
         voxels = torch.from_numpy(seen.voxels.reshape(seen.shape))
         counts = torch.from_numpy(seen.counts).reshape(clips, frames - 1, *rest)
         events = torch.tensor(float(seen.events), dtype=kernels.dtype)
-        to = light.device
-        return voxels.to(to), counts.to(to, kernels.dtype), events.to(to)
+        return voxels, counts.to(kernels.dtype), events
 
     @staticmethod
     @once_differentiable
@@ -348,10 +352,9 @@ class _Watch(torch.autograd.Function):
         back = None
         if light is not None:
             clips, frames, _, height, width = seen.shape
-            back = torch.from_numpy(light).reshape(clips, frames, height, width).to(ctx.device)
-        to = {"device": ctx.device, "dtype": ctx.dtype}
-        return weights.to(**to), limits.to(**to), spread.to(ctx.device), back, None
+            back = torch.from_numpy(light).reshape(clips, frames, height, width)
+        return weights.to(ctx.dtype), limits.to(ctx.dtype), spread, back, None
 
 
 def _flat(of: torch.Tensor | None) -> Any:
-    return None if of is None else of.detach().cpu().contiguous().reshape(-1).numpy()
+    return None if of is None else of.detach().contiguous().reshape(-1).numpy()
