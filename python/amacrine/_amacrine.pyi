@@ -53,6 +53,7 @@ class Sensor:
         format: str,
         max_events: int | None,
     ) -> Run: ...
+    def without(self, effects: list[str]) -> str: ...
     def for_rate(
         self, frames: npt.NDArray[Any], fps: float, scale: float, rate: float, seed: int
     ) -> str: ...
@@ -157,9 +158,7 @@ class Program:
         frames: npt.NDArray[Any],
         fps: float,
         scale: float,
-        domain: str | None,
-        clip: bool | None,
-        seed: int,
+        cells: dict[str, Any],
         keep: list[str],
         set: list[tuple[str, npt.NDArray[np.float64]]],
     ) -> tuple[

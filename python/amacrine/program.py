@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -133,6 +134,9 @@ class Program:
         domain: str | None = None,
         clip: bool | None = None,
         seed: int = 0,
+        without: str | Sequence[str] = (),
+        edge: float | None = None,
+        gain: float | None = None,
         keep: str | Sequence[str] = (),
         registers: Mapping[str, npt.ArrayLike] | None = None,
     ) -> ProgramRun:
@@ -147,6 +151,10 @@ class Program:
             clip: Whether every store is limited to the range of a register; else what the program
                 says, or not.
             seed: Which chip and which noise, in ``silicon``.
+            without: Errors of analogue cells to leave out: ``"converter"``, ``"saturation"``,
+                ``"transfer"``, ``"mismatch"``, ``"noise"``, ``"decay"``.
+            edge: What registers off the array hold, in LSB; else what the program says, or 0.
+            gain: LSB by which PIX rises for one unit of light; else what the chip says.
             keep: Registers to be looked at after every frame, such as ``("A", "R5")``.
             registers: What registers hold before the first frame, (H,W) each or one number: analogue
                 ones in LSB, those of one bit 0 or 1.
@@ -160,9 +168,14 @@ class Program:
             given.clip(0),
             rate,
             given.scale,
-            arguments.word_or_none("domain", domain, "silicon"),
-            None if clip is None else arguments.flag("clip", clip),
-            seed,
+            {
+                "domain": arguments.word_or_none("domain", domain, "silicon"),
+                "clip": None if clip is None else arguments.flag("clip", clip),
+                "seed": seed,
+                "without": arguments.names("without", without),
+                "edge": _finite("edge", edge),
+                "gain": _finite("gain", gain),
+            },
             arguments.names("keep", keep),
             _registers(registers, given.size),
         )
@@ -190,6 +203,17 @@ def _registers(given: Any, size: tuple[int, int]) -> list[tuple[str, npt.NDArray
         except (TypeError, ValueError) as cause:
             raise Error(f"registers: {name}: {cause}\nhelp: give (H,W) of the frames") from cause
         found.append((name, np.ascontiguousarray(plane)))
+    return found
+
+
+def _finite(name: str, given: float | None) -> float | None:
+    """A number that is one, or none."""
+    if given is None:
+        return None
+    help = f"give a number, such as {name}=1.5"
+    found = arguments.number(name, given, help)
+    if not math.isfinite(found):
+        raise Error(f"{name} = {found}\nhelp: {help}")
     return found
 
 

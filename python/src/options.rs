@@ -55,7 +55,7 @@ const PHRASES: [(&str, &str); 18] = [
 
 /// Arguments of Python that are called as the option is, with underscores for dashes. Those that
 /// are true take a word; behind the others a word goes on with the sentence.
-const ARGUMENTS: [(&str, bool); 28] = [
+const ARGUMENTS: [(&str, bool); 29] = [
     ("bins", false),
     ("candidates", false),
     ("chip", true),
@@ -84,6 +84,7 @@ const ARGUMENTS: [(&str, bool); 28] = [
     ("transfer", true),
     ("upsample", false),
     ("within", false),
+    ("without", true),
 ];
 
 /// What a message of too much memory ends with: there is no such argument.

@@ -7,12 +7,12 @@ use amacrine::{
     event::Packet,
     isa::Device,
     photoreceptor::Response,
-    plane::{Plane, Size},
+    plane::{At, Plane, Size},
     program::{
         Action, Cost, Expansion, Host, Overrides, Program as Text, Runnable, Step, included_files,
     },
     rig::guard::{Guard, Warning},
-    study::pilot::Chips,
+    study::pilot::{Chips, ErrorTerm, UnknownPart, left_out},
     unit::Micros,
 };
 use miette::{Report, miette};
@@ -38,6 +38,18 @@ pub struct Program {
     /// Whether its host decides in the run, beside the array, what the array does.
     decides: bool,
     overrides: Overrides,
+}
+
+/// What the cells of the array are: where nothing is given, what the program or the chip says.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Cells {
+    domain: Option<String>,
+    clip: Option<bool>,
+    seed: u64,
+    without: Vec<String>,
+    edge: Option<f64>,
+    gain: Option<f64>,
 }
 
 #[pymethods]
@@ -139,9 +151,7 @@ impl Program {
         frames: &Bound<'py, PyAny>,
         fps: f64,
         scale: f64,
-        domain: Option<&str>,
-        clip: Option<bool>,
-        seed: u64,
+        cells: Cells,
         keep: Vec<String>,
         set: Vec<(String, PyReadonlyArray2<'py, f64>)>,
     ) -> PyResult<(
@@ -169,8 +179,7 @@ impl Program {
             .map(named)
             .collect::<Result<_, _>>()
             .map_err(raised)?;
-        let mut chip =
-            pool::work(py, || self.chip_of(size, domain, clip, seed))?.map_err(raised)?;
+        let mut chip = pool::work(py, || self.chip_of(size, &cells))?.map_err(raised)?;
         for (name, values) in &set {
             self.set(&mut *chip, name, &values.as_array().to_owned())?;
         }
@@ -311,13 +320,7 @@ impl Program {
     }
 
     /// The array that it runs on, as `amacrine exec` makes it.
-    fn chip_of(
-        &self,
-        size: Size,
-        domain: Option<&str>,
-        clip: Option<bool>,
-        seed: u64,
-    ) -> Result<Box<dyn Array + Send>, Report> {
+    fn chip_of(&self, size: Size, cells: &Cells) -> Result<Box<dyn Array + Send>, Report> {
         if !size.is_possible() {
             return Err(miette!(
                 help = "height and width must be from 1 to 65536",
@@ -325,18 +328,20 @@ impl Program {
             ));
         }
         let own = &self.source.settings;
-        let name = domain.or(own.domain.as_deref()).unwrap_or("exact");
+        let name = cells.domain.as_ref().or(own.domain.as_ref());
+        let name = name.map_or("exact", String::as_str);
         let arithmetic: Arithmetic = name.parse().map_err(|e: ArithmeticError| e)?;
         let mut settings = self.settings();
-        settings.clip = clip.unwrap_or(settings.clip);
-        let chip = arithmetic.with_seed(seed).chip(
-            &self.source.file,
-            &self.expansion.code,
-            &self.device,
-            size,
-            settings,
-        );
-        chip.map_err(Report::new)
+        settings.clip = cells.clip.unwrap_or(settings.clip);
+        settings.edge = cells.edge.unwrap_or(settings.edge);
+        settings.gain = cells.gain.unwrap_or(settings.gain);
+        let without = cells.without.iter().map(|name| name.parse());
+        let without: Vec<ErrorTerm> = without.collect::<Result<_, UnknownPart>>()?;
+        let chips = self.chips(settings, arithmetic.with_seed(cells.seed));
+        let machine = left_out::cells_without(arithmetic, &without)?;
+        let machine = machine.unwrap_or_else(|| chips.machine());
+        let lies = (At { y: 0, x: 0 }, size.width);
+        chips.chip(&machine, size, lies).map_err(Report::new)
     }
 
     /// Sets a register before it runs.

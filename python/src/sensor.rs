@@ -7,7 +7,10 @@ use amacrine::{
     plane::Size,
     reference::Description,
     source,
-    study::rate,
+    study::{
+        pilot::{Effect, UnknownPart, left_out},
+        rate,
+    },
 };
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -115,6 +118,17 @@ impl Sensor {
         let watcher = pool::work(py, || watcher::float(description, size, seed, format))?;
         let watcher = watcher.map_err(raised)?;
         Run::new(watcher, (size, channels), seen, fps, scale, max_events)
+    }
+
+    /// The text of the sensor without these effects.
+    fn without(&self, effects: Vec<String>) -> PyResult<String> {
+        let effects = effects.iter().map(|name| name.parse());
+        let effects: Vec<Effect> = effects
+            .collect::<Result<_, UnknownPart>>()
+            .map_err(raised)?;
+        let sensor = &self.description;
+        let plain = left_out::sensor_without(&sensor.name, sensor, &effects).map_err(raised)?;
+        Ok(plain.to_toml())
     }
 
     /// The text of the sensor with all thresholds times the factor at which it says `rate` events per

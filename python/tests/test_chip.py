@@ -40,6 +40,36 @@ def test_a_program_is_that_of_exec(
     assert "<td>FLAG</td>" in shown and "<td>A</td>" in shown
 
 
+@pytest.mark.parametrize(
+    "how", [{"without": ["noise", "mismatch"]}, {"without": "transfer", "edge": 40}, {"gain": 0.5}]
+)
+def test_what_cells_do_without_is_that_of_exec(
+    how: dict[str, Any], program: Callable[..., str], tmp_path: Path, frames: Frames
+) -> None:
+    np.save(tmp_path / "light.npy", frames)
+    (tmp_path / "sobel.scamp").write_text(amacrine.text("programs", "convolve/sobel"))
+    words = [f"--{name}={one if isinstance(one, (str, int, float)) else ','.join(one)}"
+             for name, one in how.items()]
+    program(
+        "exec", tmp_path / "sobel.scamp", "--image", tmp_path / "light.npy", "--fps", FPS,
+        "--domain", "silicon", "--seed", 4, "--frames", len(frames), "--dump", tmp_path, *words,
+    )
+    sobel = amacrine.Program.from_file("convolve/sobel")
+    run = sobel.run(frames, FPS, domain="silicon", seed=4, **how)
+    full = sobel.run(frames, FPS, domain="silicon", seed=4)
+    parted = False
+    for name, values in run.registers.items():
+        assert np.array_equal(values, np.load(tmp_path / f"{name}.npy")), name
+        parted |= not np.array_equal(values, full.registers[name])
+    assert parted
+    with pytest.raises(amacrine.Error, match="did you mean `noise`"):
+        sobel.run(frames, FPS, domain="silicon", without="nose")
+    with pytest.raises(amacrine.Error, match='leave without out, or add domain="silicon"'):
+        sobel.run(frames, FPS, without="noise")
+    with pytest.raises(amacrine.Error, match="edge=1.5"):
+        sobel.run(frames, FPS, edge=float("nan"))
+
+
 def test_what_a_program_costs() -> None:
     snap = amacrine.Program.from_file("dvs/snap")
     assert snap.words > 0 and snap.array_us > 0 and snap.chip == "scamp5"

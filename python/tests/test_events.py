@@ -388,3 +388,28 @@ def test_thresholds_for_a_rate(
         amacrine.Sensor("dvs", 0.1).for_rate(frames[:1].repeat(3, axis=0), FPS, 1)
     with pytest.raises(amacrine.Error, match="rate=2"):
         sensor.for_rate(frames, FPS, "fast")  # type: ignore[arg-type]
+
+
+def test_effects_are_left_out_as_run_does(
+    frames: Frames, program: Callable[..., str], tmp_path: Path
+) -> None:
+    np.save(tmp_path / "scene.npy", frames)
+    spread = {"on": 0.2, "off": 0.3, "sigma": 0.05}
+    noise = {"shot-hz": 5, "leak-hz": 2}
+    sensor = amacrine.Sensor(kernels(2, 3), [spread, 0.4], noise=noise, refractory=9000, seed=3)
+    (tmp_path / "it.toml").write_text(sensor.text)
+    words = ("--scene", tmp_path / "scene.npy", "--sensor", tmp_path / "it.toml", "--fps", FPS)
+    for effects in [("mismatch",), ("leak", "noise-events"), ("dead-time",)]:
+        program(
+            "run", *words, "--seed", 3, "--events", tmp_path / "e.npy",
+            "--without", ",".join(effects),
+        )
+        plain = sensor.without(*effects)
+        events = plain.events(frames, FPS)
+        assert events.tobytes() == np.load(tmp_path / "e.npy").tobytes()
+        assert events.tobytes() != sensor.events(frames, FPS).tobytes()
+        assert plain.without().text == plain.text
+    with pytest.raises(amacrine.Error, match="has no jitter to leave out"):
+        sensor.without("jitter")
+    with pytest.raises(amacrine.Error, match="did you mean `leak`"):
+        sensor.without("laek")

@@ -6,13 +6,14 @@ use std::{fmt::Write as _, path::Path};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::{budget, complain};
+use super::{budget, complain, recording};
 use crate::{
     elementary,
+    plane::Size,
     rig::guard::Warning,
     scene::{
-        Coding, Observation, Observed, OpenOptions, Range, Scene, SceneError, Transfer,
-        bundled_with, open,
+        Coding, Crop, Observation, Observed, OpenOptions, Range, Scene, SceneError, Slice,
+        Transfer, View, bundled_with, open,
     },
     unit::counted,
 };
@@ -32,6 +33,15 @@ pub struct Samples {
     /// Multiply the numbers of a .npy by this: 255 where they are 0 to 1
     #[arg(long, value_name = "FACTOR")]
     scale: Option<f64>,
+    /// Show only these frames, in times or in numbers of frames: 2s..5s, 500ms.., ..100
+    #[arg(long, value_name = "FROM..TO")]
+    slice: Option<Slice>,
+    /// Show only this part of the picture: its middle, or +X+Y from its left and its top
+    #[arg(long, value_name = "WxH[+X+Y]")]
+    crop: Option<Crop>,
+    /// Show it to so many larger pixels, each of which has the mean of the light that falls on it
+    #[arg(long, value_name = "WxH", value_parser = recording::size)]
+    resize: Option<Size>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
@@ -82,6 +92,11 @@ impl Samples {
     pub fn opening(&self, fps: Option<f64>) -> OpenOptions {
         OpenOptions {
             coding: self.coding(),
+            view: View {
+                slice: self.slice,
+                crop: self.crop,
+                resize: self.resize,
+            },
             ..budget::opening(fps)
         }
     }
@@ -119,7 +134,11 @@ impl Samples {
         };
         let transfer = transfer.map(|name| ("transfer", name.to_owned()));
         let scale = scale.map(|scale| ("scale", scale.to_string()));
-        [range, transfer, scale].into_iter().flatten().collect()
+        let slice = self.slice.map(|slice| ("slice", slice.to_string()));
+        let crop = self.crop.map(|crop| ("crop", crop.to_string()));
+        let resize = self.resize.map(|size| ("resize", size.to_string()));
+        let all = [range, transfer, scale, slice, crop, resize];
+        all.into_iter().flatten().collect()
     }
 }
 

@@ -1,18 +1,17 @@
 //! `--without` of `run` and `exec`: what a model leaves out, by hand.
 
-use miette::miette;
+use std::str::FromStr;
 
 use crate::{
     array::Arithmetic,
-    config::suggestion_or,
     reference::Description,
-    study::pilot::{Choice, Effect, ErrorTerm, Machine},
+    study::pilot::{Effect, ErrorTerm, Machine, UnknownPart, left_out},
 };
 
 /// `--without` of `amacrine run`.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Effects {
-    #[arg(long, value_name = "EFFECTS", value_delimiter = ',', value_parser = effect,
+    #[arg(long, value_name = "EFFECTS", value_delimiter = ',', value_parser = named::<Effect>,
         help = format!("Leave effects of the sensor out: {}", keys(Effect::of_sensors().map(Effect::key))))]
     without: Vec<Effect>,
 }
@@ -20,7 +19,7 @@ pub struct Effects {
 /// `--without` of `amacrine exec`.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Terms {
-    #[arg(long, value_name = "ERRORS", value_delimiter = ',', value_parser = term,
+    #[arg(long, value_name = "ERRORS", value_delimiter = ',', value_parser = named::<ErrorTerm>,
         help = format!("Leave errors of analogue cells out: {}", keys(ErrorTerm::ALL.into_iter().map(ErrorTerm::key))))]
     without: Vec<ErrorTerm>,
 }
@@ -29,36 +28,10 @@ fn keys(keys: impl Iterator<Item = &'static str>) -> String {
     keys.collect::<Vec<_>>().join(", ")
 }
 
-fn named<T: Copy>(
-    text: &str,
-    what: &str,
-    mut all: impl Iterator<Item = T> + Clone,
-    key: fn(T) -> &'static str,
-) -> Result<T, String> {
-    let known = all.clone().map(key);
-    all.find(|one| key(*one) == text).ok_or_else(|| {
-        let list = format!("give some of {}", keys(known.clone()));
-        let help = suggestion_or(text, known, &list);
-        format!("`{text}` is no {what}: {help}")
-    })
-}
-
-fn effect(text: &str) -> Result<Effect, String> {
-    named(
-        text,
-        "effect of a sensor",
-        Effect::of_sensors(),
-        Effect::key,
-    )
-}
-
-fn term(text: &str) -> Result<ErrorTerm, String> {
-    named(
-        text,
-        "error of analogue cells",
-        ErrorTerm::ALL.into_iter(),
-        ErrorTerm::key,
-    )
+/// What clap shows is one line.
+fn named<T: FromStr<Err = UnknownPart>>(text: &str) -> Result<T, String> {
+    text.parse()
+        .map_err(|unknown: UnknownPart| format!("{unknown}: {}", unknown.help))
 }
 
 impl Effects {
@@ -71,23 +44,11 @@ impl Effects {
         sensor: &str,
         description: &Description,
     ) -> miette::Result<Description> {
-        let has = |effect: &Effect| effect.is_in(description, false);
-        if let Some(absent) = self.without.iter().find(|effect| !has(effect)) {
-            let there: Vec<_> = Effect::of_sensors().filter(has).map(Effect::key).collect();
-            let help = if there.is_empty() {
-                "leave --without out: it has none of these effects".to_owned()
-            } else {
-                format!("it has {}", there.join(", "))
-            };
-            return Err(miette!(
-                help = help,
-                "{sensor} has no {absent} to leave out"
-            ));
-        }
-        let choice = self.without.iter().copied();
-        Ok(choice
-            .fold(Choice::full(), Choice::and_without)
-            .plainer(description))
+        Ok(left_out::sensor_without(
+            sensor,
+            description,
+            &self.without,
+        )?)
     }
 
     /// What is left out, after the number format: `, without jitter`.
@@ -98,23 +59,12 @@ impl Effects {
 }
 
 impl Terms {
-    /// The arithmetic without them; none where nothing is left out.
+    /// The cells without them; none where nothing is left out.
     ///
     /// # Errors
     /// When cells are not analogue.
     pub fn machine(&self, arithmetic: Arithmetic) -> miette::Result<Option<Machine>> {
-        match arithmetic {
-            _ if self.without.is_empty() => Ok(None),
-            Arithmetic::Number(_) => Err(miette!(
-                help = "leave --without out, or add --domain silicon",
-                "--without {} in the domain {arithmetic}, whose cells do not err",
-                keys(self.without.iter().map(|term| term.key()))
-            )),
-            Arithmetic::Silicon { .. } => Ok(Some(Machine {
-                format: None,
-                without: self.without.clone(),
-            })),
-        }
+        Ok(left_out::cells_without(arithmetic, &self.without)?)
     }
 
     /// What is left out, after the domain: `, without mismatch`.

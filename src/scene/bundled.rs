@@ -30,5 +30,5 @@ pub fn bundled_with(options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError>
         ..*options
     };
     let (scene, source) = animation::play_apng(name, CLIP, *options)?;
-    source.decode(scene, name, options)
+    options.view.of(source.decode(scene, name, options)?)
 }

@@ -2,8 +2,12 @@
 
 use std::{io, path::PathBuf};
 
-use super::rate::{MOST_FPS, Shown};
-use crate::{memory::TooMuch, plane::Size};
+use super::{
+    crop::Crop,
+    rate::{MOST_FPS, Shown},
+    slice::Slice,
+};
+use crate::{memory::TooMuch, plane::Size, unit::counted};
 
 /// Why a scene cannot be read.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -452,6 +456,44 @@ pub enum SceneError {
         got: f64,
         /// What it may be.
         want: &'static str,
+    },
+
+    /// A slice in which no frame is.
+    #[error("no frame is in the slice {slice}: the scene has {} at {fps} frames/s", counted(*frames, "frame"))]
+    #[diagnostic(help(
+        "give a slice of the scene: in times, such as 1s..2.5s, or in numbers of frames from 0, such as 10..50"
+    ))]
+    EmptySlice {
+        /// The slice.
+        slice: Slice,
+        /// Frames of the scene, or up to the slice's end.
+        frames: u64,
+        /// Frames per second of the scene.
+        fps: f64,
+    },
+
+    /// A part that does not lie in the picture.
+    #[error("a crop of {crop} from pictures of {size}")]
+    #[diagnostic(help(
+        "give a part of the picture: WIDTHxHEIGHT in its middle, or WIDTHxHEIGHT+X+Y from its left and its top"
+    ))]
+    CropOutside {
+        /// The part.
+        crop: Crop,
+        /// The picture.
+        size: Size,
+    },
+
+    /// Pixels that would become smaller.
+    #[error("pictures of {from} resized to {size}")]
+    #[diagnostic(help(
+        "give a size that is not larger in either direction: light is averaged over larger pixels, and nobody knows what smaller ones would see"
+    ))]
+    Enlarged {
+        /// The size that was asked for.
+        size: Size,
+        /// That of the pictures.
+        from: Size,
     },
 }
 

@@ -19,13 +19,15 @@
 //! states (`XCOLORRANGE` of y4m, `colr` and VUI of mp4) or that its kind usually has: limited for
 //! video with colour, full for gray y4m, pictures and arrays. What lies outside is clipped. The
 //! transfer is as coded, as in v2e, ESIM and the simulator of the RGC sensor's authors, unless
-//! [`Coding`] asks for one to be undone. Colour becomes gray by Rec. 601 (0.299 R + 0.587 G +
+//! [`Coding`] asks for one to be undone. [`View`] shows a slice, a part of each picture, or larger
+//! pixels. Colour becomes gray by Rec. 601 (0.299 R + 0.587 G +
 //! 0.114 B, the weights of video luma and of `OpenCV`), not rounded.
 
 mod animation;
 mod bundled;
 mod canvas;
 mod coding;
+mod crop;
 mod cut;
 mod decoded;
 mod error;
@@ -41,7 +43,10 @@ mod open;
 mod options;
 mod rate;
 mod repeats;
+mod resize;
+mod slice;
 mod still;
+mod view;
 mod y4m;
 
 pub mod held;
@@ -53,6 +58,7 @@ pub mod upsample;
 
 pub use bundled::{bundled, bundled_with};
 pub use coding::{Coding, Light, Origin, Range, Samples, Transfer};
+pub use crop::{Crop, Cropped};
 pub use cut::Cut;
 pub use error::SceneError;
 pub use frame::{Frame, Outline, Scene};
@@ -62,3 +68,6 @@ pub use open::open;
 pub use options::OpenOptions;
 pub use rate::{ASSUMED_FPS, check_rate};
 pub use repeats::Repeated;
+pub use resize::Resized;
+pub use slice::{Moment, Slice, Sliced};
+pub use view::View;

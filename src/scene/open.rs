@@ -26,6 +26,11 @@ use super::{
 /// # Ok::<(), amacrine::scene::SceneError>(())
 /// ```
 pub fn open(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
+    options.view.of(whole(spec, options)?)
+}
+
+/// All of it.
+fn whole(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
     let asked = options.fps;
     asked.map(check_rate).transpose()?;
     if let Some(pattern) = spec.strip_prefix("pattern:") {

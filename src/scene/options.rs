@@ -1,6 +1,6 @@
 //! Options for opening a scene.
 
-use super::Coding;
+use super::{Coding, View};
 use crate::memory::Budget;
 
 /// Options that every scene takes.
@@ -14,4 +14,6 @@ pub struct OpenOptions {
     pub memory: Option<Budget>,
     /// What its samples mean, where the file is not to decide.
     pub coding: Coding,
+    /// What of it is shown, and how large.
+    pub view: View,
 }

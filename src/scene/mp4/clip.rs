@@ -18,6 +18,7 @@ use super::{
     parameters::Pictures,
     table::Sample,
     track::{NoTrack, Track},
+    turn::Turn,
 };
 use crate::{
     limit::SAMPLE_BYTES,
@@ -47,6 +48,7 @@ pub(super) struct H264 {
     held: u128,
     /// What the container says, and the first parameter set that says anything.
     colour: Colour,
+    turn: Turn,
     /// Length of the size field before each NAL unit, in bytes.
     length_bytes: usize,
     /// Decoded luma planes not yet given, in the order in which they are shown.
@@ -109,6 +111,7 @@ impl H264 {
             room,
             held,
             colour,
+            turn: track.turn,
             length_bytes: track.length_bytes,
             ready: VecDeque::new(),
             flushed: false,
@@ -130,6 +133,11 @@ impl H264 {
     /// What its samples are.
     pub fn source(&self) -> Source {
         self.colour.source()
+    }
+
+    /// How its pictures are turned when they are shown.
+    pub const fn turn(&self) -> Turn {
+        self.turn
     }
 
     fn wrong(&self, what: impl Into<String>) -> SceneError {

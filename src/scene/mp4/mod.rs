@@ -18,6 +18,8 @@ mod parameters;
 mod table;
 #[cfg(feature = "mp4")]
 mod track;
+#[cfg(feature = "mp4")]
+mod turn;
 
 use std::path::Path;
 
@@ -37,6 +39,6 @@ pub(super) fn open(
     options: OpenOptions,
 ) -> Result<(Box<dyn Scene>, Source), SceneError> {
     let clip = clip::H264::new(path, options)?;
-    let source = clip.source();
-    Ok((Box::new(clip), source))
+    let (source, turn) = (clip.source(), clip.turn());
+    Ok((turn::Turned::scene(clip, turn), source))
 }

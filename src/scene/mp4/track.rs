@@ -7,6 +7,7 @@ use super::{
     colour::Colour,
     fragment::{Defaults, FragmentReader},
     table::{self, Sample},
+    turn::Turn,
 };
 use crate::limit::{BOXES, MP4_TABLES};
 
@@ -22,6 +23,8 @@ pub(super) struct Track {
     pub parameters: Vec<Vec<u8>>,
     /// Of the box `colr`.
     pub colour: Colour,
+    /// How its pictures are turned when they are shown.
+    pub turn: Turn,
 }
 
 /// Why a file has no usable video track.
@@ -73,7 +76,7 @@ impl Track {
 
     /// The video track with the lowest track number, and that number.
     fn from_moov(moov: &[u8], length: u64) -> Result<(Self, u32), NoTrack> {
-        let mut video: Option<(u32, &[u8])> = None;
+        let mut video: Option<(u32, Turn, &[u8])> = None;
         for found in Boxes(moov) {
             let (name, trak) = found?;
             if name != *b"trak" {
@@ -86,11 +89,11 @@ impl Track {
             let mdia = Boxes(trak).get(*b"mdia")?;
             let hdlr = Boxes(mdia).get(*b"hdlr")?;
             let is_video = hdlr.get(8..12) == Some(b"vide");
-            if is_video && video.is_none_or(|(first, _)| id < first) {
-                video = Some((id, mdia));
+            if is_video && video.is_none_or(|(first, ..)| id < first) {
+                video = Some((id, Turn::from_tkhd(tkhd), mdia));
             }
         }
-        let Some((id, mdia)) = video else {
+        let Some((id, turn, mdia)) = video else {
             return Err(NoTrack::Unusable("it has no video track".into()));
         };
         let mdhd = Boxes(mdia).get(*b"mdhd")?;
@@ -116,6 +119,7 @@ impl Track {
             parameters,
             // Of boxes behind the parameters, damaged or not, nothing else is taken.
             colour: colour(boxes),
+            turn,
         };
         Ok((track, id))
     }
