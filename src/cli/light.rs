@@ -142,6 +142,14 @@ impl Samples {
     }
 }
 
+/// How much light may change from frame to frame, in ln units.
+pub fn contrast(text: &str) -> Result<f64, String> {
+    let contrast = text.parse().ok();
+    contrast
+        .filter(|contrast: &f64| contrast.is_finite() && *contrast > 0.0)
+        .ok_or_else(|| "give a number above 0, such as 0.1, which suits 8-bit video".to_owned())
+}
+
 /// What is said of the light in a line, and in another of a frame rate that nobody said; nothing
 /// where there is no scene.
 pub fn line(observation: &Observation) -> String {

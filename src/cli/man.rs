@@ -1,7 +1,8 @@
-//! `amacrine man`: a manual page for each verb.
+//! `amacrine man`: a manual page for each verb, and for each verb of `mesh`.
 
 use std::io;
 
+use clap::Command;
 use clap_mangen::Man;
 
 use super::{
@@ -26,16 +27,14 @@ pub struct Arguments {
 /// # Errors
 /// When a page cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let all = super::command();
-    let mut pages = vec![("amacrine".to_owned(), all.clone())];
-    for verb in all.get_subcommands() {
-        let name = format!("amacrine-{}", verb.get_name());
-        let called = format!("amacrine {}", verb.get_name());
-        let page = verb.clone().display_name(name.clone()).bin_name(called);
-        pages.push((name, page));
-    }
+    let mut all = super::command();
+    // Options of all verbs come into each of them.
+    all.build();
+    let mut pages = Vec::new();
+    add("amacrine", "amacrine", &all, &mut pages);
     let path = |name: &str| arguments.output.join(format!("{name}.1"));
     files::writes(pages.iter().map(|(name, _)| path(name)))?;
+    let count = pages.len();
     for (name, command) in pages {
         let mut text = Vec::new();
         let rendered = Man::new(command).render(&mut text);
@@ -45,10 +44,22 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             file.write_all(&text)
         })?;
     }
-    let (pages, folder) = (
-        all.get_subcommands().count() + 1,
-        arguments.output.display(),
-    );
-    super::say(&format!("wrote    {pages} pages in {folder}\n"));
+    let folder = arguments.output.display();
+    super::say(&format!("wrote    {count} pages in {folder}\n"));
     Ok(())
+}
+
+/// The page of a command, and those of its own.
+fn add(name: &str, called: &str, command: &Command, pages: &mut Vec<(String, Command)>) {
+    let page = command.clone().display_name(name.to_owned());
+    pages.push((name.to_owned(), page.bin_name(called.to_owned())));
+    let own = command.get_subcommands();
+    for verb in own.filter(|verb| verb.get_name() != "help") {
+        let verb_name = verb.get_name();
+        let (name, called) = (
+            format!("{name}-{verb_name}"),
+            format!("{called} {verb_name}"),
+        );
+        add(&name, &called, verb, pages);
+    }
 }

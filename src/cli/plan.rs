@@ -12,6 +12,7 @@ use crate::{
     event::Packet,
     number::Format,
     reference::{Description, Limit, Reference},
+    rig::guard::Warning,
     scene::{Observation, kept::Kept},
     study::pilot::{Change, Choice, Plan, Question, model::Model, plan::BUDGET},
     unit::{Micros, counted},
@@ -45,7 +46,7 @@ pub struct Arguments {
     #[command(flatten)]
     samples: Samples,
     /// Insert frames, as for `amacrine run`
-    #[arg(long, value_name = "CONTRAST")]
+    #[arg(long, value_name = "CONTRAST", value_parser = light::contrast)]
     upsample: Option<f64>,
     /// Chooses mismatch and noise
     #[arg(long, default_value_t = 0)]
@@ -186,6 +187,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         planned: planned.as_ref(),
         verified: verified.as_ref(),
     };
+    light::warn(&Warning::of_scene(&observation, description.response));
     if arguments.json {
         let mut json = told.json()?;
         json["light"] = light::json(&observation);

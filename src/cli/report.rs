@@ -120,7 +120,7 @@ fn heading(group: &Group, number: usize, all: usize, pool: bool) -> String {
 
 fn table(report: &Report, arguments: &Arguments) -> String {
     let left = if report.finished < report.points {
-        ": the others are not computed yet, or were left out by a search"
+        ": the others failed, are not computed yet, or were left out by a search"
     } else {
         ""
     };

@@ -59,7 +59,7 @@ pub struct Arguments {
     #[command(flatten)]
     samples: Samples,
     /// Insert frames so that no pixel's light changes by more than this from one to the next, in ln units
-    #[arg(long, value_name = "CONTRAST")]
+    #[arg(long, value_name = "CONTRAST", value_parser = light::contrast)]
     upsample: Option<f64>,
     /// Chooses mismatch and noise
     #[arg(long, default_value_t = 0)]

@@ -15,9 +15,8 @@ use super::{
     decision::{Compared, Decision, Trials},
     error::CompileError,
     filter::Filter,
-    linear_form::LinearForm,
     plan::Plan,
-    request::{Effort, Objective, Request},
+    request::{Border, Effort, Objective, Request},
     rim::Rim,
     separable::compose,
     solve::Problem,
@@ -84,8 +83,12 @@ impl Survival<'_> {
         };
         let trials = Trials::new(request.device, range.1.max(-range.0), decision.compared);
         let truth = trials.truth(kernel, decision);
+        let lost = match all.first() {
+            Some(first) if request.border != Border::Any && !first.solved.border => self.rim(),
+            _ => 0.0,
+        };
         let least = match (request.objective, decision.compared) {
-            (Objective::Silicon, Compared::Drives) => EXACT_F1,
+            (Objective::Silicon, Compared::Drives) => EXACT_F1 - lost,
             _ => 0.0,
         };
         let decided = |candidate: &Candidate| {
@@ -140,10 +143,11 @@ impl Survival<'_> {
     ) -> Vec<Candidate> {
         let errors = self.request.store_errors();
         let registers = self.all.len();
-        let taps = self.goals.iter().flat_map(LinearForm::taps);
-        let reach = taps.map(|tap| tap.y.unsigned_abs().max(tap.x.unsigned_abs()));
-        let reach = usize::from(reach.max().unwrap_or(0));
-        let rim = Rim::new(reach, errors, self.request.device.value(Figure::Edge));
+        let rim = Rim::new(
+            self.reach(),
+            errors,
+            self.request.device.value(Figure::Edge),
+        );
         let mut all = Vec::new();
         for outer in (u32::from(negated)..HALVINGS.min(HALVINGS_IN_ALL - inner)).step_by(2) {
             let bits = outer + inner;

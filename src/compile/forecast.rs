@@ -93,7 +93,12 @@ impl Forecast {
     /// Signal over noise, in decibels.
     #[must_use]
     pub fn snr_db(&self) -> f64 {
-        let squared = self.correlation * self.correlation;
+        self.snr_db_without(0.0)
+    }
+
+    /// The same where in a part of the cells nothing of the signal is right.
+    pub(super) fn snr_db_without(&self, lost: f64) -> f64 {
+        let squared = self.correlation * self.correlation * (1.0 - lost);
         10.0 * crate::elementary::log10(squared.max(1e-12) / (1.0 - squared).max(1e-12))
     }
 }

@@ -70,5 +70,5 @@ pub use forecast::{Forecast, Signal};
 pub use naive_cost::naive_cost;
 pub use need::{MEMORY_BITS, Need, carried};
 pub use noise::FilterNoise;
-pub use request::{Effort, Objective, Request};
+pub use request::{Border, Effort, Objective, Request};
 pub use sensor::{BitMemory, SensorProgram};

@@ -11,7 +11,7 @@ use super::{
     bound::LowerBound,
     error::CompileError,
     filter::Filter,
-    request::{Effort, Objective, Request},
+    request::{Border, Effort, Objective, Request},
 };
 use crate::{isa::Analog, order::Order};
 
@@ -108,7 +108,7 @@ impl Request<'_> {
 
     pub(super) fn key(&self, filter: &Filter) -> Key {
         (
-            self.border && !filter.border,
+            self.border != Border::Any && !filter.border,
             !filter.holds,
             !self.sets_threshold(filter.prescale),
             filter.words.len(),

@@ -61,6 +61,19 @@ impl Default for Effort {
     }
 }
 
+/// What the border of the array counts for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Border {
+    /// Nothing.
+    #[default]
+    Any,
+    /// What is lost in the cells near it: plans that are right there come first, unless less of the
+    /// signal comes out of them than of others, whose results near the border are worth nothing.
+    Worth,
+    /// More than all else: where there is a plan that is right there, it is taken.
+    Right,
+}
+
 /// What a program is to be best at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Objective {
@@ -96,9 +109,8 @@ pub struct Request<'a> {
     pub into: Vec<Analog>,
     /// Registers that stay as they are.
     pub keep: Vec<Analog>,
-    /// Whether the results should be right up to the border of the array, with zeros beyond it,
-    /// where such a plan exists.
-    pub border: bool,
+    /// Whether the results should be right up to the border of the array, with zeros beyond it.
+    pub border: Border,
     /// What the input can be, in LSB; with it, the input is halved first as often as nothing
     /// then saturates.
     pub range: Option<(f64, f64)>,
@@ -135,7 +147,7 @@ impl<'a> Request<'a> {
             input: all.first().copied().unwrap_or(Analog(0)),
             into: into.to_vec(),
             keep: Vec::new(),
-            border: false,
+            border: Border::Any,
             range: None,
             zero_counts: false,
             decision: None,
@@ -333,7 +345,7 @@ impl<'a> Request<'a> {
                 into: self.into.clone(),
                 all: all.to_vec(),
             },
-            border: self.border,
+            border: self.border != Border::Any,
             seed: self.seed,
             // Of kernels of zeros there is nothing to look for.
             states: if goals.iter().all(LinearForm::is_zero) {

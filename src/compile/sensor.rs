@@ -10,7 +10,7 @@ use super::{
     event_readout::EventReadout,
     filter::Filter,
     need::{MEMORY_BITS, Need, advice},
-    request::Request,
+    request::{Border, Request},
     shared_memory,
 };
 use crate::{
@@ -122,7 +122,7 @@ impl SensorProgram {
                 DriveMemory::Bits(_) => Vec::new(),
                 DriveMemory::Analogue | DriveMemory::Shared => memories.clone(),
             },
-            border: true,
+            border: request.border.max(Border::Worth),
             range: Some((0.0, largest_light(device))),
             decision: match (kinds, memory) {
                 ([kind], DriveMemory::Analogue) => {

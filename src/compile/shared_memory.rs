@@ -24,7 +24,7 @@ use super::{
     event_readout::EventReadout,
     filter::Filter,
     need::Need,
-    request::{Objective, Request},
+    request::{Border, Objective, Request},
     sensor::{self, SensorProgram, largest_light},
 };
 use crate::{
@@ -135,7 +135,7 @@ fn filters(
                 .into_iter()
                 .chain([registers.memory])
                 .collect(),
-            border: true,
+            border: request.border.max(Border::Worth),
             range: Some((-most, most)),
             // What is compared is a difference: no constant of the chip drops out of it.
             zero_counts: true,

@@ -21,12 +21,15 @@ use super::{
     found::{Found, found},
     linear_form::LinearForm,
     plan::{Plan, Store, StoreErrors, Word},
-    request::{Effort, Objective, Request},
+    request::{Border, Effort, Objective, Request},
     separable::compose,
     solve::{FINE, Problem, Solved, slack},
     steady::{Reads, greedy, room, steadied},
 };
-use crate::{isa::Analog, order::Order};
+use crate::{
+    isa::{Analog, Figure},
+    order::Order,
+};
 
 /// Plans that are looked at closely.
 const CLOSELY: usize = 6;
@@ -42,6 +45,10 @@ pub(super) const HALVINGS_IN_ALL: u32 = 22;
 
 /// Signal-to-noise ratios within this are equal, dB.
 const EQUAL_DB: f64 = 0.25;
+
+/// What is right at the border may cost so much of the signal more than the rim that is lost
+/// without, dB.
+const DEAR_DB: f64 = 1.0;
 
 /// Below this correlation a plan is worth more words than [`slack`] allows.
 const ENOUGH: f64 = 0.95;
@@ -81,8 +88,15 @@ impl Candidate {
 
     /// Steps of signal-to-noise ratio.
     fn quality(&self) -> i64 {
-        let db = self.forecasts.iter().map(Forecast::snr_db);
-        (db.fold(90.0, f64::min) / EQUAL_DB).round() as i64
+        (self.signal(0.0) / EQUAL_DB).round() as i64
+    }
+
+    /// The least signal-to-noise ratio, in decibels, where in a part of the cells nothing of the
+    /// signal is right.
+    fn signal(&self, lost: f64) -> f64 {
+        let all = self.forecasts.iter();
+        all.map(|forecast| forecast.snr_db_without(lost))
+            .fold(90.0, f64::min)
     }
 }
 
@@ -159,15 +173,41 @@ impl Survival<'_> {
         Ok(shortest.map(|candidate| self.built(candidate, seen)))
     }
 
-    /// Keeps the candidates that are right at the border, if that is asked, and those whose threshold
-    /// can be set, where there are such.
+    /// Keeps the candidates that are right at the border, if that is asked and does not cost more than
+    /// the border is worth, and those whose threshold can be set, where there are such.
     pub(super) fn keep_usable(&self, all: &mut Vec<Candidate>) {
-        if self.request.border && all.iter().any(|c| c.solved.border) {
-            all.retain(|c| c.solved.border);
+        let most = |border: bool, rim: f64| {
+            let own = all.iter().filter(|c| c.solved.border == border);
+            own.map(|c| c.signal(rim)).max_by(f64::total_cmp)
+        };
+        if self.request.border != Border::Any
+            && let Some(right) = most(true, 0.0)
+        {
+            let rim = self.rim();
+            let is_free =
+                self.request.border == Border::Right || self.request.objective == Objective::Exact;
+            let is_dear = !is_free && most(false, rim).is_some_and(|other| other > right + DEAR_DB);
+            all.retain(|c| c.solved.border != is_dear);
         }
         if all.iter().any(|c| self.request.sets_threshold(c.bits)) {
             all.retain(|c| self.request.sets_threshold(c.bits));
         }
+    }
+
+    /// The part of the chip's cells that a filter of this reach reads beyond the border from.
+    pub(super) fn rim(&self) -> f64 {
+        let inner = |side: Figure| {
+            let side = self.request.device.value(side);
+            (side - 2.0 * self.reach() as f64).max(0.0) / side
+        };
+        1.0 - inner(Figure::Height) * inner(Figure::Width)
+    }
+
+    /// How far from a pixel the farthest weight lies, in pixels.
+    pub(super) fn reach(&self) -> usize {
+        let taps = self.goals.iter().flat_map(LinearForm::taps);
+        let reach = taps.map(|tap| tap.y.unsigned_abs().max(tap.x.unsigned_abs()));
+        usize::from(reach.max().unwrap_or(0))
     }
 
     /// Filters none of which is worse in words and in signal than another.

@@ -15,6 +15,9 @@ use crate::{
     unit::{Micros, counted},
 };
 
+/// Light so many times the sensor's white is on another scale; what shines is brighter than white.
+const BEYOND: f64 = 4.0;
+
 /// What a warning is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -309,13 +312,25 @@ impl Warning {
         )
     }
 
-    /// Numbers without a scale of their own that lie within 0 and 1, for a sensor whose response
-    /// takes 0 to 255, or to another white.
+    /// Numbers without a scale of their own that lie within 0 and 1, or far beyond white, for a sensor
+    /// whose response takes 0 to 255, or to another white.
     #[must_use]
     pub fn scale(extent: Option<(f64, f64)>, response: Response) -> Option<Self> {
         let (low, high) = extent?;
         let white = response.white();
         let is_unit = low >= 0.0 && high <= 1.0001 && high > 0.0;
+        if high > BEYOND * white {
+            return Some(Self::new(
+                About::Scale,
+                "the scene",
+                format!("light goes up to {high:.4}, but the sensor takes 0 to {white}"),
+                "numbers of more than 8 bits are taken as they are, so that all changes are as much larger and their noise with them",
+                format!(
+                    "give --scale with {white} over what is white in the array, {:.6} for 16 bits, or multiply the array",
+                    white / 65_535.0
+                ),
+            ));
+        }
         if !is_unit || white <= 2.0 {
             return None;
         }

@@ -9,6 +9,7 @@ use std::{
     io::{BufRead, Cursor, Seek},
     num::NonZeroU64,
     path::{Path, PathBuf},
+    sync::OnceLock,
 };
 
 use super::{
@@ -83,20 +84,28 @@ pub(super) fn open_apng(
     })
 }
 
-/// Plays an animated PNG that is in memory; `name` is for messages.
+/// Plays an animated PNG that is in memory; `name` is for messages, and `known` has its delays once
+/// they were read.
 pub(super) fn play_apng(
     name: &Path,
     bytes: &'static [u8],
     options: OpenOptions,
+    known: &OnceLock<Vec<Delay>>,
 ) -> Result<(impl Scene + use<>, Source), SceneError> {
-    Animation::open(name, options, &|| {
+    let start: &Start<'_> = &|| {
         let stream = Cursor::new(bytes);
         Ok(Box::new(Apng::new(
             name,
             stream,
             MemoryLimit::new(options),
         )?))
-    })
+    };
+    if known.get().is_none() {
+        // Whoever comes second reads the same.
+        let _ = known.set(delays(name, start)?);
+    }
+    let delays = known.get().map_or(&[][..], Vec::as_slice);
+    Animation::of(name, options, start, delays)
 }
 
 /// Whether a PNG is animated.
@@ -112,44 +121,56 @@ pub(super) fn is_apng(path: &Path) -> Result<bool, SceneError> {
     }
 }
 
+/// A decoder at the start of an animation.
+type Start<'a> = dyn Fn() -> Result<Box<dyn Patches>, Cause> + 'a;
+
+fn damaged(path: &Path, frame: u64, cause: Cause) -> SceneError {
+    match cause.downcast() {
+        Ok(scene_error) => *scene_error,
+        Err(cause) => SceneError::Picture {
+            path: path.into(),
+            frame,
+            cause,
+        },
+    }
+}
+
+/// The delays of all frames.
+fn delays(path: &Path, start: &Start<'_>) -> Result<Vec<Delay>, SceneError> {
+    let mut patches = start().map_err(|e| damaged(path, 0, e))?;
+    let mut delays = Vec::new();
+    while let Some(patch) = patches
+        .next_patch()
+        .map_err(|e| damaged(path, delays.len() as u64, e))?
+    {
+        delays.push(patch.delay);
+        light::check_drawn(path, patches.size(), delays.len() as u64)?;
+    }
+    Ok(delays)
+}
+
 impl Animation {
     /// The animation, and what its samples are.
     fn open(
         path: &Path,
         options: OpenOptions,
-        start: &dyn Fn() -> Result<Box<dyn Patches>, Cause>,
+        start: &Start<'_>,
     ) -> Result<(Self, Source), SceneError> {
-        let animation = Self::new(path, options, start)?;
-        let source = Source::pictures(animation.patches.bits());
-        Ok((animation, source))
+        Self::of(path, options, start, &delays(path, start)?)
     }
 
-    fn new(
+    /// The same of one whose delays are known.
+    fn of(
         path: &Path,
         options: OpenOptions,
-        start: &dyn Fn() -> Result<Box<dyn Patches>, Cause>,
-    ) -> Result<Self, SceneError> {
-        let damaged = |frame, cause: Cause| match cause.downcast() {
-            Ok(scene_error) => *scene_error,
-            Err(cause) => SceneError::Picture {
-                path: path.into(),
-                frame,
-                cause,
-            },
-        };
+        start: &Start<'_>,
+        delays: &[Delay],
+    ) -> Result<(Self, Source), SceneError> {
         let asked = options.fps;
-        let mut patches = start().map_err(|e| damaged(0, e))?;
-        let mut delays = Vec::new();
-        while let Some(patch) = patches
-            .next_patch()
-            .map_err(|e| damaged(delays.len() as u64, e))?
-        {
-            delays.push(patch.delay);
-            light::check_drawn(path, patches.size(), delays.len() as u64)?;
-        }
+        let patches = start().map_err(|e| damaged(path, 0, e))?;
         let found = match asked {
             Some(_) => None,
-            None => even_rate(path, &delays, patches.unit())?,
+            None => even_rate(path, delays, patches.unit())?,
         };
         let rate = match delays.len() {
             0 => {
@@ -162,9 +183,8 @@ impl Animation {
             1 => Rate::asked_or_assumed(asked),
             _ => Rate::asked_or_found(asked, found, path)?,
         };
-        let patches = start().map_err(|e| damaged(0, e))?;
-        let size = patches.size();
-        Ok(Self {
+        let (size, source) = (patches.size(), Source::pictures(patches.bits()));
+        let animation = Self {
             path: path.into(),
             patches,
             size,
@@ -172,7 +192,8 @@ impl Animation {
             rate,
             count: delays.len() as u64,
             next: 0,
-        })
+        };
+        Ok((animation, source))
     }
 }
 

@@ -1,8 +1,8 @@
 //! The clip that comes with the program.
 
-use std::path::Path;
+use std::{path::Path, sync::OnceLock};
 
-use super::{OpenOptions, Scene, SceneError, animation, check_rate};
+use super::{OpenOptions, Scene, SceneError, animation, canvas::Delay, check_rate};
 
 /// People walking past a still camera: a crop of `vtest.avi`, which comes with `OpenCV`, as
 /// gray 8-bit video of 256x256 at 10 frames/s.
@@ -21,6 +21,7 @@ pub fn bundled() -> Result<Box<dyn Scene>, SceneError> {
 /// # Errors
 /// When the options ask for what it is not.
 pub fn bundled_with(options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
+    static DELAYS: OnceLock<Vec<Delay>> = OnceLock::new();
     const CLIP: &[u8] = include_bytes!("../../clips/vtest_256x256.apng");
     let name = Path::new("clips/vtest_256x256.apng");
     options.fps.map(check_rate).transpose()?;
@@ -29,6 +30,6 @@ pub fn bundled_with(options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError>
         memory: None,
         ..*options
     };
-    let (scene, source) = animation::play_apng(name, CLIP, *options)?;
+    let (scene, source) = animation::play_apng(name, CLIP, *options, &DELAYS)?;
     options.view.of(source.decode(scene, name, options)?)
 }

@@ -53,7 +53,9 @@ pub enum RateError {
         up(*least),
         down(*most)
     )]
-    #[diagnostic(help("give a rate between them"))]
+    #[diagnostic(help(
+        "give a rate between them; where they are far off, look at the scale of the light (--scale)"
+    ))]
     Unreachable {
         /// The rate that was asked for.
         asked: f64,
@@ -265,12 +267,23 @@ pub(super) fn rates(
     Ok(sensors.iter().map(of_groups).collect())
 }
 
-/// A threshold in four digits, which is finer than any rate asks for.
+/// A threshold in four digits, which is finer than any rate asks for; never a higher one.
+///
+/// Light comes in whole steps, so what changes does too, and many cells change by the same round
+/// number. None of them fires where the threshold is rounded up to it.
 #[must_use]
 pub fn four_digits(threshold: f64) -> f64 {
     let digits = (3 - elementary::log10(threshold).floor() as i32).clamp(0, 12);
-    let text = format!("{threshold:.*}", digits as usize);
-    text.parse().unwrap_or(threshold)
+    let rounded = |threshold: f64| {
+        let text = format!("{threshold:.*}", digits as usize);
+        text.parse().unwrap_or(threshold)
+    };
+    let near = rounded(threshold);
+    if near <= threshold {
+        near
+    } else {
+        rounded(near - elementary::pow(10.0, f64::from(-digits)))
+    }
 }
 
 /// A sensor with all its thresholds times a factor.
@@ -295,6 +308,23 @@ fn times_kind(channel: &mut Channel, factor: f64) {
 mod tests {
     use super::*;
     use crate::scene::{OpenOptions, open};
+
+    #[test]
+    fn four_digits_are_never_more() {
+        for (threshold, digits) in [
+            (39.999_87, 39.99),
+            (40.0, 40.0),
+            (40.004, 40.0),
+            (3.936, 3.936),
+            (3.935_999, 3.935),
+            (0.012_349, 0.01234),
+            (12_345.6, 12_345.0),
+            (0.9999, 0.9999),
+            (0.999_99, 0.9999),
+        ] {
+            assert_eq!(four_digits(threshold), digits, "{threshold}");
+        }
+    }
 
     fn scene() -> Result<Box<dyn Scene>, SceneError> {
         let pattern = "pattern:noise?width=48&height=40&frames=20&fps=100&speed=60";

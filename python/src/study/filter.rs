@@ -53,7 +53,10 @@ pub fn compile_filter(
     }
     let mut request = Request::new(&kernels, &device).map_err(raised)?;
     (request.effort, request.seed) = (effort, seed);
-    (request.range, request.border) = (input, border);
+    request.range = input;
+    if border {
+        request.border = Border::Right;
+    }
     request.objective = objective(aim)?;
     let pool = pool::pool()?;
     let found = pool::watched(py, stop.flag(), || pool.install(|| request.filter()))?;

@@ -279,7 +279,7 @@ impl Compiled {
         };
         if self.memory.is_some() {
             format!(
-                "not right at the border: {far} events differ from the float model's, in exact arithmetic too; search longer (--effort), or take a chip with more registers (--border refuses such a program)"
+                "not right at the border: {far} events differ from the float model's, in exact arithmetic too; search longer (--effort), or take a chip with more registers; --border takes one that is right there, however little comes out of it, or refuses"
             )
         } else {
             let way = if self.to_border {

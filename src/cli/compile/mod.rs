@@ -29,8 +29,8 @@ use crate::{
         range::{Inputs, Interval},
     },
     compile::{
-        CellKind, DriveMemory, Effort, Filter, FilterNoise, Objective, Request, SensorProgram,
-        Signal, naive_cost,
+        Border, CellKind, DriveMemory, Effort, Filter, FilterNoise, Objective, Request,
+        SensorProgram, Signal, naive_cost,
     },
     isa::{Analog, Device, Figure, Source, Value},
     kernel::{Kernel, quantise::Quantiser},
@@ -76,7 +76,7 @@ pub struct Arguments {
     #[arg(long, value_name = "LO..HI", requires = "filter_only", conflicts_with_all = ["sensor", "threshold"], value_parser = interval, allow_hyphen_values = true)]
     input: Option<(f64, f64)>,
     /// Right up to the border, zeros beyond it: with --filter-only if that can be had; a whole program
-    /// always tries, and with this is refused where it cannot
+    /// is so where more comes out of it, and with this always, or is refused
     #[arg(long)]
     border: bool,
     /// A sensor file: its kernels and thresholds
@@ -442,7 +442,6 @@ fn bare<'a>(
         request.into_free();
     }
     check_registers(&request, asked)?;
-    request.border = arguments.border;
     request.range = asked.input;
     let ends = [Figure::Lowest, Figure::Highest].map(|end| device.value(end));
     // Half a level beyond is what light has at most.
@@ -602,6 +601,9 @@ fn request<'a>(
         Aim::Exact => Objective::Exact,
         Aim::Words => Objective::Words,
     };
+    if arguments.border {
+        request.border = Border::Right;
+    }
     Ok(request)
 }
 

@@ -21,7 +21,7 @@ use crate::{
     npy,
     photoreceptor::Response,
     plane::{Plane, Size},
-    rig,
+    rig::{self, guard::Warning},
     save::save,
     scene::{Frame, Observation, Scene, part::First},
     unit::{Picos, counted},
@@ -181,6 +181,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     save(&arguments.output, |out| {
         npy::write(out, &shape, written.iter().copied())
     })?;
+    light::warn(&Warning::of_scene(&observation, arguments.response));
     let euler_steps = match &sheet_now {
         Some((_, Moved::V2e(euler))) => Some(euler.steps()),
         _ => None,

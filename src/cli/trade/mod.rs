@@ -21,6 +21,8 @@ use crate::{
     array::Arithmetic,
     memory::Need,
     number::Format,
+    photoreceptor::Response,
+    rig::guard::Warning,
     scene::{Observation, Scene, kept::Kept, part::First},
     stop::Stop,
     study::{
@@ -63,7 +65,7 @@ pub struct Arguments {
     #[command(flatten)]
     samples: Samples,
     /// Insert frames, as for `amacrine run`
-    #[arg(long, value_name = "CONTRAST", conflicts_with = "program")]
+    #[arg(long, value_name = "CONTRAST", value_parser = light::contrast, conflicts_with = "program")]
     upsample: Option<f64>,
     /// Chooses mismatch and noise, and the tiles
     #[arg(long, default_value_t = 0)]
@@ -182,7 +184,7 @@ impl Arguments {
         scened: &Scened,
         models: Vec<F::Model>,
         (alternative, free): Rules<'_, F::Model>,
-        told: &Told<'_, F::Model>,
+        (told, response): (&Told<'_, F::Model>, Response),
     ) -> miette::Result<()>
     where
         F: Family,
@@ -210,6 +212,7 @@ impl Arguments {
         };
         let trade: Trade<F::Model> = trade(family, &ask)?;
         progress.finish();
+        light::warn(&Warning::of_scene(&scened.observation, response));
         if let Some(path) = &self.output {
             path.draw(&told.drawing(&trade))?;
         }

@@ -10,6 +10,7 @@ use super::{
 use crate::{
     array::{Arithmetic, Schedule, Settings},
     number::Format,
+    photoreceptor::Response,
     study::{
         pilot::{Chips, ErrorTerm},
         trade::{Programs, Setup},
@@ -71,7 +72,8 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
     };
     let models = family.models(&formats);
     let rules = (&alternative as &_, &free as &_);
-    arguments.trade(&family, &scened, models, rules, &told)
+    let told = (&told, Response::IDENTITY);
+    arguments.trade(&family, &scened, models, rules, told)
 }
 
 /// The command that runs a model.

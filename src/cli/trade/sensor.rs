@@ -63,7 +63,8 @@ pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
         command: &|choice| command(arguments, sensor, choice),
     };
     let rules = (&alternative as &_, &free as &_);
-    arguments.trade(&family, &scened, models, rules, &told)
+    let told = (&told, description.response);
+    arguments.trade(&family, &scened, models, rules, told)
 }
 
 /// The command that runs a model.

@@ -15,7 +15,7 @@ pub enum TensorError {
     },
     /// A length that is none.
     #[error("{what} is {seconds} s")]
-    #[diagnostic(help("give a time of at least 1 us and at most 10^9 s, in seconds"))]
+    #[diagnostic(help("give a time of at least 1 us and at most 10^9 s"))]
     Time {
         /// What it is the length of.
         what: &'static str,

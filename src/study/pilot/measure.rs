@@ -367,7 +367,12 @@ impl<F: Family> Pilot<'_, F> {
             .filter(|offer| offer.change.is_some_and(|c| c.is_within(measure.tolerance)))
             .collect();
         if allowed.is_empty() {
-            return because("no plainer model stays within the tolerance");
+            let is_late = |offer: &Offer<F::Model>| offer.change.is_none();
+            return because(if answer.offers.iter().any(is_late) {
+                "no plainer model both stays within the tolerance and saves enough"
+            } else {
+                "no plainer model stays within the tolerance"
+            });
         }
         // What is allowed by itself need not be together: that is measured too.
         let apart: Vec<F::Model> = allowed.iter().map(|offer| offer.model.clone()).collect();
@@ -450,8 +455,7 @@ const SAVES_LITTLE: &str = "it would save too little";
 
 const NOT_TRIED: &str = "there is no time to try it";
 
-const TOO_QUICK: &str =
-    "the full model is too quick: a sample that says anything would take longer than it may save";
+const TOO_QUICK: &str = "the part of the full run's time that a pilot may take is too short for a sample that says anything";
 
 /// The part of a pilot's time that may go into trying what candidates cost on the whole sensor.
 const TRYING: f64 = 0.4;

@@ -266,7 +266,7 @@ const TIMED: usize = 2;
 const LOOKING: f64 = 0.5;
 
 const TOO_QUICK: &str =
-    "the full model is too quick: a look at the scene would take longer than it may save";
+    "the part of the full run's time that a pilot may take is too short for a look at the scene";
 
 impl Floats<'_> {
     /// Whether a look at all of the scene takes no more than it may, by the time of the first frames:
