@@ -15,6 +15,7 @@ use crate::{
     event::Packet,
     scene::{Frame, Scene, SceneError},
     sensor::{Sensor, SensorError},
+    unit::Micros,
 };
 
 /// Why a rig stopped.
@@ -77,9 +78,15 @@ fn watch_all(
 ) -> Result<Vec<Packet>, RigError> {
     let mut packets: Vec<_> = sensors
         .iter()
-        .map(|s| Packet::new(s.size(), s.channels()))
+        .map(|s| Packet {
+            names: s.names(),
+            ..Packet::new(s.size(), s.channels())
+        })
         .collect();
+    let mut watched: Option<(f64, f64)> = None;
     play(scene, |frame| {
+        let (first, _) = *watched.get_or_insert((frame.seconds, 0.0));
+        watched = Some((first, frame.seconds));
         sensors
             .par_iter_mut()
             .zip(&mut packets)
@@ -94,5 +101,11 @@ fn watch_all(
         seen(&frame);
         Ok::<_, RigError>(ControlFlow::Continue(()))
     })?;
+    let span = watched.map(|(from, to)| [from, to].map(Micros::from_seconds));
+    for packet in &mut packets {
+        if let (Some([from, to]), (Micros(0), Micros(0))) = (span, packet.span) {
+            packet.span = (from, to);
+        }
+    }
     Ok(packets)
 }

@@ -1,6 +1,9 @@
 //! What the reference and the device have in common: light in, events out.
 
-use crate::{event::Packet, number::Format, photoreceptor::LightError, plane::Size, scene::Frame};
+use crate::{
+    event::Packet, number::Format, photoreceptor::LightError, plane::Size, reference::Unsound,
+    scene::Frame,
+};
 
 /// A sensor that watches a scene frame by frame.
 pub trait Sensor {
@@ -13,9 +16,16 @@ pub trait Sensor {
     /// Kinds of cells per pixel.
     fn channels(&self) -> u8;
 
-    /// Watches one frame and appends to `packet` what happened since the frame before.
+    /// What the kinds of cells are called, for packets and files; none where they have no names.
+    fn names(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// Watches one frame and appends to `packet` what happened since the frame before, in order of
+    /// time.
     ///
-    /// The first frame sets the memory and emits nothing.
+    /// The first frame sets the memory and emits nothing. Who shows the frames sets the packet's
+    /// `span`, if this does not: [`rig::watch`](crate::rig::watch) does.
     ///
     /// # Errors
     /// When the frame has another size than the sensor, or the sensor cannot go on.
@@ -33,6 +43,10 @@ impl<S: Sensor + ?Sized> Sensor for Box<S> {
 
     fn channels(&self) -> u8 {
         (**self).channels()
+    }
+
+    fn names(&self) -> Vec<String> {
+        (**self).names()
     }
 
     fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
@@ -123,11 +137,17 @@ pub enum SensorError {
     },
     /// A sensor without pixels, or with more than addresses.
     #[error("a sensor of {size} pixels cannot be addressed")]
-    #[diagnostic(help("width and height must be from 1 to 65536"))]
+    #[diagnostic(help(
+        "width and height must be from 1 to 65536, and pixels no more than 4096 times 4096"
+    ))]
     Addresses {
         /// The size.
         size: Size,
     },
+    /// A float sensor that cannot be.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Unsound(#[from] Unsound),
     /// Light that the photoreceptor's response is not defined for.
     #[error("frame {index}, x = {x}, y = {y}: {cause}")]
     #[diagnostic(help(

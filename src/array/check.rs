@@ -4,7 +4,6 @@ use super::Layout;
 use crate::{
     event::readout::scan::SLOTS,
     isa::{Analog, Cell, Digital, Primitive, operands::Unit},
-    limit::ARRAY_SIDE,
     plane::Size,
     program::{Action, Code, Host, Step},
 };
@@ -98,11 +97,7 @@ impl CodeProblem {
 /// # Errors
 /// The first instruction that cannot, on line 0 the array itself.
 pub fn check(code: &Code, layout: &Layout) -> Result<(), CodeError> {
-    let Size { height, width } = layout.size;
-    if ![height, width]
-        .iter()
-        .all(|side| (1..=ARRAY_SIDE).contains(side))
-    {
+    if !layout.size.is_possible() {
         let size = layout.size;
         let problem = CodeProblem::Size { size };
         return Err(CodeError { line: 0, problem });

@@ -58,7 +58,8 @@ pub struct Arguments {
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,
-    /// Insert frames so that no pixel's light changes by more than this from one to the next, in ln units
+    /// Insert frames so that no pixel's light, of 255, plus 1 changes by more than this from one to
+    /// the next, in ln units
     #[arg(long, value_name = "CONTRAST", value_parser = light::contrast)]
     upsample: Option<f64>,
     /// Chooses mismatch and noise

@@ -1,6 +1,6 @@
 //! A program on the array against a sensor of the float model.
 
-use proptest::test_runner::{Config, TestCaseError, TestError, TestRunner};
+use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
 
 use super::{Clip, clips};
 use crate::{
@@ -36,6 +36,8 @@ pub struct Tolerance {
     pub size: Size,
     /// Random scenes.
     pub cases: u32,
+    /// Chooses the scenes: the same seed shows the same ones.
+    pub seed: u64,
 }
 
 impl Default for Tolerance {
@@ -50,6 +52,7 @@ impl Default for Tolerance {
             constants: Overrides::default(),
             size: Size::new(9, 12),
             cases: 64,
+            seed: 0,
         }
     }
 }
@@ -169,9 +172,14 @@ pub fn assert_agrees(program: &Program, reference: &Description, tolerance: &Tol
         max_shrink_iters: 100_000,
         ..Config::default()
     };
-    let found = TestRunner::new(config).run(&clips(tolerance.size, 2..=6), |clip| {
-        agree(program, reference, &clip, tolerance).map_err(|e| TestCaseError::fail(e.to_string()))
-    });
+    let mut seed = [0; 32];
+    seed[..8].copy_from_slice(&tolerance.seed.to_le_bytes());
+    let scenes = TestRng::from_seed(RngAlgorithm::ChaCha, &seed);
+    let found =
+        TestRunner::new_with_rng(config, scenes).run(&clips(tolerance.size, 2..=6), |clip| {
+            agree(program, reference, &clip, tolerance)
+                .map_err(|e| TestCaseError::fail(e.to_string()))
+        });
     match found {
         Ok(()) => {}
         Err(TestError::Fail(why, clip)) => panic!(

@@ -68,7 +68,8 @@ impl Reference<F64> {
     /// mismatch and noise.
     ///
     /// # Errors
-    /// When the size is empty, or larger than event addresses.
+    /// When the size is empty, or larger than sensors are; when there can be no such sensor
+    /// ([`Description::check`]).
     pub fn new(description: Description, size: Size, seed: u64) -> Result<Self, SensorError> {
         Self::with_number(F64, description, size, seed)
     }
@@ -85,6 +86,9 @@ impl<N: Number> Reference<N> {
         size: Size,
         seed: u64,
     ) -> Result<Self, SensorError> {
+        if !size.is_possible() {
+            return Err(SensorError::Addresses { size });
+        }
         Self::in_bands(number, description, (size, None), seed, band_rows(size))
     }
 
@@ -118,6 +122,7 @@ impl<N: Number> Reference<N> {
         if !addresses.contains(&size.width) || !addresses.contains(&size.height) {
             return Err(SensorError::Addresses { size });
         }
+        description.check()?;
         let reach = description
             .channels
             .iter()
@@ -414,6 +419,10 @@ impl<N: Number> Sensor for Reference<N> {
 
     fn channels(&self) -> u8 {
         self.plan.weights.len() as u8
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.plan.description.names()
     }
 
     fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {

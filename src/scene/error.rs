@@ -59,13 +59,13 @@ pub enum SceneError {
     #[error("{path}: header field {field}: got {got}, expected {want}")]
     #[diagnostic(help("write the file anew; for video: ffmpeg -i FILE -pix_fmt gray clip.y4m"))]
     Header {
-        /// Name of the field.
+        /// The file or folder of the scene.
         path: PathBuf,
-        /// Its value in the file.
+        /// Name of the field.
         field: &'static str,
-        /// The value that it should have.
+        /// Its value in the file.
         got: String,
-        /// What should.
+        /// What it should be.
         want: &'static str,
     },
 

@@ -11,11 +11,17 @@ use super::{head::Compression, packets};
 /// The longest packet or header of AEDAT 4.0, in bytes, compressed or not.
 pub(super) const LONGEST: usize = 1 << 26;
 
+/// Where in the header of an LZ4 frame the length of its blocks is.
+const BLOCKS: usize = 5;
+
 /// Decompresses packets.
 pub struct Unpacking {
     /// As the header numbers it.
     compression: i32,
     lz4: FrameDecoder<Cursor<Vec<u8>>>,
+    /// The byte of the last frame's header that says how long its blocks are: a decoder serves
+    /// frames of one such length.
+    blocks: u8,
 }
 
 impl Unpacking {
@@ -24,6 +30,7 @@ impl Unpacking {
         Self {
             compression,
             lz4: FrameDecoder::new(Cursor::default()),
+            blocks: 0,
         }
     }
 
@@ -47,6 +54,11 @@ impl Unpacking {
                 return Err("has a packet that is no whole LZ4 frame".into());
             }
             1 | 2 => {
+                let blocks = block[BLOCKS];
+                if blocks != self.blocks {
+                    self.lz4 = FrameDecoder::new(Cursor::default());
+                    self.blocks = blocks;
+                }
                 let input = self.lz4.get_mut();
                 input.set_position(0);
                 std::mem::swap(input.get_mut(), block);

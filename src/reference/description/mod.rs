@@ -29,6 +29,7 @@ mod open;
 mod reader;
 mod rules;
 mod sensor;
+mod soundness;
 mod text;
 
 pub use self::{
@@ -37,4 +38,5 @@ pub use self::{
     reader::ReadFile,
     rules::{Border, MemoryRule, PolarityRule, Refractory, RefractoryRule},
     sensor::Description,
+    soundness::Unsound,
 };

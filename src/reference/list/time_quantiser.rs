@@ -54,9 +54,10 @@ impl TimeQuantiser {
         }
     }
 
-    /// Whether the interval is too long for packed times: 8 seconds and more.
-    pub(super) const fn is_long(&self) -> bool {
-        self.span >> PackedEvent::TIME_BITS != 0
+    /// Whether times are not packed: the interval is too long for that, 8 seconds and more, or
+    /// begins before time 0.
+    pub(super) fn is_long(&self) -> bool {
+        self.span >> PackedEvent::TIME_BITS != 0 || self.from < self.least
     }
 
     /// Number of whole microseconds from the start to the later frame, both included.
