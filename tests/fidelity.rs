@@ -707,7 +707,7 @@ fn a_pilot_stops_when_it_does_not_pay() {
     let without_time = plan(&asked, Some(&kept), &clock).unwrap();
     let why = &without_time.why;
     assert!(
-        why.contains("a look at the scene would take longer"),
+        why.contains("is too short for a look at the scene"),
         "{why}"
     );
     let mut asked = asked;

@@ -9,6 +9,7 @@ use std::{collections::BTreeSet, fs, path::Path};
 
 use common::{good, json, refused};
 use ndarray::{Array2, Array3};
+use serde_json::Value;
 use tempfile::TempDir;
 
 fn kernel(folder: &Path, name: &str, rows: &[&[f64]]) {
@@ -391,4 +392,33 @@ fn kernels_that_cannot_be_are_told() {
     ];
     let said = json(folder, &[&arguments[..], &["--effort", "0.1"]].concat());
     assert_eq!(said["into"].as_array().unwrap().len(), 2);
+}
+
+/// Of five registers, what is right at the border takes twice the words and loses events on the chip:
+/// the border of 256x256 cells is not worth that, unless it is asked for.
+#[test]
+fn the_border_costs_no_more_than_it_is_worth() {
+    let folder = TempDir::new().unwrap();
+    let chip = folder.path().join("five");
+    fs::create_dir(&chip).unwrap();
+    let text = "name = \"five\"\ntitle = \"five\"\nextends = \"scamp5\"\n[registers]\nanalogue = [\"A\", \"B\", \"C\", \"D\", \"E\", \"NEWS\"]\n";
+    fs::write(chip.join("device.toml"), text).unwrap();
+    let words = [
+        "compile",
+        "rgc-5x5",
+        "--to",
+        "ternary",
+        "--threshold",
+        "128",
+        "--chip",
+        "five",
+        "--json",
+    ];
+    let compiled = |more: &[&str]| json(folder.path(), &[&words[..], more].concat());
+    let said = compiled(&[]);
+    let f1 = |said: &Value| said["decided"][0]["silicon"].as_f64();
+    let right = compiled(&["--border"]);
+    assert_eq!(said["border"], false);
+    assert_eq!(right["border"], true);
+    assert!(f1(&said) > f1(&right));
 }

@@ -1,5 +1,7 @@
 //! What is shown of a scene: a slice, a part of each picture, larger pixels.
 
+#![cfg(feature = "cli")]
+
 mod common;
 
 use std::{fs, path::Path};
