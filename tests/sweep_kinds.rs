@@ -473,6 +473,14 @@ fn all_ways_to_a_point_agree() {
         rows.into_iter().map(without).collect()
     };
     let all = bare(all);
+    // A program is for its thresholds.
+    let programs = [("kernel", "two.npy"), ("kept_in", "analogue")];
+    let programs = all
+        .iter()
+        .filter(|row| programs.iter().all(|(key, word)| row[*key] == *word));
+    let programs: Vec<&Value> = programs.collect();
+    assert_eq!(programs.len(), 2);
+    assert_ne!(programs[0]["events"], programs[1]["events"]);
     assert_eq!(bare(results(at, "merged")), all);
     let said = good(
         at,
@@ -555,6 +563,28 @@ fn plain_models_stand_for_several_kinds() {
         }
     }
     assert!(stood >= 2 && itself >= 4, "{stood} {itself}");
+}
+
+/// Large kernels that differ in the middle alone are different sensors, each with a pilot.
+#[test]
+fn pilots_are_of_all_weights() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let kernel = |centre: f64| {
+        let mut rows = vec![vec![0.0; 25]; 25];
+        (rows[12][12], rows[12][13]) = (centre, -1.0);
+        rows
+    };
+    for (name, centre) in [("a.npy", 1.0), ("b.npy", 2.0)] {
+        write(at, name, &vec![kernel(centre)], false);
+    }
+    let side = "[[side]]\nside = \"reference\"\nformat = [\"f64\", \"f32\"]\n";
+    let study = format!(
+        "{}fidelity = \"auto\"\nkernel = [\"a.npy\", \"b.npy\"]\nthreshold = 20\n{side}",
+        head()
+    );
+    assert_eq!(rows(at, &study, "auto").len(), 4);
+    assert_eq!(fs::read_dir(at.join("auto/pilots")).unwrap().count(), 2);
 }
 
 /// The example of the documentation is a study that runs.

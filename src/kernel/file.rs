@@ -185,8 +185,7 @@ impl Kernel {
 
     /// Reads a `.npy` array of shape (kernels, rows, columns), or (kernels, 1, rows, columns) as
     /// `PyTorch` has it; `None` when it is none.
-    #[must_use]
-    pub fn planes_from_npy(bytes: &[u8]) -> Option<Vec<Plane<f64>>> {
+    fn planes_from_npy(bytes: &[u8]) -> Option<Vec<Plane<f64>>> {
         let array = weights(bytes).ok()?;
         let (&[_, rows, columns] | &[_, 1, rows, columns]) = array.shape.as_slice() else {
             return None;

@@ -78,7 +78,7 @@ fn run(
     row: &mut Row,
 ) -> Result<(), Refusal> {
     let settings = &plan.study.settings;
-    let fits = limits.fits(entry.scene.size);
+    let fits = limits.fits(entry.scene.size, entry.kernels.len());
     fits.map_err(|exhausted| exhausted.given_up())?;
     if let Some(plain) = fidelity::plain(plan, entry, shared, limits, row)? {
         // What a point is measured against is the same for points of one task.
