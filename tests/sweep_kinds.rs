@@ -27,7 +27,7 @@ use common::{good, json, refused};
 use serde_json::{Value, json as value};
 use tempfile::TempDir;
 
-const SCENE: &str = "pattern:noise?width=48&height=40&frames=10&fps=100&grain=3&speed=30";
+const SCENE: &str = "pattern:noise?width=48&height=40&frames=10&fps=100&grain=4&speed=100";
 const WITHIN: Micros = Micros(20_000);
 const EFFORT: f64 = 0.05;
 
@@ -226,14 +226,14 @@ fn two_kinds_are_one_sensor_and_one_program() {
     let study = format!(
         "{}kernel = \"two.npy\"\nthreshold = {{ on = [24, 30], off = [24, 30] }}\nmetrics = \"f1\"\n\
          [[side]]\nside = \"reference\"\n[[side]]\nside = \"reference\"\nmemory = \"raw-snap\"\nshared = [false, true]\n\
-         [[side]]\nside = \"array\"\nquantise = \"ternary\"\nmemory = [\"analogue\", \"shared\", \"bits:6\"]\ndomain = [\"exact\", \"silicon\"]\nreadout = [\"chip\", \"all\"]\n",
+         [[side]]\nside = \"array\"\nquantise = \"ternary\"\nmemory = [\"analogue\", \"shared\", \"bits:4\"]\ndomain = [\"exact\", \"silicon\"]\nreadout = [\"chip\", \"all\"]\n",
         head()
     );
     let all = rows(folder.path(), &study, "out");
     assert_eq!(all.len(), 3 + 3 * 4);
     let told = |memory| Told::new(&two(), &[24.0, 30.0], "ternary", memory);
     told(DriveMemory::Analogue).holds_for(&all, "analogue", &SNAP);
-    told(DriveMemory::Bits(6)).holds_for(&all, "bits:6", &SNAP);
+    told(DriveMemory::Bits(4)).holds_for(&all, "bits:4", &SNAP);
     told(DriveMemory::Shared).holds_for(&all, "shared", &SHARED);
     // A memory of each kind is another sensor.
     let own = [("rule", "raw-snap"), ("side", "reference")];
@@ -266,21 +266,22 @@ fn four_kinds_share_a_chip_or_are_refused() {
     let study = format!(
         "{}kernel = \"four.npy\"\nthreshold = {{ on = [40, 44, 48, 52], off = [40, 44, 48, 52] }}\nmetrics = \"f1\"\n\
          [[side]]\nside = \"reference\"\n[[side]]\nside = \"reference\"\nmemory = \"raw-snap\"\nshared = true\n\
-         [[side]]\nside = \"array\"\nquantise = \"ternary\"\nmemory = [\"shared\", \"bits:3\"]\ndomain = [\"exact\", \"silicon\"]\nreadout = [\"chip\", \"all\"]\n\
-         [[side]]\nside = \"array\"\nquantise = \"ternary\"\nmemory = \"analogue\"\n",
+         [[side]]\nside = \"array\"\nquantise = \"ternary\"\nmemory = \"shared\"\ndomain = [\"exact\", \"silicon\"]\nreadout = [\"chip\", \"all\"]\n\
+         [[side]]\nside = \"array\"\nquantise = \"ternary\"\nmemory = [\"analogue\", \"bits:3\"]\n",
         head()
     );
     let all = rows(folder.path(), &study, "out");
     let told = |memory| Told::new(&four(), &[40.0, 44.0, 48.0, 52.0], "ternary", memory);
     told(DriveMemory::Shared).holds_for(&all, "shared", &SHARED);
-    told(DriveMemory::Bits(3)).holds_for(&all, "bits:3", &SNAP);
-    let none = row(&all, &[("kept_in", "analogue")]);
-    assert_eq!(none["outcome"], "refused");
-    let why = none["reason"].as_str().unwrap();
-    assert!(
-        why.contains("4 kernels") && why.contains("analogue registers"),
-        "{why}"
-    );
+    for memory in ["analogue", "bits:3"] {
+        let none = row(&all, &[("kept_in", memory)]);
+        assert_eq!(none["outcome"], "refused");
+        let why = none["reason"].as_str().unwrap();
+        assert!(
+            why.contains("4 kinds") && why.contains("6 are free"),
+            "{why}"
+        );
+    }
     // The largest error of the four, as `quantise` tells them one by one.
     let said = json(folder.path(), &["quantise", "four.npy", "--to", "ternary"]);
     let kernels = said["kernels"].as_array().unwrap().iter();
@@ -319,7 +320,11 @@ fn each_kind_has_its_own_threshold() {
         ("k1.toml", "{ on = 40, off = 50 }"),
     ];
     let alone = alone.map(|(kernel, threshold)| {
-        let rows = rows(at, &study(kernel, threshold), &kernel[..2]);
+        let rows = rows(
+            at,
+            &study(kernel, threshold),
+            &format!("alone-{}", &kernel[..2]),
+        );
         assert_eq!(
             (&rows[0]["kinds"], &rows[0]["thresholds"]),
             (&value!(1), &Value::Null)
@@ -514,19 +519,18 @@ fn all_ways_to_a_point_agree() {
     assert_eq!(program(&other).0, "done");
     assert!(all.iter().all(|row| program(row) != program(&other)));
     // As it is set on the command line.
-    let set = [
+    let sets = [
+        "kernel=two.npy",
         "reference.threshold={ on = [24, 24], off = 24 }",
         "reference.shared=true",
     ];
-    let set = ["sweep", "out.toml", set[0], set[1], "--output", "set"];
-    good(at, &set);
-    let set = results(at, "set");
-    let floats = set.iter().filter(|row| row["side"] == "reference");
-    assert!(
-        floats
-            .clone()
-            .all(|row| all.iter().any(|known| known["id"] == row["id"]))
+    good(
+        at,
+        &[&["sweep", "out.toml", "--output", "set"][..], &sets].concat(),
     );
+    let set = results(at, "set");
+    let mut floats = set.iter().filter(|row| row["side"] == "reference");
+    assert!(floats.all(|row| all.iter().any(|known| known["id"] == row["id"])));
 }
 
 /// A plainer model stands for points of several kinds, within its limit.

@@ -205,6 +205,7 @@ impl Kernel {
     /// # Errors
     /// What is wrong with the array, and what to do: there are too many of them, or one is no
     /// kernel.
+    #[must_use]
     pub fn several_from_npy(
         name: &str,
         bytes: &[u8],
