@@ -356,6 +356,29 @@ fn each_kind_has_its_own_threshold() {
     assert!(told.contains("sigma [0.0, 9.0]"), "{told}");
 }
 
+/// Another second kernel is another point; another shape of the array is not.
+#[test]
+fn every_kernel_of_an_array_counts() {
+    let folder = folder();
+    let at = folder.path();
+    write(at, "torch.npy", &two(), true);
+    let mut other = two();
+    other[1][0][0] = 0.5;
+    write(at, "other.npy", &other, false);
+    let side = "[[side]]\nside = \"reference\"\n[[side]]\nside = \"array\"\nquantise = \"po2-3\"\n";
+    let study = format!(
+        "{}kernel = [\"two.npy\", \"torch.npy\", \"other.npy\"]\nthreshold = 24\n{side}",
+        head()
+    );
+    let all = rows(at, &study, "out");
+    let names: Vec<&str> = { all.iter() }
+        .map(|row| row["kernel"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["two.npy", "other.npy", "two.npy", "other.npy"]);
+    assert_ne!(all[0]["events"], all[1]["events"]);
+    assert_ne!(all[2]["events"], all[3]["events"]);
+}
+
 #[test]
 fn what_does_not_fit_the_kinds_is_refused_in_its_place() {
     let folder = folder();
