@@ -387,7 +387,15 @@ fn what_does_not_fit_the_kinds_is_refused_in_its_place() {
     write(at, "even.npy", &vec![vec![vec![1.0; 4]; 4]; 2], false);
     let array = "[[side]]\nside = \"array\"\n";
     let reference = "[[side]]\nside = \"reference\"\n";
-    let cases: [(&str, &str, String, &[&str]); 8] = [
+    let even = "name = \"k\"\nsource = \"test\"\nweights = [[1, 1]]\n";
+    fs::write(at.join("even.toml"), even).unwrap();
+    let cases: [(&str, &str, String, &[&str]); 9] = [
+        (
+            "even.toml",
+            "8",
+            array.to_owned(),
+            &["wrong.toml:4:10", "even.toml", "(K,k,k)"],
+        ),
         (
             "four.npy",
             "[8, { on = [8, 9, 7], off = 8 }]",

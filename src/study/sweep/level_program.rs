@@ -64,13 +64,12 @@ impl LevelProgram {
                 names.push(about);
             }
         }
-        let memory = match point.word("memory").unwrap_or_default() {
-            "shared" => DriveMemory::Shared,
-            word => {
-                word.strip_prefix("bits:")
-                    .and_then(|bits| bits.parse().ok())
-            }
-            .map_or(DriveMemory::Analogue, DriveMemory::Bits),
+        let memory = point.word("memory").unwrap_or_default();
+        let bits = { memory.strip_prefix("bits:") }.and_then(|bits| bits.parse().ok());
+        let memory = match bits {
+            Some(bits) => DriveMemory::Bits(bits),
+            None if memory == "shared" => DriveMemory::Shared,
+            None => DriveMemory::Analogue,
         };
         let title = format!("{} as {name}", point.word("kernel").unwrap_or_default());
         let effort = Effort::states(settings.effort);

@@ -107,3 +107,21 @@ pub(super) enum Stop {
     #[diagnostic(transparent)]
     Exhausted(#[from] Exhausted),
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_kind_takes_room() {
+        let size = Size::new(10, 10);
+        let limits = Limits {
+            clock: &|| 0.0,
+            seconds: None,
+            bytes: Some(2 * 100 * PIXEL as u64),
+        };
+        assert_eq!(limits.fits(size, 1), Ok(()));
+        assert_eq!(limits.fits(size, 3), Ok(()));
+        assert!(matches!(limits.fits(size, 4), Err(Exhausted::Bytes { .. })));
+    }
+}

@@ -375,6 +375,7 @@ mod tests {
     use super::*;
 
     /// What version 3 said of points of one kernel, whose identities differ by the version alone.
+    /// That of an array also changes with the data of its chip.
     #[test]
     fn points_of_one_kernel_are_described_as_ever() {
         let text = "scene = \"pattern:disc?width=32&height=24&frames=8&radius=6\"\nkernel = \"csdvs-3\"\n\
