@@ -387,14 +387,16 @@ fn what_does_not_fit_the_kinds_is_refused_in_its_place() {
     write(at, "even.npy", &vec![vec![vec![1.0; 4]; 4]; 2], false);
     let array = "[[side]]\nside = \"array\"\n";
     let reference = "[[side]]\nside = \"reference\"\n";
-    let even = "name = \"k\"\nsource = \"test\"\nweights = [[1, 1]]\n";
-    fs::write(at.join("even.toml"), even).unwrap();
+    let mut flat = fs::read(at.join("two.npy")).unwrap();
+    let shape = flat.windows(9).position(|it| it == b"(2, 3, 3)").unwrap();
+    flat[shape..shape + 9].copy_from_slice(b"(18,)    ");
+    fs::write(at.join("flat.npy"), flat).unwrap();
     let cases: [(&str, &str, String, &[&str]); 9] = [
         (
-            "even.toml",
+            "flat.npy",
             "8",
             array.to_owned(),
-            &["wrong.toml:4:10", "even.toml", "(K,k,k)"],
+            &["wrong.toml:4:10", "it has shape (18)", "(K,k,k)"],
         ),
         (
             "four.npy",
