@@ -1,9 +1,6 @@
 //! What the reference and the device have in common: light in, events out.
 
-use crate::{
-    event::Packet, number::Format, photoreceptor::LightError, plane::Size, reference::Unsound,
-    scene::Frame,
-};
+use crate::{event::Packet, number::Format, photoreceptor::LightError, plane::Size, scene::Frame};
 
 /// A sensor that watches a scene frame by frame.
 pub trait Sensor {
@@ -144,10 +141,17 @@ pub enum SensorError {
         /// The size.
         size: Size,
     },
-    /// A float sensor that cannot be.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Unsound(#[from] Unsound),
+    /// A sensor that cannot be.
+    #[error("{sensor}: {what}")]
+    #[diagnostic(help("{help}"))]
+    Impossible {
+        /// Which sensor.
+        sensor: String,
+        /// What cannot be.
+        what: String,
+        /// What can.
+        help: &'static str,
+    },
     /// Light that the photoreceptor's response is not defined for.
     #[error("frame {index}, x = {x}, y = {y}: {cause}")]
     #[diagnostic(help(

@@ -63,7 +63,7 @@ fn packets_know_their_span_and_their_kinds() {
 /// Light that rises evenly crosses a threshold of 20 four times, wherever time begins.
 #[test]
 fn times_do_not_depend_on_where_time_begins() {
-    let text = "memory = \"filtered-step\"\nresponse = \"identity\"\n[[channel]]\nkernel = \"dvs\"\nthreshold = 20";
+    let text = "memory = \"filtered-step\"\nresponse = \"identity\"\n[[channel]]\nkernel = \"dvs\"\nthreshold = { on = 20, off = 20 }";
     let none = |_: &str| Err(std::io::Error::other("nothing is read"));
     let description = Description::parse("steps", text, &none).unwrap();
     let times = |begin: f64| -> Vec<u64> {

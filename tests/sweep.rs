@@ -17,7 +17,7 @@ use std::{
 };
 
 use amacrine::study::sweep::{
-    Study,
+    SCHEMA, Study,
     key::{Absent, Key, Side},
     schema,
     study::{METRICS, SETTINGS},
@@ -415,7 +415,7 @@ fn samples_are_reproducible_and_differ_by_seed() {
         assert_ne!(points(method, 1), points(method, 2));
         assert_eq!(points(method, 1).len(), 40);
         for point in points(method, 3) {
-            let [on, off, _] = point.thresholds().unwrap();
+            let [on, off, _] = point.thresholds().unwrap().of(0);
             assert!((8.0..=64.0).contains(&on) && on == off);
         }
     }
@@ -705,9 +705,11 @@ fn folders_of_others_are_left_alone() {
         &sweep,
         &["out was made by amacrine 0.0.1", "nothing was changed"],
     );
+    let schema = format!("\"schema\": {SCHEMA}");
+    assert!(said.contains(&schema));
     fs::write(
         at.join("out/sweep.json"),
-        said.replace("\"schema\": 3", "\"schema\": 99"),
+        said.replace(&schema, "\"schema\": 99"),
     )
     .unwrap();
     refused(at, &sweep, &["results version 99"]);

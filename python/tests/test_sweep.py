@@ -92,6 +92,16 @@ def test_keys_of_any_kind_are_set(study: Path, tmp_path: Path) -> None:
     assert thresholds("range", range(4, 10, 4)) == [(4.0, 4.0), (8.0, 8.0)]
 
 
+def test_an_array_of_kernels_is_one_sensor(study: Path, tmp_path: Path) -> None:
+    edge = np.array([[-1.0, 0, 1]] * 3)
+    np.save(tmp_path / "two.npy", np.stack([edge, edge.T]) / 4)
+    keys = {"kernel": "two.npy", "threshold": {"on": np.array([4, 8]), "off": 8}, "array.memory": "shared"}
+    swept = amacrine.sweep(study, tmp_path / "out", set=keys)
+    assert {(row["kinds"], row["outcome"]) for row in swept.rows} == {(2, "done")}
+    words = "{ on = [4.0, 8.0], off = 8.0, sigma = 0.0 }"
+    assert {row["thresholds"] for row in swept.rows} == {words}
+
+
 def test_keys_that_are_set_have_a_folder_of_their_own(
     study: Path, program: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -220,25 +220,14 @@ pub(super) fn read(name: &str) -> miette::Result<(Vec<Kernel>, usize)> {
         })?;
         return Ok((vec![workable(kernel, name)?], 2));
     }
-    let flat = match Kernel::from_npy(&bytes) {
-        Ok(kernel) => return Ok((vec![workable(kernel, name)?], 2)),
-        Err(error) => error,
+    let Some(several) = Kernel::several_from_npy(name, &bytes) else {
+        let kernel = Kernel::from_npy(&bytes);
+        let kernel = kernel.map_err(|flat| miette!(help = SHAPES, "{name}: {flat}"))?;
+        return Ok((vec![workable(kernel, name)?], 2));
     };
-    let Some(planes) = Kernel::planes_from_npy(&bytes) else {
-        return Err(miette!(help = SHAPES, "{name}: {flat}"));
-    };
-    if planes.is_empty() || planes.len() > KERNELS {
-        return Err(miette!(
-            help = FEWER,
-            "{name}: {}",
-            wrong_number(planes.len())
-        ));
-    }
-    let kernels = (0..).zip(planes).map(|(i, plane)| {
-        let kernel =
-            Kernel::new(plane).map_err(|e| miette!(help = SHAPES, "{name}, kernel {i}: {e}"))?;
-        workable(kernel, &format!("{name}, kernel {i}"))
-    });
+    let several = several.map_err(|(what, help)| miette!(help = help, "{what}"))?;
+    let kernels =
+        { (0..).zip(several) }.map(|(i, kernel)| workable(kernel, &format!("{name}, kernel {i}")));
     Ok((kernels.collect::<miette::Result<_>>()?, 3))
 }
 

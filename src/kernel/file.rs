@@ -185,8 +185,7 @@ impl Kernel {
 
     /// Reads a `.npy` array of shape (kernels, rows, columns), or (kernels, 1, rows, columns) as
     /// `PyTorch` has it; `None` when it is none.
-    #[must_use]
-    pub fn planes_from_npy(bytes: &[u8]) -> Option<Vec<Plane<f64>>> {
+    fn planes_from_npy(bytes: &[u8]) -> Option<Vec<Plane<f64>>> {
         let array = weights(bytes).ok()?;
         let (&[_, rows, columns] | &[_, 1, rows, columns]) = array.shape.as_slice() else {
             return None;
@@ -199,6 +198,31 @@ impl Kernel {
         planes
             .map(|plane| Plane::from_shape_vec((rows, columns), plane.to_vec()).ok())
             .collect()
+    }
+
+    /// The kernels of a file called `name` that is an array of several; `None` where it is none.
+    ///
+    /// # Errors
+    /// What is wrong with the array, and what to do: there are too many of them, or one is no
+    /// kernel.
+    #[must_use]
+    pub fn several_from_npy(
+        name: &str,
+        bytes: &[u8],
+    ) -> Option<Result<Vec<Self>, (String, &'static str)>> {
+        // A kernel of one plane is no array of several.
+        if !bytes.starts_with(npy::MAGIC) || Self::from_npy(bytes).is_ok() {
+            return None;
+        }
+        let planes = Self::planes_from_npy(bytes)?;
+        if planes.is_empty() || planes.len() > KERNELS {
+            let what = format!("{name}: {}", wrong_number(planes.len()));
+            return Some(Err((what, FEWER)));
+        }
+        let kernels = (0..).zip(planes).map(|(i, plane)| {
+            Self::new(plane).map_err(|e| (format!("{name}, kernel {i}: {e}"), SHAPES))
+        });
+        Some(kernels.collect())
     }
 
     /// Centre 1 and a surround of equal weights that sum to -1, `side` by `side`.

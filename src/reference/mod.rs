@@ -45,7 +45,7 @@ pub use any_format::{AnyReference, Sinks};
 pub use counts::{CountBand, Counts};
 pub use description::{
     Border, Channel, Description, MemoryRule, OpenError, PolarityRule, ReadFile, Refractory,
-    RefractoryRule, Threshold, Unsound, keys,
+    RefractoryRule, Threshold, keys,
 };
 pub use firing::{Firing, FiringBand};
 pub use list::{EventList, Limit, ListBand, WhenFull};

@@ -3,13 +3,11 @@
 use crate::{
     config::{Node, Place, Read},
     elementary,
-    kernel::{FEWER, Kernel, KernelError, KernelFileError, SHAPES, wrong_number},
-    npy,
+    kernel::{Kernel, KernelError, KernelFileError, SHAPES},
     plane::Plane,
 };
 
 use super::{
-    keys::MOST_CHANNELS,
     reader::{Reader, wrong},
     rules::MemoryRule,
 };
@@ -73,26 +71,9 @@ impl Reader<'_> {
         };
         // What cannot be read is told of where one kernel is looked for.
         let bytes = (self.read)(name).unwrap_or_default();
-        if !bytes.starts_with(npy::MAGIC) || Kernel::from_npy(&bytes).is_ok() {
-            return Ok(None);
-        }
-        let Some(planes) = Kernel::planes_from_npy(&bytes) else {
-            return Ok(None);
-        };
-        if planes.is_empty() || planes.len() > MOST_CHANNELS {
-            return Err(wrong(
-                node.place(),
-                format!("kernel file {name}: {}", wrong_number(planes.len())),
-                FEWER,
-            ));
-        }
-        let kernels = (0..).zip(planes).map(|(i, plane)| {
-            Kernel::new(plane).map_err(|e| {
-                let what = format!("kernel file {name}, kernel {i}: {e}");
-                wrong(node.place(), what, SHAPES)
-            })
-        });
-        kernels.collect::<Read<_>>().map(Some)
+        Kernel::several_from_npy(name, &bytes)
+            .transpose()
+            .map_err(|(what, help)| wrong(node.place(), format!("kernel file {what}"), help))
     }
 
     fn kernel(&self, node: Node<'_>) -> Read<Kernel> {

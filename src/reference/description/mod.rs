@@ -38,5 +38,4 @@ pub use self::{
     reader::ReadFile,
     rules::{Border, MemoryRule, PolarityRule, Refractory, RefractoryRule},
     sensor::Description,
-    soundness::Unsound,
 };

@@ -2,29 +2,16 @@
 //! it is read.
 
 use super::{Channel, Description, MemoryRule, PolarityRule, RefractoryRule, keys::MOST_CHANNELS};
-use crate::reference::noise::Noise;
-
-/// A description of a sensor that cannot be.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
-#[error("{sensor}: {what}")]
-#[diagnostic(help("{help}"))]
-pub struct Unsound {
-    /// The sensor.
-    pub sensor: String,
-    /// What cannot be.
-    pub what: String,
-    /// What can.
-    pub help: &'static str,
-}
+use crate::{reference::noise::Noise, sensor::SensorError};
 
 impl Description {
     /// Whether there can be such a sensor.
     ///
     /// # Errors
     /// What cannot be.
-    pub fn check(&self) -> Result<(), Unsound> {
+    pub fn check(&self) -> Result<(), SensorError> {
         let wrong = |what: &str, help: &'static str| {
-            Err(Unsound {
+            Err(SensorError::Impossible {
                 sensor: self.name.clone(),
                 what: what.to_owned(),
                 help,

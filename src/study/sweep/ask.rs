@@ -16,6 +16,7 @@ use super::{
     shared::Shared,
     study::{COSTS, Study},
     table::Row,
+    thresholds::{PerKind, Thresholds},
     value::{Value, Values},
 };
 use crate::{
@@ -70,8 +71,11 @@ fn said(key: &Key, value: &Value) -> Json {
         Value::Number(number) => json!(number),
         Value::Whole(number) => json!(number),
         Value::Word(word) => json!(word),
-        Value::Threshold { on, off, sigma } if on == off && *sigma == 0.0 => json!(on),
-        Value::Threshold { on, off, sigma } => json!({"on": on, "off": off, "sigma": sigma}),
+        Value::Flag(flag) => json!(flag),
+        Value::Threshold(thresholds) => match thresholds.on {
+            PerKind::All(both) if *thresholds == Thresholds::both(both) => json!(both),
+            _ => json!(thresholds),
+        },
         Value::Refractory { us, rule } => json!({"us": us, "rule": rule}),
     }
 }
@@ -231,7 +235,7 @@ impl<'a> Asked<'a> {
 
 /// A value of a point, read as a study's is.
 fn value_of(key: &Key, json: &Json) -> Result<Value, PointError> {
-    let text = toml(json).ok_or_else(|| {
+    let text = toml(json).filter(|_| !json.is_array()).ok_or_else(|| {
         wrong(
             format!("`{}` is {json}", key.name),
             "a point has one value of each key: a number, a text, or an object of them",
@@ -258,6 +262,10 @@ fn toml(json: &Json) -> Option<String> {
             let all: Option<Vec<String>> = map.iter().map(one).collect();
             Some(format!("{{ {} }}", all?.join(", ")))
         }
-        Json::Null | Json::Array(_) => None,
+        Json::Array(list) => {
+            let all: Option<Vec<String>> = list.iter().map(toml).collect();
+            Some(format!("[{}]", all?.join(", ")))
+        }
+        Json::Null => None,
     }
 }

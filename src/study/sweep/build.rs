@@ -27,7 +27,7 @@ pub(super) struct Float {
 pub(super) fn float(entry: &Entry, row: &mut Row) -> Result<Float, Refusal> {
     let point = &entry.point;
     let format: Format = point.word("format").unwrap_or("f64").parse()?;
-    let description = sensor::description(point, &entry.kernel)?;
+    let description = sensor::description(point, &entry.kernels)?;
     let bytes = float_state(&description, format) * entry.scene.size.pixels() as u64;
     row.insert("state_memory_bytes".to_owned(), json!(bytes));
     Ok(Float {
@@ -47,20 +47,22 @@ const fn bytes(format: Format) -> u64 {
     }
 }
 
-/// Bytes of a cell that must last from one frame to the next: its memory, for a memory that
-/// steps a count and the drive of the frame before, the time of its last event under a dead
-/// time, its share of a low-pass and of a sheet.
+/// Bytes of a pixel that must last from one frame to the next: the memory of each of its cells,
+/// or one for all, for a memory that steps a count and the drive of the frame before, the time of a
+/// cell's last event under a dead time, its share of a low-pass and of a sheet.
 fn float_state(description: &Description, format: Format) -> u64 {
     let held = bytes(format);
-    let channel = description.channels.first();
+    let cells = description.channels.len() as u64;
+    let memories = if description.shared { 1 } else { cells };
     let step = description.memory == MemoryRule::FilteredStep;
-    let sheets = channel.and_then(|channel| channel.surrounds.as_ref());
-    let moving = sheets.map_or(0, |s| {
-        s.sheets.iter().filter(|sheet| sheet.tau > 0.0).count()
-    });
-    held + if step { 4 + held } else { 0 }
+    let sheets = { description.channels.iter() }
+        .filter_map(|channel| channel.surrounds.as_ref())
+        .flat_map(|surrounds| &surrounds.sheets);
+    let moving = sheets.filter(|sheet| sheet.tau > 0.0).count();
+    memories * held
+        + if step { cells * (4 + held) } else { 0 }
         + if description.refractory.us > 0.0 {
-            8
+            cells * 8
         } else {
             0
         }
@@ -119,13 +121,16 @@ pub(super) fn array_of(
 ) -> Result<Programmed, Refusal> {
     let point = &entry.point;
     let word = |key: &str| point.word(key).unwrap_or_default().to_owned();
-    let [on, off, _] = point.thresholds().unwrap_or([1.0; 3]);
     let seed = point.whole("seed").unwrap_or(0);
     let device = entry
         .chip
         .as_ref()
         .ok_or_else(|| Refusal::Cannot("there is no chip".to_owned()))?;
-    let weights: Vec<f64> = entry.kernel.weights().iter().copied().collect();
+    let kinds = (0..).zip(&*entry.kernels).map(|(kind, kernel)| {
+        let [on, off, _] = point.threshold(kind);
+        (sensor::rows(kernel), on, off)
+    });
+    let kinds: Vec<_> = kinds.collect();
     let rounding = if word("quantise").ends_with(":stochastic") {
         seed
     } else {
@@ -133,16 +138,13 @@ pub(super) fn array_of(
     };
     // What a program is best at is to decide at its threshold.
     let key = format!(
-        "{weights:?} {:?} {} {} {} {} {rounding} {on} {off}",
-        entry.kernel.weights().dim(),
+        "{kinds:?} {} {} {} {} {rounding}",
         word("chip"),
         word("quantise"),
         word("sum"),
         word("memory"),
     );
-    let made = shared.program(&key, || {
-        LevelProgram::new(settings, entry, rounding, (on, off))
-    });
+    let made = shared.program(&key, || LevelProgram::new(settings, entry, rounding));
     let LevelProgram {
         compiled,
         quantisation_error,

@@ -77,7 +77,7 @@ fn computed(
         let start = (limits.clock)();
         let light = drive.see(frame)?;
         seconds += (limits.clock)() - start;
-        limits.hold(seconds, scene.size, 0)?;
+        limits.hold(seconds, (scene.size, 1), 0)?;
         let light = light.into();
         frames.push(Frame { light, ..*frame });
         Ok::<(), Stop>(())

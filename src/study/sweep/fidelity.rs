@@ -136,7 +136,8 @@ fn float(
             let without = Choice::full().and_without(Effect::DeadTime);
             candidates.push((dead_time.clone(), without));
         }
-        let key = key_of(&description, seed, &scene);
+        // A large kernel is not written out whole there; the task has all of its weights.
+        let key = format!("{} {}", entry.task, key_of(&description, seed, &scene));
         let limits = pilot(plan, &scene, shared, (&key, &family), &candidates)?;
         if format != Format::F64 {
             limit = match limits.get(&name) {

@@ -3,6 +3,7 @@
 use super::{
     key::{Key, Kind, Side},
     point::Point,
+    thresholds::Thresholds,
     value::{Ramp, Value, Values},
 };
 use crate::config::{Fault, Place};
@@ -73,11 +74,7 @@ impl Axis {
         let number = ramp.at(part);
         match self.key.kind {
             Kind::Whole { .. } => Value::Whole(number.round() as u64),
-            Kind::Threshold => Value::Threshold {
-                on: number,
-                off: number,
-                sigma: 0.0,
-            },
+            Kind::Threshold => Value::Threshold(Thresholds::both(number)),
             _ => Value::Number(number),
         }
     }

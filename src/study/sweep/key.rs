@@ -7,6 +7,7 @@ use miette::Diagnostic;
 
 pub use crate::config::Absent;
 
+use super::thresholds;
 use crate::{
     array::Arithmetic,
     config::{self, Range},
@@ -89,6 +90,8 @@ pub enum Kind {
     Choice(&'static [&'static str]),
     /// A name with a grammar of its own, and the regular expression that it matches.
     Spelled(Spell, fn() -> String),
+    /// `true` or `false`.
+    Flag,
     /// A number, or `{ on, off, sigma }`.
     Threshold,
     /// `{ us, rule }`.
@@ -99,11 +102,11 @@ pub enum Kind {
     Response,
 }
 
-/// A threshold: both signs in one number, or as in a sensor file.
+/// A threshold: both signs in one number, or as in a sensor file, of each kind where they differ.
 const THRESHOLD: config::Kind = config::Kind::Either {
     ways: &[
         config::Kind::Number(Range::POSITIVE),
-        config::Kind::Table(&keys::THRESHOLD),
+        config::Kind::Table(&thresholds::TABLE),
     ],
     expected: "a number above 0, or { on = 8, off = 8, sigma = 0 }",
 };
@@ -130,6 +133,7 @@ impl Kind {
             Self::Whole { least, most } => config::Kind::Whole { least, most },
             Self::Choice(words) => config::Kind::Choice(words),
             Self::Spelled(..) => config::Kind::Text,
+            Self::Flag => config::Kind::Flag,
             Self::Threshold => THRESHOLD,
             Self::Refractory => config::Kind::Table(&keys::REFRACTORY),
             Self::Noise => NOISE,
@@ -216,7 +220,7 @@ pub const KEYS: &[Key] = &[
         sides: KERNEL,
         kind: Kind::Name,
         default: Absent::Required,
-        what: "a built-in kernel, or a kernel file (`.toml`, `.npy`) beside the study",
+        what: "a built-in kernel, or a kernel file (`.toml`, `.npy`) beside the study; a `.npy` of shape (K,k,k) or (K,1,k,k) is one sensor of K kinds of cells",
     },
     Key {
         name: "lambda",
@@ -253,7 +257,7 @@ pub const KEYS: &[Key] = &[
         sides: ANY,
         kind: Kind::Threshold,
         default: Absent::Required,
-        what: "an event where kernel times light (0 to 255) moved by more than this; a number, or `{ on = 8, off = 8, sigma = 0 }` with the deviation of its mismatch. Under a logarithmic response in ln units",
+        what: "an event where kernel times light (0 to 255) moved by more than this; a number, or `{ on = 8, off = 8, sigma = 0 }` with the deviation of its mismatch, each of which may be a list of one for each kind. Under a logarithmic response in ln units",
     },
     Key {
         name: "response",
@@ -275,6 +279,13 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Choice(&["filtered-snap", "filtered-step", "raw-snap"]),
         default: Absent::Is("\"filtered-snap\""),
         what: "what an event does to the memory, as in a sensor file",
+    },
+    Key {
+        name: "shared",
+        sides: REFERENCE,
+        kind: Kind::Flag,
+        default: Absent::Is("false"),
+        what: "one memory of the pixel for all kinds, with `memory = \"raw-snap\"`, as in a sensor file",
     },
     Key {
         name: "polarity",
@@ -335,9 +346,9 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "memory",
         sides: ARRAY,
-        kind: Kind::Spelled(remembered, || "^(analogue|bits:0*[1-8])$".to_owned()),
+        kind: Kind::Spelled(remembered, || "^(analogue|shared|bits:0*[1-8])$".to_owned()),
         default: Absent::Is("\"analogue\""),
-        what: "where the drives of the last events are kept: `analogue`, or `bits:N` for N one-bit registers",
+        what: "what is kept of the last events: `analogue` and `bits:N`, the drive of each kind in an analogue register or in N one-bit registers; `shared`, the pixel at the last event of any kind",
     },
     Key {
         name: "readout",
@@ -423,11 +434,11 @@ fn quantisers() -> String {
 fn remembered(name: &str) -> Result<String, (String, String)> {
     let bits = name.strip_prefix("bits:").and_then(|n| n.parse().ok());
     match bits {
-        _ if name == "analogue" => Ok(name.to_owned()),
+        _ if matches!(name, "analogue" | "shared") => Ok(name.to_owned()),
         Some(bits @ 1_u8..=8) => Ok(format!("bits:{bits}")),
         _ => Err((
             format!("`{name}` is no memory of the array"),
-            "give analogue, or bits:N with N from 1 to 8; the rule is always filtered-snap"
+            "give analogue or bits:N with N from 1 to 8, whose rule is filtered-snap, or shared, whose rule is raw-snap"
                 .to_owned(),
         )),
     }

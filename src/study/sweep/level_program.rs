@@ -1,77 +1,83 @@
-//! The program of a kernel in few values.
+//! The program of the kernels of a point in few values.
 
 use super::{plan::Entry, refusal::Refusal, study::Settings};
 use crate::{
     compile::{CellKind, DriveMemory, Effort},
-    kernel::{
-        Kernel,
-        quantise::{Quantiser, Sum},
-    },
+    kernel::quantise::{Quantiser, Sum},
     rig::guard::Warning,
     study::design::Compiled,
 };
 
-/// The program of a kernel in few values.
+/// The program of the kernels of a point in few values.
 #[derive(Clone, Debug)]
 pub(super) struct LevelProgram {
     pub compiled: Compiled,
+    /// The largest of its kernels.
     pub quantisation_error: f64,
-    /// What the levels have lost of its shape, by the names of the warnings.
+    /// What the levels have lost of their shape, by the names of the warnings.
     pub erased: Vec<&'static str>,
 }
 
 impl LevelProgram {
-    /// Of the kernel of a point, for its ON and OFF thresholds.
+    /// Of the kernels of a point, each in the same values, for the thresholds of each.
     ///
     /// # Errors
     /// Why there is none.
-    pub fn new(
-        settings: &Settings,
-        entry: &Entry,
-        seed: u64,
-        (on, off): (f64, f64),
-    ) -> Result<Self, Refusal> {
-        let kernel = &entry.kernel;
+    pub fn new(settings: &Settings, entry: &Entry, seed: u64) -> Result<Self, Refusal> {
         let point = &entry.point;
         let device = entry
             .chip
             .as_ref()
             .ok_or_else(|| Refusal::Cannot("there is no chip".to_owned()))?;
         let name = point.word("quantise").unwrap_or("none");
-        let (levels, scale, quantisation_error, erased) = if name == "none" {
-            (Kernel::clone(kernel), 1.0, 0.0, Vec::new())
-        } else {
-            let to: Quantiser = name.parse()?;
-            let sum = match point.word("sum") {
-                Some("zero") => Sum::Zero,
-                Some("free") => Sum::Free,
-                _ => Sum::Kept,
-            };
-            let quantised = to.quantise(kernel, sum, seed)?.within_one();
-            let error = quantised.relative_error(kernel);
-            let erased = { quantised.erasures(kernel).into_iter() }
-                .map(|erasure| Warning::erased(name, erasure).about.name())
-                .collect();
-            (quantised.levels, quantised.scale, error, erased)
+        let to: Option<Quantiser> = match name {
+            "none" => None,
+            name => Some(name.parse()?),
         };
-        let kind = CellKind {
-            name: None,
-            kernel: levels,
-            on: on / scale,
-            off: off / scale,
+        let sum = match point.word("sum") {
+            Some("zero") => Sum::Zero,
+            Some("free") => Sum::Free,
+            _ => Sum::Kept,
         };
-        let memory = point
-            .word("memory")
-            .and_then(|word| word.strip_prefix("bits:"));
-        let memory = memory.and_then(|bits| bits.parse().ok());
-        let memory = memory.map_or(DriveMemory::Analogue, DriveMemory::Bits);
+        let (mut kinds, mut quantisation_error, mut erased) = (Vec::new(), 0.0, Vec::new());
+        for (kind, kernel) in entry.kernels.iter().enumerate() {
+            let [mut on, mut off, _] = point.threshold(kind);
+            let mut levels = kernel.clone();
+            if let Some(to) = to {
+                let quantised = to.quantise(kernel, sum, seed)?.within_one();
+                quantisation_error = f64::max(quantisation_error, quantised.relative_error(kernel));
+                erased.extend(quantised.erasures(kernel));
+                (on, off) = (on / quantised.scale, off / quantised.scale);
+                levels = quantised.levels;
+            }
+            kinds.push(CellKind {
+                name: None,
+                kernel: levels,
+                on,
+                off,
+            });
+        }
+        let mut names = Vec::new();
+        for erasure in erased {
+            let about = Warning::erased(name, erasure).about.name();
+            if !names.contains(&about) {
+                names.push(about);
+            }
+        }
+        let memory = point.word("memory").unwrap_or_default();
+        let bits = { memory.strip_prefix("bits:") }.and_then(|bits| bits.parse().ok());
+        let memory = match bits {
+            Some(bits) => DriveMemory::Bits(bits),
+            None if memory == "shared" => DriveMemory::Shared,
+            None => DriveMemory::Analogue,
+        };
         let title = format!("{} as {name}", point.word("kernel").unwrap_or_default());
         let effort = Effort::states(settings.effort);
-        let compiled = Compiled::new(&title, (&[kind], memory), device, (effort, 0))?;
+        let compiled = Compiled::new(&title, (&kinds, memory), device, (effort, 0))?;
         Ok(Self {
             compiled,
             quantisation_error,
-            erased,
+            erased: names,
         })
     }
 }

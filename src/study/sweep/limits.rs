@@ -35,6 +35,10 @@ impl fmt::Debug for Limits<'_> {
 /// memories, registers, counts).
 const PIXEL: u128 = 2 * 24 * 8;
 
+/// Memory per pixel of each kind of cells beyond the first: two sensors with up to twelve planes
+/// of its own (drives, memories, thresholds, counts, times).
+const KIND: u128 = 2 * 12 * 8;
+
 /// Memory per event in bytes: in its list as it grows, sorted by cell for comparison, in the list
 /// of the sensor that it is measured against, and drawn anew.
 const EVENT: u128 = 5 * size_of::<Event>() as u128;
@@ -61,17 +65,22 @@ impl Exhausted {
 }
 
 impl Limits<'_> {
-    /// Whether sensors of a size fit at all.
-    pub(super) fn fits(&self, size: Size) -> Result<(), Exhausted> {
-        self.hold(0.0, size, 0)
+    /// Whether sensors of a size and so many kinds of cells fit at all.
+    pub(super) fn fits(&self, size: Size, kinds: usize) -> Result<(), Exhausted> {
+        self.hold(0.0, (size, kinds), 0)
     }
 
     /// Whether a point that has taken so long, and holds so many events, may go on.
-    pub(super) fn hold(&self, seconds: f64, size: Size, events: usize) -> Result<(), Exhausted> {
+    pub(super) fn hold(
+        &self,
+        seconds: f64,
+        (size, kinds): (Size, usize),
+        events: usize,
+    ) -> Result<(), Exhausted> {
         if let Some(most) = self.seconds.filter(|most| seconds > *most) {
             return Err(Exhausted::Seconds(most));
         }
-        let need = need(size, events);
+        let need = need(size, kinds, events);
         match self.bytes {
             Some(may) if need > u128::from(may) => Err(Exhausted::Bytes { need, events, may }),
             _ => Ok(()),
@@ -80,8 +89,9 @@ impl Limits<'_> {
 }
 
 /// Upper bound on the memory of a point, bytes.
-fn need(size: Size, events: usize) -> u128 {
-    size.height as u128 * size.width as u128 * PIXEL + events as u128 * EVENT
+fn need(size: Size, kinds: usize, events: usize) -> u128 {
+    let pixel = PIXEL + kinds.saturating_sub(1) as u128 * KIND;
+    size.height as u128 * size.width as u128 * pixel + events as u128 * EVENT
 }
 
 /// Why a scene or a sensor stopped.
@@ -96,4 +106,22 @@ pub(super) enum Stop {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Exhausted(#[from] Exhausted),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_kind_takes_room() {
+        let size = Size::new(10, 10);
+        let limits = Limits {
+            clock: &|| 0.0,
+            seconds: None,
+            bytes: Some(2 * 100 * PIXEL as u64),
+        };
+        assert_eq!(limits.fits(size, 1), Ok(()));
+        assert_eq!(limits.fits(size, 3), Ok(()));
+        assert!(matches!(limits.fits(size, 4), Err(Exhausted::Bytes { .. })));
+    }
 }

@@ -36,6 +36,7 @@ pub(super) fn described(plan: &Plan, entry: &Entry) -> Row {
     row.insert("id".to_owned(), json!(entry.id));
     row.insert("task".to_owned(), json!(entry.task));
     row.insert("against".to_owned(), json!(settings.against));
+    row.insert("kinds".to_owned(), json!(entry.kernels.len()));
     let Size { height, width } = entry.scene.size;
     row.insert("width".to_owned(), json!(width));
     row.insert("height".to_owned(), json!(height));
@@ -77,7 +78,7 @@ fn run(
     row: &mut Row,
 ) -> Result<(), Refusal> {
     let settings = &plan.study.settings;
-    let fits = limits.fits(entry.scene.size);
+    let fits = limits.fits(entry.scene.size, entry.kernels.len());
     fits.map_err(|exhausted| exhausted.given_up())?;
     if let Some(plain) = fidelity::plain(plan, entry, shared, limits, row)? {
         // What a point is measured against is the same for points of one task.
@@ -162,6 +163,10 @@ fn measured(
     put("reference_events", json!(ladder.reference().events.len()));
     put("window_us", json!(headline.window_us));
     put("kept", json!(headline.kept));
+    let of_kinds = truth.kept_of_kinds(&packet)?;
+    if !of_kinds.is_empty() {
+        put("kept_of_kinds", json!(json!(of_kinds).to_string()));
+    }
     put("floor", json!(headline.floor));
     put("error", json!(headline.kept.map(|kept| 1.0 - kept)));
     if settings.threshold_equivalent {

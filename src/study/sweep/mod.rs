@@ -49,6 +49,7 @@ pub mod store;
 pub mod study;
 pub mod survivors;
 pub mod table;
+pub mod thresholds;
 mod truth;
 pub mod value;
 pub mod verify;

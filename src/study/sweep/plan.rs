@@ -31,14 +31,11 @@ use crate::{
     bundled,
     config::{Fault, Faults, Place},
     isa::Device,
-    kernel::Kernel,
+    kernel::{Kernel, KernelFileError, SHAPES},
     rig::guard::Warning,
     scene::{Coding, Range, Transfer},
     source,
 };
-
-/// How several kernels come into a study.
-const ONE: &str = "a study takes one kernel a file: numpy.save(\"k0.npy\", K[0]) for each of the array, and kernel = [\"k0.npy\", …]";
 
 /// Everything there is to compute.
 #[derive(Debug)]
@@ -61,7 +58,8 @@ pub struct Entry {
     /// What its events are measured against: the same for points of one task.
     pub task: String,
     pub(super) scene: Arc<CachedScene>,
-    pub(super) kernel: Arc<Kernel>,
+    /// One for each kind of its cells.
+    pub(super) kernels: Arc<[Kernel]>,
     pub(super) chip: Option<Arc<Device>>,
 }
 
@@ -70,7 +68,7 @@ pub(super) struct Opened<'a> {
     study: &'a Study,
     folder: &'a Path,
     scenes: Vec<(Wanted, Arc<CachedScene>)>,
-    kernels: BTreeMap<String, Arc<Kernel>>,
+    kernels: BTreeMap<String, Arc<[Kernel]>>,
     chips: BTreeMap<String, (Arc<Device>, String)>,
 }
 
@@ -214,33 +212,53 @@ impl<'a> Opened<'a> {
     }
 
     fn entry(&mut self, point: Point) -> Result<Entry, Faults> {
-        let settings = &self.study.settings;
         let scene = self.scene(&point)?;
-        let kernel = self.kernel(&point)?;
+        let kernels = self.kernels(&point)?;
+        let thresholds = point.thresholds();
+        if let Some(what) = thresholds.and_then(|them| them.wrong_for(kernels.len())) {
+            let help = "give a number for all kinds, or a list with one for each kernel of the file, in its order";
+            return Err(self.wrong(&point, "threshold", &what, Some(help.to_owned())));
+        }
         let chip = self.chip(&point)?;
+        let task = sensor::task(&point, &kernels, self.study.settings.against);
+        let task = json!([scene.digest, task]);
+        let data = chip.as_ref().map(|(_, data)| data.as_str());
+        Ok(Entry {
+            id: identity(&self.description(SCHEMA, &point, (&scene, &kernels, data))),
+            task: identity(&task),
+            scene,
+            kernels,
+            chip: chip.map(|(device, _)| device),
+            point,
+        })
+    }
+
+    /// All that makes a point, and the version of its results.
+    fn description(
+        &self,
+        schema: u32,
+        point: &Point,
+        (scene, kernels, chip): (&CachedScene, &[Kernel], Option<&str>),
+    ) -> Json {
+        let settings = &self.study.settings;
         let mut description: BTreeMap<String, Json> = point.columns().into_iter().collect();
         // Names are replaced by what they stand for.
         for name in NAMES {
             description.remove(name);
         }
         description.insert("light".to_owned(), json!(scene.digest));
-        let weights = kernel.weights().rows().into_iter().map(|row| row.to_vec());
-        description.insert("weights".to_owned(), weights.collect::<Vec<_>>().into());
-        if let Some((_, data)) = &chip {
+        for (kind, kernel) in kernels.iter().enumerate() {
+            let name = match kind {
+                0 => "weights".to_owned(),
+                other => format!("weights[{other}]"),
+            };
+            description.insert(name, json!(sensor::rows(kernel)));
+        }
+        if let Some(data) = chip {
             description.insert("device".to_owned(), json!(data));
             description.insert("effort".to_owned(), json!(settings.effort));
         }
-        let whole = json!([SCHEMA, description, settings.measured()]);
-        let task = sensor::task(&point, &kernel, settings.against);
-        let task = json!([scene.digest, task]);
-        Ok(Entry {
-            id: identity(&whole),
-            task: identity(&task),
-            scene,
-            kernel,
-            chip: chip.map(|(device, _)| device),
-            point,
-        })
+        json!([schema, description, settings.measured()])
     }
 
     fn wrong(&self, point: &Point, key: &str, what: &str, help: Option<String>) -> Faults {
@@ -274,25 +292,25 @@ impl<'a> Opened<'a> {
         Ok(cached_scene)
     }
 
-    fn kernel(&mut self, point: &Point) -> Result<Arc<Kernel>, Faults> {
+    /// One for each kind of a point's cells.
+    fn kernels(&mut self, point: &Point) -> Result<Arc<[Kernel]>, Faults> {
         let name = match point.side() {
             // The pixel alone; the mesh is its surround.
             Side::Mesh => "dvs",
             Side::Reference | Side::Array => point.word("kernel").unwrap_or_default(),
         };
-        if let Some(kernel) = self.kernels.get(name) {
-            return Ok(Arc::clone(kernel));
+        if let Some(kernels) = self.kernels.get(name) {
+            return Ok(Arc::clone(kernels));
         }
-        let kernel = match Kernel::builtin(name) {
-            Some(kernel) => kernel,
-            None => self.kernel_file(point, name)?,
+        let kernels: Arc<[Kernel]> = match Kernel::builtin(name) {
+            Some(kernel) => Arc::new([kernel]),
+            None => self.kernel_file(point, name)?.into(),
         };
-        let kernel = Arc::new(kernel);
-        self.kernels.insert(name.to_owned(), Arc::clone(&kernel));
-        Ok(kernel)
+        self.kernels.insert(name.to_owned(), Arc::clone(&kernels));
+        Ok(kernels)
     }
 
-    fn kernel_file(&self, point: &Point, name: &str) -> Result<Kernel, Faults> {
+    fn kernel_file(&self, point: &Point, name: &str) -> Result<Vec<Kernel>, Faults> {
         let path = self.folder.join(name);
         let known: Vec<_> = Kernel::builtin_names().collect();
         let help = bundled::meant(
@@ -308,12 +326,16 @@ impl<'a> Opened<'a> {
             self.wrong(point, "kernel", &what, Some(error.help))
         })?;
         let shown = path.display().to_string();
-        let kernel = Kernel::from_bytes(&shown, &bytes);
-        kernel.map_err(|e| {
-            let several = Kernel::planes_from_npy(&bytes).is_some();
-            let help = several.then(|| ONE.to_owned());
+        if let Some(several) = Kernel::several_from_npy(&shown, &bytes) {
+            return several
+                .map_err(|(what, help)| self.wrong(point, "kernel", &what, Some(help.to_owned())));
+        }
+        let kernel = Kernel::from_bytes(&shown, &bytes).map_err(|e| {
+            let shapes = matches!(e, KernelFileError::Array(_) | KernelFileError::Kernel(_));
+            let help = shapes.then(|| SHAPES.to_owned());
             self.wrong(point, "kernel", &e.in_file(&shown), help)
-        })
+        })?;
+        Ok(vec![kernel])
     }
 
     /// The chip, and its data as text.
@@ -346,4 +368,45 @@ impl<'a> Opened<'a> {
 /// 128 bits of the hash of a description.
 fn identity(description: &Json) -> String {
     hex(&Sha256::digest(description.to_string().as_bytes())[..16])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What version 3 said of points of one kernel, whose identities differ by the version alone.
+    /// That of an array also changes with the data of its chip.
+    #[test]
+    fn points_of_one_kernel_are_described_as_ever() {
+        let text = "scene = \"pattern:disc?width=32&height=24&frames=8&radius=6\"\nkernel = \"csdvs-3\"\n\
+            [[side]]\nside = \"reference\"\nthreshold = { on = 30, off = 24, sigma = 2 }\nmemory = \"raw-snap\"\nseed = 5\n\
+            [[side]]\nside = \"array\"\nthreshold = 20\nquantise = \"ternary\"\nmemory = \"bits:6\"\ndomain = \"silicon\"\nseed = 1\n";
+        let study = Study::parse("study.toml", text).unwrap();
+        let mut opened = Opened::new(&study, Path::new(""));
+        let mut found = Vec::new();
+        for point in study.points().unwrap() {
+            let chip = opened.chip(&point).unwrap();
+            let chip = chip.as_ref().map(|(_, data)| data.as_str());
+            let Entry {
+                scene,
+                kernels,
+                task,
+                point,
+                ..
+            } = opened.entry(point).unwrap();
+            let description = opened.description(3, &point, (&scene, &kernels, chip));
+            found.push([identity(&description), task]);
+        }
+        let of_version_3 = [
+            [
+                "77bfc2e2f85e4dc2f4afd70fa40d19c9",
+                "14b44a7fcb510f78aa67b4062f9d5a84",
+            ],
+            [
+                "08cbf117a7a44c95386aa13a79f06123",
+                "6f5b159e2db5cb3f25ade67583a62e83",
+            ],
+        ];
+        assert_eq!(found, of_version_3);
+    }
 }

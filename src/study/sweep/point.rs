@@ -6,6 +6,7 @@ use serde_json::{Map, Value as Json, json};
 
 use super::{
     key::{Key, Kind, Side},
+    thresholds::Thresholds,
     value::Value,
 };
 
@@ -34,6 +35,9 @@ impl Point {
         if point.values.get("lambda-y") == point.values.get("lambda") {
             point.values.remove("lambda-y");
         }
+        if !point.flag("shared") {
+            point.values.remove("shared");
+        }
         if point.number("upsample") == Some(0.0) {
             point.values.remove("upsample");
         }
@@ -53,10 +57,7 @@ impl Point {
                 self.word("domain") == Some("silicon") || self.word("quantise").is_some_and(rounds)
             }
             Side::Reference | Side::Mesh => {
-                let mismatch = matches!(
-                    self.values.get("threshold"),
-                    Some(Value::Threshold { sigma, .. }) if *sigma > 0.0
-                );
+                let mismatch = self.thresholds().is_some_and(Thresholds::has_mismatch);
                 mismatch || self.word("noise").is_some_and(|noise| noise != "none")
             }
         }
@@ -101,13 +102,25 @@ impl Point {
         }
     }
 
+    /// Whether something is so.
+    #[must_use]
+    pub fn flag(&self, key: &str) -> bool {
+        matches!(self.get(key), Some(Value::Flag(true)))
+    }
+
     /// Thresholds for ON and OFF and their deviation, in light units.
     #[must_use]
-    pub fn thresholds(&self) -> Option<[f64; 3]> {
+    pub fn thresholds(&self) -> Option<&Thresholds> {
         match self.get("threshold")? {
-            Value::Threshold { on, off, sigma } => Some([*on, *off, *sigma]),
+            Value::Threshold(thresholds) => Some(thresholds),
             _ => None,
         }
+    }
+
+    /// Those of one kind of cells.
+    pub(super) fn threshold(&self, kind: usize) -> [f64; 3] {
+        self.thresholds()
+            .map_or([1.0, 1.0, 0.0], |thresholds| thresholds.of(kind))
     }
 
     /// The description as columns of a row, as it is written.
@@ -138,11 +151,10 @@ impl Point {
                     };
                     row.insert(name, json!(shown));
                 }
-                Some(Value::Threshold { on, off, sigma }) => {
-                    row.insert("threshold_on".to_owned(), json!(on));
-                    row.insert("threshold_off".to_owned(), json!(off));
-                    row.insert("threshold_sigma".to_owned(), json!(sigma));
+                Some(Value::Flag(flag)) => {
+                    row.insert(name, json!(flag.to_string()));
                 }
+                Some(Value::Threshold(thresholds)) => thresholds.columns(&mut row),
                 Some(Value::Refractory { us, rule }) => {
                     row.insert("refractory_us".to_owned(), json!(us));
                     row.insert("refractory_rule".to_owned(), json!(rule));
@@ -156,6 +168,7 @@ impl Point {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::sweep::thresholds::PerKind;
 
     fn word(text: &str) -> Value {
         Value::Word(text.to_owned())
@@ -176,9 +189,12 @@ mod tests {
         assert_ne!(array("silicon", 1), array("silicon", 2));
         assert_eq!(array("exact", 1).get("sum"), None);
         let float = |sigma, seed| {
-            let (on, off) = (8.0, 8.0);
+            let thresholds = Thresholds {
+                sigma: PerKind::Each(vec![0.0, sigma]),
+                ..Thresholds::both(8.0)
+            };
             let values = [
-                ("threshold", Value::Threshold { on, off, sigma }),
+                ("threshold", Value::Threshold(thresholds)),
                 ("noise", word("none")),
                 ("seed", Value::Whole(seed)),
             ];

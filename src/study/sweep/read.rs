@@ -2,12 +2,13 @@
 
 use super::{
     key::{Key, Kind},
+    thresholds::Thresholds,
     value::{Ramp, Value, Values},
 };
 use crate::{
     config::{self, Fault, Node, Range, Read, Section, Table},
     photoreceptor::{Curve, Response},
-    reference::{Noise, Threshold, keys::REFRACTORY},
+    reference::{Noise, keys::REFRACTORY},
 };
 
 /// What to do where nothing better can be said.
@@ -40,16 +41,13 @@ pub(super) fn value(key: &Key, node: Node<'_>) -> Read<Value> {
         Kind::Spelled(spell, _) => spell(word)
             .map(Value::Word)
             .map_err(|(what, help)| Fault::error(node.place(), what, "here").help(help)),
+        Kind::Flag => Ok(Value::Flag(node.as_flag().unwrap_or_default())),
         Kind::Threshold => {
-            let Threshold { on, off, sigma } = match node.as_number() {
-                Some(both) => Threshold {
-                    on: both,
-                    off: both,
-                    sigma: 0.0,
-                },
-                None => Threshold::read(node)?,
+            let thresholds = match node.as_number() {
+                Some(both) => Thresholds::both(both),
+                None => Thresholds::read(node)?,
             };
-            Ok(Value::Threshold { on, off, sigma })
+            Ok(Value::Threshold(thresholds))
         }
         Kind::Refractory => {
             let refractory = Section::new(node, &REFRACTORY);

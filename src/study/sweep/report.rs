@@ -21,11 +21,12 @@ use crate::{
 };
 
 /// The columns that make a sensor.
-const SENSOR: [&str; 18] = [
+const SENSOR: [&str; 19] = [
     "side",
     "response",
     "border",
     "rule",
+    "shared",
     "polarity",
     "refractory_us",
     "refractory_rule",
@@ -156,7 +157,7 @@ impl Report {
         let varying = varying(rows);
         let mut sensors: BTreeMap<Vec<String>, Vec<&Row>> = BTreeMap::new();
         for row in rows {
-            let key = SENSOR.map(|column| table::cell(row, column)).to_vec();
+            let key = SENSOR.map(|column| value(row, column)).to_vec();
             sensors.entry(key).or_default().push(row);
         }
         let mut groups: BTreeMap<BTreeSet<String>, Vec<Standing>> = BTreeMap::new();
@@ -223,13 +224,24 @@ fn varying(rows: &[Row]) -> BTreeMap<String, Vec<bool>> {
         let own = seen.entry(table::cell(row, "side")).or_default();
         own.resize(SENSOR.len(), BTreeSet::new());
         for (values, column) in own.iter_mut().zip(SENSOR) {
-            values.insert(table::cell(row, column));
+            values.insert(value(row, column));
         }
     }
     let several = |values: Vec<BTreeSet<String>>| values.iter().map(|v| v.len() > 1).collect();
     seen.into_iter()
         .map(|(side, values)| (side, several(values)))
         .collect()
+}
+
+/// What a row has in one of [`SENSOR`]; the mismatch of kinds that differ is in another column.
+fn value(row: &Row, column: &str) -> String {
+    let own = table::cell(row, column);
+    if column != "threshold_sigma" || !own.is_empty() {
+        return own;
+    }
+    let thresholds = table::cell(row, "thresholds");
+    let sigma = thresholds.split_once("sigma = ").map(|(_, sigma)| sigma);
+    sigma.unwrap_or_default().trim_end_matches(" }").to_owned()
 }
 
 /// The side, its arithmetic, and what else differs among its sensors.
@@ -246,6 +258,7 @@ fn name(key: &[String], varying: &BTreeMap<String, Vec<bool>>) -> String {
         words.push(match *column {
             "refractory_us" => format!("dead {value} us"),
             "threshold_sigma" => format!("sigma {value}"),
+            "shared" => "shared".to_owned(),
             "noise" if value == "none" => "no noise".to_owned(),
             "noise" => format!("noise {value}"),
             "sum" if value == "kept" => continue,

@@ -68,7 +68,8 @@ pub(super) fn watch(
         guard.frame(frame);
         let now = (limits.clock)();
         spent += now - start;
-        limits.hold(now - begin, scene.size, packet.events.len())?;
+        let held = (scene.size, usize::from(sensor.channels()));
+        limits.hold(now - begin, held, packet.events.len())?;
         Ok::<(), Stop>(())
     });
     match played {

@@ -13,8 +13,8 @@ use crate::{
     reference::Description,
 };
 
-/// The sensor file of a float point, one key a line.
-fn text(point: &Point, kernel: &str) -> String {
+/// The sensor file of a float point, one key a line, with a channel for each of these kernels.
+fn text(point: &Point, kernels: &[String]) -> String {
     let (response, scale) = response(point.word("response"));
     let mut text = format!("response = {response}\n");
     for key in ["memory", "polarity", "border"] {
@@ -22,30 +22,29 @@ fn text(point: &Point, kernel: &str) -> String {
             let _ = writeln!(text, "{key} = {word:?}");
         }
     }
+    if point.flag("shared") {
+        text += "shared = true\n";
+    }
     if let Some(refractory) = point.get("refractory") {
         let _ = writeln!(text, "refractory = {refractory}");
     }
     if let Some(noise) = point.word("noise").filter(|noise| *noise != "none") {
         let _ = writeln!(text, "noise = {noise}");
     }
-    text += "[[channel]]\n";
-    if point.side() == Side::Mesh {
-        text += &mesh(point, point.word("solver"));
-    } else {
-        let _ = writeln!(text, "kernel = {kernel}");
+    for (kind, kernel) in kernels.iter().enumerate() {
+        text += &field(point, kernel, point.word("solver"));
+        let [on, off, sigma] = point.threshold(kind).map(|number| number * scale);
+        let _ = writeln!(
+            text,
+            "threshold = {{ on = {on:?}, off = {off:?}, sigma = {sigma:?} }}"
+        );
     }
-    let [on, off, sigma] = point.thresholds().unwrap_or([1.0, 1.0, 0.0]);
-    let [on, off, sigma] = [on * scale, off * scale, sigma * scale];
-    let _ = writeln!(
-        text,
-        "threshold = {{ on = {on:?}, off = {off:?}, sigma = {sigma:?} }}"
-    );
     text
 }
 
 /// The sensor file of what a point is measured against: the same receptive field in f64, whole
 /// light, no dead time, no mismatch, no noise.
-fn ideal_text(point: &Point, kernel: &str, against: &str) -> String {
+fn ideal_text(point: &Point, kernels: &[String], against: &str) -> String {
     let (given, scale) = response(point.word("response"));
     // A linear response only scales the signal, and thresholds are in light units.
     let response = if scale == 1.0 {
@@ -53,16 +52,13 @@ fn ideal_text(point: &Point, kernel: &str, against: &str) -> String {
     } else {
         "\"identity\"".to_owned()
     };
-    let own = match point.side() {
-        Side::Array => None,
-        Side::Reference | Side::Mesh => point.word("memory"),
-    };
-    let memory = match against {
-        "same" => own.unwrap_or("filtered-snap"),
-        one => one,
-    };
+    let (own, shared) = memory(point);
+    let memory = if against == "same" { own } else { against };
     let mut text = format!("response = {response}\nmemory = {memory:?}\n");
-    let pixel = own == Some(memory) && point.word("polarity") == Some("pixel");
+    if shared && own == memory {
+        text += "shared = true\n";
+    }
+    let pixel = own == memory && point.word("polarity") == Some("pixel");
     let polarity = if pixel { "pixel" } else { "filtered" };
     let _ = writeln!(text, "polarity = {polarity:?}");
     let _ = writeln!(
@@ -70,15 +66,32 @@ fn ideal_text(point: &Point, kernel: &str, against: &str) -> String {
         "border = {:?}",
         point.word("border").unwrap_or("zero")
     );
-    text += "[[channel]]\n";
-    if point.side() == Side::Mesh {
-        text += &mesh(point, None);
-    } else {
-        let _ = writeln!(text, "kernel = {kernel}");
+    for (kind, kernel) in kernels.iter().enumerate() {
+        text += &field(point, kernel, None);
+        let [on, off, _] = point.threshold(kind);
+        let _ = writeln!(text, "threshold = {{ on = {on:?}, off = {off:?} }}");
     }
-    let [on, off, _] = point.thresholds().unwrap_or([1.0; 3]);
-    let _ = writeln!(text, "threshold = {{ on = {on:?}, off = {off:?} }}");
     text
+}
+
+/// What an event does to the memory of a point, and whether all kinds share one.
+fn memory(point: &Point) -> (&str, bool) {
+    let own = point.word("memory").unwrap_or_default();
+    match point.side() {
+        // As `study::together` has it.
+        Side::Array if own == "shared" => ("raw-snap", true),
+        Side::Array => ("filtered-snap", false),
+        Side::Reference | Side::Mesh => (own, point.flag("shared")),
+    }
+}
+
+/// What a kind of cells sees.
+fn field(point: &Point, kernel: &str, solver: Option<&str>) -> String {
+    let field = match point.side() {
+        Side::Mesh => mesh(point, solver),
+        Side::Reference | Side::Array => format!("kernel = {kernel}\n"),
+    };
+    format!("[[channel]]\n{field}")
 }
 
 fn mesh(point: &Point, solver: Option<&str>) -> String {
@@ -104,10 +117,16 @@ fn response(given: Option<&str>) -> (String, f64) {
     (given, scale)
 }
 
-fn rows(kernel: &Kernel) -> String {
+/// The weights of a kernel, row by row.
+pub(super) fn rows(kernel: &Kernel) -> Vec<Vec<f64>> {
     let rows = kernel.weights().rows();
-    let rows: Vec<Vec<f64>> = rows.into_iter().map(|row| row.to_vec()).collect();
-    format!("{rows:?}")
+    rows.into_iter().map(|row| row.to_vec()).collect()
+}
+
+fn written(kernels: &[Kernel]) -> Vec<String> {
+    { kernels.iter() }
+        .map(|kernel| format!("{:?}", rows(kernel)))
+        .collect()
 }
 
 fn parse(text: &str) -> Result<Description, Faults> {
@@ -119,21 +138,25 @@ fn parse(text: &str) -> Result<Description, Faults> {
 ///
 /// # Errors
 /// When settings contradict each other.
-pub(super) fn description(point: &Point, kernel: &Kernel) -> Result<Description, Faults> {
-    parse(&text(point, &rows(kernel)))
+pub(super) fn description(point: &Point, kernels: &[Kernel]) -> Result<Description, Faults> {
+    parse(&text(point, &written(kernels)))
 }
 
 /// The sensor that a point is measured against.
 ///
 /// # Errors
 /// When settings contradict each other.
-pub(super) fn ideal(point: &Point, kernel: &Kernel, against: &str) -> Result<Description, Faults> {
-    parse(&ideal_text(point, &rows(kernel), against))
+pub(super) fn ideal(
+    point: &Point,
+    kernels: &[Kernel],
+    against: &str,
+) -> Result<Description, Faults> {
+    parse(&task(point, kernels, against))
 }
 
 /// All that makes the sensor that a point is measured against, in one text.
-pub(super) fn task(point: &Point, kernel: &Kernel, against: &str) -> String {
-    ideal_text(point, &rows(kernel), against)
+pub(super) fn task(point: &Point, kernels: &[Kernel], against: &str) -> String {
+    ideal_text(point, &written(kernels), against)
 }
 
 /// What settings contradict each other, whatever the kernel, and at which key; `seen` saves
@@ -143,9 +166,10 @@ pub(super) fn contradiction(
     against: &str,
     seen: &mut std::collections::HashSet<String>,
 ) -> Option<(String, Fault)> {
-    let mut texts = vec![ideal_text(point, "[[1]]", against)];
+    let kernel = ["[[1]]".to_owned()];
+    let mut texts = vec![ideal_text(point, &kernel, against)];
     if point.side() != Side::Array {
-        texts.push(text(point, "[[1]]"));
+        texts.push(text(point, &kernel));
     }
     for text in texts {
         if seen.contains(&text) {

@@ -45,7 +45,7 @@ const fn real(name: &'static str, what: &'static str) -> (&'static str, Holds, &
 }
 
 /// What the point is.
-const POINT: [(&str, Holds, &str); 36] = [
+const POINT: [(&str, Holds, &str); 39] = [
     whole("index", "number of the point in the fixed order, from 0"),
     text(
         "id",
@@ -76,6 +76,7 @@ const POINT: [(&str, Holds, &str); 36] = [
         "largest change of light between frames, in ln units; empty: no frames inserted",
     ),
     text("kernel", "as it is named in the study"),
+    whole("kinds", "kinds of cells: kernels of the file"),
     real("lambda", "space constant of the mesh, pixels"),
     real(
         "lambda_y",
@@ -84,18 +85,26 @@ const POINT: [(&str, Holds, &str); 36] = [
     real("tau_us", "time constant of the mesh, microseconds"),
     real(
         "threshold_on",
-        "light units (0 to 255) times kernel; ln units under a logarithmic response",
+        "light units (0 to 255) times kernel; ln units under a logarithmic response; empty where kinds differ",
     ),
     real("threshold_off", "the same, a positive magnitude"),
     real(
         "threshold_sigma",
         "deviation of the threshold's mismatch, same unit",
     ),
+    text(
+        "thresholds",
+        "the thresholds of each kind, as in the study, where kinds differ",
+    ),
     text("response", "photoreceptor, as in a sensor file"),
     text("border", "what the kernel reads off the array"),
     text(
         "rule",
         "what an event does to the memory: the `memory` of a sensor file",
+    ),
+    text(
+        "shared",
+        "true: one memory of the pixel for all kinds of a float sensor",
     ),
     text("polarity", "where the sign of an event comes from"),
     real("refractory_us", "dead time, microseconds"),
@@ -108,7 +117,7 @@ const POINT: [(&str, Holds, &str); 36] = [
     text("sum", "what the quantised kernel must sum to"),
     text(
         "kept_in",
-        "where the array keeps the drives of the last events",
+        "what the array keeps of the last events, and where",
     ),
     text(
         "readout",
@@ -127,7 +136,7 @@ const POINT: [(&str, Holds, &str); 36] = [
 ];
 
 /// What came of it, before the metrics.
-const FIGURES: [(&str, Holds, &str); 22] = [
+const FIGURES: [(&str, Holds, &str); 23] = [
     text(
         "outcome",
         "done; refused: the point cannot be; failed: it was given up, and is computed again by the next run",
@@ -164,7 +173,7 @@ const FIGURES: [(&str, Holds, &str); 22] = [
     ),
     real(
         "quantisation_error",
-        "|w - scale levels| / |w| of the kernel",
+        "|w - scale levels| / |w| of the kernel; of several kinds the largest",
     ),
     whole(
         "window_us",
@@ -173,6 +182,10 @@ const FIGURES: [(&str, Holds, &str); 22] = [
     real(
         "kept",
         "what of F1 is more than accident, within that window",
+    ),
+    text(
+        "kept_of_kinds",
+        "the same of each kind of several by its own events, a JSON list, as `quantise` and `feasibility` tell it",
     ),
     real(
         "floor",

@@ -7,9 +7,13 @@ use std::sync::OnceLock;
 
 use super::{plan::Entry, refusal::Refusal, sensor, study::Settings};
 use crate::{
+    compare::CompareError,
     event::Packet,
     reference::Description,
-    study::equivalent::{self, Ladder},
+    study::{
+        equivalent::{self, Ladder},
+        together::own,
+    },
 };
 
 /// Seed of the redraws: a floor is that of the task, whatever the point.
@@ -24,6 +28,8 @@ pub(super) struct Truth {
     ideal: Description,
     /// Without rungs.
     ladder: Ladder,
+    /// Those of each kind of cells alone, where there are several.
+    kinds: Vec<Ladder>,
     /// Parts of the threshold, and F1 there, in the order of the ladder.
     rungs: Vec<(f64, OnceLock<Result<f64, Refusal>>)>,
 }
@@ -35,11 +41,17 @@ impl Truth {
     /// Why there is none.
     pub fn new(settings: &Settings, entry: &Entry, watched: Watched<'_>) -> Result<Self, Refusal> {
         let make = || -> Result<Self, Refusal> {
-            let ideal = sensor::ideal(&entry.point, &entry.kernel, settings.against)?;
+            let ideal = sensor::ideal(&entry.point, &entry.kernels, settings.against)?;
             let fps = entry.scene.fps;
             let packet = watched(&ideal)?;
+            let ladder = |packet| Ladder::bare(packet, settings.headline(fps), fps, REDRAWS);
+            let kinds = 0..ideal.channels.len();
+            let several = kinds.filter(|_| ideal.channels.len() > 1);
             Ok(Self {
-                ladder: Ladder::bare(packet, settings.headline(fps), fps, REDRAWS)?,
+                kinds: several
+                    .map(|kind| ladder(own(&packet, kind)))
+                    .collect::<Result<_, _>>()?,
+                ladder: ladder(packet)?,
                 rungs: { equivalent::higher() }
                     .map(|part| (part, OnceLock::new()))
                     .collect(),
@@ -52,6 +64,18 @@ impl Truth {
     /// Its packet, and what is made of it.
     pub const fn ladder(&self) -> &Ladder {
         &self.ladder
+    }
+
+    /// What each kind of several keeps, none where it cannot be told; each is judged by its own
+    /// events, as `study::together` does.
+    ///
+    /// # Errors
+    /// When the packet is of another sensor.
+    pub fn kept_of_kinds(&self, packet: &Packet) -> Result<Vec<Option<f64>>, CompareError> {
+        let kinds = self.kinds.iter().enumerate();
+        kinds
+            .map(|(kind, ladder)| Ok(ladder.judge(&own(packet, kind))?.kept))
+            .collect()
     }
 
     /// The change of its threshold, in per cent, that costs as much as this F1.

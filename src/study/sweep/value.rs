@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::thresholds::Thresholds;
 use crate::{config::Place, elementary};
 
 /// One value of an axis.
@@ -13,15 +14,10 @@ pub enum Value {
     Whole(u64),
     /// A name; tables of a sensor file in canonical TOML.
     Word(String),
+    /// Whether something is so.
+    Flag(bool),
     /// Thresholds.
-    Threshold {
-        /// Above zero.
-        on: f64,
-        /// A positive magnitude.
-        off: f64,
-        /// Deviation of the mismatch.
-        sigma: f64,
-    },
+    Threshold(Thresholds),
     /// A refractory period.
     Refractory {
         /// Microseconds.
@@ -37,9 +33,8 @@ impl fmt::Display for Value {
             Self::Number(number) => number.fmt(f),
             Self::Whole(number) => number.fmt(f),
             Self::Word(word) => f.write_str(word),
-            Self::Threshold { on, off, sigma } => {
-                write!(f, "{{ on = {on:?}, off = {off:?}, sigma = {sigma:?} }}")
-            }
+            Self::Flag(flag) => flag.fmt(f),
+            Self::Threshold(thresholds) => thresholds.fmt(f),
             Self::Refractory { us, rule } => write!(f, "{{ us = {us:?}, rule = {rule:?} }}"),
         }
     }
