@@ -2,7 +2,7 @@
 
 use std::{path::Path, sync::OnceLock};
 
-use super::{OpenOptions, Scene, SceneError, animation, canvas::Delay, check_rate};
+use super::{OpenOptions, Scene, SceneError, animation, canvas::Delay, check_rate, shown};
 
 /// People walking past a still camera: a crop of `vtest.avi`, which comes with `OpenCV`, as
 /// gray 8-bit video of 256x256 at 10 frames/s.
@@ -31,5 +31,5 @@ pub fn bundled_with(options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError>
         ..*options
     };
     let (scene, source) = animation::play_apng(name, CLIP, *options, &DELAYS)?;
-    options.view.of(source.decode(scene, name, options)?)
+    shown(options.view, source.decode(scene, name, options)?)
 }

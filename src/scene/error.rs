@@ -2,11 +2,7 @@
 
 use std::{io, path::PathBuf};
 
-use super::{
-    crop::Crop,
-    rate::{MOST_FPS, Shown},
-    slice::Slice,
-};
+use super::rate::{MOST_FPS, Shown};
 use crate::{memory::TooMuch, plane::Size, unit::counted};
 
 /// Why a scene cannot be read.
@@ -464,8 +460,8 @@ pub enum SceneError {
         "give a slice of the scene: in times, such as 1s..2.5s, or in numbers of frames from 0, such as 10..50"
     ))]
     EmptySlice {
-        /// The slice.
-        slice: Slice,
+        /// The slice, as it is written.
+        slice: String,
         /// Frames of the scene, or up to the slice's end.
         frames: u64,
         /// Frames per second of the scene.
@@ -478,8 +474,8 @@ pub enum SceneError {
         "give a part of the picture: WIDTHxHEIGHT in its middle, or WIDTHxHEIGHT+X+Y from its left and its top"
     ))]
     CropOutside {
-        /// The part.
-        crop: Crop,
+        /// The part, as it is written.
+        crop: String,
         /// The picture.
         size: Size,
     },

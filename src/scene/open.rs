@@ -4,7 +4,7 @@ use std::{io::Read, path::Path};
 
 use super::{
     animation, decoded::Source, error::SceneError, folder, frame::Scene, light, mp4, npy,
-    options::OpenOptions, pattern::Pattern, rate::check_rate, still, y4m,
+    options::OpenOptions, pattern::Pattern, rate::check_rate, shown::shown, still, y4m,
 };
 
 /// Opens the scene that `spec` names: a file, a folder, or `pattern:NAME?key=value&key=value`.
@@ -26,7 +26,7 @@ use super::{
 /// # Ok::<(), amacrine::scene::SceneError>(())
 /// ```
 pub fn open(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError> {
-    options.view.of(whole(spec, options)?)
+    shown(options.view, whole(spec, options)?)
 }
 
 /// All of it.

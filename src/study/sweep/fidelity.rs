@@ -253,9 +253,9 @@ fn pilot<F: Family>(
     candidates: &[(String, F::Model)],
 ) -> Result<Found, Refusal> {
     let settings = &plan.study.settings;
-    let within = within(settings, scene.fps);
-    let names: Vec<&str> = candidates.iter().map(|(name, _)| name.as_str()).collect();
     let tolerance = settings.tolerance.unwrap_or(0.0);
+    let within = within(settings, scene.fps, tolerance);
+    let names: Vec<&str> = candidates.iter().map(|(name, _)| name.as_str()).collect();
     let question = json!([key, names, within, tolerance, scene.digest, super::SCHEMA]);
     let question = question.to_string();
     let id = hex(&Sha256::digest(question.as_bytes())[..16]);
@@ -277,13 +277,15 @@ fn pilot<F: Family>(
     }
 }
 
-/// The narrowest window in which anything is measured, or the shortest time constant: a limit on
-/// what moves by more says nothing of a metric that is finer.
-fn within(settings: &Settings, fps: f64) -> Micros {
+/// By how much an event may move and count as the same: a part of the narrowest window in which
+/// anything is measured, or of the shortest time constant, as large as the tolerance. A distance of
+/// spike trains grows by about as much for each event that moves.
+fn within(settings: &Settings, fps: f64, tolerance: f64) -> Micros {
     let named = { settings.metrics.iter() }.filter_map(|name| metric::Entry::in_studies(name));
     let scales = named.flat_map(|metric| settings.scales(metric.scale));
     let all = settings.windows().iter().chain(scales).copied();
-    all.fold(settings.headline(fps), Micros::min)
+    let narrowest = all.fold(settings.headline(fps), Micros::min);
+    Micros((narrowest.0 as f64 * tolerance) as u64)
 }
 
 fn measured<F: Family>(
@@ -345,27 +347,27 @@ mod tests {
     #[test]
     fn the_window_is_that_of_the_finest_metric() {
         for (keys, fps, want) in [
-            ("metrics = [\"f1\"]", 100.0, 100_000),
+            ("metrics = [\"f1\"]", 100.0, 1_000),
             (
                 "metrics = [\"f1\"]\nwithin = [\"20ms\", \"1ms\"]",
                 100.0,
-                1_000,
+                10,
             ),
-            ("", 100.0, 5_000),
-            ("van-rossum = [\"5ms\", \"1ms\"]", 100.0, 1_000),
+            ("", 100.0, 50),
+            ("van-rossum = [\"5ms\", \"1ms\"]", 100.0, 10),
             (
                 "metrics = [\"victor-purpura\"]\nvictor-purpura = \"2ms\"",
                 2.0,
-                2_000,
+                20,
             ),
             // Not asked for.
-            ("metrics = [\"f1\"]\nvan-rossum = \"1ms\"", 100.0, 100_000),
+            ("metrics = [\"f1\"]\nvan-rossum = \"1ms\"", 100.0, 1_000),
         ] {
             let text = format!(
                 "{keys}\nscene = \"pattern:disc\"\nkernel = \"dvs\"\nthreshold = 20\n[[side]]\nside = \"reference\"\n"
             );
             let study = Study::parse("study.toml", &text).unwrap();
-            assert_eq!(within(&study.settings, fps), Micros(want), "{keys}");
+            assert_eq!(within(&study.settings, fps, 0.01), Micros(want), "{keys}");
         }
     }
 }

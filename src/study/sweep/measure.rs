@@ -89,14 +89,20 @@ fn run(
             measured(settings, entry, shared, limits, (&mut seen, &mut figures))?;
             Ok(figures)
         });
-        match figures.get() {
-            Some(Ok(figures)) => row.extend(figures.clone()),
+        let figures = match figures.get() {
+            Some(Ok(figures)) => figures,
             Some(Err(refusal)) => return Err(refusal.clone()),
             None => return Err(Refusal::Cannot("nothing was measured".to_owned())),
+        };
+        // What is kept is told as a part of what accident leaves.
+        let floor = figures.get("floor").and_then(serde_json::Value::as_f64);
+        let most = settings.tolerance.unwrap_or(0.0) * (1.0 - floor.unwrap_or(0.0));
+        if plain.limit <= most {
+            row.extend(figures.clone());
+            row.insert("left_out".to_owned(), json!(plain.left_out));
+            row.insert("left_out_limit".to_owned(), json!(plain.limit));
+            return Ok(());
         }
-        row.insert("left_out".to_owned(), json!(plain.left_out));
-        row.insert("left_out_limit".to_owned(), json!(plain.limit));
-        return Ok(());
     }
     let mut seen = match entry.point.side() {
         Side::Reference | Side::Mesh => {
