@@ -7,7 +7,6 @@ use multiversion::{multiversion, target::target_cfg_f};
 
 use super::{
     Ageing, Domain, Place, RowOps, Share,
-    domain::LIMITS,
     each::{above, each, each_twice, some, summed},
 };
 use crate::number::{Number, Overflow, Q, Wide, Width};
@@ -16,19 +15,13 @@ use crate::number::{Number, Overflow, Q, Wide, Width};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fixed<T> {
     number: Q<T>,
-    limits: (T, T),
 }
 
 impl<T: Width> Fixed<T> {
     /// In this format.
     #[must_use]
-    pub fn new(number: Q<T>) -> Self {
-        // Where the format is narrower than the ADC scale, its own ends limit it already.
-        let end = |limit: f64| T::saturate((limit * number.one() as f64) as i64);
-        Self {
-            number,
-            limits: (end(LIMITS.0), end(LIMITS.1)),
-        }
+    pub const fn new(number: Q<T>) -> Self {
+        Self { number }
     }
 
     #[inline]
@@ -80,8 +73,10 @@ impl<T: Width> Domain for Fixed<T> {
         Some(*sum > T::Wide::default())
     }
     #[inline(always)]
-    fn limit(&self, cell: T) -> T {
-        cell.clamp(self.limits.0, self.limits.1)
+    fn limit(&self, cell: T, (low, high): (f64, f64)) -> T {
+        // Where the format is narrower than the range, its own ends limit it already.
+        let end = |limit: f64| T::saturate((limit * self.number.one() as f64) as i64);
+        cell.clamp(end(low), end(high))
     }
 }
 

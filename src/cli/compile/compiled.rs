@@ -7,7 +7,10 @@ use serde_json::json;
 use super::{Added, Asked, Compiled, MIDDLE, bounds::Bounds, readout::Readouts};
 use crate::{
     array::Errors,
-    compile::{Decided, DriveMemory, Filter, Need, bound::LowerBound, carried},
+    compile::{
+        Decided, DriveMemory, Filter, Need, bound::LowerBound, brightest, carried,
+        largest_of_both_signs,
+    },
     isa::{Analog, Device, Figure},
     plane::Plane,
     program::{Cost, for_each},
@@ -75,7 +78,7 @@ impl Compiled {
             "notes": self.notes(asked, device),
             "saturating_stores": self.saturations,
             "holds_with_transfer_errors": self.ranged.then_some(self.filter.holds),
-            "largest_input_lsb": 127.0 / self.filter.peak,
+            "largest_input_lsb": self.largest_input(device),
             "offset_stores": self.filter.offsets,
             "noise_lsb": self.noises,
             "on_chip": self.on_chip,
@@ -231,7 +234,7 @@ impl Compiled {
         for (thresholds, (own, few)) in self.thresholds.iter().zip(scales) {
             line("threshold", threshold(*thresholds, few / own, device));
         }
-        line("range", self.range());
+        line("range", self.range(device));
         let offsets = self.filter.offsets.iter().map(|o| format!("{o}"));
         line(
             "offset",
@@ -292,7 +295,7 @@ impl Compiled {
     }
 
     /// Whether anything saturates, and what that costs.
-    pub(super) fn range(&self) -> String {
+    pub(super) fn range(&self, device: &Device) -> String {
         let saturates = |filter: &Filter| filter.decided.is_some() && !filter.holds;
         if self.filters.iter().any(saturates) {
             return self.exact_range();
@@ -311,19 +314,20 @@ impl Compiled {
                 )
             }
             (n, _) if self.memory.is_some() => format!(
-                "{} can saturate: search longer (--effort), or take fewer digits (--to)",
-                counted(n, "store")
+                "{} can saturate: {}",
+                counted(n, "store"),
+                against_saturation(device)
             ),
             (n, _) => format!(
                 "{} can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
                 counted(n, "store"),
-                127.0 / self.filter.peak
+                self.largest_input(device)
             ),
         };
-        // The brightest of 8 bits is half an LSB beyond the register's end.
+        // Of SCAMP-5, the brightest of 8 bits is half an LSB beyond the register's end.
         let range = match range.strip_prefix("nothing saturates") {
             Some(rest) if self.memory.is_some() => {
-                format!("nothing saturates for light up to 254 of 255{rest}")
+                format!("nothing saturates for light up to {} of 255{rest}", brightest(device))
             }
             _ => range,
         };
@@ -333,6 +337,11 @@ impl Compiled {
             "; but the transfer errors of a real chip come on top, and no plan was found that keeps them in range: search longer (--effort), or take fewer digits (--to)"
         };
         range + errors
+    }
+
+    /// The largest input, of either sign, with which no store of the filter saturates, LSB.
+    fn largest_input(&self, device: &Device) -> f64 {
+        largest_of_both_signs(device) / self.filter.peak
     }
 
     /// The range within which each filter is exact, where large differences may saturate.
@@ -403,6 +412,19 @@ impl Compiled {
             }
         }
         text
+    }
+}
+
+/// What to do about a whole program whose stores can saturate.
+fn against_saturation(device: &Device) -> String {
+    let (_, high) = device.register_range();
+    let reset = device.value(Figure::LightReset);
+    if -reset > high {
+        format!(
+            "the capture stores the photodiode's reset level (light.reset), {reset} LSB, negated, and a register holds {high} at most; change light.reset or range.high of the chip's data"
+        )
+    } else {
+        "search longer (--effort), or take fewer digits (--to)".to_owned()
     }
 }
 

@@ -52,7 +52,7 @@ impl OnChip {
         let code = program.expand(device, &Overrides::default())?.code;
         let inputs = Inputs {
             registers: Interval::new(mean - amplitude, mean + amplitude),
-            ..Inputs::default()
+            ..Inputs::from_device(device)
         };
         let settings = Settings::from_device(device);
         let cells: Vec<Cell> = results.iter().map(|it| Cell::Analog(*it)).collect();
