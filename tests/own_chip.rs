@@ -66,12 +66,19 @@ fn what_saturates_goes_by_the_chip_s_range() {
     );
     // Eight inputs in a sum.
     let filter = ["compile", "sobel-x", "--filter-only", "--effort", "0.1"];
-    assert!(on(&filter).contains("inputs within ±3.88 LSB"), "{}", on(&filter));
+    assert!(
+        on(&filter).contains("inputs within ±3.88 LSB"),
+        "{}",
+        on(&filter)
+    );
     let told = json(folder, &[&filter[..], &["--chip", "narrow"]].concat());
     assert_eq!(told["largest_input_lsb"], 31.0 / 8.0);
     fs::write(folder.join("two.scamp"), "bus(B, A);\nbus(C, B);\n").unwrap();
     let asm = on(&["asm", "two.scamp", "--input=0..100"]);
-    assert!(asm.contains("line 1 can saturate: B from -100 to 0 LSB"), "{asm}");
+    assert!(
+        asm.contains("line 1 can saturate: B from -100 to 0 LSB"),
+        "{asm}"
+    );
     let asm = on(&["asm", "two.scamp", "--input=0..31"]);
     assert!(asm.contains("no store can saturate"), "{asm}");
 }
@@ -83,8 +90,18 @@ fn a_capture_that_saturates_is_named() {
     let lsb = |key, value| figure(key, value, "LSB", "measured");
     let lines = ["[figure.range]\n", &lsb("low", -32.0), &lsb("high", 31.0)].concat();
     chip(folder, "dark", &lines);
-    let asked = ["compile", "csdvs-3", "--threshold", "10", "--objective", "exact"];
-    let told = good(folder, &[&asked[..], &["--effort", "0.1", "--chip", "dark"]].concat());
+    let asked = [
+        "compile",
+        "csdvs-3",
+        "--threshold",
+        "10",
+        "--objective",
+        "exact",
+    ];
+    let told = good(
+        folder,
+        &[&asked[..], &["--effort", "0.1", "--chip", "dark"]].concat(),
+    );
     assert!(!told.contains("nothing saturates"), "{told}");
     assert!(told.contains("can saturate: the capture stores"), "{told}");
 }
@@ -95,10 +112,21 @@ fn a_wide_range_is_used() {
     let folder = folder.path();
     ranged(folder, "wide", -512.0, 511.0);
     let wide = ["--chip", "wide"];
-    let filter = ["compile", "sobel-x", "--filter-only", "--input=-60..60", "--effort", "0.1"];
+    let filter = [
+        "compile",
+        "sobel-x",
+        "--filter-only",
+        "--input=-60..60",
+        "--effort",
+        "0.1",
+    ];
     let told = good(folder, &[&filter[..], &wide].concat());
     assert!(told.contains("nothing saturates"), "{told}");
-    fs::write(folder.join("sum.scamp"), "bus(B, A);\nbus(C, A, A);\nbus(D, A);\nbus(E, B, D);\n").unwrap();
+    fs::write(
+        folder.join("sum.scamp"),
+        "bus(B, A);\nbus(D, A);\nbus(E, B, D);\n",
+    )
+    .unwrap();
     let asm = ["asm", "sum.scamp", "--input=-200..200"];
     let told = good(folder, &[&asm[..], &wide].concat());
     assert!(told.contains("no store can saturate"), "{told}");
@@ -123,9 +151,177 @@ fn stores_clip_at_the_chip_s_range() {
         let asked = ["exec", "set.scamp", "--set", "A=a.npy", "--clip", "on"];
         good(
             folder,
-            &[&asked[..], &["--chip", name, "--domain", domain, "--dump", "out"]].concat(),
+            &[
+                &asked[..],
+                &["--chip", name, "--domain", domain, "--dump", "out"],
+            ]
+            .concat(),
         );
         let b: ndarray::Array2<f64> = ndarray_npy::read_npy(folder.join("out/B.npy")).unwrap();
         assert_eq!(b, ndarray::arr2(&[[least, most]]), "{name} {domain}");
     }
+}
+
+/// Every figure on which time, energy and the model of the chip rest, measured: 4 MHz, 5 us for a
+/// launch, 2 W.
+fn measured(folder: &Path) {
+    let stated = |key, value, unit| figure(key, value, unit, "measured");
+    let lines = [
+        "[figure.clock]\n".to_owned(),
+        stated("rate", 4.0, "MHz"),
+        stated("launch", 5.0, "us"),
+        stated("power", 2.0, "W"),
+        "[figure.range]\n".to_owned(),
+        stated("low", -128.0, "LSB"),
+        stated("high", 127.0, "LSB"),
+        "[figure.error]\n".to_owned(),
+        stated("transfer", 20.0, "LSB"),
+        stated("loss", 0.007, "1"),
+        stated("division", 2.0, "LSB"),
+        stated("gain_mismatch", 0.003, "1"),
+        stated("offset_mismatch", 0.1, "LSB"),
+        stated("mismatch_correlation", 0.0, "1"),
+        stated("division_mismatch", 0.01, "1"),
+        stated("noise", 0.05, "LSB"),
+        stated("headroom", 20.0, "LSB"),
+    ];
+    chip(folder, "measured", &lines.concat());
+}
+
+/// A word takes full power over the highest clock, whatever its launch takes.
+#[test]
+fn numbers_are_as_well_known_as_the_chip_s_figures() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    measured(folder);
+    let asked = ["compile", "csdvs-3", "--threshold", "16", "--effort", "0.1"];
+    let own = [&asked[..], &["--chip", "measured"]].concat();
+    let told = json(folder, &own);
+    let words = told["words"].as_f64().unwrap();
+    let energy = told["energy_uj"].as_f64().unwrap();
+    assert!(
+        (energy - 0.5 * words).abs() < 1e-9,
+        "{energy} uJ, {words} words"
+    );
+    assert_eq!(told["evidence"]["on_chip"], "measured");
+    let text = good(folder, &own);
+    let us = told["array_us_range"][1].as_f64().unwrap();
+    for line in [
+        format!(
+            "time      {us:.1} us on the array (highest clock, to a launch with every word: measured)"
+        ),
+        format!(
+            "energy    {energy:.2} uJ a frame for its words, each at full power over the highest clock (modelled)"
+        ),
+        "(run in the model of the chip: measured)".to_owned(),
+        "(modelled; at 64 LSB, saturation left out)".to_owned(),
+    ] {
+        assert!(text.contains(&line), "no {line:?} in {text}");
+    }
+    // Of SCAMP-5 the launch and the noise are guesses, and the power is an interval.
+    let text = good(folder, &asked);
+    for part in [
+        "(highest clock, to a launch with every word: guess)",
+        "(run in the model of the chip: guess)",
+        "(guess; at 64 LSB, saturation left out)",
+    ] {
+        assert!(text.contains(part), "no {part:?} in {text}");
+    }
+    let told = json(folder, &asked);
+    let words = told["words"].as_f64().unwrap();
+    let [least, most] = [0, 1].map(|k| told["energy_uj_range"][k].as_f64().unwrap());
+    assert!((least - 0.12 * words).abs() < 1e-9 && (most - 0.158 * words).abs() < 1e-9);
+    let front = [
+        "compile",
+        "sobel-x",
+        "--filter-only",
+        "--front",
+        "--effort",
+        "0.1",
+    ];
+    let text = good(folder, &[&front[..], &["--chip", "measured"]].concat());
+    assert!(
+        text.contains("run in the model of the chip: measured"),
+        "{text}"
+    );
+}
+
+/// Asks `feasibility` of a disc that moves, on a chip.
+fn feasibility(folder: &Path, chip: &str) -> serde_json::Value {
+    let scene = "pattern:disc?width=32&height=24&frames=100&speed=60";
+    let asked = [
+        "feasibility",
+        "sobel-x",
+        "--threshold",
+        "40",
+        "--to",
+        "ternary",
+    ];
+    let more = ["--scene", scene, "--within", "5ms", "--chips", "4"];
+    let written = ["--effort", "0.1", "-o", "r.html", "--chip", chip];
+    json(folder, &[&asked[..], &more, &written].concat())
+}
+
+/// A guess of one value: no other is drawn, so that all chips agree.
+#[test]
+fn a_verdict_names_the_guesses_that_it_rests_on() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let noise = figure("noise", 0.01, "LSB", "guess");
+    chip(folder, "guessed", &format!("[figure.error]\n{noise}"));
+    let told = feasibility(folder, "guessed");
+    let headline = told["verdict"]["headline"].as_str().unwrap();
+    assert!(
+        headline.starts_with("Not known: it rests on guesses (error.noise)"),
+        "{headline}"
+    );
+    assert_eq!(
+        told["chip"]["guessed_values"],
+        serde_json::json!(["error.noise"])
+    );
+    let findings = told["verdict"]["findings"].as_array().unwrap();
+    let says = findings.iter().find(|it| it["about"] == "guesses").unwrap();
+    assert!(
+        says["says"]
+            .as_str()
+            .unwrap()
+            .contains("error.noise is guessed"),
+        "{says}"
+    );
+    // With an interval, others are drawn.
+    let interval = noise.replace(" }", ", low = 0, high = 0.02, why = \"test\" }");
+    chip(folder, "bounded", &format!("[figure.error]\n{interval}"));
+    let told = feasibility(folder, "bounded");
+    let headline = told["verdict"]["headline"].as_str().unwrap();
+    assert!(headline.starts_with("Feasible"), "{headline}");
+    assert_eq!(told["chips_evidence"], "guess");
+}
+
+/// SCAMP-5 with every number measured, and so without intervals.
+#[test]
+fn what_is_made_of_measurements_is_no_guess() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("isa/scamp5");
+    fs::create_dir(folder.join("known")).unwrap();
+    for file in ["macros.scamp", "primitives.toml"] {
+        fs::copy(shipped.join(file), folder.join("known").join(file)).unwrap();
+    }
+    let text = fs::read_to_string(shipped.join("device.toml")).unwrap();
+    let mut known = String::new();
+    for line in text.lines() {
+        let line = match line.find(", low = ") {
+            Some(at) => format!("{} }}", &line[..at]),
+            None => line.to_owned(),
+        };
+        known += &line.replace("name = \"scamp5\"", "name = \"known\"");
+        known.push('\n');
+    }
+    for word in ["quoted", "modelled", "guess"] {
+        known = known.replace(&format!("evidence = \"{word}\""), "evidence = \"measured\"");
+    }
+    fs::write(folder.join("known/device.toml"), known).unwrap();
+    let told = feasibility(folder, "known");
+    assert_eq!(told["chips_evidence"], "measured");
+    assert_eq!(told["chip"]["guessed_values"], serde_json::json!([]));
 }

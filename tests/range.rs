@@ -124,7 +124,13 @@ fn a_decision_by_a_neighbour_is_open() {
         .unwrap()
         .code;
     let settings = Settings::from_device(device());
-    let ranges = range::of(&code.frame, device(), settings, Inputs::from_device(device())).unwrap();
+    let ranges = range::of(
+        &code.frame,
+        device(),
+        settings,
+        Inputs::from_device(device()),
+    )
+    .unwrap();
     let held = ranges.registers[1];
     assert!(held.contains(0.0) && held.contains(-12.0), "{held:?}");
 }

@@ -25,7 +25,7 @@ impl<T: Width> Fixed<T> {
     }
 
     #[inline]
-    fn saturates(&self) -> bool {
+    fn saturates(self) -> bool {
         self.number.overflow() == Overflow::Saturate
     }
 }
@@ -416,18 +416,14 @@ mod tests {
                 assert_eq!(cell, expected, "{operands:?} by {by}");
             }
             if by == 1 {
-                masked(&domain, values, n);
-                positive(&domain, values, n);
+                masked(domain, values, n);
+                positive(domain, values, n);
             }
         }
     }
 
     /// Some of the row's cells, against the wide sum of each of them.
-    fn masked<T: Width + PartialEq, const N: usize>(
-        domain: &Fixed<T>,
-        values: [&[T]; N],
-        n: usize,
-    ) {
+    fn masked<T: Width + PartialEq, const N: usize>(domain: Fixed<T>, values: [&[T]; N], n: usize) {
         let share = Share { by: 1, part: None };
         let word = |k: usize| (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         let words: Vec<u64> = (0..n.div_ceil(64)).map(word).collect();
@@ -446,7 +442,7 @@ mod tests {
     }
 
     /// Which sums are above zero, against the wide sum of each of them.
-    fn positive<T: Width, const N: usize>(domain: &Fixed<T>, values: [&[T]; N], n: usize) {
+    fn positive<T: Width, const N: usize>(domain: Fixed<T>, values: [&[T]; N], n: usize) {
         let mut bytes = vec![2; n];
         assert!(domain.positives(&values, &mut bytes));
         let mut words = vec![0; n / 64];

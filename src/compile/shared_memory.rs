@@ -287,7 +287,10 @@ impl Writer<'_> {
             if { self.filters.iter() }.any(|filter| filter.decided.is_some() && !filter.holds) {
                 "for the most events on the chip;\n//! # large sums may leave the range".to_owned()
             } else {
-                format!("so that no sum leaves the range{}", sensor::up_to(self.device))
+                format!(
+                    "so that no sum leaves the range{}",
+                    sensor::up_to(self.device)
+                )
             },
         );
         text
