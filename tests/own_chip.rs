@@ -6,7 +6,7 @@ mod common;
 
 use std::{fs, path::Path};
 
-use common::{good, json};
+use common::{amacrine, good, json, line, refused};
 use tempfile::TempDir;
 
 /// A line of `device.toml`.
@@ -324,4 +324,71 @@ fn what_is_made_of_measurements_is_no_guess() {
     let told = feasibility(folder, "known");
     assert_eq!(told["chips_evidence"], "measured");
     assert_eq!(told["chip"]["guessed_values"], serde_json::json!([]));
+}
+
+/// A chip of so many rows and columns.
+fn sized(folder: &Path, name: &str, [rows, columns]: [f64; 2]) {
+    let px = |key, value| figure(key, value, "px", "quoted");
+    let lines = [px("height", rows), px("width", columns)].concat();
+    chip(folder, name, &format!("[figure.array]\n{lines}"));
+}
+
+/// A column too many is one that no chip has.
+#[test]
+fn a_scene_larger_than_the_array_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    sized(folder, "small", [24.0, 32.0]);
+    let scene = "pattern:spot?width=33&height=24&frames=6";
+    let more = ["--scene", scene, "--chip", "small", "--effort", "0"];
+    for verb in [
+        &["design", "csdvs-3", "--threshold", "20"][..],
+        &[
+            "quantise",
+            "csdvs-3",
+            "--threshold",
+            "20",
+            "--to",
+            "ternary",
+        ],
+        &["waterfall", "csdvs-3", "--threshold", "20"],
+        &["compile", "csdvs-3", "--threshold", "20"],
+    ] {
+        refused(
+            folder,
+            &[verb, &more].concat(),
+            &[
+                "is 33x24, and small has 32x24 processors",
+                "--crop 32x24, --resize 32x24",
+            ],
+        );
+    }
+    fs::write(folder.join("p.scamp"), "get_image(A);\n").unwrap();
+    let exec = |scene: &str| {
+        let asked = ["exec", "p.scamp", "--chip", "small", "--scene", scene];
+        let said = amacrine(folder, &asked).output().unwrap();
+        assert!(said.status.success());
+        line(&said.stderr)
+    };
+    let told = exec(scene);
+    let sizes = "an array of 33x24, and small has 32x24 processors";
+    assert_eq!(told.matches(sizes).count(), 1, "{told}");
+    let told = exec("pattern:spot?width=32&height=24&frames=6");
+    assert!(!told.contains("processors"), "{told}");
+}
+
+/// Whole bit planes are as many rows as the array that is spoken of.
+#[test]
+fn a_rate_is_that_of_the_array_that_it_is_told_of() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    sized(folder, "low", [4.0, 32.0]);
+    sized(folder, "high", [24.0, 32.0]);
+    let rate = |chip| {
+        let told = feasibility(folder, chip);
+        let plans = told["fit"]["on_chip"]["time"]["plans"].as_array().unwrap();
+        let planes = plans.iter().find(|it| it["plan"] == "bit_planes").unwrap();
+        planes["frames_s"].to_string()
+    };
+    assert_eq!(rate("low"), rate("high"));
 }
