@@ -392,3 +392,20 @@ fn a_rate_is_that_of_the_array_that_it_is_told_of() {
     };
     assert_eq!(rate("low"), rate("high"));
 }
+
+#[test]
+fn a_chip_s_folder_is_named_where_its_file_or_its_name_was_given() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    sized(folder, "c9", [24.0, 32.0]);
+    for asked in [
+        &["list", "chips", "c9"][..],
+        &["show", "chip", "c9"],
+        &["new", "chip", "d", "--from", "c9"],
+    ] {
+        refused(folder, asked, &["verbs take it as --chip c9"]);
+    }
+    fs::write(folder.join("p.scamp"), "bus(B, A);\n").unwrap();
+    let asked = ["asm", "p.scamp", "--chip", "c9/device.toml"];
+    refused(folder, &asked, &["give its folder c9"]);
+}
