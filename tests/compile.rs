@@ -388,7 +388,7 @@ fn keeps_to_registers_and_range(device: &Device, kernel: Kernel, keep: usize, in
     let settings = Settings::from_device(device);
     let inputs = range::Inputs {
         registers: range::Interval::new(0.0, f64::from(high)),
-        ..range::Inputs::default()
+        ..range::Inputs::from_device(device)
     };
     let ranges = range::of(&code.frame, device, settings, inputs).unwrap();
     assert_eq!(ranges.saturations, vec![]);

@@ -61,7 +61,7 @@ proptest! {
     ) {
         let steps = steps(actions);
         let settings = Settings::from_device(device());
-        let inputs = Inputs::default();
+        let inputs = Inputs::from_device(device());
         let ranges = range::of(&steps, device(), settings, inputs).unwrap();
         let taps = taps::read(&steps, device(), settings, Analog(which)).unwrap();
         for high in [false, true] {
@@ -95,7 +95,7 @@ fn a_sum_that_can_leave_the_scale_is_named() {
     let range = |light| {
         let inputs = Inputs {
             light: Interval::new(0.0, light),
-            ..Inputs::default()
+            ..Inputs::from_device(device())
         };
         range::of(&code.frame, device(), settings, inputs).unwrap()
     };
@@ -124,7 +124,13 @@ fn a_decision_by_a_neighbour_is_open() {
         .unwrap()
         .code;
     let settings = Settings::from_device(device());
-    let ranges = range::of(&code.frame, device(), settings, Inputs::default()).unwrap();
+    let ranges = range::of(
+        &code.frame,
+        device(),
+        settings,
+        Inputs::from_device(device()),
+    )
+    .unwrap();
     let held = ranges.registers[1];
     assert!(held.contains(0.0) && held.contains(-12.0), "{held:?}");
 }

@@ -287,6 +287,7 @@ def scene(
     scale: float | None,
     frames: int | None,
     coded: tuple[str, str],
+    part: tuple[str | None, str | None, str | None],
 ) -> tuple[npt.NDArray[Any], float, bool]: ...
 def in_python(text: str) -> str: ...
 def compile_filter(

@@ -126,6 +126,9 @@ def load(
     range: str = "auto",
     transfer: str = "as-coded",
     frames: int | None = None,
+    slice: str | None = None,
+    crop: str | None = None,
+    resize: str | None = None,
 ) -> tuple[npt.NDArray[Any], float]:
     """A clip as an array.
 
@@ -141,6 +144,9 @@ def load(
         transfer: How light was coded, to be undone: ``"as-coded"`` (nothing is), ``"linear"``,
             ``"srgb"``, ``"bt709"``, or ``"auto"``, what the file says.
         frames: The first so many frames only.
+        slice: Some frames only, in times or in numbers of frames: ``"2s..5s"``, ``"..100"``.
+        crop: A part of each picture, ``"WIDTHxHEIGHT"`` in its middle, or ``"WIDTHxHEIGHT+X+Y"``.
+        resize: ``"WIDTHxHEIGHT"``, pixels that are larger, each with the mean of its light.
 
     Returns:
         Light from 0 to 255, (T,H,W), and frames per second. It is ``uint8`` where all of it is
@@ -159,7 +165,12 @@ def load(
         arguments.one_of("range", range, RANGES),
         arguments.one_of("transfer", transfer, TRANSFERS),
     )
-    light, rate, is_assumed = _amacrine.scene(name, rate, by, first, coded)
+    part = (
+        arguments.word_or_none("slice", slice, "2s..5s"),
+        arguments.word_or_none("crop", crop, "256x256"),
+        arguments.word_or_none("resize", resize, "256x144"),
+    )
+    light, rate, is_assumed = _amacrine.scene(name, rate, by, first, coded, part)
     if is_assumed:
         warnings.warn(
             f"{name}: {rate:g} frames per second are assumed; say fps=… otherwise",

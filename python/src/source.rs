@@ -1,6 +1,6 @@
 //! Scenes: by name, or an array that the caller gives.
 
-use std::{io, sync::Arc};
+use std::{io, str::FromStr, sync::Arc};
 
 use amacrine::{
     memory::Budget,
@@ -8,8 +8,8 @@ use amacrine::{
     plane::{Plane, Size},
     rig::guard::Warning,
     scene::{
-        Coding, Frame, Light, Observation, Observed, OpenOptions, Outline, Range, Samples, Scene,
-        SceneError, Transfer, bundled_with,
+        Coding, Crop, Frame, Light, Observation, Observed, OpenOptions, Outline, Range, Samples,
+        Scene, SceneError, Transfer, View, bundled_with,
         kept::{Kept, Pixels},
         open,
     },
@@ -65,7 +65,34 @@ fn options(fps: Option<f64>, coding: Coding) -> OpenOptions {
         fps,
         memory: Some(Budget::from_machine()),
         coding,
+        view: View::default(),
     }
+}
+
+/// What of a scene is asked for: a slice, a part of each picture, and a size, as the command line
+/// takes them.
+type Part<'a> = (Option<&'a str>, Option<&'a str>, Option<&'a str>);
+
+fn view((slice, crop, resize): Part<'_>) -> PyResult<View> {
+    fn read<T: FromStr<Err = String>>(name: &str, text: Option<&str>) -> PyResult<Option<T>> {
+        let read = |text: &str| {
+            let wrong = |help| refused(format!("{name} = {text:?}"), help);
+            text.parse().map_err(wrong)
+        };
+        text.map(read).transpose()
+    }
+    let resize: Option<Crop> = read("resize", resize)?;
+    if let Some(Crop { at: Some(_), .. }) = resize {
+        return Err(refused(
+            "resize with a place",
+            "give WIDTHxHEIGHT, such as 256x144",
+        ));
+    }
+    Ok(View {
+        slice: read("slice", slice)?,
+        crop: read("crop", crop)?,
+        resize: resize.map(|crop| crop.size),
+    })
 }
 
 impl Source {
@@ -252,6 +279,7 @@ pub fn scene<'py>(
     scale: Option<f64>,
     frames: Option<u64>,
     coded: (&str, &str),
+    part: Part<'_>,
 ) -> PyResult<(Bound<'py, PyAny>, f64, bool)> {
     let (range, transfer) = coded;
     let coding = Coding {
@@ -269,7 +297,11 @@ pub fn scene<'py>(
         },
         scale,
     };
-    let source: Source = Of::Named(name, options(fps, coding)).into();
+    let options = OpenOptions {
+        view: view(part)?,
+        ..options(fps, coding)
+    };
+    let source: Source = Of::Named(name, options).into();
     let kept = source.work(py, || {
         let scene = source.open()?;
         let is_assumed = scene.outline().fps_is_assumed;

@@ -221,3 +221,23 @@ def test_one_kind_is_not_judged_against_several(tmp_path: Path, frames: Frames) 
     assert amacrine.compare(table, several)["f1"] == 1
     with pytest.raises(amacrine.Error, match="kinds? of cells"):
         amacrine.compare(table, one)
+
+
+def test_a_part_of_a_clip_is_that_of_numpy() -> None:
+    whole, fps = amacrine.load("pattern:noise?width=20&height=12&frames=9&fps=100")
+    part, rate = amacrine.load(
+        "pattern:noise?width=20&height=12&frames=9&fps=100", slice="20ms..7", crop="8x6+3+2"
+    )
+    assert rate == fps and np.array_equal(part, whole[2:7, 2:8, 3:11])
+    small, _ = amacrine.load(
+        "pattern:noise?width=20&height=12&frames=9&fps=100", resize="5x3"
+    )
+    np.testing.assert_allclose(small, whole.reshape(9, 3, 4, 5, 4).mean(axis=(2, 4)))
+    for how, words in [
+        ({"slice": "5..2"}, "FROM is not before TO"),
+        ({"crop": "8"}, "WIDTHxHEIGHT"),
+        ({"resize": "40x24"}, "not larger"),
+        ({"resize": "4x2+1+1"}, "WIDTHxHEIGHT"),
+    ]:
+        with pytest.raises(amacrine.Error, match=words):
+            amacrine.load("pattern:noise?width=20&height=12&frames=9&fps=100", **how)

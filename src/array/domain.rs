@@ -46,13 +46,16 @@ pub trait Domain: Sync {
     /// Whether the sum is above zero; `None` where this domain has no answer.
     fn positive(&self, sum: &Self::Sum) -> Option<bool>;
 
-    /// The cell, limited to [-128, 127] LSB.
-    fn limit(&self, cell: Self::Cell) -> Self::Cell;
+    /// The cell, limited to what lies between these two, in LSB.
+    fn limit(&self, cell: Self::Cell, limits: (f64, f64)) -> Self::Cell;
 
-    /// The cell, limited if stores are.
+    /// The cell, limited if stores are: `Settings::limits`.
     #[inline(always)]
-    fn limited(&self, cell: Self::Cell, clip: bool) -> Self::Cell {
-        if clip { self.limit(cell) } else { cell }
+    fn limited(&self, cell: Self::Cell, clip: Option<(f64, f64)>) -> Self::Cell {
+        match clip {
+            Some(limits) => self.limit(cell, limits),
+            None => cell,
+        }
     }
 
     /// What the DAC makes of a value in LSB, with or without the host's calibration.
@@ -219,6 +222,3 @@ pub struct Undecided {
     /// Which kind of instruction.
     pub operation: &'static str,
 }
-
-/// The ends of the ADC scale, in LSB: what registers are limited to where the array clips.
-pub const LIMITS: (f64, f64) = (-128.0, 127.0);

@@ -7,7 +7,6 @@ use multiversion::{multiversion, target::target_cfg_f};
 
 use super::{
     Ageing, Domain, Place, RowOps, Share,
-    domain::LIMITS,
     each::{above, each, each_twice, some, summed},
 };
 use crate::number::{Number, Overflow, Q, Wide, Width};
@@ -16,23 +15,17 @@ use crate::number::{Number, Overflow, Q, Wide, Width};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fixed<T> {
     number: Q<T>,
-    limits: (T, T),
 }
 
 impl<T: Width> Fixed<T> {
     /// In this format.
     #[must_use]
-    pub fn new(number: Q<T>) -> Self {
-        // Where the format is narrower than the ADC scale, its own ends limit it already.
-        let end = |limit: f64| T::saturate((limit * number.one() as f64) as i64);
-        Self {
-            number,
-            limits: (end(LIMITS.0), end(LIMITS.1)),
-        }
+    pub const fn new(number: Q<T>) -> Self {
+        Self { number }
     }
 
     #[inline]
-    fn saturates(&self) -> bool {
+    fn saturates(self) -> bool {
         self.number.overflow() == Overflow::Saturate
     }
 }
@@ -80,8 +73,10 @@ impl<T: Width> Domain for Fixed<T> {
         Some(*sum > T::Wide::default())
     }
     #[inline(always)]
-    fn limit(&self, cell: T) -> T {
-        cell.clamp(self.limits.0, self.limits.1)
+    fn limit(&self, cell: T, (low, high): (f64, f64)) -> T {
+        // Where the format is narrower than the range, its own ends limit it already.
+        let end = |limit: f64| T::saturate((limit * self.number.one() as f64) as i64);
+        cell.clamp(end(low), end(high))
     }
 }
 
@@ -421,18 +416,14 @@ mod tests {
                 assert_eq!(cell, expected, "{operands:?} by {by}");
             }
             if by == 1 {
-                masked(&domain, values, n);
-                positive(&domain, values, n);
+                masked(domain, values, n);
+                positive(domain, values, n);
             }
         }
     }
 
     /// Some of the row's cells, against the wide sum of each of them.
-    fn masked<T: Width + PartialEq, const N: usize>(
-        domain: &Fixed<T>,
-        values: [&[T]; N],
-        n: usize,
-    ) {
+    fn masked<T: Width + PartialEq, const N: usize>(domain: Fixed<T>, values: [&[T]; N], n: usize) {
         let share = Share { by: 1, part: None };
         let word = |k: usize| (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
         let words: Vec<u64> = (0..n.div_ceil(64)).map(word).collect();
@@ -451,7 +442,7 @@ mod tests {
     }
 
     /// Which sums are above zero, against the wide sum of each of them.
-    fn positive<T: Width, const N: usize>(domain: &Fixed<T>, values: [&[T]; N], n: usize) {
+    fn positive<T: Width, const N: usize>(domain: Fixed<T>, values: [&[T]; N], n: usize) {
         let mut bytes = vec![2; n];
         assert!(domain.positives(&values, &mut bytes));
         let mut words = vec![0; n / 64];

@@ -7,7 +7,6 @@ use multiversion::{multiversion, target::target_cfg_f};
 
 use super::{
     Ageing, Domain, Place, RowOps, Share,
-    domain::LIMITS,
     each::{each, each_twice},
 };
 use crate::number::{self, F32, F64, HeldBf16, HeldF16, Number, Real};
@@ -240,9 +239,8 @@ macro_rules! float {
                 Some(*sum > 0.0)
             }
             #[inline(always)]
-            fn limit(&self, cell: $cell) -> $cell {
-                // The limits are exact in all.
-                let (low, high) = ($number.hold(LIMITS.0), $number.hold(LIMITS.1));
+            fn limit(&self, cell: $cell, limits: (f64, f64)) -> $cell {
+                let (low, high) = ($number.hold(limits.0), $number.hold(limits.1));
                 let cell = if cell < low { low } else { cell };
                 if cell > high { high } else { cell }
             }

@@ -80,7 +80,7 @@ pub(super) fn execute<D: Domain>(
         } => {
             for at in pixels(size) {
                 let set = state.digital(*source).get(at.y, at.x);
-                let cell = domain.hold(if set { 127.0 } else { -128.0 });
+                let cell = domain.hold(if set { converters.high } else { converters.low });
                 state.analog_mut(*temporary)[at.y * size.width + at.x] = cell;
             }
             // Both grids answer on one scale.

@@ -46,7 +46,7 @@ pub use bits::BitPlane;
 pub use border::AtBorder;
 pub use check::{CodeError, CodeProblem, check};
 pub use chip::{Array, Body, Chip, RunError, ShapeError};
-pub use domain::{Ageing, Domain, LIMITS, Place, RowOps, Share, Undecided};
+pub use domain::{Ageing, Domain, Place, RowOps, Share, Undecided};
 pub use fixed::Fixed;
 pub use float::{Bfloat, Exact, Half, Single};
 pub use host::{Reading, Readings};

@@ -130,7 +130,7 @@ impl<D: Domain> Before<'_, D> {
 
     fn stored(&self, sum: &D::Sum, share: Share, at: Point, register: Analog) -> Left<D::Cell> {
         let cell = self.domain.store(sum, share, self.place(at, register));
-        Left::Analog(register, self.domain.limited(cell, self.settings.clip))
+        Left::Analog(register, self.domain.limited(cell, self.settings.limits()))
     }
 
     /// A one-bit register is written; R12 only where R0 is 1.
@@ -193,7 +193,7 @@ impl<D: Domain> Before<'_, D> {
                 let place = self.place(at, news);
                 let square = domain.square(&self.sum(at, sources), gain, place);
                 let square = square.ok_or(Undecided { operation: "sq" })?;
-                let square = domain.limited(square, self.settings.clip);
+                let square = domain.limited(square, self.settings.limits());
                 let flag = self.flag(at);
                 flag.then_some(Left::Analog(news, square))
                     .into_iter()

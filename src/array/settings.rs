@@ -5,14 +5,14 @@ use crate::isa::{Device, Figure};
 
 /// How the array behaves where the vendor's sources leave it open.
 ///
-/// Analogue values are on the chip's ADC scale ("LSB", -128 to 127). The last two say how the
+/// Analogue values are on the chip's ADC scale ("LSB"). The last two say how the
 /// work is done, which changes no result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// What every register of a pixel off the array holds, in LSB. Evidence: modelled, the vendor
     /// does not say; open simulators take 0.
     pub edge: f64,
-    /// Whether every analogue store is limited to [-128, 127] LSB.
+    /// Whether every analogue store is limited to the range of a register: [`Settings::range`].
     pub clip: bool,
     /// What PIX rises by for one unit of light, in LSB. 0.5 makes 8-bit light fill the half
     /// range that `get_image` gives. Evidence: modelled; the vendor's older simulator has 0.495.
@@ -40,9 +40,9 @@ pub struct Settings {
 /// The ADC that reads registers and the DAC that drives the global input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Converters {
-    /// What the lowest code stands for, in LSB.
+    /// What the lowest code stands for, in LSB: the lowest value of a register.
     pub low: f64,
-    /// What the ADC's highest code stands for, in LSB.
+    /// What the ADC's highest code stands for, in LSB: the highest value of a register.
     pub high: f64,
     /// Codes of the ADC, at most 256.
     pub adc_codes: f64,
@@ -100,5 +100,17 @@ impl Settings {
             schedule: None,
             threads: None,
         }
+    }
+
+    /// The lowest and the highest value of a register, in LSB.
+    #[must_use]
+    pub const fn range(&self) -> (f64, f64) {
+        (self.converters.low, self.converters.high)
+    }
+
+    /// What stores are limited to, in LSB; none where they are not.
+    #[must_use]
+    pub fn limits(&self) -> Option<(f64, f64)> {
+        self.clip.then(|| self.range())
     }
 }

@@ -314,8 +314,8 @@ impl Domain for Silicon {
     }
 
     #[inline(always)]
-    fn limit(&self, cell: f32) -> f32 {
-        cell.clamp(-128.0, 127.0)
+    fn limit(&self, cell: f32, (low, high): (f64, f64)) -> f32 {
+        cell.clamp(low as f32, high as f32)
     }
 }
 

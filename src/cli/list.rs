@@ -92,10 +92,17 @@ pub(super) fn nothing(kind: Kind, name: &str) -> miette::Report {
 /// No chip that comes with the program has this name.
 pub(super) fn no_chip(name: &str) -> miette::Report {
     let known: Vec<&str> = Device::shipped().collect();
-    miette!(
-        help = format!("there are {}", known.join(", ")),
-        "there is no {name} in isa"
-    )
+    let known = format!("there are {}", known.join(", "));
+    // A chip of one's own lies where its folder does.
+    let is_own = Path::new(name).join("device.toml").is_file();
+    let help = if is_own {
+        format!(
+            "{name} is a folder here, and its numbers are in {name}/device.toml: verbs take it as --chip {name}; of those that come with the program, {known}"
+        )
+    } else {
+        known
+    };
+    miette!(help = help, "there is no {name} in isa")
 }
 
 /// Runs the verb.

@@ -273,6 +273,7 @@ impl Arguments {
         let [first, ..] = designs else {
             return Ok((None, Vec::new()));
         };
+        self.clip.check_fits(&*scene, first.device)?;
         let question = Question {
             design: *first,
             to: self.to,

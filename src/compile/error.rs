@@ -2,6 +2,13 @@
 
 use crate::isa::Device;
 
+/// The largest value that a register holds with either sign, LSB.
+#[must_use]
+pub fn largest_of_both_signs(device: &Device) -> f64 {
+    let (low, high) = device.register_range();
+    high.min(-low)
+}
+
 /// The largest threshold that `scamp5_in` sets, negated, in LSB.
 pub(super) fn most_threshold(device: &Device) -> f64 {
     -device.register_range().0

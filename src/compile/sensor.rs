@@ -6,7 +6,7 @@ use super::{
     allocate::ordinary_registers,
     cell_kind::{CellKind, DriveMemory, constants, header, number, thresholds},
     decision::{Compared, Decision},
-    error::{CompileError, most_threshold},
+    error::{CompileError, largest_of_both_signs, most_threshold},
     event_readout::EventReadout,
     filter::Filter,
     need::{MEMORY_BITS, Need, advice},
@@ -23,12 +23,6 @@ use crate::{
 /// The one-bit registers that memories may take. R0 and R12 serve logic; R5, R6 and R11 the
 /// program.
 const MEMORY: [&str; MEMORY_BITS] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
-
-/// The largest constant that the host can set with either sign, LSB.
-fn largest_constant(device: &Device) -> f64 {
-    let (low, high) = device.register_range();
-    high.min(-low)
-}
 
 /// A memory in one-bit registers: the range of the drive in equal steps.
 #[derive(Clone, Debug, PartialEq)]
@@ -147,7 +141,7 @@ impl SensorProgram {
             });
         }
         let scale = device.value(Figure::LightScale) * filter.scale();
-        let host = (scale, largest_constant(device));
+        let host = (scale, largest_of_both_signs(device));
         let steps: Vec<BitMemory> = match memory {
             DriveMemory::Analogue | DriveMemory::Shared => Vec::new(),
             DriveMemory::Bits(bits) => {
@@ -223,6 +217,25 @@ impl SensorProgram {
 pub(super) fn largest_light(device: &Device) -> f64 {
     let light = device.value(Figure::LightScale) * 255.0;
     light.max(1.0).min(device.register_range().1)
+}
+
+/// The brightest light, of 255, whose capture a register holds: on SCAMP-5 254.
+#[must_use]
+pub fn brightest(device: &Device) -> f64 {
+    let (_, high) = device.register_range();
+    (high / device.value(Figure::LightScale))
+        .floor()
+        .clamp(1.0, 255.0)
+}
+
+/// Up to which light a program holds, where that is less than all but the brightest.
+pub(super) fn up_to(device: &Device) -> String {
+    let brightest = brightest(device);
+    if brightest < 254.0 {
+        format!(" for\n//! # light up to {brightest} of 255")
+    } else {
+        String::new()
+    }
 }
 
 /// Checks that the host can set the threshold of every kind.
@@ -404,12 +417,13 @@ impl Writer<'_> {
         } else {
             "right where the kernel lies on the array, not at its border"
         };
+        let holds = format!("no sum leaves the range{}", up_to(self.device));
         let range = match (self.filter.decided, self.filter.holds) {
             (Some(_), false) => {
-                "for the\n//! # most events on the chip; large sums may leave the range"
+                "for the\n//! # most events on the chip; large sums may leave the range".to_owned()
             }
-            (Some(_), true) => "for the\n//! # most events on the chip; no sum leaves the range",
-            (None, _) => "so that no sum leaves the range",
+            (Some(_), true) => format!("for the\n//! # most events on the chip; {holds}"),
+            (None, _) => format!("so that {holds}"),
         };
         let _ = writeln!(
             text,

@@ -285,9 +285,12 @@ impl Writer<'_> {
             "//!\n//! # Compiled. One memory of the pixel for all kinds, which any of them renews (raw-snap, shared):\n//! # each filters the light less it, halved {} times on the way, {}.\n//! # The filters are {reach}.\n",
             halved.join(", "),
             if { self.filters.iter() }.any(|filter| filter.decided.is_some() && !filter.holds) {
-                "for the most events on the chip;\n//! # large sums may leave the range"
+                "for the most events on the chip;\n//! # large sums may leave the range".to_owned()
             } else {
-                "so that no sum leaves the range"
+                format!(
+                    "so that no sum leaves the range{}",
+                    sensor::up_to(self.device)
+                )
             },
         );
         text

@@ -22,7 +22,7 @@
 
 use std::ops::{Add, Mul};
 
-use super::{Device, Figure};
+use super::{Device, Evidence, Figure};
 
 /// How a chip errs. Analogue values are in LSB, the ADC's steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +57,35 @@ pub struct Errors {
     pub retention_spread: f64,
 }
 
+/// What a store errs by.
+const OF_A_STORE: [Figure; 8] = [
+    Figure::TransferError,
+    Figure::StoreLoss,
+    Figure::DivisionError,
+    Figure::GainMismatch,
+    Figure::OffsetMismatch,
+    Figure::MismatchCorrelation,
+    Figure::DivisionMismatch,
+    Figure::StoreNoise,
+];
+
+/// Between which values it saturates.
+const OF_THE_RANGE: [Figure; 3] = [Figure::Lowest, Figure::Highest, Figure::Headroom];
+
 impl Errors {
+    /// How well it is known by what a store errs: as well as the weakest of the chip's figures.
+    #[must_use]
+    pub fn evidence(device: &Device) -> Evidence {
+        Evidence::weakest(OF_A_STORE.map(|figure| device.figure(figure).evidence))
+    }
+
+    /// The same with the range within which it saturates.
+    #[must_use]
+    pub fn evidence_with_range(device: &Device) -> Evidence {
+        let of_the_range = OF_THE_RANGE.map(|figure| device.figure(figure).evidence);
+        Evidence::weakest([Self::evidence(device)].into_iter().chain(of_the_range))
+    }
+
     /// As a chip's data has them.
     #[must_use]
     pub fn from_device(device: &Device) -> Self {

@@ -229,7 +229,7 @@ figures! {
     EdgeFlag = "edge"."flag", "bit", NotNegative;
     /// Transfer error of one store; two stores cancel it.
     TransferError = "error"."transfer", "LSB", Any;
-    /// Level of an analogue register on which nothing was stored.
+    /// Level towards which an analogue register decays; a register that was never written holds 0.
     ResetLevel = "error"."reset_level", "LSB", Any;
     /// Relative loss of the signal in one store.
     StoreLoss = "error"."loss", "1", Part;

@@ -8,6 +8,7 @@ use std::fmt;
 
 use crate::{
     event::{Event, Packet},
+    isa::{Device, Figure},
     kernel::quantise::Erasure,
     photoreceptor::{Curve, Response},
     plane::Size,
@@ -48,6 +49,8 @@ pub enum About {
     Lopsided,
     /// Weights of a kernel lie beyond its levels.
     Clipped,
+    /// An array larger than the chip's.
+    Larger,
 }
 
 impl About {
@@ -68,6 +71,7 @@ impl About {
             Self::Surround => "surround",
             Self::Lopsided => "lopsided",
             Self::Clipped => "clipped",
+            Self::Larger => "larger",
         }
     }
 
@@ -192,6 +196,22 @@ impl Warning {
             ),
             "no light was given, and the program names none of its own",
             "give --image SCENE, a clip or a pattern such as pattern:disc",
+        )
+    }
+
+    /// A program on an array that is larger than its chip's.
+    #[must_use]
+    pub fn larger(subject: &str, size: Size, device: &Device) -> Self {
+        let [rows, columns] = [Figure::Height, Figure::Width].map(|of| device.value(of));
+        let chip = device.name();
+        Self::new(
+            About::Larger,
+            subject,
+            format!("an array of {size}, and {chip} has {columns}x{rows} processors"),
+            "no chip runs what is shown here, and times are those of the smaller array",
+            format!(
+                "show a part of it or larger pixels (--crop {columns}x{rows}, --resize {columns}x{rows}), or take a chip with as many (--chip)"
+            ),
         )
     }
 

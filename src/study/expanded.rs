@@ -49,7 +49,7 @@ impl Expanded {
         })
     }
 
-    /// What the chip's data say, and registers of numbers limited to -128 to 127 LSB.
+    /// What the chip's data say, and registers of numbers limited to the chip's range.
     #[must_use]
     pub fn settings(&self) -> Settings {
         Settings {

@@ -448,7 +448,7 @@ fn ranges(table: &mut Table) {
     let of = |steps: &[Step], most: f64| {
         let inputs = range::Inputs {
             light: range::Interval::new(1e-6, most),
-            ..range::Inputs::default()
+            ..range::Inputs::from_device(device())
         };
         range::of(steps, device(), settings(), inputs).unwrap()
     };

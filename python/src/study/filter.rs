@@ -1,7 +1,7 @@
 //! Filters alone, as bare statements.
 
 use amacrine::{
-    compile::Request,
+    compile::{Border, Request},
     isa::{Device, Figure},
 };
 use pyo3::prelude::*;

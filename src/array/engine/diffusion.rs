@@ -23,7 +23,7 @@ pub(super) fn diffuse<D: RowOps>(
     rows: Range<usize>,
 ) {
     let Diffusion { target, source, .. } = *word;
-    let (parts, clip) = (settings.diffusion.max(4).into(), settings.clip);
+    let (parts, clip) = (settings.diffusion.max(4).into(), settings.limits());
     let step = slab.first() + word.step;
     let mut conducting = Conducting::new(word, slab.bits.words());
     let cells = slab.take(target);
@@ -113,7 +113,7 @@ fn diffuse_row<D: RowOps>(
     links: &Links<'_, D::Cell>,
     flags: &[u64],
     place: Place,
-    clip: bool,
+    clip: Option<(f64, f64)>,
     cells: &mut [D::Cell],
     block: &mut [D::Cell],
 ) {

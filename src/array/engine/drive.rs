@@ -17,7 +17,7 @@ pub(super) fn drive<D: RowOps>(
     bus_inputs: &[BusInput],
     driven: &[((isize, isize), Share)],
     step: u64,
-    clip: bool,
+    clip: Option<(f64, f64)>,
     rows: Range<usize>,
 ) {
     let (register, step) = (slab.layout.news, slab.first() + step);

@@ -20,7 +20,7 @@ pub(super) fn fused<D: RowOps>(
     view: &mut View<'_, '_, D::Cell>,
     bus_inputs: &[BusInput],
     store: &FusedStore,
-    clip: bool,
+    clip: Option<(f64, f64)>,
     rows: Range<usize>,
     room: &mut [D::Cell],
 ) {
@@ -73,7 +73,7 @@ fn columns_of<D: RowOps>(
     rows: &Range<usize>,
 ) {
     let (mut view, room) = slab.view();
-    columns(domain, &mut view, bus_inputs, store, false, rows, room);
+    columns(domain, &mut view, bus_inputs, store, None, rows, room);
 }
 
 /// With `N` bus inputs, besides the cell itself.
@@ -102,7 +102,7 @@ fn columns<D: RowOps>(
     view: &mut View<'_, '_, D::Cell>,
     bus_inputs: &[BusInput],
     store: &FusedStore,
-    clip: bool,
+    clip: Option<(f64, f64)>,
     rows: &Range<usize>,
     room: &mut [D::Cell],
 ) {
@@ -121,7 +121,7 @@ fn column<D: RowOps>(
     view: &mut View<'_, '_, D::Cell>,
     bus_inputs: &[BusInput],
     store: &FusedStore,
-    clip: bool,
+    clip: Option<(f64, f64)>,
     rows: &Range<usize>,
     x: usize,
     room: &mut [D::Cell],
@@ -196,7 +196,7 @@ fn by_way<D: RowOps, const N: usize>(
     view: &mut View<'_, '_, D::Cell>,
     bus_inputs: &[BusInput],
     store: &FusedStore,
-    clip: bool,
+    clip: Option<(f64, f64)>,
     rows: &Range<usize>,
     room: &mut [D::Cell],
 ) {
@@ -212,8 +212,8 @@ fn by_way<D: RowOps, const N: usize>(
         let operands = &view.sources(&bus_inputs, &starts, done, some);
         let place = view.place(&store.first, rows.start, left + done);
         domain.store_row(operands, store.first.share, place, between);
-        if clip {
-            limit(domain, between);
+        if let Some(limits) = clip {
+            limit(domain, between, limits);
         }
         let cells = view.take(store.second.register);
         let new = &mut cells[at + done..][..some];
@@ -222,8 +222,8 @@ fn by_way<D: RowOps, const N: usize>(
             None => domain.store_row(&[between], UNDIVIDED, place, new),
             Some(extra) => domain.store_row(&[between, extra], UNDIVIDED, place, new),
         }
-        if clip {
-            limit(domain, new);
+        if let Some(limits) = clip {
+            limit(domain, new, limits);
         }
         view.put(store.second.register, cells);
         done += some;

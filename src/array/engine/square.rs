@@ -36,7 +36,7 @@ pub(super) fn square<D: RowOps>(
         let sum = view.sum(domain, bus_inputs, y, x);
         match domain.square(&sum, settings.square_gain, place) {
             Some(cell) if view.flagged(y, x) => {
-                cells[view.cell(y, x)] = domain.limited(cell, settings.clip);
+                cells[view.cell(y, x)] = domain.limited(cell, settings.limits());
             }
             Some(_) => {}
             None => decided = false,

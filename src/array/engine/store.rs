@@ -24,7 +24,7 @@ pub(super) fn store<D: RowOps>(
     view: &mut View<'_, '_, D::Cell>,
     bus_inputs: &[BusInput],
     store: &Store,
-    clip: bool,
+    clip: Option<(f64, f64)>,
     rows: Range<usize>,
     room: &mut [D::Cell],
 ) {
@@ -93,7 +93,7 @@ fn columns_of<D: RowOps>(
 ) {
     let (mut view, room) = slab.view();
     let cells = view.take(store.register);
-    columns(domain, &view, bus_inputs, store, cells, false, rows, room);
+    columns(domain, &view, bus_inputs, store, cells, None, rows, room);
     view.put(store.register, cells);
 }
 
@@ -123,7 +123,7 @@ fn run<D: RowOps>(
     bus_inputs: &[BusInput],
     store: &Store,
     cells: &mut [D::Cell],
-    clip: bool,
+    clip: Option<(f64, f64)>,
     (rows, inside): (Range<usize>, bool),
     room: &mut [D::Cell],
 ) {
@@ -156,15 +156,15 @@ fn run<D: RowOps>(
         }
         let sources = &sources[..wires];
         let old = &mut cells[at + from..][..n];
-        let undivided = store.share.by == 1 && !clip;
+        let undivided = store.share.by == 1 && clip.is_none();
         if !all && undivided && domain.store_some(sources, runs.words(), old) {
             continue;
         }
         let new = if all { &mut *old } else { &mut room[..n] };
         let place = view.place(store, rows.start, left + from);
         domain.store_row(sources, store.share, place, new);
-        if clip {
-            limit(domain, new);
+        if let Some(limits) = clip {
+            limit(domain, new, limits);
         }
         if !all {
             merge(domain, old, &mut room[..n], runs.words());
@@ -174,9 +174,9 @@ fn run<D: RowOps>(
 
 /// Limits each cell.
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
-pub(super) fn limit<D: RowOps>(domain: &D, cells: &mut [D::Cell]) {
+pub(super) fn limit<D: RowOps>(domain: &D, cells: &mut [D::Cell], limits: (f64, f64)) {
     for cell in cells {
-        *cell = domain.limit(cell.clone());
+        *cell = domain.limit(cell.clone(), limits);
     }
 }
 
@@ -187,12 +187,12 @@ pub(super) fn store_few<D: RowOps>(
     operands: &[&[D::Cell]],
     share: Share,
     place: Place,
-    clip: bool,
+    clip: Option<(f64, f64)>,
     cells: &mut [D::Cell],
 ) {
     domain.store_row(operands, share, place, cells);
-    if clip {
-        limit(domain, cells);
+    if let Some(limits) = clip {
+        limit(domain, cells, limits);
     }
 }
 
@@ -205,7 +205,7 @@ fn all<D: RowOps>(
     bus_inputs: &[BusInput],
     store: &Store,
     cells: &mut [D::Cell],
-    clip: bool,
+    clip: Option<(f64, f64)>,
     rows: Range<usize>,
 ) {
     for y in rows {
@@ -223,7 +223,7 @@ fn one<D: RowOps>(
     bus_inputs: &[BusInput],
     store: &Store,
     cells: &mut [D::Cell],
-    clip: bool,
+    clip: Option<(f64, f64)>,
     y: usize,
     x: usize,
 ) {
@@ -247,7 +247,7 @@ fn columns<D: RowOps>(
     bus_inputs: &[BusInput],
     store: &Store,
     cells: &mut [D::Cell],
-    clip: bool,
+    clip: Option<(f64, f64)>,
     rows: &Range<usize>,
     room: &mut [D::Cell],
 ) {
@@ -272,7 +272,7 @@ fn column<D: RowOps>(
     bus_inputs: &[BusInput],
     store: &Store,
     cells: &mut [D::Cell],
-    clip: bool,
+    clip: Option<(f64, f64)>,
     rows: &Range<usize>,
     x: usize,
     room: &mut [D::Cell],

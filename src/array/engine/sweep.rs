@@ -64,8 +64,8 @@ impl<D: RowOps> Semantics<'_, D> {
         bus_inputs: &[BusInput],
         rows: Range<usize>,
     ) -> Result<(), Undecided> {
-        let (domain, clip) = (self.domain, self.settings.clip);
-        if !clip && self.interior(slab, operation, bus_inputs, &rows) {
+        let (domain, clip) = (self.domain, self.settings.limits());
+        if clip.is_none() && self.interior(slab, operation, bus_inputs, &rows) {
             return Ok(());
         }
         match operation {
@@ -149,7 +149,7 @@ impl<D: RowOps> Semantics<'_, D> {
         if !rows.is_empty() {
             let bus_inputs = &bus_inputs[target.bus_inputs.clone()];
             let (mut view, room) = slab.view();
-            let clip = self.settings.clip;
+            let clip = self.settings.limits();
             store(self.domain, &mut view, bus_inputs, target, clip, rows, room);
         }
     }

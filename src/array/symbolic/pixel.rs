@@ -224,7 +224,8 @@ impl<'a, D: Symbolic> GenericPixel<'a, D> {
             Host::GlobalCount { temporary, .. } => {
                 let number = self.words.len() as u64;
                 self.words.push((line, operation.text(self.device)));
-                let [set, clear] = [127.0, -128.0].map(|lsb| self.domain.hold(lsb));
+                let (low, high) = self.settings.range();
+                let [set, clear] = [high, low].map(|lsb| self.domain.hold(lsb));
                 let either = self.domain.either(&set, &clear, number);
                 self.state.analog_mut(*temporary).fill(either);
             }

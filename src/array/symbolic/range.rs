@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use super::{
-    super::{Domain, Place, Settings, Share, domain::LIMITS},
+    super::{Domain, Place, Settings, Share},
     form::Form,
     form::Input,
     pixel::{GenericError, GenericPixel, Ran, Symbolic},
@@ -55,12 +55,14 @@ pub struct Inputs {
     pub registers: Interval,
 }
 
-impl Default for Inputs {
-    /// 8-bit light, and registers within the ADC's scale.
-    fn default() -> Self {
+impl Inputs {
+    /// 8-bit light, and registers within the chip's range.
+    #[must_use]
+    pub fn from_device(device: &Device) -> Self {
+        let (low, high) = device.register_range();
         Self {
             light: Interval::new(0.0, 255.0),
-            registers: Interval::new(LIMITS.0, LIMITS.1),
+            registers: Interval::new(low, high),
         }
     }
 }
@@ -70,7 +72,7 @@ impl Default for Inputs {
 pub struct Ranges {
     /// What each analogue register may hold in the end, in LSB.
     pub registers: Vec<Interval>,
-    /// Stores that can leave -128…127 LSB, by line, then by register.
+    /// Stores that can leave the chip's range, by line, then by register.
     pub saturations: Vec<Saturation>,
 }
 
@@ -95,6 +97,7 @@ pub fn of(
     settings: Settings,
     inputs: Inputs,
 ) -> Result<Ranges, GenericError> {
+    let limits = settings.range();
     let bounds = Bounds { inputs };
     let mut generic = GenericPixel::new(&bounds, device, settings, steps)?;
     let mut found: BTreeMap<(u32, Analog), Interval> = BTreeMap::new();
@@ -102,7 +105,7 @@ pub fn of(
         let operands = device.operands(word);
         for register in operands.writes().filter_map(Access::analog) {
             let stored = generic.cell(register).stored;
-            if stored.low < LIMITS.0 || stored.high > LIMITS.1 {
+            if stored.low < limits.0 || stored.high > limits.1 {
                 let so_far = found.entry((line, register)).or_insert(stored);
                 *so_far = so_far.hull(stored);
             }
@@ -269,12 +272,12 @@ impl Domain for Bounds {
         }
     }
 
-    fn limit(&self, cell: Cell) -> Cell {
+    fn limit(&self, cell: Cell, (lowest, highest): (f64, f64)) -> Cell {
         let Interval { low, high } = cell.stored;
-        if low >= LIMITS.0 && high <= LIMITS.1 {
+        if low >= lowest && high <= highest {
             return cell;
         }
-        let limited = |end: f64| end.clamp(LIMITS.0, LIMITS.1);
+        let limited = |end: f64| end.clamp(lowest, highest);
         Cell {
             value: Value::Within(Interval::new(limited(low), limited(high))),
             ..cell

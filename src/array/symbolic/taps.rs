@@ -269,7 +269,7 @@ impl Domain for Algebra {
         Some(sum.as_ref().ok()?.known()?.to_f64() > 0.0)
     }
 
-    fn limit(&self, cell: Self::Cell) -> Self::Cell {
+    fn limit(&self, cell: Self::Cell, _: (f64, f64)) -> Self::Cell {
         cell
     }
 }

@@ -76,7 +76,7 @@ impl Proof {
         let results = results(opened);
         let given = input.map(|input| -> miette::Result<Given> {
             let is_light = sees_light(&code.frame, device);
-            let mut inputs = Inputs::default();
+            let mut inputs = Inputs::from_device(device);
             if is_light {
                 inputs.light = input;
             } else {

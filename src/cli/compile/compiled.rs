@@ -4,14 +4,20 @@ use std::fmt::Write as _;
 
 use serde_json::json;
 
-use super::{Added, Asked, Compiled, MIDDLE, bounds::Bounds, readout::Readouts};
+use super::{
+    super::readout_table::between, Added, Asked, Compiled, MIDDLE, bounds::Bounds,
+    on_chip::rounded, readout::Readouts,
+};
 use crate::{
     array::Errors,
-    compile::{Decided, DriveMemory, Filter, Need, bound::LowerBound, carried},
-    isa::{Analog, Device, Figure},
+    compile::{
+        Decided, DriveMemory, Filter, Need, bound::LowerBound, brightest, carried,
+        largest_of_both_signs,
+    },
+    isa::{Analog, Device, Evidence, Figure},
     plane::Plane,
     program::{Cost, for_each},
-    study::feasibility::time,
+    study::feasibility::{Estimate, power::words_energy, time},
     unit::counted,
 };
 
@@ -48,6 +54,7 @@ impl Compiled {
         let decided: Vec<Option<Decided>> = self.filters.iter().map(|f| f.decided).collect();
         let on_chip = { self.thresholds.iter() }.map(|lsb| held(*lsb, device));
         let on_chip: Vec<[f64; 2]> = on_chip.collect();
+        let energy = self.energy(device);
         json!({
             "chip": device.name(),
             "words": cost.words.0,
@@ -66,7 +73,7 @@ impl Compiled {
             "border": self.filter.border,
             "wrong_from_border_px": self.wrong_within(),
             "array_us": cost.array_us,
-            "array_us_range": self.array_us(device),
+            "array_us_range": self.array(device).map(|it| it.ends()),
             "host_us": cost.host_us,
             "readout": self.readouts.as_ref().map(Readouts::json),
             "results_lsb": results.collect::<Vec<_>>(),
@@ -75,13 +82,19 @@ impl Compiled {
             "notes": self.notes(asked, device),
             "saturating_stores": self.saturations,
             "holds_with_transfer_errors": self.ranged.then_some(self.filter.holds),
-            "largest_input_lsb": 127.0 / self.filter.peak,
+            "largest_input_lsb": self.largest_input(device),
             "offset_stores": self.filter.offsets,
             "noise_lsb": self.noises,
             "on_chip": self.on_chip,
             "exact_within_lsb": exact_within,
             "decided": decided,
-            "energy_uj": self.energy_uj(device),
+            "energy_uj": energy.low,
+            "energy_uj_range": energy.ends(),
+            "evidence": {
+                "array_us": self.array(device).map(|it| it.evidence),
+                "energy_uj": energy.evidence,
+                "on_chip": Errors::evidence_with_range(device),
+            },
             "states": self.filter.states,
             "seconds": seconds,
             "memory": self.memory.map(|memory| self.remembered(memory, device)),
@@ -131,10 +144,9 @@ impl Compiled {
         )
     }
 
-    /// The least and the most that the words of a frame take, in us.
-    fn array_us(&self, device: &Device) -> [f64; 2] {
-        let frame = &self.expansion.code.frame;
-        time::array_us(frame, device).unwrap_or([Cost::of(frame, device).array_us; 2])
+    /// What the words of a frame take; none where no other launch can be asked about.
+    fn array(&self, device: &Device) -> Option<Estimate> {
+        time::of_array(&self.expansion.code.frame, device).ok()
     }
 
     /// Between which numbers the fewest words lie; none where the input is halved, as the bounds are
@@ -149,17 +161,20 @@ impl Compiled {
         })
     }
 
-    /// Microjoules that the words of a frame take: a word takes what it takes at the full rate.
-    fn energy_uj(&self, device: &Device) -> f64 {
-        let [least, _] = self.array_us(device);
-        device.value(Figure::Power) * least
+    /// What the words of a frame take.
+    fn energy(&self, device: &Device) -> Estimate {
+        words_energy(
+            Cost::of(&self.expansion.code.frame, device).words.0 as f64,
+            device,
+        )
     }
 
-    fn energy(&self, device: &Device) -> String {
+    fn energy_line(&self, device: &Device) -> String {
+        let energy = self.energy(device);
         format!(
-            "{:.2} uJ a frame for its words: {} W (quoted) while the array is busy; what it takes idle and for the readout is not public",
-            self.energy_uj(device),
-            device.value(Figure::Power)
+            "{} uJ a frame for its words, each at full power over the highest clock ({}); what the array takes idle and for the readout is not public",
+            between(energy.ends(), 2),
+            energy.evidence.word()
         )
     }
 
@@ -190,7 +205,6 @@ impl Compiled {
         if let Some(memory) = self.memory {
             line("memory", self.remembered(memory, device));
         }
-        let [least, most] = self.array_us(device);
         let host = { self.readouts.as_ref() }.map_or_else(
             || {
                 let fps = 1e6 / cost.micros();
@@ -203,13 +217,14 @@ impl Compiled {
         );
         line(
             "time",
-            if most > 0.0 {
-                format!(
-                    "{least:.1} to {most:.1} us on the array (peak clock, to a launch with every word), {host}, of compute alone {:.0} at most",
-                    1e6 / least
-                )
-            } else {
-                "none: the result is the input".to_owned()
+            match self.array(device).filter(|time| time.high > 0.0) {
+                Some(time) => format!(
+                    "{} us on the array (highest clock, to a launch with every word: {}), {host}, of compute alone {:.0} at most",
+                    between(time.ends(), 1),
+                    time.evidence.word(),
+                    1e6 / time.low
+                ),
+                None => "none: the result is the input".to_owned(),
             },
         );
         line(
@@ -222,8 +237,8 @@ impl Compiled {
                 format!(
                     "{} from {} to {} LSB",
                     device.analog_name(*register),
-                    result.low,
-                    result.high
+                    rounded(result.low),
+                    rounded(result.high)
                 ),
             );
         }
@@ -231,7 +246,7 @@ impl Compiled {
         for (thresholds, (own, few)) in self.thresholds.iter().zip(scales) {
             line("threshold", threshold(*thresholds, few / own, device));
         }
-        line("range", self.range());
+        line("range", self.range(device));
         let offsets = self.filter.offsets.iter().map(|o| format!("{o}"));
         line(
             "offset",
@@ -241,15 +256,15 @@ impl Compiled {
             ),
         );
         for on_chip in &self.on_chip {
-            line("chip", on_chip.line());
+            line("chip", on_chip.line(device));
         }
         if let Some(decided) = self.decided() {
             line("events", decided);
         }
         for added in &self.noises {
-            line("noise", noise(added));
+            line("noise", noise(added, device));
         }
-        line("energy", self.energy(device));
+        line("energy", self.energy_line(device));
         line("border", self.border());
         line(
             "search",
@@ -292,7 +307,7 @@ impl Compiled {
     }
 
     /// Whether anything saturates, and what that costs.
-    pub(super) fn range(&self) -> String {
+    pub(super) fn range(&self, device: &Device) -> String {
         let saturates = |filter: &Filter| filter.decided.is_some() && !filter.holds;
         if self.filters.iter().any(saturates) {
             return self.exact_range();
@@ -311,19 +326,23 @@ impl Compiled {
                 )
             }
             (n, _) if self.memory.is_some() => format!(
-                "{} can saturate: search longer (--effort), or take fewer digits (--to)",
-                counted(n, "store")
+                "{} can saturate: {}",
+                counted(n, "store"),
+                against_saturation(device)
             ),
             (n, _) => format!(
                 "{} can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
                 counted(n, "store"),
-                127.0 / self.filter.peak
+                self.largest_input(device)
             ),
         };
-        // The brightest of 8 bits is half an LSB beyond the register's end.
+        // Of SCAMP-5, the brightest of 8 bits is half an LSB beyond the register's end.
         let range = match range.strip_prefix("nothing saturates") {
             Some(rest) if self.memory.is_some() => {
-                format!("nothing saturates for light up to 254 of 255{rest}")
+                format!(
+                    "nothing saturates for light up to {} of 255{rest}",
+                    brightest(device)
+                )
             }
             _ => range,
         };
@@ -333,6 +352,11 @@ impl Compiled {
             "; but the transfer errors of a real chip come on top, and no plan was found that keeps them in range: search longer (--effort), or take fewer digits (--to)"
         };
         range + errors
+    }
+
+    /// The largest input, of either sign, with which no store of the filter saturates, LSB.
+    fn largest_input(&self, device: &Device) -> f64 {
+        largest_of_both_signs(device) / self.filter.peak
     }
 
     /// The range within which each filter is exact, where large differences may saturate.
@@ -406,15 +430,29 @@ impl Compiled {
     }
 }
 
+/// What to do about a whole program whose stores can saturate.
+fn against_saturation(device: &Device) -> String {
+    let (_, high) = device.register_range();
+    let reset = device.value(Figure::LightReset);
+    if -reset > high {
+        format!(
+            "the capture stores the photodiode's reset level (light.reset), {reset} LSB, negated, and a register holds {high} at most; change light.reset or range.high of the chip's data"
+        )
+    } else {
+        "search longer (--effort), or take fewer digits (--to)".to_owned()
+    }
+}
+
 /// What a filter adds to its result, for people.
-fn noise(added: &Added) -> String {
+fn noise(added: &Added, device: &Device) -> String {
     let input = |lsb: Option<f64>| lsb.map_or("-".to_owned(), |lsb| format!("{lsb:.2}"));
     format!(
-        "the filter adds {:.2} LSB from frame to frame and {:.2} LSB from pixel to pixel; as an error of every input: {} and {} LSB (modelled, in part a guess; at {MIDDLE} LSB, where nothing saturates)",
+        "the filter adds {:.2} LSB from frame to frame and {:.2} LSB from pixel to pixel; as an error of every input: {} and {} LSB ({}; at {MIDDLE} LSB, saturation left out)",
         added.temporal,
         added.fixed,
         input(added.input_temporal),
         input(added.input_fixed),
+        Evidence::weakest([Evidence::Modelled, Errors::evidence(device)]).word(),
     )
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::json;
 
 use super::{Arguments, Asked, bare, on_chip::OnChip};
-use crate::isa::Device;
+use crate::{array::Errors, isa::Device};
 
 /// Prints the front of a filter.
 pub(super) fn print(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<()> {
@@ -39,7 +39,11 @@ pub(super) fn print(arguments: &Arguments, asked: &Asked, device: &Device) -> mi
             on_chip.kept()
         );
     }
-    text += "\nrun in the model of the chip, whose data are in part a guess; of the worst result\n";
+    let evidence = Errors::evidence_with_range(device).word();
+    let _ = writeln!(
+        text,
+        "\nrun in the model of the chip: {evidence}; of the worst result"
+    );
     super::super::say(&text);
     Ok(())
 }

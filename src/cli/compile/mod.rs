@@ -30,7 +30,7 @@ use crate::{
     },
     compile::{
         Border, CellKind, DriveMemory, Effort, Filter, FilterNoise, Objective, Request,
-        SensorProgram, Signal, naive_cost,
+        SensorProgram, Signal, brightest, naive_cost,
     },
     isa::{Analog, Device, Figure, Source, Value},
     kernel::{Kernel, quantise::Quantiser},
@@ -472,7 +472,10 @@ fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette:
     )?;
     let text = filter.text(device, 0);
     let scale = 2f64.powi(-(filter.prescale as i32));
-    let (low, high) = asked.input.unwrap_or((0.0, 127.5));
+    // All light, as far as a register holds it.
+    let most = 255.0 * device.value(Figure::LightScale);
+    let most = most.min(device.register_range().1 + 0.5);
+    let (low, high) = asked.input.unwrap_or((0.0, most));
     let proof = Proof {
         kernels: &asked.kernels,
         device,
@@ -480,7 +483,7 @@ fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette:
         input: Input::Register(request.input),
         inputs: Inputs {
             registers: Interval::new(low, high),
-            ..Inputs::default()
+            ..Inputs::from_device(device)
         },
         scale,
     };
@@ -566,10 +569,10 @@ fn apart(
         device,
         results: &program.drives,
         input: Input::Light,
-        // One more would saturate the capture itself.
+        // More would saturate the capture itself.
         inputs: Inputs {
-            light: Interval::new(0.0, 254.0),
-            ..Inputs::default()
+            light: Interval::new(0.0, brightest(device)),
+            ..Inputs::from_device(device)
         },
         scale: program.scale,
     };
@@ -577,7 +580,7 @@ fn apart(
     let text = program.text_with(kinds, &asked.title, device, readout);
     let mut compiled = proof.compiled(text, program.filter, false)?;
     compiled.readouts = Some(readouts);
-    let light = Signal::from_range((0.0, (254.0 * device.value(Figure::LightScale)).min(127.0)));
+    let light = Signal::from_range((0.0, brightest(device) * device.value(Figure::LightScale)));
     compiled.on_chip = OnChip::run(&compiled.filter, device, &compiled.results_in, light)?;
     compiled.ranged = true;
     let thresholds = asked.thresholds.iter();

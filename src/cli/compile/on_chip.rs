@@ -4,7 +4,7 @@
 use super::{Aim, Compiled};
 use crate::{
     array::{
-        Settings,
+        Errors, Settings,
         range::{Inputs, Interval},
         survival::{Analogue, Survival, survival},
     },
@@ -36,6 +36,11 @@ pub(super) struct OnChip {
     pub(super) offset: f64,
 }
 
+/// A value in LSB for people: not the last bits of a calculation, and never -0.
+pub(super) fn rounded(lsb: f64) -> f64 {
+    (lsb * 1000.0).round() / 1000.0 + 0.0
+}
+
 impl OnChip {
     /// Runs the words of a filter.
     ///
@@ -52,7 +57,7 @@ impl OnChip {
         let code = program.expand(device, &Overrides::default())?.code;
         let inputs = Inputs {
             registers: Interval::new(mean - amplitude, mean + amplitude),
-            ..Inputs::default()
+            ..Inputs::from_device(device)
         };
         let settings = Settings::from_device(device);
         let cells: Vec<Cell> = results.iter().map(|it| Cell::Analog(*it)).collect();
@@ -82,19 +87,20 @@ impl OnChip {
     }
 
     /// For people.
-    pub(super) fn line(&self) -> String {
+    pub(super) fn line(&self, device: &Device) -> String {
         // Of what is the same everywhere there is none.
         let correlation = self.correlation.map_or_else(
             || "no correlation".to_owned(),
             |it| format!("correlation {it:.3}"),
         );
         format!(
-            "{correlation} with the exact filter, for inputs from {} to {} LSB: {:.2} of noise and mismatch beside {:.2} of signal, {:.0} of constant (run in the model of the chip, whose data are in part a guess)",
-            self.inputs[0] + 0.0,
-            self.inputs[1],
+            "{correlation} with the exact filter, for inputs from {} to {} LSB: {:.2} of noise and mismatch beside {:.2} of signal, {:.0} of constant (run in the model of the chip: {})",
+            rounded(self.inputs[0]),
+            rounded(self.inputs[1]),
             Lsb(self.noise),
             Lsb(self.signal),
             Lsb(self.offset + 0.0),
+            Errors::evidence_with_range(device).word(),
         )
     }
 }

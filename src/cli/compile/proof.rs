@@ -9,7 +9,7 @@ use crate::{
         range::{self, Interval},
         taps,
     },
-    compile::{CompileError, Filter, naive_cost},
+    compile::{CompileError, Filter, largest_of_both_signs, naive_cost},
     event::Packet,
     isa::{Analog, Figure},
     number::Format,
@@ -75,7 +75,10 @@ impl Proof<'_> {
                 Input::Register(_) => self.inputs.registers.high,
             };
             let most = filter.peak * high * 2f64.powi(-(filter.prescale as i32));
-            (self.bounds(&kernels), usize::from(most > 127.0))
+            (
+                self.bounds(&kernels),
+                usize::from(most > largest_of_both_signs(self.device)),
+            )
         };
         if limited && saturations > 0 && ranged {
             return Err(miette!(

@@ -7,7 +7,7 @@ use miette::miette;
 use serde_json::json;
 
 use super::{
-    super::{light, readout_table},
+    super::{clip::check_fits, light, readout_table},
     Arguments, Asked,
 };
 use crate::{
@@ -150,16 +150,7 @@ fn watched(
         .samples
         .open(Some(name), arguments.fps, observation)?;
     let size = scene.size();
-    let [rows, columns] = [Figure::Height, Figure::Width].map(|of| device.value(of) as usize);
-    if size.height > rows || size.width > columns {
-        return Err(miette!(
-            help = format!(
-                "give a scene of at most {columns}x{rows} pixels, as one that was scaled or cut, or a chip with as many (--chip)"
-            ),
-            "--scene {name} is {size}, and {} has {columns}x{rows} processors",
-            device.name()
-        ));
-    }
+    check_fits(&format!("--scene {name}"), size, device)?;
     // Whole rows, so that no event goes missing for want of a slot.
     let all = EventReadout::BitPlanes(0, u16::MAX);
     let text = program.text_with(kinds, &asked.title, device, all);

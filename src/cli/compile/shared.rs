@@ -10,7 +10,7 @@ use crate::{
         range::{Inputs, Interval},
         taps,
     },
-    compile::{CellKind, DriveMemory, SensorProgram, Signal},
+    compile::{CellKind, DriveMemory, SensorProgram, Signal, brightest},
     isa::{Analog, Device, Figure},
     program::{Action, Code, Overrides, Program},
 };
@@ -43,7 +43,7 @@ pub(super) fn whole(
     if !is_difference(&program.difference, device, drive)? {
         return Err(fault());
     }
-    let most = (254.0 * device.value(Figure::LightScale)).min(127.0);
+    let most = brightest(device) * device.value(Figure::LightScale);
     let mut compiled = Compiled {
         text,
         expansion,
@@ -77,7 +77,7 @@ pub(super) fn whole(
             input: Input::Register(drive),
             inputs: Inputs {
                 registers: Interval::new(-most, most),
-                ..Inputs::default()
+                ..Inputs::from_device(device)
             },
             scale: filter.scale(),
         };

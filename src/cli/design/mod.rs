@@ -206,6 +206,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     };
     let observation = Observation::new();
     let scene = arguments.clip.open(&observation)?;
+    arguments.clip.check_fits(&*scene, &device)?;
     let sensors = (RUNGS.len() + 1) * kinds.kernels.len() + 4 * arguments.to.len();
     budget::check_study(&*scene, sensors)?;
     drop(scene);

@@ -39,7 +39,7 @@ pub struct Arguments {
     pub(super) fps: Option<f64>,
     #[arg(long, help = format!("The arithmetic: {}", Arithmetic::names()))]
     pub(super) domain: Option<String>,
-    /// Limit every store to [-128, 127]
+    /// Limit every store to the chip's range
     #[arg(long, value_enum)]
     pub(super) clip: Option<Switch>,
     /// What registers off the array hold

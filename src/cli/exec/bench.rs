@@ -7,6 +7,7 @@ use miette::{WrapErr, miette};
 use super::{
     super::{
         budget::{self, Growth},
+        clip,
         opened::Opened,
     },
     arguments::{Arguments, Assignment, Switch},
@@ -253,6 +254,9 @@ impl<'a> Bench<'a> {
         let program = &self.opened.program.file;
         for warning in Warning::of_scene(&self.observation, Response::IDENTITY) {
             guard.warn(warning);
+        }
+        if !clip::fits(self.size, &self.opened.device) {
+            guard.warn(Warning::larger(program, self.size, &self.opened.device));
         }
         // A host that decides looks for one pixel after the other, and knows what it leaves.
         if !self.opened.decides {

@@ -269,6 +269,7 @@ fn on_chip(
     let device = Device::find(arguments.chip())?;
     let open = || arguments.clip.open(observation);
     let scene = open()?;
+    arguments.clip.check_fits(&*scene, &device)?;
     let sensors = 1 + equivalent::RUNGS.len() + 3 * arguments.to.len();
     budget::check_study(&*scene, sensors)?;
     let (frames, fps) = (scene.frames(), scene.fps());

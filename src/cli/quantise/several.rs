@@ -107,6 +107,7 @@ fn together(
 ) -> miette::Result<Vec<Joint>> {
     let device = Device::find(arguments.chip())?;
     let scene = arguments.clip.open(observation)?;
+    arguments.clip.check_fits(&*scene, &device)?;
     budget::check_study(&*scene, (RUNGS.len() + 1) * kinds.kernels.len() + 2)?;
     let (frames, fps) = (scene.frames(), scene.fps());
     drop(scene);

@@ -153,6 +153,18 @@ pub(super) fn unknown(name: &str) -> LoadError {
     LoadError::Unknown {
         name: name.to_owned(),
         shipped: Device::shipped().collect::<Vec<_>>().join(", "),
-        near: asked(name, Device::shipped()),
+        near: folder_of(name).unwrap_or_else(|| asked(name, Device::shipped())),
     }
+}
+
+/// What to give instead of a file of a chip: its folder.
+fn folder_of(name: &str) -> Option<String> {
+    let path = Path::new(name);
+    let folder = path.parent().filter(|_| path.is_file())?;
+    let folder = if folder.as_os_str().is_empty() {
+        ".".to_owned()
+    } else {
+        folder.display().to_string()
+    };
+    Some(format!("a chip is a folder: give its folder {folder}; or "))
 }

@@ -34,6 +34,15 @@ impl Scans {
         }
     }
 
+    /// The same on an array of at least so many rows: that of a scene that is larger than the chip.
+    #[must_use]
+    pub fn with_rows(self, rows: usize) -> Self {
+        Self {
+            rows: self.rows.max(rows as u64),
+            ..self
+        }
+    }
+
     /// The cheapest readout that loses nothing, of a chip with these times of a slot, a row …
     pub fn cheapest(
         &self,

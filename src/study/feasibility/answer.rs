@@ -4,7 +4,7 @@ use super::{
     assumption::Assumption,
     chip::OnChip,
     chips::OverChips,
-    named::FigureSummary,
+    named::{FigureSummary, Named},
     power::{Link, Power},
     stream::Stream,
     verdict::Verdict,
@@ -96,6 +96,8 @@ pub struct ChipSummary {
     pub height: u64,
     /// Figures of its data that are guesses, by name.
     pub guesses: Vec<String>,
+    /// Those on which the verdict rests and that are guesses without an interval.
+    pub guessed_values: Vec<String>,
 }
 
 /// A kernel in few values.
@@ -170,6 +172,9 @@ impl ChipSummary {
             width: device.value(Figure::Width) as u64,
             height: device.value(Figure::Height) as u64,
             guesses: device.figures_of(Evidence::Guess).map(name).collect(),
+            guessed_values: { Named::guessed_values(device).into_iter() }
+                .map(Named::name)
+                .collect(),
         }
     }
 }

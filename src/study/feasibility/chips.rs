@@ -9,8 +9,8 @@
 //! at the high end of its interval, all others at their values.
 
 use super::{
-    FeasibilityError, Question, draw::Drawn, named::Named, spread::Spread, time::Words,
-    tornado::Turn,
+    FeasibilityError, Question, draw::Drawn, named::Named, power::worked, spread::Spread,
+    time::Words, tornado::Turn,
 };
 use crate::{
     array::{Arithmetic, Array},
@@ -60,7 +60,7 @@ pub struct OverChips {
     pub chips_feasible_with_loss: Option<f64>,
     /// The share that reaches the frame rate; none without a program.
     pub chips_fast_enough: Option<f64>,
-    /// How well all that is known: as well as the weakest number that was drawn.
+    /// How well all that is known: as well as the weakest number that it is made of.
     pub chips_evidence: Option<Evidence>,
     /// What they watched.
     pub stretch: Option<Stretch>,
@@ -199,7 +199,8 @@ impl Trial<'_> {
             reference_events: ladder.reference().events.len() as u64,
             floor: ladder.judge(ladder.reference())?.floor,
         };
-        let evidence = numbers.iter().filter_map(|it| it.quantity(question.device));
+        let used = Named::of_results(question.device);
+        let evidence = used.iter().filter_map(|it| it.quantity(question.device));
         let evidence = Evidence::weakest(evidence.map(crate::isa::Quantity::interval_evidence));
         Ok(OverChips::new(each, tornado, stretch, evidence))
     }
@@ -260,7 +261,8 @@ impl Trial<'_> {
         let Self { question, .. } = *self;
         let of = |figure| value(Named::Figure(figure));
         let array = self.words.us(of(Figure::Clock), of(Figure::Launch));
-        let scans = Scans::new(&self.program.code.frame, question.device);
+        let scans = Scans::new(&self.program.code.frame, question.device)
+            .with_rows(self.nominal.size.height);
         let item = |kind| value(Named::Item(kind));
         let readout = scans.cheapest(busy, item, question.device);
         let exposure = question.exposure.map_or(0.0, |it| it.0 as f64);
@@ -286,9 +288,8 @@ impl Trial<'_> {
         } = ladder.judge(packet)?;
         let value = |named| chip.value(named, device);
         let frames_s = self.frames_s(&value, &Demand::new(packet, frames));
-        let [_, peak] = Named::Figure(Figure::Clock).ends(device);
         let watts = value(Named::Figure(Figure::Power));
-        let worked = (self.words.count / peak * 1e-6 * self.fps).min(1.0);
+        let worked = worked(self.words.count, device, self.fps);
         let values = chip.values.iter().map(|(named, value)| DrawnValue {
             figure: named.name(),
             value: *value,

@@ -2,6 +2,21 @@
 
 use crate::isa::{Device, Evidence, Figure, HostKind, Interval, Quantity};
 
+/// What no compiled sensor uses, and how large the chip is, which is known of any.
+const NO_RESULT: [Figure; 11] = [
+    Figure::Height,
+    Figure::Width,
+    Figure::Pitch,
+    Figure::Store,
+    Figure::WordBits,
+    Figure::AdcCodes,
+    Figure::DacCodes,
+    Figure::EdgeFlag,
+    Figure::DiffusionParts,
+    Figure::SquareGain,
+    Figure::Travel,
+];
+
 /// A number in a chip's data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Named {
@@ -22,6 +37,30 @@ impl Named {
         let all = figures.chain(items);
         all.filter(|named| named.interval(device).is_some())
             .collect()
+    }
+
+    /// All on which what comes out of the chips rests: events, time and power.
+    #[must_use]
+    pub fn of_results(device: &Device) -> Vec<Self> {
+        let figures = { Figure::ALL.iter() }.filter(|figure| !NO_RESULT.contains(figure));
+        let items = [HostKind::ScanEvents, HostKind::ScanDigital].map(Self::Item);
+        let all = figures.copied().map(Self::Figure).chain(items);
+        all.filter(|named| named.quantity(device).is_some())
+            .collect()
+    }
+
+    /// Those on which a verdict rests and that are guesses of one value: nobody says how far off
+    /// they may be, and no chip is drawn elsewhere.
+    #[must_use]
+    pub fn guessed_values(device: &Device) -> Vec<Self> {
+        let is_bare = |quantity: &Quantity| {
+            quantity.evidence == Evidence::Guess && quantity.interval.is_none()
+        };
+        let mut all = Self::of_results(device);
+        all.retain(|named| {
+            *named != Self::Figure(Figure::Power) && named.quantity(device).is_some_and(is_bare)
+        });
+        all
     }
 
     /// What a chip computes with: numbers on which its events depend, and not only their cost.
@@ -155,14 +194,6 @@ impl FigureSummary {
 mod tests {
     use super::*;
 
-    /// What no compiled sensor uses, or what decides nothing but how large the array is.
-    const WITHOUT: [&str; 4] = [
-        "edge.flag",
-        "diffusion.parts",
-        "squarer.gain",
-        "propagation.travel",
-    ];
-
     #[test]
     fn every_guess_and_model_that_matters_has_an_interval() {
         let device = Device::scamp5();
@@ -170,12 +201,13 @@ mod tests {
             let named = Named::Figure(*figure);
             let quantity = device.figure(*figure);
             let weak = matches!(quantity.evidence, Evidence::Guess | Evidence::Modelled);
-            if weak && !WITHOUT.contains(&named.name().as_str()) {
+            if weak && !NO_RESULT.contains(figure) {
                 let interval = named.interval(&device);
                 let interval = interval.unwrap_or_else(|| panic!("{}", named.name()));
                 assert!(interval.low < interval.high && interval.why.len() > 20);
             }
         }
+        assert_eq!(Named::guessed_values(&device), []);
         let names: Vec<String> = { Named::with_interval(&device).into_iter() }
             .map(Named::name)
             .collect();

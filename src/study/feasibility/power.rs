@@ -59,13 +59,38 @@ pub(super) struct Load<'a> {
     pub bit: &'a Estimate,
 }
 
+/// The time of words at the highest clock, us: a word takes the energy that it takes there, however
+/// long the host needs to launch it.
+fn at_the_highest_clock(words: f64, device: &Device) -> f64 {
+    let [_, peak] = Named::Figure(Figure::Clock).ends(device);
+    words / peak
+}
+
+/// The share of the time in which the words of frames would take full power: all of it at most.
+pub(super) fn worked(words: f64, device: &Device, fps: f64) -> f64 {
+    (at_the_highest_clock(words, device) * 1e-6 * fps).min(1.0)
+}
+
+/// What the words of a frame take.
+#[must_use]
+pub fn words_energy(words: f64, device: &Device) -> Estimate {
+    let [full, clock] = [Figure::Power, Figure::Clock].map(Named::Figure);
+    let us = at_the_highest_clock(words, device);
+    Estimate::between(
+        full.ends(device).map(|watts| watts * us),
+        "uJ",
+        Evidence::Modelled,
+        "energy of a word (full power / the highest clock) x words a frame",
+    )
+    .made_of(device, &[full, clock])
+}
+
 impl Power {
     /// Of a program at a frame rate.
     pub(super) fn new(load: &Load<'_>, device: &Device) -> Self {
         let Load { words, fps, .. } = *load;
         let full = Named::Figure(Figure::Power);
         let clock = Named::Figure(Figure::Clock);
-        let [_, peak] = clock.ends(device);
         // Words cannot run for more than all of the time.
         let share = load.time.array.ends().map(|us| (us * 1e-6 * fps).min(1.0));
         let share = Estimate::between(
@@ -75,7 +100,7 @@ impl Power {
             "time of the array a frame x frames/s",
         )
         .with(&load.time.array);
-        let worked = (words / peak * 1e-6 * fps).min(1.0);
+        let worked = worked(words, device, fps);
         let busy = Estimate::between(
             full.ends(device).map(|watts| watts * worked * 1e3),
             "mW",

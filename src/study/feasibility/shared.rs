@@ -114,9 +114,9 @@ impl Shared {
         let fit = match found {
             Err(refused) => SharedFit::Refused(refused),
             Ok(together) => {
-                let fps = scene.fps();
+                let (rows, fps) = (scene.size().height, scene.fps());
                 let busy = judge(of, questions, &together, &mut kinds, scene, seen)?;
-                let time = time::time(of, &together.compiled, &busy, fps)?;
+                let time = time::time(of, &together.compiled, &busy, (rows, fps))?;
                 let program = SharedProgram::new(&together, answers, time);
                 SharedFit::OnChip(Box::new(program))
             }

@@ -77,8 +77,16 @@ pub(super) struct Words {
     is_unknown: bool,
 }
 
-/// The least and the most that the words of a frame take, in us: at the chip's peak clock, and
-/// with what their launches may take.
+/// What the words of a frame take: from the chip's highest clock to what their launches may take
+/// besides.
+///
+/// # Errors
+/// Never for a chip that was loaded.
+pub fn of_array(frame: &[Step], device: &Device) -> Result<Estimate, FigureError> {
+    Ok(Words::new(frame, device)?.estimate(device))
+}
+
+/// The least and the most of that, in us.
 ///
 /// # Errors
 /// Never for a chip that was loaded.
@@ -123,6 +131,24 @@ impl Words {
         [low, high.max(self.us * (self.clock / slow))]
     }
 
+    /// Their time on a chip of these data.
+    fn estimate(&self, device: &Device) -> Estimate {
+        let (clock, launch) = (device.figure(Figure::Clock), device.figure(Figure::Launch));
+        Estimate::between(
+            self.ends(),
+            "us",
+            Evidence::Measured,
+            format!(
+                "from words / {} MHz ({}) to a launch of {} us ({}) with every word",
+                clock.ends()[1],
+                clock.source,
+                launch.ends()[1],
+                launch.source
+            ),
+        )
+        .made_of(device, &[Figure::Clock, Figure::Launch].map(Named::Figure))
+    }
+
     /// Their time on a chip of this clock and launch, us.
     pub fn us(&self, clock: f64, launch: f64) -> f64 {
         let each = if self.is_unknown {
@@ -157,20 +183,7 @@ impl Time {
     /// Of all its parts.
     pub(super) fn new(parts: &Parts<'_>) -> Self {
         let Parts { device, order, .. } = *parts;
-        let (clock, launch) = (device.figure(Figure::Clock), device.figure(Figure::Launch));
-        let array = Estimate::between(
-            parts.words.ends(),
-            "us",
-            Evidence::Measured,
-            format!(
-                "from words / {} MHz ({}) to a launch of {} us ({}) with every word",
-                clock.ends()[1],
-                clock.source,
-                launch.ends()[1],
-                launch.source
-            ),
-        )
-        .made_of(device, &[Figure::Clock, Figure::Launch].map(Named::Figure));
+        let array = parts.words.estimate(device);
         let exposure = parts.exposure.map(|exposure| {
             Estimate::one(
                 exposure.0 as f64,
@@ -234,7 +247,7 @@ impl Time {
     }
 }
 
-/// A frame's time on a scene of so many frames a second, and events.
+/// A frame's time on a scene of so many rows and frames a second, and events.
 ///
 /// # Errors
 /// Never for a chip that was loaded.
@@ -242,12 +255,12 @@ pub(super) fn time(
     question: &Question<'_>,
     program: &Compiled,
     busy: &Demand,
-    fps: f64,
+    (rows, fps): (usize, f64),
 ) -> Result<Time, FigureError> {
     let frame = &program.code.frame;
     Ok(Time::new(&Parts {
         words: Words::new(frame, question.device)?,
-        scans: Scans::new(frame, question.device),
+        scans: Scans::new(frame, question.device).with_rows(rows),
         busy,
         exposure: question.exposure,
         order: question.order,

@@ -92,6 +92,7 @@ impl Verdict {
             findings.extend(noise(chip));
         }
         findings.extend(mesh(all));
+        findings.extend(guessed(all));
         let fits = findings.first().is_some_and(|room| room.word == "fits");
         let headline = match (fits, speed_word, kept_word, chips_word) {
             (false, ..) => "Does not fit",
@@ -113,10 +114,16 @@ impl Verdict {
             format!(" (feasible without loss on {count} of {chips} chips)")
         });
         let [nearly, hardly] = SHARES.map(percent);
+        let guesses = &all.chip.guessed_values;
+        let headline = if headline.starts_with("Feasible") && !guesses.is_empty() {
+            format!("Not known: it rests on guesses ({})", guesses.join(", "))
+        } else {
+            headline.to_owned()
+        };
         Self {
             headline: format!("{headline}{share}"),
             rule: format!(
-                "\u{201c}Does not fit\u{201d} where there is no program or the scene is larger than the array; else \u{201c}too slow\u{201d} where that is the word on speed; without an event to keep, or where accident keeps nearly all, the scene cannot judge; else by the chips that the public data allow: feasible where {nearly} of them are, with loss where {nearly} are with loss or without, on some where more than {hardly} are."
+                "\u{201c}Does not fit\u{201d} where there is no program or the scene is larger than the array; else \u{201c}too slow\u{201d} where that is the word on speed; without an event to keep, or where accident keeps nearly all, the scene cannot judge; else by the chips that the public data allow: feasible where {nearly} of them are, with loss where {nearly} are with loss or without, on some where more than {hardly} are. Not known instead, where a number that it rests on is a guess without an interval in the chip's data."
             ),
             findings,
         }
@@ -128,6 +135,24 @@ impl Verdict {
         let all: Vec<&str> = self.findings.iter().map(|f| f.says.as_str()).collect();
         all.join(" ")
     }
+}
+
+/// The numbers that nobody knows, and of which none was drawn elsewhere.
+fn guessed(all: &Feasibility) -> Option<Finding> {
+    let guesses = &all.chip.guessed_values;
+    (!guesses.is_empty()).then(|| Finding {
+        about: "guesses",
+        word: "not known",
+        says: format!(
+            "In the data of {} {} guessed without an interval, so that all chips have the same value: what is said holds if it is right. State between which values it lies (low, high, why), or measure it.",
+            all.chip.name,
+            match &guesses[..] {
+                [one] => format!("{one} is"),
+                all => format!("{} are", all.join(", ")),
+            }
+        ),
+        rule: "not known: a number on which events or time rest is a guess, and no interval is stated.".to_owned(),
+    })
 }
 
 /// The words on the chips.

@@ -5,7 +5,7 @@ use std::{fmt, ops::Range};
 use rayon::prelude::*;
 
 use crate::{
-    array::{Arithmetic, Array, Chip, CodeError, Errors, LIMITS, Layout, Settings, Silicon},
+    array::{Arithmetic, Array, Chip, CodeError, Errors, Layout, Settings, Silicon},
     event::{Event, Packet},
     isa::Device,
     mosaic::Mosaic,
@@ -200,7 +200,8 @@ impl Family for Chips<'_> {
         let ends = |format: Format| {
             let (low, high) = format.limits();
             let is_limited = self.settings.clip && matches!(self.arithmetic, Arithmetic::Number(_));
-            !is_limited || low > LIMITS.0 || high < LIMITS.1
+            let (lowest, highest) = self.settings.range();
+            !is_limited || low > lowest || high < highest
         };
         let saturates = model.without.contains(&ErrorTerm::Saturation) || { model.format }
             .is_some_and(|format| format != Format::F64 && ends(format));

@@ -1,0 +1,411 @@
+//! A chip of one's own: what is said of programs and scenes goes by its data, not by SCAMP-5's.
+
+#![cfg(feature = "cli")]
+
+mod common;
+
+use std::{fs, path::Path};
+
+use common::{amacrine, good, json, line, refused};
+use tempfile::TempDir;
+
+/// A line of `device.toml`.
+fn figure(key: &str, value: f64, unit: &str, evidence: &str) -> String {
+    format!(
+        "{key} = {{ value = {value:?}, unit = \"{unit}\", source = \"test\", evidence = \"{evidence}\" }}\n"
+    )
+}
+
+/// A chip that extends SCAMP-5 by these lines, in a folder of its name.
+fn chip(folder: &Path, name: &str, lines: &str) {
+    fs::create_dir(folder.join(name)).unwrap();
+    let text = format!("name = \"{name}\"\ntitle = \"{name}\"\nextends = \"scamp5\"\n{lines}");
+    fs::write(folder.join(name).join("device.toml"), text).unwrap();
+}
+
+/// Chips whose registers hold from `low` to `high` LSB, without headroom, their photodiodes within
+/// it.
+fn ranged(folder: &Path, name: &str, low: f64, high: f64) {
+    let lsb = |key, value| figure(key, value, "LSB", "measured");
+    let lines = [
+        "[figure.range]\n".to_owned(),
+        lsb("low", low),
+        lsb("high", high),
+        "[figure.error]\n".to_owned(),
+        lsb("headroom", 0.0),
+        lsb("transfer", 1.0),
+        "[figure.light]\n".to_owned(),
+        lsb("reset", -high),
+    ];
+    chip(folder, name, &lines.concat());
+}
+
+#[test]
+fn what_saturates_goes_by_the_chip_s_range() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    ranged(folder, "narrow", -32.0, 31.0);
+    let on = |arguments: &[&str]| good(folder, &[arguments, &["--chip", "narrow"]].concat());
+    let whole = on(&[
+        "compile",
+        "sobel-x",
+        "--threshold",
+        "40",
+        "--objective",
+        "exact",
+        "--effort",
+        "0.1",
+    ]);
+    assert!(
+        whole.contains("nothing saturates for light up to 62 of 255"),
+        "{whole}"
+    );
+    assert!(
+        whole.contains("no sum leaves the range for\n//! # light up to 62 of 255"),
+        "{whole}"
+    );
+    // Eight inputs in a sum.
+    let filter = ["compile", "sobel-x", "--filter-only", "--effort", "0.1"];
+    assert!(
+        on(&filter).contains("inputs within ±3.88 LSB"),
+        "{}",
+        on(&filter)
+    );
+    let told = json(folder, &[&filter[..], &["--chip", "narrow"]].concat());
+    assert_eq!(told["largest_input_lsb"], 31.0 / 8.0);
+    fs::write(folder.join("two.scamp"), "bus(B, A);\nbus(C, B);\n").unwrap();
+    let asm = on(&["asm", "two.scamp", "--input=0..100"]);
+    assert!(
+        asm.contains("line 1 can saturate: B from -100 to 0 LSB"),
+        "{asm}"
+    );
+    let asm = on(&["asm", "two.scamp", "--input=0..31"]);
+    assert!(asm.contains("no store can saturate"), "{asm}");
+}
+
+#[test]
+fn a_capture_that_saturates_is_named() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let lsb = |key, value| figure(key, value, "LSB", "measured");
+    let lines = ["[figure.range]\n", &lsb("low", -32.0), &lsb("high", 31.0)].concat();
+    chip(folder, "dark", &lines);
+    let asked = [
+        "compile",
+        "csdvs-3",
+        "--threshold",
+        "10",
+        "--objective",
+        "exact",
+    ];
+    let told = good(
+        folder,
+        &[&asked[..], &["--effort", "0.1", "--chip", "dark"]].concat(),
+    );
+    assert!(!told.contains("nothing saturates"), "{told}");
+    assert!(told.contains("can saturate: the capture stores"), "{told}");
+}
+
+#[test]
+fn a_wide_range_is_used() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    ranged(folder, "wide", -512.0, 511.0);
+    let wide = ["--chip", "wide"];
+    let filter = [
+        "compile",
+        "sobel-x",
+        "--filter-only",
+        "--input=-60..60",
+        "--effort",
+        "0.1",
+    ];
+    let told = good(folder, &[&filter[..], &wide].concat());
+    assert!(told.contains("nothing saturates"), "{told}");
+    fs::write(
+        folder.join("sum.scamp"),
+        "bus(B, A);\nbus(D, A);\nbus(E, B, D);\n",
+    )
+    .unwrap();
+    let asm = ["asm", "sum.scamp", "--input=-200..200"];
+    let told = good(folder, &[&asm[..], &wide].concat());
+    assert!(told.contains("no store can saturate"), "{told}");
+}
+
+#[test]
+fn stores_clip_at_the_chip_s_range() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    ranged(folder, "narrow", -32.0, 31.0);
+    ranged(folder, "wide", -512.0, 511.0);
+    fs::write(folder.join("set.scamp"), "bus(B, A);\nbus(C, B);\n").unwrap();
+    for (name, domain, least, most) in [
+        ("narrow", "exact", -32.0, 31.0),
+        ("narrow", "q8.8", -32.0, 31.0),
+        ("narrow", "f16", -32.0, 31.0),
+        ("wide", "exact", -300.0, 300.0),
+        ("wide", "f32", -300.0, 300.0),
+    ] {
+        let picture = ndarray::arr2(&[[300.0, -300.0]]);
+        ndarray_npy::write_npy(folder.join("a.npy"), &picture).unwrap();
+        let asked = ["exec", "set.scamp", "--set", "A=a.npy", "--clip", "on"];
+        good(
+            folder,
+            &[
+                &asked[..],
+                &["--chip", name, "--domain", domain, "--dump", "out"],
+            ]
+            .concat(),
+        );
+        let b: ndarray::Array2<f64> = ndarray_npy::read_npy(folder.join("out/B.npy")).unwrap();
+        assert_eq!(b, ndarray::arr2(&[[least, most]]), "{name} {domain}");
+    }
+}
+
+/// Every figure on which time, energy and the model of the chip rest, measured: 4 MHz, 5 us for a
+/// launch, 2 W.
+fn measured(folder: &Path) {
+    let stated = |key, value, unit| figure(key, value, unit, "measured");
+    let lines = [
+        "[figure.clock]\n".to_owned(),
+        stated("rate", 4.0, "MHz"),
+        stated("launch", 5.0, "us"),
+        stated("power", 2.0, "W"),
+        "[figure.range]\n".to_owned(),
+        stated("low", -128.0, "LSB"),
+        stated("high", 127.0, "LSB"),
+        "[figure.error]\n".to_owned(),
+        stated("transfer", 20.0, "LSB"),
+        stated("loss", 0.007, "1"),
+        stated("division", 2.0, "LSB"),
+        stated("gain_mismatch", 0.003, "1"),
+        stated("offset_mismatch", 0.1, "LSB"),
+        stated("mismatch_correlation", 0.0, "1"),
+        stated("division_mismatch", 0.01, "1"),
+        stated("noise", 0.05, "LSB"),
+        stated("headroom", 20.0, "LSB"),
+    ];
+    chip(folder, "measured", &lines.concat());
+}
+
+/// A word takes full power over the highest clock, whatever its launch takes.
+#[test]
+fn numbers_are_as_well_known_as_the_chip_s_figures() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    measured(folder);
+    let asked = ["compile", "csdvs-3", "--threshold", "16", "--effort", "0.1"];
+    let own = [&asked[..], &["--chip", "measured"]].concat();
+    let told = json(folder, &own);
+    let words = told["words"].as_f64().unwrap();
+    let energy = told["energy_uj"].as_f64().unwrap();
+    assert!(
+        (energy - 0.5 * words).abs() < 1e-9,
+        "{energy} uJ, {words} words"
+    );
+    assert_eq!(told["evidence"]["on_chip"], "measured");
+    let text = good(folder, &own);
+    let us = told["array_us_range"][1].as_f64().unwrap();
+    for line in [
+        format!(
+            "time      {us:.1} us on the array (highest clock, to a launch with every word: measured)"
+        ),
+        format!(
+            "energy    {energy:.2} uJ a frame for its words, each at full power over the highest clock (modelled)"
+        ),
+        "(run in the model of the chip: measured)".to_owned(),
+        "(modelled; at 64 LSB, saturation left out)".to_owned(),
+    ] {
+        assert!(text.contains(&line), "no {line:?} in {text}");
+    }
+    // Of SCAMP-5 the launch and the noise are guesses, and the power is an interval.
+    let text = good(folder, &asked);
+    for part in [
+        "(highest clock, to a launch with every word: guess)",
+        "(run in the model of the chip: guess)",
+        "(guess; at 64 LSB, saturation left out)",
+    ] {
+        assert!(text.contains(part), "no {part:?} in {text}");
+    }
+    let told = json(folder, &asked);
+    let words = told["words"].as_f64().unwrap();
+    let [least, most] = [0, 1].map(|k| told["energy_uj_range"][k].as_f64().unwrap());
+    assert!((least - 0.12 * words).abs() < 1e-9 && (most - 0.158 * words).abs() < 1e-9);
+    let front = [
+        "compile",
+        "sobel-x",
+        "--filter-only",
+        "--front",
+        "--effort",
+        "0.1",
+    ];
+    let text = good(folder, &[&front[..], &["--chip", "measured"]].concat());
+    assert!(
+        text.contains("run in the model of the chip: measured"),
+        "{text}"
+    );
+}
+
+/// Asks `feasibility` of a disc that moves, on a chip.
+fn feasibility(folder: &Path, chip: &str) -> serde_json::Value {
+    let scene = "pattern:disc?width=32&height=24&frames=100&speed=60";
+    let asked = [
+        "feasibility",
+        "sobel-x",
+        "--threshold",
+        "40",
+        "--to",
+        "ternary",
+    ];
+    let more = ["--scene", scene, "--within", "5ms", "--chips", "4"];
+    let written = ["--effort", "0.1", "-o", "r.html", "--chip", chip];
+    json(folder, &[&asked[..], &more, &written].concat())
+}
+
+/// A guess of one value: no other is drawn, so that all chips agree.
+#[test]
+fn a_verdict_names_the_guesses_that_it_rests_on() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let noise = figure("noise", 0.01, "LSB", "guess");
+    chip(folder, "guessed", &format!("[figure.error]\n{noise}"));
+    let told = feasibility(folder, "guessed");
+    let headline = told["verdict"]["headline"].as_str().unwrap();
+    assert!(
+        headline.starts_with("Not known: it rests on guesses (error.noise)"),
+        "{headline}"
+    );
+    assert_eq!(
+        told["chip"]["guessed_values"],
+        serde_json::json!(["error.noise"])
+    );
+    let findings = told["verdict"]["findings"].as_array().unwrap();
+    let says = findings.iter().find(|it| it["about"] == "guesses").unwrap();
+    assert!(
+        says["says"]
+            .as_str()
+            .unwrap()
+            .contains("error.noise is guessed"),
+        "{says}"
+    );
+    // With an interval, others are drawn.
+    let interval = noise.replace(" }", ", low = 0, high = 0.02, why = \"test\" }");
+    chip(folder, "bounded", &format!("[figure.error]\n{interval}"));
+    let told = feasibility(folder, "bounded");
+    let headline = told["verdict"]["headline"].as_str().unwrap();
+    assert!(headline.starts_with("Feasible"), "{headline}");
+    assert_eq!(told["chips_evidence"], "guess");
+}
+
+/// SCAMP-5 with every number measured, and so without intervals.
+#[test]
+fn what_is_made_of_measurements_is_no_guess() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("isa/scamp5");
+    fs::create_dir(folder.join("known")).unwrap();
+    for file in ["macros.scamp", "primitives.toml"] {
+        fs::copy(shipped.join(file), folder.join("known").join(file)).unwrap();
+    }
+    let text = fs::read_to_string(shipped.join("device.toml")).unwrap();
+    let mut known = String::new();
+    for line in text.lines() {
+        let line = match line.find(", low = ") {
+            Some(at) => format!("{} }}", &line[..at]),
+            None => line.to_owned(),
+        };
+        known += &line.replace("name = \"scamp5\"", "name = \"known\"");
+        known.push('\n');
+    }
+    for word in ["quoted", "modelled", "guess"] {
+        known = known.replace(&format!("evidence = \"{word}\""), "evidence = \"measured\"");
+    }
+    fs::write(folder.join("known/device.toml"), known).unwrap();
+    let told = feasibility(folder, "known");
+    assert_eq!(told["chips_evidence"], "measured");
+    assert_eq!(told["chip"]["guessed_values"], serde_json::json!([]));
+}
+
+/// A chip of so many rows and columns.
+fn sized(folder: &Path, name: &str, [rows, columns]: [f64; 2]) {
+    let px = |key, value| figure(key, value, "px", "quoted");
+    let lines = [px("height", rows), px("width", columns)].concat();
+    chip(folder, name, &format!("[figure.array]\n{lines}"));
+}
+
+/// A column too many is one that no chip has.
+#[test]
+fn a_scene_larger_than_the_array_is_refused() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    sized(folder, "small", [24.0, 32.0]);
+    let scene = "pattern:spot?width=33&height=24&frames=6";
+    let more = ["--scene", scene, "--chip", "small", "--effort", "0"];
+    for verb in [
+        &["design", "csdvs-3", "--threshold", "20"][..],
+        &[
+            "quantise",
+            "csdvs-3",
+            "--threshold",
+            "20",
+            "--to",
+            "ternary",
+        ],
+        &["waterfall", "csdvs-3", "--threshold", "20"],
+        &["compile", "csdvs-3", "--threshold", "20"],
+    ] {
+        refused(
+            folder,
+            &[verb, &more].concat(),
+            &[
+                "is 33x24, and small has 32x24 processors",
+                "--crop 32x24, --resize 32x24",
+            ],
+        );
+    }
+    fs::write(folder.join("p.scamp"), "get_image(A);\n").unwrap();
+    let exec = |scene: &str| {
+        let asked = ["exec", "p.scamp", "--chip", "small", "--scene", scene];
+        let said = amacrine(folder, &asked).output().unwrap();
+        assert!(said.status.success());
+        line(&said.stderr)
+    };
+    let told = exec(scene);
+    let sizes = "an array of 33x24, and small has 32x24 processors";
+    assert_eq!(told.matches(sizes).count(), 1, "{told}");
+    let told = exec("pattern:spot?width=32&height=24&frames=6");
+    assert!(!told.contains("processors"), "{told}");
+}
+
+/// Whole bit planes are as many rows as the array that is spoken of.
+#[test]
+fn a_rate_is_that_of_the_array_that_it_is_told_of() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    sized(folder, "low", [4.0, 32.0]);
+    sized(folder, "high", [24.0, 32.0]);
+    let rate = |chip| {
+        let told = feasibility(folder, chip);
+        let plans = told["fit"]["on_chip"]["time"]["plans"].as_array().unwrap();
+        let planes = plans.iter().find(|it| it["plan"] == "bit_planes").unwrap();
+        planes["frames_s"].to_string()
+    };
+    assert_eq!(rate("low"), rate("high"));
+}
+
+#[test]
+fn a_chip_s_folder_is_named_where_its_file_or_its_name_was_given() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    sized(folder, "c9", [24.0, 32.0]);
+    for asked in [
+        &["list", "chips", "c9"][..],
+        &["show", "chip", "c9"],
+        &["new", "chip", "d", "--from", "c9"],
+    ] {
+        refused(folder, asked, &["verbs take it as --chip c9"]);
+    }
+    fs::write(folder.join("p.scamp"), "bus(B, A);\n").unwrap();
+    let asked = ["asm", "p.scamp", "--chip", "c9/device.toml"];
+    refused(folder, &asked, &["give its folder c9"]);
+}
