@@ -180,7 +180,7 @@ fn verbs_show_what_numpy_would_cut_out() {
     }
     let small = run(SCENE, "small.npy", &["--resize", "7x7"]);
     let counts: Array3<f64> = {
-        let light: Vec<_> = whole.iter().map(|light| mean_of_blocks(light)).collect();
+        let light: Vec<_> = whole.iter().map(mean_of_blocks).collect();
         let views: Vec<_> = light.iter().map(|light| light.view()).collect();
         ndarray::stack(ndarray::Axis(0), &views).unwrap()
     };

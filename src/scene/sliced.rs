@@ -29,7 +29,7 @@ impl<S: Scene> Sliced<S> {
     }
 
     /// Frame and time from the start of the slice on.
-    fn from_start(&mut self, frame: Frame) -> Frame {
+    fn rebased(&mut self, frame: Frame) -> Frame {
         let (index, seconds) = *self.first.get_or_insert((frame.index, frame.seconds));
         let fps = self.source.fps();
         let even = |index: u64| index as f64 / fps;
@@ -68,7 +68,7 @@ impl<S: Scene> Scene for Sliced<S> {
                 break;
             }
             if is_reached(self.slice.from, &frame) {
-                return Ok(Some(self.from_start(frame)));
+                return Ok(Some(self.rebased(frame)));
             }
         }
         if self.first.is_none() {

@@ -137,7 +137,7 @@ mod tests {
                 let mut tkhd = vec![0; at + 36];
                 tkhd[0] = version;
                 for (entry, place) in matrix.into_iter().zip([0, 4, 12, 16]) {
-                    let entry = (entry * (1 << 16) as i32).to_be_bytes();
+                    let entry = (entry * 65_536_i32).to_be_bytes();
                     tkhd[at + place..][..4].copy_from_slice(&entry);
                 }
                 let codes = (1..=6).collect();
