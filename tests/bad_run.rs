@@ -89,7 +89,7 @@ fn scenes() {
     );
     says(
         &refused(SCENE, SENSOR, &["--upsample", "0"]),
-        &["contrast is 0", "above 0"],
+        &["'0' for '--upsample", "above 0"],
     );
 }
 
@@ -147,7 +147,7 @@ fn options() {
     says(&refused(SCENE, SENSOR, &["--seed", "-1"]), &["--seed"]);
     says(
         &refused(SCENE, SENSOR, &["--upsample", "-0.1"]),
-        &["contrast is -0.1"],
+        &["'-0.1' for '--upsample", "above 0"],
     );
     says(
         &refused(SCENE, SENSOR, &["--upsample", "1e-9"]),

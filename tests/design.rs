@@ -597,14 +597,10 @@ fn arrays_of_kernels_have_one_shape_and_one_limit() {
     );
     fs::write(
         at.join("study.toml"),
-        format!("scene = \"{scene}\"\nkernel = \"flat.npy\"\nthreshold = 20\n[[side]]\nside = \"reference\"\n"),
+        format!("scene = \"{scene}\"\nkernel = \"many.npy\"\nthreshold = 20\n[[side]]\nside = \"reference\"\n"),
     )
     .unwrap();
-    refused(
-        at,
-        &["sweep", "study.toml"],
-        &["one kernel a file", "numpy.save"],
-    );
+    refused(at, &["sweep", "study.toml"], &[limit]);
 }
 
 /// Within a window that covers the clip accident scores as much as any program.
