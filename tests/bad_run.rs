@@ -170,7 +170,7 @@ fn options() {
     );
     says(
         &refused(SCENE, SENSOR, &["--upsample", "0"]),
-        &["contrast is 0", "--upsample", "such as 0.1"],
+        &["for '--upsample", "above 0"],
     );
     says(
         &refused(SCENE, SENSOR, &["--when-full", "wait"]),

@@ -233,11 +233,12 @@ def test_a_part_of_a_clip_is_that_of_numpy() -> None:
         "pattern:noise?width=20&height=12&frames=9&fps=100", resize="5x3"
     )
     np.testing.assert_allclose(small, whole.reshape(9, 3, 4, 5, 4).mean(axis=(2, 4)))
-    for how, words in [
+    odd: list[tuple[dict[str, Any], str]] = [
         ({"slice": "5..2"}, "FROM is not before TO"),
         ({"crop": "8"}, "WIDTHxHEIGHT"),
         ({"resize": "40x24"}, "not larger"),
         ({"resize": "4x2+1+1"}, "WIDTHxHEIGHT"),
-    ]:
+    ]
+    for how, words in odd:
         with pytest.raises(amacrine.Error, match=words):
             amacrine.load("pattern:noise?width=20&height=12&frames=9&fps=100", **how)

@@ -38,7 +38,7 @@ pub enum Absent {
     },
     /// Cells of numbers have no errors.
     #[error("--without {terms} in the domain {arithmetic}, whose cells do not err")]
-    #[diagnostic(help("leave --without out, or add --domain silicon"))]
+    #[diagnostic(help("leave `--without` out, or add --domain silicon"))]
     Terms {
         /// What they were to do without.
         terms: String,
@@ -105,7 +105,7 @@ pub fn sensor_without(
             sensor: sensor.to_owned(),
             effect: *effect,
             has: if there.is_empty() {
-                "leave --without out: it has none of these effects".to_owned()
+                "leave `--without` out: it has none of these effects".to_owned()
             } else {
                 format!("it has {}", there.join(", "))
             },
