@@ -39,6 +39,13 @@ impl Size {
         Self { height, width }
     }
 
+    /// Reads `346x260`, width first, as it is displayed; none where it is no size.
+    #[must_use]
+    pub fn read(text: &str) -> Option<Self> {
+        let (width, height) = text.split_once('x')?;
+        Some(Self::new(height.parse().ok()?, width.parse().ok()?))
+    }
+
     /// The size of a plane.
     #[must_use]
     pub fn of<T>(plane: &Plane<T>) -> Self {

@@ -8,8 +8,8 @@ use amacrine::{
     plane::{Plane, Size},
     rig::guard::Warning,
     scene::{
-        Coding, Crop, Frame, Light, Observation, Observed, OpenOptions, Outline, Range, Samples,
-        Scene, SceneError, Transfer, View, bundled_with,
+        Coding, Frame, Light, Observation, Observed, OpenOptions, Outline, Range, Samples, Scene,
+        SceneError, Transfer, View, bundled_with,
         kept::{Kept, Pixels},
         open,
     },
@@ -81,17 +81,20 @@ fn view((slice, crop, resize): Part<'_>) -> PyResult<View> {
         };
         text.map(read).transpose()
     }
-    let resize: Option<Crop> = read("resize", resize)?;
-    if let Some(Crop { at: Some(_), .. }) = resize {
-        return Err(refused(
-            "resize with a place",
-            "give WIDTHxHEIGHT, such as 256x144",
-        ));
-    }
+    let size = |text: &str| {
+        let wrong = || {
+            refused(
+                format!("resize = {text:?}"),
+                "give WIDTHxHEIGHT, such as 256x144",
+            )
+        };
+        let size = Size::read(text).filter(|size| size.is_possible());
+        size.ok_or_else(wrong)
+    };
     Ok(View {
         slice: read("slice", slice)?,
         crop: read("crop", crop)?,
-        resize: resize.map(|crop| crop.size),
+        resize: resize.map(size).transpose()?,
     })
 }
 

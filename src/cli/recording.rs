@@ -73,11 +73,7 @@ pub const fn guessed(size_known: bool) -> &'static str {
 
 /// `346x260`, for the command line.
 pub fn size(text: &str) -> Result<Size, String> {
-    let read = || {
-        let (width, height) = text.split_once('x')?;
-        Some(Size::new(height.parse().ok()?, width.parse().ok()?))
-    };
-    read()
+    Size::read(text)
         .filter(|size| size.width.min(size.height) > 0 && size.width.max(size.height) <= ARRAY_SIDE)
         .ok_or_else(|| "give width x height in pixels, such as 346x260".into())
 }

@@ -74,11 +74,6 @@ const WHITE: f64 = 255.0;
 /// The highest rate of events in hertz: times have microseconds.
 const FASTEST: f64 = 1e6;
 
-impl Noise {
-    /// The highest rate of events, in hertz.
-    pub(super) const FASTEST: f64 = FASTEST;
-}
-
 /// A key of `[noise]`: a number from 0 on.
 const fn rate(
     name: &'static str,

@@ -86,9 +86,6 @@ impl<N: Number> Reference<N> {
         size: Size,
         seed: u64,
     ) -> Result<Self, SensorError> {
-        if !size.is_possible() {
-            return Err(SensorError::Addresses { size });
-        }
         Self::in_bands(number, description, (size, None), seed, band_rows(size))
     }
 
@@ -119,7 +116,12 @@ impl<N: Number> Reference<N> {
         rows: usize,
     ) -> Result<Self, SensorError> {
         let addresses = 1..=ARRAY_SIDE;
-        if !addresses.contains(&size.width) || !addresses.contains(&size.height) {
+        let is_possible = match mosaic {
+            None => size.is_possible(),
+            // Halos count twice.
+            Some(_) => addresses.contains(&size.width) && addresses.contains(&size.height),
+        };
+        if !is_possible {
             return Err(SensorError::Addresses { size });
         }
         description.check()?;

@@ -30,19 +30,13 @@ impl FromStr for Crop {
                 }),
                 None => None,
             };
-            let size = read_size(size)?;
+            let size = Size::read(size).filter(|size| size.is_possible())?;
             Some(Self { size, at })
         };
         read().ok_or_else(|| {
             "give WIDTHxHEIGHT for the middle of the picture, or WIDTHxHEIGHT+X+Y from its left and its top, such as 256x256+10+20".to_owned()
         })
     }
-}
-
-fn read_size(text: &str) -> Option<Size> {
-    let (width, height) = text.split_once('x')?;
-    let size = Size::new(height.parse().ok()?, width.parse().ok()?);
-    size.is_possible().then_some(size)
 }
 
 impl fmt::Display for Crop {

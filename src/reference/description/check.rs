@@ -149,8 +149,7 @@ fn refractory(memory: MemoryRule, section: Option<Node<'_>>) -> Read<Refractory>
     let section = Section::new(node, &REFRACTORY);
     let rules = [RefractoryRule::DeadTime, RefractoryRule::Authors];
     let rule = section.word("rule", &rules)?.unwrap_or_default();
-    let snaps = matches!(memory, MemoryRule::RawSnap | MemoryRule::FilteredSnap);
-    if snaps && rule == RefractoryRule::Authors {
+    if !memory.steps() && rule == RefractoryRule::Authors {
         return Err(wrong(
             node.place(),
             "the authors' refractory rule counts the steps of a memory, and this memory snaps",
@@ -184,11 +183,7 @@ fn shared(memory: MemoryRule, section: &Section<'_>) -> Read<bool> {
 fn polarity(memory: MemoryRule, section: &Section<'_>) -> Read<PolarityRule> {
     let rules = [PolarityRule::Filtered, PolarityRule::Pixel];
     let rule = section.word("polarity", &rules)?.unwrap_or_default();
-    let steps = matches!(
-        memory,
-        MemoryRule::FilteredStep | MemoryRule::AuthorsPixelStep
-    );
-    if steps && rule == PolarityRule::Pixel {
+    if memory.steps() && rule == PolarityRule::Pixel {
         return Err(wrong(
             section.place_of("polarity"),
             "polarity = \"pixel\" needs the pixel as it was when the cell last fired, and a memory that steps does not keep it",

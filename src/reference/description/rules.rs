@@ -22,6 +22,12 @@ impl MemoryRule {
         Self::FilteredStep,
         Self::AuthorsPixelStep,
     ];
+
+    /// Whether events move the memory by thresholds; else it takes what is there.
+    #[must_use]
+    pub const fn steps(self) -> bool {
+        matches!(self, Self::FilteredStep | Self::AuthorsPixelStep)
+    }
 }
 
 /// Where an event's sign comes from.

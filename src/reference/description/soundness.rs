@@ -2,7 +2,7 @@
 //! it is read.
 
 use super::{Channel, Description, MemoryRule, PolarityRule, RefractoryRule, keys::MOST_CHANNELS};
-use crate::{reference::noise::Noise, sensor::SensorError};
+use crate::{config::Kind, reference::noise::Noise, sensor::SensorError};
 
 impl Description {
     /// Whether there can be such a sensor.
@@ -24,21 +24,20 @@ impl Description {
                 "give at least one, and no more than docs/limits.md allows",
             );
         }
-        let snaps = matches!(self.memory, MemoryRule::RawSnap | MemoryRule::FilteredSnap);
         if self.shared && self.memory != MemoryRule::RawSnap {
             return wrong(
                 "a shared memory that is not raw-snap",
                 "use MemoryRule::RawSnap",
             );
         }
-        if self.polarity == PolarityRule::Pixel && self.memory == MemoryRule::FilteredStep {
+        if self.polarity == PolarityRule::Pixel && self.memory.steps() {
             return wrong(
                 "the sign of the pixel with a memory that steps",
                 "use PolarityRule::Filtered, or a memory that snaps",
             );
         }
         let authors = self.refractory.rule == RefractoryRule::Authors;
-        if self.refractory.us > 0.0 && snaps && authors {
+        if self.refractory.us > 0.0 && !self.memory.steps() && authors {
             return wrong(
                 "the authors' refractory rule with a memory that snaps",
                 "use RefractoryRule::DeadTime",
@@ -78,19 +77,20 @@ fn odd_noise(noise: &Noise) -> Option<(&'static str, f64)> {
         cutoff_hz,
     } = *noise;
     let all = [
-        ("leak_hz", leak_hz, Noise::FASTEST),
-        ("leak_spread", leak_spread, f64::MAX),
-        ("shot_hz", shot_hz, Noise::FASTEST),
-        ("shot_at_white", shot_at_white, 1.0),
-        ("hot_fraction", hot_fraction, 1.0),
-        ("hot_hz", hot_hz, Noise::FASTEST),
-        ("jitter_us", jitter_us, f64::MAX),
-        ("cutoff_hz", cutoff_hz, f64::MAX),
+        ("leak_hz", leak_hz),
+        ("leak_spread", leak_spread),
+        ("shot_hz", shot_hz),
+        ("shot_at_white", shot_at_white),
+        ("hot_fraction", hot_fraction),
+        ("hot_hz", hot_hz),
+        ("jitter_us", jitter_us),
+        ("cutoff_hz", cutoff_hz),
     ];
-    let odd = all
-        .into_iter()
-        .find(|(_, value, most)| !(0.0..=*most).contains(value));
-    odd.map(|(name, value, _)| (name, value))
+    let is_odd = |(field, value): &(&str, f64)| {
+        let key = Noise::TABLE.key(&field.replace('_', "-"));
+        !matches!(key.map(|key| key.kind), Some(Kind::Number(range)) if range.holds(*value))
+    };
+    all.into_iter().find(is_odd)
 }
 
 /// What a kind of cell cannot have.
