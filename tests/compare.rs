@@ -1024,6 +1024,45 @@ mod verb {
         assert!(said.contains("theypartat"), "{said}");
     }
 
+    /// Three frames with events at uneven times are frames of the rate that is stated, and of one
+    /// step of all pixels nothing is kept that accident does not keep.
+    #[test]
+    fn few_frames_are_frames_and_one_step_keeps_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+        let text = "response = \"identity\"\nmemory = \"filtered-snap\"\n[[channel]]\nkernel = [[1.0]]\nthreshold = { on = 11.75, off = 11.75 }\n";
+        std::fs::write(path("s.toml"), text).unwrap();
+        let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let (scene, mirrored) = (path("light.npy"), path("mirrored.npy"));
+        let (a, b, sensor) = (path("a.npy"), path("b.npy"), path("s.toml"));
+        let told = |changes: &[usize]| {
+            let light = ndarray::Array3::from_shape_fn((30, 6, 6), |(t, y, x)| {
+                let steps = changes.iter().filter(|at| **at <= t).count();
+                30.0 + 10.0 * steps as f64 * (1.0 + 0.01 * (6 * y + x) as f64)
+            });
+            ndarray_npy::write_npy(&scene, &light).unwrap();
+            let turned = light.slice(ndarray::s![.., ..;-1, ..;-1]).to_owned();
+            ndarray_npy::write_npy(&mirrored, &turned).unwrap();
+            for (scene, events) in [(&scene, &a), (&mirrored, &b)] {
+                let run = ["run", "--sensor", &sensor, "--scene", scene, "--fps", "5"];
+                let run = [&run[..], &["--events", events]].concat();
+                common::amacrine(here, &run).assert().success();
+            }
+            let ask = [&a, &b, "--sensor", &sensor, "--scene", &scene];
+            let ask = [&ask[..], &["--fps", "5", "--json"]].concat();
+            let out = amacrine(&ask).assert().success();
+            let said: serde_json::Value = serde_json::from_slice(&out.get_output().stdout).unwrap();
+            said["headline"].clone()
+        };
+        let headline = told(&[4, 10, 17]);
+        assert_eq!(headline["frame_interval_us"], 200_000, "{headline}");
+        assert_eq!(headline["window_us"], 200_000);
+        let headline = told(&[10]);
+        let tuned = &headline["tuned"];
+        assert!(tuned["threshold_percent"].is_number(), "{headline}");
+        assert!(tuned["kept"].is_null() && tuned["threshold_equivalent_percent"].is_null());
+    }
+
     /// Times of crossings are on no frames, whoever knows the frame rate of the scene.
     #[test]
     fn a_scene_makes_no_frames_of_crossing_times() {

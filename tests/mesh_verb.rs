@@ -349,3 +349,61 @@ fn numbers_that_are_none_are_told_what_is_expected() {
         common::refused(folder.path(), arguments, &[words]);
     }
 }
+
+/// A third sheet on top of the second is none.
+#[test]
+fn fit_shows_no_sheet_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = mesh(
+        &["fit", "laplacian", "csdvs-7", "--sheets", "3", "--json"],
+        folder.path(),
+    );
+    let rows: Vec<serde_json::Value> = serde_json::from_slice(&out.stdout).unwrap();
+    let sheets: Vec<_> = rows
+        .iter()
+        .map(|row| row["sheets"].as_array().unwrap().len())
+        .collect();
+    assert_eq!(sheets, [1, 2, 1, 2], "{rows:?}");
+}
+
+#[test]
+fn show_draws_both_directions_and_ignores_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let picture = |name: &str| image::open(here.join(name)).unwrap().into_rgb8();
+    for (name, more) in [("a.png", &[][..]), ("b.png", &["--lambda-y", "0.5"])] {
+        let all = [&["show", "--lambda", "4", "--output", name], more].concat();
+        assert!(mesh(&all, here).status.success());
+    }
+    // Besides a spot and an edge across, an edge along a row.
+    assert!(picture("b.png").width() > picture("a.png").width());
+    let out = mesh(&["show", "--kernel", "csdvs-5", "--output", "c.png"], here);
+    let said = String::from_utf8(out.stdout).unwrap();
+    assert!(
+        said.contains("P - ") && said.matches("H(").count() == 2,
+        "{said}"
+    );
+    refused(
+        &["show", "--kernel", "dog", "--lambda-y", "3", "-o", "d.png"],
+        here,
+    );
+    refused(
+        &["show", "--lambda", "3", "--sheets", "3", "-o", "d.png"],
+        here,
+    );
+}
+
+/// Steps, and signals in volts, are what a sheet is tried with.
+#[test]
+fn step_takes_any_signal() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let steps = Array3::from_shape_fn((3, 5, 4), |(t, _, _)| 0.18 * f64::from(u8::from(t > 0)));
+    write_npy(here.join("s.npy"), &steps).unwrap();
+    let all = [
+        "step", "--lambda", "2", "--tau", "1ms", "--fps", "100", "--scene", "s.npy", "-o", "H.npy",
+    ];
+    let out = mesh(&all, here);
+    assert!(out.status.success() && out.stderr.is_empty(), "{out:?}");
+    refused(&[&all[..], &["--frames", "0"]].concat(), here);
+}

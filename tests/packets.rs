@@ -505,3 +505,95 @@ fn the_table_of_the_documentation_is_printed() {
     let printed: Vec<_> = printed.lines().map(str::trim_end).collect();
     assert_eq!(printed, shown);
 }
+
+#[test]
+fn what_a_file_cannot_say_of_its_losses_is_not_known() {
+    let folder = folder();
+    let here = folder.path();
+    let lossy = [
+        "packets",
+        "e.csv",
+        "--readout",
+        "arbiter",
+        "--with",
+        "fifo=0",
+        "--with",
+        "when-full=drop-newest",
+        "--with",
+        "link=1ms",
+        "-o",
+    ];
+    let to = |name| [&lossy[..], &[name]].concat();
+    let silent = amacrine(here, &to("out.npy")).output().unwrap();
+    assert!(silent.stderr.is_empty());
+    let said = amacrine(here, &to("out.csv")).output().unwrap();
+    let said = String::from_utf8(said.stderr).unwrap();
+    assert!(said.contains("3 events were lost before out.csv"), "{said}");
+    let said = good(here, &["convert", "out.npy", "again.csv"]);
+    assert!(said.contains("csv has no room to say so"), "{said}");
+    let table = good(
+        here,
+        &["compare", "out.npy", "again.csv", "--within", "1ms"],
+    );
+    let line = table.lines().find(|line| line.starts_with("dropped"));
+    let words: Vec<_> = line.unwrap().split_whitespace().collect();
+    assert_eq!(words, ["dropped", "3", "not", "known"]);
+    let seen = json(
+        here,
+        &["compare", "out.npy", "again.csv", "--within", "1ms"],
+    );
+    assert_eq!(seen["judged"]["dropped_known"], false);
+    assert_eq!(seen["reference"]["dropped_known"], true);
+}
+
+#[test]
+fn a_link_that_cannot_keep_up_is_said_however_slow_it_is() {
+    let folder = TempDir::new().unwrap();
+    let here = folder.path();
+    let events = (0..2000).map(|i| format!("{},{},{},1\n", 10 * i, 7 * i % 16, i % 8));
+    let text = "# amacrine size=16x8 span=0..20000 dropped=0,0\nt,x,y,p\n";
+    fs::write(
+        here.join("e.csv"),
+        events.fold(text.to_owned(), |all, e| all + &e),
+    )
+    .unwrap();
+    let says = |with: &[&str]| {
+        let with = with.iter().flat_map(|it| ["--with", it]);
+        let all = ["packets", "e.csv", "--readout", "arbiter"];
+        let all: Vec<_> = all.into_iter().chain(with).collect();
+        good(here, &all).contains("the link cannot keep up")
+    };
+    for link in ["link=10.5us", "link=20us", "link=1ms", "link=1s"] {
+        for requests in ["requests=all", "requests=one"] {
+            assert!(says(&[link, requests]), "{link} {requests}");
+            assert!(says(&[link, requests, "burst=no"]), "{link} {requests}");
+        }
+        assert!(says(&[link, "when-full=drop-oldest", "fifo=3"]), "{link}");
+    }
+    assert!(!says(&["link=9.9us", "requests=all"]));
+    assert!(!says(&["link=1us"]));
+}
+
+#[test]
+fn counts_of_a_readout_need_no_quotes() {
+    let folder = folder();
+    let text = good(folder.path(), &["list", "readouts", "arbiter"]);
+    let plain = text.replace("value = \"512\"", "value = 512");
+    assert_ne!(plain, text);
+    fs::write(folder.path().join("mine.toml"), &plain).unwrap();
+    let read = |name| json(folder.path(), &["packets", "e.csv", "--readout", name]);
+    let (own, shipped) = (read("mine.toml"), read("arbiter"));
+    assert_eq!(own["readout"]["settings"], shipped["readout"]["settings"]);
+    let wrong = plain.replace("value = 512", "value = 512.5");
+    fs::write(folder.path().join("wrong.toml"), wrong).unwrap();
+    let words = [
+        "wrong.toml:",
+        "512.5",
+        "a whole number from 0 to 4294967296",
+    ];
+    refused_untouched(
+        folder.path(),
+        &["packets", "e.csv", "--readout", "wrong.toml"],
+        &words,
+    );
+}

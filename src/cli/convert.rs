@@ -383,7 +383,7 @@ fn pass(
     progress.finish();
     seen.skipped = reader.skipped();
     let dropped = about.dropped.unwrap_or_default().total();
-    seen.note = note(arguments, reader.note(), dropped, seen.ends);
+    seen.note = note(arguments, format, reader.note(), dropped, seen.ends);
     let mut written = Vec::new();
     for ((writer, _, ends), (path, _)) in writers.into_iter().zip(targets) {
         written.push(Written {
@@ -398,6 +398,7 @@ fn pass(
 /// What is to be said of what was read and chosen.
 fn note(
     arguments: &Arguments,
+    format: Format,
     read: Option<&str>,
     dropped: u64,
     ends: Option<(Micros, Micros)>,
@@ -410,8 +411,14 @@ fn note(
             "no event is in the slice: those read are from {first} to {last}, and slices are in the recording's own times"
         ));
     }
-    if dropped > 0 && (arguments.slice.is_some() || arguments.kind.is_some() || arguments.each_kind)
-    {
+    let part = arguments.slice.is_some() || arguments.kind.is_some() || arguments.each_kind;
+    if dropped > 0 && !part && !format.has_remarks() {
+        notes.push(format!(
+            "{} lost on the way to the recording: {format} has no room to say so",
+            counted(dropped, "event")
+        ));
+    }
+    if dropped > 0 && part {
         notes.push(format!(
             "{} lost on the way to the recording: of a part it is not known how many",
             counted(dropped, "event")

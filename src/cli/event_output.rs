@@ -39,7 +39,9 @@ impl<'a> EventOutput<'a> {
         match (self.writer, self.path) {
             (Some(mut writer), _) => {
                 writer.state(packet.span, packet.dropped);
-                writer.finish().map(|_| ())
+                writer.finish()?;
+                self.path
+                    .map_or(Ok(()), |path| path.warn_of_drops(packet.dropped))
             }
             (None, Some(path)) => path.write(packet),
             (None, None) => Ok(()),

@@ -59,7 +59,8 @@ pub struct Arguments {
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
     /// Instead of thresholds: events per pixel and second, all kernels together, each an equal
-    /// share: the thresholds are found
+    /// share: the thresholds are found, of a float sensor of each kernel by itself (`design` finds
+    /// those of all kinds in one program, with the memory that they share)
     #[arg(long, value_name = "EVENTS", value_parser = event_rate, conflicts_with = "threshold")]
     rate: Option<f64>,
     #[command(flatten)]

@@ -24,7 +24,7 @@ use serde::{Serialize, Serializer};
 use super::{content::Content, print};
 use crate::{
     event::{
-        Packet,
+        Dropped, Packet,
         file::{self, Compression, FileError, Format, Head, Writer},
     },
     isa::Device,
@@ -216,7 +216,22 @@ impl Output {
     /// Writes events.
     pub(super) fn write(&self, packet: &Packet) -> Result<(), FileError> {
         let compression = Compression::default();
-        file::write_as(&self.path, self.format()?, compression, packet)
+        file::write_as(&self.path, self.format()?, compression, packet)?;
+        self.warn_of_drops(packet.dropped)
+    }
+
+    /// Says what was lost on the way to this file of events, where the file cannot.
+    pub(super) fn warn_of_drops(&self, dropped: Dropped) -> Result<(), FileError> {
+        let format = self.format()?;
+        if dropped.total() > 0 && !format.has_remarks() {
+            super::complain(&format!(
+                "warning: {} events were lost before {}, and {} has no room to say so: npy has\n",
+                dropped.total(),
+                self.display(),
+                format.name()
+            ));
+        }
+        Ok(())
     }
 
     /// Writes a drawing.

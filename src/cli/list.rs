@@ -131,6 +131,22 @@ fn kind_of(word: &str) -> Option<(Of, String)> {
     })
 }
 
+/// The kind, in the singular, of what comes with the program under this name; files go first.
+pub(super) fn kind_with(name: &str) -> Option<String> {
+    if Path::new(name).exists() {
+        return None;
+    }
+    Of::value_variants().iter().find_map(|of| {
+        let plural = of.to_possible_value()?.get_name().to_owned();
+        let is_there = match of.kind() {
+            Some(kind) => bundled::find(kind, name).is_some(),
+            None => Device::shipped().any(|chip| chip == name),
+        };
+        let one = of.one(&plural)?.to_owned();
+        is_there.then_some(one)
+    })
+}
+
 /// Refuses a kind of thing of which no name was given, where an event file is wanted; a file of
 /// that name goes first.
 pub(super) fn check_no_kind(word: &str) -> miette::Result<()> {

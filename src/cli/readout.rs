@@ -120,7 +120,7 @@ pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> 
         ));
         if stage.falls_behind {
             lines.push(format!(
-                "note     the {} cannot keep up: what comes waits longer and longer",
+                "note     the {} cannot keep up: it is busy all the time, and events are lost or wait longer and longer",
                 stage.name
             ));
         }

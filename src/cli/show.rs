@@ -157,8 +157,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     list::check_no_kind(&file)?;
     let Some(output) = &arguments.output else {
+        let named = list::kind_with(&file).map_or(String::new(), |kind| {
+            format!("; for the text of what comes with the program, `amacrine show {kind} {file}`")
+        });
         return Err(miette!(
-            help = "add -o PICTURE (--output): .png, .svg, .gif, .apng or .mcap",
+            help = format!("add -o PICTURE (--output): .png, .svg, .gif, .apng or .mcap{named}"),
             "{file}: no picture to write was named"
         ));
     };

@@ -199,6 +199,19 @@ pub fn frame_interval(pair: &Pair) -> Option<Micros> {
         .max()
 }
 
+/// Whether all events of either packet are at times of frames, so many a second.
+#[must_use]
+pub fn at_frames(pair: &Pair, fps: f64) -> bool {
+    let interval = 1e6 / fps;
+    pair.times().into_iter().any(|times| {
+        times.iter().all(|t| {
+            let far = (t - times[0]) as f64;
+            // Both times are rounded to a microsecond.
+            (far - (far / interval).round() * interval).abs() <= 1.5
+        }) && !times.is_empty()
+    })
+}
+
 /// Times closer than this are not those of frames.
 const LEAST_INTERVAL_US: u64 = 10;
 

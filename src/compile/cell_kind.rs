@@ -55,10 +55,13 @@ pub(super) fn constants(kinds: &[CellKind], i: usize) -> (String, String) {
     )
 }
 
+/// Frames that a program runs by itself, of its own pattern.
+pub const FRAMES: u64 = 8;
+
 /// The settings at the head of a program.
 pub(super) fn header(title: &str, device: &Device, kinds: &[CellKind]) -> String {
     let mut text = format!(
-        "//! title = {title:?}\n//! chip = {:?}\n//! image = \"pattern:disc?width=64&height=48\"\n//! frames = 8\n//! channels = {}\n",
+        "//! title = {title:?}\n//! chip = {:?}\n//! image = \"pattern:disc?width=64&height=48\"\n//! frames = {FRAMES}\n//! channels = {}\n",
         device.name(),
         kinds.len()
     );

@@ -60,7 +60,7 @@ mod tour;
 mod walk;
 mod wired;
 
-pub use cell_kind::{CellKind, DriveMemory};
+pub use cell_kind::{CellKind, DriveMemory, FRAMES};
 pub use decided::Decided;
 pub use decision::{Compared, Decision};
 pub use error::{CompileError, largest_of_both_signs};

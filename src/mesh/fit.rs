@@ -50,7 +50,7 @@ pub struct Fit {
     /// Gain of the pixel itself, `c`.
     pub centre: f64,
     /// The sheets; none where what can be reached of the kernel is its centre alone, which is the
-    /// pixel itself.
+    /// pixel itself, and fewer than asked for where two of them would be the same.
     pub sheets: Vec<FittedSheet>,
     /// The response to uniform light, which is the sum of all gains; that of the kernel is its sum.
     pub uniform: f64,
@@ -79,6 +79,8 @@ pub struct FittedSheet {
 const GRID: usize = 96;
 /// Grid of space constants in pixels: the smallest, the largest, how many.
 const LAMBDAS: (f64, f64, usize) = (0.05, 24.0, 40);
+/// Space constants within this factor are one sheet: resistors on silicon differ as much.
+const SAME: f64 = 1.05;
 /// Sheets at most.
 const MOST_SHEETS: usize = 3;
 
@@ -101,7 +103,7 @@ pub fn fit(kernel: &Kernel, how: Fitting) -> Result<Fit, MeshError> {
     };
     let best = match alone(target) {
         Some(weight) => Candidate::pixel(weight / norm),
-        None => search(&(spectrum(target) / norm), how),
+        None => distinct(&(spectrum(target) / norm), how),
     };
     let rest = |part: &Plane<f64>| {
         let left = square.iter().zip(part).map(|(a, b)| (a - b) * (a - b));
@@ -241,6 +243,28 @@ impl Candidate {
             price: 0.0,
         }
     }
+
+    /// Whether two sheets have the same space constants within [`SAME`], or one is the pixel.
+    fn repeats(&self) -> bool {
+        let near = |a: f64, b: f64| a.max(b) <= SAME * a.min(b);
+        let all = &self.lambdas;
+        let twice = (0..all.len()).any(|i| {
+            let (y, x) = all[i];
+            all[..i].iter().any(|(v, u)| near(y, *v) && near(x, *u))
+        });
+        twice || all.iter().any(|(y, x)| y.max(*x) < LAMBDAS.0)
+    }
+}
+
+/// The best candidate whose sheets are different ones. The ridge alone would split a sheet: two
+/// halves of a gain have half the sum of squares.
+fn distinct(target: &Plane<f64>, how: Fitting) -> Candidate {
+    let found = search(target, how);
+    if how.sheets == 1 || !found.repeats() {
+        return found;
+    }
+    let sheets = how.sheets - 1;
+    distinct(target, Fitting { sheets, ..how })
 }
 
 fn search(target: &Plane<f64>, how: Fitting) -> Candidate {
@@ -493,6 +517,25 @@ mod tests {
             near(sheet.gain, -0.8);
             near(found.centre, 1.0);
         }
+    }
+
+    /// A sheet is not split in two, which the ridge alone would pay for.
+    #[test]
+    fn sheets_differ() {
+        for name in ["laplacian", "csdvs-5", "csdvs-7"] {
+            let kernel = named(name);
+            for sheets in 1..=3 {
+                let found = fitted(&kernel, sheets).sheets;
+                for (i, a) in found.iter().enumerate() {
+                    let apart = |b: &FittedSheet| (a.lambda_x / b.lambda_x).ln().abs() > 0.04;
+                    assert!(found[..i].iter().all(apart), "{name} {sheets}: {found:?}");
+                }
+            }
+        }
+        assert_eq!(
+            fitted(&named("laplacian"), 3),
+            fitted(&named("laplacian"), 2)
+        );
     }
 
     /// What no resistors can do is named, and is all that is left of it.

@@ -25,7 +25,9 @@ pub enum ArrayError {
     #[error(transparent)]
     Header(#[from] HeaderError),
     /// Numbers of another type.
-    #[error("its numbers are {0}; expected floats or integers")]
+    #[error(
+        "its numbers are {0}; expected floats of 16, 32 or 64 bits, or integers (others, such as bfloat16, as `array.astype('float32')`)"
+    )]
     Type(String),
     /// More numbers than any file has.
     #[error("its header promises an array of shape {shape:?}, the file has {bytes} bytes")]

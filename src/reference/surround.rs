@@ -171,9 +171,12 @@ impl Surround {
         let lambda = section.number("lambda")?;
         let down = section.maybe_number("lambda-y");
         let sheet = Sheet::anisotropic(down.unwrap_or(lambda), lambda).map_err(|e| {
-            let advice =
-                "give a number of pixels, 0 or more: λ² is transverse over lateral resistance";
-            fault(section.place_of("lambda"), e.to_string(), advice)
+            let advice = miette::Diagnostic::help(&e).map(|help| help.to_string());
+            fault(
+                section.place_of("lambda"),
+                e.to_string(),
+                &advice.unwrap_or_default(),
+            )
         })?;
         let noise = section.number("noise")?;
         if rule == SheetRule::V2e && (noise > 0.0 || sheet.lambdas().0 != sheet.lambdas().1) {

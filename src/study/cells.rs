@@ -117,6 +117,9 @@ pub enum CellsError {
 /// When the response is not linear, or a channel is no kernel that can be compiled.
 pub fn cells(sensor: &str, description: &Description) -> Result<Cells, CellsError> {
     let called = || sensor.to_owned();
+    if description.channels.iter().any(|it| it.surrounds.is_some()) {
+        return Err(CellsError::Mesh { sensor: called() });
+    }
     let white = match description.response.curve {
         Curve::Identity => 1.0,
         Curve::Linear { white } => white,
@@ -139,9 +142,6 @@ fn kind(sensor: &str, channel: usize, of: &Channel, white: f64) -> Result<CellKi
     let ([kernel], [threshold]) = (&of.kernels[..], &of.thresholds[..]) else {
         return Err(CellsError::Pattern { sensor: sensor() });
     };
-    if of.surrounds.is_some() {
-        return Err(CellsError::Mesh { sensor: sensor() });
-    }
     kernel.workable().map_err(|cause| CellsError::Kernel {
         sensor: sensor(),
         channel,

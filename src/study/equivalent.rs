@@ -80,10 +80,11 @@ impl Likeness {
 pub struct Tuned {
     /// What its threshold is more than the reference's, in per cent: the gain error.
     pub threshold_percent: f64,
-    /// What is kept of it: the shape.
-    pub kept: f64,
-    /// The change of threshold that costs as much as what is not kept.
-    pub threshold_equivalent_percent: f64,
+    /// What is kept of it: the shape; none where accident scores as much as anything.
+    pub kept: Option<f64>,
+    /// The change of threshold that costs as much as what is not kept; none where that is not
+    /// known.
+    pub threshold_equivalent_percent: Option<f64>,
     /// Whether it is at least that.
     pub threshold_equivalent_is_least: bool,
 }
@@ -341,13 +342,12 @@ impl Ladder {
     ) -> Result<(), CompareError> {
         let pair = Pair::new(tuned, packet)?;
         let point = Point::new(&pair, &Redraws::new(&pair, self.seed), self.window);
-        let kept = point.kept.unwrap_or(0.0);
-        let (equivalent, is_least) = self.equivalent_of_kept(kept);
+        let equivalent = point.kept.map(|kept| self.equivalent_of_kept(kept));
         likeness.tuned = Some(Tuned {
             threshold_percent: percent(part),
-            kept,
-            threshold_equivalent_percent: equivalent,
-            threshold_equivalent_is_least: is_least,
+            kept: point.kept,
+            threshold_equivalent_percent: equivalent.map(|(percent, _)| percent),
+            threshold_equivalent_is_least: equivalent.is_some_and(|(_, is_least)| is_least),
         });
         Ok(())
     }
@@ -449,13 +449,13 @@ impl Likeness {
 }
 
 impl Tuned {
-    /// The threshold equivalent in a few characters.
+    /// The threshold equivalent in a few characters; a dash where there is none.
     #[must_use]
     pub fn equivalent(&self) -> String {
-        percents(
-            self.threshold_equivalent_percent,
-            self.threshold_equivalent_is_least,
-        )
+        let is_least = self.threshold_equivalent_is_least;
+        let told = |percent| percents(percent, is_least);
+        self.threshold_equivalent_percent
+            .map_or("-".to_owned(), told)
     }
 }
 

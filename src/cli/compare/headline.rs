@@ -65,7 +65,7 @@ impl Headline {
         let interval = match fps {
             // The scene has frames; whether the events are at their times is for them to say.
             Some(fps) if fps > 0.0 && fps.is_finite() => Some(window::interval(fps))
-                .filter(|_| arguments.sensor.is_none() || told().is_some()),
+                .filter(|_| arguments.sensor.is_none() || window::at_frames(pair, fps)),
             Some(fps) => return Err(SceneError::BadRate { fps }),
             None => told(),
         };
@@ -145,11 +145,18 @@ impl Headline {
     pub(super) fn tuned(&self) -> String {
         let tuned = self.equivalent.and_then(|equivalent| equivalent.tuned);
         tuned.map_or_else(String::new, |tuned| {
+            let told = match tuned.kept {
+                Some(kept) => {
+                    format!(
+                        "kept {kept:.4}, as a threshold {} higher",
+                        tuned.equivalent()
+                    )
+                }
+                None => "kept -, since accident scores as much as anything".to_owned(),
+            };
             format!(
-                "against the sensor of as many events, its threshold {:+.1} %: kept {:.4}, as a threshold {} higher\n",
-                tuned.threshold_percent,
-                tuned.kept,
-                tuned.equivalent()
+                "against the sensor of as many events, its threshold {:+.1} %: {told}\n",
+                tuned.threshold_percent
             )
         })
     }

@@ -23,7 +23,7 @@ use crate::{
         score::{Scales, Score, scores_beside},
         window::Redraws,
     },
-    event::{Packet, file::Loaded},
+    event::file::Loaded,
     plane::Size,
     rig::guard::{Guard, Warning},
     scene::{Observation, Scene as _},
@@ -132,7 +132,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&headline.tuned());
         super::say(&headline::table(&curve));
         super::say(&head(arguments, &reference, &judged));
-        super::say(&table(&comparison, &reference.packet));
+        super::say(&table(&comparison, [&reference, &judged]));
         super::say(&ruler.table());
     }
     Ok(())
@@ -279,6 +279,8 @@ struct Input<'a> {
     size: Size,
     /// Otherwise the size is the smallest that holds the events of both files.
     size_known: bool,
+    /// Otherwise nobody knows what was lost on the way to the file.
+    dropped_known: bool,
     /// What its kinds are called; empty where it does not say so.
     names: &'a [String],
 }
@@ -289,6 +291,7 @@ impl<'a> Input<'a> {
             file,
             size: loaded.packet.size,
             size_known: loaded.size_known,
+            dropped_known: loaded.dropped_known,
             names: &loaded.packet.names,
         }
     }
@@ -309,9 +312,10 @@ fn head(arguments: &Arguments, reference: &Loaded, judged: &Loaded) -> String {
 }
 
 /// The plain comparison for people.
-fn table(c: &Comparison, reference: &Packet) -> String {
-    let called =
-        |kind: &Kind, sign: &str| format!("  channel {} {sign}", reference.called(kind.channel));
+fn table(c: &Comparison, [reference, judged]: [&Loaded; 2]) -> String {
+    let called = |kind: &Kind, sign: &str| {
+        format!("  channel {} {sign}", reference.packet.called(kind.channel))
+    };
     let longest = { c.kinds.iter() }.map(|kind| called(kind, "OFF").chars().count());
     let width = longest.max().unwrap_or(0).max(21) + 1;
     let mut rows = vec![format!("{:<width$}{:>14}{:>14}", "", "reference", "judged")];
@@ -326,7 +330,14 @@ fn table(c: &Comparison, reference: &Packet) -> String {
             both(&called(kind, "OFF"), kind.off);
         }
     }
-    both("dropped", c.dropped);
+    let known = [reference.dropped_known, judged.dropped_known];
+    let [a, b] = [0, 1].map(|i| match known[i] {
+        true => c.dropped[i].to_string(),
+        false => "not known".to_owned(),
+    });
+    rows.push(format!("{:<width$}{a:>14}{b:>14}", "dropped"));
+    let mut both =
+        |name: &str, [a, b]: [u64; 2]| rows.push(format!("{name:<width$}{a:>14}{b:>14}"));
     both(&format!("bits, {} an event", c.bits_per_event), c.bits);
     both("cells that spoke", c.cells.active);
     both("busiest cell", c.cells.max);

@@ -24,7 +24,7 @@ use super::{
     window::Window,
 };
 use crate::{
-    compile::Effort,
+    compile::{Effort, FRAMES},
     isa::Device,
     kernel::quantise::Quantiser,
     photoreceptor::Response,
@@ -233,7 +233,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
     warnings.extend(by_accident(&found));
     light::warn(&warnings);
-    let commands = written.as_ref().map(|written| arguments.commands(written));
+    let commands = written
+        .as_ref()
+        .map(|written| arguments.commands(written, found.frames));
     if arguments.json {
         let mut json = json!(found);
         json["picked"] = json!(picked);
@@ -284,7 +286,7 @@ impl Arguments {
     }
 
     /// The commands that use what was written: the float sensor, the program, its proof.
-    fn commands(&self, written: &Written) -> [String; 3] {
+    fn commands(&self, written: &Written, frames: u64) -> [String; 3] {
         let path = |path: &Path| quoted(&path.display().to_string());
         let mut options = String::new();
         for (name, value) in self.clip.written() {
@@ -302,13 +304,18 @@ impl Arguments {
             other => format!(" --chip {}", quoted(other)),
         };
         let program = path(&written.program);
+        // A scene that ends before the program would stand still.
+        let most = match frames {
+            FRAMES.. => String::new(),
+            _ => format!(" --frames {frames}"),
+        };
         [
             format!(
                 "amacrine run --scene {scene}{options} --sensor {} --events events.npy",
                 path(&written.sensor)
             ),
             format!(
-                "amacrine exec {program}{chip} --image {scene}{options} --domain silicon --events silicon.npy"
+                "amacrine exec {program}{chip} --image {scene}{options}{most} --domain silicon --events silicon.npy"
             ),
             format!("amacrine asm {program}{chip}"),
         ]

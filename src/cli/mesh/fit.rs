@@ -20,13 +20,13 @@ pub struct Arguments {
     /// Kernel files (.toml or .npy), or names of built-in kernels
     #[arg(required = true)]
     kernels: Vec<Named>,
-    /// Sheets at most, 1 to 3; each number up to it has a row, a kernel that needs none has one
+    /// Sheets at most, 1 to 3; each number up to it has a row, as far as another sheet helps
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
     sheets: u8,
     /// Resistors down and across may differ
     #[arg(long)]
     anisotropic: bool,
-    /// What holds the gains down: added to the squared relative error for each squared gain
+    /// What holds the gains down: added to the squared relative error for each squared gain, gains over the kernel's norm
     #[arg(long, default_value_t = 1e-4)]
     ridge: f64,
     /// Print one JSON object instead of the table
@@ -65,13 +65,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             };
             for sheets in 1..=usize::from(arguments.sheets) {
                 let fit = fitted(arguments, kernel, sheets).wrap_err_with(|| shown.clone())?;
-                let needs_no_sheet = fit.sheets.is_empty();
-                rows.push(Row {
-                    kernel: shown.clone(),
-                    fit,
-                });
-                // Where none is needed, more of them change nothing.
-                if needs_no_sheet {
+                // Where fewer are as good, more of them change nothing.
+                let enough = fit.sheets.len() < sheets;
+                if !enough || sheets == 1 {
+                    rows.push(Row {
+                        kernel: shown.clone(),
+                        fit,
+                    });
+                }
+                if enough {
                     break;
                 }
             }
@@ -129,7 +131,7 @@ fn table(rows: &[Row]) -> String {
 }
 
 /// `1.15 P - 1.45 H(1.89)`.
-fn formula(fit: &Fit) -> String {
+pub(super) fn formula(fit: &Fit) -> String {
     if fit.gain == 0.0 {
         return "nothing: it is all unreachable".into();
     }

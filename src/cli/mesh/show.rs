@@ -3,7 +3,7 @@
 use miette::miette;
 use ndarray::s;
 
-use super::{constants::Constants, solve};
+use super::{constants::Constants, fit::formula, solve};
 use crate::{
     cli::{
         content::Content,
@@ -29,13 +29,13 @@ pub struct Arguments {
     #[arg(long, value_name = "L", group = "sheet")]
     lambda: Option<f64>,
     /// Another space constant down the columns
-    #[arg(long, value_name = "L", requires = "lambda")]
+    #[arg(long, value_name = "L", requires = "lambda", conflicts_with = "kernel")]
     lambda_y: Option<f64>,
     /// A kernel to be fitted: a file (.toml or .npy), or the name of a built-in
     #[arg(long, group = "sheet")]
     kernel: Option<Named>,
     /// Sheets that may fit the kernel, 1 to 3
-    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3))]
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=3), conflicts_with = "lambda")]
     sheets: u8,
     /// A picture or .npy (H,W) whose voltages are drawn, in place of a spot and an edge
     #[arg(short, long, value_name = "FILE")]
@@ -48,6 +48,8 @@ pub struct Arguments {
 /// A sensor of resistors: the pixel's gain, and the sheets with theirs.
 struct Shown {
     title: String,
+    /// The sum that was fitted.
+    formula: Option<String>,
     centre: f64,
     sheets: Vec<(f64, Sheet)>,
     target: Option<Kernel>,
@@ -67,18 +69,19 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let shown = Shown::new(arguments)?;
     let lights: Vec<(&str, Plane<f64>)> = match &arguments.input {
         Some(path) => vec![("the input", solve::read(path)?)],
-        None => vec![
-            ("a spot", spot(2 * LAND + 1)),
-            (
-                "an edge",
-                Plane::from_shape_fn((33, 33), |(_, x)| if x > 16 { 1.0 } else { 0.0 }),
-            ),
-        ],
+        None => {
+            let side = 2 * LAND + 1;
+            let mut lights = vec![("a spot", spot(side)), ("an edge", edge(side))];
+            if !shown.turns() {
+                lights.push(("an edge along a row", edge(side).reversed_axes()));
+            }
+            lights
+        }
     };
     let mut reliefs = Vec::new();
     for (name, light) in &lights {
         let (drive, surround) = shown.answer(light)?;
-        reliefs.push((format!("{name}: voltages H"), surround));
+        reliefs.push((format!("{name}: {}", shown.surround()), surround));
         reliefs.push((format!("{name}: drive"), drive));
     }
     let page = surround(&SurroundShow {
@@ -88,8 +91,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         reliefs,
     });
     write_png(&arguments.output, &page)?;
+    let formula = shown.formula.map_or(String::new(), |it| format!("{it}\n"));
     say(&format!(
-        "{}  {}\n",
+        "{}  {}\n{formula}",
         arguments.output.display(),
         shown.title
     ));
@@ -109,6 +113,7 @@ impl Shown {
                 } else {
                     format!("P - H, space constants {across} across and {down} down")
                 },
+                formula: None,
                 centre: 1.0,
                 sheets: vec![(-1.0, sheet)],
                 target: None,
@@ -139,32 +144,52 @@ impl Shown {
                 fitted.error,
                 fitted.turned
             ),
+            formula: Some(formula(&fitted)),
             centre: fitted.centre,
             sheets: sheets.collect::<Result<_, crate::mesh::MeshError>>()?,
             target: Some(kernel.clone()),
         })
     }
 
-    /// What the sensor makes of light: its drive, and the voltages on its first sheet.
-    fn answer(&self, light: &Plane<f64>) -> miette::Result<(Plane<f64>, Plane<f64>)> {
-        let mut drive = light * self.centre;
-        let mut first = None;
-        for (gain, sheet) in &self.sheets {
-            let surround = Steady::new(*sheet, Size::of(light))?.solve(light)?;
-            drive.scaled_add(*gain, &surround);
-            first.get_or_insert(surround);
-        }
-        Ok((drive, first.unwrap_or_else(|| light.clone())))
+    /// Whether rows and columns are alike.
+    fn turns(&self) -> bool {
+        self.sheets.iter().all(|(_, sheet)| {
+            let (down, across) = sheet.lambdas();
+            down == across
+        })
     }
 
-    /// The field of the first sheet, that of the sensor, and the one that was wanted.
+    /// What is shown of the sheets.
+    const fn surround(&self) -> &'static str {
+        match self.sheets.len() {
+            0 | 1 => "voltages H",
+            _ => "all sheets, by their gains",
+        }
+    }
+
+    /// What the sensor makes of light: its drive, and the voltages on its sheet; of several, their
+    /// sum with the gains.
+    fn answer(&self, light: &Plane<f64>) -> miette::Result<(Plane<f64>, Plane<f64>)> {
+        let mut sum = Plane::zeros(light.dim());
+        for (gain, sheet) in &self.sheets {
+            let surround = Steady::new(*sheet, Size::of(light))?.solve(light)?;
+            if self.sheets.len() == 1 {
+                let drive = light * self.centre + &surround * *gain;
+                return Ok((drive, surround));
+            }
+            sum.scaled_add(*gain, &surround);
+        }
+        Ok((light * self.centre + &sum, sum))
+    }
+
+    /// The field of the sheets, that of the sensor, and the one that was wanted.
     fn fields(&self) -> miette::Result<Vec<(String, Plane<f64>)>> {
         let wide = 32 * FIELD + 1;
-        let (drive, first) = self.answer(&spot(wide))?;
+        let (drive, surround) = self.answer(&spot(wide))?;
         let (from, to) = (wide / 2 - FIELD, wide / 2 + FIELD + 1);
         let window = |plane: &Plane<f64>| plane.slice(s![from..to, from..to]).to_owned();
         let mut fields = vec![
-            ("surround of a point, H".to_owned(), window(&first)),
+            (format!("a point: {}", self.surround()), window(&surround)),
             ("field of the sensor".to_owned(), window(&drive)),
         ];
         if let Some(target) = &self.target {
@@ -179,16 +204,18 @@ impl Shown {
         Ok(fields)
     }
 
-    /// Along the rows and along the diagonal, the kernel's beside them.
+    /// Along the rows and along the diagonal, down the columns where those differ from rows, the
+    /// kernel's beside them.
     fn responses(&self) -> Vec<(String, Vec<f64>)> {
-        let curve = |gain: &dyn Fn(f64, f64) -> f64, diagonal: bool| -> Vec<f64> {
+        let curve = |gain: &dyn Fn(f64, f64) -> f64, (down, across): (f64, f64)| -> Vec<f64> {
             (0..=POINTS)
                 .map(|k| {
                     let f = 0.5 * k as f64 / POINTS as f64;
-                    gain(if diagonal { f } else { 0.0 }, f)
+                    gain(down * f, across * f)
                 })
                 .collect()
         };
+        let (row, diagonal, column) = ((0.0, 1.0), (1.0, 1.0), (1.0, 0.0));
         let own = |fy: f64, fx: f64| {
             let sheets = self
                 .sheets
@@ -197,9 +224,12 @@ impl Shown {
             self.centre + sheets.sum::<f64>()
         };
         let mut curves = vec![
-            ("sensor, along a row".to_owned(), curve(&own, false)),
-            ("sensor, on a diagonal".to_owned(), curve(&own, true)),
+            ("sensor, along a row".to_owned(), curve(&own, row)),
+            ("sensor, on a diagonal".to_owned(), curve(&own, diagonal)),
         ];
+        if !self.turns() {
+            curves.push(("sensor, down a column".to_owned(), curve(&own, column)));
+        }
         if let Some(target) = &self.target {
             let wanted = |fy: f64, fx: f64| {
                 let (ry, rx) = target.reach();
@@ -211,8 +241,8 @@ impl Shown {
                     })
                     .sum()
             };
-            curves.push(("kernel, along a row".to_owned(), curve(&wanted, false)));
-            curves.push(("kernel, on a diagonal".to_owned(), curve(&wanted, true)));
+            curves.push(("kernel, along a row".to_owned(), curve(&wanted, row)));
+            curves.push(("kernel, on a diagonal".to_owned(), curve(&wanted, diagonal)));
         }
         curves
     }
@@ -223,4 +253,9 @@ fn spot(side: usize) -> Plane<f64> {
     let mut plane = Plane::zeros((side, side));
     plane[[side / 2, side / 2]] = 1.0;
     plane
+}
+
+/// Dark on the left, light on the right.
+fn edge(side: usize) -> Plane<f64> {
+    Plane::from_shape_fn((side, side), |(_, x)| if x > side / 2 { 1.0 } else { 0.0 })
 }

@@ -19,7 +19,7 @@ use crate::{
     memory::Need,
     mesh::{Between, Euler, Flow, MeshError, Sheet},
     npy,
-    photoreceptor::Response,
+    photoreceptor::{Curve, Response},
     plane::{Plane, Size},
     rig::{self, guard::Warning},
     save::save,
@@ -56,7 +56,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "surround")]
     show: Show,
     /// At most so many frames
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     frames: Option<u64>,
     /// Where to: a .npy of shape (T,H,W), float64
     #[arg(short, long, value_name = "FILE.npy", value_parser = Content::Array)]
@@ -181,7 +181,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     save(&arguments.output, |out| {
         npy::write(out, &shape, written.iter().copied())
     })?;
-    light::warn(&Warning::of_scene(&observation, arguments.response));
+    // Steps and signals in volts are what a sheet is tried with.
+    if arguments.response.curve != Curve::Identity {
+        light::warn(&Warning::of_scene(&observation, arguments.response));
+    }
     let euler_steps = match &sheet_now {
         Some((_, Moved::V2e(euler))) => Some(euler.steps()),
         _ => None,

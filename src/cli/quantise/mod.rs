@@ -169,7 +169,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         return Ok(());
     }
     let mut text = light::of_kernels(&warnings);
-    let _ = writeln!(text, "{}, sum {}", arguments.kernels, short(kernel.sum()));
+    let _ = writeln!(text, "{}, sum {}", arguments.kernels, short(sum_of(kernel)));
     text += &drawn(kernel.weights());
     if let ([quantised], [row]) = (&good[..], &rows[..]) {
         let _ = writeln!(text, "\n{} x {}", row.to, short(quantised.scale));
@@ -433,7 +433,11 @@ fn table(rows: &[Row]) -> String {
                     few.relative_error,
                     few.taps,
                     short(few.scale),
-                    short(few.sum),
+                    short(if few.sum.abs() < 1e-9 * few.scale {
+                        0.0
+                    } else {
+                        few.sum
+                    }),
                     100.0 * largest,
                     at.0,
                     at.1
@@ -483,9 +487,22 @@ fn drawn(weights: &Plane<f64>) -> String {
     rows_of(weights).into_iter().map(row).collect()
 }
 
-/// At most four digits after the point, no zeros at the end.
+/// The sum of a kernel's weights, 0 where only rounding is left.
+fn sum_of(kernel: &Kernel) -> f64 {
+    let size: f64 = kernel.weights().iter().map(|w| w.abs()).sum();
+    let sum = kernel.sum();
+    if sum.abs() < 1e-12 * size { 0.0 } else { sum }
+}
+
+/// Four digits after the point, or as many more as three digits of a small number need; no zeros at
+/// the end.
 fn short(value: f64) -> String {
-    let text = format!("{value:.4}");
+    let size = value.abs();
+    if size > 0.0 && size < 1e-4 {
+        return format!("{value:.3e}");
+    }
+    let decimals = (size.log10().floor() as i32).clamp(-6, -2).abs() as usize + 2;
+    let text = format!("{value:.decimals$}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" {
         "0".to_owned()

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use miette::miette;
 
-use super::{Arguments, Row, drawn, erased, rows_of, short, table};
+use super::{Arguments, Row, drawn, erased, rows_of, short, sum_of, table};
 use crate::{
     cli::{budget, kernels::Kinds, light, progress::Progress},
     isa::Device,
@@ -85,7 +85,7 @@ pub(super) fn run(
     }
     let mut text = light::of_kernels(&warnings);
     for (kind, kernel) in all.iter().zip(&kinds.kernels) {
-        let _ = writeln!(text, "{}, sum {}", kind.name, short(kernel.sum()));
+        let _ = writeln!(text, "{}, sum {}", kind.name, short(sum_of(kernel)));
         text += &drawn(kernel.weights());
         text += &table(&kind.quantised);
         text.push('\n');

@@ -35,6 +35,7 @@ pub(super) const ENTRY: Entry = Entry {
         sink: |head, _| Ok(Box::new(sink(head.channels > 1))),
     }),
     rewinds: false,
+    remarks: false,
     ..Entry::PLAIN
 };
 

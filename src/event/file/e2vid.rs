@@ -34,6 +34,7 @@ pub(super) const ENTRY: Entry = Entry {
         sink: |head, _| Ok(Box::new(sink(head))),
     }),
     rewinds: false,
+    remarks: false,
     ..Entry::PLAIN
 };
 

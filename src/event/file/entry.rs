@@ -39,6 +39,8 @@ pub(super) struct Entry {
     pub rewinds: bool,
     /// Whether the sensor's size is written in few bits, which limits it.
     pub few_bits_of_size: bool,
+    /// Whether it has room for what a packet knows of itself: the time watched, drops, names.
+    pub remarks: bool,
     /// Whether its packets may be compressed as is asked for.
     pub compresses: bool,
     /// Whether silences are counted from the first event on, not from time 0.
@@ -61,6 +63,7 @@ impl Entry {
         streams: None,
         rewinds: true,
         few_bits_of_size: false,
+        remarks: true,
         compresses: false,
         clock_from_first: false,
         index_at_end: false,
@@ -184,6 +187,12 @@ impl Format {
     #[must_use]
     pub const fn python(self) -> &'static str {
         self.entry().python
+    }
+
+    /// Whether it keeps the time watched, the drops and the names of kinds.
+    #[must_use]
+    pub const fn has_remarks(self) -> bool {
+        self.entry().remarks
     }
 
     /// What [`Format::python`] needs to import.

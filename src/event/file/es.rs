@@ -42,6 +42,7 @@ pub(super) const ENTRY: Entry = Entry {
     }),
     rewinds: false,
     few_bits_of_size: true,
+    remarks: false,
     ..Entry::PLAIN
 };
 

@@ -71,6 +71,8 @@ pub struct Loaded {
     pub size_known: bool,
     /// The file gave the number of channels; otherwise it is the smallest that holds the events.
     pub channels_known: bool,
+    /// The file gave the drops; otherwise those of the packet are 0.
+    pub dropped_known: bool,
     /// Records that are no events of a pixel and were left out, see [`Reader::skipped`].
     pub skipped: u64,
 }
@@ -191,6 +193,7 @@ pub fn up_to(mut reader: Reader, most: usize) -> (Loaded, Option<FileError>, boo
         packet,
         size_known: about.size.is_some(),
         channels_known: about.channels.is_some(),
+        dropped_known: about.dropped.is_some(),
         skipped: reader.skipped(),
     };
     (loaded, damage, more)

@@ -35,6 +35,7 @@ pub(super) const ENTRY: Entry = Entry {
         sink: |_, _| Ok(Box::new(sink())),
     }),
     rewinds: false,
+    remarks: false,
     ..Entry::PLAIN
 };
 

@@ -94,21 +94,42 @@ const PERIOD: &Table = &Table::new(&stated(Kind::Spelled(&Spelling {
     holds: |text| text.trim().parse::<Micros>().is_ok(),
 })));
 
-const SLOTS: &Table = &Table::new(&stated(Kind::Spelled(&Spelling {
-    what: "a whole number from 1 to 4000",
-    pattern: r"^\s*\+?[0-9]+\s*$",
-    holds: |text| {
-        text.trim()
-            .parse()
-            .is_ok_and(|slots: u64| (1..=scan::SLOTS.into()).contains(&slots))
-    },
-})));
+const SLOTS: &Table = &Table::new(&stated(Kind::Either {
+    ways: &[
+        Kind::Spelled(&Spelling {
+            what: "a whole number from 1 to 4000",
+            pattern: r"^\s*\+?[0-9]+\s*$",
+            holds: |text| {
+                text.trim()
+                    .parse()
+                    .is_ok_and(|slots: u64| (1..=scan::SLOTS.into()).contains(&slots))
+            },
+        }),
+        Kind::Whole {
+            least: 1,
+            most: scan::SLOTS as u64,
+        },
+    ],
+    expected: "a whole number from 1 to 4000",
+}));
 
-const FIFO: &Table = &Table::new(&stated(Kind::Spelled(&Spelling {
-    what: "a whole number, at most 4294967296, or `unlimited`",
-    pattern: r"^\s*(\+?[0-9]+|unlimited)\s*$",
-    holds: |text| text.trim() == "unlimited" || text.trim().parse().is_ok_and(|n: u64| n <= QUEUE),
-})));
+const FIFO: &Table = &Table::new(&stated(Kind::Either {
+    ways: &[
+        Kind::Spelled(&Spelling {
+            what: "a whole number, at most 4294967296, or `unlimited`",
+            pattern: r"^\s*(\+?[0-9]+|unlimited)\s*$",
+            holds: |text| {
+                let text = text.trim();
+                text == "unlimited" || text.parse().is_ok_and(|n: u64| n <= QUEUE)
+            },
+        }),
+        Kind::Whole {
+            least: 0,
+            most: QUEUE,
+        },
+    ],
+    expected: "a whole number, at most 4294967296, or `unlimited`",
+}));
 
 const COLUMNS: &Table = &Table::new(&stated(Kind::Choice(&["from-right", "from-left"])));
 const ROWS: &Table = &Table::new(&stated(Kind::Choice(&["from-top", "from-bottom"])));
@@ -412,7 +433,10 @@ fn described(root: Node<'_>) -> Read<Description> {
         };
         let stated = Section::new(node, stated);
         let setting = Setting {
-            value: stated.text("value")?.to_owned(),
+            value: match stated.get("value").and_then(Node::as_number) {
+                Some(count) => count.to_string(),
+                None => stated.text("value")?.to_owned(),
+            },
             source: stated.text("source")?.to_owned(),
             evidence: stated.word("evidence", &Evidence::ALL)?,
         };

@@ -82,42 +82,17 @@ impl Latency {
 
 /// The latencies of the events that arrive, as they come.
 #[derive(Debug)]
-pub(super) struct Latencies {
-    all: Vec<u64>,
-    /// The middle of the time in which events fired.
-    middle: Micros,
-    /// Sum and number of the latencies of events that fired before it and from it on.
-    halves: [(u128, u64); 2],
-}
+pub(super) struct Latencies(Vec<u64>);
 
 impl Latencies {
     /// For the events of a packet.
     pub(super) fn new(packet: &Packet) -> Self {
-        let [first, last] =
-            [packet.events.first(), packet.events.last()].map(|e| e.map_or(Micros(0), |e| e.t));
-        Self {
-            all: Vec::with_capacity(packet.events.len()),
-            middle: Micros(first.0.midpoint(last.0)),
-            halves: [(0, 0); 2],
-        }
+        Self(Vec::with_capacity(packet.events.len()))
     }
 
     /// Of an event that fired at `t` and arrived at `at`, picoseconds.
     pub(super) fn push(&mut self, t: Micros, at: u128) {
-        let latency = since(t, at);
-        self.all.push(latency);
-        let [early, late] = &mut self.halves;
-        let half = if t <= self.middle { early } else { late };
-        half.0 += u128::from(latency);
-        half.1 += 1;
-    }
-
-    /// Whether events that fired in the second half of the time waited twice as long as those of
-    /// the first, or longer: a steady growth makes that three times.
-    fn grow(&self) -> bool {
-        let [early, late] = self.halves.map(|(sum, number)| sum as f64 / number as f64);
-        // Not a number where there are none.
-        late >= 2.0 * early
+        self.0.push(since(t, at));
     }
 }
 
@@ -128,9 +103,11 @@ pub struct Stage {
     pub name: &'static str,
     /// Part of the time that it was busy, from 0 to 1: its utilisation.
     pub busy: f64,
-    /// Whether it cannot keep up: it was busy all the time, and what came waited longer and longer.
+    /// Whether it cannot keep up: it was busy all the time, and yet more than a hundredth of the
+    /// events were lost, or it needed more than a hundredth of the time watched beyond its end.
     pub falls_behind: bool,
-    /// The most that waited for it, or were with it, at once.
+    /// The most that waited at once: for the arbiter those that it reads too, for a link of an
+    /// arbiter without the one that it sends.
     pub most: u64,
     /// Busy time in picoseconds, until the whole time is known.
     #[serde(skip)]
@@ -163,19 +140,25 @@ impl Statistics {
     ) -> Self {
         let end = end.max(picos(packet.span.1));
         let whole = end.saturating_sub(picos(span_start(packet)));
+        let beyond = end - picos(packet.span.1);
+        let count = packet.events.len() as u64;
+        let watched = whole - beyond;
+        // One event, or several in one instant, are no load.
+        let load = count > 1 && watched > 0;
+        let too_much = load && (beyond > watched / 100 || dropped.total() > count / 100);
         for stage in &mut stages {
             stage.busy = if whole > 0 {
                 stage.time as f64 / whole as f64
             } else {
                 0.0
             };
-            stage.falls_behind = stage.busy > 0.99 && latencies.grow();
+            stage.falls_behind = too_much && stage.busy > 0.99;
         }
         Self {
             readout,
-            events: [packet.events.len() as u64, latencies.all.len() as u64],
+            events: [count, latencies.0.len() as u64],
             dropped,
-            latency: Latency::from_latencies(&latencies.all),
+            latency: Latency::from_latencies(&latencies.0),
             stages,
             ambiguous: 0,
         }

@@ -22,7 +22,7 @@ pub static ENTRY: Entry = Entry {
     parameters: Parameters::One(1, 100_000),
     levels: "D signed powers of two in the whole kernel",
     scale: "a power of two",
-    quality: "the exact optimum for that scale and 8 bits",
+    quality: "the exact optimum for that scale and 8 bits; near it where the sum is asked for",
     quantise: |quantiser, weights, sum, _| quantise(quantiser, weights, quantiser.numbers[0], sum),
 };
 
@@ -37,10 +37,11 @@ fn quantise(
     let top = 1i64 << FINEST;
     let scale = 2f64.powi(elementary::log2(largest).ceil() as i32) / top as f64;
     let values: Vec<f64> = weights.iter().map(|w| w / scale).collect();
+    let exact = values.iter().sum::<f64>();
     let asked = match sum {
         Sum::Free => None,
         Sum::Zero => Some(0),
-        Sum::Kept => Some(values.iter().sum::<f64>().round() as i64),
+        Sum::Kept => Some(exact.round() as i64),
     };
     let budget = budget.min(weights.len() as u32 * most_digits(top)) as usize;
     let (n, size) = (weights.len(), weights.len() as f64);
@@ -55,7 +56,7 @@ fn quantise(
         None => share(&values, budget, None),
         Some(asked) => {
             let far = size * top as f64;
-            total::as_near_as_can_be(sum, asked as f64, (-far, far), |asked| {
+            total::as_near_as_can_be(sum, (exact, asked as f64), (-far, far), |asked| {
                 share(&values, budget, Some(asked as i64))
             })
         }

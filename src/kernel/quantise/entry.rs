@@ -24,7 +24,8 @@ pub enum Sum {
     Free,
     /// 0: uniform light gives nothing.
     Zero,
-    /// As near to the sum of the kernel as the levels allow.
+    /// As near to the sum of the kernel as the levels allow; a Q format that is not rounded to the
+    /// nearest stays as it is rounded.
     Kept,
 }
 

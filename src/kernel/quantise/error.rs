@@ -47,6 +47,13 @@ pub enum QuantiseError {
     #[error("the two scales of ternary-split leave the sum as it comes")]
     #[diagnostic(help("leave the sum free (--sum free), or take `ternary`, which can keep it"))]
     SplitSum,
+    /// A rounding that is a rule for each weight, and a sum that needs others.
+    #[error("{quantiser} rounds each weight by itself, which leaves no sum of 0")]
+    #[diagnostic(help("leave `:floor` or `:stochastic` out, or ask for no sum (`--sum free`)"))]
+    RoundedSum {
+        /// The quantiser.
+        quantiser: Quantiser,
+    },
     /// Everything became 0.
     #[error("every weight becomes 0 in {quantiser}; the largest is {largest}")]
     #[diagnostic(help(

@@ -10,7 +10,7 @@ pub static ENTRY: Entry = Entry {
     parameters: Parameters::Fixed,
     levels: "multiples of 2^-N of M + N bits",
     scale: "1",
-    quality: "half a step; `:floor` below one step, `:stochastic` below one, unbiased",
+    quality: "half a step; `:floor` below one step, `:stochastic` below one, unbiased (these two move no level for a sum)",
     quantise: |quantiser, weights, sum, seed| {
         let [whole, fraction] = quantiser.numbers;
         let how = (whole, fraction, quantiser.rounding);
@@ -55,13 +55,19 @@ fn quantise(
         .enumerate()
         .map(|(i, value)| round(i, *value).clamp(low, high))
         .collect();
-    if sum != Sum::Free {
-        let asked = match sum {
-            Sum::Kept => values.iter().sum::<f64>().round_ties_even(),
+    // A rule for each weight leaves no freedom for a sum.
+    let free = sum == Sum::Free || sum == Sum::Kept && rounding != Rounding::Nearest;
+    if sum == Sum::Zero && rounding != Rounding::Nearest {
+        return Err(QuantiseError::RoundedSum { quantiser });
+    }
+    if !free {
+        let exact = match sum {
+            Sum::Kept => values.iter().sum::<f64>(),
             Sum::Zero | Sum::Free => 0.0,
         };
+        let asked = exact.round_ties_even();
         let (n, nearest) = (weights.len() as f64, steps.clone());
-        let settled = total::as_near_as_can_be(sum, asked, (n * low, n * high), |asked| {
+        let settled = total::as_near_as_can_be(sum, (exact, asked), (n * low, n * high), |asked| {
             steps.clone_from(&nearest);
             total::settle(&values, &mut steps, (low, high), asked)
         });

@@ -305,13 +305,14 @@ fn with_sum(
     // Each turn is nearer than the last; a bound on them is for rounding.
     for _ in 0..100 {
         let scaled: Vec<f64> = weights.iter().map(|w| w / scale).collect();
+        let exact = scaled.iter().sum::<f64>();
         let asked = match sum {
-            Sum::Kept => scaled.iter().sum::<f64>().round() as i64,
+            Sum::Kept => exact.round() as i64,
             Sum::Zero | Sum::Free => 0,
         };
         let most = magnitudes[magnitudes.len() - 1] as f64;
         let far = weights.len() as f64 * most;
-        let next = total::as_near_as_can_be(sum, asked as f64, (-far, far), |asked| {
+        let next = total::as_near_as_can_be(sum, (exact, asked as f64), (-far, far), |asked| {
             if !consecutive {
                 return total::nearest(&scaled, &all, asked as i64);
             }

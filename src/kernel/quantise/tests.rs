@@ -297,6 +297,29 @@ fn a_sum_is_kept_as_near_as_the_levels_allow() {
     let even = [1.0, -1.0, 1.0, -1.0, 0.2, 1.0, -1.0, 1.0, -1.0];
     let sum = levels("binary", &even);
     assert!(sum.abs() > 0.5 && sum.abs() < 1.0, "{sum}");
+    // Of -1 and 1 the one on the side of the sum, -0.2 of them, which is rounded to 0.
+    let below = [0.5, -0.5, 1.5, -1.5, 2.5, -2.5, 0.25, 0.75, -1.25];
+    let sum = levels("binary", &below);
+    assert!((-1.5..-1.0).contains(&sum), "{sum}");
+}
+
+/// A rule for each weight is not undone for the sum.
+#[test]
+fn a_rounding_is_what_it_says() {
+    let weights = [0.4, -0.7, 0.2, 1.1, -1.9, 0.6, 0.3, -0.1, 0.45];
+    let steps = |to: &str, sum| {
+        let quantiser: Quantiser = to.parse().unwrap();
+        quantiser.quantise(&kernel(&weights), sum, 7)
+    };
+    let floors = weights.map(|w: f64| (w * 4.0).floor() / 4.0);
+    let found = steps("q3.2:floor", Sum::Kept).unwrap();
+    assert_eq!(found.kernel().weights().as_slice().unwrap(), floors);
+    for to in ["q3.2:floor", "q3.2:stochastic"] {
+        assert_eq!(steps(to, Sum::Kept), steps(to, Sum::Free));
+        let told = steps(to, Sum::Zero).unwrap_err().to_string();
+        assert!(told.contains("rounds each weight by itself"), "{told}");
+    }
+    assert_ne!(steps("q3.2", Sum::Kept), steps("q3.2:floor", Sum::Kept));
 }
 
 /// Parseval: the change of the response over all frequencies is the error of the weights.

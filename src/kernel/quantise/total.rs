@@ -7,12 +7,13 @@ use std::{cmp::Ordering, collections::BinaryHeap};
 
 use super::Sum;
 
-/// What `levels_of` finds for the sum that is `asked`; where it is to be kept as near as the levels
-/// allow, for the nearest in the range that they can have, of two the smaller. What is farther is
-/// another kernel's: weights that are clipped would draw all others after them.
+/// What `levels_of` finds for the sum that is `asked`, which is `exact` rounded; where it is to be
+/// kept as near as the levels allow, for the nearest to `exact` in the range that they can have, of
+/// two the smaller. What is farther is another kernel's: weights that are clipped would draw all
+/// others after them.
 pub(super) fn as_near_as_can_be<T>(
     sum: Sum,
-    asked: f64,
+    (exact, asked): (f64, f64),
     (low, high): (f64, f64),
     mut levels_of: impl FnMut(f64) -> Option<T>,
 ) -> Option<T> {
@@ -22,9 +23,14 @@ pub(super) fn as_near_as_can_be<T>(
         return levels_of(asked);
     }
     let inward = if asked > 0.0 { -1.0 } else { 1.0 };
+    let nearer = if exact == asked {
+        inward
+    } else {
+        (exact - asked).signum()
+    };
     let beside = (1..=TRIED).map(f64::from);
     std::iter::once(asked)
-        .chain(beside.flat_map(|off| [asked + inward * off, asked - inward * off]))
+        .chain(beside.flat_map(|off| [asked + nearer * off, asked - nearer * off]))
         .filter(|sum| (low..=high).contains(sum))
         .find_map(levels_of)
 }

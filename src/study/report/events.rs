@@ -140,9 +140,11 @@ fn kept(at: &str, likeness: &Likeness) -> Markup {
             likeness.threshold_equivalent_is_least,
         )) }
         td.n {
-            @if let Some(tuned) = tuned {
-                (number::fixed(&format!("{at}/likeness/tuned/kept"), tuned.kept, 3))
-            } @else { (number::none()) }
+            (number::fixed_or_none(
+                &format!("{at}/likeness/tuned/kept"),
+                tuned.and_then(|tuned| tuned.kept),
+                3,
+            ))
         }
     }
 }
