@@ -16,7 +16,7 @@ use super::{
     error::CompileError,
     filter::Filter,
     plan::Plan,
-    request::{Border, Effort, Objective, Request},
+    request::{Border, Effort, Objective},
     rim::Rim,
     separable::compose,
     solve::Problem,
@@ -79,7 +79,7 @@ impl Survival<'_> {
         }
         self.keep_usable(&mut all);
         let (Some(result), Some(kernel)) = (request.into.first(), request.kernels.first()) else {
-            return Err(Request::too_few(1, self.all.len()));
+            return Err(self.none_found());
         };
         let trials = Trials::new(request.device, range.1.max(-range.0), decision.compared);
         let truth = trials.truth(kernel, decision);

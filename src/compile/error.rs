@@ -163,6 +163,17 @@ pub enum CompileError {
         /// The largest that can be set, LSB.
         most: f64,
     },
+    /// A word that the chip does not have.
+    #[error("no program for {chip}: {why}")]
+    #[diagnostic(help(
+        "take a chip that has it (--chip), or give it to this one: primitives.toml, macros.scamp or [registers] of {chip}"
+    ))]
+    Missing {
+        /// Name of the chip.
+        chip: String,
+        /// What is missing.
+        why: String,
+    },
     /// More words than the chip stores.
     #[error("the program has {words} instruction words, {} more than the {room} that {chip} holds", words - room)]
     #[diagnostic(help("{advice}"))]

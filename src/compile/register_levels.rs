@@ -12,6 +12,7 @@ use super::{
     error::CompileError,
     filter::Filter,
     request::{Border, Effort, Objective, Request},
+    words::check_words,
 };
 use crate::{isa::Analog, order::Order};
 
@@ -82,9 +83,12 @@ impl Request<'_> {
             return Err(CompileError::GivenUp);
         }
         match (best, failed) {
-            (Some(best), _) => Ok(Filter { states, ..best }),
+            (Some(best), _) => {
+                check_words(&best.text(self.device, 0), self.device)?;
+                Ok(Filter { states, ..best })
+            }
             (None, Some(error)) => Err(error),
-            (None, None) => Err(Self::too_few(self.into.len(), all.len())),
+            (None, None) => Err(self.none_found(self.into.len(), all.len())),
         }
     }
 

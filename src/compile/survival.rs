@@ -256,7 +256,7 @@ impl Survival<'_> {
     fn anywhere(&self) -> Result<(Vec<Candidate>, u64), CompileError> {
         let problem = self.problem(0, self.effort);
         let (best, all) = problem.solve_all();
-        let best = best.ok_or_else(|| Request::too_few(self.goals.len(), self.all.len()))?;
+        let best = best.ok_or_else(|| self.none_found())?;
         let mut out = Vec::new();
         for solved in short(all) {
             let plain = solved.plan;
@@ -322,9 +322,14 @@ impl Survival<'_> {
                 plans: short(all).into_iter().map(|solved| solved.plan).collect(),
             })
         });
-        let found = found.ok_or_else(|| Request::too_few(self.goals.len(), self.all.len()))?;
+        let found = found.ok_or_else(|| self.none_found())?;
         *seen += found.seen;
         Ok(found.plans)
+    }
+
+    /// That no plan was found.
+    pub(super) fn none_found(&self) -> CompileError {
+        self.request.none_found(self.goals.len(), self.all.len())
     }
 
     /// The search for the goals, `bits` times halved.

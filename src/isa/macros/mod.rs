@@ -20,7 +20,7 @@ mod parse;
 mod scratch;
 
 pub use self::{
-    check::{check, check_calls},
+    check::{check, check_calls, lacks, without_defaults},
     definition::{Distinct, Item, Macro},
     parse::parse,
 };

@@ -19,6 +19,9 @@ impl<'d> Lowering<'d> {
         let device: &'d Device = self.device;
         let callables = device.callables(&statement.name);
         if callables.is_empty() {
+            if let Some(why) = device.why_no_statement(&statement.name, None) {
+                return Err(self.not_here(statement.name_place, why));
+            }
             let names = self
                 .device
                 .all_callables()
@@ -40,7 +43,13 @@ impl<'d> Lowering<'d> {
         for callable in &callables {
             match callable.signature().bind(&given) {
                 Ok(bound) => {
-                    return Ok((*callable, self.with_defaults(callable.signature(), bound)?));
+                    let bound = self.with_defaults(callable.signature(), bound);
+                    // What a chip's file says has no place in the program.
+                    let bound = bound.map_err(|fault| Fault {
+                        place: statement.place,
+                        ..fault
+                    })?;
+                    return Ok((*callable, bound));
                 }
                 Err(Mismatch::Shape) => {}
                 Err(Mismatch::Argument { index, message }) => {
@@ -52,10 +61,21 @@ impl<'d> Lowering<'d> {
                 }
             }
         }
+        if let Some(why) = device.why_no_statement(&statement.name, Some(&given)) {
+            return Err(self.not_here(statement.place, why));
+        }
         match furthest {
             Some((index, message)) => Err(self.wrong_argument(statement, &given, index, &message)),
             None => Err(Self::wrong_shape(statement, &callables)),
         }
+    }
+
+    /// What the chip below has, and this one does not.
+    fn not_here(&self, place: Place, why: String) -> Fault {
+        let chip = self.device.name();
+        Fault::error(place, why, format!("not on {chip}")).help(format!(
+            "write it with what {chip} has, or run it on another chip (--chip)"
+        ))
     }
 
     pub(super) fn wrong_argument(
@@ -119,6 +139,9 @@ impl<'d> Lowering<'d> {
     }
 
     pub(super) fn unknown_name(&self, name: &str, place: Place) -> Fault {
+        if let Some(why) = self.device.why_no_name(name) {
+            return self.not_here(place, why);
+        }
         let constants = self.constants.keys().map(String::as_str);
         let near = suggestion(name, self.device.names().chain(constants));
         Fault::error(

@@ -1,0 +1,80 @@
+//! Which words a chip has, and whether what was compiled keeps to them.
+
+use super::{
+    error::CompileError,
+    plan::{Plan, SOURCES, Store, Word},
+};
+use crate::{
+    config::Place,
+    isa::{Device, Direction, Source, Value, signature::Given},
+    program::{Overrides, Program},
+    unit::counted,
+};
+
+/// The bus words of a chip that filters are made of: to one target and to two, from so many sources.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Buses([[bool; SOURCES + 1]; 2]);
+
+impl Buses {
+    /// As the chip's forms have them.
+    pub(super) fn from_device(device: &Device) -> Self {
+        let has = |name: &str, arguments: usize| {
+            let neighbour = Value::Source(Source::Neighbour(Direction::North));
+            let given = vec![
+                Given {
+                    values: vec![neighbour],
+                    group: false,
+                    place: Place::default(),
+                };
+                arguments
+            ];
+            let callables = device.callables(name);
+            { callables.iter() }.any(|it| it.signature().bind(&given).is_ok())
+        };
+        let of = |name, targets| std::array::from_fn(|sources| has(name, targets + sources));
+        Self([of("bus", 1), of("bus2", 2)])
+    }
+
+    /// A word that is not there, as a message names it: a split before others, which filters can do
+    /// without.
+    pub(super) fn missing(&self) -> Option<String> {
+        let Self([one, two]) = self;
+        let most = |there: &[bool], wanted: usize| there[..=wanted].iter().position(|has| !has);
+        let split = most(&two[1..], 1).map(|sources| ("bus2", two, 2 + sources + 1));
+        let missing = split.or_else(|| most(one, SOURCES).map(|sources| ("bus", one, 1 + sources)));
+        let (name, there, arguments) = missing?;
+        Some(if there.contains(&true) {
+            format!("`{name}` of {}", counted(arguments, "argument"))
+        } else {
+            format!("`{name}`")
+        })
+    }
+
+    /// Whether all words of a plan are there.
+    pub(super) fn have(&self, plan: &Plan) -> bool {
+        let one = |word: &Word| {
+            let sources = word.views.len() + word.values.len();
+            let targets = match word.store {
+                Store::Both(_) => 2,
+                Store::Register | Store::News(_) => 1 + usize::from(word.halved),
+            };
+            self.0[targets - 1].get(sources) == Some(&true)
+        };
+        plan.words.iter().all(one)
+    }
+}
+
+/// Checks that a chip has every word of a program.
+///
+/// # Errors
+/// When it does not: the first that is missing.
+pub fn check_words(text: &str, device: &Device) -> Result<(), CompileError> {
+    let checked = Program::parse("compiled", text)
+        .and_then(|program| program.expand(device, &Overrides::new()));
+    let Err(faults) = checked else { return Ok(()) };
+    let first = faults.faults.into_iter().find(|it| it.fault.is_error());
+    Err(CompileError::Missing {
+        chip: device.name().to_owned(),
+        why: first.map_or_else(String::new, |it| it.fault.message),
+    })
+}
