@@ -27,7 +27,11 @@ const MEMORY: [&str; 8] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
 
 /// Those that a chip has.
 pub(super) fn memory_bits(device: &Device) -> Vec<&'static str> {
-    let is_there = |name: &&str| device.value_of(name).is_some_and(|it| it.digital().is_some());
+    let is_there = |name: &&str| {
+        device
+            .value_of(name)
+            .is_some_and(|it| it.digital().is_some())
+    };
     MEMORY.into_iter().filter(is_there).collect()
 }
 

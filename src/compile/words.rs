@@ -7,7 +7,7 @@ use super::{
 use crate::{
     config::Place,
     isa::{Device, Direction, Source, Value, signature::Given},
-    program::{Overrides, Program},
+    program::Program,
     unit::counted,
 };
 
@@ -64,17 +64,19 @@ impl Buses {
     }
 }
 
-/// Checks that a chip has every word of a program.
+/// Checks that a chip has every word of a program; how many of them it holds is another question.
 ///
 /// # Errors
 /// When it does not: the first that is missing.
 pub fn check_words(text: &str, device: &Device) -> Result<(), CompileError> {
-    let checked = Program::parse("compiled", text)
-        .and_then(|program| program.expand(device, &Overrides::new()));
-    let Err(faults) = checked else { return Ok(()) };
-    let first = faults.faults.into_iter().find(|it| it.fault.is_error());
-    Err(CompileError::Missing {
-        chip: device.name().to_owned(),
-        why: first.map_or_else(String::new, |it| it.fault.message),
+    let fault = match Program::parse("compiled", text) {
+        Ok(program) => program.refused(device),
+        Err(faults) => faults.faults.into_iter().next().map(|first| first.fault),
+    };
+    fault.map_or(Ok(()), |fault| {
+        Err(CompileError::Missing {
+            chip: device.name().to_owned(),
+            why: fault.message,
+        })
     })
 }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    Analog, Evidence, Figure, HostKind, HostRow, Interval, Kind, LeftOut, Macro, Operands, Primitive,
-    PrimitiveRow, Quantity, Registers, Signature,
+    Analog, Evidence, Figure, HostKind, HostRow, Interval, Kind, LeftOut, Macro, Operands,
+    Primitive, PrimitiveRow, Quantity, Registers, Signature,
 };
 
 /// A number about the chip that makes no sense.

@@ -66,7 +66,10 @@ impl Device {
 
     fn without(&self, left: &LeftOut) -> String {
         let LeftOut { name, lacks, .. } = left;
-        format!("`{name}` is left out on {}, which has no {lacks}", self.name)
+        format!(
+            "`{name}` is left out on {}, which has no {lacks}",
+            self.name
+        )
     }
 
     /// The nearest chip below of which this is true.

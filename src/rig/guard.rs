@@ -216,7 +216,9 @@ impl Warning {
             subject,
             format!("an array of {size}, and {chip} has {columns}x{rows} processors"),
             "no chip runs what is shown here, and times are those of the smaller array",
-            larger.help().map_or_else(String::new, |help| help.to_string()),
+            larger
+                .help()
+                .map_or_else(String::new, |help| help.to_string()),
         )
     }
 

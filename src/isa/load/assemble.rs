@@ -44,7 +44,10 @@ pub(super) fn assemble(layers: &[Layer]) -> Result<Device, LoadError> {
         base,
     };
     let last = layers.len() - 1;
-    check_parameters(top, { device.macros.iter().zip(&owners) }.filter(|(_, o)| **o != last))?;
+    check_parameters(
+        top,
+        { device.macros.iter().zip(&owners) }.filter(|(_, o)| **o != last),
+    )?;
     leave_out(&mut device, &mut owners, last);
     let mut faults = Vec::new();
     for (it, _) in { device.macros.iter().zip(&owners) }.filter(|(_, o)| **o == last) {
@@ -69,9 +72,13 @@ fn check_parameters<'a>(
     let Some(registers) = &top.device.registers else {
         return Ok(());
     };
-    let lists = [&registers.analogue, &registers.digital].into_iter().flatten();
+    let lists = [&registers.analogue, &registers.digital]
+        .into_iter()
+        .flatten();
     let aliases = registers.aliases.iter().map(|(alias, _)| alias);
-    let names: Vec<&Placed<String>> = { lists.flat_map(|list| &list.value) }.chain(aliases).collect();
+    let names: Vec<&Placed<String>> = { lists.flat_map(|list| &list.value) }
+        .chain(aliases)
+        .collect();
     let mut faults = Vec::new();
     for (it, _) in below {
         for parameter in &it.signature.parameters {
@@ -89,6 +96,15 @@ fn check_parameters<'a>(
     top.wrong("device.toml", faults)
 }
 
+/// The chip so many layers below; none for the chip itself.
+fn below(device: &Device, layers: usize) -> Option<&Device> {
+    let mut below = device.base();
+    for _ in 1..layers {
+        below = below?.base();
+    }
+    below.filter(|_| layers > 0)
+}
+
 /// Leaves out the macros from below the `top` layer that need what the chip does not have, and those
 /// that call them. What a parameter is where nothing is given has to be given, if it is not there.
 fn leave_out(device: &mut Device, owners: &mut Vec<usize>, top: usize) {
@@ -100,8 +116,8 @@ fn leave_out(device: &mut Device, owners: &mut Vec<usize>, top: usize) {
     loop {
         let lacks: Vec<Option<String>> = { device.macros.iter().zip(&*owners) }
             .map(|(it, owner)| {
-                let below = *owner != top;
-                below.then(|| macros::lacks(device, it)).flatten()
+                let home = below(device, top - *owner)?;
+                macros::lacks(device, home, it)
             })
             .collect();
         if lacks.iter().all(Option::is_none) {

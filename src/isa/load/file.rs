@@ -143,7 +143,9 @@ fn registers(part: &Section<'_>) -> Read<RegistersFile> {
         value: name.text.to_owned(),
         place: name.place,
     };
-    let mut aliases: Vec<_> = aliases.map(|(name, of)| (alias(name), placed(of))).collect();
+    let mut aliases: Vec<_> = aliases
+        .map(|(name, of)| (alias(name), placed(of)))
+        .collect();
     aliases.order_by(|a, b| a.0.value.cmp(&b.0.value));
     Ok(RegistersFile {
         analogue: names("analogue"),

@@ -107,11 +107,7 @@ fn none(name: &Placed<String>, what: &str, list: &List<'_>) -> Fault {
 }
 
 /// The registers with a role, each its own.
-fn roles_of(
-    digital: &List<'_>,
-    roles: &Stated<'_, RolesFile>,
-    faults: &mut Vec<Fault>,
-) -> Roles {
+fn roles_of(digital: &List<'_>, roles: &Stated<'_, RolesFile>, faults: &mut Vec<Fault>) -> Roles {
     const KEYS: [&str; 6] = ["mask", "propagated", "north", "east", "south", "west"];
     let RolesFile {
         mask,
@@ -131,7 +127,8 @@ fn roles_of(
         let same = all[..at].iter().position(|other| other.value == name.value);
         if let (Some(same), true) = (same, roles.own) {
             let what = format!("`{}` is both `{}` and `{key}`", name.value, KEYS[same]);
-            let help = "each of the six has a register of its own: macros set one and leave the others";
+            let help =
+                "each of the six has a register of its own: macros set one and leave the others";
             faults.push(Fault::error(name.place, what, "the second").help(help));
         }
     }
@@ -165,7 +162,9 @@ fn aliases(
         let own = at == top;
         for (alias, of) in { layer.device.registers.iter() }.flat_map(|it| &it.aliases) {
             let name = &alias.value;
-            let is_register = [analog, digital].iter().any(|it| it.position(name).is_some());
+            let is_register = [analog, digital]
+                .iter()
+                .any(|it| it.position(name).is_some());
             if own && let Some(fault) = wrong_alias(alias, is_register) {
                 faults.push(fault);
             }
@@ -198,9 +197,8 @@ fn wrong_alias(alias: &Placed<String>, is_register: bool) -> Option<Fault> {
         return Some(Fault::error(alias.place, what, "this name").help(format!("give {NAME}")));
     }
     let what = format!("`{name}` is a register, and another name of one");
-    is_register.then(|| {
-        Fault::error(alias.place, what, "this name").help("give one of them another name")
-    })
+    is_register
+        .then(|| Fault::error(alias.place, what, "this name").help("give one of them another name"))
 }
 
 /// Names that stand twice, and lists that are empty or too long.

@@ -16,6 +16,7 @@ use crate::{
 use super::{
     calls::{may_mean, statements},
     definition::{Item, Macro},
+    roles,
 };
 
 /// What is wrong with a macro, and what of that is for want of something on the chip.
@@ -50,11 +51,12 @@ pub fn check(device: &Device, it: &Macro) -> Vec<Fault> {
     Found::new(device, it).faults
 }
 
-/// What a macro needs that the device does not have, as a message names it: of a statement that is
-/// left out, what that needs.
+/// What a macro of the chip `home`, which is below, needs that the device does not have, as a message
+/// names it: of a statement that is left out, what that needs.
 #[must_use]
-pub fn lacks(device: &Device, it: &Macro) -> Option<String> {
-    Found::new(device, it).lacks.into_iter().next()
+pub fn lacks(device: &Device, home: &Device, it: &Macro) -> Option<String> {
+    let lacks = Found::new(device, it).lacks.into_iter().next();
+    lacks.or_else(|| roles::lacks(device, home, it))
 }
 
 /// Leaves out what parameters are where nothing is given, if the device does not have that.
@@ -190,7 +192,12 @@ fn check_heading(device: &Device, it: &Macro, found: &mut Found) {
             );
         }
     }
-    for default in it.signature.parameters.iter().filter_map(|p| p.default.as_ref()) {
+    for default in it
+        .signature
+        .parameters
+        .iter()
+        .filter_map(|p| p.default.as_ref())
+    {
         check_names(device, it, default, found);
     }
     for distinct in &it.distinct {
@@ -251,8 +258,7 @@ fn check_statement(device: &Device, it: &Macro, statement: &Statement, found: &m
             lacked(device, statement),
             Fault::error(
                 statement.name_place,
-                (why.clone())
-                    .unwrap_or_else(|| format!("unknown statement `{}`", statement.name)),
+                (why.clone()).unwrap_or_else(|| format!("unknown statement `{}`", statement.name)),
                 "in the body of a macro",
             )
             .help(match why {

@@ -17,6 +17,7 @@ mod calls;
 mod check;
 mod definition;
 mod parse;
+mod roles;
 mod scratch;
 
 pub use self::{
