@@ -566,6 +566,6 @@ fn ranges_are_told_in_few_digits() {
         "--input=-0.1..100.123456",
     ];
     let told = good(folder, &asked);
-    assert!(told.contains("  D    from -0.05 to 32 LSB"), "{told}");
+    assert!(told.contains("  D    from -0.05 to 50.062 LSB"), "{told}");
     assert!(told.contains("B from -50.062 to 0.05 LSB"), "{told}");
 }

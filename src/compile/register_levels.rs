@@ -5,6 +5,10 @@
 //! tried as well, with an effort that depends on that number alone: a chip is then given the best
 //! of all that its smaller sisters are given, and of a search of its own. Where the best has as few
 //! words as any program can have ([`bound`](super::bound)), no more is tried.
+//!
+//! What comes out of the chip is found by searches of the whole effort, and most of the time goes into
+//! trying their plans. So smaller numbers are tried where there are few registers, and what they give
+//! is taken where it is shorter and nothing less comes out of it.
 
 use super::{
     allocate::ordinary_registers,
@@ -18,6 +22,9 @@ use crate::{isa::Analog, order::Order};
 
 /// The registers of the narrowest shipped chip: the search that has the whole effort.
 const USUAL: usize = 6;
+
+/// Up to so many registers smaller numbers are tried for other objectives than words.
+const FEW: usize = 4;
 
 /// The most registers that a search is given.
 const MOST: usize = 12;
@@ -47,6 +54,7 @@ impl Request<'_> {
             }
             // The fewest words are not what is sought: of a wider chip's two the shorter is taken.
             Objective::Silicon | Objective::Events | Objective::Exact => {
+                levels.extend((fewest..usual).rev().filter(|_| usual <= FEW));
                 levels.extend((all.len() > USUAL).then(|| all.len().min(MOST)));
             }
         }
@@ -55,8 +63,13 @@ impl Request<'_> {
         let mut failed = None;
         for count in levels {
             let better = |new: &Filter| {
-                best.as_ref()
-                    .is_none_or(|old| self.key(new) < self.key(old))
+                best.as_ref().is_none_or(|old| {
+                    if self.objective == Objective::Words || count > usual {
+                        self.key(new) < self.key(old)
+                    } else {
+                        self.is_as_good(new, old)
+                    }
+                })
             };
             // Where fewer do not suffice, the first that do have the whole effort.
             let effort = match &best {
@@ -108,6 +121,17 @@ impl Request<'_> {
             _ => 0,
         };
         self.effort.with_states(states)
+    }
+
+    /// Whether a filter is shorter than another, and no worse in what comes out of it.
+    fn is_as_good(&self, new: &Filter, old: &Filter) -> bool {
+        if new.words.len() >= old.words.len() || new.decided.is_some() != old.decided.is_some() {
+            return false;
+        }
+        let [(border, holds, unset, ..), before] = [new, old].map(|it| self.key(it));
+        let is_sound = border <= before.0 && holds <= before.1 && unset <= before.2;
+        is_sound && { self.quality(new).iter().zip(self.quality(old)) }
+            .all(|(new, old)| *new >= old)
     }
 
     pub(super) fn key(&self, filter: &Filter) -> Key {

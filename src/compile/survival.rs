@@ -27,7 +27,7 @@ use super::{
     steady::{Reads, greedy, room, steadied},
 };
 use crate::{
-    isa::{Analog, Figure},
+    isa::{Analog, Figure, Primitive},
     order::Order,
 };
 
@@ -88,7 +88,7 @@ impl Candidate {
 
     /// Steps of signal-to-noise ratio.
     fn quality(&self) -> i64 {
-        (self.signal(0.0) / EQUAL_DB).round() as i64
+        steps_of_db(self.signal(0.0))
     }
 
     /// The least signal-to-noise ratio, in decibels, where in a part of the cells nothing of the
@@ -252,6 +252,17 @@ impl Survival<'_> {
         }
     }
 
+    /// What comes out of a filter, in steps of what is told apart: of its events where it is known with
+    /// what it is compared, else of its signal-to-noise ratio.
+    pub(super) fn quality(&self, filter: &Filter) -> [i64; 2] {
+        if let Some(decided) = filter.decided {
+            return decided.steps();
+        }
+        let all = self.predicted(&filter.words, None).into_iter();
+        let least = all.map(|forecast| forecast.snr_db()).fold(90.0, f64::min);
+        [steps_of_db(least), 0]
+    }
+
     /// Candidates for an input of any amplitude.
     fn anywhere(&self) -> Result<(Vec<Candidate>, u64), CompileError> {
         let problem = self.problem(0, self.effort);
@@ -407,7 +418,7 @@ impl Survival<'_> {
             return None;
         }
         let solved = problem.finish(steady.unwrap_or_else(|| plain.clone()))?;
-        let forecasts = self.predicted(&solved, None);
+        let forecasts = self.predicted(&solved.allocated.words, None);
         Some(Candidate {
             plain: plain.clone(),
             reads: reads.clone(),
@@ -422,11 +433,11 @@ impl Survival<'_> {
     }
 
     /// The forecasts at the amplitude given, that of the range, or the best.
-    fn predicted(&self, solved: &Solved, amplitude: Option<f64>) -> Vec<Forecast> {
+    fn predicted(&self, words: &[Primitive], amplitude: Option<f64>) -> Vec<Forecast> {
         let request = self.request;
         let at = |signal| {
             let mut all = forecasts(
-                &solved.allocated.words,
+                words,
                 request.device,
                 (request.input, &request.into),
                 request.kernels,
@@ -509,7 +520,7 @@ impl Survival<'_> {
                     ..best.solved.clone()
                 };
                 let amplitude = best.forecasts.first().map(|f| f.amplitude);
-                let forecasts = self.predicted(&solved, amplitude);
+                let forecasts = self.predicted(&solved.allocated.words, amplitude);
                 let next = Candidate {
                     solved,
                     plain: best.plain.clone(),
@@ -526,7 +537,7 @@ impl Survival<'_> {
             if !better {
                 break;
             }
-            best.forecasts = self.predicted(&best.solved, None);
+            best.forecasts = self.predicted(&best.solved.allocated.words, None);
         }
         // Verified once more, by its trace.
         match problem.finish(best.solved.plan.clone()) {
@@ -534,6 +545,11 @@ impl Survival<'_> {
             None => first,
         }
     }
+}
+
+/// Signal-to-noise ratio in steps of [`EQUAL_DB`].
+fn steps_of_db(db: f64) -> i64 {
+    (db / EQUAL_DB).round() as i64
 }
 
 /// Halvings of the input, one after the other.
