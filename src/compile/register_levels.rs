@@ -6,9 +6,9 @@
 //! of all that its smaller sisters are given, and of a search of its own. Where the best has as few
 //! words as any program can have ([`bound`](super::bound)), no more is tried.
 //!
-//! What comes out of the chip is found by searches of the whole effort, and most of the time goes into
-//! trying their plans. So smaller numbers are tried where there are few registers, and what they give
-//! is taken where it is shorter and nothing less comes out of it.
+//! What comes out of the chip is found by searches of the whole effort, each as long as all for the
+//! words. So smaller numbers are tried on chips of fewer registers than usual alone, and what they
+//! give is taken where it is shorter and no less comes out of it.
 
 use super::{
     allocate::ordinary_registers,
@@ -22,9 +22,6 @@ use crate::{isa::Analog, order::Order};
 
 /// The registers of the narrowest shipped chip: the search that has the whole effort.
 const USUAL: usize = 6;
-
-/// Up to so many registers smaller numbers are tried for other objectives than words.
-const FEW: usize = 4;
 
 /// The most registers that a search is given.
 const MOST: usize = 12;
@@ -40,6 +37,7 @@ impl Request<'_> {
     /// When a weight is not dyadic, or the registers do not suffice.
     pub fn filter(&self) -> Result<Filter, CompileError> {
         let mut all = ordinary_registers(self.device);
+        let is_narrow = all.len() < USUAL;
         all.retain(|register| !self.keep.contains(register));
         // Those that cannot be chosen come first.
         all.order_by_key(|r| *r != self.input && !self.into.contains(r));
@@ -54,7 +52,7 @@ impl Request<'_> {
             }
             // The fewest words are not what is sought: of a wider chip's two the shorter is taken.
             Objective::Silicon | Objective::Events | Objective::Exact => {
-                levels.extend((fewest..usual).rev().filter(|_| usual <= FEW));
+                levels.extend((fewest..usual).rev().filter(|_| is_narrow));
                 levels.extend((all.len() > USUAL).then(|| all.len().min(MOST)));
             }
         }
@@ -130,8 +128,8 @@ impl Request<'_> {
         }
         let [(border, holds, unset, ..), before] = [new, old].map(|it| self.key(it));
         let is_sound = border <= before.0 && holds <= before.1 && unset <= before.2;
-        is_sound && { self.quality(new).iter().zip(self.quality(old)) }
-            .all(|(new, old)| *new >= old)
+        let [new, old] = [new, old].map(|it| self.quality(it));
+        is_sound && new[0] >= old[0] && new[1] >= old[1]
     }
 
     pub(super) fn key(&self, filter: &Filter) -> Key {
