@@ -83,7 +83,10 @@ fn check_parameters<'a>(
     for (it, _) in below {
         for parameter in &it.signature.parameters {
             for name in names.iter().filter(|name| name.value == parameter.name) {
-                let what = format!("`{}` is a parameter of `{}`", name.value, it.signature.name);
+                let what = format!(
+                    "no register can be called `{}`: it is a parameter of `{}`",
+                    name.value, it.signature.name
+                );
                 faults.push(Fault::error(name.place, what, "this name").help(
                     "give it another name: in the text of that macro it would mean the register",
                 ));
