@@ -501,7 +501,13 @@ fn a_chip_without_a_word_is_given_no_program_that_has_it() {
         &format!("[registers]\ndigital = {bits:?}\n"),
     );
     let scene = ["--scene", "pattern:spot?width=32&height=24&frames=6"];
+    let roles = "mask = \"R0\"\npropagated = \"R6\"\nnorth = \"R3\"\neast = \"R4\"\nsouth = \"R1\"\nwest = \"R2\"\n";
+    chip(folder, "other", &format!("[registers.roles]\n{roles}"));
     for (chip, why) in [
+        (
+            "other",
+            "no program for other: `R6` is its `propagated`, and the program keeps bits in it",
+        ),
         (
             "blind",
             "no program for blind: scamp5 has this `where`, and blind does not",

@@ -12,7 +12,7 @@ use super::{
     need::{Need, advice},
     request::{Border, Request},
     shared_memory,
-    words::check_words,
+    words::{check_bits, check_words},
 };
 use crate::{
     elementary,
@@ -111,6 +111,7 @@ impl SensorProgram {
             let program = shared_memory::program(kinds, title, request)?;
             check_thresholds(request.device, kinds, &program.scales)?;
             check_words(&program.text, request.device)?;
+            check_bits(&program.text, request.device)?;
             return Ok(program);
         }
         let device = request.device;
@@ -182,6 +183,7 @@ impl SensorProgram {
         };
         program.text = program.text_with(kinds, title, device, EventReadout::default());
         check_words(&program.text, device)?;
+        check_bits(&program.text, device)?;
         Ok(program)
     }
 

@@ -80,3 +80,27 @@ pub fn check_words(text: &str, device: &Device) -> Result<(), CompileError> {
         })
     })
 }
+
+/// Checks that a whole program, in which R1 to R11 keep bits, keeps none where the chip's hardware
+/// would change it: in the mask of propagation, and in what that masks.
+///
+/// # Errors
+/// When it does.
+pub(super) fn check_bits(text: &str, device: &Device) -> Result<(), CompileError> {
+    let roles = device.registers().roles;
+    let kept = 1..=11;
+    let both = [("mask", roles.mask), ("propagated", roles.propagated)];
+    let taken = both.into_iter().find_map(|(role, register)| {
+        let name = device.digital_name(register);
+        let mut words = text.split(|c: char| !c.is_ascii_alphanumeric());
+        let is_kept = kept.clone().any(|number| name == format!("R{number}"));
+        (is_kept && words.any(|word| word == name)).then_some((role, name))
+    });
+    taken.map_or(Ok(()), |(role, name)| {
+        let chip = device.name();
+        Err(CompileError::Missing {
+            chip: chip.to_owned(),
+            why: format!("`{name}` is its `{role}`, and the program keeps bits in it"),
+        })
+    })
+}
