@@ -6,6 +6,7 @@
 //! scene of its own (`scene::upsample`, `scene::part`), so that the loop need not know.
 
 pub mod guard;
+mod larger;
 
 use std::ops::ControlFlow;
 
@@ -17,6 +18,8 @@ use crate::{
     sensor::{Sensor, SensorError},
     unit::Micros,
 };
+
+pub use larger::Larger;
 
 /// Why a rig stopped.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]

@@ -55,6 +55,14 @@ impl fmt::Display for Micros {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lsb(pub f64);
 
+impl Lsb {
+    /// To a thousandth, for people: not the last bits of a calculation, and never -0.
+    #[must_use]
+    pub fn rounded(self) -> f64 {
+        (self.0 * 1000.0).round() / 1000.0 + 0.0
+    }
+}
+
 impl fmt::Display for Lsb {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let digits = f.precision().unwrap_or(2);

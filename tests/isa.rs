@@ -623,13 +623,38 @@ fn what_lets_the_rest_pass_is_found() {
     }
 }
 
+/// A chip `x` that extends SCAMP-5 by these lines of `device.toml` and this row, if any.
+fn extended(lines: &str, row: &str) -> Device {
+    let folder = tempfile::tempdir().unwrap();
+    let text = format!("name = \"x\"\ntitle = \"x\"\nextends = \"scamp5\"\n{lines}");
+    fs::write(folder.path().join("device.toml"), text).unwrap();
+    if !row.is_empty() {
+        let rest = "equation = \"x\"\nwords = 1\nclock = \"analog\"\nsource = \"x\"\nevidence = \"guess\"\n";
+        let text = format!("[[primitive]]\n{row}\n{rest}");
+        fs::write(folder.path().join("primitives.toml"), text).unwrap();
+    }
+    Device::load(folder.path()).unwrap()
+}
+
+/// What is wrong with a program on a chip: message and advice of the first fault.
+fn wrong(device: &Device, text: &str) -> String {
+    let program = Program::parse("test", text).unwrap();
+    let faults = program.expand(device, &BTreeMap::new()).unwrap_err();
+    let fault = &faults.faults[0].fault;
+    format!(
+        "{} | {}",
+        fault.message,
+        fault.help.as_deref().unwrap_or_default()
+    )
+}
+
 /// A chip of fewer registers does without the macros that need another.
 #[test]
 fn a_chip_of_four_registers_has_the_macros_that_fit() {
-    let folder = tempfile::tempdir().unwrap();
-    let text = "name = \"four\"\ntitle = \"four\"\nextends = \"scamp5\"\n[registers]\nanalogue = [\"A\", \"B\", \"C\", \"D\", \"NEWS\"]\n";
-    std::fs::write(folder.path().join("device.toml"), text).unwrap();
-    let four = Device::find(folder.path().to_str().unwrap()).unwrap();
+    let four = extended(
+        "[registers]\nanalogue = [\"A\", \"B\", \"C\", \"D\", \"NEWS\"]\n",
+        "",
+    );
     let forms = |device: &Device| {
         let named = device.macros().iter().map(|it| it.signature.to_string());
         named
@@ -637,4 +662,81 @@ fn a_chip_of_four_registers_has_the_macros_that_fit() {
             .count()
     };
     assert_eq!(forms(&four), forms(&Device::scamp5()) - 1);
+    // F, where nothing is given: what takes its place is.
+    let expanded = |text: &str| {
+        let program = Program::parse("test", text).unwrap();
+        program.expand(&four, &BTreeMap::new()).is_ok()
+    };
+    assert!(expanded("div2(A, B, C);"));
+    assert_eq!(
+        wrong(&four, "nop();\ndiv2(A, B);"),
+        "scamp5 has this `div2`, and x does not | here it is written div2(y, x, t); or run it on another chip (--chip)"
+    );
+}
+
+/// What needs a one-bit register that is not there, and other names of it.
+#[test]
+fn a_chip_of_fewer_bits_does_without_what_needs_another() {
+    let bits = ["R0", "R1", "R2", "R3", "R4", "R5", "R6", "R12"];
+    let few = extended(&format!("[registers]\ndigital = {bits:?}\n"), "");
+    assert_eq!(few.digital_name(few.registers().roles.propagated), "R12");
+    let elsewhere = "write it with what x has; or run it on another chip (--chip)";
+    for (text, why) in [
+        (
+            "scamp5_kernel_refresh_dreg();",
+            "`scamp5_kernel_refresh_dreg` is left out on x, which has no register `R7`",
+        ),
+        (
+            "MOV(R6, S6);",
+            "`S6` is left out on x, which has no register `R11`",
+        ),
+        (
+            "MOV(R6, R11);",
+            "`R11` is a register of scamp5, and not of x",
+        ),
+    ] {
+        assert_eq!(wrong(&few, text), format!("{why} | {elsewhere}"));
+    }
+    let program = Program::parse("test", "MUX(R5, R6, S0, S1);").unwrap();
+    assert!(program.expand(&few, &BTreeMap::new()).is_ok());
+    // The hardware uses others, and macros are written with those of SCAMP-5.
+    let roles = "mask = \"R5\"\npropagated = \"R6\"\nnorth = \"R3\"\neast = \"R4\"\nsouth = \"R1\"\nwest = \"R2\"\n";
+    let other = extended(&format!("[registers.roles]\n{roles}"), "");
+    assert!(
+        wrong(&other, "MUX(R7, R8, R9, R10);")
+            .starts_with("`MUX` is left out on x, which has no `R0` as `mask`")
+    );
+    let program = Program::parse("test", "DNEWS(R7, R8, east);").unwrap();
+    assert!(program.expand(&other, &BTreeMap::new()).is_ok());
+}
+
+/// A word that is not there, in a form of its row or in all: what is made of it, and of that.
+#[test]
+fn a_chip_of_fewer_words_does_without_what_is_made_of_them() {
+    let bus = "name = \"bus\"\nforms = [\"bus(out y: target, x: source * 0..2)\"]";
+    let one = extended("", bus);
+    for (text, why) in [
+        ("bus2(A, B, C);", "scamp5 has this `bus2`, and x does not"),
+        ("bus(A, B, C, D);", "scamp5 has this `bus`, and x does not"),
+        (
+            "divq(A, B);",
+            "`divq` is left out on x, which has no `bus2`",
+        ),
+        (
+            "div2(A, B);",
+            "`div2` is left out on x, which has no `bus2`",
+        ),
+        (
+            "newsblur(A, B);",
+            "`newsblur` is left out on x, which has no `bus` of 5 arguments",
+        ),
+    ] {
+        let said = wrong(&one, text);
+        assert!(said.starts_with(why), "{said}");
+    }
+    let blind = extended("", "name = \"where\"\nforms = []");
+    assert!(
+        wrong(&blind, "abs(A, B);").starts_with("`abs` is left out on x, which has no `where`")
+    );
+    assert_eq!(blind.left_out().len(), 1);
 }

@@ -363,6 +363,21 @@ fn a_scene_larger_than_the_array_is_refused() {
             ],
         );
     }
+    // A program of the chip, and not a sensor beside it.
+    let program = ["trade", "--program", "dvs/snap"];
+    refused(
+        folder,
+        &[&program[..], &more[..4]].concat(),
+        &["is 33x24, and small has 32x24 processors"],
+    );
+    let study = "scene = \"pattern:spot?width=33&height=24&frames=6\"\nkernel = \"csdvs-3\"\nthreshold = 20\neffort = 0\n[[side]]\nside = \"array\"\nchip = [\"small\", \"scamp5\"]\nquantise = \"ternary\"\n";
+    fs::write(folder.join("study.toml"), study).unwrap();
+    let told = json(folder, &["sweep", "study.toml", "--json"]);
+    assert_eq!(told["finished"], 2, "{told}");
+    let rows = fs::read_to_string(folder.join("study/results.csv")).unwrap();
+    let sizes = "is 33x24, and small has 32x24 processors";
+    assert_eq!(rows.matches(sizes).count(), 1, "{rows}");
+    assert_eq!(rows.matches("refused").count(), 1, "{rows}");
     fs::write(folder.join("p.scamp"), "get_image(A);\n").unwrap();
     let exec = |scene: &str| {
         let asked = ["exec", "p.scamp", "--chip", "small", "--scene", scene];
@@ -408,4 +423,155 @@ fn a_chip_s_folder_is_named_where_its_file_or_its_name_was_given() {
     fs::write(folder.join("p.scamp"), "bus(B, A);\n").unwrap();
     let asked = ["asm", "p.scamp", "--chip", "c9/device.toml"];
     refused(folder, &asked, &["give its folder c9"]);
+}
+
+/// A row of `primitives.toml` in these forms.
+fn row(folder: &Path, chip: &str, name: &str, forms: &[&str]) {
+    let rest = "equation = \"test\"\nwords = 1\nclock = \"analog\"\nsource = \"test\"\nevidence = \"guess\"\n";
+    let text = format!("[[primitive]]\nname = \"{name}\"\nforms = {forms:?}\n{rest}");
+    fs::write(folder.join(chip).join("primitives.toml"), text).unwrap();
+}
+
+/// A filter that halves nothing needs no word that splits; where light has to be halved, there is no
+/// program.
+#[test]
+fn filters_are_made_of_the_words_that_the_chip_has() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    chip(folder, "whole", "");
+    row(
+        folder,
+        "whole",
+        "bus",
+        &["bus(out y: target, x: source * 0..4)"],
+    );
+    chip(folder, "pairs", "");
+    let pairs = ["bus(out y: target, x: source * 0..2)"];
+    row(
+        folder,
+        "pairs",
+        "bus",
+        &[
+            &pairs[..],
+            &["bus2(out y: target, out z: target, x: source * 0..2)"],
+        ]
+        .concat(),
+    );
+    for objective in ["words", "silicon", "exact"] {
+        let filter = ["compile", "sobel-x", "--filter-only", "--effort", "0.1"];
+        let on = |chip: &str, more: &[&str]| {
+            let asked = ["--chip", chip, "--objective", objective];
+            good(folder, &[&filter[..], &asked, more].concat())
+        };
+        let told = on("whole", &[]);
+        assert!(!told.contains("bus2"), "{told}");
+        let told = on("pairs", &["--input=0..127"]);
+        let most = told
+            .lines()
+            .filter(|it| it.starts_with("bus("))
+            .map(|it| it.matches(',').count());
+        assert!(most.max() <= Some(2), "{told}");
+    }
+    let light = [
+        "compile",
+        "sobel-x",
+        "--filter-only",
+        "--input=0..127",
+        "--effort",
+        "0.1",
+    ];
+    refused(
+        folder,
+        &[&light[..], &["--chip", "whole"]].concat(),
+        &["no program for whole: whole has no `bus2`, and no filter without it was found"],
+    );
+}
+
+/// One message, which names the word.
+#[test]
+fn a_chip_without_a_word_is_given_no_program_that_has_it() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    chip(folder, "blind", "");
+    row(folder, "blind", "where", &[]);
+    let bits = ["R0", "R1", "R2", "R3", "R4", "R12"];
+    chip(
+        folder,
+        "short",
+        &format!("[registers]\ndigital = {bits:?}\n"),
+    );
+    let scene = ["--scene", "pattern:spot?width=32&height=24&frames=6"];
+    let roles = "mask = \"R0\"\npropagated = \"R6\"\nnorth = \"R3\"\neast = \"R4\"\nsouth = \"R1\"\nwest = \"R2\"\n";
+    chip(folder, "other", &format!("[registers.roles]\n{roles}"));
+    for (chip, why) in [
+        (
+            "other",
+            "no program for other: `R6` is its `propagated`, and the program keeps bits in it",
+        ),
+        (
+            "blind",
+            "no program for blind: scamp5 has this `where`, and blind does not",
+        ),
+        (
+            "short",
+            "no program for short: `R6` is a register of scamp5, and not of short",
+        ),
+    ] {
+        for verb in [
+            &["compile", "csdvs-3", "--threshold", "20"][..],
+            &[
+                "quantise",
+                "csdvs-3",
+                "--threshold",
+                "20",
+                "--to",
+                "ternary",
+            ],
+            &[
+                "waterfall",
+                "csdvs-3",
+                "--threshold",
+                "20",
+                "--to",
+                "ternary",
+            ],
+            &["design", "csdvs-3", "--threshold", "20", "--to", "ternary"],
+            &[
+                "feasibility",
+                "csdvs-3",
+                "--threshold",
+                "20",
+                "--to",
+                "ternary",
+                "-o",
+                "r.html",
+            ],
+        ] {
+            let more = ["--chip", chip, "--effort", "0"];
+            let said = amacrine(folder, &[verb, &scene, &more].concat())
+                .output()
+                .unwrap();
+            let told = line(&said.stderr) + &line(&said.stdout);
+            assert!(told.contains(why), "{verb:?}: {told}");
+        }
+    }
+}
+
+/// Whole thousandths, as everywhere.
+#[test]
+fn ranges_are_told_in_few_digits() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    ranged(folder, "narrow", -32.0, 31.0);
+    fs::write(folder.join("two.scamp"), "bus2(B, C, A);\nbus(D, B);\n").unwrap();
+    let asked = [
+        "asm",
+        "two.scamp",
+        "--chip",
+        "narrow",
+        "--input=-0.1..100.123456",
+    ];
+    let told = good(folder, &asked);
+    assert!(told.contains("  D    from -0.05 to 50.062 LSB"), "{told}");
+    assert!(told.contains("B from -50.062 to 0.05 LSB"), "{told}");
 }

@@ -10,7 +10,10 @@ use amacrine::{
         bound,
     },
     isa::Device,
-    kernel::Kernel,
+    kernel::{
+        Kernel,
+        quantise::{Quantiser, Sum},
+    },
     rng::Hash,
 };
 use filters::{correlations, filters};
@@ -238,6 +241,43 @@ fn one_register_more_never_costs_words() {
         assert!(
             all.is_sorted_by(|few, more| few >= more),
             "{rows:?}: {all:?}"
+        );
+    }
+}
+
+/// SCAMP-5 with so few analogue registers.
+fn narrow(registers: usize) -> Device {
+    let folder = tempfile::tempdir().unwrap();
+    let names: Vec<&str> = { ["A", "B", "C", "D", "E"][..registers].iter().copied() }
+        .chain(["NEWS"])
+        .collect();
+    let text = format!(
+        "name = \"x\"\ntitle = \"x\"\nextends = \"scamp5\"\n[registers]\nanalogue = {names:?}\n"
+    );
+    std::fs::write(folder.path().join("device.toml"), text).unwrap();
+    Device::load(folder.path()).unwrap()
+}
+
+/// On chips of three to five registers: where no more comes out, there are no more words.
+#[test]
+fn one_register_more_never_costs_words_of_the_same_signal() {
+    for name in ["authors-csdvs-5", "csdvs-3", "csdvs-5", "oblique-45"] {
+        let float = Kernel::builtin(name).unwrap();
+        let few = "int-4".parse::<Quantiser>().unwrap();
+        let kernels = [few.quantise(&float, Sum::Free, 0).unwrap().levels];
+        let found = |registers: usize| {
+            let device = narrow(registers);
+            let mut request = Request::new(&kernels, &device).unwrap();
+            request.effort = Effort::states(20_000);
+            let filter = request.filter().unwrap();
+            let registers = (request.input, &request.into[..]);
+            let forecast = filter.best_forecast(&device, registers, &kernels)[0];
+            ((forecast.snr_db() / 0.25).round(), filter.words.len())
+        };
+        let all: Vec<_> = (3..=5).map(found).collect();
+        assert!(
+            all.is_sorted_by(|few, more| more.0 > few.0 || more.1 <= few.1),
+            "{name}: {all:?}"
         );
     }
 }

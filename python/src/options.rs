@@ -55,12 +55,13 @@ const PHRASES: [(&str, &str); 18] = [
 
 /// Arguments of Python that are called as the option is, with underscores for dashes. Those that
 /// are true take a word; behind the others a word goes on with the sentence.
-const ARGUMENTS: [(&str, bool); 29] = [
+const ARGUMENTS: [(&str, bool); 31] = [
     ("bins", false),
     ("candidates", false),
     ("chip", true),
     ("chips", false),
     ("compression", true),
+    ("crop", true),
     ("domain", true),
     ("effort", false),
     ("events-per-frame", false),
@@ -75,6 +76,7 @@ const ARGUMENTS: [(&str, bool); 29] = [
     ("objective", true),
     ("output", false),
     ("rate", false),
+    ("resize", true),
     ("range", true),
     ("scale", false),
     ("seed", false),

@@ -299,6 +299,11 @@ impl Program {
         ))
     }
 
+    /// The chip that it runs on.
+    pub const fn device(&self) -> &Device {
+        &self.device
+    }
+
     /// The settings of its chip, and its own.
     pub fn settings(&self) -> Settings {
         let own = &self.source.settings;

@@ -40,6 +40,20 @@ def _any(of: Any) -> Any:
     return of
 
 
+LARGE = np.zeros((4, 8, 300), np.uint8)
+
+LARGER: dict[str, Callable[[], Any]] = {
+    "design": lambda: amacrine.design("dvs", thresholds=9, scene=LARGE, fps=9, effort=0),
+    "quantise": lambda: amacrine.quantise(
+        "dvs", "ternary", thresholds=9, scene=LARGE, fps=9, effort=0
+    ),
+    "quantise of two": lambda: amacrine.quantise(
+        ["dvs", "sobel-x"], "ternary", thresholds=9, scene=LARGE, fps=9, effort=0
+    ),
+    "waterfall": lambda: amacrine.waterfall("dvs", 9, scene=LARGE, fps=9, effort=0),
+    "trade": lambda: amacrine.trade(amacrine.Program.from_file("dvs/snap"), LARGE, fps=9),
+}
+
 MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "even kernel": (lambda: amacrine.Sensor(np.ones((4, 4)), 1), "must be odd"),
     "kernel of text": (lambda: amacrine.Sensor(np.array(["a"]), 1), "floats or integers"),
@@ -336,6 +350,10 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
         "of a ChipSensor",
     ),
     "no way back": (lambda: amacrine.gradient.forward(sensor(), GOOD[:1], 9), "at least two frames"),
+    **{
+        f"larger than the chip in {verb}": (do, "is 300x8, and scamp5 has 256x256 processors")
+        for verb, do in LARGER.items()
+    },
     "frames short": (lambda: amacrine.trade(sensor(), GOOD[:2], fps=9), "three frames"),
 }
 

@@ -1,12 +1,10 @@
 //! What is shown to sensors, the same for every verb that has a scene of its own to show: the
 //! scene, its rate, and what its samples mean.
 
-use miette::miette;
-
 use super::{files::Named, light::Samples};
 use crate::{
-    isa::{Device, Figure},
-    plane::Size,
+    isa::Device,
+    rig::Larger,
     scene::{Observation, Scene, SceneError},
 };
 
@@ -42,7 +40,8 @@ impl Clip {
     /// When it is.
     pub(super) fn check_fits(&self, scene: &dyn Scene, device: &Device) -> miette::Result<()> {
         let name = self.given().map(|name| format!("--scene {name}"));
-        check_fits(name.as_deref().unwrap_or(BUNDLED), scene.size(), device)
+        let name = name.as_deref().unwrap_or(BUNDLED);
+        Ok(Larger::check(name, scene.size(), device)?)
     }
 
     /// What it is called.
@@ -68,28 +67,4 @@ impl Clip {
         all.extend(self.samples.written());
         all
     }
-}
-
-/// Whether an array of this size has no more rows and columns than the chip's.
-pub(super) fn fits(size: Size, device: &Device) -> bool {
-    let at_most = |side, figure| side as f64 <= device.value(figure);
-    at_most(size.height, Figure::Height) && at_most(size.width, Figure::Width)
-}
-
-/// Refuses a scene of this size that is larger than the chip's array.
-///
-/// # Errors
-/// When it is.
-pub(super) fn check_fits(scene: &str, size: Size, device: &Device) -> miette::Result<()> {
-    if fits(size, device) {
-        return Ok(());
-    }
-    let [rows, columns] = [Figure::Height, Figure::Width].map(|of| device.value(of));
-    Err(miette!(
-        help = format!(
-            "show a part of it or larger pixels (--crop {columns}x{rows}, --resize {columns}x{rows}), or take a chip with as many (--chip)"
-        ),
-        "{scene} is {size}, and {} has {columns}x{rows} processors",
-        device.name()
-    ))
 }

@@ -112,6 +112,9 @@ title = \"what if {chip} were another\"
 extends = \"{chip}\"
 
 # What differs, for example:
+# [registers] # of fewer, macros that need another are left out
+# analogue = [\"A\", \"B\", \"C\", \"D\", \"NEWS\"]
+#
 # [figure.array]
 # height = {{ value = 512, unit = \"px\", source = \"what if\", evidence = \"guess\" }}
 # width = {{ value = 512, unit = \"px\", source = \"what if\", evidence = \"guess\" }}

@@ -16,7 +16,7 @@ use super::{
     error::CompileError,
     filter::Filter,
     plan::Plan,
-    request::{Border, Effort, Objective, Request},
+    request::{Border, Effort, Objective},
     rim::Rim,
     separable::compose,
     solve::Problem,
@@ -24,9 +24,6 @@ use super::{
     survival::{Candidate, HALVINGS, HALVINGS_IN_ALL, Survival, halvings},
 };
 use crate::{elementary, isa::Figure};
-
-/// Shares of events within this are equal.
-const EQUAL_F1: f64 = 0.01;
 
 /// What a plan keeps at least in exact arithmetic, as F1, of the kind of light that suits it least.
 const EXACT_F1: f64 = 0.985;
@@ -79,7 +76,7 @@ impl Survival<'_> {
         }
         self.keep_usable(&mut all);
         let (Some(result), Some(kernel)) = (request.into.first(), request.kernels.first()) else {
-            return Err(Request::too_few(1, self.all.len()));
+            return Err(self.none_found());
         };
         let trials = Trials::new(request.device, range.1.max(-range.0), decision.compared);
         let truth = trials.truth(kernel, decision);
@@ -107,12 +104,8 @@ impl Survival<'_> {
         let judged: Vec<Option<Decided>> = all.par_iter().map(decided).collect();
         let kept = { all.into_iter().zip(judged) }.filter_map(|(it, decided)| Some((it, decided?)));
         let best = kept.min_by_key(|(candidate, decided)| {
-            let steps = |f1: f64| (-f1 / EQUAL_F1).round() as i64;
-            (
-                steps(decided.silicon),
-                steps(decided.exact),
-                candidate.words(),
-            )
+            let [silicon, exact] = decided.steps();
+            (-silicon, -exact, candidate.words())
         });
         let Some((mut best, decided)) = best else {
             return Ok(None);

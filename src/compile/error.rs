@@ -38,6 +38,15 @@ pub(super) fn times_that_fit(times: f64) -> String {
     ((times * place * (1.0 - 1e-12)).ceil() / place).to_string()
 }
 
+/// That so many memories do not fit.
+fn no_room(count: usize, bits: u8) -> String {
+    let bits = crate::unit::counted(bits, "bit");
+    match count {
+        1 => format!("a memory of {bits} does not fit"),
+        count => format!("{count} memories of {bits} do not fit"),
+    }
+}
+
 /// Kernels that cannot be compiled as asked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
 pub enum CompileError {
@@ -116,8 +125,8 @@ pub enum CompileError {
     },
     /// Too few one-bit registers.
     #[error(
-        "{count} memories of {} do not fit into the {free} one-bit registers that are free for them",
-        crate::unit::counted(*bits, "bit")
+        "{} into the {free} one-bit registers that are free for memories",
+        no_room(*count, *bits)
     )]
     #[diagnostic(help("{advice}"))]
     Bits {
@@ -162,6 +171,17 @@ pub enum CompileError {
         lsb: f64,
         /// The largest that can be set, LSB.
         most: f64,
+    },
+    /// A word that the chip does not have.
+    #[error("no program for {chip}: {why}")]
+    #[diagnostic(help(
+        "take a chip that has it (--chip), or give it to this one: primitives.toml, macros.scamp or [registers] of {chip}"
+    ))]
+    Missing {
+        /// Name of the chip.
+        chip: String,
+        /// What is missing.
+        why: String,
     },
     /// More words than the chip stores.
     #[error("the program has {words} instruction words, {} more than the {room} that {chip} holds", words - room)]

@@ -59,6 +59,7 @@ mod survival;
 mod tour;
 mod walk;
 mod wired;
+mod words;
 
 pub use cell_kind::{CellKind, DriveMemory, FRAMES};
 pub use decided::Decided;
@@ -72,3 +73,4 @@ pub use need::{MEMORY_BITS, Need, carried};
 pub use noise::FilterNoise;
 pub use request::{Border, Effort, Objective, Request};
 pub use sensor::{BitMemory, SensorProgram, brightest};
+pub use words::check_words;

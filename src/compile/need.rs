@@ -17,13 +17,13 @@ use super::{
     cell_kind::{CellKind, DriveMemory},
     error::{CompileError, times_that_fit},
     request::{Effort, Objective, Request},
-    sensor::SensorProgram,
+    sensor::{SensorProgram, memory_bits},
     shared_memory::AT_A_TIME,
     walk,
 };
 use crate::isa::{Device, Figure};
 
-/// One-bit registers that memories may take.
+/// One-bit registers of SCAMP-5 that memories may take.
 pub const MEMORY_BITS: usize = 8;
 
 /// Registers that a program needs.
@@ -58,7 +58,7 @@ impl Need {
     /// Whether a chip has them.
     #[must_use]
     pub fn fits(self, device: &Device) -> bool {
-        self.analogue <= Self::free(device) && self.bits <= MEMORY_BITS
+        self.analogue <= Self::free(device) && self.bits <= memory_bits(device).len()
     }
 
     /// The analogue registers of a chip's pixel, NEWS left out.
@@ -144,7 +144,7 @@ fn ways(kinds: &[CellKind], memory: DriveMemory, request: &Request<'_>, own: &st
             "give all kinds one memory of the pixel (--memory shared, which is `raw-snap` with `shared = true`)".to_owned(),
         );
     }
-    let most = MEMORY_BITS / kinds.len().max(1);
+    let most = memory_bits(request.device).len() / kinds.len().max(1);
     let bits = (1..=most as u8).map(DriveMemory::Bits);
     let mut bits = bits.filter(|_| !kinds.is_empty());
     if let Some(DriveMemory::Bits(bits)) =

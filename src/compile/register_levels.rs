@@ -5,6 +5,10 @@
 //! tried as well, with an effort that depends on that number alone: a chip is then given the best
 //! of all that its smaller sisters are given, and of a search of its own. Where the best has as few
 //! words as any program can have ([`bound`](super::bound)), no more is tried.
+//!
+//! What comes out of the chip is found by searches of the whole effort, each as long as all for the
+//! words. So smaller numbers are tried on chips of fewer registers than usual alone, and what they
+//! give is taken where it is shorter and no less comes out of it.
 
 use super::{
     allocate::ordinary_registers,
@@ -12,6 +16,7 @@ use super::{
     error::CompileError,
     filter::Filter,
     request::{Border, Effort, Objective, Request},
+    words::check_words,
 };
 use crate::{isa::Analog, order::Order};
 
@@ -32,6 +37,7 @@ impl Request<'_> {
     /// When a weight is not dyadic, or the registers do not suffice.
     pub fn filter(&self) -> Result<Filter, CompileError> {
         let mut all = ordinary_registers(self.device);
+        let is_narrow = all.len() < USUAL;
         all.retain(|register| !self.keep.contains(register));
         // Those that cannot be chosen come first.
         all.order_by_key(|r| *r != self.input && !self.into.contains(r));
@@ -46,6 +52,7 @@ impl Request<'_> {
             }
             // The fewest words are not what is sought: of a wider chip's two the shorter is taken.
             Objective::Silicon | Objective::Events | Objective::Exact => {
+                levels.extend((fewest..usual).rev().filter(|_| is_narrow));
                 levels.extend((all.len() > USUAL).then(|| all.len().min(MOST)));
             }
         }
@@ -54,8 +61,13 @@ impl Request<'_> {
         let mut failed = None;
         for count in levels {
             let better = |new: &Filter| {
-                best.as_ref()
-                    .is_none_or(|old| self.key(new) < self.key(old))
+                best.as_ref().is_none_or(|old| {
+                    if self.objective == Objective::Words || count > usual {
+                        self.key(new) < self.key(old)
+                    } else {
+                        self.is_as_good(new, old)
+                    }
+                })
             };
             // Where fewer do not suffice, the first that do have the whole effort.
             let effort = match &best {
@@ -82,9 +94,12 @@ impl Request<'_> {
             return Err(CompileError::GivenUp);
         }
         match (best, failed) {
-            (Some(best), _) => Ok(Filter { states, ..best }),
+            (Some(best), _) => {
+                check_words(&best.text(self.device, 0), self.device)?;
+                Ok(Filter { states, ..best })
+            }
             (None, Some(error)) => Err(error),
-            (None, None) => Err(Self::too_few(self.into.len(), all.len())),
+            (None, None) => Err(self.none_found(self.into.len(), all.len())),
         }
     }
 
@@ -104,6 +119,17 @@ impl Request<'_> {
             _ => 0,
         };
         self.effort.with_states(states)
+    }
+
+    /// Whether a filter is shorter than another, and no worse in what comes out of it.
+    fn is_as_good(&self, new: &Filter, old: &Filter) -> bool {
+        if new.words.len() >= old.words.len() || new.decided.is_some() != old.decided.is_some() {
+            return false;
+        }
+        let [(border, holds, unset, ..), before] = [new, old].map(|it| self.key(it));
+        let is_sound = border <= before.0 && holds <= before.1 && unset <= before.2;
+        let [new, old] = [new, old].map(|it| self.quality(it));
+        is_sound && new[0] >= old[0] && new[1] >= old[1]
     }
 
     pub(super) fn key(&self, filter: &Filter) -> Key {

@@ -10,8 +10,9 @@ use super::{
     linear_form::LinearForm,
     plan::StoreErrors,
     solve::{FINE, Limits, Problem, Solved},
-    survival::Survival,
+    survival::{self, Survival},
     walk,
+    words::{Buses, check_words},
 };
 use crate::{
     isa::{Analog, Device, Primitive, Source, Target},
@@ -176,7 +177,7 @@ impl<'a> Request<'a> {
         let (goals, unit) = goals(self.kernels)?;
         let mut all = ordinary_registers(self.device);
         all.retain(|register| !self.keep.contains(register));
-        Survival {
+        let front = Survival {
             request: self,
             goals: &goals,
             unit,
@@ -184,7 +185,11 @@ impl<'a> Request<'a> {
             effort: self.effort,
             strict: true,
         }
-        .front()
+        .front()?;
+        for filter in &front {
+            check_words(&filter.text(self.device, 0), self.device)?;
+        }
+        Ok(front)
     }
 
     /// The filter in these registers.
@@ -202,6 +207,19 @@ impl<'a> Request<'a> {
             }
             .filter(),
         }
+    }
+
+    /// What comes out of a filter, in steps: the more, the better.
+    pub(super) fn quality(&self, filter: &Filter) -> [i64; 2] {
+        Survival {
+            request: self,
+            goals: &[],
+            unit: 1,
+            all: &[],
+            effort: self.effort,
+            strict: true,
+        }
+        .quality(filter)
     }
 
     /// Whether the chip's converter can set the thresholds behind so many halvings: it has whole LSB,
@@ -285,7 +303,7 @@ impl<'a> Request<'a> {
             return Err(self.no_halving((low, high)));
         };
         if bits.is_multiple_of(2) {
-            let first = prescale(self.device, self.input, other, bits);
+            let first = self.prescaled(other, bits)?;
             return Ok(built(&plus, bits, first));
         }
         // Every store negates, so an odd number of halvings gives the negated input, in the other
@@ -298,7 +316,7 @@ impl<'a> Request<'a> {
         let Some(bits) = halvings(&minus, unit, limits) else {
             return Err(self.no_halving((low, high)));
         };
-        let first = prescale(self.device, self.input, other, bits);
+        let first = self.prescaled(other, bits)?;
         Ok(built(&minus, bits, first))
     }
 
@@ -345,6 +363,7 @@ impl<'a> Request<'a> {
                 into: self.into.clone(),
                 all: all.to_vec(),
             },
+            buses: Buses::from_device(self.device),
             border: self.border != Border::Any,
             seed: self.seed,
             // Of kernels of zeros there is nothing to look for.
@@ -367,18 +386,40 @@ impl<'a> Request<'a> {
         limits: Option<Limits>,
     ) -> Result<Solved, CompileError> {
         let found = self.problem(goals, unit, file, limits).solve();
-        found.ok_or_else(|| Self::too_few(goals.len(), file.1.len()))
+        found.ok_or_else(|| self.none_found(goals.len(), file.1.len()))
     }
 
-    /// Registers do not suffice.
-    pub(super) fn too_few(goals: usize, free: usize) -> CompileError {
-        CompileError::Registers {
-            what: match goals {
-                1 => "one kernel".to_owned(),
-                n => format!("{n} kernels"),
+    /// Registers do not suffice, or words are missing that plans in so many need.
+    pub(super) fn none_found(&self, goals: usize, free: usize) -> CompileError {
+        let needed = goals + walk::FEWEST_REGISTERS - 1;
+        match Buses::from_device(self.device).missing() {
+            Some(word) if free >= needed => self.missing(&word),
+            _ => CompileError::Registers {
+                what: match goals {
+                    1 => "one kernel".to_owned(),
+                    n => format!("{n} kernels"),
+                },
+                needed,
+                free,
             },
-            needed: goals + walk::FEWEST_REGISTERS - 1,
-            free,
+        }
+    }
+
+    /// No filter without this word.
+    fn missing(&self, word: &str) -> CompileError {
+        let chip = self.device.name();
+        CompileError::Missing {
+            chip: chip.to_owned(),
+            why: format!("{chip} has no {word}, and no filter without it was found"),
+        }
+    }
+
+    /// Words that halve the input so often, if the chip has them.
+    fn prescaled(&self, other: Analog, bits: u32) -> Result<Vec<Primitive>, CompileError> {
+        let buses = Buses::from_device(self.device);
+        match buses.missing() {
+            Some(word) if !buses.have(&survival::halvings(bits)) => Err(self.missing(&word)),
+            _ => Ok(prescale(self.device, self.input, other, bits)),
         }
     }
 }

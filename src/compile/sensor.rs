@@ -9,9 +9,10 @@ use super::{
     error::{CompileError, largest_of_both_signs, most_threshold},
     event_readout::EventReadout,
     filter::Filter,
-    need::{MEMORY_BITS, Need, advice},
+    need::{Need, advice},
     request::{Border, Request},
     shared_memory,
+    words::{check_bits, check_words},
 };
 use crate::{
     elementary,
@@ -22,7 +23,17 @@ use crate::{
 
 /// The one-bit registers that memories may take. R0 and R12 serve logic; R5, R6 and R11 the
 /// program.
-const MEMORY: [&str; MEMORY_BITS] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
+const MEMORY: [&str; 8] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
+
+/// Those that a chip has.
+pub(super) fn memory_bits(device: &Device) -> Vec<&'static str> {
+    let is_there = |name: &&str| {
+        device
+            .value_of(name)
+            .is_some_and(|it| it.digital().is_some())
+    };
+    MEMORY.into_iter().filter(is_there).collect()
+}
 
 /// A memory in one-bit registers: the range of the drive in equal steps.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,12 +110,15 @@ impl SensorProgram {
         if memory == DriveMemory::Shared {
             let program = shared_memory::program(kinds, title, request)?;
             check_thresholds(request.device, kinds, &program.scales)?;
+            check_words(&program.text, request.device)?;
+            check_bits(&program.text, request.device)?;
             return Ok(program);
         }
         let device = request.device;
         let all = ordinary_registers(device);
         let count = kinds.len();
-        let remembered = memory_registers(memory, count, all.len())?;
+        let bits = memory_bits(device);
+        let remembered = memory_registers(memory, count, (all.len(), bits.len()))?;
         // From the first register on: drives, a scratch; the threshold and the memories are last.
         let memories = all[all.len() - remembered..].to_vec();
         let kernels: Vec<Kernel> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
@@ -144,8 +158,8 @@ impl SensorProgram {
         let host = (scale, largest_of_both_signs(device));
         let steps: Vec<BitMemory> = match memory {
             DriveMemory::Analogue | DriveMemory::Shared => Vec::new(),
-            DriveMemory::Bits(bits) => {
-                let registers = MEMORY.chunks(usize::from(bits));
+            DriveMemory::Bits(own) => {
+                let registers = bits.chunks(usize::from(own));
                 let steps = |(kind, own)| BitMemory::new(kind, host, own);
                 kinds.iter().zip(registers).map(steps).collect()
             }
@@ -168,6 +182,8 @@ impl SensorProgram {
             },
         };
         program.text = program.text_with(kinds, title, device, EventReadout::default());
+        check_words(&program.text, device)?;
+        check_bits(&program.text, device)?;
         Ok(program)
     }
 
@@ -255,11 +271,16 @@ fn check_thresholds(
     Ok(())
 }
 
-/// How many of `free` analogue registers hold memories of `count` kinds.
+/// How many of `free` analogue registers hold memories of `count` kinds; `free_bits`: the one-bit
+/// registers for memories.
 ///
 /// # Errors
 /// When there are too few registers, analogue or of one bit.
-fn memory_registers(memory: DriveMemory, count: usize, free: usize) -> Result<usize, CompileError> {
+fn memory_registers(
+    memory: DriveMemory,
+    count: usize,
+    (free, free_bits): (usize, usize),
+) -> Result<usize, CompileError> {
     // One register for each memory, or one in which bit memories are assembled in turn.
     let (remembered, each) = match memory {
         DriveMemory::Analogue | DriveMemory::Shared => (
@@ -279,12 +300,12 @@ fn memory_registers(memory: DriveMemory, count: usize, free: usize) -> Result<us
         });
     }
     if let DriveMemory::Bits(own) = memory
-        && !(1..=MEMORY_BITS).contains(&bits)
+        && !(1..=free_bits).contains(&bits)
     {
         return Err(CompileError::Bits {
             count,
             bits: own,
-            free: MEMORY_BITS,
+            free: free_bits,
             advice: String::new(),
         });
     }

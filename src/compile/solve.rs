@@ -14,6 +14,7 @@ use super::{
     separable::{Factor, compose, factors},
     tour::{NODES, Room, tours},
     walk::walks,
+    words::Buses,
 };
 use crate::{
     order::Order,
@@ -29,6 +30,8 @@ pub(super) struct Problem {
     pub(super) unit: i64,
     /// The registers that may be used.
     pub(super) registers: RegisterFile,
+    /// The words that may be used.
+    pub(super) buses: Buses,
     /// Right up to the border, if it can be had.
     pub(super) border: bool,
     /// Seed of the heuristics.
@@ -415,7 +418,7 @@ impl Problem {
         (registers, input_is_kept): (usize, bool),
     ) -> Option<Plan> {
         let least = |mut plans: Vec<Plan>, unit: i64| {
-            plans.retain(|plan| plan.pressure(input_is_kept) <= registers);
+            plans.retain(|plan| plan.pressure(input_is_kept) <= registers && self.buses.have(plan));
             plans.order_by_key(|plan| plan.words.len());
             let holds = |plan: &&Plan| {
                 let trace = plan.trace(unit * FINE);
@@ -434,9 +437,12 @@ impl Problem {
         least(plans, unit)
     }
 
-    /// Allocates registers; `None` where there are too few. The plan is verified once more by its
-    /// trace.
+    /// Allocates registers; `None` where there are too few, or the chip does not have the words. The
+    /// plan is verified once more by its trace.
     pub(super) fn finish(&self, plan: Plan) -> Option<Solved> {
+        if !self.buses.have(&plan) {
+            return None;
+        }
         let trace = plan.trace(self.unit.checked_mul(FINE)?)?;
         for (goal, value) in self.goals.iter().zip(&plan.goals) {
             if trace.values.get(*value)? != &goal.times(FINE) {

@@ -27,7 +27,7 @@ use super::{
     steady::{Reads, greedy, room, steadied},
 };
 use crate::{
-    isa::{Analog, Figure},
+    isa::{Analog, Figure, Primitive},
     order::Order,
 };
 
@@ -88,7 +88,7 @@ impl Candidate {
 
     /// Steps of signal-to-noise ratio.
     fn quality(&self) -> i64 {
-        (self.signal(0.0) / EQUAL_DB).round() as i64
+        steps_of_db(self.signal(0.0))
     }
 
     /// The least signal-to-noise ratio, in decibels, where in a part of the cells nothing of the
@@ -252,11 +252,22 @@ impl Survival<'_> {
         }
     }
 
+    /// What comes out of a filter, in steps of what is told apart: of its events where it is known with
+    /// what it is compared, else of its signal-to-noise ratio.
+    pub(super) fn quality(&self, filter: &Filter) -> [i64; 2] {
+        if let Some(decided) = filter.decided {
+            return decided.steps();
+        }
+        let all = self.predicted(&filter.words, None).into_iter();
+        let least = all.map(|forecast| forecast.snr_db()).fold(90.0, f64::min);
+        [steps_of_db(least), 0]
+    }
+
     /// Candidates for an input of any amplitude.
     fn anywhere(&self) -> Result<(Vec<Candidate>, u64), CompileError> {
         let problem = self.problem(0, self.effort);
         let (best, all) = problem.solve_all();
-        let best = best.ok_or_else(|| Request::too_few(self.goals.len(), self.all.len()))?;
+        let best = best.ok_or_else(|| self.none_found())?;
         let mut out = Vec::new();
         for solved in short(all) {
             let plain = solved.plan;
@@ -322,9 +333,14 @@ impl Survival<'_> {
                 plans: short(all).into_iter().map(|solved| solved.plan).collect(),
             })
         });
-        let found = found.ok_or_else(|| Request::too_few(self.goals.len(), self.all.len()))?;
+        let found = found.ok_or_else(|| self.none_found())?;
         *seen += found.seen;
         Ok(found.plans)
+    }
+
+    /// That no plan was found.
+    pub(super) fn none_found(&self) -> CompileError {
+        self.request.none_found(self.goals.len(), self.all.len())
     }
 
     /// The search for the goals, `bits` times halved.
@@ -402,7 +418,7 @@ impl Survival<'_> {
             return None;
         }
         let solved = problem.finish(steady.unwrap_or_else(|| plain.clone()))?;
-        let forecasts = self.predicted(&solved, None);
+        let forecasts = self.predicted(&solved.allocated.words, None);
         Some(Candidate {
             plain: plain.clone(),
             reads: reads.clone(),
@@ -417,11 +433,11 @@ impl Survival<'_> {
     }
 
     /// The forecasts at the amplitude given, that of the range, or the best.
-    fn predicted(&self, solved: &Solved, amplitude: Option<f64>) -> Vec<Forecast> {
+    fn predicted(&self, words: &[Primitive], amplitude: Option<f64>) -> Vec<Forecast> {
         let request = self.request;
         let at = |signal| {
             let mut all = forecasts(
-                &solved.allocated.words,
+                words,
                 request.device,
                 (request.input, &request.into),
                 request.kernels,
@@ -504,7 +520,7 @@ impl Survival<'_> {
                     ..best.solved.clone()
                 };
                 let amplitude = best.forecasts.first().map(|f| f.amplitude);
-                let forecasts = self.predicted(&solved, amplitude);
+                let forecasts = self.predicted(&solved.allocated.words, amplitude);
                 let next = Candidate {
                     solved,
                     plain: best.plain.clone(),
@@ -521,7 +537,7 @@ impl Survival<'_> {
             if !better {
                 break;
             }
-            best.forecasts = self.predicted(&best.solved, None);
+            best.forecasts = self.predicted(&best.solved.allocated.words, None);
         }
         // Verified once more, by its trace.
         match problem.finish(best.solved.plan.clone()) {
@@ -529,6 +545,11 @@ impl Survival<'_> {
             None => first,
         }
     }
+}
+
+/// Signal-to-noise ratio in steps of [`EQUAL_DB`].
+fn steps_of_db(db: f64) -> i64 {
+    (db / EQUAL_DB).round() as i64
 }
 
 /// Halvings of the input, one after the other.

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{
-    Analog, Evidence, Figure, HostKind, HostRow, Interval, Kind, Macro, Operands, Primitive,
-    PrimitiveRow, Quantity, Registers, Signature,
+    Analog, Evidence, Figure, HostKind, HostRow, Interval, Kind, LeftOut, Macro, Operands,
+    Primitive, PrimitiveRow, Quantity, Registers, Signature,
 };
 
 /// A number about the chip that makes no sense.
@@ -38,6 +38,7 @@ pub struct Device {
     pub(super) primitives: Vec<PrimitiveRow>,
     pub(super) hosts: Vec<HostRow>,
     pub(super) macros: Vec<Macro>,
+    pub(super) left_out: Vec<LeftOut>,
     /// The chip that it extends.
     pub(super) base: Option<Arc<Device>>,
 }

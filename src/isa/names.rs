@@ -120,6 +120,25 @@ impl Access {
     }
 }
 
+/// Whether programs can write a register of this name: letters, digits and `_`, no digit first, no
+/// word that means something else in programs, in macros or in the vendor's C++.
+#[must_use]
+pub fn is_writable(name: &str) -> bool {
+    let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let begins = |c: char| is_letter(c) && !c.is_ascii_digit();
+    name.starts_with(begins)
+        && name.chars().all(is_letter)
+        && !FIXED_NAMES.iter().any(|(fixed, _)| *fixed == name)
+        && !WORDS.contains(&name)
+}
+
+/// Words of programs, of macros and of the vendor's C++.
+const WORDS: &[&str] = &[
+    "const", "init", "frame", "repeat", "macro", "host", "if", "else", "for", "while", "do",
+    "switch", "case", "default", "break", "continue", "return", "goto", "new", "delete", "auto",
+    "void", "bool", "char", "int", "float", "double", "NULL",
+];
+
 type FixedName = (&'static str, fn() -> Value);
 
 /// Names that mean the same on every chip.

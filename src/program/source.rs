@@ -193,6 +193,13 @@ impl Program {
         Ok(expansion)
     }
 
+    /// The first statement of a program in words and macros that a chip does not take, and why; none
+    /// where it takes each.
+    #[must_use]
+    pub fn refused(&self, device: &Device) -> Option<Fault> {
+        expand::refused(&self.syntax, &self.text, &self.settings.constants, device)
+    }
+
     /// As [`expand`](Self::expand), for whoever can run it by [`run_beside`](Self::run_beside) too.
     ///
     /// # Errors

@@ -6,9 +6,11 @@
 
 use std::fmt;
 
+use miette::Diagnostic as _;
+
+use super::Larger;
 use crate::{
     event::{Event, Packet},
-    isa::{Device, Figure},
     kernel::quantise::Erasure,
     photoreceptor::{Curve, Response},
     plane::Size,
@@ -201,17 +203,22 @@ impl Warning {
 
     /// A program on an array that is larger than its chip's.
     #[must_use]
-    pub fn larger(subject: &str, size: Size, device: &Device) -> Self {
-        let [rows, columns] = [Figure::Height, Figure::Width].map(|of| device.value(of));
-        let chip = device.name();
+    pub fn larger(subject: &str, larger: &Larger) -> Self {
+        let Larger {
+            size,
+            chip,
+            rows,
+            columns,
+            ..
+        } = larger;
         Self::new(
             About::Larger,
             subject,
             format!("an array of {size}, and {chip} has {columns}x{rows} processors"),
             "no chip runs what is shown here, and times are those of the smaller array",
-            format!(
-                "show a part of it or larger pixels (--crop {columns}x{rows}, --resize {columns}x{rows}), or take a chip with as many (--chip)"
-            ),
+            larger
+                .help()
+                .map_or_else(String::new, |help| help.to_string()),
         )
     }
 

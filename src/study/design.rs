@@ -35,7 +35,7 @@ use std::ops::Deref;
 use super::expanded::Expanded;
 use crate::{
     array::CodeError,
-    compile::{CellKind, CompileError, DriveMemory, Effort, Request, SensorProgram},
+    compile::{CellKind, CompileError, DriveMemory, Effort, Request, SensorProgram, check_words},
     config::Faults,
     isa::Device,
     kernel::{
@@ -298,6 +298,7 @@ impl Compiled {
         text: &str,
         device: &Device,
     ) -> Result<Self, DesignError> {
+        check_words(text, device)?;
         let expanded = Expanded::from_text(title, text, device)?;
         Ok(Self { program, expanded })
     }

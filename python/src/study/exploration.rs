@@ -9,7 +9,7 @@ use amacrine::{
 use miette::{IntoDiagnostic, Report};
 use pyo3::prelude::*;
 
-use super::{Named, Search, Shown, device, kernel, quantisers};
+use super::{Named, Search, Shown, device, kernel, open_on, quantisers};
 use crate::{
     chip::{effort, memory_named, sum},
     error::raised,
@@ -36,6 +36,7 @@ pub fn design(
     let effort = effort(seconds, source.stop())?;
     let (sum, device) = (sum(sum_to)?, device(chip)?);
     let answer = source.study(py, Response::IDENTITY, || {
+        open_on(&source, &device)?;
         let question = Question {
             title: "design",
             names: &names,

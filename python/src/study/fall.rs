@@ -14,7 +14,7 @@ use miette::Report;
 use pyo3::prelude::*;
 use serde::Serialize;
 
-use super::{Named, Search, Shown, device, kernel, scan, within};
+use super::{Named, Search, Shown, device, kernel, open_on, scan, within};
 use crate::{
     chip::{effort, quantiser, sum},
     error::raised,
@@ -59,7 +59,7 @@ pub fn waterfall(
         source.name()
     );
     let answer = source.study(py, Response::IDENTITY, || {
-        let mut shown = source.open()?;
+        let mut shown = open_on(&source, &device)?;
         let choice = rates.map(|rates| falls::Choice {
             rates,
             chips,

@@ -10,7 +10,7 @@ use miette::Report;
 use pyo3::prelude::*;
 use serde::Serialize;
 
-use super::{Named, Search, Shown, check, device, kernel, quantisers, within};
+use super::{Named, Search, Shown, check, device, kernel, open_on, quantisers, within};
 use crate::{
     chip::{effort, sum},
     error::raised,
@@ -81,7 +81,7 @@ pub fn on_chip(
     let source = scene.source()?;
     let effort = effort(seconds, source.stop())?;
     let answer = source.study(py, Response::IDENTITY, || {
-        let fps = source.open()?.fps();
+        let fps = open_on(&source, &device)?.fps();
         let question = quantisation::Question {
             kernel: &kernel,
             threshold,

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use amacrine::{
     array::{Arithmetic, ArithmeticError, Schedule},
+    isa::Device,
     number::{Format, FormatError},
     photoreceptor::Response,
     reference::Description,
@@ -20,7 +21,7 @@ use miette::{Report, miette};
 use pyo3::prelude::*;
 use serde::Serialize;
 
-use super::Shown;
+use super::{Shown, open_on};
 use crate::{
     error::{raised, refused},
     files::json,
@@ -48,7 +49,8 @@ pub fn trade(
     let formats = numbers(&formats)?;
     let source = scene.source()?;
     let response = description.response;
-    surveyed(py, (&source, response), upsample, sample, how, |survey| {
+    let shown = (&source, response, None);
+    surveyed(py, shown, upsample, sample, how, |survey| {
         traded(description, survey, formats, (how.0, sample.2))
     })
 }
@@ -69,7 +71,7 @@ pub fn trade_program(
     let arithmetic: Arithmetic = domain.parse().map_err(|e: ArithmeticError| raised(e))?;
     let formats = numbers(&formats)?;
     let source = scene.source()?;
-    let shown = (&source, Response::IDENTITY);
+    let shown = (&source, Response::IDENTITY, Some(program.device()));
     surveyed(py, shown, None, sample, how, |survey| {
         let mut settings = program.settings();
         settings.threads = Some(rayon::current_num_threads());
@@ -89,7 +91,7 @@ fn numbers(formats: &[String]) -> PyResult<Vec<Format>> {
 /// Keeps the scene and surveys it; the answer as JSON.
 fn surveyed<M: Send>(
     py: Python<'_>,
-    (source, response): (&Source, Response),
+    (source, response, device): (&Source, Response, Option<&Device>),
     upsample: Option<f64>,
     (within_us, sample, runs): Sample,
     (_, seed): (bool, u64),
@@ -102,7 +104,10 @@ fn surveyed<M: Send>(
         ));
     }
     let answer = source.study(py, response, || {
-        let mut shown = source.open()?;
+        let mut shown = match device {
+            Some(device) => open_on(source, device)?,
+            None => source.open()?,
+        };
         let kept = Kept::new(&mut *shown, KEPT)?.ok_or_else(|| {
             miette!(
                 help = "take a shorter or smaller scene, such as the first seconds of this one",

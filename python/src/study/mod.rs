@@ -25,8 +25,11 @@ use amacrine::{
     },
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
+    rig::Larger,
+    scene::Scene,
     unit::Micros,
 };
+use miette::Report;
 use pyo3::prelude::*;
 
 use crate::{
@@ -110,6 +113,13 @@ pub struct Shown<'py>(
     Option<f64>,
     Option<f64>,
 );
+
+/// Opens a scene that the chip's array must hold.
+fn open_on(source: &Source, device: &Device) -> Result<Box<dyn Scene>, Report> {
+    let scene = source.open()?;
+    Larger::check(source.name(), scene.size(), device)?;
+    Ok(scene)
+}
 
 impl Shown<'_> {
     fn source(&self) -> PyResult<Source> {

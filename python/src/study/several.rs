@@ -11,7 +11,7 @@ use miette::Report;
 use pyo3::prelude::*;
 use serde::Serialize;
 
-use super::{Named, Search, Shown, check, device, kernel, quantisers, within};
+use super::{Named, Search, Shown, check, device, kernel, open_on, quantisers, within};
 use crate::{
     chip::{effort, sum},
     error::raised,
@@ -72,6 +72,7 @@ pub fn on_chip_together(
     let source = scene.source()?;
     let effort = effort(seconds, source.stop())?;
     let answer = source.study(py, Response::IDENTITY, || {
+        let fps = open_on(&source, &device)?.fps();
         let floats = kernels.iter().zip(&thresholds);
         let question = Question {
             names: of.iter().map(|(name, _)| name.clone()).collect(),
@@ -86,7 +87,7 @@ pub fn on_chip_together(
                 .collect(),
             sum,
             source: &source,
-            within: within(within_us, source.open()?.fps()),
+            within: within(within_us, fps),
         };
         question.answer(&to)
     })?;

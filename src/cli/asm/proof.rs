@@ -159,16 +159,15 @@ impl Proof {
                 for register in analogue(&self.results) {
                     if let Some(it) = ranges.registers.get(usize::from(register.0)) {
                         let name = device.analog_name(register);
-                        lines.push(format!("  {name:<4} from {} to {} LSB", it.low, it.high));
+                        lines.push(format!("  {name:<4} from {}", ends(*it)));
                     }
                 }
                 for it in &ranges.saturations {
                     lines.push(format!(
-                        "  line {} can saturate: {} from {} to {} LSB",
+                        "  line {} can saturate: {} from {}",
                         it.line,
                         device.analog_name(it.register),
-                        it.interval.low,
-                        it.interval.high
+                        ends(it.interval)
                     ));
                 }
                 if ranges.saturations.is_empty() {
@@ -274,6 +273,11 @@ impl Proof {
             "saturations": saturations,
         })
     }
+}
+
+/// The ends of a range of values.
+fn ends(Interval { low, high }: Interval) -> String {
+    format!("{} to {} LSB", Lsb(low).rounded(), Lsb(high).rounded())
 }
 
 fn analogue(cells: &[Cell]) -> impl Iterator<Item = Analog> {

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::{
     super::readout_table::between, Added, Asked, Compiled, MIDDLE, bounds::Bounds,
-    on_chip::rounded, readout::Readouts,
+    readout::Readouts,
 };
 use crate::{
     array::Errors,
@@ -18,7 +18,7 @@ use crate::{
     plane::Plane,
     program::{Cost, for_each},
     study::feasibility::{Estimate, power::words_energy, time},
-    unit::counted,
+    unit::{Lsb, counted},
 };
 
 impl Compiled {
@@ -237,8 +237,8 @@ impl Compiled {
                 format!(
                     "{} from {} to {} LSB",
                     device.analog_name(*register),
-                    rounded(result.low),
-                    rounded(result.high)
+                    Lsb(result.low).rounded(),
+                    Lsb(result.high).rounded()
                 ),
             );
         }

@@ -36,11 +36,6 @@ pub(super) struct OnChip {
     pub(super) offset: f64,
 }
 
-/// A value in LSB for people: not the last bits of a calculation, and never -0.
-pub(super) fn rounded(lsb: f64) -> f64 {
-    (lsb * 1000.0).round() / 1000.0 + 0.0
-}
-
 impl OnChip {
     /// Runs the words of a filter.
     ///
@@ -95,8 +90,8 @@ impl OnChip {
         );
         format!(
             "{correlation} with the exact filter, for inputs from {} to {} LSB: {:.2} of noise and mismatch beside {:.2} of signal, {:.0} of constant (run in the model of the chip: {})",
-            rounded(self.inputs[0]),
-            rounded(self.inputs[1]),
+            Lsb(self.inputs[0]).rounded(),
+            Lsb(self.inputs[1]).rounded(),
             Lsb(self.noise),
             Lsb(self.signal),
             Lsb(self.offset + 0.0),

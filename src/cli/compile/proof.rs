@@ -9,7 +9,7 @@ use crate::{
         range::{self, Interval},
         taps,
     },
-    compile::{CompileError, Filter, largest_of_both_signs, naive_cost},
+    compile::{CompileError, Filter, check_words, largest_of_both_signs, naive_cost},
     event::Packet,
     isa::{Analog, Figure},
     number::Format,
@@ -27,6 +27,7 @@ impl Proof<'_> {
         filter: Filter,
         limited: bool,
     ) -> miette::Result<Compiled> {
+        check_words(&text, self.device)?;
         let program = Program::parse("compiled", &text)?;
         let expansion = program.expand(self.device, &Overrides::default());
         let expansion = expansion.map_err(|faults| self.too_long(&filter, faults))?;

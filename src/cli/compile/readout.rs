@@ -7,7 +7,7 @@ use miette::miette;
 use serde_json::json;
 
 use super::{
-    super::{clip::check_fits, light, readout_table},
+    super::{light, readout_table},
     Arguments, Asked,
 };
 use crate::{
@@ -20,7 +20,7 @@ use crate::{
         Cost, Overrides, Program,
         readout::{Demand, Plan, Scans, Way, choose},
     },
-    rig::{self, guard::Warning},
+    rig::{self, Larger, guard::Warning},
     scene::Observation,
     sensor::Sensor,
     study::{design, feasibility::time},
@@ -150,7 +150,7 @@ fn watched(
         .samples
         .open(Some(name), arguments.fps, observation)?;
     let size = scene.size();
-    check_fits(&format!("--scene {name}"), size, device)?;
+    Larger::check(&format!("--scene {name}"), size, device)?;
     // Whole rows, so that no event goes missing for want of a slot.
     let all = EventReadout::BitPlanes(0, u16::MAX);
     let text = program.text_with(kinds, &asked.title, device, all);

@@ -10,7 +10,7 @@ use crate::{
         range::{Inputs, Interval},
         taps,
     },
-    compile::{CellKind, DriveMemory, SensorProgram, Signal, brightest},
+    compile::{CellKind, DriveMemory, SensorProgram, Signal, brightest, check_words},
     isa::{Analog, Device, Figure},
     program::{Action, Code, Overrides, Program},
 };
@@ -37,6 +37,7 @@ pub(super) fn whole(
     }
     let (readout, readouts) = readout::planned(arguments, asked, &program, kinds, device)?;
     let text = program.text_with(kinds, &asked.title, device, readout);
+    check_words(&text, device)?;
     let parsed = Program::parse("compiled", &text)?;
     let expansion = parsed.expand(device, &Overrides::default())?;
     let drive = program.drives.first().copied().ok_or_else(fault)?;

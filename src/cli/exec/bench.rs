@@ -7,7 +7,6 @@ use miette::{WrapErr, miette};
 use super::{
     super::{
         budget::{self, Growth},
-        clip,
         opened::Opened,
     },
     arguments::{Arguments, Assignment, Switch},
@@ -29,7 +28,7 @@ use crate::{
     plane::{At, Size},
     program::{Action, Expansion, Exposure, Host, Program, Step},
     rig::{
-        self,
+        self, Larger,
         guard::{Guard, Warning},
     },
     scene::{Observation, Scene, kept::Kept},
@@ -255,8 +254,8 @@ impl<'a> Bench<'a> {
         for warning in Warning::of_scene(&self.observation, Response::IDENTITY) {
             guard.warn(warning);
         }
-        if !clip::fits(self.size, &self.opened.device) {
-            guard.warn(Warning::larger(program, self.size, &self.opened.device));
+        if let Err(larger) = Larger::check(program, self.size, &self.opened.device) {
+            guard.warn(Warning::larger(program, &larger));
         }
         // A host that decides looks for one pixel after the other, and knows what it leaves.
         if !self.opened.decides {

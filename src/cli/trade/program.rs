@@ -11,6 +11,7 @@ use crate::{
     array::{Arithmetic, Schedule, Settings},
     number::Format,
     photoreceptor::Response,
+    rig::Larger,
     study::{
         pilot::{Chips, ErrorTerm},
         trade::{Programs, Setup},
@@ -36,6 +37,11 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
     }
     let scened = arguments.scene()?;
     let size = scened.kept.size();
+    Larger::check(
+        &format!("--scene {}", arguments.scene),
+        size,
+        &opened.device,
+    )?;
     let domain = arguments.domain.unwrap_or(Arithmetic::Silicon { seed: 0 });
     let domain = domain.with_seed(arguments.seed);
     Arguments::check(&scened.kept, domain.bytes(&opened.device, size))?;

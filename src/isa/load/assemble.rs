@@ -3,30 +3,35 @@
 use std::sync::Arc;
 
 use crate::{
-    isa::{Device, macros},
+    config::{Fault, Faults},
+    isa::{Device, LeftOut, Macro, macros},
     limit::FAULTS,
+    order::Order,
 };
 
 use super::{
     error::LoadError,
-    figures::{figures, registers},
+    figures::figures,
+    file::Placed,
     layers::Layer,
+    registers::registers,
     rows::{all_macros, host_rows, primitive_rows},
 };
 
-/// All checks, one after the other; each can rely on those before it.
+/// All checks, one after the other; each can rely on those before it. What the layers below say is
+/// right for the chip below, so that what is wrong here stands in the last.
 pub(super) fn assemble(layers: &[Layer]) -> Result<Device, LoadError> {
-    let figures = figures(layers)?;
-    let registers = registers(layers)?;
-    let primitives = primitive_rows(layers)?;
-    let hosts = host_rows(layers)?;
-    let (macros, mut owners) = all_macros(layers)?;
     let (top, below) = (&layers[layers.len() - 1], &layers[..layers.len() - 1]);
     let base = if below.is_empty() {
         None
     } else {
         Some(Arc::new(assemble(below)?))
     };
+    let figures = figures(layers)?;
+    let (registers, left_out) = registers(layers)?;
+    let primitives = primitive_rows(layers)?;
+    let hosts = host_rows(layers)?;
+    let (macros, mut owners) = all_macros(layers)?;
     let mut device = Device {
         name: top.device.name.value.clone(),
         title: top.device.title.clone(),
@@ -35,43 +40,105 @@ pub(super) fn assemble(layers: &[Layer]) -> Result<Device, LoadError> {
         primitives,
         hosts,
         macros,
+        left_out,
         base,
     };
-    leave_out(&mut device, &mut owners, layers.len() - 1);
-    let calls = macros::check_calls(&device);
-    for (at, layer) in layers.iter().enumerate() {
-        let own = device.macros.iter().zip(&owners).filter(|(_, o)| **o == at);
-        let mut faults = Vec::new();
-        for (it, _) in own {
-            faults.extend(macros::check(&device, it));
-            if faults.len() > FAULTS {
-                break;
-            }
+    let last = layers.len() - 1;
+    check_parameters(
+        top,
+        { device.macros.iter().zip(&owners) }.filter(|(_, o)| **o != last),
+    )?;
+    leave_out(&mut device, &mut owners, last);
+    let mut faults = Vec::new();
+    for (it, _) in { device.macros.iter().zip(&owners) }.filter(|(_, o)| **o == last) {
+        faults.extend(macros::check(&device, it));
+        if faults.len() > FAULTS {
+            break;
         }
-        let circles = calls.iter().filter(|(number, _)| owners[*number] == at);
-        faults.extend(circles.map(|(_, fault)| fault.clone()));
-        layer.wrong("macros.scamp", faults)?;
     }
+    let calls = macros::check_calls(&device).into_iter();
+    let circles = calls.filter(|(number, _)| owners[*number] == last);
+    faults.extend(circles.map(|(_, fault)| fault));
+    top.wrong("macros.scamp", faults)?;
     Ok(device)
 }
 
-/// Leaves out the macros from below the `top` layer that need a register which the chip does not
-/// have, and those that call them.
-fn leave_out(device: &mut Device, owners: &mut Vec<usize>, top: usize) {
-    let own = &device.registers.analog;
-    let lacks = |base: &Device| !base.registers.analog.iter().all(|name| own.contains(name));
-    if !device.base.as_deref().is_some_and(lacks) {
-        return;
+/// Refuses a name of the last layer that a macro from below has for a parameter: it would hide the
+/// register.
+fn check_parameters<'a>(
+    top: &Layer,
+    below: impl Iterator<Item = (&'a Macro, &'a usize)>,
+) -> Result<(), Faults> {
+    let Some(registers) = &top.device.registers else {
+        return Ok(());
+    };
+    let lists = [&registers.analogue, &registers.digital]
+        .into_iter()
+        .flatten();
+    let aliases = registers.aliases.iter().map(|(alias, _)| alias);
+    let names: Vec<&Placed<String>> = { lists.flat_map(|list| &list.value) }
+        .chain(aliases)
+        .collect();
+    let mut faults = Vec::new();
+    for (it, _) in below {
+        for parameter in &it.signature.parameters {
+            for name in names.iter().filter(|name| name.value == parameter.name) {
+                let what = format!(
+                    "no register can be called `{}`: it is a parameter of `{}`",
+                    name.value, it.signature.name
+                );
+                faults.push(Fault::error(name.place, what, "this name").help(
+                    "give it another name: in the text of that macro it would mean the register",
+                ));
+            }
+        }
     }
+    // One of its macros tells enough of a name.
+    faults.order_by_key(|fault| fault.place.start);
+    faults.dedup_by_key(|fault| fault.place.start);
+    top.wrong("device.toml", faults)
+}
+
+/// The chip so many layers below; none for the chip itself.
+fn below(device: &Device, layers: usize) -> Option<&Device> {
+    let mut below = device.base();
+    for _ in 1..layers {
+        below = below?.base();
+    }
+    below.filter(|_| layers > 0)
+}
+
+/// Leaves out the macros from below the `top` layer that need what the chip does not have, and those
+/// that call them. What a parameter is where nothing is given has to be given, if it is not there.
+fn leave_out(device: &mut Device, owners: &mut Vec<usize>, top: usize) {
+    let mut macros = std::mem::take(&mut device.macros);
+    for (it, _) in { macros.iter_mut().zip(&*owners) }.filter(|(_, owner)| **owner != top) {
+        macros::without_defaults(device, it);
+    }
+    device.macros = macros;
     loop {
-        let is_whole: Vec<bool> = { device.macros.iter().zip(&*owners) }
-            .map(|(it, owner)| *owner == top || macros::check(device, it).is_empty())
+        let lacks: Vec<Option<String>> = { device.macros.iter().zip(&*owners) }
+            .map(|(it, owner)| {
+                let home = below(device, top - *owner)?;
+                macros::lacks(device, home, it)
+            })
             .collect();
-        if is_whole.iter().all(|it| *it) {
+        if lacks.iter().all(Option::is_none) {
             return;
         }
-        let (mut macros, mut of) = (is_whole.iter(), is_whole.iter());
-        device.macros.retain(|_| macros.next() == Some(&true));
-        owners.retain(|_| of.next() == Some(&true));
+        let all = std::mem::take(&mut device.macros).into_iter();
+        let before = std::mem::take(owners).into_iter();
+        for ((it, owner), lacks) in all.zip(before).zip(lacks) {
+            if let Some(lacks) = lacks {
+                device.left_out.push(LeftOut {
+                    name: it.signature.name.clone(),
+                    lacks,
+                    it: Some(it),
+                });
+            } else {
+                device.macros.push(it);
+                owners.push(owner);
+            }
+        }
     }
 }

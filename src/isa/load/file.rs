@@ -5,7 +5,7 @@ use super::{
     keys::{self, DEVICE, PRIMITIVES, QUANTITY},
 };
 use crate::{
-    config::{Fault, Faults, Node, Place, Read, Section},
+    config::{Fault, Faults, Name, Node, Place, Read, Section},
     order::Order,
 };
 
@@ -29,11 +29,11 @@ pub(super) struct DeviceFile {
 
 #[derive(Debug)]
 pub(super) struct RegistersFile {
-    pub analogue: Option<Vec<Placed<String>>>,
+    pub analogue: Option<Placed<Vec<Placed<String>>>>,
     pub news: Option<Placed<String>>,
-    pub digital: Option<Vec<Placed<String>>>,
+    pub digital: Option<Placed<Vec<Placed<String>>>>,
     /// In alphabetical order.
-    pub aliases: Vec<(String, Placed<String>)>,
+    pub aliases: Vec<(Placed<String>, Placed<String>)>,
     pub roles: Option<RolesFile>,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct RolesFile {
 
 #[derive(Debug)]
 pub(super) struct HostFile {
-    pub kind: HostKind,
+    pub kind: Placed<HostKind>,
     pub forms: Vec<Placed<String>>,
     pub meaning: String,
     pub call: Placed<Quantity>,
@@ -56,7 +56,7 @@ pub(super) struct HostFile {
 
 #[derive(Debug)]
 pub(super) struct RowFile {
-    pub kind: Kind,
+    pub kind: Placed<Kind>,
     pub forms: Vec<Placed<String>>,
     pub equation: String,
     pub words: u64,
@@ -104,7 +104,10 @@ pub(super) fn primitives(name: &str, text: &str) -> Result<Vec<RowFile>, Faults>
 
 fn row(row: &Section<'_>) -> Read<RowFile> {
     Ok(RowFile {
-        kind: row.needed_word("name", Kind::ALL)?,
+        kind: Placed {
+            value: row.needed_word("name", Kind::ALL)?,
+            place: row.need("name")?.place(),
+        },
         forms: row.list("forms").into_iter().map(placed).collect(),
         equation: row.text("equation")?.to_owned(),
         words: row.whole("words")?,
@@ -116,7 +119,10 @@ fn row(row: &Section<'_>) -> Read<RowFile> {
 
 fn host(row: &Section<'_>) -> Read<HostFile> {
     Ok(HostFile {
-        kind: row.needed_word("name", HostKind::ALL)?,
+        kind: Placed {
+            value: row.needed_word("name", HostKind::ALL)?,
+            place: row.need("name")?.place(),
+        },
         forms: row.list("forms").into_iter().map(placed).collect(),
         meaning: row.text("meaning")?.to_owned(),
         call: quantity(&Section::new(row.need("call")?, &QUANTITY))?,
@@ -126,14 +132,21 @@ fn host(row: &Section<'_>) -> Read<HostFile> {
 
 fn registers(part: &Section<'_>) -> Read<RegistersFile> {
     let names = |key: &str| {
-        let list = part.get(key)?.as_list()?;
-        Some(list.into_iter().map(placed).collect())
+        let list = part.get(key)?;
+        Some(Placed {
+            value: list.as_list()?.into_iter().map(placed).collect(),
+            place: list.place(),
+        })
     };
     let aliases = part.entries("aliases").into_iter();
+    let alias = |name: Name<'_>| Placed {
+        value: name.text.to_owned(),
+        place: name.place,
+    };
     let mut aliases: Vec<_> = aliases
-        .map(|(alias, name)| (alias.text.to_owned(), placed(name)))
+        .map(|(name, of)| (alias(name), placed(of)))
         .collect();
-    aliases.order_by(|a, b| a.0.cmp(&b.0));
+    aliases.order_by(|a, b| a.0.value.cmp(&b.0.value));
     Ok(RegistersFile {
         analogue: names("analogue"),
         news: part.get("news").map(placed),

@@ -3,7 +3,8 @@
 use serde_json::{Map, Value as Json, json};
 
 use super::super::{Clock, Evidence, Figure, HostKind, Kind as Primitive};
-use crate::config::{File, Key, Kind, Range, Table, schema};
+use crate::config::{File, Key, Kind, Range, Spelling, Table, schema};
+use crate::isa::names::is_writable;
 
 const SEE: &str = "see isa/README.md or the shipped files for what can stand here";
 
@@ -22,11 +23,7 @@ pub const PRIMITIVES_FILE: File = File {
 };
 
 pub(super) const DEVICE: Table = Table::new(&[
-    Key::required(
-        "name",
-        Kind::Text,
-        "name of the chip, as that of its folder",
-    ),
+    Key::required("name", CHIP, "name of the chip, as that of its folder"),
     Key::required("title", Kind::Text, "the chip in a few words"),
     Key::optional(
         "extends",
@@ -50,16 +47,31 @@ pub(super) const DEVICE: Table = Table::new(&[
     ),
 ]);
 
+const CHIP: Kind = Kind::Spelled(&Spelling {
+    what: "a name that is not blank",
+    pattern: r"\S",
+    holds: |text| !text.trim().is_empty(),
+});
+
 const TEXTS: Kind = Kind::list(&Kind::Text);
 
+/// What a register can be called.
+pub(super) const NAME: &str = "a name that programs can write: letters, digits and _, no digit first, no word of the language";
+
+const NAMES: Kind = Kind::list(&Kind::Spelled(&Spelling {
+    what: NAME,
+    pattern: "^[A-Za-z_][A-Za-z0-9_]*$",
+    holds: is_writable,
+}));
+
 const REGISTERS: Table = Table::new(&[
-    Key::optional("analogue", TEXTS, "names of the analogue ones"),
+    Key::optional("analogue", NAMES, "names of the analogue ones"),
     Key::optional(
         "news",
         Kind::Text,
         "the analogue one that neighbours can reach",
     ),
-    Key::optional("digital", TEXTS, "names of the one-bit ones"),
+    Key::optional("digital", NAMES, "names of the one-bit ones"),
     Key::optional(
         "aliases",
         Kind::Map(&Kind::Text),

@@ -10,6 +10,7 @@ mod figures;
 mod file;
 pub mod keys;
 mod layers;
+mod registers;
 mod rows;
 
 pub use self::error::LoadError;

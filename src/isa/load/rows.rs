@@ -2,14 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use crate::config::{Fault, Faults};
+use crate::config::{Fault, Faults, Place};
 use crate::limit::FORMS;
 
 use super::{
     super::{
-        Analog, Digital, HostKind, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity,
-        Signature, Value, macros, row, signature::Parameter,
+        Analog, Digital, Domain, HostKind, HostRow, Kind, Macro, Operand, PrimitiveRow, Signature,
+        Value, macros, row, signature::Parameter,
     },
+    figures::wrong,
     file::Placed,
     layers::Layer,
 };
@@ -46,12 +47,29 @@ pub(super) fn forms(
     parsed
 }
 
+/// What a host operation costs.
+const HOST_COST: (&str, Domain) = ("us", Domain::NotNegative);
+
+/// Rows of one name in one file: only one of them would count.
+fn twice(rows: impl Iterator<Item = (&'static str, Place)>, faults: &mut Vec<Fault>) {
+    let mut seen = Vec::new();
+    for (name, place) in rows {
+        if seen.contains(&name) {
+            let what = format!("`{name}` has two rows");
+            faults.push(Fault::error(place, what, "the second").help("leave one of them out"));
+        }
+        seen.push(name);
+    }
+}
+
 pub(super) fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faults> {
     let mut rows: BTreeMap<Kind, PrimitiveRow> = BTreeMap::new();
     for layer in layers {
         let mut faults = Vec::new();
+        let names = { layer.primitives.iter() }.map(|row| (row.kind.value.word(), row.kind.place));
+        twice(names, &mut faults);
         for row in &layer.primitives {
-            let kind = row.kind;
+            let kind = row.kind.value;
             let built = PrimitiveRow {
                 kind,
                 forms: forms(&row.forms, &mut faults, |form| can_be_built(kind, form)),
@@ -87,25 +105,18 @@ pub(super) fn host_rows(layers: &[Layer]) -> Result<Vec<HostRow>, Faults> {
     let mut rows: BTreeMap<HostKind, HostRow> = BTreeMap::new();
     for layer in layers {
         let mut faults = Vec::new();
+        let names = { layer.device.host.iter() }.map(|row| (row.kind.value.word(), row.kind.place));
+        twice(names, &mut faults);
         for row in &layer.device.host {
-            for quantity in std::iter::once(&row.call).chain(&row.item) {
-                let Quantity { value, unit, .. } = &quantity.value;
-                let [low, high] = quantity.value.ends();
-                let times = [low, *value, high];
-                let is_time = |us: &f64| us.is_finite() && *us >= 0.0;
-                if unit != "us" || !times.iter().all(is_time) || !times.is_sorted() {
-                    faults.push(
-                        Fault::error(
-                            quantity.place,
-                            "a host operation costs zero or more microseconds (`us`), within its interval",
-                            "this figure",
-                        )
-                        .help("write { value = …, unit = \"us\", source = …, evidence = … }"),
-                    );
-                }
+            let name = row.kind.value.word();
+            let costs = [("call", Some(&row.call)), ("item", row.item.as_ref())];
+            for (key, cost) in costs {
+                let name = format!("{name}.{key}");
+                let cost = cost.and_then(|cost| wrong(&name, HOST_COST, cost));
+                faults.extend(cost);
             }
             let built = HostRow {
-                kind: row.kind,
+                kind: row.kind.value,
                 forms: forms(&row.forms, &mut faults, |_| true),
                 meaning: row.meaning.clone(),
                 call: row.call.value.clone(),
@@ -148,8 +159,16 @@ pub(super) fn all_macros(layers: &[Layer]) -> Result<(Vec<Macro>, Vec<usize>), F
                 continue;
             }
         };
+        let mut faults = Vec::new();
         for it in list {
             if let Some(old) = all.iter().position(|m| m.replaces(&it)) {
+                if owners[old] == at {
+                    let what = format!("two macros are `{}`", it.signature);
+                    faults.push(
+                        Fault::error(it.signature.place, what, "the second")
+                            .help("leave one of them out, or let it take something else"),
+                    );
+                }
                 all[old] = it;
                 owners[old] = at;
             } else {
@@ -157,6 +176,7 @@ pub(super) fn all_macros(layers: &[Layer]) -> Result<(Vec<Macro>, Vec<usize>), F
                 owners.push(at);
             }
         }
+        layer.wrong("macros.scamp", faults)?;
     }
     Ok((all, owners))
 }

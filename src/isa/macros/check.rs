@@ -10,20 +10,66 @@ use crate::{
         text::{Argument, Expression, Statement, Term},
     },
     limit::{FAULTS, MACRO_DEPTH},
+    unit::counted,
 };
 
 use super::{
     calls::{may_mean, statements},
     definition::{Item, Macro},
+    roles,
 };
+
+/// What is wrong with a macro, and what of that is for want of something on the chip.
+#[derive(Default)]
+struct Found {
+    faults: Vec<Fault>,
+    lacks: Vec<String>,
+}
+
+impl Found {
+    fn new(device: &Device, it: &Macro) -> Self {
+        let mut found = Self::default();
+        check_heading(device, it, &mut found);
+        check_body(device, it, &it.body, &mut found);
+        found
+    }
+
+    fn push(&mut self, fault: Fault) {
+        self.faults.push(fault);
+    }
+
+    /// A fault for want of this, as a message names it.
+    fn lacks(&mut self, what: String, fault: Fault) {
+        self.lacks.push(what);
+        self.faults.push(fault);
+    }
+}
 
 /// Checks a macro of a device against the others, its rows and its registers.
 #[must_use]
 pub fn check(device: &Device, it: &Macro) -> Vec<Fault> {
-    let mut faults = Vec::new();
-    check_heading(device, it, &mut faults);
-    check_body(device, it, &it.body, &mut faults);
-    faults
+    Found::new(device, it).faults
+}
+
+/// What a macro of the chip `home`, which is below, needs that the device does not have, as a message
+/// names it: of a statement that is left out, what that needs.
+#[must_use]
+pub fn lacks(device: &Device, home: &Device, it: &Macro) -> Option<String> {
+    let lacks = Found::new(device, it).lacks.into_iter().next();
+    lacks.or_else(|| roles::lacks(device, home, it))
+}
+
+/// Leaves out what parameters are where nothing is given, if the device does not have that.
+pub fn without_defaults(device: &Device, it: &mut Macro) {
+    for at in 0..it.signature.parameters.len() {
+        let mut found = Found::default();
+        if let Some(default) = &it.signature.parameters[at].default {
+            check_names(device, it, default, &mut found);
+        }
+        if !found.lacks.is_empty() {
+            it.signature.parameters[at].default = None;
+        }
+    }
 }
 
 /// Checks that no macro of a device comes back to itself, and that none is too deep. What is
@@ -106,7 +152,7 @@ fn circle(device: &Device, it: &Macro) -> Option<Fault> {
     })
 }
 
-fn check_heading(device: &Device, it: &Macro, faults: &mut Vec<Fault>) {
+fn check_heading(device: &Device, it: &Macro, found: &mut Found) {
     let place = it.signature.place;
     let parameters: Vec<&str> = it
         .signature
@@ -116,7 +162,7 @@ fn check_heading(device: &Device, it: &Macro, faults: &mut Vec<Fault>) {
         .collect();
     for (i, name) in parameters.iter().enumerate() {
         if !name.is_empty() && parameters[..i].contains(name) {
-            faults.push(
+            found.push(
                 Fault::error(
                     place,
                     format!("two parameters are called `{name}`"),
@@ -126,7 +172,7 @@ fn check_heading(device: &Device, it: &Macro, faults: &mut Vec<Fault>) {
             );
         }
         if it.signature.parameters[i].count != (1, 1) || it.signature.parameters[i].group {
-            faults.push(
+            found.push(
                 Fault::error(
                     place,
                     format!("the parameter `{name}` takes several arguments"),
@@ -136,7 +182,7 @@ fn check_heading(device: &Device, it: &Macro, faults: &mut Vec<Fault>) {
             );
         }
         if device.value_of(name).is_some() {
-            faults.push(
+            found.push(
                 Fault::error(
                     place,
                     format!("the parameter `{name}` hides a name of the chip"),
@@ -146,10 +192,18 @@ fn check_heading(device: &Device, it: &Macro, faults: &mut Vec<Fault>) {
             );
         }
     }
+    for default in it
+        .signature
+        .parameters
+        .iter()
+        .filter_map(|p| p.default.as_ref())
+    {
+        check_names(device, it, default, found);
+    }
     for distinct in &it.distinct {
         for name in [&distinct.first, &distinct.second] {
             if !parameters.contains(&name.as_str()) {
-                faults.push(
+                found.push(
                     Fault::error(
                         place,
                         format!("`{name}` is not a parameter"),
@@ -166,7 +220,8 @@ fn check_heading(device: &Device, it: &Macro, faults: &mut Vec<Fault>) {
     }
     for name in &it.gives {
         if name != "FLAG" && device.value_of(name).is_none() {
-            faults.push(
+            found.lacks(
+                format!("register `{name}`"),
                 Fault::error(
                     place,
                     format!("`{name}` is not a register"),
@@ -182,33 +237,38 @@ fn check_heading(device: &Device, it: &Macro, faults: &mut Vec<Fault>) {
     }
 }
 
-fn check_body(device: &Device, it: &Macro, body: &[Item], faults: &mut Vec<Fault>) {
+fn check_body(device: &Device, it: &Macro, body: &[Item], found: &mut Found) {
     for item in body {
         match item {
-            Item::Statement(statement) => check_statement(device, it, statement, faults),
+            Item::Statement(statement) => check_statement(device, it, statement, found),
             Item::Repeat { times, body } => {
-                check_names(device, it, times, faults);
-                check_body(device, it, body, faults);
+                check_names(device, it, times, found);
+                check_body(device, it, body, found);
             }
         }
     }
 }
 
-fn check_statement(device: &Device, it: &Macro, statement: &Statement, faults: &mut Vec<Fault>) {
+fn check_statement(device: &Device, it: &Macro, statement: &Statement, found: &mut Found) {
     let callables = device.callables(&statement.name);
     if callables.is_empty() {
         let names = device.all_callables().map(|c| c.signature().name.as_str());
-        faults.push(
+        let why = device.why_no_statement(&statement.name, None);
+        found.lacks(
+            lacked(device, statement),
             Fault::error(
                 statement.name_place,
-                format!("unknown statement `{}`", statement.name),
+                (why.clone()).unwrap_or_else(|| format!("unknown statement `{}`", statement.name)),
                 "in the body of a macro",
             )
-            .help(suggestion_or(
-                &statement.name,
-                names,
-                "a body is made of primitives and of other macros",
-            )),
+            .help(match why {
+                Some(_) => format!("write it with what {} has", device.name()),
+                None => suggestion_or(
+                    &statement.name,
+                    names,
+                    "a body is made of primitives and of other macros",
+                ),
+            }),
         );
         return;
     }
@@ -219,7 +279,7 @@ fn check_statement(device: &Device, it: &Macro, statement: &Statement, faults: &
             Argument::Group { items, .. } => items,
         };
         for item in items {
-            check_names(device, it, item, faults);
+            check_names(device, it, item, found);
             // `R[dir]` may be one register or four.
             spread |= matches!(item.term, Term::Of { ref base, .. } if base == "R");
         }
@@ -241,7 +301,8 @@ fn check_statement(device: &Device, it: &Macro, statement: &Statement, faults: &
             .iter()
             .map(|c| c.signature().to_string())
             .collect();
-        faults.push(
+        found.lacks(
+            lacked(device, statement),
             Fault::error(
                 statement.place,
                 format!("`{}` does not take these arguments", statement.name),
@@ -252,16 +313,31 @@ fn check_statement(device: &Device, it: &Macro, statement: &Statement, faults: &
     }
 }
 
-fn check_names(device: &Device, it: &Macro, expression: &Expression, faults: &mut Vec<Fault>) {
+/// What is not there where a statement cannot be: what a macro of the name lacks, else the statement.
+fn lacked(device: &Device, statement: &Statement) -> String {
+    let left = device.left_out().iter();
+    let mut left = left.filter(|left| { left.it.iter() }.any(|it| may_mean(statement, it)));
+    match (left.next(), statement.arguments.len()) {
+        (Some(left), _) => left.lacks.clone(),
+        (None, count) if !device.callables(&statement.name).is_empty() => {
+            format!("`{}` of {}", statement.name, counted(count, "argument"))
+        }
+        (None, _) => format!("`{}`", statement.name),
+    }
+}
+
+fn check_names(device: &Device, it: &Macro, expression: &Expression, found: &mut Found) {
     let mut need = |name: &str, place: Place| {
         let parameters = it.signature.parameters.iter();
         let mut names = parameters.map(|p| p.name.as_str()).chain(device.names());
         if !names.any(|n| n == name) {
             let parameters = it.signature.parameters.iter().map(|p| p.name.as_str());
-            faults.push(
+            let why = device.why_no_name(name);
+            found.lacks(
+                format!("`{name}`"),
                 Fault::error(
                     place,
-                    format!("unknown name `{name}`"),
+                    why.unwrap_or_else(|| format!("unknown name `{name}`")),
                     "in the body of a macro",
                 )
                 .help(suggestion_or(
@@ -275,17 +351,17 @@ fn check_names(device: &Device, it: &Macro, expression: &Expression, faults: &mu
     match &expression.term {
         Term::Number(_) => {}
         Term::Name(name) => need(name, expression.place),
-        Term::Negate(inner) => check_names(device, it, inner, faults),
+        Term::Negate(inner) => check_names(device, it, inner, found),
         Term::Binary { left, right, .. } => {
-            check_names(device, it, left, faults);
-            check_names(device, it, right, faults);
+            check_names(device, it, left, found);
+            check_names(device, it, right, found);
         }
         Term::Of {
             base, direction, ..
         } => {
             need(direction, expression.place);
             if base != "X" && base != "R" {
-                faults.push(
+                found.push(
                     Fault::error(
                         expression.place,
                         format!("unknown name `{base}[…]`"),

@@ -17,10 +17,11 @@ mod calls;
 mod check;
 mod definition;
 mod parse;
+mod roles;
 mod scratch;
 
 pub use self::{
-    check::{check, check_calls},
+    check::{check, check_calls, lacks, without_defaults},
     definition::{Distinct, Item, Macro},
     parse::parse,
 };

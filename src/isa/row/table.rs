@@ -18,6 +18,12 @@ macro_rules! listed {
 
             /// How they are written in a chip's files, in the same order.
             pub const WORDS: &'static [&'static str] = &[$($word),*];
+
+            /// How it is written.
+            #[must_use]
+            pub const fn word(self) -> &'static str {
+                match self { $(Self::$variant => $word,)* }
+            }
         }
     };
 }

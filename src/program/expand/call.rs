@@ -19,6 +19,9 @@ impl<'d> Lowering<'d> {
         let device: &'d Device = self.device;
         let callables = device.callables(&statement.name);
         if callables.is_empty() {
+            if let Some(why) = device.why_no_statement(&statement.name, None) {
+                return Err(self.not_here(statement.name_place, why, None));
+            }
             let names = self
                 .device
                 .all_callables()
@@ -40,7 +43,13 @@ impl<'d> Lowering<'d> {
         for callable in &callables {
             match callable.signature().bind(&given) {
                 Ok(bound) => {
-                    return Ok((*callable, self.with_defaults(callable.signature(), bound)?));
+                    let bound = self.with_defaults(callable.signature(), bound);
+                    // What a chip's file says has no place in the program.
+                    let bound = bound.map_err(|fault| Fault {
+                        place: statement.place,
+                        ..fault
+                    })?;
+                    return Ok((*callable, bound));
                 }
                 Err(Mismatch::Shape) => {}
                 Err(Mismatch::Argument { index, message }) => {
@@ -52,10 +61,24 @@ impl<'d> Lowering<'d> {
                 }
             }
         }
+        if let Some(why) = device.why_no_statement(&statement.name, Some(&given)) {
+            return Err(self.not_here(statement.place, why, Some(&callables)));
+        }
         match furthest {
             Some((index, message)) => Err(self.wrong_argument(statement, &given, index, &message)),
             None => Err(Self::wrong_shape(statement, &callables)),
         }
+    }
+
+    /// What the chip below has, and this one does not; `forms`: what this one has of the name.
+    fn not_here(&self, place: Place, why: String, forms: Option<&[Callable<'_>]>) -> Fault {
+        let chip = self.device.name();
+        let instead = match forms {
+            Some(forms) => format!("here it is written {}", written(forms)),
+            None => format!("write it with what {chip} has"),
+        };
+        let help = format!("{instead}; or run it on another chip (--chip)");
+        Fault::error(place, why, format!("not on {chip}")).help(help)
     }
 
     pub(super) fn wrong_argument(
@@ -72,8 +95,7 @@ impl<'d> Lowering<'d> {
             fault.label = format!("argument {} of `{}`: {message}", index + 1, statement.name);
             return fault;
         }
-        let forms = self.device.callables(&statement.name);
-        let forms: Vec<String> = forms.iter().map(|c| c.signature().to_string()).collect();
+        let forms = written(&self.device.callables(&statement.name));
         // `where(R5)` is `WHERE(R5)`.
         let other = self.device.all_callables().find(|c| {
             let name = &c.signature().name;
@@ -88,15 +110,11 @@ impl<'d> Lowering<'d> {
         )
         .help(match other {
             Some(other) => format!("did you mean `{}`?", other.signature().name),
-            None => format!("it is written {}", forms.join(" or ")),
+            None => format!("it is written {forms}"),
         })
     }
 
     pub(super) fn wrong_shape(statement: &Statement, callables: &[Callable<'_>]) -> Fault {
-        let forms: Vec<String> = callables
-            .iter()
-            .map(|c| c.signature().to_string())
-            .collect();
         let braces = statement
             .arguments
             .iter()
@@ -115,10 +133,13 @@ impl<'d> Lowering<'d> {
             )
         };
         Fault::error(statement.place, message, "this statement")
-            .help(format!("it is written {}", forms.join(" or ")))
+            .help(format!("it is written {}", written(callables)))
     }
 
     pub(super) fn unknown_name(&self, name: &str, place: Place) -> Fault {
+        if let Some(why) = self.device.why_no_name(name) {
+            return self.not_here(place, why, None);
+        }
         let constants = self.constants.keys().map(String::as_str);
         let near = suggestion(name, self.device.names().chain(constants));
         Fault::error(
@@ -161,4 +182,10 @@ impl<'d> Lowering<'d> {
         }
         Ok(bound)
     }
+}
+
+/// How a statement is written: each of its forms.
+fn written(forms: &[Callable<'_>]) -> String {
+    let forms: Vec<String> = forms.iter().map(|it| it.signature().to_string()).collect();
+    forms.join(" or ")
 }

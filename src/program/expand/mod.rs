@@ -23,7 +23,8 @@ use crate::isa::{
 };
 use crate::limit::{EXPANDED_STEPS, FRAME_STEPS, STATEMENT_WORDS};
 
-pub(super) fn expand(
+/// A program, statement by statement, and what is wrong with single statements.
+fn lowered(
     syntax: &Syntax,
     text: &str,
     settings: &BTreeMap<String, f64>,
@@ -53,7 +54,29 @@ pub(super) fn expand(
         init: steps_of(&expansion.init),
         frame: steps_of(&expansion.frame),
     };
-    let mut faults = lowering.faults;
+    (expansion, lowering.faults)
+}
+
+/// The first statement that the chip does not take, and why.
+pub(super) fn refused(
+    syntax: &Syntax,
+    text: &str,
+    settings: &BTreeMap<String, f64>,
+    device: &Device,
+) -> Option<Fault> {
+    let (_, faults) = lowered(syntax, text, settings, device, &Overrides::new());
+    let errors = faults.into_iter().filter(Fault::is_error);
+    errors.min_by_key(|fault| fault.place.start)
+}
+
+pub(super) fn expand(
+    syntax: &Syntax,
+    text: &str,
+    settings: &BTreeMap<String, f64>,
+    device: &Device,
+    overrides: &Overrides,
+) -> (Expansion, Vec<Fault>) {
+    let (mut expansion, mut faults) = lowered(syntax, text, settings, device, overrides);
     check::check(&expansion, device, &mut faults);
     thin(&mut faults);
     expansion.warnings = faults

@@ -12,6 +12,7 @@ use crate::{
     number::Format,
     plane::Size,
     reference::{Description, MemoryRule},
+    rig::Larger,
     sensor::Sensor,
     study::design::Compiled,
 };
@@ -126,6 +127,7 @@ pub(super) fn array_of(
         .chip
         .as_ref()
         .ok_or_else(|| Refusal::Cannot("there is no chip".to_owned()))?;
+    Larger::check(&word("scene"), entry.scene.size, device)?;
     let kinds = (0..).zip(&*entry.kernels).map(|(kind, kernel)| {
         let [on, off, _] = point.threshold(kind);
         (sensor::rows(kernel), on, off)

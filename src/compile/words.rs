@@ -1,0 +1,106 @@
+//! Which words a chip has, and whether what was compiled keeps to them.
+
+use super::{
+    error::CompileError,
+    plan::{Plan, SOURCES, Store, Word},
+};
+use crate::{
+    config::Place,
+    isa::{Device, Direction, Source, Value, signature::Given},
+    program::Program,
+    unit::counted,
+};
+
+/// The bus words of a chip that filters are made of: to one target and to two, from so many sources.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Buses([[bool; SOURCES + 1]; 2]);
+
+impl Buses {
+    /// As the chip's forms have them.
+    pub(super) fn from_device(device: &Device) -> Self {
+        let has = |name: &str, arguments: usize| {
+            let neighbour = Value::Source(Source::Neighbour(Direction::North));
+            let given = vec![
+                Given {
+                    values: vec![neighbour],
+                    group: false,
+                    place: Place::default(),
+                };
+                arguments
+            ];
+            let callables = device.callables(name);
+            { callables.iter() }.any(|it| it.signature().bind(&given).is_ok())
+        };
+        let of = |name, targets| std::array::from_fn(|sources| has(name, targets + sources));
+        Self([of("bus", 1), of("bus2", 2)])
+    }
+
+    /// A word that is not there, as a message names it: a split before others, which filters can do
+    /// without.
+    pub(super) fn missing(&self) -> Option<String> {
+        let Self([one, two]) = self;
+        let most = |there: &[bool], wanted: usize| there[..=wanted].iter().position(|has| !has);
+        let split = most(&two[1..], 1).map(|sources| ("bus2", two, 2 + sources + 1));
+        let missing = split.or_else(|| most(one, SOURCES).map(|sources| ("bus", one, 1 + sources)));
+        let (name, there, arguments) = missing?;
+        Some(if there.contains(&true) {
+            format!("`{name}` of {}", counted(arguments, "argument"))
+        } else {
+            format!("`{name}`")
+        })
+    }
+
+    /// Whether all words of a plan are there.
+    pub(super) fn have(&self, plan: &Plan) -> bool {
+        let one = |word: &Word| {
+            let sources = word.views.len() + word.values.len();
+            let targets = match word.store {
+                Store::Both(_) => 2,
+                Store::Register | Store::News(_) => 1 + usize::from(word.halved),
+            };
+            self.0[targets - 1].get(sources) == Some(&true)
+        };
+        plan.words.iter().all(one)
+    }
+}
+
+/// Checks that a chip has every word of a program; how many of them it holds is another question.
+///
+/// # Errors
+/// When it does not: the first that is missing.
+pub fn check_words(text: &str, device: &Device) -> Result<(), CompileError> {
+    let fault = match Program::parse("compiled", text) {
+        Ok(program) => program.refused(device),
+        Err(faults) => faults.faults.into_iter().next().map(|first| first.fault),
+    };
+    fault.map_or(Ok(()), |fault| {
+        Err(CompileError::Missing {
+            chip: device.name().to_owned(),
+            why: fault.message,
+        })
+    })
+}
+
+/// Checks that a whole program, in which R1 to R11 keep bits, keeps none where the chip's hardware
+/// would change it: in the mask of propagation, and in what that masks.
+///
+/// # Errors
+/// When it does.
+pub(super) fn check_bits(text: &str, device: &Device) -> Result<(), CompileError> {
+    let roles = device.registers().roles;
+    let kept = 1..=11;
+    let both = [("mask", roles.mask), ("propagated", roles.propagated)];
+    let taken = both.into_iter().find_map(|(role, register)| {
+        let name = device.digital_name(register);
+        let mut words = text.split(|c: char| !c.is_ascii_alphanumeric());
+        let is_kept = kept.clone().any(|number| name == format!("R{number}"));
+        (is_kept && words.any(|word| word == name)).then_some((role, name))
+    });
+    taken.map_or(Ok(()), |(role, name)| {
+        let chip = device.name();
+        Err(CompileError::Missing {
+            chip: chip.to_owned(),
+            why: format!("`{name}` is its `{role}`, and the program keeps bits in it"),
+        })
+    })
+}
