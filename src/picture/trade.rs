@@ -17,6 +17,8 @@ pub struct TradeDot {
     pub name: String,
     /// Seconds of a run.
     pub run: f64,
+    /// The least and the most seconds that were measured of it.
+    pub range: [f64; 2],
     /// Seconds that it took to know its error.
     pub planning: f64,
     /// The share of changed events, about.
@@ -49,7 +51,7 @@ const LEFT: f64 = 78.0;
 const PLOT: f64 = 560.0;
 const HEIGHT: f64 = 380.0;
 /// Room at the right for a name without letters, and for each of them.
-const NAMES: f64 = 270.0;
+const NAMES: f64 = 318.0;
 const LETTER: f64 = 8.0;
 
 const FRONT: Ink = ink::ON;
@@ -156,7 +158,11 @@ impl Plot {
                 (low.min(value), high.max(value))
             })
         };
-        let mut seconds = { dots.iter() }.flat_map(|dot| [dot.run, dot.run + dot.planning]);
+        let ends_of = |dot: &TradeDot| {
+            let [least, most] = dot.range.map(|seconds| seconds + dot.planning);
+            [dot.run, least.min(dot.run + dot.planning), most]
+        };
+        let mut seconds = { dots.iter() }.flat_map(ends_of);
         let (low, high) = ends(&mut seconds);
         let (low, high) = (log10(low.max(1e-9)), log10(high.max(1e-9)));
         let margin = (0.08 * (high - low)).max(0.06);
@@ -237,6 +243,12 @@ impl Plot {
         // What it took to know, and from the estimate to its limit.
         page.line((self.x(dot.run), y), (x, y), 1.5, ink);
         page.line((x, self.y(dot.share)), (x, y), 1.5, ink);
+        // What was measured, from end to end.
+        let [least, most] = dot.range.map(|seconds| self.x(seconds + dot.planning));
+        page.line((least, y), (most, y), 0.75, ink);
+        for end in [least, most] {
+            page.line((end, y - 3.0), (end, y + 3.0), 0.75, ink);
+        }
         page.square((x, y), half, ink);
     }
 }
@@ -268,9 +280,9 @@ fn legend(page: &mut Drawing, y: f64, is_whole: bool) {
         x += 40.0 + LETTER * text.chars().count() as f64;
     }
     let lines = if is_whole {
-        "squares: measured on the whole scene, and the seconds with the plan; lines: left to a run alone"
+        "squares: measured on the whole scene, and the seconds with the plan; lines: left to a run alone, and thin ones with ends what was measured"
     } else {
-        "squares: the limit, and the seconds with the plan; lines: down to what was estimated, left to a run alone"
+        "squares: the limit, and the seconds with the plan; lines: down to what was estimated, left to a run alone, and thin ones with ends what was measured"
     };
     let place = (MARGIN, y + f64::from(LINE));
     write(page, place, Weight::Plain, ink::CAPTION, lines);
@@ -281,7 +293,7 @@ fn names(page: &mut Drawing, area: Area, show: &TradeShow<'_>) {
     let line = f64::from(LINE);
     let left = area.right() + MARGIN;
     let share_is = if show.is_whole { "changed" } else { "at most" };
-    let heading = format!("    seconds  {share_is}  model");
+    let heading = format!("    seconds     ±  {share_is}  model");
     write(
         page,
         (left, area.y - line),
@@ -293,8 +305,9 @@ fn names(page: &mut Drawing, area: Area, show: &TradeShow<'_>) {
         let y = area.y + f64::from(number - 1) * line;
         page.square((left + 4.0, y + line / 2.0), 4.0, colour(dot));
         let text = format!(
-            "{number:>2} {:>8} {:>8}  {}",
+            "{number:>2} {:>8} {:>5} {:>8}  {}",
             seconds(dot.run + dot.planning),
+            half_range(dot),
             share(dot.limit),
             dot.name
         );
@@ -315,6 +328,13 @@ fn names(page: &mut Drawing, area: Area, show: &TradeShow<'_>) {
 fn seconds(seconds: f64) -> String {
     let decimals = if seconds < 10.0 { 3 } else { 1 };
     format!("{seconds:.decimals$}")
+}
+
+/// Half of what the least and the most are apart, as a part of what is shown.
+fn half_range(dot: &TradeDot) -> String {
+    let [least, most] = dot.range;
+    let part = (most - least) / (2.0 * (dot.run + dot.planning).max(1e-9));
+    format!("{:.0} %", (100.0 * part).min(999.0))
 }
 
 fn share(share: f64) -> String {
@@ -344,6 +364,7 @@ mod tests {
         let dot = |name: &str, run, planning, limit, on_front| TradeDot {
             name: name.to_owned(),
             run,
+            range: [run, 1.02 * run],
             planning,
             share: limit,
             limit,
@@ -378,7 +399,7 @@ mod tests {
         assert!(
             texts
                 .iter()
-                .any(|text| text.contains("0.500  1.000 %  f32"))
+                .any(|text| text.contains("0.500   1 %  1.000 %  f32"))
         );
         show.is_whole = true;
         let whole = trade(&show);

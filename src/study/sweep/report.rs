@@ -87,8 +87,11 @@ pub struct Standing {
     /// Its worst error.
     pub worst_error: f64,
     /// The mean change of the f64 sensor's threshold that costs as much, in per cent; none where
-    /// the study does not ask for it.
+    /// the study does not ask for it. A mean over points that are at least something is at least
+    /// that, too.
     pub threshold_equivalent_percent: Option<f64>,
+    /// Points of which it is only known that the change is more than what stands there.
+    pub threshold_equivalent_least_at: usize,
     /// Mean cost.
     pub cost: f64,
     /// Mean bits of a scene.
@@ -288,6 +291,9 @@ fn standing(name: &str, key: &[String], rows: &[&Row], cost: &str) -> Option<Sta
         error: mean("error")?,
         worst_error: numbers("error").into_iter().fold(0.0, f64::max),
         threshold_equivalent_percent: mean("threshold_equivalent_percent"),
+        threshold_equivalent_least_at: { rows.iter() }
+            .filter(|row| table::cell(row, "threshold_equivalent_is_least") == "true")
+            .count(),
         cost: mean(cost)?,
         bits: mean("bits")?,
         words: mean("words"),
@@ -334,6 +340,7 @@ mod tests {
             title: "t".to_owned(),
             columns: Vec::new(),
             points: vec![String::new(); points],
+            stated: BTreeMap::new(),
         }
     }
 
