@@ -286,9 +286,11 @@ fn tell(arguments: &Arguments, study: &Study, folder: &Path) -> miette::Result<(
 
 /// A line as the text of a point.
 fn point_text(line: &[u8]) -> Result<&str, PointError> {
-    let wrong = |what: &str| PointError {
+    let wrong = |what: &str| {
+        PointError {
         what: what.to_owned(),
         help: "give one point a line as a JSON object, such as {\"side\": \"reference\", \"format\": \"q8.8\"}".to_owned(),
+    }
     };
     let text = std::str::from_utf8(line).map_err(|_| wrong("it is not UTF-8"))?;
     if text.trim().is_empty() {

@@ -56,7 +56,11 @@ pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
     };
     let of = sensor.display().to_string();
     let command = |choice: &_| command(arguments, sensor, choice);
-    let table = arguments.told((&of, "f64, with all effects of the file"), &scened, &command);
+    let table = arguments.told(
+        (&of, "f64, with all effects of the file"),
+        &scened,
+        &command,
+    );
     let rules = (&alternative as &_, &free as &_);
     let told = (&table, description.response);
     arguments.trade(&family, &scened, models, rules, told)

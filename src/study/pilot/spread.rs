@@ -29,7 +29,10 @@ impl Parts {
     pub fn per_frame(&self) -> Spread {
         let parts = self.seconds.iter().zip(self.frames);
         let each = parts.filter(|(_, frames)| *frames > 0);
-        Spread::of(each.map(|(seconds, frames)| seconds / frames as f64).collect())
+        Spread::of(
+            each.map(|(seconds, frames)| seconds / frames as f64)
+                .collect(),
+        )
     }
 }
 

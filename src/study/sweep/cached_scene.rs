@@ -14,8 +14,8 @@ use crate::{
     plane::{Plane, Size},
     rig::{self, guard::Warning},
     scene::{
-        Coding, Frame, Observation, Observed, OpenOptions, SceneError, View, bundled_with, held::Held,
-        kept::Kept, open, part::First, upsample,
+        Coding, Frame, Observation, Observed, OpenOptions, SceneError, View, bundled_with,
+        held::Held, kept::Kept, open, part::First, upsample,
     },
 };
 

@@ -375,4 +375,27 @@ mod tests {
         assert_eq!(pooled.groups.len(), 1);
         assert_eq!(names(&pooled.groups[0])[3].1, Some(f("f64")));
     }
+
+    #[test]
+    fn a_mean_with_points_beyond_the_ladder_says_so() {
+        let with = |task: &str, percent: f64, is_least: bool| {
+            let mut row = row("reference", "f16", task, 0.5, 1.0);
+            row.insert("threshold_equivalent_percent".to_owned(), json!(percent));
+            let least = json!(is_least.then_some("true"));
+            row.insert("threshold_equivalent_is_least".to_owned(), least);
+            row
+        };
+        let standing = |rows: &[Row]| {
+            let report = Report::new(&manifest(2), rows, "seconds_per_frame", false);
+            let standing = &report.groups[0].sensors[0];
+            let percent = standing.threshold_equivalent_percent.unwrap();
+            (percent, standing.threshold_equivalent_least_at)
+        };
+        let known = with("a", 100.0, false);
+        assert_eq!(
+            standing(&[known.clone(), with("b", 900.0, true)]),
+            (500.0, 1)
+        );
+        assert_eq!(standing(&[known, with("b", 900.0, false)]), (500.0, 0));
+    }
 }

@@ -71,9 +71,18 @@ const POINT: [(&str, Holds, &str); 42] = [
         "the transfer that is undone, where the study says so",
     ),
     real("scale", "what the numbers of an array are multiplied by"),
-    text("slice", "which frames of the scene, where the study says so"),
-    text("crop", "which part of each picture, where the study says so"),
-    text("resize", "to what size it is averaged, where the study says so"),
+    text(
+        "slice",
+        "which frames of the scene, where the study says so",
+    ),
+    text(
+        "crop",
+        "which part of each picture, where the study says so",
+    ),
+    text(
+        "resize",
+        "to what size it is averaged, where the study says so",
+    ),
     real(
         "upsample",
         "largest change of light (of 255) plus 1 between frames, in ln units; empty: no frames inserted",

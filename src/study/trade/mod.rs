@@ -10,8 +10,8 @@
 //! more at a time, in the full model's numbers and in the best of the others.
 
 mod programs;
-pub mod told;
 mod together;
+pub mod told;
 
 use std::fmt;
 
@@ -20,7 +20,7 @@ use serde::Serialize;
 use crate::order::Order;
 
 use super::{
-    front::{Cost, dominators},
+    front::Cost,
     pilot::{
         Known, Look, PlanError, Sampled, Spread, Survey,
         family::Family,
@@ -313,11 +313,12 @@ impl<M> Trade<M> {
                 })
             })
             .collect();
-        let costs: Vec<Cost> = placed.iter().map(|placed| placed.cost).collect();
         let mut front: Vec<Placed> = Vec::new();
-        for (own, by) in placed.iter().zip(dominators(&costs)) {
-            let by = by.and_then(|by| placed.get(by));
-            let by = by.filter(|by| by.cost.y < own.cost.y || !by.spread.overlaps(own.spread));
+        for own in &placed {
+            // The first of those that change least is the quickest.
+            let by = { placed.iter() }
+                .filter(|by| by.beats(own))
+                .min_by(|a, b| a.cost.y.total_cmp(&b.cost.y));
             let by = by.and_then(|by| Some(self.points.get(by.at)?.name.clone()));
             if by.is_none() {
                 front.push(*own);
@@ -343,6 +344,13 @@ struct Placed {
     is_full: bool,
 }
 
+impl Placed {
+    fn beats(&self, other: &Self) -> bool {
+        let is_told = self.cost.y < other.cost.y || !self.spread.overlaps(other.spread);
+        self.cost.dominates(other.cost) && is_told
+    }
+}
+
 /// The number of the front's knee.
 fn knee(front: &[Placed]) -> Option<usize> {
     let full = front.iter().find(|placed| placed.is_full);
@@ -354,9 +362,9 @@ fn knee(front: &[Placed]) -> Option<usize> {
         late.hypot(placed.cost.y)
     };
     let nearest = { front.iter() }.min_by(|a, b| away(a).total_cmp(&away(b)))?;
-    let alike = front.iter().filter(|other| {
-        other.cost.y <= nearest.cost.y && other.spread.overlaps(nearest.spread)
-    });
+    let alike = front
+        .iter()
+        .filter(|other| other.cost.y <= nearest.cost.y && other.spread.overlaps(nearest.spread));
     let knee = alike.min_by(|a, b| {
         let error = a.cost.y.total_cmp(&b.cost.y);
         error
