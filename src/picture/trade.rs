@@ -17,7 +17,7 @@ pub struct TradeDot {
     pub name: String,
     /// Seconds of a run.
     pub run: f64,
-    /// The least and the most seconds that were measured of it.
+    /// The least and the most seconds of the measurements in the middle.
     pub range: [f64; 2],
     /// Seconds that it took to know its error.
     pub planning: f64,

@@ -155,7 +155,9 @@ mod tests {
             of.sort_by_key(|(t, _)| *t);
             let events: Vec<_> = of.iter().map(|(t, _)| event(*t, 0, 0)).collect();
             let costs: Vec<_> = of.iter().map(|(_, c)| *c).collect();
-            let rate = Rate::from_packet(&packet(1, 1, &events), &costs, Micros(window));
+            let mut packet = packet(1, 1, &events);
+            packet.span = (Micros(0), Micros(60));
+            let rate = Rate::from_packet(&packet, &costs, Micros(window));
             let bits = |from: u64, to: u64| -> u64 {
                 let inside = of.iter().filter(|(t, _)| (from..to).contains(t));
                 inside.map(|(_, c)| u64::from(*c)).sum()

@@ -1,7 +1,8 @@
-//! Seconds that were measured a few times: in the middle, and from the least to the most.
+//! Seconds that were measured a few times: the median, and how far the others are from it.
 //!
 //! A run is not repeated for it: every fifth of its frames is a measurement of its own, and all five
-//! lie over the whole run.
+//! lie over the whole run. Of five the least and the most are left out, since one of them may have
+//! waited for another process.
 
 use serde::Serialize;
 
@@ -41,21 +42,25 @@ impl Parts {
 pub struct Spread {
     /// The median.
     pub median: f64,
-    /// The least that was measured.
+    /// The least of the measurements in the middle: of five and more, all but one at each end.
     pub least: f64,
-    /// The most.
+    /// The most of them.
     pub most: f64,
 }
+
+/// Of so many measurements the least and the most are left out.
+const TRIMMED: usize = 5;
 
 impl Spread {
     /// Of measurements; 0 of none.
     #[must_use]
     pub fn of(mut measured: Vec<f64>) -> Self {
         measured.sort_unstable_by(f64::total_cmp);
-        let [Some(least), Some(most)] = [measured.first(), measured.last()] else {
+        let last = measured.len().saturating_sub(1);
+        let end = usize::from(measured.len() >= TRIMMED);
+        let [Some(least), Some(most)] = [measured.get(end), measured.get(last - end)] else {
             return Self::default();
         };
-        let last = measured.len() - 1;
         let middle = [last / 2, last - last / 2].map(|at| measured.get(at).copied());
         let [Some(low), Some(high)] = middle else {
             return Self::default();
@@ -103,7 +108,8 @@ mod tests {
     fn a_slow_start_is_in_the_spread_and_not_in_the_median() {
         let mut parts = Parts::default();
         parts.add(8.0);
-        for _ in 0..9 {
+        parts.add(8.0);
+        for _ in 0..8 {
             parts.add(2.0);
         }
         let spread = parts.per_frame();

@@ -77,7 +77,7 @@ pub struct Sampled {
 }
 
 /// Frames that are timed on the whole sensor, where tiles do not tell.
-const TIMED: usize = 4;
+const TIMED: usize = 5;
 
 /// Redraws that a floor is the mean of.
 const REDRAWS: u64 = 3;

@@ -1,6 +1,6 @@
 //! What a study states, key by key: so that two studies can be told apart in words.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::{
     sample::{Method, Sample},
@@ -101,25 +101,21 @@ fn text(values: &Values) -> String {
 pub(super) fn changes(held: &Stated, asked: &Stated) -> Vec<String> {
     // What several sides say alike is told once.
     let mut all: BTreeMap<(String, String, String), Vec<&str>> = BTreeMap::new();
-    let names: Vec<&String> = held.keys().chain(asked.keys()).collect();
-    let none = BTreeMap::new();
-    let mut seen: Vec<&String> = Vec::new();
+    let names: BTreeSet<&String> = held.keys().chain(asked.keys()).collect();
     for name in names {
-        if seen.contains(&name) {
+        let [Some(held), Some(asked)] = [held.get(name), asked.get(name)] else {
+            let is = |all: &Stated| {
+                if all.contains_key(name) {
+                    "present"
+                } else {
+                    "absent"
+                }
+            };
+            let both = ("[[side]]".to_owned(), is(held).into(), is(asked).into());
+            all.entry(both).or_default().push(name);
             continue;
-        }
-        seen.push(name);
-        let sides = [held.get(name), asked.get(name)];
-        if name != STUDY && sides.contains(&None) {
-            let there = |side: Option<&BTreeMap<_, _>>| side.map_or("none", |_| "there");
-            let [held, asked] = sides.map(|side| there(side).to_owned());
-            all.insert(("[[side]]".to_owned(), held, asked), vec![name]);
-            continue;
-        }
-        let [held, asked] = sides.map(|side| side.unwrap_or(&none));
-        let mut keys: Vec<&String> = held.keys().chain(asked.keys()).collect();
-        keys.sort_unstable();
-        keys.dedup();
+        };
+        let keys: BTreeSet<&String> = held.keys().chain(asked.keys()).collect();
         for key in keys {
             if held.get(key) != asked.get(key) {
                 let [held, asked] = [held, asked].map(|all| all.get(key).map_or("", |it| it));

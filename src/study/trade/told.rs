@@ -49,7 +49,7 @@ impl<M> Told<'_, M> {
             (None, true) => "run: seconds, measured on the whole scene; changes are those of the whole scene".to_owned(),
             (None, false) => "run: seconds, stretched from these tiles to the whole scene; --verify measures them".to_owned(),
         });
-        lines.push("each is the median of a few parts of its frames, ± half of what the least and the most of them are apart; what lies within that decides no knee".to_owned());
+        lines.push("each is the median of five parts of its frames, ± half of what the three in the middle are apart; what lies within that decides no knee".to_owned());
         if trade.tiles.is_some() {
             let shared = match self.runs {
                 1 => "--runs N shares them among N runs".to_owned(),
@@ -174,7 +174,7 @@ fn measured(of: Spread) -> String {
     format!("{} ± {}", seconds(of.median), percent(of))
 }
 
-/// Half of what the least and the most are apart, in per cent.
+/// Half of what the measurements in the middle are apart, in per cent.
 #[must_use]
 pub fn percent(of: Spread) -> String {
     format!("{:.0} %", (100.0 * of.part()).min(999.0))
