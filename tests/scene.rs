@@ -362,7 +362,11 @@ const BAD: &[(&str, &str, &str)] = &[
 #[cfg(feature = "mp4")]
 const BAD_MP4: &[(&str, &str, &str)] = &[
     ("truncated.mp4", "ends inside frame", "cut short"),
-    ("no_tables.mp4", "its tables are damaged", "ffmpeg"),
+    (
+        "no_tables.mp4",
+        "ends early, at byte 28 of at least 32",
+        "download it again",
+    ),
     ("damaged.mp4", "its tables are damaged", "ffmpeg"),
     (
         "hevc.mp4",

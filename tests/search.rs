@@ -295,7 +295,7 @@ fn points_told_one_by_one_are_those_of_a_sweep() {
         ),
         ("{", "not JSON"),
         ("3", "no JSON object"),
-        ("", "line 14: it is empty"),
+        ("", "line 15: it is empty"),
     ];
     for (line, _) in wrong {
         lines += line;

@@ -331,7 +331,7 @@ fn a_part_of_a_scene_is_a_point_of_its_own() {
     }
     // As the verb shows it.
     let how = ["--slice", "2..7", "--crop", "20x16+4+2", "--resize", "10x8"];
-    let sensor = "memory = \"filtered-snap\"\n[[channel]]\nkernel = \"dvs\"\nthreshold = 20\n";
+    let sensor = "memory = \"filtered-snap\"\n[[channel]]\nkernel = \"dvs\"\nthreshold = { on = 20, off = 20 }\n";
     fs::write(
         at.join("sensor.toml"),
         format!("response = \"identity\"\n{sensor}"),
@@ -838,7 +838,7 @@ fn a_full_disk_loses_nothing() {
     let folder = folder(&study());
     let at = folder.path();
     let program = assert_cmd::cargo::cargo_bin("amacrine");
-    // A point takes less than 4 KiB, the table of all more.
+    // A point and sweep.json take less than 12 KiB, the table of all more.
     let limited = |blocks: u32| {
         let script = format!(
             "trap '' XFSZ; ulimit -f {blocks}; exec {} sweep study.toml --output out",
@@ -855,7 +855,7 @@ fn a_full_disk_loses_nothing() {
         assert!(message.contains("are kept"), "{message}");
         assert_eq!(message.matches("×").count(), 1, "one message: {message}");
     };
-    limited(5);
+    limited(12);
     assert!(!at.join("out/results.csv").exists());
     let said = json(at, &["sweep", "study.toml", "--output", "out", "--json"]);
     assert_eq!(
@@ -901,6 +901,8 @@ fn the_schema_is_what_is_read() {
                 (_, "scene") => writeln!(text, "scene = \"{SCENE}\"").unwrap(),
                 (_, "kernel") => text += "kernel = \"dvs\"\n",
                 (_, "frames") => text += "frames = 3\n",
+                (_, "slice") => text += "slice = \"2..7\"\n",
+                (_, "crop" | "resize") => writeln!(text, "{} = \"8x6\"", key.name).unwrap(),
                 (_, name) => writeln!(text, "{name} = 10").unwrap(),
             }
         }

@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::{
     sample::{Method, Sample},
     study::Study,
-    value::{Ramp, Values},
+    thresholds::{PerKind, Thresholds},
+    value::{Ramp, Value, Values},
 };
 use crate::unit::Micros;
 
@@ -80,7 +81,7 @@ fn drawn(sample: Sample) -> String {
 fn text(values: &Values) -> String {
     match values {
         Values::List(list) => {
-            let list: Vec<_> = list.iter().map(|(value, _)| value.to_string()).collect();
+            let list: Vec<_> = list.iter().map(|(value, _)| one(value)).collect();
             list.join(", ")
         }
         Values::Ramp(Ramp {
@@ -93,6 +94,17 @@ fn text(values: &Values) -> String {
             let log = if *log { ", in equal factors" } else { "" };
             format!("{from} to {to}{steps}{log}")
         }
+    }
+}
+
+/// A value, as short as a study can have it.
+fn one(value: &Value) -> String {
+    match value {
+        Value::Threshold(of) => match of.on {
+            PerKind::All(both) if *of == Thresholds::both(both) => both.to_string(),
+            _ => value.to_string(),
+        },
+        _ => value.to_string(),
     }
 }
 
