@@ -345,7 +345,7 @@ fn a_part_of_a_scene_is_a_point_of_its_own() {
         json(at, &[&run[..], &how].concat())["events"]
     );
     for (set, words) in [
-        ("slice=5", "`slice` is `5`"),
+        ("slice=x", "`slice` is `x`"),
         ("crop=40x40", "a crop of 40x40 from pictures of 32x24"),
         ("resize=64x64", "resized to 64x64"),
         ("resize=x", "`resize` is `x`"),
