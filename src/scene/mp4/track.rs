@@ -196,7 +196,7 @@ impl TopLevelBox {
     }
 }
 
-/// Types of boxes at the top level (ISO/IEC 14496-12, table 1, and QuickTime's): anything else is
+/// Types of boxes at the top level (ISO/IEC 14496-12, table 1, and those of `QuickTime`): anything else is
 /// no box, and says no length.
 const TOP_LEVEL: [&[u8; 4]; 14] = [
     b"ftyp", b"pdin", b"moov", b"moof", b"mfra", b"mdat", b"free", b"skip", b"meta", b"styp",

@@ -17,7 +17,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::order::Order;
+use crate::{elementary, order::Order};
 
 use super::{
     front::Cost,
@@ -359,7 +359,7 @@ fn knee(front: &[Placed]) -> Option<usize> {
     let least = costs.fold(f64::INFINITY, f64::min);
     let away = |placed: &Placed| {
         let late = (placed.cost.x - least) / all;
-        late.hypot(placed.cost.y)
+        elementary::hypot(late, placed.cost.y)
     };
     let nearest = { front.iter() }.min_by(|a, b| away(a).total_cmp(&away(b)))?;
     let alike = front
