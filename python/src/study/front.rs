@@ -38,6 +38,9 @@ type Sample = (u64, f64, u32);
 /// The contrast that frames are inserted for, the sample, and whether all is run whole, and the seed.
 type Asked = (Option<f64>, Sample, (bool, u64));
 
+/// What was asked about, its full model, and what runs a model of it.
+type Telling<'a, M> = (&'a str, &'a str, &'a (dyn Fn(&M) -> String + Sync));
+
 /// Error against seconds, for every plainer model of a sensor in a scene.
 #[pyfunction]
 pub fn trade(
@@ -103,7 +106,7 @@ fn of_sensor(choice: &Choice, upsample: Option<f64>) -> String {
         .map(|key| format!("\"{key}\""))
         .collect();
     if !without.is_empty() {
-        text += &format!(".without({})", without.join(", "));
+        text = text + ".without(" + &without.join(", ") + ")";
     }
     let upsample = upsample.filter(|_| !choice.leaves_out(Effect::InsertedFrames));
     let upsample = upsample.map_or(String::new(), |contrast| format!(", upsample={contrast}"));
@@ -148,7 +151,7 @@ fn surveyed<M: Send>(
     (source, response): (&Source, Response),
     (upsample, (within_us, sample, runs), (verify, seed)): Asked,
     trade: impl FnOnce(Survey<'_>) -> Result<Trade<M>, PlanError> + Send,
-    (of, full, command): (&str, &str, &(dyn Fn(&M) -> String + Sync)),
+    (of, full, command): Telling<'_, M>,
 ) -> PyResult<(String, String)> {
     if !(sample > 0.0 && sample <= 1.0) || runs == 0 {
         return Err(refused(
