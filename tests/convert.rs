@@ -400,6 +400,14 @@ fn the_first_window_is_where_it_is_told_to_be() {
     let folder = folder.path();
     let lines: Vec<String> = (0..300).map(|n| format!("{},1,1,1\n", 1000 * n)).collect();
     fs::write(folder.join("a.csv"), format!("t,x,y,p\n{}", lines.concat())).unwrap();
+    let beyond = [
+        "voxels", "a.csv", "-o", "v.npy", "--window", "50ms", "--from", "300ms",
+    ];
+    let told = [
+        "--from 0.300000 s: a.csv ends at 0.299000 s",
+        "before its end",
+    ];
+    common::refused(folder, &beyond, &told);
     for (more, from, ms) in [
         (&["--every", "50ms"][..], 100_000, 51),
         (&["--every", "20ms"], 70_000, 51),

@@ -97,6 +97,8 @@ fn plain_models_stand_for_points() {
     for wrong in [
         "fidelity = \"some\"\n",
         "fidelity = \"auto\"\ntolerance = 2\n",
+        "tolerance = 0.02\n",
+        "victor-purpura = \"5ms\"\n",
     ] {
         fs::write(here.join("wrong.toml"), format!("{wrong}{STUDY}")).unwrap();
         common::refused(

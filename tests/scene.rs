@@ -362,7 +362,11 @@ const BAD: &[(&str, &str, &str)] = &[
 #[cfg(feature = "mp4")]
 const BAD_MP4: &[(&str, &str, &str)] = &[
     ("truncated.mp4", "ends inside frame", "cut short"),
-    ("no_tables.mp4", "its tables are damaged", "ffmpeg"),
+    (
+        "no_tables.mp4",
+        "ends early, at byte 28 of at least 32",
+        "download it again",
+    ),
     ("damaged.mp4", "its tables are damaged", "ffmpeg"),
     (
         "hevc.mp4",
@@ -379,6 +383,37 @@ const BAD_MP4: &[(&str, &str, &str)] = &[
     ("hevc.mp4", "feature \"mp4\"", "--features mp4"),
     ("not_h264.mp4", "feature \"mp4\"", "--features mp4"),
 ];
+
+/// An mp4 that was cut off is told as such, with where it ends and where it should.
+#[cfg(feature = "mp4")]
+#[test]
+fn a_cut_off_mp4_says_where_it_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("cut.mp4");
+    let boxed = |name: &[u8; 4], stated: u32, content: &[u8]| {
+        [&stated.to_be_bytes()[..], name, content].concat()
+    };
+    let head = boxed(b"ftyp", 16, b"isom\0\0\0\0");
+    for (rest, words) in [
+        (
+            boxed(b"mdat", 1000, &[7; 84]),
+            "ends early, at byte 108 of at least 1016: box mdat begins at byte 16",
+        ),
+        (
+            boxed(b"moov", 500, &[0; 12]),
+            "ends early, at byte 36 of at least 516: box moov begins at byte 16",
+        ),
+        (
+            vec![0, 0, 1],
+            "ends early, at byte 19 of at least 24: a box begins at byte 16",
+        ),
+    ] {
+        fs::write(&path, [&head[..], &rest].concat()).unwrap();
+        let scene = open(&path.display().to_string(), &OpenOptions::default());
+        let told = scene.err().expect("cut off").to_string();
+        assert!(told.contains(words), "{told}");
+    }
+}
 
 #[test]
 fn every_bad_scene_gets_its_message() {

@@ -274,7 +274,7 @@ fn points_told_one_by_one_are_those_of_a_sweep() {
             lines.extend([point.to_string(), "\n".to_owned()]);
         }
     }
-    lines += "\n{\"side\": 1, \"threshold\": 20, \"domain\": \"exact\"}\n";
+    lines += "{\"side\": 1, \"threshold\": 20, \"domain\": \"exact\"}\n";
     // A value that the study does not list is a point too.
     lines += "{\"side\": 0, \"threshold\": {\"on\": 25, \"off\": 24}, \"format\": \"q8.8\"}\n";
     let wrong = [
@@ -295,6 +295,7 @@ fn points_told_one_by_one_are_those_of_a_sweep() {
         ),
         ("{", "not JSON"),
         ("3", "no JSON object"),
+        ("", "line 15: it is empty"),
     ];
     for (line, _) in wrong {
         lines += line;

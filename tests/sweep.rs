@@ -242,15 +242,130 @@ fn a_point_named_twice_is_computed_once() {
         &["sweep", "study.toml", "--output", "out"],
         &[
             "out holds the study \"study\" (1 point), not \"study\" (2 points)",
+            "the light of a scene, a kernel or a chip",
             "another --output",
         ],
     );
     refused(
         at,
         &["merge", "out", "other", "--output", "both"],
-        &["other holds the study", "their points differ"],
+        &["other holds the study", "their keys are the same"],
     );
     assert!(!at.join("both").exists());
+}
+
+#[test]
+fn what_differs_from_the_folder_s_study_is_told() {
+    let text = format!(
+        "scene = \"{SCENE}\"\nkernel = \"dvs\"\nthreshold = 20\n[[side]]\nside = \"reference\"\n[[side]]\nside = \"mesh\"\nlambda = 2\n"
+    );
+    let folder = folder(&text);
+    let at = folder.path();
+    amacrine(at, &["sweep", "study.toml", "--output", "out"])
+        .assert()
+        .success();
+    for (set, told) in [
+        (
+            "threshold=24",
+            "`threshold` (side 1, reference; side 2, mesh) is 20 there, 24 here",
+        ),
+        (
+            "reference.format=f32,q8.8",
+            "`format` (side 1, reference) is f64 there, f32, q8.8 here",
+        ),
+        (
+            "frames=3",
+            "`frames` (side 1, reference; side 2, mesh) is left out there, 3 here",
+        ),
+        ("within=2ms", "`within` is left out there, 2000 us here"),
+        (
+            "sample={method=sobol,points=2}",
+            "`sample` is left out there, sobol, 2 points",
+        ),
+    ] {
+        let set = set.replace("method=sobol", "method=\"sobol\"");
+        refused(
+            at,
+            &["sweep", "study.toml", &set, "--output", "out"],
+            &[told],
+        );
+    }
+}
+
+#[test]
+fn a_part_of_a_scene_is_a_point_of_its_own() {
+    let text = "scene = \"pattern:disc?width=32&height=24&frames=8&radius=6\"\nkernel = \"dvs\"\nthreshold = 20\n[[side]]\nside = \"reference\"\n";
+    let folder = folder(text);
+    let at = folder.path();
+    let rows = |sets: &[&str], name: &str| {
+        let sweep = [
+            &["sweep", "study.toml"],
+            sets,
+            &["--output", name, "--json"],
+        ]
+        .concat();
+        json(at, &sweep);
+        let lines = fs::read_to_string(at.join(name).join("results.jsonl")).unwrap();
+        let rows = lines
+            .lines()
+            .map(|line| serde_json::from_str(line).unwrap());
+        rows.collect::<Vec<Value>>()
+    };
+    let whole = rows(&["slice=.."], "whole");
+    assert_eq!((&whole[0]["slice"], whole.len()), (&Value::Null, 1));
+    assert_eq!(rows(&[], "plain")[0]["id"], whole[0]["id"]);
+    let parts = rows(
+        &["slice=..,2..7", "crop=20x16+4+2", "resize=10x8", "frames=4"],
+        "parts",
+    );
+    assert_eq!(parts.len(), 2);
+    for (row, slice) in parts.iter().zip([Value::Null, "2..7".into()]) {
+        let seen = ["width", "height", "frames_seen"].map(|name| row[name].as_u64());
+        assert_eq!(seen, [Some(10), Some(8), Some(4)]);
+        assert_eq!(row["slice"], slice);
+        assert_eq!(
+            (&row["crop"], &row["resize"]),
+            (&"20x16+4+2".into(), &"10x8".into())
+        );
+        assert_ne!(row["id"], whole[0]["id"]);
+    }
+    // As the verb shows it.
+    let how = ["--slice", "2..7", "--crop", "20x16+4+2", "--resize", "10x8"];
+    let sensor = "memory = \"filtered-snap\"\n[[channel]]\nkernel = \"dvs\"\nthreshold = { on = 20, off = 20 }\n";
+    fs::write(
+        at.join("sensor.toml"),
+        format!("response = \"identity\"\n{sensor}"),
+    )
+    .unwrap();
+    let scene = "pattern:disc?width=32&height=24&frames=8&radius=6";
+    let run = ["run", "--scene", scene, "--sensor", "sensor.toml", "--json"];
+    let own = rows(&how_of(&how)[..], "own");
+    assert_eq!(
+        own[0]["events"],
+        json(at, &[&run[..], &how].concat())["events"]
+    );
+    for (set, words) in [
+        ("slice=x", "`slice` is `x`"),
+        ("crop=40x40", "a crop of 40x40 from pictures of 32x24"),
+        ("resize=64x64", "resized to 64x64"),
+        ("resize=x", "`resize` is `x`"),
+        ("slice=9..", "no frame is in the slice 9.."),
+    ] {
+        let key = set.split_once('=').unwrap().0;
+        let line = format!("{key} =");
+        refused(
+            at,
+            &["sweep", "study.toml", set, "--output", "no"],
+            &[words, &line],
+        );
+    }
+}
+
+/// Options of a verb as keys of a study.
+fn how_of<'a>(options: &[&'a str]) -> Vec<&'a str> {
+    let pairs = options.chunks(2);
+    let keys = pairs.map(|pair| format!("{}={}", pair[0].trim_start_matches('-'), pair[1]));
+    keys.map(|key| &*key.leak()).collect()
 }
 
 #[test]
@@ -723,7 +838,7 @@ fn a_full_disk_loses_nothing() {
     let folder = folder(&study());
     let at = folder.path();
     let program = assert_cmd::cargo::cargo_bin("amacrine");
-    // A point takes less than 4 KiB, the table of all more.
+    // A point and sweep.json take less than 12 KiB, the table of all more.
     let limited = |blocks: u32| {
         let script = format!(
             "trap '' XFSZ; ulimit -f {blocks}; exec {} sweep study.toml --output out",
@@ -740,7 +855,7 @@ fn a_full_disk_loses_nothing() {
         assert!(message.contains("are kept"), "{message}");
         assert_eq!(message.matches("×").count(), 1, "one message: {message}");
     };
-    limited(5);
+    limited(12);
     assert!(!at.join("out/results.csv").exists());
     let said = json(at, &["sweep", "study.toml", "--output", "out", "--json"]);
     assert_eq!(
@@ -786,6 +901,8 @@ fn the_schema_is_what_is_read() {
                 (_, "scene") => writeln!(text, "scene = \"{SCENE}\"").unwrap(),
                 (_, "kernel") => text += "kernel = \"dvs\"\n",
                 (_, "frames") => text += "frames = 3\n",
+                (_, "slice") => text += "slice = \"2..7\"\n",
+                (_, "crop" | "resize") => writeln!(text, "{} = \"8x6\"", key.name).unwrap(),
                 (_, name) => writeln!(text, "{name} = 10").unwrap(),
             }
         }

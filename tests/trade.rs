@@ -44,13 +44,16 @@ fn words(command: &str) -> Vec<String> {
     words
 }
 
-/// The front and its knee, by their definitions.
+/// The front and its knee, by their definitions: seconds whose ranges overlap tell nothing apart.
 #[track_caller]
 fn check_front(trade: &Value) {
     let at = |point: &Value| {
         let planning = number(&point["planning_seconds"]);
         let error = point["error"].as_f64()?;
-        Some((number(&point["seconds"]) + planning, error))
+        let [least, most] = [0, 1].map(|end| planning + number(&point["seconds_range"][end]));
+        let seconds = number(&point["seconds"]) + planning;
+        assert!((least..=most).contains(&seconds), "{point}");
+        Some((seconds, error, [least, most]))
     };
     let placed: Vec<_> = { points(trade).iter() }
         .filter_map(|point| Some((point, at(point)?)))
@@ -59,23 +62,32 @@ fn check_front(trade: &Value) {
     let full = placed
         .iter()
         .find(|(point, _)| point["name"] == "the full model");
-    let (_, (whole, _)) = full.expect("the full model");
-    let least = placed
-        .iter()
-        .map(|(_, at)| at.0)
-        .fold(f64::INFINITY, f64::min);
-    let away = |(x, y): (f64, f64)| ((x - least) / whole).hypot(y);
-    let mut nearest = (f64::INFINITY, "");
-    for (point, (x, y)) in &placed {
-        let beaten = placed
-            .iter()
-            .any(|(_, (a, b))| a <= x && b <= y && (a < x || b < y));
+    let (_, (whole, ..)) = full.expect("the full model");
+    let overlap = |a: &[f64; 2], b: &[f64; 2]| a[0] <= b[1] && b[0] <= a[1];
+    let mut front = Vec::new();
+    for (point, (x, y, range)) in &placed {
+        let beaten = placed.iter().any(|(_, (a, b, other))| {
+            a <= x && b <= y && (b < y || (a < x && !overlap(range, other)))
+        });
         assert_eq!(point["on_front"], !beaten, "{point}");
-        if !beaten && away((*x, *y)) < nearest.0 {
-            nearest = (away((*x, *y)), point["name"].as_str().unwrap());
+        if !beaten {
+            front.push((*point, (*x, *y, *range)));
         }
     }
-    assert_eq!(trade["knee"], nearest.1);
+    let least = { front.iter() }.fold(f64::INFINITY, |least, (_, (x, ..))| least.min(*x));
+    let away = |(x, y): (f64, f64)| ((x - least) / whole).hypot(y);
+    let nearest = { front.iter() }
+        .min_by(|(_, a), (_, b)| away((a.0, a.1)).total_cmp(&away((b.0, b.1))))
+        .unwrap();
+    let knee = { front.iter() }.find(|(point, _)| point["is_knee"] == true);
+    let (point, (_, error, range)) = knee.expect("a knee");
+    assert_eq!(trade["knee"], point["name"]);
+    let (_, (_, own, of_nearest)) = nearest;
+    assert!(error <= own && overlap(range, of_nearest), "{point}");
+    let better = front
+        .iter()
+        .find(|(_, (_, other, range))| other < error && overlap(range, of_nearest));
+    assert!(better.is_none(), "{better:?}");
 }
 
 #[test]

@@ -349,7 +349,7 @@ def trade_program(
     formats: list[str],
     sample: tuple[int, float, int],
     how: tuple[bool, int],
-) -> str: ...
+) -> tuple[str, str]: ...
 def trade(
     sensor: Sensor,
     scene: _Shown,
@@ -357,4 +357,4 @@ def trade(
     formats: list[str],
     sample: tuple[int, float, int],
     how: tuple[bool, int],
-) -> str: ...
+) -> tuple[str, str]: ...

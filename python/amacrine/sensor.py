@@ -589,6 +589,13 @@ class Sensor(EventSensor):
         how = (self._seed, self._format, self._max_events)
         return Sensor._of_text(self._from[0], text, None, how)
 
+    def in_format(self, format: str) -> Sensor:
+        """The sensor in another number format: ``f64``, ``f32``, ``f16``, ``bf16``, ``q8.8``, …"""
+        other = Sensor.__new__(Sensor)
+        found = arguments.word("format", format, "f32")
+        other.__dict__.update(self.__dict__, _format=found)
+        return other
+
     def for_rate(
         self, frames: Any, fps: float, rate: float, *, scale: float | None = None
     ) -> Sensor:

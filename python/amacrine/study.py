@@ -367,7 +367,8 @@ def trade(
     Args:
         sensor: The full model, with all its effects, in f64; or a :class:`Program`, in ``domain``.
         scene: What is watched, at least three frames.
-        upsample: Insert frames so that no pixel changes by more than this, in ln units.
+        upsample: Insert frames so that no pixel's light, of 255, plus 1 changes by more than this, in
+            ln units.
         domain: Of a program: what the cells of its full model hold; ``"silicon"`` if left out.
         formats: Number formats in place of the full model's; usual ones where they are left out.
         within: An event that is moved by more seconds is changed.
@@ -378,8 +379,10 @@ def trade(
             is left out.
 
     Returns:
-        ``points``, a table with ``name``, ``error``, ``seconds``, ``on_front``, ``is_knee`` and
-        more; ``knee`` is the name of the best. ``docs/fidelity.md`` says what the limits mean.
+        ``points``, a table with ``name``, ``error``, ``seconds``, ``seconds_range``, ``on_front``,
+        ``is_knee``, ``command`` and more; ``knee`` is the name of the best, and ``command`` what runs
+        it, of ``sensor`` or ``program`` on ``frames``. It is a drawing in a notebook.
+        ``docs/fidelity.md`` says what the limits mean.
     """
     if not isinstance(sensor, (Sensor, Program)):
         raise Error(
@@ -400,14 +403,14 @@ def trade(
             raise Error("upsample of a program\nhelp: leave upsample out: a program sees frames")
         full = "silicon" if domain is None else word("domain", domain, "silicon")
         numbers = names("formats", OF_PROGRAM if formats is None else formats)
-        text = _amacrine.trade_program(sensor._native, full, light, numbers, asked, how)
-        return Answer.parse(text, rows="points")
+        found = _amacrine.trade_program(sensor._native, full, light, numbers, asked, how)
+        return Answer.parse(found[0], drawing=found[1], rows="points")
     if domain is not None:
         raise Error("domain of a float sensor\nhelp: leave domain out, or give a Program")
     contrast = arguments.contrast(upsample)
     numbers = names("formats", OF_SENSOR if formats is None else formats)
-    text = _amacrine.trade(sensor._native, light, contrast, numbers, asked, how)
-    return Answer.parse(text, rows="points")
+    found = _amacrine.trade(sensor._native, light, contrast, numbers, asked, how)
+    return Answer.parse(found[0], drawing=found[1], rows="points")
 
 
 def _told(answer: Answer) -> Answer:

@@ -90,7 +90,7 @@ impl Program {
     }
 
     #[getter]
-    fn file(&self) -> &str {
+    pub fn file(&self) -> &str {
         &self.source.file
     }
 

@@ -183,6 +183,17 @@ def test_trade() -> None:
     assert "the full model" in names and "f32" in names
     assert answer.knee in names
     assert any(point.on_front for point in answer.points)
+    assert answer._repr_html_().startswith("<svg") and "knee: " in answer.drawing
+    for point in answer.points:
+        least, most = point.seconds_range
+        assert least <= point.seconds <= most
+    f32 = next(point for point in answer.points if point.name == "f32")
+    assert f32.command == 'sensor.in_format("f32").events(frames, fps)'
+    sensor, frames, fps = amacrine.Sensor.from_file("rgc"), np.zeros((3, 8, 8), np.uint8), 30
+    of_f32 = amacrine.Sensor.from_file("rgc", format="f32")
+    assert sensor.in_format("f32") == of_f32 != sensor
+    assert len(eval(f32.command, {"sensor": sensor, "frames": frames, "fps": fps})) == 0
+    assert answer.command == next(p.command for p in answer.points if p.is_knee)
 
 
 def test_trade_of_a_program(program: Callable[..., str]) -> None:
@@ -198,6 +209,8 @@ def test_trade_of_a_program(program: Callable[..., str]) -> None:
             for one in (answer, stated)
         )
         assert len(own) == 1 and own == theirs, name
+    commands = [point["command"] for point in answer["points"] if point["name"] == "f16"]
+    assert commands == ['program.run(frames, fps, domain="f16", seed=3)']
     exact = amacrine.trade(snap, scene, domain="exact", formats=["f32"])
     assert [point.name for point in exact.points][0] == "the full model"
     with pytest.raises(amacrine.Error, match="leave upsample out"):

@@ -12,6 +12,7 @@ use crate::{
     scene::{Scene, SceneError, kept::Kept},
     study::pilot::{
         ChangeEstimate, Offer, Plan, Question,
+        change::share,
         plan::{self, BUDGET, Free, KEPT},
     },
     unit::Micros,
@@ -280,23 +281,6 @@ pub fn told((choice, why): (&str, &str), change: Option<ChangeEstimate>, toleran
     text
 }
 
-/// A share in percent, with three figures.
-#[must_use]
-pub fn share(share: f64) -> String {
-    let percent = 100.0 * share;
-    if percent == 0.0 {
-        "0 %".to_owned()
-    } else if percent > 1000.0 || percent.is_nan() {
-        "over 1000 %".to_owned()
-    } else if percent < 0.01 {
-        format!("{percent:.1e} %")
-    } else if percent < 10.0 {
-        format!("{percent:.3} %")
-    } else {
-        format!("{percent:.1} %")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -314,20 +298,5 @@ mod tests {
             let told = percent(none).unwrap_err();
             assert!(told.ends_with("such as 1% or 0.1%"), "{told}");
         }
-    }
-
-    #[test]
-    fn shares_have_three_figures() {
-        let shown = [0.0, 1e-7, 0.000_447, 0.0123, 0.5, 1.5, f64::INFINITY].map(share);
-        let want = [
-            "0 %",
-            "1.0e-5 %",
-            "0.045 %",
-            "1.230 %",
-            "50.0 %",
-            "150.0 %",
-            "over 1000 %",
-        ];
-        assert_eq!(shown, want);
     }
 }

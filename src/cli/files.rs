@@ -239,6 +239,12 @@ impl Output {
         if self.ending() == "svg" {
             write_svg(&self.path, drawing)
         } else {
+            if let Some(letter) = drawing.unknown_letter() {
+                super::complain(&format!(
+                    "warning: {}: `{letter}` is drawn as ?: the typeface of pictures has Latin letters; an .svg has all\n",
+                    self.path.display()
+                ));
+            }
             write_png(&self.path, &raster(drawing, 2))
         }
     }

@@ -13,7 +13,7 @@ use crate::{
     elementary,
     event::{
         Packet, Polarity,
-        codec::{CodeBook, Coding, Layout, Rate, entropy},
+        codec::{self, CodeBook, Coding, Layout, Rate, entropy},
         file::Loaded,
         readout::{Frame, ReadOut, settings::Description},
     },
@@ -164,10 +164,7 @@ impl Shown<'_> {
 
     /// Frames of the window's length in the time watched.
     fn frames(&self) -> u64 {
-        let (from, to) = self.packet.span;
-        let window = self.arguments.window.0;
-        let number = |t: Micros| t.0.div_ceil(window);
-        number(to) - number(from).min(number(to)) + 1
+        codec::frames(self.packet, self.arguments.window)
     }
 
     fn json(&self) -> Value {

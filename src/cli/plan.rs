@@ -14,13 +14,13 @@ use crate::{
     reference::{Description, Limit, Reference},
     rig::guard::Warning,
     scene::{Observation, kept::Kept},
-    study::pilot::{Change, Choice, Plan, Question, model::Model, plan::BUDGET},
+    study::pilot::{Change, Choice, Plan, Question, change::share, model::Model, plan::BUDGET},
     unit::{Micros, counted},
 };
 
 use super::{
     budget,
-    fidelity::{Source, chosen, line, make, percent, share},
+    fidelity::{Source, chosen, line, make, percent},
     files::{Input, Named},
     light::{self, Samples},
     progress::Progress,

@@ -12,12 +12,15 @@ use super::{
 };
 use crate::{
     picture::front::{Dot, FrontShow, fronts},
-    study::sweep::{
-        Report,
-        key::Side,
-        report::{Group, Refused},
-        store,
-        study::COSTS,
+    study::{
+        equivalent,
+        sweep::{
+            Report,
+            key::Side,
+            report::{Group, Refused, Standing},
+            store,
+            study::COSTS,
+        },
     },
     unit::counted,
 };
@@ -91,6 +94,30 @@ fn error(error: f64) -> String {
     }
 }
 
+/// The mean change of threshold that costs as much; a mean over points of which some are only known
+/// to be more is more than that, too.
+fn threshold(sensor: &Standing) -> String {
+    let is_least = sensor.threshold_equivalent_least_at > 0;
+    let least = if is_least { ">" } else { "" };
+    sensor
+        .threshold_equivalent_percent
+        .map_or("-".to_owned(), |percent| format!("{least}{percent:+.1} %"))
+}
+
+/// What `>` before a mean of thresholds says.
+fn beyond(group: &Group) -> String {
+    let counts = { group.sensors.iter() }.map(|sensor| sensor.threshold_equivalent_least_at);
+    let points = counts.sum::<usize>();
+    if points == 0 {
+        return String::new();
+    }
+    let most = (equivalent::RUNGS[equivalent::RUNGS.len() - 1] - 1.0) * 100.0;
+    format!(
+        "  threshold: {} lost more than the highest threshold that was tried, {most:+.0} %, and counts as that; a mean with such points is more than what stands behind >\n",
+        counted(points, "point")
+    )
+}
+
 /// What a cost is called, with its unit.
 fn label(cost: &str) -> &str {
     match cost {
@@ -161,9 +188,7 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             let words = sensor
                 .words
                 .map_or("-".to_owned(), |words| format!("{words:.0}"));
-            let threshold = sensor
-                .threshold_equivalent_percent
-                .map_or("-".to_owned(), |percent| format!("{percent:+.1} %"));
+            let threshold = threshold(sensor);
             let front = match &sensor.dominated_by {
                 None => "yes".to_owned(),
                 Some(by) => format!("no, {by} is better"),
@@ -178,6 +203,7 @@ fn table(report: &Report, arguments: &Arguments) -> String {
                 columns(&format!("{:.0}", sensor.bits), &words),
             );
         }
+        text += &beyond(group);
     }
     for (what, list) in [("cannot", &report.refused), ("failed", &report.failed)] {
         for Refused {

@@ -249,7 +249,7 @@ fn tell(arguments: &Arguments, study: &Study, folder: &Path) -> miette::Result<(
     if arguments.tell {
         let mut lines = io::stdin().lock();
         let mut line = Vec::new();
-        loop {
+        for number in 1_u64.. {
             line.clear();
             let most = POINT_BYTES + 1;
             let read = (&mut lines).take(most).read_until(b'\n', &mut line);
@@ -264,20 +264,17 @@ fn tell(arguments: &Arguments, study: &Study, folder: &Path) -> miette::Result<(
                 Ok(read) if read as u64 == most => {
                     return Err(miette!(
                         help = "give points as lines of JSON",
-                        "a line of standard input is longer than {POINT_BYTES} bytes"
+                        "line {number} of standard input is longer than {POINT_BYTES} bytes"
                     ));
                 }
                 Ok(_) => {}
             }
-            let text = String::from_utf8_lossy(&line);
-            if text.trim().is_empty() {
-                continue;
-            }
-            // Who asks can go on after a point that is none.
-            let said = match asked.tell(&text, limits) {
+            // Every line has an answer; who asks can go on after a point that is none.
+            let said = match point_text(&line).and_then(|text| asked.tell(text, limits)) {
                 Ok(row) => json!(row),
                 Err(PointError { what, help }) => {
-                    json!({"outcome": "wrong", "reason": what, "help": help})
+                    let reason = format!("line {number}: {what}");
+                    json!({"outcome": "wrong", "line": number, "reason": reason, "help": help})
                 }
             };
             super::say(&format!("{said}\n"));
@@ -285,6 +282,21 @@ fn tell(arguments: &Arguments, study: &Study, folder: &Path) -> miette::Result<(
     }
     light::warn(&asked.warnings());
     Ok(())
+}
+
+/// A line as the text of a point.
+fn point_text(line: &[u8]) -> Result<&str, PointError> {
+    let wrong = |what: &str| {
+        PointError {
+        what: what.to_owned(),
+        help: "give one point a line as a JSON object, such as {\"side\": \"reference\", \"format\": \"q8.8\"}".to_owned(),
+    }
+    };
+    let text = std::str::from_utf8(line).map_err(|_| wrong("it is not UTF-8"))?;
+    if text.trim().is_empty() {
+        return Err(wrong("it is empty"));
+    }
+    Ok(text)
 }
 
 /// A bar that begins when it is known how long it is.

@@ -1,6 +1,6 @@
 //! `amacrine voxels`: an event file as the tensors that networks take.
 
-use miette::Diagnostic as _;
+use miette::{Diagnostic as _, miette};
 use serde_json::json;
 
 use super::{
@@ -106,6 +106,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let about = Extent::of(arguments)?;
     let (size, channels) = (about.size, about.channels);
     let windows = match arguments.from {
+        Some(from) if from > about.end => {
+            return Err(miette!(
+                help = "give a time before its end, or leave --from out",
+                "--from {} s: {} ends at {} s",
+                exact_seconds(from.0),
+                arguments.file.display(),
+                exact_seconds(about.end.0)
+            ));
+        }
         Some(from) => windows.from(from),
         None => windows.reaching(about.start),
     };

@@ -56,6 +56,7 @@ pub fn surround(show: &SurroundShow) -> RgbImage {
         let times = (PANEL / picture.width().max(picture.height()).max(1)).max(1);
         let picture = panel::enlarged(&picture, times);
         imageops::replace(&mut page, &picture, left(i).into(), (top + LINE).into());
+        key(&mut page, (left(i), top + LINE + PANEL + 4), most * most);
     }
     responses(&mut page, (MARGIN, top + row), room, &show.responses);
     for (i, (caption, voltages)) in show.reliefs.iter().enumerate() {
@@ -65,6 +66,27 @@ pub fn surround(show: &SurroundShow) -> RgbImage {
         imageops::replace(&mut page, &picture, at.0.into(), (at.1 + LINE).into());
     }
     page
+}
+
+/// What the colours of a field mean: weights from `-most` to `most`, by their roots.
+fn key(page: &mut RgbImage, (x, y): (u32, u32), most: f64) {
+    const BAR: u32 = 96;
+    let [least, most] = [-most, most].map(|weight| format!("{weight:+.3}"));
+    let x = text::write(page, (x, y), &least, Weight::Plain, ink::CAPTION) + 6;
+    let roots = Plane::from_shape_fn((12, BAR as usize + 1), |(_, step)| {
+        2.0 * step as f64 / f64::from(BAR) - 1.0
+    });
+    let bar = panel::weights(&roots, 1.0);
+    imageops::replace(page, &bar, x.into(), (y + 4).into());
+    let zero = x + BAR / 2;
+    line(
+        page,
+        (f64::from(zero), f64::from(y + 16)),
+        (f64::from(zero), f64::from(y + 18)),
+        ink::CAPTION,
+    );
+    let end = (x + BAR + 7, y);
+    text::write(page, end, &most, Weight::Plain, ink::CAPTION);
 }
 
 fn write_caption(page: &mut RgbImage, at: (u32, u32), caption: &str) {
@@ -220,6 +242,13 @@ mod tests {
         for ink in [ink::ON, ink::OFF, ink::TEXT] {
             assert!(has(ink) > 50, "{ink:?}");
         }
+        // The key of the first field: the ends of its bar, above the tick of 0.
+        let y = MARGIN + LINE + GAP / 2 + LINE + PANEL + 4;
+        let row: Vec<Ink> = (MARGIN..MARGIN + PANEL)
+            .map(|x| *page.get_pixel(x, y + 10))
+            .collect();
+        let at = |ink: Ink| row.iter().position(|p| *p == ink).unwrap();
+        assert_eq!(at(ink::ON) - at(ink::OFF), 96);
         // A plane is flat: straight lines only, one for each row.
         let flat = relief(&Plane::from_elem((10, 10), 3.0));
         let inked = |picture: &RgbImage, y: u32| {

@@ -60,13 +60,73 @@ pub fn write(page: &mut RgbImage, at: (u32, u32), text: &str, weight: Weight, in
     write_in(page, at, text, Face::new(weight, 1), ink)
 }
 
+/// What is written in place of letters that the typeface, of Latin letters, does not have.
+const SPELLED: [(char, &str); 27] = [
+    ('μ', "µ"),
+    ('≥', ">="),
+    ('≤', "<="),
+    ('≠', "!="),
+    ('≈', "~"),
+    ('−', "-"),
+    ('–', "-"),
+    ('—', "-"),
+    ('…', "..."),
+    ('→', "->"),
+    ('←', "<-"),
+    ('√', "sqrt "),
+    ('∞', "inf"),
+    ('‘', "'"),
+    ('’', "'"),
+    ('“', "\""),
+    ('”', "\""),
+    ('α', "alpha"),
+    ('β', "beta"),
+    ('θ', "theta"),
+    ('λ', "lambda"),
+    ('π', "pi"),
+    ('σ', "sigma"),
+    ('τ', "tau"),
+    ('Δ', "Delta"),
+    ('Σ', "Sigma"),
+    ('Ω', "Ohm"),
+];
+
+/// What is written in place of a letter, if anything.
+fn spelled(c: char) -> Option<&'static str> {
+    let found = SPELLED.iter().find(|(letter, _)| *letter == c);
+    found.map(|(_, text)| *text)
+}
+
+/// Whether the typeface has a letter.
+fn is_drawn(c: char) -> bool {
+    get_raster(c, FontWeight::Regular, RasterHeight::Size16).is_some()
+}
+
+/// The first letter of a text of which pixels show a question mark.
+#[must_use]
+pub fn unknown(text: &str) -> Option<char> {
+    text.chars()
+        .find(|c| !is_drawn(*c) && spelled(*c).is_none())
+}
+
+/// A text in the letters of the typeface.
+pub fn in_letters(text: &str) -> String {
+    let mut letters = String::with_capacity(text.len());
+    for c in text.chars() {
+        match spelled(c) {
+            _ if is_drawn(c) => letters.push(c),
+            Some(text) => letters += text,
+            None => letters.push('?'),
+        }
+    }
+    letters
+}
+
 /// [`write`] in any face.
 pub fn write_in(page: &mut RgbImage, at: (u32, u32), text: &str, face: Face, ink: Ink) -> u32 {
     let (mut x, y) = at;
-    for c in text.chars() {
-        // The typeface has the letters of ASCII.
-        let known = |c| get_raster(c, face.font, face.height);
-        let Some(letter) = known(c).or_else(|| known('?')) else {
+    for c in in_letters(text).chars() {
+        let Some(letter) = get_raster(c, face.font, face.height) else {
             continue;
         };
         for (dy, row) in (0..).zip(letter.rows()) {
@@ -91,8 +151,9 @@ pub fn write_within(
     ink: Ink,
 ) {
     let room = fits(width, weight);
+    let text = in_letters(text);
     if text.chars().count() <= room {
-        write(page, at, text, weight, ink);
+        write(page, at, &text, weight, ink);
     } else {
         let mut cut: String = text.chars().take(room.saturating_sub(2)).collect();
         cut.push_str("..");
@@ -107,4 +168,20 @@ fn blend(below: Ink, ink: Ink, cover: u8) -> Ink {
     };
     let ([r, g, b], [ir, ig, ib]) = (below.0, ink.0);
     Rgb([mix(r, ir), mix(g, ig), mix(b, ib)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_are_drawn_or_spelled_or_told() {
+        assert_eq!(in_letters("5 µm², 3×2, é"), "5 µm², 3×2, é");
+        assert_eq!(in_letters("λ ≥ 1 − τ…"), "lambda >= 1 - tau...");
+        assert_eq!(in_letters("眼 a"), "? a");
+        assert_eq!([unknown("µ² × ≥ λ"), unknown("a 眼")], [None, Some('眼')]);
+        for (letter, text) in SPELLED {
+            assert!(!is_drawn(letter) && text.chars().all(is_drawn), "{letter}");
+        }
+    }
 }

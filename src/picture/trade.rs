@@ -17,6 +17,8 @@ pub struct TradeDot {
     pub name: String,
     /// Seconds of a run.
     pub run: f64,
+    /// The least and the most seconds of the measurements in the middle.
+    pub range: [f64; 2],
     /// Seconds that it took to know its error.
     pub planning: f64,
     /// The share of changed events, about.
@@ -49,8 +51,11 @@ const LEFT: f64 = 78.0;
 const PLOT: f64 = 560.0;
 const HEIGHT: f64 = 380.0;
 /// Room at the right for a name without letters, and for each of them.
-const NAMES: f64 = 270.0;
+const NAMES: f64 = 318.0;
 const LETTER: f64 = 8.0;
+
+/// Half the side of a dot of the front.
+const HALF: f64 = 5.0;
 
 const FRONT: Ink = ink::ON;
 const KNEE: Ink = ink::OFF;
@@ -156,7 +161,11 @@ impl Plot {
                 (low.min(value), high.max(value))
             })
         };
-        let mut seconds = { dots.iter() }.flat_map(|dot| [dot.run, dot.run + dot.planning]);
+        let ends_of = |dot: &TradeDot| {
+            let [least, most] = dot.range.map(|seconds| seconds + dot.planning);
+            [dot.run, least.min(dot.run + dot.planning), most]
+        };
+        let mut seconds = { dots.iter() }.flat_map(ends_of);
         let (low, high) = ends(&mut seconds);
         let (low, high) = (log10(low.max(1e-9)), log10(high.max(1e-9)));
         let margin = (0.08 * (high - low)).max(0.06);
@@ -202,43 +211,84 @@ impl Plot {
         }
     }
 
-    /// Where the dots' numbers stand: beside the dot inside the axes, and above the number of
-    /// another that is there, or below where there is no room.
+    /// Where the dots' numbers stand: beside the dot inside the axes, further up or down where
+    /// another number or a dot is there.
     fn numbers(&self, dots: &[TradeDot]) -> Vec<Point> {
         let line = f64::from(LINE);
-        let mut places: Vec<Point> = Vec::new();
+        let (top, bottom) = (self.area.y, self.area.bottom() - line);
+        let around = |(x, y): Point, half: f64| Area {
+            x: x - half,
+            y: y - half,
+            width: 2.0 * half,
+            height: 2.0 * half,
+        };
+        let dot_at = |dot: &TradeDot| (self.x(dot.run + dot.planning), self.y(dot.limit));
+        let squares: Vec<Area> = dots.iter().map(|dot| around(dot_at(dot), HALF)).collect();
+        let mut numbers: Vec<Area> = Vec::new();
         for (number, dot) in (1..).zip(dots) {
-            let (dot_x, width) = (self.x(dot.run + dot.planning), LETTER * digits(number));
-            let x = if dot_x + 6.0 + width > self.area.right() {
-                dot_x - 6.0 - width
+            let (dot_x, dot_y) = dot_at(dot);
+            let width = LETTER * digits(number);
+            let right = dot_x + HALF + 1.0;
+            let left = right - 2.0 * (HALF + 1.0) - width;
+            let sides = if right + width > self.area.right() {
+                [left, left]
             } else {
-                dot_x + 6.0
+                [right, left]
             };
-            let (top, bottom) = (self.area.y, self.area.bottom() - line);
-            let y = (self.y(dot.limit) - line + 2.0).clamp(top, bottom);
-            let taken = |y: f64| {
-                let covers =
-                    |at: &Point| (at.0 - x).abs() < 2.0 * LETTER && (at.1 - y).abs() < line;
-                places.iter().any(covers)
+            let first = (dot_y - line + 2.0).clamp(top, bottom);
+            let steps = (0..4 * dots.len()).map(|n| 0.5 * line * n as f64);
+            let heights = steps.flat_map(|step| [first - step, first + step]);
+            let inside = heights.filter(|y| (top..=bottom).contains(y));
+            let places = inside.flat_map(|y| {
+                sides.map(|x| Area {
+                    x,
+                    y,
+                    width,
+                    height: line,
+                })
+            });
+            let is_free = |place: &Area| {
+                let apart = |other: &Area| !overlap(*place, *other);
+                // Of a letter the upper and the lower pixels are empty.
+                let ink = Area {
+                    y: place.y + 4.0,
+                    height: line - 8.0,
+                    ..*place
+                };
+                numbers.iter().all(apart) && squares.iter().all(|square| !overlap(ink, *square))
             };
-            let steps = || (0..2 * dots.len()).map(|n| 0.5 * line * n as f64);
-            let above = steps().map(|step| y - step).take_while(|y| *y >= top);
-            let below = steps().map(|step| y + step).take_while(|y| *y <= bottom);
-            let free = above.chain(below).find(|y| !taken(*y));
-            places.push((x, free.unwrap_or(y)));
+            let free = places.into_iter().find(is_free);
+            numbers.push(free.unwrap_or(Area {
+                x: sides[0],
+                y: first,
+                width,
+                height: line,
+            }));
         }
-        places
+        numbers.iter().map(|place| (place.x, place.y)).collect()
     }
 
     fn dot(&self, page: &mut Drawing, dot: &TradeDot) {
         let ink = colour(dot);
-        let half = if dot.on_front { 5.0 } else { 3.0 };
+        let half = if dot.on_front { HALF } else { 3.0 };
         let (x, y) = (self.x(dot.run + dot.planning), self.y(dot.limit));
         // What it took to know, and from the estimate to its limit.
         page.line((self.x(dot.run), y), (x, y), 1.5, ink);
         page.line((x, self.y(dot.share)), (x, y), 1.5, ink);
+        // What was measured, from end to end.
+        let [least, most] = dot.range.map(|seconds| self.x(seconds + dot.planning));
+        page.line((least, y), (most, y), 0.75, ink);
+        for end in [least, most] {
+            page.line((end, y - 3.0), (end, y + 3.0), 0.75, ink);
+        }
         page.square((x, y), half, ink);
     }
+}
+
+/// Whether two rectangles cover each other, or stand less than two points side by side.
+fn overlap(a: Area, b: Area) -> bool {
+    let apart = a.x >= b.right() + 2.0 || b.x >= a.right() + 2.0;
+    !apart && a.y < b.bottom() && b.y < a.bottom()
 }
 
 /// Digits of a number of a list.
@@ -268,9 +318,9 @@ fn legend(page: &mut Drawing, y: f64, is_whole: bool) {
         x += 40.0 + LETTER * text.chars().count() as f64;
     }
     let lines = if is_whole {
-        "squares: measured on the whole scene, and the seconds with the plan; lines: left to a run alone"
+        "squares: measured on the whole scene, and the seconds with the plan; lines: left to a run alone, and thin ones with ends what was measured"
     } else {
-        "squares: the limit, and the seconds with the plan; lines: down to what was estimated, left to a run alone"
+        "squares: the limit, and the seconds with the plan; lines: down to what was estimated, left to a run alone, and thin ones with ends what was measured"
     };
     let place = (MARGIN, y + f64::from(LINE));
     write(page, place, Weight::Plain, ink::CAPTION, lines);
@@ -281,7 +331,7 @@ fn names(page: &mut Drawing, area: Area, show: &TradeShow<'_>) {
     let line = f64::from(LINE);
     let left = area.right() + MARGIN;
     let share_is = if show.is_whole { "changed" } else { "at most" };
-    let heading = format!("    seconds  {share_is}  model");
+    let heading = format!("    seconds     ±  {share_is}  model");
     write(
         page,
         (left, area.y - line),
@@ -293,8 +343,9 @@ fn names(page: &mut Drawing, area: Area, show: &TradeShow<'_>) {
         let y = area.y + f64::from(number - 1) * line;
         page.square((left + 4.0, y + line / 2.0), 4.0, colour(dot));
         let text = format!(
-            "{number:>2} {:>8} {:>8}  {}",
+            "{number:>2} {:>8} {:>5} {:>8}  {}",
             seconds(dot.run + dot.planning),
+            half_range(dot),
             share(dot.limit),
             dot.name
         );
@@ -315,6 +366,13 @@ fn names(page: &mut Drawing, area: Area, show: &TradeShow<'_>) {
 fn seconds(seconds: f64) -> String {
     let decimals = if seconds < 10.0 { 3 } else { 1 };
     format!("{seconds:.decimals$}")
+}
+
+/// Half of what the least and the most are apart, as a part of what is shown.
+fn half_range(dot: &TradeDot) -> String {
+    let [least, most] = dot.range;
+    let part = (most - least) / (2.0 * (dot.run + dot.planning).max(1e-9));
+    format!("{:.0} %", (100.0 * part).min(999.0))
 }
 
 fn share(share: f64) -> String {
@@ -344,6 +402,7 @@ mod tests {
         let dot = |name: &str, run, planning, limit, on_front| TradeDot {
             name: name.to_owned(),
             run,
+            range: [run, 1.02 * run],
             planning,
             share: limit,
             limit,
@@ -378,7 +437,7 @@ mod tests {
         assert!(
             texts
                 .iter()
-                .any(|text| text.contains("0.500  1.000 %  f32"))
+                .any(|text| text.contains("0.500   1 %  1.000 %  f32"))
         );
         show.is_whole = true;
         let whole = trade(&show);
@@ -408,15 +467,28 @@ mod tests {
         assert_eq!(at(5.0, 0.0), FRONT);
         assert_eq!(at(50.0, 0.1), BEATEN);
         assert_eq!(at(0.6, 0.05), ink::PAGE);
-        // Numbers of dots that are close do not cover each other.
-        let close: Vec<TradeDot> = (0..4)
+        // Numbers of dots that are close cover neither each other nor a dot.
+        let close: Vec<TradeDot> = (0..14)
             .map(|n| dot("close", 0.4 + 0.001 * f64::from(n), 0.1, 0.01, n == 0))
             .collect();
+        let line = f64::from(LINE);
+        let area = |(number, (x, y)): (usize, &Point)| Area {
+            x: *x,
+            y: y + 4.0,
+            width: LETTER * digits(number),
+            height: line - 8.0,
+        };
         let places = plot.numbers(&close);
-        for (n, (_, y)) in places.iter().enumerate() {
-            for (_, other) in &places[..n] {
-                assert!((y - other).abs() >= f64::from(LINE), "{places:?}");
-            }
+        let places: Vec<Area> = (1..).zip(&places).map(area).collect();
+        for (n, place) in places.iter().enumerate() {
+            let others = places[..n].iter().any(|other| overlap(*place, *other));
+            let at = close
+                .iter()
+                .map(|dot| (plot.x(dot.run + dot.planning), plot.y(dot.limit)));
+            let dots = at.filter(|(x, y)| {
+                (place.x..=place.right()).contains(x) && (place.y..=place.bottom()).contains(y)
+            });
+            assert!(!others && dots.count() == 0, "{n}: {places:?}");
         }
     }
 }

@@ -334,6 +334,26 @@ pub enum SceneError {
         path: PathBuf,
     },
 
+    /// An mp4 that ends before the table of its frames.
+    #[error(
+        "{path}: the file ends early, at byte {length} of at least {end}: {what} begins at byte {start} and is cut off, and no table of its frames (moov) is whole"
+    )]
+    #[diagnostic(help(
+        "copy or download it again, or close the recording: without the table nothing of it can be read"
+    ))]
+    EndsEarly {
+        /// The file.
+        path: PathBuf,
+        /// Its bytes.
+        length: u64,
+        /// How many it should have, at least.
+        end: u64,
+        /// Where the box begins that is cut off.
+        start: u64,
+        /// What it is called.
+        what: String,
+    },
+
     /// An mp4 that is damaged, or not H.264 in 8 bits.
     #[error("{path}: {what}")]
     #[diagnostic(help(

@@ -7,13 +7,14 @@ use amacrine::{
     isa::Device,
     number::{Format, FormatError},
     photoreceptor::Response,
+    picture::svg,
     reference::Description,
-    scene::kept::Kept,
+    scene::{Scene as _, kept::Kept},
     study::{
         pilot::{
             Chips, Choice, Effect, Floats, Look, PlanError, Sampled, Survey, plan::KEPT, rule,
         },
-        trade::{Ask, Point, Programs, Setup, Trade, trade as survey_all},
+        trade::{Ask, Point, Programs, Setup, Trade, told::Told, trade as survey_all},
     },
     unit::Micros,
 };
@@ -25,6 +26,7 @@ use super::{Shown, open_on};
 use crate::{
     error::{raised, refused},
     files::json,
+    options::in_python,
     program::Program,
     sensor::Sensor,
     source::Source,
@@ -33,6 +35,12 @@ use crate::{
 /// Microseconds by which an event is changed, the part of the sensor that is run, and how many runs
 /// share what it took to know the error.
 type Sample = (u64, f64, u32);
+
+/// The contrast that frames are inserted for, the sample, and whether all is run whole, and the seed.
+type Asked = (Option<f64>, Sample, (bool, u64));
+
+/// What was asked about, its full model, and what runs a model of it.
+type Telling<'a, M> = (&'a str, &'a str, &'a (dyn Fn(&M) -> String + Sync));
 
 /// Error against seconds, for every plainer model of a sensor in a scene.
 #[pyfunction]
@@ -44,15 +52,20 @@ pub fn trade(
     formats: Vec<String>,
     sample: Sample,
     how: (bool, u64),
-) -> PyResult<String> {
+) -> PyResult<(String, String)> {
     let description = &sensor.get().description;
     let formats = numbers(&formats)?;
     let source = scene.source()?;
     let response = description.response;
-    let shown = (&source, response, None);
-    surveyed(py, shown, upsample, sample, how, |survey| {
-        traded(description, survey, formats, (how.0, sample.2))
-    })
+    let command = |choice: &Choice| of_sensor(choice, upsample);
+    let told = (
+        &*description.name,
+        "f64, with all its effects",
+        &command as &_,
+    );
+    let asked = (upsample, sample, how);
+    let trade = |survey: Survey<'_>| traded(description, survey, formats, (how.0, sample.2));
+    surveyed(py, (&source, response, None), asked, trade, told)
 }
 
 /// The same of a program, whose full model is in a domain.
@@ -65,20 +78,65 @@ pub fn trade_program(
     formats: Vec<String>,
     sample: Sample,
     how: (bool, u64),
-) -> PyResult<String> {
+) -> PyResult<(String, String)> {
     let program = program.get();
     program.check_steady()?;
     let arithmetic: Arithmetic = domain.parse().map_err(|e: ArithmeticError| raised(e))?;
     let formats = numbers(&formats)?;
     let source = scene.source()?;
     let shown = (&source, Response::IDENTITY, Some(program.device()));
-    surveyed(py, shown, None, sample, how, |survey| {
+    let (verify, seed) = how;
+    let command = |setup: &Setup| of_program(setup, seed);
+    let told = (program.file(), domain, &command as &_);
+    let trade = |survey: Survey<'_>| {
         let mut settings = program.settings();
         settings.threads = Some(rayon::current_num_threads());
         let arithmetic = arithmetic.with_seed(survey.seed);
         let chips = program.chips(settings, arithmetic);
-        programmed(chips, survey, &formats, (how.0, sample.2))
-    })
+        programmed(chips, survey, &formats, (verify, sample.2))
+    };
+    surveyed(py, shown, (None, sample, how), trade, told)
+}
+
+/// What makes the events of a model, of the `sensor` that was asked about.
+fn of_sensor(choice: &Choice, upsample: Option<f64>) -> String {
+    let mut text = format!("sensor.in_format(\"{}\")", choice.format);
+    let without = choice.without.iter().map(|effect| effect.key());
+    let without: Vec<_> = { without }
+        .filter(|key| *key != Effect::InsertedFrames.key())
+        .map(|key| format!("\"{key}\""))
+        .collect();
+    if !without.is_empty() {
+        text = text + ".without(" + &without.join(", ") + ")";
+    }
+    let upsample = upsample.filter(|_| !choice.leaves_out(Effect::InsertedFrames));
+    let upsample = upsample.map_or(String::new(), |contrast| format!(", upsample={contrast}"));
+    text + &format!(".events(frames, fps{upsample})")
+}
+
+/// What runs a model, of the `program` that was asked about.
+fn of_program(setup: &Setup, seed: u64) -> String {
+    let domain = match setup.machine.format {
+        Some(format) => Arithmetic::Number(format),
+        None => Arithmetic::Silicon { seed: 0 },
+    };
+    let without: Vec<_> = { setup.without().iter() }
+        .map(|term| format!("\"{}\"", term.key()))
+        .collect();
+    let without = match without.len() {
+        0 => String::new(),
+        _ => format!(", without=[{}]", without.join(", ")),
+    };
+    let seed = match seed {
+        0 => String::new(),
+        seed => format!(", seed={seed}"),
+    };
+    let order = if setup.ordered {
+        format!("  # {}: the command line has schedules", setup.schedule)
+    } else {
+        String::new()
+    };
+    format!("program.run(frames, fps, domain=\"{domain}\"{without}{seed}){order}")
 }
 
 fn numbers(formats: &[String]) -> PyResult<Vec<Format>> {
@@ -88,15 +146,14 @@ fn numbers(formats: &[String]) -> PyResult<Vec<Format>> {
         .collect()
 }
 
-/// Keeps the scene and surveys it; the answer as JSON.
+/// Keeps the scene and surveys it; the answer as JSON, and as a drawing.
 fn surveyed<M: Send>(
     py: Python<'_>,
     (source, response, device): (&Source, Response, Option<&Device>),
-    upsample: Option<f64>,
-    (within_us, sample, runs): Sample,
-    (_, seed): (bool, u64),
+    (upsample, (within_us, sample, runs), (verify, seed)): Asked,
     trade: impl FnOnce(Survey<'_>) -> Result<Trade<M>, PlanError> + Send,
-) -> PyResult<String> {
+    (of, full, command): Telling<'_, M>,
+) -> PyResult<(String, String)> {
     if !(sample > 0.0 && sample <= 1.0) || runs == 0 {
         return Err(refused(
             format!("a sample of {sample}, {runs} runs"),
@@ -133,19 +190,36 @@ fn surveyed<M: Send>(
             sample,
             stop: source.stop(),
         };
-        Ok(trade(survey)?)
+        let trade = trade(survey)?;
+        let told = Told {
+            of,
+            scene: source.name(),
+            fps: kept.scene().fps(),
+            full,
+            verify,
+            runs,
+            command,
+        };
+        let drawing = svg(&told.drawing(&trade));
+        Ok((as_json(&trade, command), drawing))
     })?;
-    told(&answer.map_err(|report: Report| raised(report))?)
+    let (answer, drawing) = answer.map_err(|report: Report| raised(report))?;
+    Ok((answer?, in_python(&drawing)))
 }
 
 /// A trade as JSON.
-fn told<M>(trade: &Trade<M>) -> PyResult<String> {
+fn as_json<M>(trade: &Trade<M>, command: &dyn Fn(&M) -> String) -> PyResult<String> {
     let points: Vec<_> = { trade.points.iter() }
-        .map(|point| Placed {
-            error: point.error(),
-            seconds: point.known().map(|known| known.seconds),
-            planning_seconds: point.planning(),
-            point,
+        .map(|point| {
+            let seconds = point.known().map(|known| known.seconds);
+            Placed {
+                error: point.error(),
+                seconds: seconds.map(|seconds| seconds.median),
+                seconds_range: seconds.map(|seconds| [seconds.least, seconds.most]),
+                planning_seconds: point.planning(),
+                command: command(&point.model),
+                point,
+            }
         })
         .collect();
     json(&Traded {
@@ -153,6 +227,7 @@ fn told<M>(trade: &Trade<M>) -> PyResult<String> {
         no_tiles: trade.no_tiles.as_deref(),
         without_slot: trade.without_slot,
         knee: trade.knee().map(|knee| knee.name.as_str()),
+        command: trade.knee().map(|knee| command(&knee.model)),
         points,
     })
 }
@@ -166,6 +241,7 @@ struct Traded<'a, M> {
     no_tiles: Option<&'a str>,
     without_slot: u64,
     knee: Option<&'a str>,
+    command: Option<String>,
 }
 
 /// A model, and where it stands.
@@ -176,7 +252,9 @@ struct Placed<'a, M> {
     point: &'a Point<M>,
     error: Option<f64>,
     seconds: Option<f64>,
+    seconds_range: Option<[f64; 2]>,
     planning_seconds: f64,
+    command: String,
 }
 
 /// Every arithmetic, error and schedule by itself.

@@ -9,7 +9,7 @@ use std::{fmt, time::Instant};
 
 use miette::miette;
 
-use self::table::Told;
+use self::table::Table;
 use super::{
     budget,
     content::Content,
@@ -27,7 +27,7 @@ use crate::{
     stop::Stop,
     study::{
         pilot::{Family, Look, Survey, plan::KEPT},
-        trade::{Ask, Trade, trade},
+        trade::{Ask, Trade, told::Told, trade},
     },
     unit::{Micros, counted},
 };
@@ -177,6 +177,28 @@ impl Arguments {
         budget::check(&need, &what, "take a smaller scene")
     }
 
+    /// What is told of a trade, of this sensor or program, of a full model that is called so.
+    fn told<'a, M>(
+        &'a self,
+        (of, full): (&'a str, &'a str),
+        scened: &'a Scened,
+        command: &'a dyn Fn(&M) -> String,
+    ) -> Table<'a, M> {
+        Table {
+            arguments: self,
+            scened,
+            told: Told {
+                of,
+                scene: &self.scene,
+                fps: scened.kept.scene().fps(),
+                full,
+                verify: self.verify,
+                runs: self.runs,
+                command,
+            },
+        }
+    }
+
     /// Measures, tells, draws.
     fn trade<F>(
         &self,
@@ -184,7 +206,7 @@ impl Arguments {
         scened: &Scened,
         models: Vec<F::Model>,
         (alternative, free): Rules<'_, F::Model>,
-        (told, response): (&Told<'_, F::Model>, Response),
+        (table, response): (&Table<'_, F::Model>, Response),
     ) -> miette::Result<()>
     where
         F: Family,
@@ -214,14 +236,14 @@ impl Arguments {
         progress.finish();
         light::warn(&Warning::of_scene(&scened.observation, response));
         if let Some(path) = &self.output {
-            path.draw(&told.drawing(&trade))?;
+            path.draw(&table.told.drawing(&trade))?;
         }
         if self.json {
-            let mut json = told.json(&trade)?;
+            let mut json = table.json(&trade)?;
             json["light"] = light::json(&scened.observation);
             super::say(&format!("{json}\n"));
         } else {
-            super::say(&(told.text(&trade) + &light::line(&scened.observation)));
+            super::say(&(table.text(&trade) + &light::line(&scened.observation)));
         }
         Ok(())
     }

@@ -5,7 +5,6 @@ use miette::miette;
 use super::{
     super::{files::Input, opened::Source, quoted::quoted},
     Arguments,
-    table::Told,
 };
 use crate::{
     array::{Arithmetic, Schedule, Settings},
@@ -69,16 +68,12 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
     };
     let alternative = |setup: &Setup| family.alternative(setup);
     let free = |setup: &Setup, _: &_| family.free(setup);
-    let told = Told {
-        arguments,
-        of: &opened.program.file,
-        full: format!("{domain}, {}", family.schedule),
-        scened: &scened,
-        command: &|setup| command(arguments, path, scened.kept.len(), setup),
-    };
+    let full = format!("{domain}, {}", family.schedule);
+    let command = |setup: &_| command(arguments, path, scened.kept.len(), setup);
+    let table = arguments.told((&opened.program.file, &full), &scened, &command);
     let models = family.models(&formats);
     let rules = (&alternative as &_, &free as &_);
-    let told = (&told, Response::IDENTITY);
+    let told = (&table, Response::IDENTITY);
     arguments.trade(&family, &scened, models, rules, told)
 }
 

@@ -3,7 +3,6 @@
 use super::{
     super::{files::Input, quoted::quoted, run::read_sensor},
     Arguments,
-    table::Told,
 };
 use crate::{
     number::Format,
@@ -55,15 +54,15 @@ pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
             && choice.without.iter().all(is_free))
         .then_some("the light and the sensor's rules say so")
     };
-    let told = Told {
-        arguments,
-        of: &sensor.display().to_string(),
-        full: "f64, with all effects of the file".to_owned(),
-        scened: &scened,
-        command: &|choice| command(arguments, sensor, choice),
-    };
+    let of = sensor.display().to_string();
+    let command = |choice: &_| command(arguments, sensor, choice);
+    let table = arguments.told(
+        (&of, "f64, with all effects of the file"),
+        &scened,
+        &command,
+    );
     let rules = (&alternative as &_, &free as &_);
-    let told = (&told, description.response);
+    let told = (&table, description.response);
     arguments.trade(&family, &scened, models, rules, told)
 }
 

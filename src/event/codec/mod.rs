@@ -20,7 +20,7 @@ mod wire;
 
 pub use book::{CodeBook, entropy};
 pub use fault::{BookFault, CodecError};
-pub use rate::Rate;
+pub use rate::{Rate, frames};
 
 use self::wire::{Reader, Writer};
 use super::{Event, Packet, Polarity, address::AddressWord};

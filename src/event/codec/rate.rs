@@ -29,6 +29,23 @@ pub struct Rate {
     pub above: u64,
 }
 
+/// The frame of a packet in which a time lies, frames being sent at whole multiples of `window`,
+/// which is above 0: a frame has what is after its start and up to its end, the first one what is at
+/// its start, too.
+const fn frame(packet: &Packet, t: Micros, window: Micros) -> u64 {
+    let first = packet.span.0.0 / window.0 + 1;
+    let own = t.0.div_ceil(window.0);
+    if own > first { own } else { first }
+}
+
+/// How many frames of a length a packet was watched for: at least one. A window of 0 counts as 1 us.
+#[must_use]
+pub fn frames(packet: &Packet, window: Micros) -> u64 {
+    let window = Micros(window.0.max(1));
+    let (from, to) = packet.span;
+    frame(packet, to.max(from), window) - from.0 / window.0
+}
+
 impl Rate {
     /// Of a packet whose events take `costs` bits each. The busiest window is the one with the
     /// most bits of all `from <= t < from + window`; a window of 0 counts as 1 us. Bit maps are
@@ -41,7 +58,7 @@ impl Rate {
         let seconds = Micros(packet.span.1.0.saturating_sub(packet.span.0.0)).seconds();
         let (most, from) = busiest(&packet.events, costs, window);
         let map = Frame::bits(packet.size, packet.channels);
-        let number = |e: &Event| e.t.0.div_ceil(window.0);
+        let number = |e: &Event| frame(packet, e.t, window);
         let mut left = costs;
         let above = packet
             .events
@@ -105,6 +122,23 @@ mod tests {
     }
 
     #[test]
+    fn an_event_at_the_very_end_makes_no_frame() {
+        let mut packet = packet(8, 8, &[event(0, 0, 0), event(100, 0, 0)]);
+        for (span, window, want) in [
+            ((0, 100), 10, 10),
+            ((0, 101), 10, 11),
+            ((0, 99), 10, 10),
+            ((50, 100), 10, 5),
+            ((55, 100), 10, 5),
+            ((100, 100), 10, 1),
+            ((0, 0), 0, 1),
+        ] {
+            packet.span = (Micros(span.0), Micros(span.1));
+            assert_eq!(frames(&packet, Micros(window)), want, "{span:?}");
+        }
+    }
+
+    #[test]
     fn nothing_costs_nothing() {
         let rate = Rate::from_packet(&packet(8, 8, &[]), &[], Micros(0));
         assert_eq!((rate.bits, rate.bits_per_event, rate.mean), (0, None, None));
@@ -121,7 +155,9 @@ mod tests {
             of.sort_by_key(|(t, _)| *t);
             let events: Vec<_> = of.iter().map(|(t, _)| event(*t, 0, 0)).collect();
             let costs: Vec<_> = of.iter().map(|(_, c)| *c).collect();
-            let rate = Rate::from_packet(&packet(1, 1, &events), &costs, Micros(window));
+            let mut packet = packet(1, 1, &events);
+            packet.span = (Micros(0), Micros(60));
+            let rate = Rate::from_packet(&packet, &costs, Micros(window));
             let bits = |from: u64, to: u64| -> u64 {
                 let inside = of.iter().filter(|(t, _)| (from..to).contains(t));
                 inside.map(|(_, c)| u64::from(*c)).sum()
@@ -130,8 +166,9 @@ mod tests {
             prop_assert_eq!((rate.peak * Micros(window).seconds()).round() as u64, most);
             let from = rate.peak_from.unwrap().0;
             prop_assert_eq!(bits(from, from + window), most);
-            // Two bits a map; a frame ends with its last microsecond.
-            let above = (0..=60).filter(|n| bits((n * window + 1).saturating_sub(window), n * window + 1) > 2);
+            // Two bits a map; a frame ends with its last microsecond, and the first has 0, too.
+            let start = |n: u64| if n == 0 { 0 } else { n * window + 1 };
+            let above = (0..=60).filter(|n| bits(start(*n), start(n + 1)) > 2);
             prop_assert_eq!(rate.above, above.count() as u64);
         }
     }

@@ -37,6 +37,7 @@ pub fn raster(drawing: &Drawing, scale: u32) -> RgbImage {
             }
             Mark::Text(at, anchor, weight, ink, words) => {
                 let face = Face::new(*weight, scale);
+                let words = &text::in_letters(words);
                 let width = f64::from(face.width(words));
                 let left = match anchor {
                     Anchor::Start => 0.0,

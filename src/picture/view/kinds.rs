@@ -8,8 +8,9 @@ use super::{
 use crate::{
     event::Packet,
     picture::{
-        chart::{Area, Drawing},
-        text::LINE,
+        chart::{Anchor, Area, Drawing},
+        ink,
+        text::{LINE, Weight},
     },
 };
 
@@ -57,9 +58,13 @@ pub(super) fn page(packet: &Packet, window: &Window, title: &str) -> Drawing {
     let width = columns * (SMALL + APART) - APART;
     let top = MARGIN + 2.0 * f64::from(LINE) + 16.0;
     let height = height(packet);
-    let mut drawing = Drawing::new(width + 2.0 * MARGIN, top + height + GAP + MARGIN);
+    let bottom = top + height + f64::from(LINE) + GAP + MARGIN;
+    let mut drawing = Drawing::new(width + 2.0 * MARGIN, bottom);
     head(&mut drawing, packet, title);
     draw(&mut drawing, MARGIN, top, packet, window);
+    let when = (MARGIN, top + height + 8.0 + f64::from(LINE));
+    let text = window.text();
+    drawing.text(when, Anchor::Start, Weight::Plain, ink::CAPTION, text);
     frame::legend(&mut drawing, (MARGIN, top + height + 8.0));
     drawing
 }

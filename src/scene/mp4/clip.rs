@@ -17,7 +17,7 @@ use super::{
     colour::Colour,
     parameters::Pictures,
     table::Sample,
-    track::{NoTrack, Track},
+    track::{CutOff, NoTrack, Track},
     turn::Turn,
 };
 use crate::{
@@ -71,6 +71,13 @@ impl H264 {
         let length = light::length(path, &file)?;
         let track = Track::read(file.get_mut(), length).map_err(|error| match error {
             NoTrack::Unreadable(cause) => SceneError::unreadable(path, cause),
+            NoTrack::CutOff(CutOff { name, start, end }) => SceneError::EndsEarly {
+                path: path.into(),
+                length,
+                end,
+                start,
+                what: name.map_or("a box".to_owned(), |name| format!("box {name}")),
+            },
             NoTrack::Damaged(what) => wrong(format!("its tables are damaged: {what}")),
             NoTrack::Unusable(what) => wrong(what),
         })?;

@@ -31,10 +31,22 @@ pub(super) struct Track {
 pub(super) enum NoTrack {
     /// The file cannot be read.
     Unreadable(std::io::Error),
+    /// It ends inside a box.
+    CutOff(CutOff),
     /// It is not a well-formed mp4.
     Damaged(Wrong),
     /// It is an mp4 without H.264 video.
     Unusable(Wrong),
+}
+
+/// A box at the top level whose end is not in the file.
+pub(super) struct CutOff {
+    /// Its type; none where the file ends before it.
+    pub name: Option<Name>,
+    /// Where it begins.
+    pub start: u64,
+    /// Where it would end, at least.
+    pub end: u64,
 }
 
 impl From<std::io::Error> for NoTrack {
@@ -53,8 +65,11 @@ impl Track {
     /// Reads the track of a file of `length` bytes: the tables of `moov`, then those of all
     /// fragments.
     pub fn read(file: &mut (impl Read + Seek), length: u64) -> Result<Self, NoTrack> {
-        let boxes = top_level_boxes(file, length)?;
+        let (boxes, cut) = top_level_boxes(file, length)?;
         let Some(moov) = boxes.iter().find(|found| found.header.name == *b"moov") else {
+            if let Some(cut) = cut {
+                return Err(NoTrack::CutOff(cut));
+            }
             return Err("it has no box moov, the table of what is in it"
                 .to_owned()
                 .into());
@@ -181,11 +196,40 @@ impl TopLevelBox {
     }
 }
 
-/// The `moov` and `moof` boxes at the top level of a file, in order.
+/// Types of boxes at the top level (ISO/IEC 14496-12, table 1, and those of `QuickTime`): anything else is
+/// no box, and says no length.
+const TOP_LEVEL: [&[u8; 4]; 14] = [
+    b"ftyp", b"pdin", b"moov", b"moof", b"mfra", b"mdat", b"free", b"skip", b"meta", b"styp",
+    b"sidx", b"uuid", b"wide", b"udta",
+];
+
+impl CutOff {
+    /// The box at `start`, of which these are the first bytes, where a file of `length` bytes ends
+    /// inside it.
+    fn of(bytes: &[u8], start: u64, length: u64) -> Option<Self> {
+        if bytes.len() < 8 {
+            return Some(Self {
+                name: None,
+                start,
+                end: start + 8,
+            });
+        }
+        let header = BoxHeader::read(bytes, u64::MAX, true).ok()?;
+        let end = start.checked_add(header.whole)?;
+        (TOP_LEVEL.contains(&&header.name) && end > length).then_some(Self {
+            name: Some(Name(header.name)),
+            start,
+            end,
+        })
+    }
+}
+
+/// The `moov` and `moof` boxes at the top level of a file, in order, and the `mdat` inside which it
+/// ends.
 fn top_level_boxes(
     file: &mut (impl Read + Seek),
     length: u64,
-) -> Result<Vec<TopLevelBox>, NoTrack> {
+) -> Result<(Vec<TopLevelBox>, Option<CutOff>), NoTrack> {
     let (mut found, mut start, mut count) = (Vec::new(), 0, 0);
     while start < length {
         count += 1;
@@ -200,8 +244,13 @@ fn top_level_boxes(
             Ok(header) => header,
             // A cut-off `mdat` is no reason to refuse the file: its missing samples are noticed
             // when they are read, and those before are there.
-            Err(_) if bytes.get(4..8) == Some(b"mdat") => break,
-            Err(wrong) => return Err(wrong.into()),
+            Err(_) if bytes.get(4..8) == Some(b"mdat") => {
+                return Ok((found, CutOff::of(&bytes, start, length)));
+            }
+            Err(wrong) => {
+                let cut = CutOff::of(&bytes, start, length);
+                return Err(cut.map_or(NoTrack::Damaged(wrong), NoTrack::CutOff));
+            }
         };
         let whole = header.whole;
         if matches!(&header.name, b"moov" | b"moof") {
@@ -209,5 +258,5 @@ fn top_level_boxes(
         }
         start += whole;
     }
-    Ok(found)
+    Ok((found, None))
 }

@@ -114,3 +114,40 @@ pub fn of_pair(mosaic: &Mosaic, probabilities: &[f64], pair: &Pair, within: Micr
     }
     tiles
 }
+
+/// A share in percent, with three figures.
+#[must_use]
+pub fn share(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent == 0.0 {
+        "0 %".to_owned()
+    } else if percent > 1000.0 || percent.is_nan() {
+        "over 1000 %".to_owned()
+    } else if percent < 0.01 {
+        format!("{percent:.1e} %")
+    } else if percent < 10.0 {
+        format!("{percent:.3} %")
+    } else {
+        format!("{percent:.1} %")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_have_three_figures() {
+        let shown = [0.0, 1e-7, 0.000_447, 0.0123, 0.5, 1.5, f64::INFINITY].map(share);
+        let want = [
+            "0 %",
+            "1.0e-5 %",
+            "0.045 %",
+            "1.230 %",
+            "50.0 %",
+            "150.0 %",
+            "over 1000 %",
+        ];
+        assert_eq!(shown, want);
+    }
+}

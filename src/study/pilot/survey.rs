@@ -26,6 +26,7 @@ use super::{
     first_frames::clocked,
     look::{Grid, Look},
     plan::PlanError,
+    spread::{Parts, Spread},
     stage::{self, Between},
     trial::{LEAST_TILES, Ran, Trial},
 };
@@ -61,7 +62,7 @@ pub struct Known {
     /// What accident scores within that time; 0 of the full model.
     pub floor: f64,
     /// Seconds that it takes for the whole scene, the making of its light included.
-    pub seconds: f64,
+    pub seconds: Spread,
     /// Seconds that it took to know this; none where it was run whole.
     pub planning: Option<f64>,
 }
@@ -76,7 +77,7 @@ pub struct Sampled {
 }
 
 /// Frames that are timed on the whole sensor, where tiles do not tell.
-const TIMED: usize = 4;
+const TIMED: usize = 5;
 
 /// Redraws that a floor is the mean of.
 const REDRAWS: u64 = 3;
@@ -94,7 +95,7 @@ pub struct Begun<'a, F: Family> {
     spent: f64,
     /// Seconds that the light takes: with the inserted frames, and without.
     light: [f64; 2],
-    full_seconds: f64,
+    full_seconds: Spread,
     /// Events of the full model that found no slot, in the frames that were timed.
     dropped: u64,
     /// How many limits are to hold together.
@@ -172,7 +173,7 @@ impl<'a> Survey<'a> {
             survey: self,
             light: stage::seconds_of_light(kept, between, self.clock),
             floor: 0.0,
-            full_seconds: 0.0,
+            full_seconds: Spread::default(),
             probabilities: drawn.iter().map(|one| one.probability).collect(),
             spent: 0.0,
             trial,
@@ -229,7 +230,7 @@ impl<F: Family> Begun<'_, F> {
             f1: 1.0,
             kept: Some(1.0),
             floor: 0.0,
-            seconds: self.full_seconds + self.light_of(&self.full.model),
+            seconds: { self.full_seconds }.scaled(1.0, self.light_of(&self.full.model)),
             // Nothing need be known to run it.
             planning: Some(0.0),
         }
@@ -270,7 +271,7 @@ impl<F: Family> Begun<'_, F> {
             f1: self.f1(&pair, within),
             kept: window::kept(self.f1(&pair, headline), self.floor),
             floor: self.floor,
-            seconds: seconds + self.light_of(&ran.model),
+            seconds: seconds.scaled(1.0, self.light_of(&ran.model)),
             planning: Some(self.spent + self.trial.whole_scene(ran) + timing),
         })
     }
@@ -281,12 +282,14 @@ impl<F: Family> Begun<'_, F> {
 
     /// Seconds for the whole scene on the whole sensor, and the events that found no slot where
     /// some of it was run.
-    fn whole_sensor(&self, ran: &Ran<F::Model>) -> (f64, u64) {
+    fn whole_sensor(&self, ran: &Ran<F::Model>) -> (Spread, u64) {
         let Self { trial, survey, .. } = self;
+        let frames = trial.frames(&ran.model);
         if let Some((each, dropped)) = per_frame_on_the_whole(trial.family, &ran.model, survey) {
-            return (each * trial.frames(&ran.model), dropped);
+            return (each.scaled(frames, 0.0), dropped);
         }
-        (trial.larger_than(&self.mosaic) * trial.whole_scene(ran), 0)
+        let times = trial.larger_than(&self.mosaic) * frames;
+        (ran.parts.per_frame().scaled(times, 0.0), 0)
     }
 
     /// Seconds that the light of a model takes.
@@ -324,14 +327,12 @@ fn per_frame_on_the_whole<F: Family>(
     family: &F,
     model: &F::Model,
     survey: &Survey<'_>,
-) -> Option<(f64, u64)> {
+) -> Option<(Spread, u64)> {
     let kept = survey.kept;
     let sensor = family.on_the_whole(model, kept.size())?.ok()?;
     let frames = TIMED.min(kept.len().saturating_sub(1));
-    let (mut seconds, packet) = clocked(sensor, kept, frames, survey.clock).ok()??;
-    seconds.sort_unstable_by(f64::total_cmp);
-    let each = seconds.get(seconds.len() / 2)?;
-    Some((*each, packet.dropped.no_slot))
+    let (seconds, packet) = clocked(sensor, kept, frames, survey.clock).ok()??;
+    Some((Spread::of(seconds), packet.dropped.no_slot))
 }
 
 /// The full model on the whole sensor: what everything is verified against.
@@ -340,7 +341,7 @@ pub struct Whole<'a, F: Family> {
     family: &'a F,
     full: Packet,
     redraws: window::Redraws,
-    seconds: f64,
+    seconds: Spread,
 }
 
 impl<'a, F: Family> Whole<'a, F> {
@@ -349,11 +350,7 @@ impl<'a, F: Family> Whole<'a, F> {
     /// # Errors
     /// When it cannot go on.
     pub fn new(survey: Survey<'a>, family: &'a F) -> Result<Self, PlanError> {
-        let (full, mut seconds) = run(&survey, family, &family.full())?;
-        // The first of all runs pays for the start of threads and for cold memory.
-        if seconds < QUICK {
-            seconds = seconds.min(run(&survey, family, &family.full())?.1);
-        }
+        let (full, seconds) = run(&survey, family, &family.full())?;
         let pair = Pair::new(&full, &full).map_err(|_| SensorError::Stopped {
             sensor: "the full model".to_owned(),
             why: "its events are not of one size".to_owned(),
@@ -412,9 +409,6 @@ impl<'a, F: Family> Whole<'a, F> {
     }
 }
 
-/// A full model that takes less than so many seconds is run once more for its time.
-const QUICK: f64 = 0.5;
-
 /// The estimate where nothing is left to estimate.
 fn all_of(events: u64, changes: u64) -> ChangeEstimate {
     let whole = Tile {
@@ -439,20 +433,25 @@ fn run<F: Family>(
     survey: &Survey<'_>,
     family: &F,
     model: &F::Model,
-) -> Result<(Packet, f64), PlanError> {
+) -> Result<(Packet, Spread), PlanError> {
     let mut sensor = family.whole(model, survey.kept.size())?;
     let mut packet = Packet::new(sensor.size(), sensor.channels());
     let contrast = survey.upsample.filter(|_| family.sees_inserted(model));
-    let start = (survey.clock)();
     let mut scene = upsample::by_contrast(survey.kept.scene(), contrast)?;
+    // The first of all frames pays for the start of threads and for cold memory: one part does.
+    let (mut parts, mut frames) = (Parts::default(), 0.0);
+    let mut last = (survey.clock)();
     rig::play(&mut *scene, |frame| {
         if survey.stop.is_asked() {
             return Err(given_up(&*sensor).into());
         }
         sensor.watch(&frame, &mut packet)?;
+        let now = (survey.clock)();
+        parts.add(now - last);
+        (last, frames) = (now, frames + 1.0);
         Ok::<_, PlanError>(ControlFlow::Continue(()))
     })?;
-    Ok((packet, (survey.clock)() - start))
+    Ok((packet, parts.per_frame().scaled(frames, 0.0)))
 }
 
 #[cfg(test)]
@@ -478,8 +477,8 @@ mod tests {
         let spec = "pattern:bar?width=8&height=6&frames=4";
         let mut scene = open(spec, &OpenOptions::default()).unwrap();
         let kept = Kept::new(&mut *scene, 1 << 20).unwrap().unwrap();
-        // Runs of 0.25 s and of 0.0625 s.
-        let times = Mutex::new(vec![1.0625, 1.0, 0.25, 0.0]);
+        // A first frame of 1 s, and three of 0.0625 s.
+        let times = Mutex::new(vec![1.1875, 1.125, 1.0625, 1.0, 0.0]);
         let clock = || times.lock().unwrap().pop().unwrap();
         let survey = Survey {
             kept: &kept,
@@ -491,6 +490,7 @@ mod tests {
             stop: Stop::NEVER,
         };
         let whole = Whole::new(survey, &family).unwrap();
-        assert_eq!(whole.full().seconds, 0.0625);
+        let seconds = whole.full().seconds;
+        assert_eq!([seconds.median, seconds.most], [0.25, 4.0]);
     }
 }

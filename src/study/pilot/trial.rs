@@ -13,6 +13,7 @@ use super::{
     draw::Drawn,
     family::Family,
     look::{Grid, Look},
+    spread::Parts,
     stage::{Between, Shown, Stage},
 };
 
@@ -37,6 +38,8 @@ pub(super) struct Ran<M> {
     pub seconds: f64,
     /// Frames that it saw in them.
     pub frames: u64,
+    /// The same, as several measurements.
+    pub parts: Parts,
     /// Why it was given up, if it was: its packet is then of part of the scene.
     pub given_up: Option<String>,
 }
@@ -149,6 +152,7 @@ impl<F: Family> Trial<'_, F> {
                 packet: Packet::new(sensor.size(), sensor.channels()),
                 seconds: 0.0,
                 frames: 0,
+                parts: Parts::default(),
                 given_up: None,
             });
             sensors.push(sensor);
@@ -185,8 +189,10 @@ impl<F: Family> Trial<'_, F> {
             ran.given_up = Some(error.to_string());
         }
         if timed {
-            ran.seconds += (self.clock)() - start;
+            let seconds = (self.clock)() - start;
+            ran.seconds += seconds;
             ran.frames += 1;
+            ran.parts.add(seconds);
         }
     }
 }

@@ -14,8 +14,8 @@ use crate::{
     plane::{Plane, Size},
     rig::{self, guard::Warning},
     scene::{
-        Coding, Frame, Observation, Observed, OpenOptions, SceneError, bundled_with, held::Held,
-        kept::Kept, open, part::First, upsample,
+        Coding, Frame, Observation, Observed, OpenOptions, SceneError, View, bundled_with,
+        held::Held, kept::Kept, open, part::First, upsample,
     },
 };
 
@@ -27,6 +27,7 @@ pub(super) struct Wanted {
     pub fps: Option<f64>,
     pub frames: Option<u64>,
     pub coding: Coding,
+    pub view: View,
     pub upsample: Option<f64>,
 }
 
@@ -258,6 +259,7 @@ fn play<E: From<SceneError>>(
     let options = OpenOptions {
         fps: wanted.fps,
         coding: wanted.coding,
+        view: wanted.view,
         ..OpenOptions::default()
     };
     let scene = if spec == "bundled" {

@@ -8,8 +8,9 @@ use super::table::{self, Row};
 
 /// Columns that name what a point's identity holds by content: the same point may be named
 /// otherwise elsewhere.
-pub(super) const NAMES: [&str; 9] = [
-    "scene", "fps", "frames", "range", "transfer", "scale", "upsample", "kernel", "chip",
+pub(super) const NAMES: [&str; 12] = [
+    "scene", "fps", "frames", "range", "transfer", "scale", "slice", "crop", "resize", "upsample",
+    "kernel", "chip",
 ];
 
 /// The columns in which two results of one point must agree and do not, with both values.

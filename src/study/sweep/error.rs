@@ -17,6 +17,14 @@ fn reading(cause: &io::Error) -> &'static str {
     }
 }
 
+/// In what two studies differ.
+fn differ(changes: &[String]) -> String {
+    if changes.is_empty() {
+        return "their keys are the same, but the light of a scene, a kernel or a chip that they name has changed".to_owned();
+    }
+    format!("their keys differ:{}", listed(changes.iter().cloned()))
+}
+
 /// What the folder's work gives.
 pub(super) type Kept<T> = Result<T, StoreError>;
 
@@ -122,13 +130,14 @@ pub enum StoreError {
     },
     /// Results of another study.
     #[error(
-        "{} holds the study \"{held}\" ({}), not \"{asked}\" ({}): their points differ",
+        "{} holds the study \"{held}\" ({}), not \"{asked}\" ({}): {}",
         folder.display(),
         counted(*held_points, "point"),
-        counted(*asked_points, "point")
+        counted(*asked_points, "point"),
+        differ(changes)
     )]
     #[diagnostic(help(
-        "give another --output; nothing was changed. Points are other ones where any key of theirs is, `fidelity`, `tolerance` and seeds among them"
+        "give another --output, or the study the keys that the folder has; nothing was changed"
     ))]
     Study {
         /// Which folder.
@@ -141,6 +150,8 @@ pub enum StoreError {
         asked: String,
         /// Its points.
         asked_points: usize,
+        /// The keys that differ, with both values; none where what they name has changed.
+        changes: Vec<String>,
     },
     /// A file that was damaged.
     #[error("{} is damaged: {why}", path.display())]

@@ -360,8 +360,6 @@ mod tests {
                 2.0,
                 20,
             ),
-            // Not asked for.
-            ("metrics = [\"f1\"]\nvan-rossum = \"1ms\"", 100.0, 1_000),
         ] {
             let text = format!(
                 "{keys}\nscene = \"pattern:disc\"\nkernel = \"dvs\"\nthreshold = 20\n[[side]]\nside = \"reference\"\n"

@@ -14,7 +14,9 @@ use crate::{
     kernel::quantise::{self, Quantiser},
     number::{FORMAT_PATTERN, Format},
     photoreceptor::Response,
+    plane::Size,
     reference::{Noise, keys},
+    scene::{Crop, Slice},
 };
 
 /// Which sensor a point is.
@@ -149,6 +151,12 @@ const REFERENCE: &[Side] = &[Side::Reference];
 const ARRAY: &[Side] = &[Side::Array];
 const MESH: &[Side] = &[Side::Mesh];
 
+/// What slices, crops and sizes match.
+const SLICE: &str =
+    r"^([0-9]+|[0-9]+\.?[0-9]*(us|µs|ms|s))?\.\.([0-9]+|[0-9]+\.?[0-9]*(us|µs|ms|s))?$";
+const CROP: &str = r"^[0-9]+x[0-9]+(\+[0-9]+\+[0-9]+)?$";
+const SIZE: &str = "^[0-9]+x[0-9]+$";
+
 /// The largest whole number that TOML has.
 const MAX_INTEGER: u64 = i64::MAX as u64;
 
@@ -206,6 +214,27 @@ pub const KEYS: &[Key] = &[
         what: "what the numbers of a `.npy` are multiplied by: 255 where they are 0 to 1",
     },
     Key {
+        name: "slice",
+        sides: ANY,
+        kind: Kind::Spelled(slice, || SLICE.to_owned()),
+        default: Absent::None,
+        what: "only these frames of the scene, as `--slice` of `amacrine run`: `\"2s..5s\"`, `\"500ms..\"` or, in numbers of frames, `\"..100\"`; `frames` counts from the first of them",
+    },
+    Key {
+        name: "crop",
+        sides: ANY,
+        kind: Kind::Spelled(crop, || CROP.to_owned()),
+        default: Absent::None,
+        what: "only this part of each picture, as `--crop`: `\"256x256\"` in its middle, or `\"256x256+10+20\"` from its left and its top",
+    },
+    Key {
+        name: "resize",
+        sides: ANY,
+        kind: Kind::Spelled(resize, || SIZE.to_owned()),
+        default: Absent::None,
+        what: "so many larger pixels, as `--resize`: `\"64x48\"`, each with the mean of the light that falls on it; what is cut off is cut off before",
+    },
+    Key {
         name: "upsample",
         sides: ANY,
         kind: Kind::Number {
@@ -213,7 +242,7 @@ pub const KEYS: &[Key] = &[
             above: false,
         },
         default: Absent::Is("0"),
-        what: "insert frames so that no pixel's light changes by more than this from one to the next, in ln units; 0 inserts none",
+        what: "insert frames so that no pixel's light, of 255, plus 1 changes by more than this from one to the next, in ln units; 0 inserts none",
     },
     Key {
         name: "kernel",
@@ -411,6 +440,32 @@ where
             Err((fault.to_string(), help.unwrap_or_default()))
         }
     }
+}
+
+fn slice(text: &str) -> Result<String, (String, String)> {
+    part::<Slice>("slice", text)
+}
+
+fn crop(text: &str) -> Result<String, (String, String)> {
+    part::<Crop>("crop", text)
+}
+
+/// A part of a scene.
+fn part<T>(name: &str, text: &str) -> Result<String, (String, String)>
+where
+    T: FromStr<Err = String> + fmt::Display,
+{
+    let part = text.parse::<T>();
+    part.map(|part| part.to_string())
+        .map_err(|help| (format!("`{name}` is `{text}`"), help))
+}
+
+fn resize(text: &str) -> Result<String, (String, String)> {
+    let size = Size::read(text).filter(|size| size.is_possible());
+    size.map(|size| size.to_string()).ok_or_else(|| {
+        let help = "give WIDTHxHEIGHT in pixels, such as 64x48";
+        (format!("`resize` is `{text}`"), help.to_owned())
+    })
 }
 
 fn quantiser(name: &str) -> Result<String, (String, String)> {

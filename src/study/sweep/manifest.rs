@@ -17,6 +17,9 @@ use super::{
     provenance::{NUMERICS, SCHEMA},
     regular::{self, Unusable},
     seal::{self, Fields},
+    stated::{Stated, changes, stated},
+    study::Study,
+    table,
 };
 use crate::save::save_durably;
 
@@ -38,6 +41,8 @@ pub struct Manifest {
     pub columns: Vec<String>,
     /// Identities of all points, in their fixed order.
     pub points: Vec<String>,
+    /// The keys of the study, for people: what two studies differ in.
+    pub stated: Stated,
 }
 
 /// The longest `sweep.json`, in bytes: one of the largest study takes four millions.
@@ -49,15 +54,16 @@ const MOST_COLUMNS: usize = 10_000;
 impl Manifest {
     /// Of these points, made by this build.
     #[must_use]
-    pub fn new(title: String, columns: Vec<String>, points: Vec<String>) -> Self {
+    pub(super) fn new(of: &Study, points: Vec<String>) -> Self {
         Self {
             amacrine: env!("CARGO_PKG_VERSION").to_owned(),
             schema: SCHEMA,
             numerics: NUMERICS,
             study: study(&points),
-            title,
-            columns,
+            title: of.title.clone(),
+            columns: table::names(&of.settings),
             points,
+            stated: stated(of),
         }
     }
 
@@ -135,6 +141,7 @@ impl Manifest {
             held_points: self.points.len(),
             asked: asked.title.clone(),
             asked_points: asked.points.len(),
+            changes: changes(&self.stated, &asked.stated),
         })
     }
 }

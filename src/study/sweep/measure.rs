@@ -176,8 +176,12 @@ fn measured(
     put("floor", json!(headline.floor));
     put("error", json!(headline.kept.map(|kept| 1.0 - kept)));
     if settings.threshold_equivalent {
-        let percent = truth.equivalent(headline.f1, &watched)?;
+        let (percent, is_least) = truth.equivalent(headline.f1, &watched)?;
         put("threshold_equivalent_percent", json!(percent));
+        put(
+            "threshold_equivalent_is_least",
+            json!(is_least.then_some("true")),
+        );
     }
     let measured = Measured::new(&pair, Bins::over(&pair, BINS), ladder.redraws());
     for metric in table::metrics(settings) {

@@ -45,6 +45,7 @@ mod seen;
 mod sensor;
 mod shared;
 mod sides;
+mod stated;
 pub mod store;
 pub mod study;
 pub mod survivors;

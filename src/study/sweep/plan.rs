@@ -25,15 +25,15 @@ use super::{
     provenance::SCHEMA,
     sensor,
     study::Study,
-    table,
 };
 use crate::{
     bundled,
     config::{Fault, Faults, Place},
     isa::Device,
     kernel::{Kernel, KernelFileError, SHAPES},
+    plane::Size,
     rig::guard::Warning,
-    scene::{Coding, Range, Transfer},
+    scene::{Coding, Range, SceneError, Transfer, View},
     source,
 };
 
@@ -128,8 +128,7 @@ impl Plan {
     #[must_use]
     pub fn manifest(&self) -> Manifest {
         let points: Vec<String> = self.entries.iter().map(|entry| entry.id.clone()).collect();
-        let columns = table::names(&self.study.settings);
-        Manifest::new(self.study.title.clone(), columns, points)
+        Manifest::new(&self.study, points)
     }
 }
 
@@ -184,6 +183,15 @@ fn coding(point: &Point) -> Coding {
         range,
         transfer,
         scale: point.number("scale"),
+    }
+}
+
+/// What a point shows of its scene.
+fn view(point: &Point) -> View {
+    View {
+        slice: point.word("slice").and_then(|slice| slice.parse().ok()),
+        crop: point.word("crop").and_then(|crop| crop.parse().ok()),
+        resize: point.word("resize").and_then(Size::read),
     }
 }
 
@@ -273,6 +281,7 @@ impl<'a> Opened<'a> {
             fps: point.number("fps"),
             frames: point.whole("frames"),
             coding: coding(point),
+            view: view(point),
             upsample: point.number("upsample"),
         };
         if let Some((_, cached_scene)) = self.scenes.iter().find(|(known, _)| *known == wanted) {
@@ -280,7 +289,13 @@ impl<'a> Opened<'a> {
         }
         let cached_scene = CachedScene::open(&wanted, self.folder).map_err(|e| {
             let help = e.help().map(|help| help.to_string());
-            self.wrong(point, "scene", &e.to_string(), help)
+            let key = match e {
+                SceneError::EmptySlice { .. } => "slice",
+                SceneError::CropOutside { .. } => "crop",
+                SceneError::Enlarged { .. } => "resize",
+                _ => "scene",
+            };
+            self.wrong(point, key, &e.to_string(), help)
         })?;
         if cached_scene.frames < 2 {
             let what = format!("{} has {} frame", wanted.spec, cached_scene.frames);

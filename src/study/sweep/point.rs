@@ -41,7 +41,7 @@ impl Point {
         if point.number("upsample") == Some(0.0) {
             point.values.remove("upsample");
         }
-        for (key, left_out) in [("range", "auto"), ("transfer", "as-coded")] {
+        for (key, left_out) in [("range", "auto"), ("transfer", "as-coded"), ("slice", "..")] {
             if point.word(key) == Some(left_out) {
                 point.values.remove(key);
             }

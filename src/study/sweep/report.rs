@@ -87,8 +87,11 @@ pub struct Standing {
     /// Its worst error.
     pub worst_error: f64,
     /// The mean change of the f64 sensor's threshold that costs as much, in per cent; none where
-    /// the study does not ask for it.
+    /// the study does not ask for it. A mean over points that are at least something is at least
+    /// that, too.
     pub threshold_equivalent_percent: Option<f64>,
+    /// Points of which it is only known that the change is more than what stands there.
+    pub threshold_equivalent_least_at: usize,
     /// Mean cost.
     pub cost: f64,
     /// Mean bits of a scene.
@@ -288,6 +291,9 @@ fn standing(name: &str, key: &[String], rows: &[&Row], cost: &str) -> Option<Sta
         error: mean("error")?,
         worst_error: numbers("error").into_iter().fold(0.0, f64::max),
         threshold_equivalent_percent: mean("threshold_equivalent_percent"),
+        threshold_equivalent_least_at: { rows.iter() }
+            .filter(|row| table::cell(row, "threshold_equivalent_is_least") == "true")
+            .count(),
         cost: mean(cost)?,
         bits: mean("bits")?,
         words: mean("words"),
@@ -334,6 +340,7 @@ mod tests {
             title: "t".to_owned(),
             columns: Vec::new(),
             points: vec![String::new(); points],
+            stated: BTreeMap::new(),
         }
     }
 
@@ -367,5 +374,28 @@ mod tests {
         let pooled = Report::new(&manifest(8), &rows, "seconds_per_frame", true);
         assert_eq!(pooled.groups.len(), 1);
         assert_eq!(names(&pooled.groups[0])[3].1, Some(f("f64")));
+    }
+
+    #[test]
+    fn a_mean_with_points_beyond_the_ladder_says_so() {
+        let with = |task: &str, percent: f64, is_least: bool| {
+            let mut row = row("reference", "f16", task, 0.5, 1.0);
+            row.insert("threshold_equivalent_percent".to_owned(), json!(percent));
+            let least = json!(is_least.then_some("true"));
+            row.insert("threshold_equivalent_is_least".to_owned(), least);
+            row
+        };
+        let standing = |rows: &[Row]| {
+            let report = Report::new(&manifest(2), rows, "seconds_per_frame", false);
+            let standing = &report.groups[0].sensors[0];
+            let percent = standing.threshold_equivalent_percent.unwrap();
+            (percent, standing.threshold_equivalent_least_at)
+        };
+        let known = with("a", 100.0, false);
+        assert_eq!(
+            standing(&[known.clone(), with("b", 900.0, true)]),
+            (500.0, 1)
+        );
+        assert_eq!(standing(&[known, with("b", 900.0, false)]), (500.0, 0));
     }
 }

@@ -446,10 +446,24 @@ fn settings_of(section: &Section<'_>) -> Read<Settings> {
     let equivalent = section.get("threshold-equivalent");
     let metric = |text: &str| NAMES.into_iter().find(|name| *name == text);
     let metrics = section.get("metrics");
+    if section.get("tolerance").is_some() && section.get("fidelity").is_none() {
+        let what = "`tolerance` is of plainer models, and none stands for a point";
+        let fault = Fault::error(section.place_of("tolerance"), what, CHANGES_NOTHING);
+        return Err(fault.help("leave it out, or set fidelity = \"auto\""));
+    }
+    let metrics: Vec<_> = metrics.map_or(USUAL.to_vec(), |node| each_once(node, metric));
+    // Each has the name of its metric.
+    for key in ["van-rossum", "victor-purpura"] {
+        if section.get(key).is_some() && !metrics.contains(&key) {
+            let what = format!("`{key}` is of a metric that this study does not measure");
+            let fault = Fault::error(section.place_of(key), what, CHANGES_NOTHING);
+            return Err(fault.help(format!("leave it out, or add \"{key}\" to `metrics`")));
+        }
+    }
     let against = section.text("against")?;
     let against = AGAINST.into_iter().find(|name| *name == against);
     Ok(Settings {
-        metrics: metrics.map_or(USUAL.to_vec(), |node| each_once(node, metric)),
+        metrics,
         within: times("within", &[]),
         van_rossum: times("van-rossum", &[Micros(5_000)]),
         victor_purpura: times("victor-purpura", &[Micros(5_000)]),

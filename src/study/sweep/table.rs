@@ -45,7 +45,7 @@ const fn real(name: &'static str, what: &'static str) -> (&'static str, Holds, &
 }
 
 /// What the point is.
-const POINT: [(&str, Holds, &str); 39] = [
+const POINT: [(&str, Holds, &str); 42] = [
     whole("index", "number of the point in the fixed order, from 0"),
     text(
         "id",
@@ -71,9 +71,21 @@ const POINT: [(&str, Holds, &str); 39] = [
         "the transfer that is undone, where the study says so",
     ),
     real("scale", "what the numbers of an array are multiplied by"),
+    text(
+        "slice",
+        "which frames of the scene, where the study says so",
+    ),
+    text(
+        "crop",
+        "which part of each picture, where the study says so",
+    ),
+    text(
+        "resize",
+        "to what size it is averaged, where the study says so",
+    ),
     real(
         "upsample",
-        "largest change of light between frames, in ln units; empty: no frames inserted",
+        "largest change of light (of 255) plus 1 between frames, in ln units; empty: no frames inserted",
     ),
     text("kernel", "as it is named in the study"),
     whole("kinds", "kinds of cells: kernels of the file"),
@@ -136,7 +148,7 @@ const POINT: [(&str, Holds, &str); 39] = [
 ];
 
 /// What came of it, before the metrics.
-const FIGURES: [(&str, Holds, &str); 23] = [
+const FIGURES: [(&str, Holds, &str); 24] = [
     text(
         "outcome",
         "done; refused: the point cannot be; failed: it was given up, and is computed again by the next run",
@@ -193,7 +205,11 @@ const FIGURES: [(&str, Holds, &str); 23] = [
     ),
     real(
         "threshold_equivalent_percent",
-        "change of the f64 sensor's threshold that costs as much; 900: at least that",
+        "change of the f64 sensor's threshold that costs as much",
+    ),
+    text(
+        "threshold_equivalent_is_least",
+        "true: no threshold that was tried costs as much, and the change is more than that",
     ),
     real("error", "1 - kept"),
 ];

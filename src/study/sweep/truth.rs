@@ -78,14 +78,15 @@ impl Truth {
             .collect()
     }
 
-    /// The change of its threshold, in per cent, that costs as much as this F1.
+    /// The change of its threshold, in per cent, that costs as much as this F1, and whether it is
+    /// at least that.
     ///
     /// # Errors
     /// Why a rung cannot watch the scene.
-    pub fn equivalent(&self, f1: f64, watched: Watched<'_>) -> Result<f64, Refusal> {
+    pub fn equivalent(&self, f1: f64, watched: Watched<'_>) -> Result<(f64, bool), Refusal> {
         // What is not off at all needs no rung.
         if f1 >= 1.0 {
-            return Ok(0.0);
+            return Ok((0.0, false));
         }
         let rungs = self.rungs.iter().map(|(part, known)| {
             let f1 = known.get_or_init(|| {
@@ -95,8 +96,7 @@ impl Truth {
             });
             f1.clone().map(|f1| (*part, f1))
         });
-        let (percent, _) = equivalent::equivalent(f1, rungs)?;
-        Ok(percent)
+        equivalent::equivalent(f1, rungs)
     }
 }
 

@@ -11,17 +11,18 @@
 
 mod programs;
 mod together;
+pub mod told;
 
 use std::fmt;
 
 use serde::Serialize;
 
-use crate::order::Order;
+use crate::{elementary, order::Order};
 
 use super::{
-    front::{Cost, dominators},
+    front::Cost,
     pilot::{
-        Known, Look, PlanError, Sampled, Survey,
+        Known, Look, PlanError, Sampled, Spread, Survey,
         family::Family,
         survey::{Whole, inserted},
     },
@@ -104,7 +105,13 @@ impl<M> Point<M> {
     /// Seconds with the planning.
     #[must_use]
     pub fn seconds(&self) -> Option<f64> {
-        Some(self.known()?.seconds + self.planning())
+        Some(self.spread()?.median)
+    }
+
+    /// The same with the least and the most that were measured.
+    #[must_use]
+    pub fn spread(&self) -> Option<Spread> {
+        Some(self.known()?.seconds.scaled(1.0, self.planning()))
     }
 
     fn cost(&self) -> Option<Cost> {
@@ -287,44 +294,84 @@ impl<M> Trade<M> {
     ///
     /// The knee is the point of the front that is nearest to the corner where nothing changes and
     /// nothing is quicker (the utopia point of compromise programming, Yu 1973), seconds counted
-    /// as a share of the full model's: one per cent of the events weighs as one of the time.
+    /// as a share of the full model's: one per cent of the events weighs as one of the time. What
+    /// was measured of it and of another point of the front may overlap: then seconds do not tell
+    /// them apart, and the one that changes less is the knee. Nor does a point beat another by such
+    /// seconds alone.
     fn judge(&mut self) {
         let seconds = |point: &Point<M>| point.seconds().unwrap_or(f64::INFINITY);
         self.points
             .order_by(|a, b| seconds(a).total_cmp(&seconds(b)));
         let placed = self.points.iter().enumerate();
-        let placed: Vec<(usize, Cost)> = placed
-            .filter_map(|(i, point)| Some((i, point.cost()?)))
+        let placed: Vec<Placed> = placed
+            .filter_map(|(at, point)| {
+                Some(Placed {
+                    at,
+                    cost: point.cost()?,
+                    spread: point.spread()?,
+                    is_full: point.name == FULL,
+                })
+            })
             .collect();
-        let costs: Vec<Cost> = placed.iter().map(|(_, cost)| *cost).collect();
-        let all = { self.points.iter() }
-            .find(|point| point.name == FULL)
-            .and_then(Point::seconds)
-            .unwrap_or(1.0)
-            .max(1e-9);
-        let least = costs
-            .iter()
-            .map(|cost| cost.x)
-            .fold(f64::INFINITY, f64::min);
-        let away = |cost: &Cost| {
-            let late = (cost.x - least) / all;
-            (late * late + cost.y * cost.y).sqrt()
-        };
-        let mut knee: Option<(usize, f64)> = None;
-        for ((i, cost), by) in placed.iter().zip(dominators(&costs)) {
-            let by = by.and_then(|by| Some(self.points.get(placed.get(by)?.0)?.name.clone()));
-            if by.is_none() && knee.is_none_or(|(_, best)| away(cost) < best) {
-                knee = Some((*i, away(cost)));
+        let mut front: Vec<Placed> = Vec::new();
+        for own in &placed {
+            // The first of those that change least is the quickest.
+            let by = { placed.iter() }
+                .filter(|by| by.beats(own))
+                .min_by(|a, b| a.cost.y.total_cmp(&b.cost.y));
+            let by = by.and_then(|by| Some(self.points.get(by.at)?.name.clone()));
+            if by.is_none() {
+                front.push(*own);
             }
-            if let Some(point) = self.points.get_mut(*i) {
+            if let Some(point) = self.points.get_mut(own.at) {
                 point.on_front = by.is_none();
                 point.beaten_by = by;
             }
         }
-        if let Some(point) = knee.and_then(|(i, _)| self.points.get_mut(i)) {
+        if let Some(point) = knee(&front).and_then(|at| self.points.get_mut(at)) {
             point.is_knee = true;
         }
     }
+}
+
+/// A point of which error and seconds are known.
+#[derive(Clone, Copy)]
+struct Placed {
+    /// Its number.
+    at: usize,
+    cost: Cost,
+    spread: Spread,
+    is_full: bool,
+}
+
+impl Placed {
+    fn beats(&self, other: &Self) -> bool {
+        let is_told = self.cost.y < other.cost.y || !self.spread.overlaps(other.spread);
+        self.cost.dominates(other.cost) && is_told
+    }
+}
+
+/// The number of the front's knee.
+fn knee(front: &[Placed]) -> Option<usize> {
+    let full = front.iter().find(|placed| placed.is_full);
+    let all = full.map_or(1.0, |full| full.cost.x).max(1e-9);
+    let costs = front.iter().map(|placed| placed.cost.x);
+    let least = costs.fold(f64::INFINITY, f64::min);
+    let away = |placed: &Placed| {
+        let late = (placed.cost.x - least) / all;
+        elementary::hypot(late, placed.cost.y)
+    };
+    let nearest = { front.iter() }.min_by(|a, b| away(a).total_cmp(&away(b)))?;
+    let alike = front
+        .iter()
+        .filter(|other| other.cost.y <= nearest.cost.y && other.spread.overlaps(nearest.spread));
+    let knee = alike.min_by(|a, b| {
+        let error = a.cost.y.total_cmp(&b.cost.y);
+        error
+            .then(b.is_full.cmp(&a.is_full))
+            .then(away(a).total_cmp(&away(b)))
+    });
+    Some(knee?.at)
 }
 
 #[cfg(test)]
@@ -332,7 +379,7 @@ mod tests {
     use super::*;
     use crate::study::pilot::ChangeEstimate;
 
-    fn known(seconds: f64, limit: Option<f64>, planning: f64) -> Known {
+    fn known(seconds: Spread, limit: Option<f64>, planning: f64) -> Known {
         let (tiles, events, changes) = (10, 1000, 0);
         let share = limit.unwrap_or(0.0) / 2.0;
         Known {
@@ -351,7 +398,15 @@ mod tests {
         }
     }
 
-    fn judged(points: &[(&str, f64, Option<f64>, f64)]) -> Trade<&'static str> {
+    fn judged(points: &[(&'static str, f64, Option<f64>, f64)]) -> Trade<&'static str> {
+        let exact = |(name, seconds, limit, planning): &(&'static str, f64, _, _)| {
+            let seconds = Spread::of(vec![*seconds]);
+            (*name, seconds, *limit, *planning)
+        };
+        spread(&points.iter().map(exact).collect::<Vec<_>>())
+    }
+
+    fn spread(points: &[(&'static str, Spread, Option<f64>, f64)]) -> Trade<&'static str> {
         let points = { points.iter() }
             .map(|(name, seconds, limit, planning)| Point {
                 sampled: Some(known(*seconds, *limit, *planning)),
@@ -395,5 +450,25 @@ mod tests {
             trade.knee().unwrap().name.clone()
         };
         assert_eq!([with(0.1), with(0.3)], ["f32", FULL]);
+    }
+
+    #[test]
+    fn seconds_within_the_spread_decide_no_knee() {
+        let of = |least: f64, most: f64| Spread::of(vec![least, most]);
+        let knee = |full: Spread, plain: Spread, limit| {
+            let trade = spread(&[
+                (FULL, full, Some(0.0), 0.0),
+                ("f32", plain, Some(limit), 0.0),
+            ]);
+            let front = trade.front().count();
+            (trade.knee().unwrap().name.clone(), front)
+        };
+        let full = of(0.9, 1.1);
+        assert_eq!(knee(full, of(0.7, 0.8), 0.01), ("f32".to_owned(), 2));
+        assert_eq!(knee(full, of(0.7, 0.95), 0.01), (FULL.to_owned(), 2));
+        // What changes nothing is no better for a little less time, nor worse for a little more.
+        assert_eq!(knee(full, of(0.7, 0.95), 0.0), (FULL.to_owned(), 2));
+        assert_eq!(knee(full, of(0.95, 1.2), 0.0), (FULL.to_owned(), 2));
+        assert_eq!(knee(full, of(0.7, 0.8), 0.0), ("f32".to_owned(), 1));
     }
 }

@@ -1,0 +1,210 @@
+//! What a trade says in words, and as a drawing.
+
+use super::{FULL, Point, Trade};
+use crate::{
+    compare::window,
+    picture::{self, Drawing, TradeDot, TradeShow},
+    rig::guard::Warning,
+    study::pilot::{Spread, change::share},
+    unit::counted,
+};
+
+/// What was asked, as it is told.
+pub struct Told<'a, M> {
+    /// The sensor file or the program.
+    pub of: &'a str,
+    /// What the scene is called.
+    pub scene: &'a str,
+    /// Its frames a second.
+    pub fps: f64,
+    /// What the full model is.
+    pub full: &'a str,
+    /// Whether everything was run on the whole scene, too.
+    pub verify: bool,
+    /// How many runs share the planning.
+    pub runs: u32,
+    /// The command that runs a model.
+    pub command: &'a dyn Fn(&M) -> String,
+}
+
+impl<M> Told<'_, M> {
+    /// What the figures stand on, in sentences.
+    #[must_use]
+    pub fn ground(&self, trade: &Trade<M>) -> Vec<String> {
+        let mut lines = Vec::new();
+        if let Some(tiles) = trade.tiles {
+            let events = trade.points.iter().find_map(|point| point.sampled);
+            let events = events.map_or(0, |known| known.change.events);
+            lines.push(format!(
+                "{} of {}, {} of the full model in them",
+                tiles.tiles,
+                counted(tiles.of, "tile"),
+                counted(events, "event")
+            ));
+        }
+        lines.push(match (&trade.no_tiles, self.verify) {
+            (Some(why), _) => format!(
+                "every model was run on the whole scene, since there is no sample: {why}"
+            ),
+            (None, true) => "run: seconds, measured on the whole scene; changes are those of the whole scene".to_owned(),
+            (None, false) => "run: seconds, stretched from these tiles to the whole scene; --verify measures them".to_owned(),
+        });
+        lines.push("each is the median of five parts of its frames, ± half of what the three in the middle are apart; what lies within that decides no knee".to_owned());
+        if trade.tiles.is_some() {
+            let shared = match self.runs {
+                1 => "--runs N shares them among N runs".to_owned(),
+                runs => format!("shared by {runs} runs"),
+            };
+            lines.push(format!(
+                "plan: seconds that it took to know the error on the tiles, {shared}; sum: both, what the front is drawn by"
+            ));
+        }
+        if let Some(warning) = Warning::window(window::headline(self.fps), trade.floor()) {
+            lines.push(format!("kept says nothing here: {}", warning.seen));
+        }
+        if trade.without_slot > 0 {
+            let more = if trade.no_tiles.is_none() && !self.verify {
+                "; --verify counts what that changes"
+            } else {
+                ""
+            };
+            lines.push(format!(
+                "{} found no slot of the readout: which ones depends on the whole array{more}",
+                counted(trade.without_slot, "event")
+            ));
+        }
+        lines
+    }
+
+    /// A point beside the full model, in a sentence.
+    #[must_use]
+    pub fn says(&self, trade: &Trade<M>, point: &Point<M>) -> String {
+        let full = trade.points.iter().find(|point| point.name == FULL);
+        let run = |point: &Point<M>| point.known().map(|known| known.seconds);
+        let all = full.and_then(run).unwrap_or_default();
+        if full.is_some_and(|full| full.name == point.name) {
+            return format!("{}: {}, and nothing changes", point.name, measured(all));
+        }
+        let how = if point.whole.is_some() {
+            "of the events change"
+        } else {
+            "of the events change at most"
+        };
+        let own = run(point).unwrap_or_default();
+        format!(
+            "{}: {} in place of {}, {}; {} {how}",
+            point.name,
+            measured(own),
+            measured(all),
+            as_fast(all, own),
+            share(point.error().unwrap_or(0.0))
+        )
+    }
+
+    /// The chart.
+    #[must_use]
+    pub fn drawing(&self, trade: &Trade<M>) -> Drawing {
+        let title = format!(
+            "{} on {}: what may be left out, and what that saves",
+            self.of, self.scene
+        );
+        let mut captions = vec![format!("the full model is {}", self.full)];
+        captions.extend(self.ground(trade));
+        let dots = trade.points.iter().filter_map(|point| {
+            let known = point.known()?;
+            let Spread {
+                median,
+                least,
+                most,
+            } = known.seconds;
+            Some(TradeDot {
+                name: point.name.clone(),
+                run: median,
+                range: [least, most],
+                planning: point.planning(),
+                share: if point.free.is_some() {
+                    0.0
+                } else {
+                    known.change.share
+                },
+                limit: point.error()?,
+                on_front: point.on_front,
+                is_knee: point.is_knee,
+            })
+        });
+        let knee: Vec<String> = match trade.knee() {
+            Some(knee) => vec![
+                format!("knee: {}", self.says(trade, knee)),
+                (self.command)(&knee.model),
+            ],
+            None => Vec::new(),
+        };
+        picture::trade(&TradeShow {
+            title: &title,
+            is_whole: trade.no_tiles.is_some() || self.verify,
+            captions: &captions,
+            dots: dots.collect(),
+            knee: &knee,
+        })
+    }
+}
+
+/// Less is told as no time at all.
+const LEAST: f64 = 0.000_5;
+
+/// How much faster a run is than the full one, where both take a time that can be told, and are not
+/// as fast as far as was measured.
+fn as_fast(full: Spread, own: Spread) -> String {
+    if own.median < LEAST {
+        return "too quick to compare".to_owned();
+    }
+    let times = full.median / own.median;
+    if full.overlaps(own) {
+        format!("{times:.1} times as fast, within what was measured of both")
+    } else {
+        format!("{times:.1} times as fast")
+    }
+}
+
+/// Seconds with what they differ by.
+fn measured(of: Spread) -> String {
+    if of.median < LEAST {
+        return seconds(of.median);
+    }
+    format!("{} ± {}", seconds(of.median), percent(of))
+}
+
+/// Half of what the measurements in the middle are apart, in per cent.
+#[must_use]
+pub fn percent(of: Spread) -> String {
+    format!("{:.0} %", (100.0 * of.part()).min(999.0))
+}
+
+/// Seconds with three figures or so.
+#[must_use]
+pub fn seconds(seconds: f64) -> String {
+    if seconds < LEAST {
+        "0 s".to_owned()
+    } else if seconds < 10.0 {
+        format!("{seconds:.3} s")
+    } else {
+        format!("{seconds:.1} s")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_takes_no_time_is_not_compared() {
+        let of = |least, most| Spread::of(vec![least, most]);
+        let quick = of(0.000_02, 0.000_02);
+        assert_eq!(as_fast(of(0.007, 0.007), quick), "too quick to compare");
+        let [full, own] = [of(0.28, 0.32), of(0.1, 0.1)];
+        assert_eq!(as_fast(full, own), "3.0 times as fast");
+        let near = as_fast(full, of(0.2, 0.3));
+        assert_eq!(near, "1.2 times as fast, within what was measured of both");
+        assert_eq!(measured(full), "0.300 s ± 7 %");
+    }
+}
