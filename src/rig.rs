@@ -7,6 +7,7 @@
 
 pub mod guard;
 mod larger;
+mod overflow;
 
 use std::ops::ControlFlow;
 
@@ -20,6 +21,7 @@ use crate::{
 };
 
 pub use larger::Larger;
+pub use overflow::Overflow;
 
 /// Why a rig stopped.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]

@@ -1050,3 +1050,27 @@ fn points_that_say_nothing_are_told() {
     assert!(warned(&said), "{said}");
     assert!(warned(&json(folder.path(), &["report", "out"])));
 }
+
+/// What a table of errors against bits must say: numbers that cannot hold the light, and events
+/// that found no slot.
+#[test]
+fn saturated_formats_and_full_slots_are_told() {
+    let text = "scene = \"bundled\"\nframes = 3\nkernel = \"rgc-5x5\"\nthreshold = 8\nsum = \"free\"\n\
+                [[side]]\nside = \"reference\"\nformat = [\"f64\", \"q4.4\"]\n\
+                [[side]]\nside = \"array\"\nquantise = \"ternary\"\ndomain = \"exact\"\nreadout = [\"chip\", \"all\"]\n";
+    let folder = folder(text);
+    let run = ["sweep", "study.toml", "-o", "out"];
+    let out = amacrine(folder.path(), &run).output().unwrap();
+    assert!(out.status.success(), "{out:?}");
+    let said = common::line(&out.stderr);
+    for words in [
+        "1 of 4 points (here the worst): the readout's slots were full",
+        "1 of 4 points: signals lie at the end of the range of their number format",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let again = amacrine(folder.path(), &["report", "out"])
+        .output()
+        .unwrap();
+    assert!(common::line(&again.stderr).contains("slots were full"));
+}

@@ -6,7 +6,10 @@ use crate::{
     photoreceptor::Response,
     plane::Size,
     reference::{Description, Firing, Tally},
-    rig::guard::{Crowd, Guard, Warning},
+    rig::{
+        Overflow,
+        guard::{Crowd, Guard, Warning},
+    },
     scene::Frame,
 };
 
@@ -16,7 +19,8 @@ pub struct RunGuard {
     pub firing: Firing,
     name: String,
     crowd: Crowd,
-    border: Border,
+    overflow: Overflow,
+    response: Response,
     /// The least threshold, and the most by which what is compared with it moves.
     reach: Option<[f64; 2]>,
 }
@@ -29,7 +33,8 @@ impl RunGuard {
             firing: Firing::new(),
             name: description.name.clone(),
             crowd: Crowd::new(cells as u64),
-            border: Border::new(format, description.response),
+            overflow: Overflow::new(format, description.response),
+            response: description.response,
             reach: description.reach(),
         }
     }
@@ -37,18 +42,17 @@ impl RunGuard {
     /// A frame that the sensor has seen. The first one sets the memory, and nobody fires.
     pub fn see(&mut self, frame: &Frame) {
         self.crowd.see(self.firing.cells());
-        self.border.see(frame);
+        self.overflow.see(frame);
     }
 
     /// What there is to warn of; the packet is what has left the readout.
     pub fn warnings(&self, tally: &Tally, packet: &Packet) -> Vec<Warning> {
         let mut guard = Guard::new();
         if tally.total() == 0 {
-            let response = self.border.response;
             guard.warn(Warning::no_events_of(
                 &self.name,
                 self.crowd.frames,
-                response,
+                self.response,
                 self.reach,
             ));
         }
@@ -60,62 +64,9 @@ impl RunGuard {
             let kept = packet.events.len() as u64;
             guard.warn(Warning::slots("the readout", lost, kept));
         }
-        if let Some(warning) = self.border.warning(&self.name) {
+        if let Some(warning) = self.overflow.warning(&self.name) {
             guard.warn(warning);
         }
         guard.warnings()
-    }
-}
-
-/// Counts the signals that a fixed-point format cannot hold.
-struct Border {
-    /// The ends of the format.
-    ends: Option<[f64; 2]>,
-    format: Format,
-    response: Response,
-    at: u64,
-    all: u64,
-}
-
-impl Border {
-    fn new(format: Format, response: Response) -> Self {
-        let ends = match format {
-            Format::Fixed(fixed) => {
-                let most = f64::from(1_u32 << (fixed.integer() - 1));
-                Some([-most, most])
-            }
-            _ => None,
-        };
-        Self {
-            ends,
-            format,
-            response,
-            at: 0,
-            all: 0,
-        }
-    }
-
-    fn see(&mut self, frame: &Frame) {
-        let Some([low, high]) = self.ends else {
-            return;
-        };
-        let beyond = |light: &f64| {
-            let signal = self.response.apply(*light);
-            signal.is_ok_and(|signal| signal < low || signal >= high)
-        };
-        self.all += frame.light.size().pixels() as u64;
-        // More light is never less signal: nearly always both ends of the light are within.
-        let ends = frame.light.extent();
-        if ends.is_none_or(|(low, high)| !beyond(&low) && !beyond(&high)) {
-            return;
-        }
-        self.at += frame.light.iter().filter(|light| beyond(light)).count() as u64;
-    }
-
-    fn warning(&self, subject: &str) -> Option<Warning> {
-        let place = format!("the signals, held in {}", self.format);
-        let ends = self.ends.filter(|_| self.at > 0)?;
-        let counted = (self.at, self.all);
-        Some(Warning::saturation(subject, &place, counted, ends))
     }
 }

@@ -225,7 +225,7 @@ fn table(report: &Report, arguments: &Arguments) -> String {
     if !report.without.is_empty() {
         let _ = writeln!(
             text,
-            "\nwithout  {}: no {}",
+            "\nwithout  {}: no {}, or no error where accident scores as much as anything",
             report.without.join(", "),
             label(&report.cost)
         );

@@ -323,6 +323,18 @@ impl Warning {
         )
     }
 
+    /// Signals at the end of their number format's range, at so many of a study's points.
+    #[must_use]
+    pub fn saturated_points(points: usize, of: usize) -> Self {
+        Self::new(
+            About::Saturation,
+            &format!("{points} of {of} points"),
+            "signals lie at the end of the range of their number format",
+            "what was to be held there is larger, and is cut off",
+            "take more bits before the point, or make light or gain smaller",
+        )
+    }
+
     /// Values beyond what the chip's registers hold, in an arithmetic that holds them.
     #[must_use]
     pub fn beyond(subject: &str, place: &str, (at, all): (u64, u64), ends: [f64; 2]) -> Self {

@@ -28,7 +28,9 @@ use crate::{
     compare::metric,
     limit::MANIFEST_BYTES,
     number::Format,
+    photoreceptor::Response,
     reference::Description,
+    rig::Overflow,
     save::save_durably,
     study::{
         design,
@@ -161,6 +163,7 @@ fn float(
         limit,
         key: key_of(&description, seed, &scene),
         seen: Seen {
+            overflow: Overflow::new(Format::F64, description.response),
             sensor: design::float(description, scene.size, seed, Format::F64)?,
             scene,
             seconds,
@@ -239,6 +242,7 @@ fn array(
             sensor: made.sensor(stands, entry.scene.size, all)?,
             scene: Arc::clone(&entry.scene),
             seconds: 0.0,
+            overflow: Overflow::new(Format::F64, Response::IDENTITY),
         },
     }))
 }

@@ -21,9 +21,10 @@ use crate::{
     compare::{metric::Measured, voxel::Bins, window::Point},
     event::{Polarity, address},
     number::Format,
+    photoreceptor::Response,
     plane::Size,
     reference::Description,
-    rig::guard::Warning,
+    rig::{Overflow, guard::Warning},
 };
 
 /// Bins of the voxel grids.
@@ -117,6 +118,8 @@ fn run(
             sensor: array(settings, entry, shared, row)?,
             scene: Arc::clone(&entry.scene),
             seconds: 0.0,
+            // Registers have the chip's range, or none.
+            overflow: Overflow::new(Format::F64, Response::IDENTITY),
         },
     };
     measured(settings, entry, shared, limits, (&mut seen, row))

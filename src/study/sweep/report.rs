@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     order::Order,
-    rig::guard::Warning,
+    rig::guard::{About, Warning},
     study::front::{Cost, dominators},
     unit::Micros,
 };
@@ -118,7 +118,40 @@ pub struct Refused {
 /// What makes the figures of these rows mean something else than they seem to.
 #[must_use]
 pub fn warnings(rows: &[Row]) -> Vec<Warning> {
-    by_accident(rows).into_iter().chain(silent(rows)).collect()
+    let all = [
+        by_accident(rows),
+        silent(rows),
+        slots(rows),
+        saturated(rows),
+    ];
+    all.into_iter().flatten().collect()
+}
+
+/// Points of which a run has warned of this.
+fn warned(rows: &[Row], about: About) -> impl Iterator<Item = &Row> {
+    rows.iter().filter(move |row| {
+        let told = row.get("warnings").and_then(serde_json::Value::as_str);
+        { told.unwrap_or_default().split(' ') }.any(|name| name == about.name())
+    })
+}
+
+/// That events found no slot of the readout at some points, told of the point that lost most.
+fn slots(rows: &[Row]) -> Option<Warning> {
+    let points = warned(rows, About::Slots).count();
+    let lost = warned(rows, About::Slots).filter_map(|row| {
+        let number = |name: &str| row.get(name).and_then(serde_json::Value::as_u64);
+        Some((number("dropped")?, number("events")?))
+    });
+    let part = |(lost, kept): &(u64, u64)| *lost as f64 / (lost + kept).max(1) as f64;
+    let (lost, kept) = lost.max_by(|a, b| part(a).total_cmp(&part(b)))?;
+    let subject = format!("{points} of {} points (here the worst)", rows.len());
+    Some(Warning::slots(&subject, lost, kept))
+}
+
+/// That signals lie at the end of what a number format holds, at some points.
+fn saturated(rows: &[Row]) -> Option<Warning> {
+    let points = warned(rows, About::Saturation).count();
+    (points > 0).then(|| Warning::saturated_points(points, rows.len()))
 }
 
 /// That neither sensor has an event at some points, which count as no error at all.

@@ -14,7 +14,10 @@ use crate::{
     event::Packet,
     number::Format,
     reference::Description,
-    rig::guard::{Guard, Warning},
+    rig::{
+        Overflow,
+        guard::{Guard, Warning},
+    },
     sensor::Sensor,
     study::design,
 };
@@ -26,6 +29,8 @@ pub(super) struct Seen {
     pub scene: Arc<CachedScene>,
     /// Seconds that the drive took.
     pub seconds: f64,
+    /// Signals that its numbers cannot hold.
+    pub overflow: Overflow,
 }
 
 impl Seen {
@@ -43,6 +48,7 @@ impl Seen {
             None => (description.clone(), Arc::clone(&entry.scene), 0.0),
         };
         Ok(Self {
+            overflow: Overflow::new(format, description.response),
             sensor: design::float(description, size, seed, format)?,
             scene,
             seconds,
@@ -56,6 +62,7 @@ pub(super) fn watch(
         sensor,
         scene,
         seconds,
+        overflow,
     }: &mut Seen,
     limits: Limits<'_>,
 ) -> Result<(Packet, f64, Vec<Warning>), Refusal> {
@@ -68,6 +75,7 @@ pub(super) fn watch(
         guard.frame(frame);
         let now = (limits.clock)();
         spent += now - start;
+        overflow.see(frame);
         let held = (scene.size, usize::from(sensor.channels()));
         limits.hold(now - begin, held, packet.events.len())?;
         Ok::<(), Stop>(())
@@ -77,6 +85,9 @@ pub(super) fn watch(
         played => played?,
     }
     guard.packet(sensor.name(), &packet);
+    if let Some(warning) = overflow.warning(sensor.name()) {
+        guard.warn(warning);
+    }
     // A clock may be too coarse for a small scene.
     Ok((packet, f64::max(spent, 1e-9), guard.warnings()))
 }

@@ -166,7 +166,7 @@ const FIGURES: [(&str, Holds, &str); 24] = [
     whole("dropped", "events that were made and not delivered"),
     text(
         "warnings",
-        "what makes these figures mean something else than they seem to: no-events, most-cells, slots",
+        "what makes these figures mean something else than they seem to: no-events, most-cells, slots, saturation, window; of a kernel in few values surround, lopsided, clipped",
     ),
     whole("bits", "bits of all events as fixed address words"),
     whole("reference_events", "events of the f64 sensor"),
