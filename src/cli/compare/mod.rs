@@ -331,9 +331,12 @@ fn table(c: &Comparison, [reference, judged]: [&Loaded; 2]) -> String {
         }
     }
     let known = [reference.dropped_known, judged.dropped_known];
-    let [a, b] = [0, 1].map(|i| match known[i] {
-        true => c.dropped[i].to_string(),
-        false => "not known".to_owned(),
+    let [a, b] = [0, 1].map(|i| {
+        if known[i] {
+            c.dropped[i].to_string()
+        } else {
+            "not known".to_owned()
+        }
     });
     rows.push(format!("{:<width$}{a:>14}{b:>14}", "dropped"));
     let mut both =

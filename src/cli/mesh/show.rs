@@ -67,16 +67,15 @@ const LAND: usize = 16;
 /// When an input cannot be read or solved for, or the picture not be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let shown = Shown::new(arguments)?;
-    let lights: Vec<(&str, Plane<f64>)> = match &arguments.input {
-        Some(path) => vec![("the input", solve::read(path)?)],
-        None => {
-            let side = 2 * LAND + 1;
-            let mut lights = vec![("a spot", spot(side)), ("an edge", edge(side))];
-            if !shown.turns() {
-                lights.push(("an edge along a row", edge(side).reversed_axes()));
-            }
-            lights
+    let lights = if let Some(path) = &arguments.input {
+        vec![("the input", solve::read(path)?)]
+    } else {
+        let side = 2 * LAND + 1;
+        let mut lights = vec![("a spot", spot(side)), ("an edge", edge(side))];
+        if !shown.turns() {
+            lights.push(("an edge along a row", edge(side).reversed_axes()));
         }
+        lights
     };
     let mut reliefs = Vec::new();
     for (name, light) in &lights {

@@ -501,7 +501,7 @@ fn short(value: f64) -> String {
     if size > 0.0 && size < 1e-4 {
         return format!("{value:.3e}");
     }
-    let decimals = (size.log10().floor() as i32).clamp(-6, -2).abs() as usize + 2;
+    let decimals = (4..8).find(|d| size >= 10f64.powi(2 - d)).unwrap_or(4) as usize;
     let text = format!("{value:.decimals$}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" {
