@@ -5,7 +5,7 @@
 
 use amacrine::{
     event::{Packet, Polarity},
-    number::{F32, F64, Number, Q},
+    number::{F32, F64, Format, Number, Q},
     plane::{Plane, Size},
     reference::{
         Counts, Description, EventList, Limit, Reference, Sink, Tally, VoxelGrid, WhenFull,
@@ -132,6 +132,38 @@ fn a_memory_does_not_drift_after_a_thousand_million_steps() {
     }
     assert_eq!(tally.total(), 199_999 * 1000);
     assert_eq!(reference.memory(0).unwrap()[[0, 0]], 1000.0 * theta);
+}
+
+/// Light that goes up by few large steps and down by many small ones: what the memory holds is
+/// what is left of the two, in every format.
+#[test]
+fn unequal_thresholds_run_away_in_no_format() {
+    let flicker = |format: &str, (on, off): (f64, f64), frames: u64| {
+        let text = format!("kernel = [[1]]\nthreshold = {{ on = {on}, off = {off} }}");
+        let rules = "response = \"identity\"\nmemory = \"filtered-step\"";
+        let format: Format = format.parse().unwrap();
+        let mut reference = Reference::in_format(format, sensor(rules, &text), ONE, 0).unwrap();
+        let mut packet = Packet::new(ONE, 1);
+        for n in 0..frames {
+            let light = if n % 2 == 1 { 60.0 } else { 4.0 };
+            let frame = frame(n, n as f64, Plane::from_elem((1, 1), light));
+            reference.watch(&frame, &mut packet).unwrap();
+        }
+        let ons = { packet.events.iter() }.filter(|e| e.polarity == Polarity::On);
+        (ons.count() as u64, packet.events.len() as u64)
+    };
+    // 56 of light are 7 steps up and 14 down.
+    for format in ["f64", "f32", "f16", "bf16", "q8.8", "q16.16"] {
+        let (ons, all) = flicker(format, (8.0, 4.0), 3001);
+        assert_eq!((ons, all), (1500 * 7, 1500 * 21), "{format}");
+    }
+    // Thresholds that no format holds: as many events in all of them, but for rounding.
+    let (_, exact) = flicker("f64", (0.4, 0.1), 2001);
+    for format in ["f32", "f16", "bf16", "q8.8"] {
+        let (_, all) = flicker(format, (0.4, 0.1), 2001);
+        let part = all as f64 / exact as f64;
+        assert!((0.8..1.25).contains(&part), "{format}: {all} of {exact}");
+    }
 }
 
 #[test]

@@ -12,7 +12,9 @@
 //! so a still scene is silent from its start.
 //!
 //! A memory that steps is kept as a base and whole numbers of steps,
-//! `M = base + n_on θ_on - n_off θ_off`, so that it does not drift however many steps it takes.
+//! `M = base + n_on θ_on - n_off θ_off`, so that it does not drift however many steps it takes. The
+//! two products grow with the events and nearly cancel where the thresholds differ: see
+//! [`apart`].
 //!
 //! A pixel memory that snaps can fire for ever on a still scene: firing at x sets the pixel's
 //! own difference to 0, and if the neighbours' differences still add up to more than the
@@ -67,10 +69,7 @@ impl<N: Number> Stepped<N> {
         }
     }
 
-    /// The memories of the cells in `range`: `base + net θ_on + off (θ_on - θ_off)`.
-    ///
-    /// With equal thresholds the last term is 0, and no precision is lost however often the memory
-    /// went up and down.
+    /// The memories of the cells in `range`.
     pub(crate) fn values(
         &self,
         number: &N,
@@ -79,16 +78,15 @@ impl<N: Number> Stepped<N> {
         off: &[N::Real],
         out: &mut [N::Held],
     ) {
-        stepped(
-            number,
-            &self.base[range.clone()],
-            &self.net[range.clone()],
-            on,
-            out,
-        );
+        let (base, net) = (&self.base[range.clone()], &self.net[range.clone()]);
+        stepped(number, base, net, on, out);
         let Some(steps) = &self.off else { return };
-        for ((out, steps), (on, off)) in out.iter_mut().zip(&steps[range]).zip(on.iter().zip(off)) {
-            *out = less_off(number, *out, *steps, *on, *off);
+        let thresholds = on.iter().zip(off);
+        let cells = base.iter().zip(net).zip(&steps[range]).zip(thresholds);
+        for (out, (((&base, &net), &steps), (&on, &off))) in out.iter_mut().zip(cells) {
+            if on != off {
+                *out = apart(number, base, (net, steps), on, off);
+            }
         }
     }
 
@@ -129,16 +127,35 @@ pub(super) fn at<N: Number>(number: &N, base: N::Held, net: i32, on: N::Real) ->
     number.hold_real(number.real(base) + N::Real::from_i32(net) * on)
 }
 
-/// `memory + off (θ_on - θ_off)`, where the two thresholds differ.
+/// `base + n_on θ_on - n_off θ_off` of `n_on = net + steps` and `n_off = steps`, where the two
+/// thresholds differ.
+///
+/// What is left of the two products is held, never they themselves: they grow with the events.
+/// Each threshold is taken in two parts, of which the first has so few digits that its product with
+/// up to 2^31 steps is exact. So the error is that of a few roundings of what is left, however many
+/// steps there were.
 #[inline]
-pub(super) fn less_off<N: Number>(
+pub(super) fn apart<N: Number>(
     number: &N,
-    memory: N::Held,
-    steps: f64,
+    base: N::Held,
+    (net, steps): (i32, f64),
     on: N::Real,
     off: N::Real,
 ) -> N::Held {
-    number.hold_real(number.real(memory) + N::Real::from_f64(steps) * (on - off))
+    let ups = f64::from(net) + steps;
+    let moved = moved((ups, steps), (on.to_f64(), off.to_f64()));
+    number.hold_real(N::Real::from_f64(number.real(base).to_f64() + moved))
+}
+
+/// `ups θ_on - downs θ_off`.
+#[inline]
+pub(super) fn moved((ups, downs): (f64, f64), (on, off): (f64, f64)) -> f64 {
+    // The first 22 of 53 digits.
+    let high = |threshold: f64| f64::from_bits(threshold.to_bits() & !((1 << 31) - 1));
+    let (on_high, off_high) = (high(on), high(off));
+    let coarse = ups * on_high - downs * off_high;
+    let fine = ups * (on - on_high) - downs * (off - off_high);
+    coarse + fine
 }
 
 #[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
@@ -219,6 +236,24 @@ mod tests {
     #[test]
     fn unequal_thresholds_step_by_their_own() {
         assert!((after(&F64, &[3, -2, 1], 0.2, 0.3) - 0.7).abs() < 1e-15);
+    }
+
+    /// Up by one step and down by a hundred, a million times: the memory is back where it began.
+    #[test]
+    fn unequal_thresholds_do_not_drift_either() {
+        let (on, off) = (0.4, 0.4 / 100.0);
+        let turns: Vec<i32> = (0..1_000_000).flat_map(|_| [1, -100]).collect();
+        // As whole numbers; 100 of the second are not exactly one of the first.
+        let whole = |threshold: f64| (threshold * 2f64.powi(70)) as i128;
+        let left = |on, off| 1_000_000 * (whole(on) - 100 * whole(off));
+        let left = |on, off| left(on, off) as f64 / 2f64.powi(70);
+        assert!((after(&F64, &turns, on, off) - 0.5 - left(on, off)).abs() < 1e-15);
+        let [single_on, single_off] = [on, off].map(|threshold| f64::from(threshold as f32));
+        let single = after(&F32, &turns, on, off) - 0.5;
+        assert!(
+            (single - left(single_on, single_off)).abs() < 1e-7,
+            "{single}"
+        );
     }
 
     #[test]

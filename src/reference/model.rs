@@ -305,9 +305,12 @@ impl<N: Number, M: MemoryModel> Cell<N, M> {
     pub fn memory(&self) -> N::Held {
         let Memory { base, ups, downs } = self.memory;
         let ([on, off], number) = (self.thresholds(), self.setting.number);
-        // In this order no precision is lost where the two thresholds are equal.
-        let up = number.hold_real(number.real(base) + N::Real::from_f64(ups - downs) * on);
-        number.hold_real(number.real(up) + N::Real::from_f64(downs) * (on - off))
+        if on == off {
+            return number.hold_real(number.real(base) + N::Real::from_f64(ups - downs) * on);
+        }
+        // The two products grow with the events and nearly cancel: only what is left is held.
+        let moved = super::memory::moved((ups, downs), (on.to_f64(), off.to_f64()));
+        number.hold_real(N::Real::from_f64(number.real(base).to_f64() + moved))
     }
 
     /// Sees the later frame of an interval; returns the train in the interval, if it fires.

@@ -165,7 +165,8 @@ fn step_with<N: Number>(
         let (on, off) = (on[x], if counts_off { off[x] } else { on[x] });
         let mut memory = memory::at(number, base[x], net[x], on);
         if counts_off {
-            memory = memory::less_off(number, memory, off_steps[x], on, off);
+            let apart = memory::apart(number, base[x], (net[x], off_steps[x]), on, off);
+            memory = if on == off { memory } else { apart };
         }
         let mut to = number.real(number.sub(drive[x], memory));
         if leaks {
