@@ -450,7 +450,11 @@ fn bare<'a>(
         .filter(|it| it.0 < ends[0] || it.1 > ends[1] + 0.5)
     {
         return Err(miette!(
-            help = "give what a register can hold, such as --input 0..127",
+            help = format!(
+                "give what a register can hold, such as --input {}..{}",
+                ends[0].max(0.0).min(ends[1]),
+                ends[1]
+            ),
             "--input {low}..{high}: a register holds {} to {} LSB",
             ends[0],
             ends[1]

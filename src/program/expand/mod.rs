@@ -2,6 +2,7 @@
 
 mod call;
 mod expansion;
+mod order;
 mod rules;
 mod values;
 
@@ -9,6 +10,7 @@ pub use self::expansion::{Entry, Expanded, Expansion, Overrides, for_each};
 
 use std::collections::BTreeMap;
 
+use self::order::Order;
 use super::{
     Action, Code, Step, check,
     effect::CellEffect,
@@ -359,13 +361,19 @@ impl<'d> Lowering<'d> {
             also: None,
             ..fault
         };
+        let mut order = Order::new(it, scope, sink);
         for item in body {
             match item {
                 macros::Item::Statement(inner) => {
                     let (callable, bound) = self
                         .call(inner, scope)
                         .map_err(|fault| outside(fault, sink.place))?;
+                    let from = sink.steps.len();
                     self.lower(inner, callable, &bound, sink, depth)?;
+                    if let Some(order) = &mut order {
+                        let lost = order.see(inner, (sink, from), self.device);
+                        self.faults.extend(lost);
+                    }
                 }
                 macros::Item::Repeat { times, body } => {
                     let place = sink.place;

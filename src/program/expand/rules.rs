@@ -3,11 +3,16 @@
 use super::{Lowering, Sink, cell};
 use crate::config::Fault;
 use crate::isa::{
-    Callable, Digital, Macro, Operand, Primitive,
+    Callable, Cell, Digital, Macro, Operand, Primitive,
     operands::{Access, Unit},
     signature::{Bound, Mode},
     text::Statement,
 };
+
+/// The first of an operand's registers.
+fn cell_of(values: &Bound) -> Option<Cell> {
+    values.first().and_then(cell)
+}
 
 impl<'d> Lowering<'d> {
     pub(super) fn reject_aliases(
@@ -159,6 +164,23 @@ impl<'d> Lowering<'d> {
                 )
             {
                 continue;
+            }
+            // What propagation spreads is written only where its mask is 1.
+            let roles = self.device.registers().roles;
+            let masked = cell_of(values) == Some(Cell::Digital(roles.propagated))
+                && parameter.mode != Mode::In
+                && scratch.contains(&Cell::Digital(roles.mask));
+            if masked {
+                let [name, mask] =
+                    [roles.propagated, roles.mask].map(|it| self.device.digital_name(it));
+                warnings.push(
+                    Fault::warning(
+                        statement.place,
+                        format!("`{}` uses {mask} as scratch, and {name} is written only where {mask} is 1", statement.name),
+                        format!("{name} is its {} here", parameter.name),
+                    )
+                    .help("the chip would give what the sequence of words gives; use another register"),
+                );
             }
             for used in values
                 .iter()
