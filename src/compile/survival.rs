@@ -341,12 +341,7 @@ impl Survival<'_> {
 
     /// The plans of a search that is made beside the one for the goals as they are: none where the
     /// chip cannot halve, which they all do.
-    pub(super) fn beside(
-        &self,
-        asked: (bool, u32),
-        eighths: u64,
-        seen: &mut u64,
-    ) -> Arc<[Plan]> {
+    pub(super) fn beside(&self, asked: (bool, u32), eighths: u64, seen: &mut u64) -> Arc<[Plan]> {
         if !Buses::from_device(self.request.device).split() {
             return Arc::default();
         }

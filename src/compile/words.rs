@@ -84,7 +84,8 @@ pub fn check_words(text: &str, device: &Device) -> Result<(), CompileError> {
             chip: device.name().to_owned(),
             why: match statement {
                 Some(statement) if statement.contains('(') => {
-                    format!("{} for `{statement}`", fault.message)
+                    let statement = statement.trim_end_matches(';');
+                    format!("{}: the program needs `{statement}`", fault.message)
                 }
                 _ => fault.message,
             },
