@@ -19,11 +19,7 @@ pub(super) fn misfit(kind: HostKind, form: &Signature, place: Place) -> Option<F
     if lacking.is_empty() {
         return None;
     }
-    let what = format!(
-        "`{}` lacks {} where it is needed",
-        form.name,
-        lacking.join(", ")
-    );
+    let what = format!("`{}` lacks {}", form.name, lacking.join(", "));
     let help = format!(
         "give it the parameters of `{model}` in their order; one that nobody chooses has a default and can have one value, as in `h_dir: int[0..0] = 0`"
     );
