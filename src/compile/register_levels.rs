@@ -7,7 +7,7 @@
 //! words as any program can have ([`bound`](super::bound)), no more is tried.
 //!
 //! What comes out of the chip is found by one search of the whole effort. So smaller numbers are tried
-//! on chips of fewer registers than usual alone, each with a part of the effort, and what they give is
+//! on chips of fewer registers than usual alone, the fewest with a part of the effort, and what they give is
 //! taken where it is shorter and no less comes out of it.
 
 use super::{
@@ -124,10 +124,14 @@ impl Request<'_> {
     }
 
     /// The effort of one of the searches of a chip of fewer registers than usual, the same on each of
-    /// them, so that all take about what is stated: few programs fit into less than a walk does, and a
-    /// search there refuses most of what it makes, which is not counted.
+    /// them: a search in few registers refuses most of what it makes, which takes time and is not
+    /// counted.
     fn narrow_share(&self, registers: usize) -> Effort {
-        let part = if registers < FEWEST_REGISTERS { 32 } else { 2 };
+        let part = match registers {
+            ..FEWEST_REGISTERS => 32,
+            FEWEST_REGISTERS => 2,
+            _ => 1,
+        };
         self.effort.with_states(self.effort.states / part)
     }
 

@@ -394,9 +394,7 @@ impl<'a> Request<'a> {
     pub(super) fn none_found(&self, goals: usize, free: usize) -> CompileError {
         let needed = goals + walk::FEWEST_REGISTERS - 1;
         match Buses::from_device(self.device).missing() {
-            Some(form) if free >= needed => {
-                self.missing(form, "no filter without it was found".to_owned())
-            }
+            Some(form) if free >= needed => self.missing(form, "no filter without it was found"),
             _ => CompileError::Registers {
                 what: match goals {
                     1 => "one kernel".to_owned(),
@@ -409,7 +407,7 @@ impl<'a> Request<'a> {
     }
 
     /// No program without a word of this form, and what it is for.
-    fn missing(&self, form: &str, why: String) -> CompileError {
+    fn missing(&self, form: &str, why: &str) -> CompileError {
         let chip = self.device.name();
         CompileError::Missing {
             chip: chip.to_owned(),
@@ -423,7 +421,7 @@ impl<'a> Request<'a> {
             let form = "bus2(out y: target, out z: target, x: source)";
             let times = counted(bits, "time");
             let why = format!("its input must be halved {times} for every sum to stay in range");
-            return Err(self.missing(form, why));
+            return Err(self.missing(form, &why));
         }
         Ok(prescale(self.device, self.input, other, bits))
     }
