@@ -475,3 +475,52 @@ fn one_word_is_no_words() {
         assert!(said.contains(told), "{said}");
     }
 }
+
+/// Operands that a macro's own words overwrite before they are read: the words are what they are,
+/// and it is said. What reads first and writes then has no warning.
+#[test]
+fn operands_that_are_lost_on_the_way_are_told() {
+    let folder = TempDir::new().unwrap();
+    let warned = |text: &str| {
+        let file = kept(&folder, "p.scamp", text);
+        let output = amacrine(here(), &["asm", &file]).output().unwrap();
+        assert!(output.status.success(), "{text}: {output:?}");
+        common::line(&output.stderr)
+    };
+    for (text, words) in [
+        (
+            "XORX(R5, R6, R5);",
+            "`XORX` reads its y after it has written R5, which is l too",
+        ),
+        (
+            "XOR(R5, R5, R6);",
+            "reads its x after it has written R5, which is l too",
+        ),
+        (
+            "sub(A, B, XE);",
+            "`sub` reads its x1 after it has written NEWS",
+        ),
+        ("neg(A, XW);", ""),
+        (
+            "XORX(R12, R5, R6);",
+            "`XORX` uses R0 as scratch, and R12 is written only where R0 is 1",
+        ),
+    ] {
+        let said = warned(text);
+        assert!(
+            said.contains(words) && said.contains("warning"),
+            "{text}: {said}"
+        );
+    }
+    for text in [
+        "XORX(R5, R6, R7);",
+        "add(A, A, B);",
+        "sub(A, A, B);",
+        "mov(A, XE);",
+        "ANDX(R5, R6, R6);",
+        "OR(R5, R5, R6);",
+    ] {
+        let said = warned(text);
+        assert!(!said.contains("reads its"), "{text}: {said}");
+    }
+}

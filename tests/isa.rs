@@ -734,6 +734,13 @@ fn a_chip_of_fewer_words_does_without_what_is_made_of_them() {
         let said = wrong(&one, text);
         assert!(said.starts_with(why), "{said}");
     }
+    // A form goes with what its body needs of it, the forms that only pass a number on with it.
+    let still = extended("", "name = \"prop\"\nforms = []");
+    let elsewhere = "write it with what x has; or run it on another chip (--chip)";
+    assert_eq!(
+        wrong(&still, "scamp5_flood(R5, R6, 0, 3);"),
+        format!("`scamp5_flood` is left out on x, which has no `PROP_0` | {elsewhere}")
+    );
     let blind = extended("", "name = \"where\"\nforms = []");
     assert!(
         wrong(&blind, "abs(A, B);").starts_with("`abs` is left out on x, which has no `where`")

@@ -483,7 +483,112 @@ fn filters_are_made_of_the_words_that_the_chip_has() {
     refused(
         folder,
         &[&light[..], &["--chip", "whole"]].concat(),
-        &["no program for whole: whole has no `bus2`, and no filter without it was found"],
+        &[
+            "no program for whole: whole has no `bus2(out y: target, out z: target, x: source)`",
+            "its input must be halved",
+        ],
+    );
+    // Sums that leave the range decide as they should: nothing is halved.
+    let events = ["sobel-x", "--threshold", "16", "--objective", "events"];
+    let told = good(
+        folder,
+        &[
+            &["compile"],
+            &events[..],
+            &["--chip", "whole", "--effort", "0.1"],
+        ]
+        .concat(),
+    );
+    assert!(!told.contains("bus2"), "{told}");
+    // A chip that splits, and not to a neighbour; and one without what the comparison needs.
+    chip(folder, "own", "");
+    let own = [
+        "bus(out y: target, x: source * 0..4)",
+        "bus2(out y: areg, out z: areg, x: source * 0..2)",
+    ];
+    row(folder, "own", "bus", &own);
+    refused(
+        folder,
+        &[&light[..], &["--chip", "own"]].concat(),
+        &["own has no `bus2(out y: target, out z: target, x: source)`"],
+    );
+    refused(
+        folder,
+        &["compile", "dvs", "--threshold", "16", "--chip", "pairs"],
+        &["scamp5 has this `bus`, and pairs does not: the program needs `bus(B, NEWS, A, F)`"],
+    );
+}
+
+/// The search of a chip of few registers takes what is stated, as any other.
+#[test]
+fn the_effort_holds_on_chips_of_few_registers() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let registers = "analogue = [\"A\", \"B\", \"C\", \"D\", \"NEWS\"]";
+    chip(folder, "four", &format!("[registers]\n{registers}\n"));
+    let asked = ["compile", "sobel-x", "--to", "ternary", "--threshold", "16"];
+    let states = |chip: &str| {
+        let more = ["--effort", "0.2", "--chip", chip, "--json"];
+        let told = json(folder, &[&asked[..], &more].concat());
+        told["states"].as_u64().unwrap()
+    };
+    assert!(states("four") <= states("scamp5"));
+}
+
+/// A readout of fewer slots, by the chip's own row.
+fn slots(folder: &Path, name: &str) {
+    let cost = "{ value = 1, unit = \"us\", source = \"test\", evidence = \"guess\" }";
+    let form = "scamp5_scan_events(d: dreg, buffer: word, slots: int[1..100] = 50, h_dir: int[0..0] = 0, v_dir: int[0..0] = 0)";
+    let lines = format!(
+        "[[host]]\nname = \"scan_events\"\nforms = [\"{form}\"]\nmeaning = \"events\"\ncall = {cost}\nitem = {cost}\n"
+    );
+    chip(folder, name, &lines);
+}
+
+#[test]
+fn a_program_asks_for_as_many_slots_as_the_chip_has() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    slots(folder, "slow");
+    let asked = ["compile", "dvs", "--threshold", "16", "--chip", "slow"];
+    for memory in ["analogue", "shared"] {
+        let more = ["--memory", memory, "-o", "dvs.scamp", "--effort", "0"];
+        good(folder, &[&asked[..], &more].concat());
+        let text = fs::read_to_string(folder.join("dvs.scamp")).unwrap();
+        assert!(text.contains("const slots = 100; // the most"), "{text}");
+    }
+    fs::write(folder.join("x.scamp"), "scamp5_scan_events(R5, on, 4000);").unwrap();
+    refused(
+        folder,
+        &["asm", "x.scamp", "--chip", "slow"],
+        &[
+            "x.scamp:1:28",
+            "4000 is not a whole number between 1 and 100",
+        ],
+    );
+}
+
+/// From wherever it is run.
+#[test]
+fn a_program_is_run_on_the_chip_beside_it() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    for part in ["chips", "elsewhere"] {
+        fs::create_dir(folder.join(part)).unwrap();
+    }
+    slots(&folder.join("chips"), "slow");
+    let text = "//! chip = \"slow\"\n\nnop();\n";
+    fs::write(folder.join("chips/x.scamp"), text).unwrap();
+    fs::write(folder.join("elsewhere/x.scamp"), text).unwrap();
+    good(folder, &["asm", "chips/x.scamp"]);
+    good(
+        folder,
+        &["asm", "elsewhere/x.scamp", "--chip", "chips/slow"],
+    );
+    refused(
+        folder,
+        &["asm", "elsewhere/x.scamp"],
+        &["elsewhere/x.scamp is for the chip `slow`", "--chip PATH"],
     );
 }
 

@@ -153,7 +153,7 @@ fn readout(
     let code = code.map_err(raised)?.code;
     let plans = Scans::new(&code.frame, device).plans(Some(&Demand::expected(events)), device);
     let chosen = choose(&plans).and_then(|chosen| plans.get(chosen));
-    Ok(chosen.map_or_else(EventReadout::default, EventReadout::from))
+    Ok(chosen.map_or_else(|| EventReadout::most_slots(device), EventReadout::from))
 }
 
 /// A sensor as a program of a chip.

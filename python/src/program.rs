@@ -1,6 +1,9 @@
 //! Programs of the array.
 
-use std::{collections::BTreeMap, path::PathBuf};
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
 
 use amacrine::{
     array::{Arithmetic, ArithmeticError, Array, Register, Settings},
@@ -68,8 +71,14 @@ impl Program {
             let read = |folder: &PathBuf| included_files(text, folder);
             let includes = folder.as_ref().map(read).unwrap_or_default();
             let program = Text::read_with(file, text, &includes);
-            let chip = chip.or(program.settings.chip.as_deref());
-            let device = Device::find(chip.unwrap_or("scamp5"))?;
+            let device = match (chip, program.settings.chip.as_deref()) {
+                (Some(chip), _) => Device::find(chip)?,
+                (None, Some(chip)) => {
+                    let folder = folder.as_deref().or(Path::new(file).parent());
+                    Device::find_for(chip, file, folder.unwrap_or(Path::new("")))?
+                }
+                (None, None) => Device::scamp5(),
+            };
             let overrides: Overrides = constants.into_iter().collect();
             let Runnable { expansion, decides } = program.layout(&device, &overrides)?;
             let steady = expansion.filter(|_| !decides);

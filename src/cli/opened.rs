@@ -171,9 +171,11 @@ impl Source {
         constants: &[(String, f64)],
     ) -> miette::Result<(Program, Device, Overrides)> {
         let program = self.read()?;
-        let chip = self.chip.as_deref();
-        let chip = chip.or(program.settings.chip.as_deref());
-        let mut device = Device::find(chip.unwrap_or("scamp5"))?;
+        let mut device = match (self.chip.as_deref(), program.settings.chip.as_deref()) {
+            (Some(chip), _) => Device::find(chip)?,
+            (None, Some(chip)) => Device::find_for(chip, &program.file, self.folder())?,
+            (None, None) => Device::scamp5(),
+        };
         for (figure, value) in figures {
             device = device.what_if(*figure, *value)?;
         }

@@ -63,7 +63,11 @@ impl Survival<'_> {
                 (false, 0) if in_range => 2 * EIGHTHS,
                 _ => EIGHTHS,
             };
-            for plan in self.searched(asked, eighths, &mut seen)?.iter() {
+            let plans = match asked {
+                (false, 0) => self.searched(asked, eighths, &mut seen)?,
+                _ => self.beside(asked, eighths, &mut seen),
+            };
+            for plan in plans.iter() {
                 if in_range {
                     fitting.extend(self.halved(plan, asked, range).0);
                 }

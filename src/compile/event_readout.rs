@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use crate::{
     event::readout::scan::SLOTS,
+    isa::{Device, HostKind, Operand},
     program::readout::{Plan, Way},
 };
 
@@ -25,13 +26,6 @@ pub enum EventReadout {
     Any,
 }
 
-impl Default for EventReadout {
-    /// Event by event, as many as the chip has slots.
-    fn default() -> Self {
-        Self::Slots(SLOTS)
-    }
-}
-
 impl From<&Plan> for EventReadout {
     fn from(plan: &Plan) -> Self {
         match (plan.way, plan.slots, &plan.rows) {
@@ -46,11 +40,24 @@ impl From<&Plan> for EventReadout {
 }
 
 impl EventReadout {
-    /// The line at the head of a program.
-    pub(super) fn head(self) -> String {
+    /// Event by event, as many as one readout of the chip delivers: 4000, or the bound of the
+    /// chip's own row.
+    #[must_use]
+    pub fn most_slots(device: &Device) -> Self {
+        let forms = device.host(HostKind::ScanEvents).forms.iter();
+        let own = { forms }.filter(|form| form.name == "scamp5_scan_events");
+        let bounds = own.filter_map(|form| match form.parameters.get(2)?.operand {
+            Operand::Integer(_, most) | Operand::Number(_, most) => Some(most as u32),
+            _ => None,
+        });
+        Self::Slots(bounds.max().map_or(SLOTS, |most| most.min(SLOTS)))
+    }
+
+    /// The line at the head of a program for this chip.
+    pub(super) fn head(self, device: &Device) -> String {
         match self {
-            Self::Slots(SLOTS) => {
-                format!("const slots = {SLOTS}; // the most that one readout can deliver\n")
+            Self::Slots(slots) if self == Self::most_slots(device) => {
+                format!("const slots = {slots}; // the most that one readout can deliver\n")
             }
             Self::Slots(slots) => format!(
                 "const slots = {slots}; // of each sign and kind, for the busiest frame that is expected\n"

@@ -6,9 +6,9 @@
 //! of all that its smaller sisters are given, and of a search of its own. Where the best has as few
 //! words as any program can have ([`bound`](super::bound)), no more is tried.
 //!
-//! What comes out of the chip is found by searches of the whole effort, each as long as all for the
-//! words. So smaller numbers are tried on chips of fewer registers than usual alone, and what they
-//! give is taken where it is shorter and no less comes out of it.
+//! What comes out of the chip is found by one search of the whole effort. So smaller numbers are tried
+//! on chips of fewer registers than usual alone, the fewest with a part of the effort, and what they give is
+//! taken where it is shorter and no less comes out of it.
 
 use super::{
     allocate::ordinary_registers,
@@ -16,6 +16,7 @@ use super::{
     error::CompileError,
     filter::Filter,
     request::{Border, Effort, Objective, Request},
+    walk::FEWEST_REGISTERS,
     words::check_words,
 };
 use crate::{isa::Analog, order::Order};
@@ -72,6 +73,7 @@ impl Request<'_> {
             // Where fewer do not suffice, the first that do have the whole effort.
             let effort = match &best {
                 None if count > USUAL => self.effort,
+                _ if is_narrow && self.objective != Objective::Words => self.narrow_share(count),
                 _ => self.share(count),
             };
             match self.filter_in(&all[..count], effort) {
@@ -119,6 +121,18 @@ impl Request<'_> {
             _ => 0,
         };
         self.effort.with_states(states)
+    }
+
+    /// The effort of one of the searches of a chip of fewer registers than usual, the same on each of
+    /// them: a search in few registers refuses most of what it makes, which takes time and is not
+    /// counted.
+    fn narrow_share(&self, registers: usize) -> Effort {
+        let part = match registers {
+            ..FEWEST_REGISTERS => 32,
+            FEWEST_REGISTERS => 2,
+            _ => 1,
+        };
+        self.effort.with_states(self.effort.states / part)
     }
 
     /// Whether a filter is shorter than another, and no worse in what comes out of it.

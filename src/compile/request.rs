@@ -10,7 +10,7 @@ use super::{
     linear_form::LinearForm,
     plan::StoreErrors,
     solve::{FINE, Limits, Problem, Solved},
-    survival::{self, Survival},
+    survival::Survival,
     walk,
     words::{Buses, check_words},
 };
@@ -18,6 +18,7 @@ use crate::{
     isa::{Analog, Device, Primitive, Source, Target},
     kernel::Kernel,
     stop::Stop,
+    unit::counted,
 };
 
 /// How long to search, in states looked at: the result does not depend on the machine.
@@ -393,7 +394,7 @@ impl<'a> Request<'a> {
     pub(super) fn none_found(&self, goals: usize, free: usize) -> CompileError {
         let needed = goals + walk::FEWEST_REGISTERS - 1;
         match Buses::from_device(self.device).missing() {
-            Some(word) if free >= needed => self.missing(&word),
+            Some(form) if free >= needed => self.missing(form, "no filter without it was found"),
             _ => CompileError::Registers {
                 what: match goals {
                     1 => "one kernel".to_owned(),
@@ -405,22 +406,24 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// No filter without this word.
-    fn missing(&self, word: &str) -> CompileError {
+    /// No program without a word of this form, and what it is for.
+    fn missing(&self, form: &str, why: &str) -> CompileError {
         let chip = self.device.name();
         CompileError::Missing {
             chip: chip.to_owned(),
-            why: format!("{chip} has no {word}, and no filter without it was found"),
+            why: format!("{chip} has no `{form}`, and {why}"),
         }
     }
 
     /// Words that halve the input so often, if the chip has them.
     fn prescaled(&self, other: Analog, bits: u32) -> Result<Vec<Primitive>, CompileError> {
-        let buses = Buses::from_device(self.device);
-        match buses.missing() {
-            Some(word) if !buses.have(&survival::halvings(bits)) => Err(self.missing(&word)),
-            _ => Ok(prescale(self.device, self.input, other, bits)),
+        if bits > 0 && !Buses::from_device(self.device).halve() {
+            let form = "bus2(out y: target, out z: target, x: source)";
+            let times = counted(bits, "time");
+            let why = format!("its input must be halved {times} for every sum to stay in range");
+            return Err(self.missing(form, &why));
         }
+        Ok(prescale(self.device, self.input, other, bits))
     }
 }
 

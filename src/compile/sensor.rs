@@ -181,7 +181,7 @@ impl SensorProgram {
                 scratch: all[count],
             },
         };
-        program.text = program.text_with(kinds, title, device, EventReadout::default());
+        program.text = program.text_with(kinds, title, device, EventReadout::most_slots(device));
         check_words(&program.text, device)?;
         check_bits(&program.text, device)?;
         Ok(program)
@@ -400,7 +400,7 @@ impl Writer<'_> {
         if !self.steps.is_empty() {
             text += "const zero = 0; // what the drive is in the dark, LSB: on a chip, its transfer errors\n";
         }
-        text += &self.readout.head();
+        text += &self.readout.head(self.device);
         text.push('\n');
         let list = |registers: &[Analog]| registers.iter().map(name).collect::<Vec<_>>().join(", ");
         let _ = writeln!(

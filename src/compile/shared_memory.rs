@@ -86,7 +86,7 @@ pub(super) fn program(
         filters: &filters,
         scales: &scales,
         registers,
-        readout: EventReadout::default(),
+        readout: EventReadout::most_slots(device),
     };
     let (text, difference) = (writer.text(title), writer.difference());
     Ok(SensorProgram {
@@ -222,7 +222,7 @@ impl Writer<'_> {
     pub(super) fn text(&self, title: &str) -> String {
         let mut text = self.header(title);
         text += &thresholds(self.kinds, self.scales);
-        text += &self.readout.head();
+        text += &self.readout.head(self.device);
         text.push('\n');
         let name = |register: Analog| self.device.analog_name(register);
         let Registers {

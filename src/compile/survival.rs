@@ -25,6 +25,7 @@ use super::{
     separable::compose,
     solve::{FINE, Problem, Solved, slack},
     steady::{Reads, greedy, room, steadied},
+    words::Buses,
 };
 use crate::{
     isa::{Analog, Figure, Primitive},
@@ -288,12 +289,12 @@ impl Survival<'_> {
             odd |= less;
         }
         if odd {
-            for plan in self.searched((true, 0), 3, &mut seen)?.iter() {
+            for plan in self.beside((true, 0), 3, &mut seen).iter() {
                 out.extend(self.halved(plan, (true, 0), range).0);
             }
         }
         if let Some(inner) = self.inner() {
-            for plan in self.searched((false, inner), 2, &mut seen)?.iter() {
+            for plan in self.beside((false, inner), 2, &mut seen).iter() {
                 out.extend(self.halved(plan, (false, inner), range).0);
             }
         }
@@ -336,6 +337,15 @@ impl Survival<'_> {
         let found = found.ok_or_else(|| self.none_found())?;
         *seen += found.seen;
         Ok(found.plans)
+    }
+
+    /// The plans of a search that is made beside the one for the goals as they are: none where the
+    /// chip cannot halve, which they all do.
+    pub(super) fn beside(&self, asked: (bool, u32), eighths: u64, seen: &mut u64) -> Arc<[Plan]> {
+        if !Buses::from_device(self.request.device).split() {
+            return Arc::default();
+        }
+        self.searched(asked, eighths, seen).unwrap_or_default()
     }
 
     /// That no plan was found.

@@ -2,13 +2,12 @@
 
 use super::{
     error::CompileError,
-    plan::{Plan, SOURCES, Store, Word},
+    plan::{Plan, SOURCES, SOURCES_SPLIT, Store, Word},
 };
 use crate::{
     config::Place,
     isa::{Device, Direction, Source, Value, signature::Given},
     program::Program,
-    unit::counted,
 };
 
 /// The bus words of a chip that filters are made of: to one target and to two, from so many sources.
@@ -35,19 +34,25 @@ impl Buses {
         Self([of("bus", 1), of("bus2", 2)])
     }
 
-    /// A word that is not there, as a message names it: a split before others, which filters can do
-    /// without.
-    pub(super) fn missing(&self) -> Option<String> {
+    /// The form of a word that is not there, as `primitives.toml` has it: a split before others,
+    /// which filters can do without.
+    pub(super) fn missing(&self) -> Option<&'static str> {
         let Self([one, two]) = self;
-        let most = |there: &[bool], wanted: usize| there[..=wanted].iter().position(|has| !has);
-        let split = most(&two[1..], 1).map(|sources| ("bus2", two, 2 + sources + 1));
-        let missing = split.or_else(|| most(one, SOURCES).map(|sources| ("bus", one, 1 + sources)));
-        let (name, there, arguments) = missing?;
-        Some(if there.contains(&true) {
-            format!("`{name}` of {}", counted(arguments, "argument"))
-        } else {
-            format!("`{name}`")
-        })
+        if two[1..=SOURCES_SPLIT].contains(&false) {
+            return Some("bus2(out y: target, out z: target, x: source * 1..2)");
+        }
+        let all_there = !one[..=SOURCES].contains(&false);
+        (!all_there).then_some("bus(out y: target, x: source * 0..4)")
+    }
+
+    /// Whether there is a word that halves one source.
+    pub(super) const fn halve(&self) -> bool {
+        self.0[1][1]
+    }
+
+    /// Whether any word splits a sum.
+    pub(super) fn split(&self) -> bool {
+        self.0[1].contains(&true)
     }
 
     /// Whether all words of a plan are there.
@@ -74,9 +79,16 @@ pub fn check_words(text: &str, device: &Device) -> Result<(), CompileError> {
         Err(faults) => faults.faults.into_iter().next().map(|first| first.fault),
     };
     fault.map_or(Ok(()), |fault| {
+        let statement = text.get(fault.place.start..fault.place.end);
         Err(CompileError::Missing {
             chip: device.name().to_owned(),
-            why: fault.message,
+            why: match statement {
+                Some(statement) if statement.contains('(') => {
+                    let statement = statement.trim_end_matches(';');
+                    format!("{}: the program needs `{statement}`", fault.message)
+                }
+                _ => fault.message,
+            },
         })
     })
 }

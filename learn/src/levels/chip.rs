@@ -215,7 +215,7 @@ impl OnChip {
             &kinds,
             title,
             chip.device(),
-            amacrine::compile::EventReadout::default(),
+            amacrine::compile::EventReadout::most_slots(chip.device()),
         )
     }
 }

@@ -56,6 +56,28 @@ impl Device {
         Err(unknown(name))
     }
 
+    /// The chip that a program's settings name: as [`Device::find`], and else a folder beside the
+    /// program, which is in `folder`.
+    ///
+    /// # Errors
+    /// When there is no such chip, or its files are wrong.
+    pub fn find_for(name: &str, program: &str, folder: &Path) -> Result<Self, LoadError> {
+        match Self::find(name) {
+            Err(LoadError::Unknown { name, shipped, .. }) => {
+                let beside = folder.join(&name);
+                if beside.is_dir() {
+                    return Self::load(&beside);
+                }
+                Err(LoadError::OfProgram {
+                    name,
+                    program: program.to_owned(),
+                    shipped,
+                })
+            }
+            found => found,
+        }
+    }
+
     /// A chip from its folder. What it `extends` is a folder beside it, or a shipped chip.
     ///
     /// # Errors

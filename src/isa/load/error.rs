@@ -18,6 +18,21 @@ pub enum LoadError {
         /// Which of them was meant, if one is near: a question.
         near: String,
     },
+    /// No such chip, as a program says.
+    #[error(
+        "{program} is for the chip `{name}`, which is neither shipped nor a folder here or beside the program"
+    )]
+    #[diagnostic(help(
+        "give the chip's folder (--chip PATH), or put it beside the program; shipped are {shipped}"
+    ))]
+    OfProgram {
+        /// What the program asks for.
+        name: String,
+        /// The program's file.
+        program: String,
+        /// What there is.
+        shipped: String,
+    },
     /// A file cannot be read.
     #[error(transparent)]
     #[diagnostic(transparent)]

@@ -8,6 +8,7 @@ mod chips;
 mod error;
 mod figures;
 mod file;
+mod host_form;
 pub mod keys;
 mod layers;
 mod registers;

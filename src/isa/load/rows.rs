@@ -12,6 +12,7 @@ use super::{
     },
     figures::wrong,
     file::Placed,
+    host_form,
     layers::Layer,
 };
 
@@ -114,6 +115,13 @@ pub(super) fn host_rows(layers: &[Layer]) -> Result<Vec<HostRow>, Faults> {
                 let name = format!("{name}.{key}");
                 let cost = cost.and_then(|cost| wrong(&name, HOST_COST, cost));
                 faults.extend(cost);
+            }
+            if layer.folder.path.is_some() {
+                let own = row.forms.iter().filter_map(|it| {
+                    let form = Signature::parse(&it.value).ok()?;
+                    host_form::misfit(row.kind.value, &form, it.place)
+                });
+                faults.extend(own);
             }
             let built = HostRow {
                 kind: row.kind.value,

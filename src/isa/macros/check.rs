@@ -6,7 +6,7 @@ use crate::{
     config::{Fault, Place, suggestion_or},
     isa::{
         Device, Signature, Value,
-        signature::Given,
+        signature::{Given, Mode},
         text::{Argument, Expression, Statement, Term},
     },
     limit::{FAULTS, MACRO_DEPTH},
@@ -14,7 +14,7 @@ use crate::{
 };
 
 use super::{
-    calls::{may_mean, statements},
+    calls::{fits_literals, may_mean, may_write, statements},
     definition::{Item, Macro},
     roles,
 };
@@ -31,6 +31,7 @@ impl Found {
         let mut found = Self::default();
         check_heading(device, it, &mut found);
         check_body(device, it, &it.body, &mut found);
+        check_results(device, it, &mut found);
         found
     }
 
@@ -237,6 +238,35 @@ fn check_heading(device: &Device, it: &Macro, found: &mut Found) {
     }
 }
 
+/// Checks that something in the body leaves a result in each parameter that is said to have one.
+fn check_results(device: &Device, it: &Macro, found: &mut Found) {
+    let mut body = Vec::new();
+    statements(&it.body, &mut body);
+    // What the chip does not have says nothing of its arguments.
+    if body
+        .iter()
+        .any(|call| device.callables(&call.name).is_empty())
+    {
+        return;
+    }
+    for parameter in &it.signature.parameters {
+        let name = &parameter.name;
+        if parameter.mode == Mode::Out && !body.iter().any(|call| may_write(device, call, name)) {
+            found.push(
+                Fault::error(
+                    it.signature.place,
+                    format!(
+                        "nothing in the body of `{}` writes `{name}`",
+                        it.signature.name
+                    ),
+                    format!("`out {name}` in this heading"),
+                )
+                .help("leave the result in it, or leave `out` out"),
+            );
+        }
+    }
+}
+
 fn check_body(device: &Device, it: &Macro, body: &[Item], found: &mut Found) {
     for item in body {
         match item {
@@ -296,7 +326,8 @@ fn check_statement(device: &Device, it: &Macro, statement: &Statement, found: &m
             place: a.place(),
         })
         .collect();
-    if !spread && !callables.iter().any(|c| c.signature().takes(&given)) {
+    let fits = |form: &Signature| form.takes(&given) && fits_literals(statement, form);
+    if !spread && !callables.iter().any(|c| fits(c.signature())) {
         let forms: Vec<String> = callables
             .iter()
             .map(|c| c.signature().to_string())

@@ -3,7 +3,7 @@
 use super::{Lowering, Scope};
 use crate::config::{Fault, Place, suggestion};
 use crate::isa::{
-    Callable, Device, Value,
+    Callable, Device, Operand, Value,
     signature::{Bound, Given, Mismatch, Signature},
     text::{Argument, Statement},
 };
@@ -60,6 +60,18 @@ impl<'d> Lowering<'d> {
                     }
                 }
             }
+        }
+        // A number beyond a bound of this chip is told with the bound.
+        let beyond = furthest.as_ref().filter(|(index, _)| {
+            let number = given.get(*index).and_then(|it| it.values.first());
+            let takes_numbers = |it: &Callable<'_>| {
+                let operand = { it.signature().parameters.get(*index) }.map(|it| it.operand);
+                matches!(operand, Some(Operand::Number(..) | Operand::Integer(..)))
+            };
+            number.is_some_and(|it| it.number().is_some()) && callables.iter().any(takes_numbers)
+        });
+        if let Some((index, message)) = beyond {
+            return Err(self.wrong_argument(statement, &given, *index, message));
         }
         if let Some(why) = device.why_no_statement(&statement.name, Some(&given)) {
             return Err(self.not_here(statement.place, why, Some(&callables)));

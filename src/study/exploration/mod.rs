@@ -382,7 +382,7 @@ impl Found {
             time::array_us(frame, device).unwrap_or([Cost::of(frame, device).array_us; 2]);
         let plans = Scans::new(frame, device).plans(Some(demand), device);
         let plan = choose(&plans).and_then(|at| plans.get(at));
-        let readout = plan.map_or_else(EventReadout::default, EventReadout::from);
+        let readout = plan.map_or_else(|| EventReadout::most_slots(device), EventReadout::from);
         let text = self
             .program
             .text_with(&self.kinds, question.title, device, readout);
