@@ -500,17 +500,14 @@ fn operands_that_are_lost_on_the_way_are_told() {
             "sub(A, B, XE);",
             "`sub` reads its x1 after it has written NEWS",
         ),
-        ("neg(A, XW);", ""),
+        ("neg(A, XW);", "`neg` reads its x after it has written NEWS"),
         (
             "XORX(R12, R5, R6);",
             "`XORX` uses R0 as scratch, and R12 is written only where R0 is 1",
         ),
     ] {
         let said = warned(text);
-        assert!(
-            said.contains(words) && said.contains("warning"),
-            "{text}: {said}"
-        );
+        assert!(said.contains(words), "{text}: {said}");
     }
     for text in [
         "XORX(R5, R6, R7);",

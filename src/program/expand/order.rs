@@ -87,9 +87,14 @@ impl<'a> Order<'a> {
                 )));
             }
         }
+        // Results stand first: of two operands of one register it is the first that is written.
+        let mut cells: Vec<Cell> = Vec::new();
         for (name, value) in named {
             let written = cell(value).filter(|own| effect.writes.contains(own));
-            self.written.extend(written.map(|own| (*name, own)));
+            if let Some(own) = written.filter(|own| !cells.contains(own)) {
+                cells.push(own);
+                self.written.push((*name, own));
+            }
         }
         let (name, why) = lost.filter(|_| !self.told)?;
         self.told = true;
