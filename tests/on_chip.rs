@@ -433,5 +433,5 @@ fn a_filter_without_words_loses_nothing() {
         (&on_chip["correlation"], &on_chip["noise"]),
         (&1.0.into(), &0.0.into())
     );
-    assert!(on_chip["signal"].as_f64().unwrap() > 10.0, "{on_chip}");
+    assert!(on_chip["signal"].as_f64().unwrap() > 0.5, "{on_chip}");
 }
