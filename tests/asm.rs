@@ -521,3 +521,22 @@ fn operands_that_are_lost_on_the_way_are_told() {
         assert!(!said.contains("reads its"), "{text}: {said}");
     }
 }
+
+/// Registers of other roles, and a word that is gone, are differences too.
+#[test]
+fn a_what_if_chip_shows_its_roles_and_what_it_has_not() {
+    let folder = TempDir::new().unwrap();
+    let chip = folder.path().join("other");
+    fs::create_dir(&chip).unwrap();
+    fs::write(
+        chip.join("device.toml"),
+        "name = \"other\"\ntitle = \"other\"\nextends = \"scamp5\"\n[registers.roles]\nmask = \"R12\"\npropagated = \"R0\"\nnorth = \"R3\"\neast = \"R4\"\nsouth = \"R1\"\nwest = \"R2\"\n",
+    )
+    .unwrap();
+    let program = kept(&folder, "p.scamp", "add(A, B, C);");
+    let text = stdout(&["asm", &program, "--chip", &chip.display().to_string()]);
+    for line in ["mask: R12 instead of R0", "propagated: R0 instead of R12"] {
+        assert!(text.contains(line), "{line:?} in {text}");
+    }
+    assert!(!text.contains("east: "), "{text}");
+}

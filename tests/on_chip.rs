@@ -422,3 +422,16 @@ fn the_border_costs_no_more_than_it_is_worth() {
     assert_eq!(right["border"], true);
     assert!(f1(&said) > f1(&right));
 }
+
+/// A kernel of one weight of 1 takes no word: its input is the result, and nothing is lost.
+#[test]
+fn a_filter_without_words_loses_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = common::json(folder.path(), &["compile", "dvs", "--filter-only"]);
+    let on_chip = &said["on_chip"][0];
+    assert_eq!(
+        (&on_chip["correlation"], &on_chip["noise"]),
+        (&1.0.into(), &0.0.into())
+    );
+    assert!(on_chip["signal"].as_f64().unwrap() > 0.5, "{on_chip}");
+}

@@ -100,6 +100,23 @@ fn differences(base: &Device, device: &Device) -> Vec<String> {
             lines.push(format!("without the registers: {less}"));
         }
     }
+    let roles = |device: &Device| {
+        let roles = device.registers().roles;
+        let bits = [roles.mask, roles.propagated]
+            .into_iter()
+            .chain(roles.enable);
+        let named = ["mask", "propagated", "north", "east", "south", "west"]
+            .into_iter()
+            .zip(bits);
+        let bits = named.map(|(role, bit)| (role, device.digital_name(bit)));
+        let news = ("news", device.analog_name(device.news()));
+        std::iter::once(news).chain(bits).collect::<Vec<_>>()
+    };
+    for ((role, before), (_, after)) in roles(base).into_iter().zip(roles(device)) {
+        if before != after {
+            lines.push(format!("{role}: {after} instead of {before}"));
+        }
+    }
     for figure in Figure::ALL {
         let (before, after) = (base.value(*figure), device.value(*figure));
         if before != after {
@@ -118,7 +135,10 @@ fn differences(base: &Device, device: &Device) -> Vec<String> {
                 before.words
             ));
         }
-        if before.forms != row.forms {
+        if row.forms.is_empty() && !before.forms.is_empty() {
+            let name = before.forms.first().map_or("", |form| form.name.as_str());
+            lines.push(format!("{name}: is not there"));
+        } else if before.forms != row.forms {
             lines.push(format!("{:?}: written in other ways", row.kind));
         }
     }
