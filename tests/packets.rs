@@ -528,7 +528,7 @@ fn what_a_file_cannot_say_of_its_losses_is_not_known() {
     assert!(silent.stderr.is_empty());
     let said = amacrine(here, &to("out.csv")).output().unwrap();
     let said = String::from_utf8(said.stderr).unwrap();
-    assert!(said.contains("3 events were lost before out.csv"), "{said}");
+    assert!(said.contains("3 events lost before out.csv"), "{said}");
     let said = good(here, &["convert", "out.npy", "again.csv"]);
     assert!(said.contains("csv has no room to say so"), "{said}");
     let table = good(

@@ -30,6 +30,7 @@ use crate::{
     isa::Device,
     picture::{Drawing, raster, write_png, write_svg},
     save::{self, OutputKind, SaveError},
+    unit::counted,
 };
 
 /// A file or a folder that is read.
@@ -225,8 +226,8 @@ impl Output {
         let format = self.format()?;
         if dropped.total() > 0 && !format.has_remarks() {
             super::complain(&format!(
-                "warning: {} events were lost before {}, and {} has no room to say so: npy has\n",
-                dropped.total(),
+                "warning: {} lost before {}, and {} has no room to say so: npy has\n",
+                counted(dropped.total(), "event"),
                 self.display(),
                 format.name()
             ));

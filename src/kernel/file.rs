@@ -336,7 +336,7 @@ mod tests {
         let deep = npy(&ndarray::ArrayD::<f64>::zeros(vec![1, 1, 3, 3]));
         assert!(message(&deep).contains("it has shape (1,1,3,3)"));
         let bools = npy(&ndarray::arr2(&[[true]]).into_dyn());
-        assert!(message(&bools).contains("or integers"));
+        assert!(message(&bools).contains("floats or integers"));
         let even = npy(&ndarray::arr2(&[[1.0; 2]; 3]).into_dyn());
         assert!(message(&even).contains("must be odd"));
         let mut absurd = good.clone();

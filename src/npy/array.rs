@@ -26,7 +26,7 @@ pub enum ArrayError {
     Header(#[from] HeaderError),
     /// Numbers of another type.
     #[error(
-        "its numbers are {0}; expected floats of 16, 32 or 64 bits, or integers (others, such as bfloat16, as `array.astype('float32')`)"
+        "its numbers are {0}; expected floats or integers (of others, such as bfloat16, `array.astype('float32')` makes them)"
     )]
     Type(String),
     /// More numbers than any file has.

@@ -12,7 +12,7 @@ use crate::{
     },
     elementary,
     kernel::Kernel,
-    mesh::{Fitting, Sheet, Steady, fit},
+    mesh::{Fitting, MeshError, Sheet, Steady, fit},
     picture::{SurroundShow, surround, write_png},
     plane::{Plane, Size},
     unit::counted,
@@ -145,7 +145,7 @@ impl Shown {
             ),
             formula: Some(formula(&fitted)),
             centre: fitted.centre,
-            sheets: sheets.collect::<Result<_, crate::mesh::MeshError>>()?,
+            sheets: sheets.collect::<Result<_, MeshError>>()?,
             target: Some(kernel.clone()),
         })
     }
@@ -169,16 +169,18 @@ impl Shown {
     /// What the sensor makes of light: its drive, and the voltages on its sheet; of several, their
     /// sum with the gains.
     fn answer(&self, light: &Plane<f64>) -> miette::Result<(Plane<f64>, Plane<f64>)> {
-        let mut sum = Plane::zeros(light.dim());
-        for (gain, sheet) in &self.sheets {
+        let solved = self.sheets.iter().map(|(gain, sheet)| {
             let surround = Steady::new(*sheet, Size::of(light))?.solve(light)?;
-            if self.sheets.len() == 1 {
-                let drive = light * self.centre + &surround * *gain;
-                return Ok((drive, surround));
-            }
-            sum.scaled_add(*gain, &surround);
+            Ok((*gain, surround))
+        });
+        let solved = solved.collect::<Result<Vec<_>, MeshError>>()?;
+        let mut sum = Plane::zeros(light.dim());
+        for (gain, surround) in &solved {
+            sum.scaled_add(*gain, surround);
         }
-        Ok((light * self.centre + &sum, sum))
+        let drive = light * self.centre + &sum;
+        let shown = <[_; 1]>::try_from(solved).map_or(sum, |[(_, alone)]| alone);
+        Ok((drive, shown))
     }
 
     /// The field of the sheets, that of the sensor, and the one that was wanted.

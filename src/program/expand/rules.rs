@@ -9,11 +9,6 @@ use crate::isa::{
     text::Statement,
 };
 
-/// The first of an operand's registers.
-fn cell_of(values: &Bound) -> Option<Cell> {
-    values.first().and_then(cell)
-}
-
 impl<'d> Lowering<'d> {
     pub(super) fn reject_aliases(
         &self,
@@ -154,6 +149,8 @@ impl<'d> Lowering<'d> {
                 .filter_map(|name| cell(&device.value_of(&name)?))
                 .collect()
         });
+        let roles = device.registers().roles;
+        let [spread, mask] = [roles.propagated, roles.mask].map(Cell::Digital);
         let mut warnings = Vec::new();
         for (parameter, values) in it.signature.parameters.iter().zip(bound) {
             let by_default = parameter.mode == Mode::Trash && parameter.default.is_some();
@@ -165,37 +162,25 @@ impl<'d> Lowering<'d> {
             {
                 continue;
             }
-            // What propagation spreads is written only where its mask is 1.
-            let roles = self.device.registers().roles;
-            let masked = cell_of(values) == Some(Cell::Digital(roles.propagated))
-                && parameter.mode != Mode::In
-                && scratch.contains(&Cell::Digital(roles.mask));
-            if masked {
-                let [name, mask] =
-                    [roles.propagated, roles.mask].map(|it| self.device.digital_name(it));
-                warnings.push(
-                    Fault::warning(
-                        statement.place,
-                        format!("`{}` uses {mask} as scratch, and {name} is written only where {mask} is 1", statement.name),
-                        format!("{name} is its {} here", parameter.name),
-                    )
-                    .help("the chip would give what the sequence of words gives; use another register"),
-                );
-            }
-            for used in values
-                .iter()
-                .filter_map(cell)
-                .filter(|c| scratch.contains(c))
-            {
-                let name = used.name(self.device);
-                warnings.push(
-                    Fault::warning(
-                        statement.place,
-                        format!("`{}` uses {name} as scratch itself", statement.name),
-                        format!("{name} is its {} here", parameter.name),
-                    )
-                    .help("the chip would give what the sequence of words gives; use another register"),
-                );
+            let mut warn = |name: &str, what: String| {
+                let message = format!("`{}` uses {what}", statement.name);
+                let label = format!("{name} is its {} here", parameter.name);
+                warnings.push(Fault::warning(statement.place, message, label).help(
+                    "the chip would give what the sequence of words gives; use another register",
+                ));
+            };
+            for used in values.iter().filter_map(cell) {
+                let name = used.name(device);
+                // What propagation spreads is written only where its mask is 1.
+                if used == spread && parameter.mode != Mode::In && scratch.contains(&mask) {
+                    let mask = mask.name(device);
+                    let what =
+                        format!("{mask} as scratch, and {name} is written only where {mask} is 1");
+                    warn(&name, what);
+                }
+                if scratch.contains(&used) {
+                    warn(&name, format!("{name} as scratch itself"));
+                }
             }
         }
         self.faults.extend(warnings);

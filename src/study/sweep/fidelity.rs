@@ -28,9 +28,7 @@ use crate::{
     compare::metric,
     limit::MANIFEST_BYTES,
     number::Format,
-    photoreceptor::Response,
     reference::Description,
-    rig::Overflow,
     save::save_durably,
     study::{
         design,
@@ -162,12 +160,11 @@ fn float(
         left_out: left.join(", "),
         limit,
         key: key_of(&description, seed, &scene),
-        seen: Seen {
-            overflow: Overflow::new(Format::F64, description.response),
-            sensor: design::float(description, scene.size, seed, Format::F64)?,
+        seen: Seen::plain(
+            design::float(description, scene.size, seed, Format::F64)?,
             scene,
             seconds,
-        },
+        ),
     }))
 }
 
@@ -238,12 +235,11 @@ fn array(
         key: format!("{program} {stands} {seed}"),
         left_out: left.join(", "),
         limit,
-        seen: Seen {
-            sensor: made.sensor(stands, entry.scene.size, all)?,
-            scene: Arc::clone(&entry.scene),
-            seconds: 0.0,
-            overflow: Overflow::new(Format::F64, Response::IDENTITY),
-        },
+        seen: Seen::plain(
+            made.sensor(stands, entry.scene.size, all)?,
+            Arc::clone(&entry.scene),
+            0.0,
+        ),
     }))
 }
 

@@ -21,10 +21,9 @@ use crate::{
     compare::{metric::Measured, voxel::Bins, window::Point},
     event::{Polarity, address},
     number::Format,
-    photoreceptor::Response,
     plane::Size,
     reference::Description,
-    rig::{Overflow, guard::Warning},
+    rig::guard::Warning,
 };
 
 /// Bins of the voxel grids.
@@ -114,13 +113,10 @@ fn run(
             } = float(entry, row)?;
             Seen::float(entry, (&description, seed, format), shared, limits)?
         }
-        Side::Array => Seen {
-            sensor: array(settings, entry, shared, row)?,
-            scene: Arc::clone(&entry.scene),
-            seconds: 0.0,
-            // Registers have the chip's range, or none.
-            overflow: Overflow::new(Format::F64, Response::IDENTITY),
-        },
+        Side::Array => {
+            let sensor = array(settings, entry, shared, row)?;
+            Seen::plain(sensor, Arc::clone(&entry.scene), 0.0)
+        }
     };
     measured(settings, entry, shared, limits, (&mut seen, row))
 }

@@ -13,6 +13,7 @@ use super::{
 use crate::{
     event::Packet,
     number::Format,
+    photoreceptor::Response,
     reference::Description,
     rig::{
         Overflow,
@@ -34,6 +35,16 @@ pub(super) struct Seen {
 }
 
 impl Seen {
+    /// A sensor whose numbers hold all signals, or whose registers have the chip's range.
+    pub fn plain(sensor: Box<dyn Sensor + Send>, scene: Arc<CachedScene>, seconds: f64) -> Self {
+        Self {
+            sensor,
+            scene,
+            seconds,
+            overflow: Overflow::new(Format::F64, Response::IDENTITY),
+        }
+    }
+
     /// A float sensor; behind resistor sheets its cells, which are shown their drive.
     pub fn float(
         entry: &Entry,
