@@ -8,7 +8,7 @@ use std::{fs, path::Path};
 use amacrine::{
     event::{
         Dropped, Event, Packet, Polarity,
-        file::{self, FileError, Format, Loaded},
+        file::{self, FileError, Format, Loaded, Opening},
     },
     plane::Size,
     unit::Micros,
@@ -190,6 +190,20 @@ fn files_of_others_are_read_too() {
         b"0.0 1 0 1\n1.500000000000000000e+00 5 3 -1\n1.4999996 0 2 1\n",
     );
     assert_eq!(seconds.packet.events, events);
+    // As Python prints small numbers, and numpy whole ones.
+    let short = read(
+        "short.txt",
+        b"0e0 1.0 0.0 1\n1.5 5.000000000000000000e+00 3 0\n15E-1 0 2.0 1.0\n3 0 0 1\n",
+    );
+    assert_eq!(short.packet.events[..3], events);
+    let early = read("early.txt", b"3e-05 1 2 1\n").packet.events;
+    assert_eq!(early[0].t, Micros(30));
+    // As dv-processing calls its columns.
+    let named = read(
+        "named.csv",
+        b"timestamp,x,y,polarity\n0,1,0,1\n1500000,5,3,0\n1500000,0,2,1\n",
+    );
+    assert_eq!(named.packet.events, events);
     let nothing = read("nothing.txt", b"");
     assert_eq!(nothing.packet, Packet::new(Size::new(0, 0), 1));
 
@@ -260,7 +274,7 @@ fn what_a_format_cannot_hold_is_refused_and_nothing_is_written() {
 }
 
 /// Each damaged file, and what is said about it.
-const BAD: [(&str, &str); 34] = [
+const BAD: [(&str, &str); 36] = [
     (
         "empty.csv",
         ":1:1: expected the header `t,x,y,p` (in any order, and perhaps `channel`), found no line at all",
@@ -343,6 +357,14 @@ const BAD: [(&str, &str); 34] = [
     ),
     ("few_fields.txt", ":1:1: expected 4 fields, found 3"),
     (
+        "e2vid_size.txt",
+        ":1:1: the first line has two numbers, as that of a file for E2VID, the size of the sensor",
+    ),
+    (
+        "evt4.raw",
+        ": byte 0: its header says the encoding 4.0; read are EVT2, EVT2.1 and EVT3",
+    ),
+    (
         "not_npy.npy",
         ": byte 0: this is not an NPY file: expected the bytes \\x93NUMPY, then a version, 1 to 3",
     ),
@@ -384,6 +406,64 @@ const BAD: [(&str, &str); 34] = [
     ),
 ];
 
+/// A DVS128 has addresses of its own, and a set bit for OFF.
+#[test]
+fn a_recording_of_a_dvs128_is_read_as_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let read = |chip: &str, records: &[(u32, u32)]| {
+        let mut bytes = format!("#!AER-DAT2.0\r\n# AEChip: {chip}\r\n").into_bytes();
+        for (address, t) in records {
+            bytes.extend(address.to_be_bytes());
+            bytes.extend(t.to_be_bytes());
+        }
+        let path = folder.path().join("a.aedat");
+        fs::write(&path, bytes).unwrap();
+        file::read(&path).unwrap()
+    };
+    let records = [
+        (3 << 8 | 5 << 1, 10),
+        // From outside, as its mark says.
+        (1 << 15, 11),
+        (127 << 8 | 127 << 1 | 1, 12),
+    ];
+    for chip in ["ch.unizh.ini.jaer.chip.retina.DVS128", "Tmpdiff128"] {
+        let loaded = read(chip, &records);
+        let seen = loaded.packet.events.iter();
+        let seen: Vec<_> = seen.map(|e| (e.t.0, e.x, e.y, e.polarity)).collect();
+        let want = [(10, 5, 3, Polarity::On), (12, 127, 127, Polarity::Off)];
+        assert_eq!((seen, loaded.skipped), (want.to_vec(), 1), "{chip}");
+        assert_eq!(loaded.packet.size, Size::new(128, 128));
+        assert!(loaded.size_known);
+    }
+    let davis = read("DAVI346", &[(3 << 22 | 5 << 12 | 1 << 11, 10)]);
+    let event = davis.packet.events[0];
+    assert_eq!((event.x, event.y, event.polarity), (5, 3, Polarity::On));
+}
+
+/// What is compressed in another way is not damaged, and nothing is kept of it.
+#[cfg(feature = "hdf5")]
+#[test]
+fn columns_that_cannot_be_unpacked_are_no_damage() {
+    let path = Path::new("tests/bad/event/blosc.h5");
+    for error in [
+        file::read(path).unwrap_err(),
+        file::salvage(path, &Opening::default()).unwrap_err(),
+    ] {
+        let text = error.to_string();
+        assert!(
+            text.contains("the column `events/t` is compressed in a way"),
+            "{text}"
+        );
+        assert!(
+            error
+                .help()
+                .unwrap()
+                .to_string()
+                .contains("h5repack -f NONE")
+        );
+    }
+}
+
 #[test]
 fn every_damaged_file_gets_its_message() {
     let folder = Path::new("tests/bad/event");
@@ -394,6 +474,7 @@ fn every_damaged_file_gets_its_message() {
         assert!(error.help().is_some(), "{name}");
     }
     let mut tested: Vec<&str> = BAD.iter().map(|(name, _)| *name).collect();
+    tested.push("blosc.h5");
     tested.sort_unstable();
     let mut there: Vec<String> = fs::read_dir(folder)
         .unwrap()

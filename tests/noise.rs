@@ -507,7 +507,8 @@ fn jitter_changes_no_counts_of_noise() {
 #[test]
 fn the_photoreceptor_follows_a_held_step_exponentially() {
     let size = Size::new(1, 1);
-    let description = plain("", "cutoff-hz = 30", "{ on = 1e-5, off = 1e-5 }");
+    let noise = "cutoff-hz = 30\ncutoff-rule = \"step\"";
+    let description = plain("", noise, "{ on = 1e-5, off = 1e-5 }");
     for light in [0.0, 51.0, 255.0, 2000.0] {
         let bandwidth = 30.0 * (light + 20.0) / 275.0;
         for fps in [100.0, 1000.0, 7919.0] {
@@ -532,6 +533,45 @@ fn the_photoreceptor_follows_a_held_step_exponentially() {
             }
         }
     }
+}
+
+/// Light that moves on lags by the same time whatever the frame rate; where each frame counts as
+/// held since the one before, it does not.
+#[test]
+fn the_photoreceptor_lags_alike_at_any_frame_rate() {
+    let (size, seconds) = (Size::new(1, 1), 1.0);
+    let light = |t: f64| 100.0 + 40.0 * t + if t > 0.5 { 300.0 * (t - 0.5) } else { 0.0 };
+    let mut want = light(0.0);
+    let steps = 1_000_000;
+    for n in 0..steps {
+        let t = (f64::from(n) + 0.5) / f64::from(steps) * seconds;
+        let rate = std::f64::consts::TAU * 30.0 * (light(t) + 20.0) / 275.0;
+        want += rate * (light(t) - want) * seconds / f64::from(steps);
+    }
+    let lag = light(seconds) - want;
+    assert!(lag > 1.0, "{lag}");
+    let wrong_by = |rule: &str, fps: u32| {
+        let noise = format!("cutoff-hz = 30\ncutoff-rule = \"{rule}\"");
+        let description = plain("", &noise, "{ on = 1e-5, off = 1e-5 }");
+        let times: Vec<_> = (0..=fps).map(|n| f64::from(n) / f64::from(fps)).collect();
+        let mut reference = Reference::new(description, size, 0).unwrap();
+        for frame in uniform(size, &times, light) {
+            reference.watch_into(&frame, &mut Tally::new(1)).unwrap();
+        }
+        (reference.memory(0).unwrap()[[0, 0]] - want).abs() / lag
+    };
+    for fps in [10, 24, 100, 1000] {
+        let by = wrong_by("ramp", fps);
+        // The bandwidth is that of the mean light: half a frame's change of it is in doubt.
+        let doubt = 340.0 / f64::from(2 * fps) / (light(seconds) + 20.0);
+        assert!(
+            by < doubt + 0.003,
+            "{fps} frames/s: the lag is wrong by {by} of it"
+        );
+    }
+    assert!(wrong_by("step", 10) > 0.9);
+    assert!(wrong_by("step", 100) > 0.3);
+    assert!(wrong_by("step", 1000) < 0.15);
 }
 
 /// A scene in which a lot happens, and every noise.

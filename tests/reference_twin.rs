@@ -131,24 +131,28 @@ fn signals<N: Number>(
     frames: &[Frame],
 ) -> Vec<(f64, Plane<N::Held>)> {
     let noise = description.noise;
-    let mut last: Option<(f64, Plane<f64>)> = None;
-    let signal = |frame: &Frame| {
-        let mut u = frame
+    let mut signals = Vec::new();
+    // The frame before, what it says, and what the low-pass makes of it.
+    let mut last: Option<(&Frame, Plane<f64>, Plane<f64>)> = None;
+    for frame in frames {
+        let said = frame
             .light
             .mapv(|light| description.response.apply(light).unwrap());
+        let mut u = said.clone();
         if noise.cutoff_hz > 0.0 {
-            if let Some((seconds, before)) = &last {
-                let dt = frame.seconds - seconds;
+            if let Some((before, earlier, state)) = &last {
+                let dt = frame.seconds - before.seconds;
                 for (at, u) in u.indexed_iter_mut() {
-                    let share = noise.low_pass(frame.light[at], dt);
-                    *u = before[at] + share * (*u - before[at]);
+                    let (earlier, state) = (earlier[at], state[at]);
+                    let (nears, joins) = noise.low_pass((before.light[at], frame.light[at]), dt);
+                    *u = state + (nears * (earlier - state) + joins * (*u - earlier));
                 }
             }
-            last = Some((frame.seconds, u.clone()));
+            last = Some((frame, said, u.clone()));
         }
-        (frame.seconds, u.mapv(|u| number.hold(u)))
-    };
-    frames.iter().map(signal).collect()
+        signals.push((frame.seconds, u.mapv(|u| number.hold(u))));
+    }
+    signals
 }
 
 /// What every cell of a channel sees.
@@ -577,6 +581,7 @@ fn sensors() -> impl Strategy<Value = String> {
         ("", false),
         ("", false),
         ("cutoff-hz = 900", false),
+        ("cutoff-hz = 900, cutoff-rule = \"step\"", false),
         ("shot-hz = 200, hot-fraction = 0.1, hot-hz = 900", false),
         ("leak-hz = 150", true),
         ("leak-hz = 20, shot-hz = 300", true),

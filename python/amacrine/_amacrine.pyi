@@ -164,7 +164,7 @@ class Program:
     ) -> tuple[
         npt.NDArray[np.uint8],
         int,
-        int,
+        dict[str, int],
         dict[str, npt.NDArray[Any]],
         dict[str, npt.NDArray[Any]],
         list[tuple[int, str]],

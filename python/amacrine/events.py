@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 from collections.abc import Iterable
 from typing import Any
 
@@ -61,6 +62,12 @@ class NamedEvents(np.ndarray[Any, np.dtype[np.void]]):
         plain = isinstance(found, np.ndarray) and found.dtype.names is None
         return found.view(np.ndarray) if plain else found
 
+    def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
+        found = super().__array_function__(func, types, args, kwargs)
+        if func is np.concatenate and isinstance(found, np.ndarray) and found.dtype.names:
+            return _joined(args[0] if args else kwargs["arrays"], found)
+        return found
+
     def __reduce__(self) -> tuple[Any, ...]:
         known = self.names, self.sensor_size, self.kinds, self.span, self.dropped
         return named, (self.view(np.ndarray), *known)
@@ -78,6 +85,26 @@ def named(
     known = events.view(NamedEvents)
     known.names = list(names) if names else None
     known.sensor_size, known.kinds, known.span, known.dropped = size, kinds, span, dropped
+    return known
+
+
+def _joined(parts: Any, events: Any) -> Any:
+    """Parts after one another, with what all of them know alike; of parts that follow one another as
+    those of a stream, also from when to when, and what was lost."""
+    parts = [*parts]
+    if not all(isinstance(part, NamedEvents) for part in parts):
+        return events.view(np.ndarray)
+    known = events.view(NamedEvents)
+    for name in ("names", "sensor_size", "kinds"):
+        first, *others = (getattr(part, name) for part in parts)
+        setattr(known, name, first if all(other == first for other in others) else None)
+    known.span = known.dropped = None
+    spans = [part.span for part in parts]
+    if all(spans) and all(a[1] == b[0] for a, b in itertools.pairwise(spans)):
+        known.span = spans[0][0], spans[-1][1]
+    lost = [part.dropped for part in parts]
+    if known.span is not None and all(one is not None for one in lost):
+        known.dropped = {why: sum(one[why] for one in lost) for why in lost[0]}
     return known
 
 

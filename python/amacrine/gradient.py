@@ -17,7 +17,7 @@ import numpy.typing as npt
 from . import _amacrine, arguments
 from ._amacrine import Error
 from .frames import clips
-from .sensor import Sensor
+from .sensor import Sensor, stacked
 
 Rule = Literal["through", "reset", "authors", "mean"]
 """What flows back through the memory: ``mean``, exact on average over the phases of the memory, points
@@ -33,7 +33,8 @@ class Gradient:
     """The gradient of a loss."""
 
     kernels: list[npt.NDArray[np.float64]]
-    """For each kind of cell that of its kernel, (k,k); (4,k,k) of a 2x2 pattern."""
+    """For each kind of cell that of its kernel, (k,k); (4,k,k) of a 2x2 pattern, smaller kernels in the
+    middle of zeros."""
     on: list[npt.NDArray[np.float64]]
     """For each kind of cell that of its ON threshold, (1,); (4,) of a pattern."""
     off: list[npt.NDArray[np.float64]]
@@ -106,12 +107,15 @@ class Forward:
             back = back.reshape(clips, frames, height, width)
             back = back if self._batched else back[0]
         return Gradient(
-            kernels=[np.stack(own) if len(own) > 1 else own[0] for own, *_ in kinds],
+            kernels=[stacked(own) if len(own) > 1 else own[0] for own, *_ in kinds],
             on=[np.array(on) for _, on, *_ in kinds],
             off=[np.array(off) for _, _, off, *_ in kinds],
             sigma=[np.array(sigma) for _, _, _, sigma, _ in kinds],
             light=back,
         )
+
+    def __repr__(self) -> str:
+        return f"<Forward: voxels {self.voxels.shape}, {self.events} events>"
 
     def _flat(
         self, given: npt.ArrayLike | None, shape: tuple[int, ...]
@@ -184,6 +188,8 @@ def seconds(frames: int, fps: float | None, times: npt.ArrayLike | None) -> list
     if frames < 2:
         raise Error(f"{frames} frames\nhelp: give at least two frames: the first makes no event")
     if times is not None:
+        if fps is not None:
+            raise Error("fps and times both say when frames are\nhelp: give one of them")
         given = arguments.numbers("times", times, "give the time of each frame, in seconds")
         if len(given) != frames:
             raise Error(f"{len(given)} times for {frames} frames\nhelp: give one for each, in s")

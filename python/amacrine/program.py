@@ -179,12 +179,13 @@ class Program:
             arguments.names("keep", keep),
             _registers(registers, given.size),
         )
-        records, channels, lost, registers, films, posts, warned = found
+        records, channels, dropped, registers, films, posts, warned = found
         for text in warned:
             warnings.warn(text, Caution, stacklevel=2)
         seconds = max(given.frames - 1, 0) / rate
-        events = named(view(records, channels), None, given.size, channels, (0.0, seconds))
-        return ProgramRun(events, registers, films, lost, posts)
+        read = view(records, channels)
+        events = named(read, None, given.size, channels, (0.0, seconds), dropped)
+        return ProgramRun(events, registers, films, sum(dropped.values()), posts)
 
     def __repr__(self) -> str:
         if self.decides:

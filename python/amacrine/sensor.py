@@ -352,10 +352,11 @@ class Stream:
         run, clip = self._next(frames)
         size = clip.shape[1], clip.shape[2]
         check_side(size)
-        kinds, begin = len(self._sensor.channels), max(run.seen - 1, 0)
+        kinds, begin, before = len(self._sensor.channels), max(run.seen - 1, 0), run.dropped
         events = view(run.events(clip, None, None), kinds)
         span = begin / self.fps, max(run.seen - 1, 0) / self.fps
-        return named(events, self._sensor._called, size, kinds, span)
+        dropped = {why: count - before[why] for why, count in run.dropped.items()}
+        return named(events, self._sensor._called, size, kinds, span, dropped)
 
     def counts(self, frames: Any) -> npt.NDArray[np.int32]:
         """The counts of the next frames, (n,K,H,W), one less of the very first."""
@@ -550,7 +551,7 @@ class Sensor(EventSensor):
     def kernels(self) -> list[npt.NDArray[np.float64]]:
         """For each kind of cell its kernel, (k,k), row 0 to the north; (4,k,k) of a 2x2 pattern, whose
         smaller kernels have zeros round them."""
-        return [_stacked(own) if len(own) > 1 else own[0] for own in self._native.kernels]
+        return [stacked(own) if len(own) > 1 else own[0] for own in self._native.kernels]
 
     @property
     def thresholds(self) -> list[npt.NDArray[np.float64]]:
@@ -980,7 +981,7 @@ def _threshold(given: Any) -> dict[str, Any]:
     )
 
 
-def _stacked(kernels: list[npt.NDArray[np.float64]]) -> npt.NDArray[np.float64]:
+def stacked(kernels: list[npt.NDArray[np.float64]]) -> npt.NDArray[np.float64]:
     """Kernels of several sizes as one array: each has its middle in the middle."""
     height = max(kernel.shape[0] for kernel in kernels)
     width = max(kernel.shape[1] for kernel in kernels)

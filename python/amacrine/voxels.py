@@ -43,8 +43,10 @@ def how(
 
 def number(dtype: npt.DTypeLike) -> np.dtype[Any]:
     """The type of voxels."""
+    # PyTorch's types are called as numpy's are.
+    named = str(dtype).removeprefix("torch.")
     try:
-        found = np.dtype(dtype)
+        found = np.dtype(named if str(dtype) != named else dtype)
     except TypeError:
         raise Error(f"no dtype {dtype!r}\nhelp: give float16, float32 or float64") from None
     if found.kind != "f" or found.itemsize > 8:

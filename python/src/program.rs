@@ -29,6 +29,7 @@ use crate::{
     frames::{Borrowed, Frames},
     options::in_python,
     pool, record,
+    run::by_reason,
 };
 
 /// A program, expanded on its chip.
@@ -166,7 +167,7 @@ impl Program {
     ) -> PyResult<(
         Bound<'py, PyArray1<u8>>,
         u8,
-        u64,
+        BTreeMap<&'static str, u64>,
         Bound<'py, PyDict>,
         Bound<'py, PyDict>,
         Vec<(usize, String)>,
@@ -242,7 +243,7 @@ impl Program {
         Ok((
             records,
             packet.channels,
-            packet.dropped.total(),
+            by_reason(packet.dropped),
             last,
             every,
             posts,

@@ -6,7 +6,7 @@ use std::{
 };
 
 use amacrine::{
-    event::Packet,
+    event::{Dropped, Packet},
     photoreceptor::Response,
     plane::{Plane, Size},
     reference::Limit,
@@ -364,15 +364,19 @@ impl Run {
     /// Events that found no place so far, by reason.
     #[getter]
     fn dropped(&self) -> BTreeMap<&'static str, u64> {
-        let dropped = self.with(|watch| watch.packet.dropped);
-        [
-            ("no_slot", dropped.no_slot),
-            ("over_limit", dropped.over_limit),
-            ("queue_full", dropped.queue_full),
-            ("merged", dropped.merged),
-        ]
-        .into()
+        by_reason(self.with(|watch| watch.packet.dropped))
     }
+}
+
+/// Events that found no place, by reason.
+pub fn by_reason(dropped: Dropped) -> BTreeMap<&'static str, u64> {
+    [
+        ("no_slot", dropped.no_slot),
+        ("over_limit", dropped.over_limit),
+        ("queue_full", dropped.queue_full),
+        ("merged", dropped.merged),
+    ]
+    .into()
 }
 
 impl Watch {

@@ -172,6 +172,21 @@ def test_any_number_of_threads(frames: Frames) -> None:
     assert said[0] == said[1] == said[2]
 
 
+def test_kernels_of_several_sizes_have_gradients(frames: Frames) -> None:
+    sensor = amacrine.Sensor.from_file("mosaic")
+    made = gradient.forward(sensor, frames, 50)
+    assert repr(made).startswith("<Forward: voxels (12, ") and made.events > 0
+    back = made.backward(events=1.0)
+    assert [own.shape for own in back.kernels] == [own.shape for own in sensor.kernels]
+    for own, of in zip(back.kernels, sensor.kernels):
+        # Only what a kernel has is learned: not the zeros around a smaller one.
+        small = [kernel for kernel in of if np.count_nonzero(kernel) == 1]
+        assert len(of) == 4 and bool(small)
+        for kernel, slope in zip(of, own):
+            if np.count_nonzero(kernel) == 1:
+                assert np.count_nonzero(slope) <= 1
+
+
 def test_patterns_have_gradients(frames: Frames) -> None:
     four = "[" + ", ".join(["[[0.0, -1.0, 0.0], [-1.0, 4.0, -1.0], [0.0, -1.0, 0.0]]"] * 4) + "]"
     text = (
@@ -193,6 +208,7 @@ MISTAKES: dict[str, tuple[Any, str]] = {
     "memory": (lambda f: _forward(f, memory="raw-snap"), "its memory holds pixels"),
     "noise": (lambda f: _forward(f, noise={"shot-hz": 5}), "noise in its cells"),
     "rate": (lambda f: gradient.forward(_plain(), f), "fps = None"),
+    "rate and times": (lambda f: gradient.forward(_plain(), f, 9, times=[1]), "give one of them"),
     "times of text": (lambda f: gradient.forward(_plain(), f, times=_any("a")), "times = 'a'"),
     "phase": (lambda f: gradient.forward(_plain(), f, 9, phase=_any("a")), "phase = 'a'"),
     "no sensor": (lambda f: gradient.forward(_any("dvs"), f, 9), "give a Sensor"),

@@ -381,6 +381,29 @@ def test_light_of_videos_has_its_scale(tmp_path: Path) -> None:
     assert torch.allclose(lit[0]["frames"][:, 0], torch.from_numpy(clip * 255))
 
 
+def test_a_data_set_tells_once_what_a_chip_leaves_out(tmp_path: Path) -> None:
+    np.save(tmp_path / "clip.npy", np.zeros((4, 16, 16), np.uint8))
+    options = {"memory": "filtered-step", "noise": {"shot-hz": 3}, "border": "replicate"}
+    with pytest.warns(amacrine.Caution) as told:
+        data = EventDataset(tmp_path, frames=4, quantisers=["int-5"], options=options)
+    texts = [str(one.message) for one in told]
+    assert len(set(texts)) == len(texts) and "noise" in " ".join(texts)
+    assert all(one.filename == __file__ for one in told)
+    assert "1 videos, 4 frames each, 16 sensors" in repr(data)
+
+
+def test_numbers_that_have_their_scale_are_not_scaled_twice(tmp_path: Path) -> None:
+    np.save(tmp_path / "clip.npy", np.full((4, 16, 16), 200, np.uint8))
+    data = EventDataset(tmp_path, frames=4, scale=255, fps=60)
+    with pytest.warns(amacrine.Caution, match="light goes up to 51000"):
+        data[0]
+
+
+def test_types_of_torch_are_types_of_voxels(videos: Path) -> None:
+    data = _dataset(videos, voxels={"bins": 3, "dtype": torch.float16})
+    assert data[0]["voxels"].dtype == torch.float16
+
+
 def test_weights_are_taken_as_a_layer_has_them() -> None:
     conv = torch.nn.Conv2d(1, 2, 3, bias=False)
     limits = torch.nn.Parameter(torch.tensor([0.1, 0.2]))
@@ -404,6 +427,8 @@ def test_weights_are_taken_as_a_layer_has_them() -> None:
         ({"voxels": {"bin": 3}}, "there is no bin"),
         ({"kernels": [np.ones((2, 2))]}, "odd"),
         ({"options": {"memory": "snap"}}, "filtered-step"),
+        ({"quantisers": ["int-5"], "domain": "silicium"}, "unknown domain"),
+        ({"quantisers": ["ternary"], "kernels": [kernels(3, 3)]}, "registers are needed"),
     ],
 )
 def test_a_data_set_that_cannot_be_is_told_at_once(

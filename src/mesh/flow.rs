@@ -17,6 +17,8 @@
 //! orthogonal, so each has that variance as well, and forgets as fast as it relaxes:
 //! `n1 = E n0 + sqrt(1 - E²) sqrt(kT/C) ξ`.
 
+use std::fmt;
+
 use multiversion::multiversion;
 
 use super::{
@@ -40,6 +42,15 @@ pub enum Between {
     Ramp,
     /// A step to the later frame, right after the earlier.
     Step,
+}
+
+impl fmt::Display for Between {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Ramp => "ramp",
+            Self::Step => "step",
+        })
+    }
 }
 
 /// A sheet in time: its state as the modes of signal and surround.

@@ -34,7 +34,7 @@ impl<N: Number> Reference<N> {
             let sheets = channel.surrounds.as_ref().map_or(0, |s| s.sheets.len());
             memory + sign + rests + leaks + thresholds + SHEET * sheets
         });
-        let low_pass = 16 * usize::from(description.noise.cutoff_hz > 0.0);
+        let low_pass = 40 * usize::from(description.noise.cutoff_hz > 0.0);
         let picture = if description.shared { 2 * held } else { 0 };
         let cell: usize = channels.sum::<usize>() + picture + held + low_pass;
         // Rims, and rows that are padded to whole cache lines.

@@ -14,29 +14,45 @@ use super::description::Description;
 #[derive(Clone, Debug)]
 pub(super) struct LowPass {
     state: Plane<f64>,
+    /// In the frame before.
+    pixels: Plane<Pixel>,
+}
+
+/// A pixel's light, and the response to it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pixel {
+    light: f64,
+    signal: f64,
 }
 
 impl LowPass {
     pub(super) fn new(size: Size) -> Self {
         Self {
             state: Plane::zeros(size.shape()),
+            pixels: Plane::default(size.shape()),
         }
     }
 
-    /// Filters the response to `frame`, `dt` seconds after the last (infinite at first).
+    /// Filters the response to `frame`, `passed` seconds after the last; none at first.
     pub(super) fn see(
         &mut self,
         description: &Description,
         frame: &Frame,
-        dt: f64,
+        passed: Option<f64>,
     ) -> Result<(), SensorError> {
         let light: &Plane<f64> = &frame.light;
-        for ((y, x), state) in self.state.indexed_iter_mut() {
-            let light = light[[y, x]];
+        let pixels = self.pixels.iter_mut().zip(self.state.iter_mut());
+        for (((y, x), &now), (before, state)) in light.indexed_iter().zip(pixels) {
             let index = frame.index;
-            let signal = description.response.apply(light);
+            let signal = description.response.apply(now);
             let signal = signal.map_err(|cause| SensorError::Light { index, y, x, cause })?;
-            *state += description.noise.low_pass(light, dt) * (signal - *state);
+            if let Some(dt) = passed {
+                let (nears, joins) = description.noise.low_pass((before.light, now), dt);
+                *state += nears * (before.signal - *state) + joins * (signal - before.signal);
+            } else {
+                *state = signal;
+            }
+            *before = Pixel { light: now, signal };
         }
         Ok(())
     }

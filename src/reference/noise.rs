@@ -11,6 +11,7 @@
 //! | `hot-fraction`, `hot-hz` | -, events/s | this share of the cells fires ON at this rate instead, a Poisson process, whatever it sees | `hot-fraction hot-hz` per cell |
 //! | `jitter-us` | us | the events of a cell in an interval move together by a normal draw, reflected at the interval's ends | |
 //! | `cutoff-hz` | Hz | the photoreceptor is a first-order low-pass whose bandwidth grows with light, `cutoff-hz (I + 20) / 275` (v2e's law) | |
+//! | `cutoff-rule` | - | what light does between frames, as the low-pass sees it: `ramp` or `step` | |
 //!
 //! The threshold's own mismatch is `sigma` of a channel's `threshold`.
 //!
@@ -22,8 +23,9 @@
 //! them for that time after each of its events, and they give way to an event of the scene
 //! that follows within it in the same interval.
 //!
-//! **Low-pass.** The light of a frame is held since the frame before, so a step is followed as
-//! `1 - exp(-2π f t)` at any frame rate. It starts settled.
+//! **Low-pass.** The exact filter of a signal that is a straight line between frames (`cutoff-rule`
+//! `ramp`), so light that moves on lags by `1 / 2π f` at any frame rate; or of one that steps to
+//! the later frame at once (`step`), as v2e's. It starts settled.
 //!
 //! v2e's rules are known to be faulty in places, and are not copied: its shot events reset the
 //! memory to the photoreceptor's value even where the memory holds something else, come at
@@ -33,6 +35,7 @@
 use crate::{
     config::{Fault, Key, Kind, Node, Range, Read, Section, Table},
     elementary,
+    mesh::Between,
 };
 
 use super::{
@@ -60,6 +63,8 @@ pub struct Noise {
     pub jitter_us: f64,
     /// Bandwidth of the photoreceptor at light 255, in hertz; 0 for no limit.
     pub cutoff_hz: f64,
+    /// What the light does between two frames, as the photoreceptor sees it.
+    pub cutoff_rule: Between,
 }
 
 impl Default for Noise {
@@ -97,6 +102,7 @@ impl Noise {
         hot_hz: 0.0,
         jitter_us: 0.0,
         cutoff_hz: 0.0,
+        cutoff_rule: Between::Ramp,
     };
 
     /// The keys of `[noise]`.
@@ -151,6 +157,12 @@ impl Noise {
             "bandwidth of the photoreceptor at light 255; 0 for no limit",
             "Hz",
         ),
+        Key::with_default(
+            "cutoff-rule",
+            Kind::Choice(&["ramp", "step"]),
+            "\"ramp\"",
+            "what the light does between two frames, as the photoreceptor sees it: a straight line, or a step to the later frame at once, as in v2e",
+        ),
     ]);
 
     /// The noise that a checked table states.
@@ -168,6 +180,9 @@ impl Noise {
             hot_hz: noise.number("hot-hz")?,
             jitter_us: noise.number("jitter-us")?,
             cutoff_hz: noise.number("cutoff-hz")?,
+            cutoff_rule: noise
+                .word("cutoff-rule", &[Between::Ramp, Between::Step])?
+                .unwrap_or_default(),
         })
     }
 
@@ -238,12 +253,24 @@ impl Noise {
         Train { first, ..train }
     }
 
-    /// The step of the low-pass: the share of the way to its input that a photoreceptor goes in
-    /// `dt` seconds, 0 to 1. It is the exact first-order filter with v2e's bandwidth,
-    /// `cutoff-hz (light + 20) / 275`.
+    /// The step of the low-pass over `dt` seconds, in which the light goes from the earlier of
+    /// two frames to the later: the share, 0 to 1, by which the filter nears the earlier signal,
+    /// and the share of the signal's change that it takes on. Exact for the first-order filter
+    /// with v2e's bandwidth, `cutoff-hz (light + 20) / 275`, at the light's mean; where the light
+    /// steps, at the later frame's.
     #[must_use]
-    pub fn low_pass(&self, light: f64, dt: f64) -> f64 {
-        let bandwidth = self.cutoff_hz * (light.max(0.0) + 20.0) / 275.0;
-        -elementary::exp_m1(-std::f64::consts::TAU * bandwidth * dt)
+    pub fn low_pass(&self, (earlier, later): (f64, f64), dt: f64) -> (f64, f64) {
+        let light = match self.cutoff_rule {
+            Between::Ramp => 0.5 * (earlier.max(0.0) + later.max(0.0)),
+            Between::Step => later.max(0.0),
+        };
+        let bandwidth = self.cutoff_hz * (light + 20.0) / 275.0;
+        let steps = std::f64::consts::TAU * bandwidth * dt;
+        let nears = -elementary::exp_m1(-steps);
+        match self.cutoff_rule {
+            Between::Step => (nears, nears),
+            Between::Ramp if steps > 0.0 => (nears, 1.0 - nears / steps),
+            Between::Ramp => (0.0, 0.0),
+        }
     }
 }

@@ -263,8 +263,8 @@ impl<N: Number> Reference<N> {
         check_time(frame, self.seen.map(|(_, last)| last))?;
         self.photoreceptors.see(frame);
         if let Some(low_pass) = &mut self.low_pass {
-            let dt = self.seen.map_or(f64::INFINITY, |(_, last)| seconds - last);
-            low_pass.see(&self.plan.description, frame, dt)?;
+            let passed = self.seen.map(|(_, last)| seconds - last);
+            low_pass.see(&self.plan.description, frame, passed)?;
         }
         if let Some(sheets) = &mut self.sheets {
             let light = Light {

@@ -136,11 +136,13 @@ class EventDataset(torch.utils.data.Dataset[Item]):
             raise Error(
                 f"voxels: there is no {odd[0]}\nhelp: give {', '.join(sorted(VOXELS))}"
             )
+        self._seed = arguments.whole("seed", seed)
         self._check()
         self._length = None if length is None else arguments.whole("length", length, 1)
-        self._seed, self._most = arguments.whole("seed", seed), arguments.whole("cache", cache)
+        self._most = arguments.whole("cache", cache)
         self._transform, self._epoch = transform, 0
         self._forget()
+        self._check_chips()
 
     def _check(self) -> None:
         """Tells what no sensor takes here, not in a worker."""
@@ -168,6 +170,30 @@ class EventDataset(torch.utils.data.Dataset[Item]):
             warnings.simplefilter("ignore", Caution)
             sensors[0].voxels(still, self._fps or 30.0, **self._voxels)
 
+    def _check_chips(self) -> None:
+        """Compiles the first sensor of each kernel, quantiser and chip that are drawn: tells here what
+        no chip takes, and once what a chip leaves out of the sensor."""
+        tried, told = set(), set()
+        for number in range(self._sensors):
+            kernels, to, chip = self._drawn(number)
+            if to is None or (kernels, to, chip) in tried:
+                continue
+            tried.add((kernels, to, chip))
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always", Caution)
+                self._made[number] = self._make(number)
+            for caution in caught:
+                text = str(caution.message)
+                if text not in told:
+                    told.add(text)
+                    warnings.warn(text, Caution, stacklevel=3)
+
+    def __repr__(self) -> str:
+        return (
+            f"<EventDataset: {len(self)} items of {len(self.videos)} videos, {self._frames} frames "
+            f"each, {self._sensors} sensors>"
+        )
+
     def _forget(self) -> None:
         self._clips: OrderedDict[int, tuple[npt.NDArray[Any], float]] = OrderedDict()
         self._made: dict[int, EventSensor] = {}
@@ -192,28 +218,33 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         if not 0 <= number < self._sensors:
             raise Error(f"there is no sensor {number}\nhelp: give 0 to {self._sensors - 1}")
         if number not in self._made:
-            self._made[number] = self._make(number)
+            with warnings.catch_warnings():
+                # They are in its notes, and were told of the first sensor that is made so.
+                warnings.simplefilter("ignore", Caution)
+                self._made[number] = self._make(number)
         return self._made[number]
 
-    def _make(self, number: int) -> EventSensor:
-        def one(what: int, of: Sequence[Any]) -> Any:
-            return of[int(_amacrine.uniform(self._seed, [what, number]) * len(of))]
+    def _drawn(self, number: int) -> tuple[int, str | None, str]:
+        """Which kernels, which quantiser and which chip a sensor has."""
 
+        def one(what: int, of: int) -> int:
+            return int(_amacrine.uniform(self._seed, [what, number]) * of)
+
+        to = self._quantisers[one(_QUANTISER, len(self._quantisers))]
+        chip = self._chips[one(_CHIP, len(self._chips))]
+        return one(_KERNELS, len(self._kernels)), to, chip
+
+    def _make(self, number: int) -> EventSensor:
+        kernels, to, chip = self._drawn(number)
         low, high = self._range
         part = _amacrine.uniform(self._seed, [_THRESHOLD, number])
         threshold = low * (high / low) ** part
-        kernels = one(_KERNELS, self._kernels)
-        to = one(_QUANTISER, self._quantisers)
         sigma = self._mismatch * threshold if to is None else 0.0
         limits = {"on": threshold, "off": threshold, "sigma": sigma}
-        sensor = Sensor(kernels, limits, **self._options)
+        sensor = Sensor(self._kernels[kernels], limits, **self._options)
         if to is None:
             return sensor
-        with warnings.catch_warnings():
-            # They are in its notes.
-            warnings.simplefilter("ignore", Caution)
-            chip = one(_CHIP, self._chips)
-            return sensor.on_chip(to, domain=self._domain, chip=chip, effort=0.2)
+        return sensor.on_chip(to, domain=self._domain, chip=chip, effort=0.2)
 
     def _clip(self, video: int) -> tuple[npt.NDArray[Any], float]:
         """Light (T,H,W) of a whole video, and its frames per second."""
@@ -230,6 +261,14 @@ class EventDataset(torch.utils.data.Dataset[Item]):
                     Caution,
                     stacklevel=3,
                 )
+        if self._scale is not None and clip.size > 0 and clip.max() > 255.0:
+            warnings.warn(
+                f"{self.videos[video]}: light goes up to {clip.max():.6g} after scale={self._scale:g}, "
+                "but sensors take 0 to 255: scale is for videos of 0 to 1; give others in a list of "
+                "their own",
+                Caution,
+                stacklevel=3,
+            )
         self._clips[video] = clip, fps
         while sum(kept.nbytes for kept, _ in self._clips.values()) > self._most:
             if len(self._clips) == 1:

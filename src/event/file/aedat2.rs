@@ -1,4 +1,4 @@
-//! AEDAT 2.0 as jAER writes it for DAVIS sensors: 64 bits an event, big-endian,
+//! AEDAT 2.0 as jAER writes it for DAVIS and DVS128 sensors: 64 bits an event, big-endian,
 //! `dv.LegacyAedatFile(path)`.
 //!
 //! `#!AER-DAT2.0` and comments, then for each event an address (bit 31 set for frames and
@@ -8,6 +8,10 @@
 //! Readers take every line that starts with `#` for a comment, so a first event whose bytes
 //! start like that is led by an empty frame sample. Source:
 //! <https://docs.inivation.com/software/software-advanced-usage/file-formats/aedat-2.0.html>.
+//!
+//! A header whose `AEChip` is a DVS128 (or its forerunner, Tmpdiff128) says other addresses: y in
+//! 14 to 8, x in 7 to 1, bit 0 set for OFF, bits 15 and 31 set for what comes from outside. Source:
+//! the class of that name in jAER. Such files are read, not written.
 
 use std::io;
 
@@ -22,7 +26,7 @@ use super::{
     header::{Header, complete},
     source::{Out, Sink, Stream, Words},
 };
-use crate::{event::Event, unit::Micros};
+use crate::{event::Event, plane::Size, unit::Micros};
 
 /// The first bytes of a file.
 const MAGIC: &[u8] = b"#!AER-DAT2.0";
@@ -56,8 +60,52 @@ const OTHER: u32 = 1 << 31;
 /// The bit that marks external events, which no pixel made.
 const SPECIAL: u32 = 1 << 10;
 
+/// What the bits of an address say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Chip {
+    #[default]
+    Davis,
+    Dvs128,
+}
+
+impl Chip {
+    /// That of a header. What other programs write has the addresses of a DAVIS, whatever name they
+    /// give it.
+    fn of(header: &Header) -> Self {
+        let name = header.get("aechip").unwrap_or_default();
+        let name = name.to_ascii_lowercase();
+        if name.contains("dvs128") || name.contains("tmpdiff128") {
+            Self::Dvs128
+        } else {
+            Self::Davis
+        }
+    }
+
+    /// The event of an address; none of what no pixel made.
+    fn event(self, address: u32, t: u32) -> Option<Event> {
+        let (x, y, on) = match self {
+            Self::Davis if address & (OTHER | SPECIAL) != 0 => return None,
+            Self::Davis => (
+                address >> 12 & 0x3FF,
+                address >> 22 & 0x1FF,
+                address >> 11 & 1 == 1,
+            ),
+            Self::Dvs128 if address & (OTHER | 1 << 15) != 0 => return None,
+            Self::Dvs128 => (address >> 1 & 0x7F, address >> 8 & 0x7F, address & 1 == 0),
+        };
+        Some(Event {
+            t: Micros(t.into()),
+            x: x as u16,
+            y: y as u16,
+            polarity: polarity(on),
+            channel: 0,
+        })
+    }
+}
+
 #[derive(Clone, Debug, Default)]
 pub(super) struct Aedat2 {
+    chip: Chip,
     /// Whether a record was read already.
     begun: bool,
     skipped: u64,
@@ -66,8 +114,16 @@ pub(super) struct Aedat2 {
 /// Opens a file's stream of events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Aedat2>, Stop> {
     super::aedat3::magic(&mut chunks, MAGIC, Format::Aedat2)?;
-    let header = Header::read(&mut chunks, Format::Aedat2, b'#', "")?;
-    Ok(Stream::new(chunks, Aedat2::default(), header.about))
+    let mut header = Header::read(&mut chunks, Format::Aedat2, b'#', "")?;
+    let chip = Chip::of(&header);
+    if chip == Chip::Dvs128 {
+        header.about.size = header.about.size.or(Some(Size::new(128, 128)));
+    }
+    let words = Aedat2 {
+        chip,
+        ..Aedat2::default()
+    };
+    Ok(Stream::new(chunks, words, header.about))
 }
 
 impl Words for Aedat2 {
@@ -82,17 +138,10 @@ impl Words for Aedat2 {
             // The empty frame sample at the start, which `sink` may have written.
             let leader = address == OTHER && !self.begun;
             self.begun = true;
-            if address & (OTHER | SPECIAL) != 0 {
-                self.skipped += u64::from(!leader);
-                continue;
+            match self.chip.event(address, t) {
+                Some(event) => events.push(event),
+                None => self.skipped += u64::from(!leader),
             }
-            events.push(Event {
-                t: Micros(t.into()),
-                x: (address >> 12 & 0x3FF) as u16,
-                y: (address >> 22 & 0x1FF) as u16,
-                polarity: polarity(address >> 11 & 1 == 1),
-                channel: 0,
-            });
         }
         Ok(words.len() * 8)
     }

@@ -109,6 +109,15 @@ impl Column {
         }
     }
 
+    /// What dv-processing calls it.
+    const fn alias(self) -> Option<&'static str> {
+        match self {
+            Self::T => Some("timestamp"),
+            Self::P => Some("polarity"),
+            Self::X | Self::Y | Self::Channel => None,
+        }
+    }
+
     const fn name(self) -> &'static str {
         match self {
             Self::T => "t",
@@ -169,7 +178,9 @@ fn header(line: &Line<'_>) -> Result<Vec<Column>, Stop> {
         let stop = |why| line.stop(line.column_of(field), Fault::Header { why });
         let column = Column::ALL
             .into_iter()
-            .find(|c| c.name().as_bytes() == name)
+            .find(|c| {
+                c.name().as_bytes() == name || c.alias().is_some_and(|its| its.as_bytes() == name)
+            })
             .ok_or_else(|| stop(format!("found `{}`", shown(name))))?;
         if columns.contains(&column) {
             return Err(stop(format!("found `{}` twice", column.name())));

@@ -165,6 +165,9 @@ pub enum Fault {
         /// How many there are.
         got: usize,
     },
+    /// Text of events in seconds that begins with the size of the sensor.
+    #[error("the first line has two numbers, as that of a file for E2VID, the size of the sensor")]
+    Size,
     /// A line longer than any event.
     #[error("a line of more than {limit} bytes")]
     LongLine {
@@ -305,6 +308,20 @@ pub enum Fault {
         /// What it says or has in the other.
         other: String,
     },
+    /// A Prophesee file in an encoding that is not read.
+    #[error("its header says the encoding {name}; read are EVT2, EVT2.1 and EVT3")]
+    Encoding {
+        /// What the header says.
+        name: String,
+    },
+    /// Columns that are compressed in a way that is not read.
+    #[error("the column `{column}` is compressed in a way that is not read: {why}")]
+    Compressed {
+        /// Which column.
+        column: String,
+        /// What the reader says.
+        why: String,
+    },
     /// A word that the format does not have.
     #[error("a word of kind {kind}, which {format} does not have")]
     Word {
@@ -374,6 +391,11 @@ impl Fault {
             Self::Layout { .. } | Self::Word { .. } => {
                 "check that the extension (or `--from`) says what is in the file"
             }
+            Self::Size => "read it with `amacrine convert --from e2vid`, or call it .e2vid",
+            Self::Encoding { .. } => {
+                "write it in one of these, as Metavision's `metavision_file_to_raw` does, or as hdf5"
+            }
+            Self::Compressed { .. } => "unpack it first: `h5repack -f NONE IN.h5 OUT.h5`",
             Self::Header { .. } => "let the first line name the columns: t,x,y,p",
             Self::Fields { .. } => {
                 "give one event a line, with as many fields as there are columns"
@@ -382,7 +404,7 @@ impl Fault {
                 "check that the extension says what is in the file"
             }
             Self::NotInteger { .. } => {
-                "times are whole microseconds, coordinates whole pixels, without a decimal point"
+                "coordinates are whole pixels, and times whole microseconds but in txt and e2vid, where they are seconds"
             }
             Self::NotSeconds { .. } => "write times as decimal seconds, such as 0.001250000",
             Self::Time { .. } => {

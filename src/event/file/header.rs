@@ -130,9 +130,14 @@ impl Header {
         for key in ["evt", "format"] {
             let value = self.get(key).unwrap_or_default();
             let name = value.split(';').next().unwrap_or_default().trim();
-            if of(name).is_some_and(|named| named != format) {
-                let one = format!("`{key}` in its header says {name}");
-                return Err(Fault::twice(format, one, "it is read as another encoding"));
+            match of(name) {
+                Some(named) if named == format => (),
+                Some(_) => {
+                    let one = format!("`{key}` in its header says {name}");
+                    return Err(Fault::twice(format, one, "it is read as another encoding"));
+                }
+                None if name.is_empty() => (),
+                None => return Err(Fault::Encoding { name: name.into() }),
             }
         }
         Ok(())

@@ -179,6 +179,11 @@ impl<'a> Line<'a> {
         )
     }
 
+    /// Whether it is the first of its file.
+    pub const fn is_first(&self) -> bool {
+        self.number == 1
+    }
+
     /// What follows the `#` of a comment.
     pub fn comment(&self) -> Option<String> {
         let text = self.text.trim_ascii_start().strip_prefix(b"#")?;

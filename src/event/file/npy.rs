@@ -521,10 +521,11 @@ impl<'a> Literal<'a> {
                 width += usize::from(padding);
             } else {
                 let slot = match name {
-                    "t" => &mut t,
+                    // The longer names are dv-processing's.
+                    "t" | "timestamp" => &mut t,
                     "x" => &mut x,
                     "y" => &mut y,
-                    "p" => &mut p,
+                    "p" | "polarity" => &mut p,
                     "channel" => &mut channel,
                     _ => return Err(format!("has an unknown field `{name}`")),
                 };

@@ -4,7 +4,7 @@ use std::{path::Path, str::FromStr};
 
 use super::{
     entry::{Entry, Sign},
-    fault::FileError,
+    fault::{Fault, FileError, Place},
     format::Format,
 };
 
@@ -59,11 +59,32 @@ impl Format {
         match known[..] {
             [format] => Ok(format),
             [] => sniff(start).map_or_else(|| Self::from_path(path), Ok),
-            _ => sniff(start).ok_or_else(|| FileError::Unknown {
-                path: path.to_owned(),
+            _ => sniff(start).ok_or_else(|| match encoding(start) {
+                Some(name) => FileError::Bad {
+                    path: path.to_owned(),
+                    place: Place::Byte(0),
+                    fault: Fault::Encoding { name },
+                    opened: false,
+                },
+                None => FileError::Unknown {
+                    path: path.to_owned(),
+                },
             }),
         }
     }
+}
+
+/// The encoding that the header of a Prophesee file says.
+fn encoding(start: &[u8]) -> Option<String> {
+    let mut lines = start
+        .split(|b| *b == b'\n')
+        .map_while(|line| line.strip_prefix(b"% "));
+    lines.find_map(|line| {
+        let line = String::from_utf8_lossy(line);
+        let value = line.strip_prefix("format ").or(line.strip_prefix("evt "))?;
+        let name = value.split(';').next().unwrap_or_default().trim();
+        (!name.is_empty()).then(|| name.to_owned())
+    })
 }
 
 /// What follows the last dot of a name that has one.

@@ -101,10 +101,13 @@ fn event(line: &Line<'_>) -> Result<Raw, Stop> {
         .collect();
     let [t, x, y, p] = fields[..] else {
         let got = fields.len();
+        if line.is_first() && got == 2 && fields.iter().all(|field| integer(field).is_some()) {
+            return Err(line.stop(0, Fault::Size));
+        }
         return Err(line.stop(0, Fault::Fields { want: 4, got }));
     };
     let whole = |name, field| {
-        integer(field).ok_or_else(|| {
+        integer(field).or_else(|| float(field)).ok_or_else(|| {
             let found = shown(field);
             line.stop(line.column_of(field), Fault::NotInteger { name, found })
         })
@@ -121,6 +124,12 @@ fn event(line: &Line<'_>) -> Result<Raw, Stop> {
     })
 }
 
+/// Parses a whole number that is written as floats are, as `numpy.savetxt` writes them.
+fn float(text: &[u8]) -> Option<i128> {
+    let number: f64 = std::str::from_utf8(text).ok()?.parse().ok()?;
+    (number.fract() == 0.0 && number.abs() < 1e15).then_some(number as i128)
+}
+
 /// Parses decimal seconds, rounded to the nearest microsecond.
 ///
 /// Done on the digits: a day in `f64` seconds is exact to less than a microsecond, a century
@@ -128,7 +137,7 @@ fn event(line: &Line<'_>) -> Result<Raw, Stop> {
 fn micros(text: &[u8]) -> Option<i128> {
     let text = std::str::from_utf8(text).ok()?;
     let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
-    if fraction.bytes().all(|b| b.is_ascii_digit()) {
+    if !text.contains(['e', 'E']) && fraction.bytes().all(|b| b.is_ascii_digit()) {
         let mut sum = integer(whole.as_bytes())? * 1_000_000;
         let sign = if whole.starts_with('-') { -1 } else { 1 };
         let mut unit = 100_000;

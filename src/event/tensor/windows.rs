@@ -99,7 +99,8 @@ impl Windows {
         self.bounds(n).0 - i64::from(n == 0)
     }
 
-    /// How many windows it takes for what ends at `end`: at least one.
+    /// How many windows it takes for what ends at `end`: at least one. Centred ones have their
+    /// middles up to it, and one more where something would be left behind the last.
     #[must_use]
     pub fn count(&self, end: Micros) -> u64 {
         let end = end.0 as i64;
@@ -122,6 +123,10 @@ impl Windows {
                 }
                 // The largest time stands for all that are beyond it.
                 while middle(count) <= end.min(i64::MAX - 1) {
+                    count += 1;
+                }
+                // What lies behind the last of them is in one whose middle is beyond the end.
+                if self.bounds(count - 1).1 < end && self.after(count) < end {
                     count += 1;
                 }
             }
@@ -159,8 +164,16 @@ mod tests {
             let centred = Windows::new(length, every, Alignment::Centred).unwrap();
             let count = centred.count(Micros(end));
             let middle = |n: u64| (n as f64 * every * 1e6).round();
-            prop_assert!(count == 1 || middle(count - 1) <= end as f64);
             prop_assert!(middle(count) > end as f64);
+            let (last, next) = (centred.bounds(count - 1), centred.bounds(count));
+            prop_assert!(last.1 >= end as i64 || next.0 >= end as i64);
+            prop_assert!(
+                count == 1
+                    || middle(count - 1) <= end as f64
+                    || (count == 2 || middle(count - 2) <= end as f64)
+                        && centred.bounds(count - 2).1 < end as i64
+                        && last.0 < end as i64
+            );
         }
     }
 

@@ -75,6 +75,7 @@ fn odd_noise(noise: &Noise) -> Option<(&'static str, f64)> {
         hot_hz,
         jitter_us,
         cutoff_hz,
+        cutoff_rule: _,
     } = *noise;
     let all = [
         ("leak_hz", leak_hz),

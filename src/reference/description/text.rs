@@ -88,7 +88,8 @@ fn noise(noise: &Noise) -> String {
         ("cutoff-hz", noise.cutoff_hz),
     ];
     let lines = keys.map(|(key, value)| format!("{key} = {value:?}\n"));
-    format!("\n[noise]\n{}", lines.concat())
+    let rule = noise.cutoff_rule;
+    format!("\n[noise]\n{}cutoff-rule = \"{rule}\"\n", lines.concat())
 }
 
 impl Channel {

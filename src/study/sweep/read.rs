@@ -92,11 +92,14 @@ fn noise_text(noise: &Noise) -> String {
         ("jitter-us", noise.jitter_us, none.jitter_us),
         ("cutoff-hz", noise.cutoff_hz, none.cutoff_hz),
     ];
-    let pairs: Vec<String> = all
+    let mut pairs: Vec<String> = all
         .iter()
         .filter(|(_, value, none)| value != none)
         .map(|(name, value, _)| format!("{name} = {value:?}"))
         .collect();
+    if noise.cutoff_rule != none.cutoff_rule {
+        pairs.push(format!("cutoff-rule = \"{}\"", noise.cutoff_rule));
+    }
     if pairs.is_empty() {
         return "none".to_owned();
     }

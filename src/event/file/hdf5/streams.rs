@@ -6,7 +6,8 @@ use std::{
 };
 
 use hdf5_pure::{
-    AttrValue, Dataset, Error, File, FileAccessProperties, FileBuilder, MaxExtent, SyncPolicy,
+    AttrValue, Dataset, Error, File, FileAccessProperties, FileBuilder, FormatError, MaxExtent,
+    SyncPolicy,
 };
 
 use super::super::{
@@ -48,6 +49,17 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
         };
         if *events.get_or_insert(length) != length {
             return Err(wrong("has columns of different lengths"));
+        }
+        // Damage comes later; a filter that is not known is none.
+        if length > 0
+            && let Err(e) = column.read_i64_rows(0, 1)
+            && matches!(e, Error::Format(FormatError::UnsupportedFilter(_)))
+        {
+            let (column, why) = (format!("events/{name}"), e.to_string());
+            return Err(Stop::Fault(
+                Place::Event(0),
+                Fault::Compressed { column, why },
+            ));
         }
         columns.push(column);
     }
