@@ -41,6 +41,15 @@ fn head() -> String {
     floats() + &format!("effort = {EFFORT}\n")
 }
 
+/// What a study with this side begins with, on as many lines.
+fn head_of(side: &str) -> String {
+    if side.contains("array") {
+        head()
+    } else {
+        floats() + "# no array\n"
+    }
+}
+
 /// Kernels as the rows of one array.
 type Rows = Vec<Vec<Vec<f64>>>;
 
@@ -477,12 +486,7 @@ fn what_does_not_fit_the_kinds_is_refused_in_its_place() {
     for (kernel, threshold, side, words) in &cases {
         let text = format!(
             "{}kernel = \"{kernel}\"\nthreshold = {threshold}\n{side}",
-            // On as many lines.
-            if side.contains("array") {
-                head()
-            } else {
-                floats() + "# no array\n"
-            }
+            head_of(side)
         );
         fs::write(at.join("wrong.toml"), text).unwrap();
         refused(at, &["sweep", "wrong.toml", "--output", "out"], words);
