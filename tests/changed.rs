@@ -122,6 +122,15 @@ fn what_cannot_be_is_said() {
         &with(&["--rate", "1e9"]),
         &["--rate", "4096 times as high"],
     );
+    let noisy = ["run", "--scene", SCENE, "--sensor", "dvs-noisy"];
+    let low = [&noisy[..], &["--rate", "0.5"]].concat();
+    let noise = ["noise alone makes", "--without noise-events,leak"];
+    let message = refused(folder, &low, &noise);
+    assert!(!message.contains("--scale"), "{message}");
+    good(
+        folder,
+        &[&low[..], &["--without", "noise-events,leak"]].concat(),
+    );
     refused(folder, &with(&["--rate", "2/s"]), &["2/px/s"]);
     refused(
         folder,

@@ -959,7 +959,7 @@ mod verb {
             "{table}"
         );
         assert!(
-            table.contains("; by the events' times a frame every 40ms (--fps knows better)\n"),
+            table.contains("; frame rate not said: by the events' times a frame every 40ms or a whole part of it (--fps says it)\n"),
             "{table}"
         );
         assert!(

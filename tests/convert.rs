@@ -57,6 +57,63 @@ impl Folder {
     }
 }
 
+/// Events in no order of time are refused with the way out, which sorts them; those of one time stay
+/// in the order of the file.
+#[test]
+fn events_in_no_order_are_sorted_where_that_is_asked_for() {
+    let folder = Folder::new();
+    let at = folder.0.path();
+    let sorted = file::read(&folder.path("one.npy")).unwrap().packet;
+    let text = fs::read_to_string(folder.path("one.csv")).unwrap();
+    let (head, rows): (Vec<&str>, Vec<&str>) = text
+        .lines()
+        .partition(|line| !line.starts_with(|c: char| c.is_ascii_digit()));
+    // Two halves, the later first, and a tie at the end.
+    let (early, late) = rows.split_at(1500);
+    let all = [&head[..], late, early, &["2999000,1,1,1"]].concat();
+    let all: Vec<&str> = all
+        .into_iter()
+        .filter(|line| !line.starts_with('#'))
+        .collect();
+    fs::write(folder.path("a.csv"), all.join("\n") + "\n").unwrap();
+    for verb in [
+        &["convert", "a.csv", "b.npy"][..],
+        &["compare", "a.csv", "a.csv"],
+    ] {
+        refused(at, verb, &["time runs backwards", "convert A B --sort"]);
+    }
+    let size = ["--size", "346x260"];
+    let said = folder.said(&[&["a.csv", "b.npy", "--sort"][..], &size].concat());
+    assert!(
+        said.contains("sorted by time: 1 event came earlier"),
+        "{said}"
+    );
+    let events = file::read(&folder.path("b.npy")).unwrap().packet.events;
+    assert_eq!(events[..3000], sorted.events);
+    assert_eq!((events[3000].x, events.len()), (1, 3001));
+    // A slice in its own times, from 0.
+    let part = [
+        "a.csv",
+        "c.npy",
+        "--sort",
+        "--slice",
+        "1s..2s",
+        "--from-zero",
+        "--json",
+    ];
+    let said = json(at, &[&["convert"], &part[..], &size].concat());
+    assert_eq!(said["read"]["out_of_order"], 1);
+    let part = file::read(&folder.path("c.npy")).unwrap().packet.events;
+    assert_eq!((part[0].t, part.len()), (Micros(0), 1000));
+    let least = ["--max-memory", "1K"];
+    refused(
+        at,
+        &[&least[..], &["convert", "a.csv", "d.npy", "--sort"]].concat(),
+        &["--sort of a.csv", "3001 events", "--max-memory"],
+    );
+    assert!(!folder.path("d.npy").exists());
+}
+
 #[test]
 fn round_and_round() {
     let folder = Folder::new();

@@ -284,7 +284,7 @@ fn what_cannot_be_designed_is_said() {
     ask(&[], &["a rate of events, or thresholds", "--rate"]);
     ask(
         &["--rate", "1e9"],
-        &["4096 times as high", "give a rate between them"],
+        &["4096 times as high", "fires once a frame at most"],
     );
     ask(&["--threshold", "1,2"], &["2 thresholds for 1 kernel"]);
     ask(&["--threshold", "8", "--pick", "9"], &["--pick 9", "rows"]);

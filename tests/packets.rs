@@ -39,6 +39,43 @@ fn refused(arguments: &[&str], words: &[&str]) {
     refused_untouched(folder().path(), arguments, words);
 }
 
+/// Every picture of pixels, not charts alone; an SVG has all letters.
+#[test]
+fn letters_that_pixels_do_not_have_are_warned_of() {
+    let folder = folder();
+    let at = folder.path();
+    let program = "//! title = \"眼\"\nmov(B, A);\n";
+    fs::write(at.join("p.scamp"), program).unwrap();
+    let show = ["show", "e.csv", "--title", "眼", "-o"];
+    let exec = ["exec", "p.scamp", "--strip", "strip.png"];
+    let mesh = ["mesh", "show", "--kernel", "眼.toml", "-o", "mesh.png"];
+    let kernel = "name = \"a\"\nsource = \"b\"\nweights = [[0, 1, 0], [1, -4, 1], [0, 1, 0]]\n";
+    fs::write(at.join("眼.toml"), kernel).unwrap();
+    let all = [
+        ([&show[..], &["a.png"]].concat(), "a.png"),
+        ([&show[..], &["a.gif"]].concat(), "a.gif"),
+        (
+            [&show[..], &["k.apng", "--view", "kinds"]].concat(),
+            "k.apng",
+        ),
+        (exec.to_vec(), "strip.png"),
+        (mesh.to_vec(), "mesh.png"),
+    ];
+    let said = |arguments: &[&str]| {
+        let output = amacrine(at, arguments).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{arguments:?}: {said}");
+        said
+    };
+    for (arguments, file) in all {
+        let warning = format!("warning: {file}: `眼` is drawn as ?");
+        let said = said(&arguments);
+        assert!(said.contains(&warning), "{arguments:?}: {said}");
+    }
+    assert_eq!(said(&[&show[..], &["a.svg"]].concat()), "");
+    assert_eq!(said(&["show", "e.csv", "-o", "b.gif"]), "");
+}
+
 #[test]
 fn sizes_and_rates_are_the_definitions() {
     let folder = folder();
@@ -528,7 +565,7 @@ fn what_a_file_cannot_say_of_its_losses_is_not_known() {
     assert!(silent.stderr.is_empty());
     let said = amacrine(here, &to("out.csv")).output().unwrap();
     let said = String::from_utf8(said.stderr).unwrap();
-    assert!(said.contains("3 events lost before out.csv"), "{said}");
+    assert!(said.contains("out.csv: 3 events lost on the way"), "{said}");
     let said = good(here, &["convert", "out.npy", "again.csv"]);
     assert!(said.contains("csv has no room to say so"), "{said}");
     let table = good(

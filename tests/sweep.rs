@@ -693,6 +693,14 @@ fn wrong_keys_and_contradictions_are_refused_in_one_message() {
             ],
         ),
         (
+            format!("{head}effort = 2\n{side}"),
+            &[
+                "study.toml:4:10",
+                "`effort` is of programs, and no side of this study searches for one",
+                "side = \"array\"",
+            ],
+        ),
+        (
             format!("{head}threshold = 3\n{side}"),
             &["study.toml:4:1", "duplicate key"],
         ),

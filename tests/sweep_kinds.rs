@@ -31,9 +31,23 @@ const SCENE: &str = "pattern:noise?width=48&height=40&frames=10&fps=100&grain=4&
 const WITHIN: Micros = Micros(20_000);
 const EFFORT: f64 = 0.05;
 
-/// What all studies here begin with.
+/// What studies without an array begin with.
+fn floats() -> String {
+    format!("scene = \"{SCENE}\"\nwithin = \"20ms\"\n")
+}
+
+/// What studies with one begin with.
 fn head() -> String {
-    format!("scene = \"{SCENE}\"\nwithin = \"20ms\"\neffort = {EFFORT}\n")
+    floats() + &format!("effort = {EFFORT}\n")
+}
+
+/// What a study with this side begins with, on as many lines.
+fn head_of(side: &str) -> String {
+    if side.contains("array") {
+        head()
+    } else {
+        floats() + "# no array\n"
+    }
 }
 
 /// Kernels as the rows of one array.
@@ -311,7 +325,7 @@ fn each_kind_has_its_own_threshold() {
         let side = "[[side]]\nside = \"reference\"\n";
         format!(
             "{}kernel = \"{kernel}\"\nthreshold = {threshold}\n{side}",
-            head()
+            floats()
         )
     };
     let events = |row: &Value| row["events"].as_u64().unwrap();
@@ -472,7 +486,7 @@ fn what_does_not_fit_the_kinds_is_refused_in_its_place() {
     for (kernel, threshold, side, words) in &cases {
         let text = format!(
             "{}kernel = \"{kernel}\"\nthreshold = {threshold}\n{side}",
-            head()
+            head_of(side)
         );
         fs::write(at.join("wrong.toml"), text).unwrap();
         refused(at, &["sweep", "wrong.toml", "--output", "out"], words);
@@ -618,7 +632,7 @@ fn pilots_are_of_all_weights() {
     let side = "[[side]]\nside = \"reference\"\nformat = [\"f64\", \"f32\"]\n";
     let study = format!(
         "{}fidelity = \"auto\"\nkernel = [\"a.npy\", \"b.npy\"]\nthreshold = 20\n{side}",
-        head()
+        floats()
     );
     assert_eq!(rows(at, &study, "auto").len(), 4);
     assert_eq!(fs::read_dir(at.join("auto/pilots")).unwrap().count(), 2);

@@ -337,6 +337,19 @@ fn what_is_left_out_by_hand_is_left_out() {
         ],
     );
     assert!(said.contains("without leak"), "{said}");
+    // The noise of a resistor mesh stands outside of [noise].
+    for (name, noise) in [("mesh.toml", "noise = 0.1, "), ("quiet.toml", "")] {
+        let text = format!(
+            "response = {{ lin-log = {{ knee = 20 }} }}\nmemory = \"filtered-step\"\n[[channel]]\nmesh = {{ lambda = 2, {noise}tau-us = 500 }}\nthreshold = {{ on = 0.2, off = 0.2 }}\n"
+        );
+        fs::write(at.join(name), text).unwrap();
+    }
+    let quiet = run("quiet.toml", &[]);
+    assert_eq!(run("mesh.toml", &["--without", "mesh-noise"]), quiet);
+    assert_ne!(run("mesh.toml", &[])["events"], quiet["events"]);
+    let trade = ["trade", "--scene", SCENE, "--sensor", "mesh.toml"];
+    let said = good(at, &trade);
+    assert!(said.contains("f64, without mesh noise"), "{said}");
     let base = ["run", "--scene", SCENE, "--sensor", &sensor, "--without"];
     for (what, words) in [
         ("laek", ["no effect of a sensor", "did you mean `leak`?"]),

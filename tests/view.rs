@@ -90,6 +90,9 @@ fn every_view_says_what_it_shows_and_in_which_unit() {
             "% of intervals",
             "time between a cell's events",
             "1 intervals: half are at most 20 us",
+            "ON-ON",
+            "OFF-OFF",
+            "sign changes",
         ],
     );
     has(

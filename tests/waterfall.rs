@@ -765,6 +765,24 @@ mod verb {
     }
 
     #[test]
+    fn a_format_that_cannot_hold_the_light_is_told_of() {
+        let folder = TempDir::new().unwrap();
+        for (format, told) in [("q4.12", true), ("q8.8", false), ("silicon", false)] {
+            let more = ["--format", format, "--steps", "--json"];
+            let said = amacrine(folder.path(), &asked(&more)).assert().success();
+            let json: Value = serde_json::from_slice(&said.get_output().stdout).unwrap();
+            let warnings = json["warnings"].as_array().unwrap();
+            let is = |warning: &&Value| warning["about"] == "saturation";
+            let found = warnings.iter().find(is);
+            assert_eq!(found.is_some(), told, "{format}: {warnings:?}");
+            if let Some(found) = found {
+                let seen = found["seen"].as_str().unwrap();
+                assert!(seen.contains("held in q4.12"), "{seen}");
+            }
+        }
+    }
+
+    #[test]
     fn rates_are_printed_drawn_and_told() {
         let folder = TempDir::new().unwrap();
         let at = folder.path();

@@ -585,7 +585,8 @@ class Sensor(EventSensor):
 
     def without(self, *effects: str) -> Sensor:
         """The sensor without some of its effects: ``"dead-time"``, ``"noise-events"``, ``"jitter"``,
-        ``"bandwidth"``, ``"leak"``, ``"mismatch"``. What it does not have it cannot leave out."""
+        ``"bandwidth"``, ``"leak"``, ``"mismatch"``, ``"mesh-noise"``. What it does not have it
+        cannot leave out."""
         text = self._native.without(arguments.names("effects", effects))
         how = (self._seed, self._format, self._max_events)
         return Sensor._of_text(self._from[0], text, None, how)

@@ -12,13 +12,14 @@ use serde_json::json;
 use super::{
     content::Content,
     files::{self, Input, Output},
+    in_order::Events,
     progress::Progress,
     recording,
 };
 use crate::{
     event::{
-        Event,
-        file::{Compression, FileError, Format, Head, Opening, Reader, Writer},
+        Dropped, Event,
+        file::{Compression, FileError, Format, Head, Opening, Writer},
     },
     plane::Size,
     unit::{Micros, counted, exact_seconds},
@@ -27,7 +28,7 @@ use crate::{
 /// What `convert` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine convert out/reference.npy out/reference.evt3\n  amacrine convert recording.raw part.aedat4 --slice 1s..2.5s\n  amacrine convert rgc.npy rgc.evt2 --each-kind\n\ndocs/formats.md has what each format holds and who reads it."
+    after_help = "Examples:\n  amacrine convert out/reference.npy out/reference.evt3\n  amacrine convert recording.raw part.aedat4 --slice 1s..2.5s\n  amacrine convert rgc.npy rgc.evt2 --each-kind\n  amacrine convert shuffled.csv sorted.npy --sort\n\ndocs/formats.md has what each format holds and who reads it."
 )]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct Arguments {
@@ -61,6 +62,9 @@ pub struct Arguments {
     /// One file for each kind of cell: B.kind0.EXT, B.kind1.EXT, …
     #[arg(long)]
     each_kind: bool,
+    /// Sort the events by time, where they are in no order. All of them are held in memory at once
+    #[arg(long)]
+    sort: bool,
     /// Keep the events before the first damage, and say what the damage is
     #[arg(long)]
     salvage: bool,
@@ -98,6 +102,8 @@ struct Seen {
     size_known: bool,
     channels: u8,
     skipped: u64,
+    /// Events that came earlier than the one before them, and were sorted.
+    out_of_order: u64,
     note: Option<String>,
     damage: Option<FileError>,
     /// Where the recording begins, where that is asked for.
@@ -158,6 +164,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
                 "size_known": seen.size_known,
                 "kinds": seen.channels,
                 "left_out": seen.skipped,
+                "out_of_order": seen.out_of_order,
                 "note": seen.note,
                 "damage": seen.damage.as_ref().map(ToString::to_string),
             },
@@ -208,12 +215,12 @@ fn file_json(format: Format, written: &Written) -> serde_json::Value {
     })
 }
 
-fn open(arguments: &Arguments) -> miette::Result<Reader> {
+fn open(arguments: &Arguments) -> miette::Result<Events> {
     let opening = Opening {
         format: arguments.from,
         size: arguments.size,
     };
-    Reader::open(&arguments.a, &opening).map_err(|error| {
+    let mut events = Events::streamed(&arguments.a, &opening).map_err(|error| {
         if arguments.salvage && matches!(error, FileError::Bad { .. }) {
             return miette!(
                 help = "nothing is kept of it: what is damaged is needed to read the first event",
@@ -221,7 +228,11 @@ fn open(arguments: &Arguments) -> miette::Result<Reader> {
             );
         }
         error.into()
-    })
+    })?;
+    if arguments.sort {
+        events.sort(&arguments.a)?;
+    }
+    Ok(events)
 }
 
 /// The size and the kinds: from the file, else from all of its events.
@@ -234,6 +245,7 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
         size_known: true,
         channels: 1,
         skipped: 0,
+        out_of_order: reader.out_of_order,
         note: None,
         damage: None,
         start: Micros(0),
@@ -382,7 +394,7 @@ fn pass(
     }
     progress.finish();
     seen.skipped = reader.skipped();
-    let dropped = about.dropped.unwrap_or_default().total();
+    let dropped = about.dropped.unwrap_or_default();
     seen.note = note(arguments, format, reader.note(), dropped, seen.ends);
     let mut written = Vec::new();
     for ((writer, _, ends), (path, _)) in writers.into_iter().zip(targets) {
@@ -400,7 +412,7 @@ fn note(
     arguments: &Arguments,
     format: Format,
     read: Option<&str>,
-    dropped: u64,
+    dropped: Dropped,
     ends: Option<(Micros, Micros)>,
 ) -> Option<String> {
     let mut notes: Vec<String> = read.into_iter().map(str::to_owned).collect();
@@ -412,12 +424,8 @@ fn note(
         ));
     }
     let part = arguments.slice.is_some() || arguments.kind.is_some() || arguments.each_kind;
-    if dropped > 0 && !part && !format.has_remarks() {
-        notes.push(format!(
-            "{} lost on the way to the recording: {format} has no room to say so",
-            counted(dropped, "event")
-        ));
-    }
+    notes.extend(files::untold(dropped, format).filter(|_| !part));
+    let dropped = dropped.total();
     if dropped > 0 && part {
         notes.push(format!(
             "{} lost on the way to the recording: of a part it is not known how many",
@@ -475,6 +483,12 @@ fn table(arguments: &Arguments, format: Format, seen: &Seen, written: &[Written]
         lines.push(format!(
             "note     left out: {} of other things than events of a pixel (triggers, frames, motion, or before the first time)",
             counted(seen.skipped, "record")
+        ));
+    }
+    if seen.out_of_order > 0 {
+        let number = counted(seen.out_of_order, "event");
+        lines.push(format!(
+            "note     sorted by time: {number} came earlier than the one before"
         ));
     }
     if let Some(note) = &seen.note {

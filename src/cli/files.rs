@@ -28,7 +28,7 @@ use crate::{
         file::{self, Compression, FileError, Format, Head, Writer},
     },
     isa::Device,
-    picture::{Drawing, raster, write_png, write_svg},
+    picture::{Drawing, raster, unknown_letter, write_png, write_svg},
     save::{self, OutputKind, SaveError},
     unit::counted,
 };
@@ -223,14 +223,8 @@ impl Output {
 
     /// Says what was lost on the way to this file of events, where the file cannot.
     pub(super) fn warn_of_drops(&self, dropped: Dropped) -> Result<(), FileError> {
-        let format = self.format()?;
-        if dropped.total() > 0 && !format.has_remarks() {
-            super::complain(&format!(
-                "warning: {} lost before {}, and {} has no room to say so: npy has\n",
-                counted(dropped.total(), "event"),
-                self.display(),
-                format.name()
-            ));
+        if let Some(note) = untold(dropped, self.format()?) {
+            super::complain(&format!("warning: {}: {note}\n", self.display()));
         }
         Ok(())
     }
@@ -240,14 +234,26 @@ impl Output {
         if self.ending() == "svg" {
             write_svg(&self.path, drawing)
         } else {
-            if let Some(letter) = drawing.unknown_letter() {
-                super::complain(&format!(
-                    "warning: {}: `{letter}` is drawn as ?: the typeface of pictures has Latin letters; an .svg has all\n",
-                    self.path.display()
-                ));
+            if let Some(letter) = drawing.texts().find_map(unknown_letter) {
+                self.warn_of_letter(letter, "; an .svg has all");
             }
             write_png(&self.path, &raster(drawing, 2))
         }
+    }
+
+    /// Says that a picture of pixels has a question mark in place of a letter of its texts, where it
+    /// has.
+    pub(super) fn warn_of_letters<'a>(&self, texts: impl IntoIterator<Item = &'a str>) {
+        if let Some(letter) = texts.into_iter().find_map(unknown_letter) {
+            self.warn_of_letter(letter, "");
+        }
+    }
+
+    fn warn_of_letter(&self, letter: char, or: &str) {
+        super::complain(&format!(
+            "warning: {}: `{letter}` is drawn as ?: the typeface of pictures has Latin letters{or}\n",
+            self.path.display()
+        ));
     }
 
     /// Refuses a name that says something else than what will be in it.
@@ -280,6 +286,14 @@ impl Output {
             self.content.name()
         ))
     }
+}
+
+/// What a file of this format does not say of what was lost before it.
+pub(super) fn untold(dropped: Dropped, format: Format) -> Option<String> {
+    (dropped.total() > 0 && !format.has_remarks()).then(|| {
+        let lost = counted(dropped.total(), "event");
+        format!("{lost} lost on the way to this file: {format} has no room to say so, npy has")
+    })
 }
 
 /// What makes two names the same thing.

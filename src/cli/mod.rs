@@ -21,6 +21,7 @@ mod fidelity;
 mod figure;
 pub mod files;
 mod guards;
+mod in_order;
 mod kernel_names;
 mod kernels;
 pub mod learn;

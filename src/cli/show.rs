@@ -299,6 +299,12 @@ fn animate(
         return Ok(view::mcap::write(output, packet, window)?);
     }
     let hold = arguments.hold.seconds();
+    let names = match arguments.view {
+        Shown::Kinds => &packet.names[..],
+        _ => &[],
+    };
+    let names = names.iter().map(String::as_str);
+    output.warn_of_letters([title].into_iter().chain(names));
     match arguments.view {
         Shown::Surface | Shown::Kinds => {
             let look = Look {

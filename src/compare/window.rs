@@ -189,8 +189,10 @@ pub fn f1(pair: &Pair, within: Micros) -> f64 {
     matching::share(2 * matching::matched(pair, within), a + b)
 }
 
-/// The least time between two frames of which either packet's events tell, in microseconds; none
-/// where times are not those of frames. Of two packets with frames, the longer interval.
+/// The time from frame to frame by the times of the events: the longest of which all of them are
+/// whole multiples. Frames are that far apart or a whole part of it, where events skip the same
+/// frames. None where times are not those of frames. Of two packets with frames, the longer
+/// interval.
 #[must_use]
 pub fn frame_interval(pair: &Pair) -> Option<Micros> {
     pair.times()
@@ -215,15 +217,16 @@ pub fn at_frames(pair: &Pair, fps: f64) -> bool {
 /// Times closer than this are not those of frames.
 const LEAST_INTERVAL_US: u64 = 10;
 
-/// The interval of which all of these times, which ascend, are whole multiples from the first on,
-/// to the rounding of a microsecond.
+/// The longest interval of which all of these times, which ascend, are whole multiples from the
+/// first on, to the rounding of a microsecond.
 fn grid(times: &[u64]) -> Option<Micros> {
     let first = *times.first()?;
-    let gaps = times.windows(2).map(|two| two[1] - two[0]);
-    let shortest = gaps.min().filter(|gap| *gap >= LEAST_INTERVAL_US)?;
+    let gaps = || times.windows(2).map(|two| two[1] - two[0]);
+    let shortest = gaps().min().filter(|gap| *gap >= LEAST_INTERVAL_US)?;
+    let parts = parts(shortest, gaps());
     // A time is rounded to a microsecond, so an interval that is known from `known` frames is
     // off by up to 1/known; every further time tells it more precisely.
-    let (mut interval, mut known) = (shortest as f64, 1.0);
+    let (mut interval, mut known) = (shortest as f64 / parts, parts);
     for t in times {
         let far = (t - first) as f64;
         let frames = (far / interval).round();
@@ -236,6 +239,35 @@ fn grid(times: &[u64]) -> Option<Micros> {
         }
     }
     Some(Micros(interval.round() as u64))
+}
+
+/// Parts of the shortest gap, at most.
+const MOST_PARTS: f64 = 16.0;
+
+/// Of how many intervals the shortest gap is, where events skip frames: by Euclid's algorithm on
+/// gaps that are not much longer, whose rounding is far below a part.
+fn parts(shortest: u64, gaps: impl Iterator<Item = u64>) -> f64 {
+    let shortest = shortest as f64;
+    let mut interval = shortest;
+    for gap in gaps.map(|gap| gap as f64) {
+        if gap > MOST_PARTS * shortest {
+            continue;
+        }
+        let mut whole = gap;
+        while interval >= shortest / (MOST_PARTS + 0.5) {
+            let rest = (whole - (whole / interval).round() * interval).abs();
+            if rest < shortest / (2.0 * MOST_PARTS) {
+                break;
+            }
+            (whole, interval) = (interval, rest);
+        }
+        let parts = (shortest / interval).round();
+        if parts > MOST_PARTS {
+            return 1.0;
+        }
+        interval = shortest / parts;
+    }
+    (shortest / interval).round()
 }
 
 #[cfg(test)]
@@ -278,8 +310,14 @@ mod tests {
                 .map(|(_, t)| *t)
                 .collect();
             assert_eq!(grid(&some), Some(told), "{fps}");
+            // No two events are in neighbouring frames.
+            if fps < 1000.0 {
+                let skip = [2, 5, 7, 10, 12, 15, 21, 24, 100, 400].map(|i| all[i]);
+                assert_eq!(grid(&skip), Some(told), "{fps}");
+            }
         }
-        assert_eq!(grid(&[0, 100_000, 150_001, 233_333]), None);
+        assert_eq!(grid(&[0, 100_000, 150_301, 233_333]), None);
+        assert_eq!(grid(&[0, 40_000, 80_000, 200_000]), Some(Micros(40_000)));
         assert_eq!(grid(&[0, 1, 2, 3]), None);
         assert_eq!(grid(&[5]), None);
         assert_eq!(headline(30.0), HEADLINE);

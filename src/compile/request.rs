@@ -210,19 +210,6 @@ impl<'a> Request<'a> {
         }
     }
 
-    /// What comes out of a filter, in steps: the more, the better.
-    pub(super) fn quality(&self, filter: &Filter) -> [i64; 2] {
-        Survival {
-            request: self,
-            goals: &[],
-            unit: 1,
-            all: &[],
-            effort: self.effort,
-            strict: true,
-        }
-        .quality(filter)
-    }
-
     /// Whether the chip's converter can set the thresholds behind so many halvings: it has whole LSB,
     /// so that a low one becomes 0 and any change fires, and a range.
     pub(super) fn sets_threshold(&self, bits: u32) -> bool {

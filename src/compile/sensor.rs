@@ -9,7 +9,7 @@ use super::{
     error::{CompileError, largest_of_both_signs, most_threshold},
     event_readout::EventReadout,
     filter::Filter,
-    need::{Need, advice},
+    need::{MEMORY_BITS, Need, advice},
     request::{Border, Request},
     shared_memory,
     words::{check_bits, check_words},
@@ -23,7 +23,7 @@ use crate::{
 
 /// The one-bit registers that memories may take. R0 and R12 serve logic; R5, R6 and R11 the
 /// program.
-const MEMORY: [&str; 8] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
+const MEMORY: [&str; MEMORY_BITS] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
 
 /// Those that a chip has.
 pub(super) fn memory_bits(device: &Device) -> Vec<&'static str> {

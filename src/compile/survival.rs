@@ -101,6 +101,49 @@ impl Candidate {
     }
 }
 
+impl Request<'_> {
+    /// What comes out of a filter, in steps of what is told apart: of its events where it is known with
+    /// what it is compared, else of its signal-to-noise ratio.
+    pub(super) fn quality(&self, filter: &Filter) -> [i64; 2] {
+        if let Some(decided) = filter.decided {
+            return decided.steps();
+        }
+        let all = self.predicted(&filter.words, None).into_iter();
+        let least = all.map(|forecast| forecast.snr_db()).fold(90.0, f64::min);
+        [steps_of_db(least), 0]
+    }
+
+    /// The forecasts at the amplitude given, that of the range, or the best.
+    fn predicted(&self, words: &[Primitive], amplitude: Option<f64>) -> Vec<Forecast> {
+        let at = |signal| {
+            let mut all = forecasts(
+                words,
+                self.device,
+                (self.input, &self.into),
+                self.kernels,
+                signal,
+            );
+            if self.zero_counts {
+                for forecast in &mut all {
+                    forecast.count_offset();
+                }
+            }
+            all
+        };
+        if let Some(range) = self.range {
+            return at(Signal::from_range(range));
+        }
+        if let Some(amplitude) = amplitude {
+            return at(Signal::around_zero(amplitude));
+        }
+        let tried = Signal::AMPLITUDES.map(|amplitude| at(Signal::around_zero(amplitude)));
+        let best = tried
+            .into_iter()
+            .max_by(|a, b| worst(a).total_cmp(&worst(b)));
+        best.unwrap_or_default()
+    }
+}
+
 impl Survival<'_> {
     /// The same, where nothing may saturate without the chip's errors, whatever does with them.
     pub(super) const fn lenient(&self) -> Self {
@@ -251,17 +294,6 @@ impl Survival<'_> {
             decided: best.decided,
             ..filter
         }
-    }
-
-    /// What comes out of a filter, in steps of what is told apart: of its events where it is known with
-    /// what it is compared, else of its signal-to-noise ratio.
-    pub(super) fn quality(&self, filter: &Filter) -> [i64; 2] {
-        if let Some(decided) = filter.decided {
-            return decided.steps();
-        }
-        let all = self.predicted(&filter.words, None).into_iter();
-        let least = all.map(|forecast| forecast.snr_db()).fold(90.0, f64::min);
-        [steps_of_db(least), 0]
     }
 
     /// Candidates for an input of any amplitude.
@@ -428,7 +460,7 @@ impl Survival<'_> {
             return None;
         }
         let solved = problem.finish(steady.unwrap_or_else(|| plain.clone()))?;
-        let forecasts = self.predicted(&solved.allocated.words, None);
+        let forecasts = self.request.predicted(&solved.allocated.words, None);
         Some(Candidate {
             plain: plain.clone(),
             reads: reads.clone(),
@@ -440,37 +472,6 @@ impl Survival<'_> {
                 ..solved
             },
         })
-    }
-
-    /// The forecasts at the amplitude given, that of the range, or the best.
-    fn predicted(&self, words: &[Primitive], amplitude: Option<f64>) -> Vec<Forecast> {
-        let request = self.request;
-        let at = |signal| {
-            let mut all = forecasts(
-                words,
-                request.device,
-                (request.input, &request.into),
-                request.kernels,
-                signal,
-            );
-            if request.zero_counts {
-                for forecast in &mut all {
-                    forecast.count_offset();
-                }
-            }
-            all
-        };
-        if let Some(range) = request.range {
-            return at(Signal::from_range(range));
-        }
-        if let Some(amplitude) = amplitude {
-            return at(Signal::around_zero(amplitude));
-        }
-        let tried = Signal::AMPLITUDES.map(|amplitude| at(Signal::around_zero(amplitude)));
-        let best = tried
-            .into_iter()
-            .max_by(|a, b| worst(a).total_cmp(&worst(b)));
-        best.unwrap_or_default()
     }
 
     /// The best of the candidates, after each of the most promising was improved word by word.
@@ -530,7 +531,7 @@ impl Survival<'_> {
                     ..best.solved.clone()
                 };
                 let amplitude = best.forecasts.first().map(|f| f.amplitude);
-                let forecasts = self.predicted(&solved.allocated.words, amplitude);
+                let forecasts = self.request.predicted(&solved.allocated.words, amplitude);
                 let next = Candidate {
                     solved,
                     plain: best.plain.clone(),
@@ -547,7 +548,7 @@ impl Survival<'_> {
             if !better {
                 break;
             }
-            best.forecasts = self.predicted(&best.solved.allocated.words, None);
+            best.forecasts = self.request.predicted(&best.solved.allocated.words, None);
         }
         // Verified once more, by its trace.
         match problem.finish(best.solved.plan.clone()) {

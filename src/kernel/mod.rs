@@ -224,6 +224,13 @@ impl Kernel {
         self.weights.sum()
     }
 
+    /// Whether what is left of the sum is rounding alone: 1e-12 of the weights' magnitudes.
+    #[must_use]
+    pub fn cancels(&self) -> bool {
+        let magnitude: f64 = self.weights.iter().map(|w| w.abs()).sum();
+        self.sum().abs() < 1e-12 * magnitude
+    }
+
     /// The same field with ON and OFF exchanged.
     #[must_use]
     pub fn negated(&self) -> Self {

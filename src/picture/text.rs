@@ -102,9 +102,10 @@ fn is_drawn(c: char) -> bool {
     get_raster(c, FontWeight::Regular, RasterHeight::Size16).is_some()
 }
 
-/// The first letter of a text of which pixels show a question mark.
+/// The first letter of a text of which pixels show a question mark: their typeface has none. An SVG
+/// has all letters.
 #[must_use]
-pub fn unknown(text: &str) -> Option<char> {
+pub fn unknown_letter(text: &str) -> Option<char> {
     text.chars()
         .find(|c| !is_drawn(*c) && spelled(*c).is_none())
 }
@@ -179,7 +180,10 @@ mod tests {
         assert_eq!(in_letters("5 µm², 3×2, é"), "5 µm², 3×2, é");
         assert_eq!(in_letters("λ ≥ 1 − τ…"), "lambda >= 1 - tau...");
         assert_eq!(in_letters("眼 a"), "? a");
-        assert_eq!([unknown("µ² × ≥ λ"), unknown("a 眼")], [None, Some('眼')]);
+        assert_eq!(
+            [unknown_letter("µ² × ≥ λ"), unknown_letter("a 眼")],
+            [None, Some('眼')]
+        );
         for (letter, text) in SPELLED {
             assert!(!is_drawn(letter) && text.chars().all(is_drawn), "{letter}");
         }

@@ -79,14 +79,13 @@ impl<N: Number> Stepped<N> {
         out: &mut [N::Held],
     ) {
         let (base, net) = (&self.base[range.clone()], &self.net[range.clone()]);
-        stepped(number, base, net, on, out);
-        let Some(steps) = &self.off else { return };
+        let Some(steps) = &self.off else {
+            return stepped(number, base, net, on, out);
+        };
         let thresholds = on.iter().zip(off);
         let cells = base.iter().zip(net).zip(&steps[range]).zip(thresholds);
         for (out, (((&base, &net), &steps), (&on, &off))) in out.iter_mut().zip(cells) {
-            if on != off {
-                *out = apart(number, base, (net, steps), on, off);
-            }
+            *out = apart(number, base, (f64::from(net) + steps, steps), on, off);
         }
     }
 
@@ -127,34 +126,36 @@ pub(super) fn at<N: Number>(number: &N, base: N::Held, net: i32, on: N::Real) ->
     number.hold_real(number.real(base) + N::Real::from_i32(net) * on)
 }
 
-/// `base + n_on θ_on - n_off θ_off` of `n_on = net + steps` and `n_off = steps`, where the two
-/// thresholds differ.
+/// `base + n_on θ_on - n_off θ_off`.
 ///
-/// What is left of the two products is held, never they themselves: they grow with the events.
-/// Each threshold is taken in two parts, of which the first has so few digits that its product with
-/// up to 2^31 steps is exact. So the error is that of a few roundings of what is left, however many
-/// steps there were.
+/// What is left of the two products is held, never they themselves: where the thresholds differ they
+/// grow with the events and nearly cancel. Each threshold is taken in two parts, of which the first
+/// has so few digits that its product with up to 2^31 steps is exact. So the error is that of a few
+/// roundings of what is left, however many steps there were.
 #[inline]
 pub(super) fn apart<N: Number>(
     number: &N,
     base: N::Held,
-    (net, steps): (i32, f64),
+    (n_on, n_off): (f64, f64),
     on: N::Real,
     off: N::Real,
 ) -> N::Held {
-    let ups = f64::from(net) + steps;
-    let moved = moved((ups, steps), (on.to_f64(), off.to_f64()));
-    number.hold_real(N::Real::from_f64(number.real(base).to_f64() + moved))
+    let base = number.real(base);
+    // Both are computed, so that a loop has no branch.
+    let equal = base + N::Real::from_f64(n_on - n_off) * on;
+    let moved = moved((n_on, n_off), (on.to_f64(), off.to_f64()));
+    let apart = N::Real::from_f64(base.to_f64() + moved);
+    number.hold_real(if on == off { equal } else { apart })
 }
 
-/// `ups θ_on - downs θ_off`.
+/// `n_on θ_on - n_off θ_off`.
 #[inline]
-pub(super) fn moved((ups, downs): (f64, f64), (on, off): (f64, f64)) -> f64 {
+fn moved((n_on, n_off): (f64, f64), (on, off): (f64, f64)) -> f64 {
     // The first 22 of 53 digits.
     let high = |threshold: f64| f64::from_bits(threshold.to_bits() & !((1 << 31) - 1));
     let (on_high, off_high) = (high(on), high(off));
-    let coarse = ups * on_high - downs * off_high;
-    let fine = ups * (on - on_high) - downs * (off - off_high);
+    let coarse = n_on * on_high - n_off * off_high;
+    let fine = n_on * (on - on_high) - n_off * (off - off_high);
     coarse + fine
 }
 

@@ -304,13 +304,8 @@ impl<N: Number, M: MemoryModel> Cell<N, M> {
     /// `M`, without what has leaked since it was stored: `base + n_on θ_on - n_off θ_off`.
     pub fn memory(&self) -> N::Held {
         let Memory { base, ups, downs } = self.memory;
-        let ([on, off], number) = (self.thresholds(), self.setting.number);
-        if on == off {
-            return number.hold_real(number.real(base) + N::Real::from_f64(ups - downs) * on);
-        }
-        // The two products grow with the events and nearly cancel: only what is left is held.
-        let moved = super::memory::moved((ups, downs), (on.to_f64(), off.to_f64()));
-        number.hold_real(N::Real::from_f64(number.real(base).to_f64() + moved))
+        let ([on, off], number) = (self.thresholds(), &self.setting.number);
+        super::memory::apart(number, base, (ups, downs), on, off)
     }
 
     /// Sees the later frame of an interval; returns the train in the interval, if it fires.

@@ -163,11 +163,12 @@ fn step_with<N: Number>(
     for x in 0..cells {
         // Without a count of OFF steps the two thresholds are equal.
         let (on, off) = (on[x], if counts_off { off[x] } else { on[x] });
-        let mut memory = memory::at(number, base[x], net[x], on);
-        if counts_off {
-            let apart = memory::apart(number, base[x], (net[x], off_steps[x]), on, off);
-            memory = if on == off { memory } else { apart };
-        }
+        let memory = if counts_off {
+            let steps = (f64::from(net[x]) + off_steps[x], off_steps[x]);
+            memory::apart(number, base[x], steps, on, off)
+        } else {
+            memory::at(number, base[x], net[x], on)
+        };
         let mut to = number.real(number.sub(drive[x], memory));
         if leaks {
             to = to + leak[x] * fallen.1;

@@ -284,8 +284,8 @@ impl Compiled {
         program: SensorProgram,
         device: &Device,
     ) -> Result<Self, DesignError> {
-        let text = program.text.clone();
-        Self::from_text(title, program, &text, device)
+        let expanded = Expanded::from_text(title, &program.text, device)?;
+        Ok(Self { program, expanded })
     }
 
     /// Of a program that was found, written otherwise: with another readout, say.

@@ -1,7 +1,7 @@
 //! The thresholds at which a sensor says so many events: a designer knows what a link carries,
 //! and seldom which threshold that asks for.
 
-use std::ops::ControlFlow;
+use std::{fmt, ops::ControlFlow};
 
 use rayon::prelude::*;
 
@@ -11,6 +11,7 @@ use crate::{
     rig,
     scene::{Scene, SceneError},
     sensor::SensorError,
+    study::pilot::{Choice, Effect},
 };
 
 /// What thresholds are to be multiplied by, and what comes of it.
@@ -53,9 +54,7 @@ pub enum RateError {
         up(*least),
         down(*most)
     )]
-    #[diagnostic(help(
-        "give a rate between them; where they are far off, look at the scale of the light (--scale)"
-    ))]
+    #[diagnostic(help("{bound}"))]
     Unreachable {
         /// The rate that was asked for.
         asked: f64,
@@ -63,7 +62,90 @@ pub enum RateError {
         least: f64,
         /// With thresholds of a 4096th.
         most: f64,
+        /// What keeps it out of reach.
+        bound: Bound,
     },
+}
+
+/// What keeps a rate out of reach; as text, what to do about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// Noise alone is more: so many events per pixel and second.
+    Noise {
+        /// Of all noise together.
+        alone: f64,
+        /// Whether there is shot noise, or a hot cell.
+        fires: bool,
+        /// Whether the memory leaks.
+        leaks: bool,
+    },
+    /// The cells are silent for so many microseconds after each event.
+    DeadTime(f64),
+    /// The memory takes what is there, so that a cell fires once a frame at most.
+    Snap,
+    /// The light itself.
+    Light,
+}
+
+impl Bound {
+    /// Of a rate that is too low, with the rates of the highest thresholds, with and without noise.
+    fn below(description: &Description, asked: f64, [least, quiet]: [f64; 2]) -> Self {
+        if quiet < asked {
+            Self::Noise {
+                alone: least - quiet,
+                fires: description.noise.fires(),
+                leaks: description.noise.leak_hz > 0.0,
+            }
+        } else {
+            Self::Light
+        }
+    }
+
+    /// Of a rate that is too high for so many kinds of cells at so many frames a second.
+    fn above(description: &Description, asked: f64, (kinds, fps): (usize, f64)) -> Self {
+        let each = asked / kinds as f64;
+        let us = description.refractory.us;
+        if each * us > 1e6 {
+            Self::DeadTime(us)
+        } else if each > fps && !description.memory.steps() {
+            Self::Snap
+        } else {
+            Self::Light
+        }
+    }
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Noise {
+                alone,
+                fires,
+                leaks,
+            } => {
+                let effects = [(fires, Effect::NoiseEvents), (leaks, Effect::Leak)];
+                let keys = effects.into_iter().filter(|(is, _)| *is);
+                let keys: Vec<_> = keys.map(|(_, effect)| effect.key()).collect();
+                write!(
+                    f,
+                    "noise alone makes {}, whatever the thresholds: give a higher rate, or leave it out (--without {})",
+                    up(alone),
+                    keys.join(",")
+                )
+            }
+            Self::DeadTime(us) => write!(
+                f,
+                "a cell is silent for {us} us after each event (refractory): give a lower rate, or leave the dead time out (--without {})",
+                Effect::DeadTime.key()
+            ),
+            Self::Snap => f.write_str(
+                "with this memory a cell fires once a frame at most: give a lower rate, show more frames, or take memory = \"filtered-step\"",
+            ),
+            Self::Light => f.write_str(
+                "give a rate between them; where they are far off, look at the scale of the light (--scale)",
+            ),
+        }
+    }
 }
 
 /// A rate with four decimals that is no less than it.
@@ -151,20 +233,31 @@ fn search(
     let groups = share.groups(description.channels.len());
     // For each octave that is tried the rate of each group, which may try another one each.
     let count = |tries: &[Vec<f64>]| rates(description, (tries, share), seed, open);
-    let ends = count(&[vec![-OCTAVES; groups], vec![OCTAVES; groups]])?;
+    let [lowest, highest] = [-OCTAVES, OCTAVES].map(|octaves| vec![octaves; groups]);
+    let ends = count(&[lowest, highest.clone()])?;
     let mut within: Vec<[Point; 2]> = Vec::new();
-    for (most, least) in ends[0].iter().zip(&ends[1]) {
-        if *most == 0.0 {
+    for (group, (most, least)) in ends[0].iter().zip(&ends[1]).enumerate() {
+        let (most, least) = (*most, *least);
+        if most == 0.0 {
             return Err(RateError::Silent(rate));
         }
-        if !(*least < rate && rate <= *most) {
+        if rate <= least || rate > most {
+            let bound = if rate > most {
+                let kinds = description.channels.len() / groups;
+                Bound::above(description, rate, (kinds, pairs_per_second(open)?))
+            } else {
+                let tries = (&[highest][..], share);
+                let quiet = rates(&without_noise(description), tries, seed, open)?;
+                Bound::below(description, rate, [least, quiet[0][group]])
+            };
             return Err(RateError::Unreachable {
                 asked: rate,
-                least: *least,
-                most: *most,
+                least,
+                most,
+                bound,
             });
         }
-        within.push([(-OCTAVES, *most), (OCTAVES, *least)]);
+        within.push([(-OCTAVES, most), (OCTAVES, least)]);
     }
     // Events do not grow with the threshold, so that one of four parts has the rate.
     for _ in 0..ROUNDS {
@@ -198,6 +291,26 @@ fn search(
     let counted = count(std::slice::from_ref(&octaves))?;
     let counted = counted.first().map_or(&[][..], Vec::as_slice);
     Ok(rated(&octaves, counted))
+}
+
+/// The same sensor without events that no light causes.
+fn without_noise(description: &Description) -> Description {
+    let choice = Choice::full().and_without(Effect::NoiseEvents);
+    choice.and_without(Effect::Leak).plainer(description)
+}
+
+/// How many frames a scene of two or more has after its first, a second.
+fn pairs_per_second(
+    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+) -> Result<f64, RateError> {
+    let (mut frames, mut first, mut last) = (0_u64, None, 0.0);
+    rig::play(&mut *open()?, |frame| {
+        frames += 1;
+        first.get_or_insert(frame.seconds);
+        last = frame.seconds;
+        Ok::<_, RateError>(ControlFlow::Continue(()))
+    })?;
+    Ok(frames.saturating_sub(1) as f64 / (last - first.unwrap_or(last)))
 }
 
 pub(super) fn check(rate: f64) -> Result<(), RateError> {
@@ -307,7 +420,10 @@ fn times_kind(channel: &mut Channel, factor: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{OpenOptions, open};
+    use crate::{
+        reference::MemoryRule,
+        scene::{OpenOptions, open},
+    };
 
     #[test]
     fn four_digits_are_never_more() {
@@ -363,14 +479,44 @@ mod tests {
         assert_ne!(found[0].factor, found[2].factor);
     }
 
+    /// Noise, a dead time and a memory that snaps bound the rate, and the light does.
+    #[test]
+    fn what_bounds_the_rate_is_said() {
+        let bound = |name: &str, rate| {
+            let sensor = Description::open(name).unwrap();
+            match factor(&sensor, rate, 0, &scene) {
+                Err(RateError::Unreachable { bound, .. }) => bound,
+                other => panic!("{name}, {rate}: {other:?}"),
+            }
+        };
+        // 5 events/s of shot noise in the dark, a quarter of it at white; 0.1 of leak.
+        let noise = bound("dvs-noisy", 0.5);
+        let Bound::Noise { alone, .. } = noise else {
+            panic!("{noise:?}");
+        };
+        assert!((1.3..5.2).contains(&alone), "{alone}");
+        assert!(noise.to_string().contains("--without noise-events,leak"));
+        assert_eq!(bound("dvs", 1e9), Bound::DeadTime(500.0));
+        let mut sensor = Description::open("dvs").unwrap();
+        let mut above = |memory, us, rate| {
+            (sensor.memory, sensor.refractory.us) = (memory, us);
+            match factor(&sensor, rate, 0, &scene) {
+                Err(RateError::Unreachable { bound, .. }) => bound,
+                other => panic!("{rate}: {other:?}"),
+            }
+        };
+        // 100 frames/s.
+        assert_eq!(above(MemoryRule::FilteredSnap, 0.0, 101.0), Bound::Snap);
+        assert_eq!(
+            above(MemoryRule::FilteredStep, 1e4, 101.0),
+            Bound::DeadTime(1e4)
+        );
+        assert_eq!(above(MemoryRule::FilteredStep, 0.0, 1e9), Bound::Light);
+    }
+
     #[test]
     fn what_no_threshold_gives_is_said() {
         let sensor = Description::open("dvs").unwrap();
-        let found = factor(&sensor, 1e9, 0, &scene);
-        assert!(
-            matches!(found, Err(RateError::Unreachable { .. })),
-            "{found:?}"
-        );
         assert!(matches!(
             factor(&sensor, -1.0, 0, &scene),
             Err(RateError::Rate(_))

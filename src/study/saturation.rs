@@ -1,8 +1,14 @@
-//! Tells of the registers of a chip that end a run at the end of their range.
+//! Tells of the registers of a chip that end a run at the end of their range, and of light that they
+//! cannot hold.
 
 use crate::{
-    array::{Array, AtBorder},
-    rig::guard::{Guard, Warning},
+    array::{Arithmetic, Array, AtBorder, Settings},
+    number::Format,
+    photoreceptor::{Curve, Response},
+    rig::{
+        Overflow,
+        guard::{Guard, Warning},
+    },
 };
 
 /// Warns of a chip whose registers hold numbers between these ends, if they have any.
@@ -12,4 +18,18 @@ pub fn warn(guard: &mut Guard, subject: &str, chip: &dyn Array, ends: Option<[f6
         let counted = (at.pixels, at.of);
         guard.warn(Warning::saturation(subject, &place, counted, at.ends));
     }
+}
+
+/// Counts the light that cells cannot hold; analogue ones hold all that the chip's converters give.
+#[must_use]
+pub fn of_light(cells: Arithmetic, settings: &Settings) -> Overflow {
+    let format = match cells {
+        Arithmetic::Number(format) => format,
+        Arithmetic::Silicon { .. } => Format::F64,
+    };
+    let curve = Curve::Linear {
+        white: 1.0 / settings.gain,
+    };
+    let round_f32 = false;
+    Overflow::new(format, Response { curve, round_f32 })
 }

@@ -129,10 +129,10 @@ impl Headline {
             (Some(fps), Some(_)) => write!(text, "; {} frames/s", equivalent::rate(fps)),
             (None, Some(interval)) => write!(
                 text,
-                "; by the events' times a frame every {} (--fps knows better)",
+                "; frame rate not said: by the events' times a frame every {} or a whole part of it (--fps says it)",
                 Short(interval)
             ),
-            (_, None) => write!(text, "; times on no frames"),
+            (_, None) => write!(text, "; the events' times are on no frames"),
         };
         if let Some(equivalent) = self.equivalent {
             let percents = equivalent::percents(equivalent.percent, equivalent.is_least);

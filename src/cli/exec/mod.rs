@@ -79,7 +79,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     super::light::warn(&warnings);
 
     // Before anything is written: it may have nothing to show.
-    let strip = match &arguments.strip {
+    let drawn = match &arguments.strip {
         Some(path) => Some((path, strip.picture(&bench.opened)?)),
         None => None,
     };
@@ -90,7 +90,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(folder) = &arguments.dump {
         dump::dump(&*chip, folder)?;
     }
-    if let Some((path, picture)) = strip {
+    if let Some((path, picture)) = drawn {
+        path.warn_of_letters(strip.texts(&bench.opened));
         write_png(path, &picture)?;
     }
     let mut notes = bench.notes(frames);

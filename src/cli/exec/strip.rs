@@ -62,6 +62,13 @@ impl Strip {
         Ok(())
     }
 
+    /// What is written in the picture, besides the names of registers.
+    pub fn texts<'a>(&'a self, opened: &'a Opened) -> impl Iterator<Item = &'a str> {
+        let text: Vec<&str> = opened.program.text.lines().collect();
+        let sources = self.columns.iter().map(move |column| column.source(&text));
+        [title(opened)].into_iter().chain(sources)
+    }
+
     /// The picture: a row for each register, a column for each line that writes.
     pub fn picture(&self, opened: &Opened) -> miette::Result<RgbImage> {
         let device = &opened.device;
@@ -69,8 +76,7 @@ impl Strip {
         let (low, high) = device.register_range();
         let text: Vec<&str> = opened.program.text.lines().collect();
         let columns = self.columns.iter().map(|column| {
-            let at = (column.line as usize).saturating_sub(1);
-            let source = text.get(at).map_or("", |line| line.trim());
+            let source = column.source(&text);
             let cells = registers.iter().zip(&column.cells);
             let cells = cells.map(|(register, (values, written))| {
                 let (black, white) = if register.is_bit() {
@@ -93,10 +99,21 @@ impl Strip {
             ));
         }
         let rows: Vec<String> = registers.iter().map(|r| r.name(device)).collect();
-        let title = opened.program.settings.title.as_ref();
-        let title = title.unwrap_or(&opened.program.file);
-        Ok(strip(title, &rows, &columns.collect::<Vec<_>>())?)
+        Ok(strip(title(opened), &rows, &columns.collect::<Vec<_>>())?)
     }
+}
+
+impl Column {
+    /// Its line in the text of the program.
+    fn source<'a>(&self, text: &[&'a str]) -> &'a str {
+        let at = (self.line as usize).saturating_sub(1);
+        text.get(at).map_or("", |line| line.trim())
+    }
+}
+
+fn title(opened: &Opened) -> &str {
+    let title = opened.program.settings.title.as_ref();
+    title.unwrap_or(&opened.program.file)
 }
 
 /// The most columns of a strip of this program.

@@ -83,12 +83,16 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         reliefs.push((format!("{name}: {}", shown.surround()), surround));
         reliefs.push((format!("{name}: drive"), drive));
     }
-    let page = surround(&SurroundShow {
+    let show = SurroundShow {
         title: shown.title.clone(),
         fields: shown.fields()?,
         responses: shown.responses(),
         reliefs,
-    });
+    };
+    let captions = show.fields.iter().map(|(caption, _)| caption);
+    let texts = [&show.title].into_iter().chain(captions);
+    arguments.output.warn_of_letters(texts.map(String::as_str));
+    let page = surround(&show);
     write_png(&arguments.output, &page)?;
     let formula = shown.formula.map_or(String::new(), |it| format!("{it}\n"));
     say(&format!(

@@ -489,9 +489,7 @@ fn drawn(weights: &Plane<f64>) -> String {
 
 /// The sum of a kernel's weights, 0 where only rounding is left.
 fn sum_of(kernel: &Kernel) -> f64 {
-    let size: f64 = kernel.weights().iter().map(|w| w.abs()).sum();
-    let sum = kernel.sum();
-    if sum.abs() < 1e-12 * size { 0.0 } else { sum }
+    if kernel.cancels() { 0.0 } else { kernel.sum() }
 }
 
 /// Four digits after the point, or as many more as three digits of a small number need; no zeros at

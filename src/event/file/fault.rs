@@ -410,7 +410,9 @@ impl Fault {
             Self::Time { .. } => {
                 "shift the recording so that it starts at 0 or later, in microseconds"
             }
-            Self::Backwards { .. } => "sort the events by time",
+            Self::Backwards { .. } => {
+                "sort the events by time: `amacrine convert A B --sort` writes a file that is in order"
+            }
             Self::Polarity { .. } => "write 1 for ON and 0 for OFF",
             Self::Range { name, value, .. } => match name.as_bytes() {
                 b"channel" => "number the channels from 0",

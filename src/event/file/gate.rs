@@ -87,13 +87,15 @@ pub struct Gate {
     latest: u64,
     silence: u64,
     format: Option<Format>,
+    /// Whether time may not run backwards.
+    pub in_order: bool,
     /// What the file says about the sensor.
     pub about: About,
     /// Events so far.
     pub events: u64,
-    /// Time of the first event.
+    /// Time of the first event, in any order of the earliest.
     pub first: Option<Micros>,
-    /// Time of the last event; 0 before the first.
+    /// Time of the last event, in any order of the latest; 0 before the first.
     pub last: Micros,
     /// The smallest sensor that holds the events so far.
     pub reach: Size,
@@ -109,6 +111,7 @@ impl Gate {
             latest: i64::MAX.unsigned_abs(),
             silence: u64::MAX,
             format: None,
+            in_order: true,
             about: About::NOTHING,
             events: 0,
             first: None,
@@ -151,7 +154,9 @@ impl Gate {
         // First all at once, as they are almost always good; only then one by one.
         let mut last = self.before(events);
         let (mut x, mut y, mut channel, mut ordered, mut pause) = (0, 0, 0, true, 0);
+        let (mut earliest, mut latest) = (u64::MAX, last);
         for e in events {
+            (earliest, latest) = (earliest.min(e.t.0), latest.max(e.t.0));
             ordered &= e.t.0 >= last;
             pause = pause.max(e.t.0.wrapping_sub(last));
             last = e.t.0;
@@ -160,12 +165,13 @@ impl Gate {
             channel = channel.max(e.channel);
         }
         let far = Event {
-            t: Micros(last),
+            t: Micros(latest),
             x,
             y,
             channel,
             polarity: Polarity::On,
         };
+        let ordered = ordered || !self.in_order;
         if !ordered || pause > self.silence || (!events.is_empty() && self.fits(&far).is_err()) {
             let mut last = self.before(events);
             for (i, e) in events.iter().enumerate() {
@@ -174,9 +180,10 @@ impl Gate {
                 last = e.t.0;
             }
         }
-        if let Some(e) = events.first() {
-            self.first.get_or_insert(e.t);
-            self.last = Micros(last);
+        if !events.is_empty() {
+            let first = self.first.map_or(earliest, |first| first.0.min(earliest));
+            self.first = Some(Micros(first));
+            self.last = Micros(latest);
             self.events += events.len() as u64;
             self.reach.height = self.reach.height.max(y as usize + 1);
             self.reach.width = self.reach.width.max(x as usize + 1);
@@ -224,7 +231,7 @@ impl Gate {
 
     /// Checks the order, and the silence, between an event at `last` and one at `now`.
     fn follows(&self, last: u64, now: u64) -> Result<(), Fault> {
-        if now < last {
+        if now < last && self.in_order {
             return Err(Fault::Backwards { before: last, now });
         }
         match self.format {

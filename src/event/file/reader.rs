@@ -97,6 +97,11 @@ impl Reader {
         }
     }
 
+    /// Takes events in any order of time, from here on; else time that runs backwards is damage.
+    pub const fn in_any_order(&mut self) {
+        self.gate.in_order = false;
+    }
+
     /// The format it is read as.
     #[must_use]
     pub const fn format(&self) -> Format {

@@ -34,9 +34,7 @@ impl Quantiser {
             return Err(QuantiseError::Nothing);
         }
         // What cancels in the kernel must cancel in its levels.
-        let magnitude: f64 = weights.iter().map(|w| w.abs()).sum();
-        let cancels = kernel.sum().abs() < 1e-12 * magnitude;
-        let sum = if sum == Sum::Kept && cancels {
+        let sum = if sum == Sum::Kept && kernel.cancels() {
             Sum::Zero
         } else {
             sum

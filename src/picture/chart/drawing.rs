@@ -3,7 +3,7 @@
 use image::RgbImage;
 
 use crate::picture::ink::Ink;
-use crate::picture::text::{self, Weight};
+use crate::picture::text::Weight;
 
 /// A place on a page, in points from its upper left corner.
 pub(crate) type Point = (f64, f64);
@@ -71,13 +71,6 @@ impl Drawing {
     #[must_use]
     pub const fn size(&self) -> (f64, f64) {
         (self.width, self.height)
-    }
-
-    /// The first letter on the page that pixels show as a question mark: their typeface has none. An
-    /// SVG has all letters.
-    #[must_use]
-    pub fn unknown_letter(&self) -> Option<char> {
-        self.texts().find_map(text::unknown)
     }
 
     /// Every text on the page, in the order in which it was written.

@@ -7,7 +7,7 @@
 //! | [`View::Surface`] | each pixel's last event, `exp(-(now - t)/tau)` |
 //! | [`View::Cloud`] | events in x, y and time |
 //! | [`View::Rate`] | ON and OFF events a second, over time |
-//! | [`View::Intervals`] | times between successive events of a cell, whatever their signs |
+//! | [`View::Intervals`] | times between successive events of a cell: ON-ON, OFF-OFF, and where the sign changes |
 //! | [`View::Kinds`] | a frame for each kind |
 //!
 //! A window `from..to` holds the events of `from < t <= to`, as everywhere in this room.

@@ -24,11 +24,13 @@ pub enum Effect {
     Leak,
     /// The mismatch of the thresholds.
     Mismatch,
+    /// The noise of the resistor sheets.
+    MeshNoise,
 }
 
 impl Effect {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Surroundings,
         Self::InsertedFrames,
         Self::DeadTime,
@@ -37,6 +39,7 @@ impl Effect {
         Self::Bandwidth,
         Self::Leak,
         Self::Mismatch,
+        Self::MeshNoise,
     ];
 
     /// What it is called.
@@ -51,6 +54,7 @@ impl Effect {
             Self::Bandwidth => "bandwidth",
             Self::Leak => "leak",
             Self::Mismatch => "threshold mismatch",
+            Self::MeshNoise => "mesh noise",
         }
     }
 
@@ -66,6 +70,7 @@ impl Effect {
             Self::Bandwidth => "bandwidth",
             Self::Leak => "leak",
             Self::Mismatch => "mismatch",
+            Self::MeshNoise => "mesh-noise",
         }
     }
 
@@ -81,7 +86,11 @@ impl Effect {
     #[must_use]
     pub fn is_in(self, description: &Description, inserts: bool) -> bool {
         let noise = &description.noise;
-        let mut thresholds = description.channels.iter().flat_map(|c| &c.thresholds);
+        let channels = || description.channels.iter();
+        let mut thresholds = channels().flat_map(|c| &c.thresholds);
+        let mut sheets = channels()
+            .flat_map(|c| &c.surrounds)
+            .flat_map(|it| &it.sheets);
         match self {
             Self::Surroundings => false,
             Self::InsertedFrames => inserts,
@@ -91,6 +100,7 @@ impl Effect {
             Self::Bandwidth => noise.cutoff_hz > 0.0,
             Self::Leak => noise.leak_hz > 0.0,
             Self::Mismatch => thresholds.any(|threshold| threshold.sigma > 0.0),
+            Self::MeshNoise => sheets.any(|sheet| sheet.noise > 0.0),
         }
     }
 
@@ -109,6 +119,12 @@ impl Effect {
                 let channels = plain.channels.iter_mut();
                 for threshold in channels.flat_map(|channel| &mut channel.thresholds) {
                     threshold.sigma = 0.0;
+                }
+            }
+            Self::MeshNoise => {
+                let sheets = plain.channels.iter_mut().flat_map(|it| &mut it.surrounds);
+                for sheet in sheets.flat_map(|it| &mut it.sheets) {
+                    sheet.noise = 0.0;
                 }
             }
             // Not the sensor's.

@@ -273,7 +273,7 @@ pub const SETTINGS: [config::Key; 12] = [
         "effort",
         Kind::Number(Range::between(0.0, 3600.0)),
         "1",
-        "how long to search for each program, in seconds of two cores of 2024; counted in states, so the result does not depend on the machine; 1 when left out",
+        "how long to search for each program of an array, in seconds of two cores of 2024; counted in states, so the result does not depend on the machine; 1 when left out",
     ),
     config::Key::with_default(
         "fidelity",
@@ -414,9 +414,17 @@ impl Reader<'_> {
         };
         let sides = self.sides(section, &axes, root.get("sample").is_some());
         self.unused(&axes, section, &sides);
+        let no_array = sides.iter().all(|side| side.side != Side::Array);
+        if let Some(effort) = root.get("effort").filter(|_| no_array && !sides.is_empty()) {
+            let what = "`effort` is of programs, and no side of this study searches for one";
+            self.faults.push(
+                Fault::error(effort.place(), what, CHANGES_NOTHING)
+                    .help("leave it out, or add a [[side]] with side = \"array\""),
+            );
+        }
         let (settings, sample) = read?;
         let cost = sample.and_then(|sample| sample.search).map(|it| it.cost);
-        if cost == Some("words") && sides.iter().all(|side| side.side != Side::Array) {
+        if cost == Some("words") && no_array {
             let place = root.get("sample").map_or(Place::default(), Node::place);
             let what = "no point has `words`: only the array has, and there is no such side";
             self.faults.push(

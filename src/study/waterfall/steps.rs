@@ -23,7 +23,10 @@ use crate::{
     },
     scene::{Frame, Scene},
     sensor::Sensor,
-    study::equivalent::{Ladder, Likeness, RUNGS},
+    study::{
+        equivalent::{Ladder, Likeness, RUNGS},
+        saturation,
+    },
     unit::Micros,
 };
 
@@ -203,10 +206,15 @@ pub fn steps_together(
         watching.push(sensor);
     }
     let mut guard = Guard::new();
+    let mut overflow = saturation::of_light(question.arithmetic, &kinds.compiled.settings());
     let mut fired = rig::watch(scene, &mut watching, |frame| {
         guard.frame(frame);
+        overflow.see(frame);
         seen(frame);
     })?;
+    if let Some(warning) = overflow.warning("the chip") {
+        guard.warn(warning);
+    }
     let floats = fired.split_off(plan.setups.len());
     let read: Vec<Option<Packet>> = { fired.iter().enumerate() }
         .map(|(i, packet)| {
