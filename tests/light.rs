@@ -643,6 +643,7 @@ mod common;
 
 #[cfg(feature = "cli")]
 mod verbs {
+    use amacrine::event::{Event, Polarity, file::write};
     use serde_json::{Value, json};
 
     use super::{
@@ -946,6 +947,31 @@ mod verbs {
         );
         let (json, _) = both(folder.path(), &["compare", "some.csv", "some.csv"]);
         assert!(!about(&json).contains(&"no-events".to_owned()), "{json}");
+    }
+
+    #[test]
+    fn kinds_of_other_names_are_told_when_they_are_compared() {
+        let folder = folder();
+        for (name, kinds) in [("one.npz", ["on", "edge"]), ("other.npz", ["edge", "on"])] {
+            let mut packet = Packet::new(Size::new(4, 4), 2);
+            packet.names = kinds.map(str::to_owned).to_vec();
+            packet.events = (0..20)
+                .map(|n| Event {
+                    t: Micros(100 * n),
+                    x: 1,
+                    y: 2,
+                    polarity: Polarity::On,
+                    channel: (n % 2) as u8,
+                })
+                .collect();
+            write(&folder.path().join(name), &packet).unwrap();
+        }
+        let (json, beside) = both(folder.path(), &["compare", "one.npz", "other.npz"]);
+        assert!(about(&json).contains(&"names".to_owned()), "{json}");
+        let said = "the judged: kind 0 is `edge`, and `on` in the reference";
+        assert!(beside.contains(said), "{beside}");
+        let (json, _) = both(folder.path(), &["compare", "one.npz", "one.npz"]);
+        assert!(!about(&json).contains(&"names".to_owned()), "{json}");
     }
 
     #[test]

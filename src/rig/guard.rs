@@ -53,6 +53,8 @@ pub enum About {
     Clipped,
     /// An array larger than the chip's.
     Larger,
+    /// Kinds of cells that are compared have other names.
+    Names,
 }
 
 impl About {
@@ -74,6 +76,7 @@ impl About {
             Self::Lopsided => "lopsided",
             Self::Clipped => "clipped",
             Self::Larger => "larger",
+            Self::Names => "names",
         }
     }
 
@@ -147,11 +150,25 @@ impl Warning {
             ),
             None => (
                 "no event at all".to_owned(),
-                "what its cells saw never moved by a threshold",
-                lower,
+                "nothing happens in this recording, or in this part of it",
+                "give a recording, or a part of it, in which something does",
             ),
         };
         Self::new(About::NoEvents, subject, seen, why, change)
+    }
+
+    /// Recordings whose kinds of cells, which are compared by their numbers, have other names.
+    #[must_use]
+    pub fn names(reference: &[String], judged: &[String]) -> Option<Self> {
+        let mut pairs = reference.iter().zip(judged).enumerate();
+        let (kind, (one, other)) = pairs.find(|(_, (one, other))| one != other)?;
+        Some(Self::new(
+            About::Names,
+            "the judged",
+            format!("kind {kind} is `{other}`, and `{one}` in the reference"),
+            "kinds are compared by their numbers, whatever they are called",
+            "where they stand in another order, compare one by one with --kind",
+        ))
     }
 
     /// A sensor of this response that never fired. `reach`: its least threshold, and the most by which

@@ -95,7 +95,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     for (subject, loaded) in [("the reference", &reference), ("the judged", &judged)] {
         guard.recording(subject, &loaded.packet);
     }
-    if let Some(warning) = headline.warning(&pair) {
+    let names = Warning::names(&reference.packet.names, &judged.packet.names);
+    for warning in names.into_iter().chain(headline.warning(&pair)) {
         guard.warn(warning);
     }
     let warnings = guard.warnings();
