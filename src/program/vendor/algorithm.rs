@@ -3,9 +3,10 @@
 use std::{rc::Rc, sync::Arc};
 
 use super::{
-    call::Argument,
+    call::{Argument, Named},
     look,
     machine::{Location, Machine},
+    operator::COMPARED,
     reach::Reach,
     shape,
     tree::{Expr, ExprNode, Function, last},
@@ -256,6 +257,14 @@ impl Machine<'_> {
             }
             _ => return None,
         };
+        let compares = matches!(name, "fall" | "sort" | "stable_sort");
+        let mut own = { written.iter() }.map(|it| {
+            self.own_operator(it, &["operator="])
+                .or_else(|| self.own_operator(it, &COMPARED).filter(|_| compares))
+        });
+        if own.any(|it| it.is_some()) {
+            return None;
+        }
         let end = range.pointer(range.length);
         self.write(&range, written);
         Some(end)
@@ -376,6 +385,8 @@ impl Machine<'_> {
             value,
             location: Some(location),
             kind,
+            named: Named::Unclear,
+            lost: None,
         };
         self.enter_with(function, vec![argument], None, place)
     }
