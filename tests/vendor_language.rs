@@ -736,3 +736,15 @@ struct V { int x; V& operator=(const V& o) { x = o.x + 1; return *this; } }; str
     );
     told(&text, 4, "what `fill` does", "");
 }
+
+/// `p->Base::name()` is that of the base; objects are sorted by the `<` of their class.
+#[test]
+fn functions_of_a_base_are_called_by_its_name_and_objects_sorted() {
+    numbers(
+        "struct Base { int v = 3; virtual int f() { return 1; } int g() { return v; } }; struct More : Base { int f() override { return 2; } };
+struct K { int v; bool operator<(const K& o) const { return v > o.v; } }; struct J { int v; }; bool operator<(const J& a, const J& b) { return a.v < b.v; }",
+        "More d; More* p = &d; scamp5_in(A, p->f()); scamp5_in(A, p->Base::f()); scamp5_in(A, d.Base::f()); scamp5_in(A, p->Base::g()); scamp5_in(A, p->Base::v);
+std::vector<K> k = {{1}, {13}, {2}}; std::sort(k.begin(), k.end()); for (auto& it : k) scamp5_in(B, it.v); J j[3] = {{3}, {1}, {2}}; std::sort(j, j + 3); for (auto& it : j) scamp5_in(C, it.v);",
+        &[2, 1, 1, 3, 3, 13, 2, 1, 1, 2, 3],
+    );
+}

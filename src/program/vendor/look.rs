@@ -90,6 +90,7 @@ impl Callees {
                 }
             }
             ExprNode::Member(of, name) => {
+                let name = last(name);
                 self.functions.extend(members(machine, name));
                 if let Some(slot) = base(of).and_then(|it| machine.find(&it)) {
                     self.launched(&machine.slots[slot]);
@@ -188,6 +189,7 @@ impl Callees {
 
 /// Functions of classes that have this name.
 pub(super) fn members(machine: &Machine<'_>, name: &str) -> Vec<Rc<Function>> {
+    let name = last(name);
     let inside = machine.members.get(name).into_iter().flatten();
     let outside = machine.functions.get(name).into_iter().flatten();
     let outside = outside.filter(|it| it.qualified);

@@ -234,6 +234,8 @@ impl Machine<'_> {
     }
 
     pub(super) fn member(&mut self, base: Reach, name: &str) -> Reach {
+        // No class has something under a name of its base.
+        let name = last(name);
         let mut base = self.through(base);
         if matches!(base, Reach::Lost(..) | Reach::Beyond(_)) {
             return base;

@@ -79,30 +79,7 @@ impl Machine<'_> {
             std::mem::replace(&mut self.types, types.unwrap_or_default()),
             std::mem::replace(&mut self.made, made),
         );
-        let mut given = given.into_iter();
-        for (i, parameter) in function.parameters.iter().enumerate() {
-            let kind = self.resolved(parameter.kind);
-            let slot = match (given.next(), self.default(function, i)) {
-                (Some(it), _) => {
-                    self.loses((&it, function), parameter, place);
-                    self.given(it, kind, parameter)
-                }
-                (None, Some(default)) => {
-                    // It sees the names of the file, not those of the caller.
-                    let base = std::mem::replace(&mut self.base, self.scopes.len());
-                    let space = std::mem::replace(&mut self.space, function.space.clone());
-                    let value = self.value(&default);
-                    (self.base, self.space) = (base, space);
-                    self.taken(value, kind, parameter)
-                }
-                // What `main` is started with.
-                (None, None) => {
-                    let why = format!("`{}`", parameter.name);
-                    self.hold(Value::Unknown(why.into()), Kind::Any)
-                }
-            };
-            scope.insert(parameter.name.clone(), slot);
-        }
+        self.bind_parameters(function, given, &mut scope, place);
         let (base, maybe) = (self.base, self.maybe.clone());
         let space = std::mem::replace(&mut self.space, function.space.clone());
         self.base = self.scopes.len();
@@ -145,6 +122,40 @@ impl Machine<'_> {
                 Value::Unknown(Why::never(&why))
             }
             _ => Value::Whole(0),
+        }
+    }
+
+    /// Makes the parameters of a function.
+    fn bind_parameters(
+        &mut self,
+        function: &Function,
+        given: Vec<Argument>,
+        scope: &mut BTreeMap<Word, usize>,
+        place: Place,
+    ) {
+        let mut given = given.into_iter();
+        for (i, parameter) in function.parameters.iter().enumerate() {
+            let kind = self.resolved(parameter.kind);
+            let slot = match (given.next(), self.default(function, i)) {
+                (Some(it), _) => {
+                    self.loses((&it, function), parameter, place);
+                    self.given(it, kind, parameter)
+                }
+                (None, Some(default)) => {
+                    // It sees the names of the file, not those of the caller.
+                    let base = std::mem::replace(&mut self.base, self.scopes.len());
+                    let space = std::mem::replace(&mut self.space, function.space.clone());
+                    let value = self.value(&default);
+                    (self.base, self.space) = (base, space);
+                    self.taken(value, kind, parameter)
+                }
+                // What `main` is started with.
+                (None, None) => {
+                    let why = format!("`{}`", parameter.name);
+                    self.hold(Value::Unknown(why.into()), Kind::Any)
+                }
+            };
+            scope.insert(parameter.name.clone(), slot);
         }
     }
 

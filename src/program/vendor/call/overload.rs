@@ -99,19 +99,26 @@ impl Machine<'_> {
         let best = found
             .iter()
             .find(|(costs, _)| found.iter().all(|(other, _)| better(costs, other)));
-        let Some((costs, function)) = best else {
+        let Some((costs, _)) = best else {
             self.unclear(name, place);
             return None;
         };
-        let same = found.iter().filter(|(other, it)| {
-            // What is constant is not known.
-            let form = |it: &Function| -> Vec<_> {
-                let all = it.parameters.iter();
-                all.map(|p| (p.written.clone(), p.reference)).collect()
-            };
-            other == costs && !Rc::ptr_eq(it, function) && form(it) != form(function)
-        });
-        if same.count() > 0 {
+        let mut equal: Vec<_> = found
+            .iter()
+            .filter(|it| it.0 == *costs)
+            .map(|it| it.1)
+            .collect();
+        // A template gives way.
+        if equal.iter().any(|it| it.template.is_empty()) {
+            equal.retain(|it| it.template.is_empty());
+        }
+        // What is constant is not known.
+        let form = |it: &Function| -> Vec<_> {
+            let all = it.parameters.iter();
+            all.map(|p| (p.written.clone(), p.reference)).collect()
+        };
+        let function = equal[0];
+        if equal.iter().any(|it| form(it) != form(function)) {
             self.unclear(name, place);
             return None;
         }
