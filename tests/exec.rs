@@ -549,9 +549,10 @@ fn what_was_written_is_listed_and_saturation_is_told() {
         "{warned}"
     );
     // A picture of which every pixel is cut off, beside constants that are loaded.
-    let bench =
-        Bench::new("init { scamp5_in(E, 127); }\nframe { add(B, A, A); scamp5_in(F, -128); }")
-            .set("A", &ramp().mapv(|_| 100.0));
+    let bench = Bench::new(
+        "init { scamp5_in(E, 127); }\nframe { mov(C, A); add(B, A, C); scamp5_in(F, -128); }",
+    )
+    .set("A", &ramp().mapv(|_| 100.0));
     let output = bench.command(&["--set", "A=A.in.npy", "--clip", "on"]);
     let warned = line(&{ output }.assert().success().get_output().stderr);
     assert!(

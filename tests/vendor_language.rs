@@ -693,7 +693,7 @@ fn what_the_run_decides_is_not_taken_for_known() {
             "int a[3] = {1, 2, 3}; int* p = a; p += n; *p = 7; scamp5_in(B, a[0]);",
             "takes a value",
         ),
-        ("", "areg_t r = A; if (n > 3) r = B; copy(C, r);", "decides"),
+        ("", "areg_t r = A; if (n > 3) r = B; mov(C, r);", "decides"),
         (
             "int a, b; int* pick(int n) { if (n > 3) return &a; return &b; }",
             "b = 2; *pick(n) = 7; scamp5_in(B, b);",

@@ -419,7 +419,10 @@ pub(super) fn forget(machine: &mut Machine<'_>, it: &Stmt, why: &Why) {
 fn forget_grown(machine: &mut Machine<'_>, (slot, path): (Slot, &[usize]), grows: bool, why: &Why) {
     if grows && machine.is_library(slot, path) {
         machine.put(slot, path, Value::Unknown(why.clone()));
-    } else if grows && let Some(Value::Record(layout, _)) = machine.peek(slot, path) {
+    } else if grows
+        && let Some(Value::Record(layout, _)) = machine.peek(slot, path)
+        && layout.entry.is_none()
+    {
         let layout = Rc::clone(layout);
         for at in 0..layout.members.len() {
             forget_grown(machine, (slot, &[path, &[at]].concat()), true, why);
