@@ -400,7 +400,9 @@ pub(super) fn forget(machine: &mut Machine<'_>, it: &Stmt, why: &Why) {
         }
     }
     // Where a pointer leads afterwards is not known: what it led to and may lead to.
-    given.iter().for_each(|it| machine.lose_led(it, why));
+    for it in &given {
+        machine.lose_led(it, why);
+    }
     for (slot, path) in { moved.iter() }
         .filter_map(|it| machine.lies(it))
         .collect::<Vec<_>>()

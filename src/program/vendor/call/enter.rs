@@ -295,17 +295,20 @@ impl Machine<'_> {
     ) -> Option<String> {
         if function.template.is_empty() {
             // A lambda inside a template has its types.
-            return (function.name.is_empty())
-                .then(|| self.made.clone())
-                .unwrap_or(Some(String::new()));
+            let inner = function.name.is_empty();
+            return if inner {
+                self.made.clone()
+            } else {
+                Some(String::new())
+            };
         }
-        let mut words = String::new();
+        let mut words = Vec::new();
         for (at, parameter) in function.template.iter().enumerate() {
             let kind = types
                 .and_then(|it| it.get(at))
                 .copied()
                 .unwrap_or(Kind::Any);
-            words += &match (scope.get(&parameter.name), parameter.is_type) {
+            words.push(match (scope.get(&parameter.name), parameter.is_type) {
                 (Some(slot), false) => format!("{:?},", self.slots[*slot]),
                 _ if kind != Kind::Any => format!("{kind:?},"),
                 _ => {
@@ -316,9 +319,9 @@ impl Machine<'_> {
                         _ => return None,
                     }
                 }
-            };
+            });
         }
-        Some(words)
+        Some(words.concat())
     }
 
     /// Whether a template was only announced.
