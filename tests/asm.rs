@@ -540,3 +540,20 @@ fn a_what_if_chip_shows_its_roles_and_what_it_has_not() {
     }
     assert!(!text.contains("east: "), "{text}");
 }
+
+/// A bus in three parts has weights of thirds: linear, and not read as words.
+#[test]
+fn thirds_are_linear() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "get_image(A);\nbus3(B, C, D, A);\n";
+    let lines = proof(&["asm", &kept(&folder, "p.scamp", text)]);
+    let told = lines.iter().find(|it| it.starts_with("  B ")).unwrap();
+    assert!(
+        told.contains("weights that are not read: line 2") && !told.contains("no linear map"),
+        "{told}"
+    );
+    // What is stated of them is proved by impulses.
+    let head = "//! [computes]\n//! kernel = [[-1]]\n//! scale = 0.16666666666666666\n//! register = \"B\"\n";
+    let lines = proof(&["asm", &kept(&folder, "q.scamp", &format!("{head}{text}"))]);
+    assert!(lines[0].contains("what its [computes] says"), "{lines:?}");
+}

@@ -359,6 +359,12 @@ fn what_is_not_known_is_told_and_asking_ends() {
     let warnings = said.unwrap().unwrap().faults;
     let is_told = { warnings.iter() }.any(|it| it.fault.message.contains("it is left out"));
     assert!(is_told, "{warnings:?}");
+    // What is only shown hangs on nothing else.
+    let said =
+        program("std::set<int> m; m.insert(2); if (m.size() == 1) { scamp5_output_image(A); }");
+    let warnings = said.unwrap().unwrap().faults;
+    let is_told = { warnings.iter() }.any(|it| it.fault.message.contains("decides: it is shown"));
+    assert!(is_told, "{warnings:?}");
     let said = program("while (scamp5_global_or(R5) == 0) NOT(R5);").unwrap_err();
     assert!(said.contains("statements run in one frame"), "{said}");
 }

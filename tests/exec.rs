@@ -548,6 +548,19 @@ fn what_was_written_is_listed_and_saturation_is_told() {
         warned.contains("lie at the end of its range") && !warned.contains("beyond"),
         "{warned}"
     );
+    // A picture of which every pixel is cut off, beside constants that are loaded.
+    let bench = Bench::new(
+        "init { scamp5_in(E, 127); }\nframe { mov(C, A); add(B, A, C); scamp5_in(F, -128); }",
+    )
+    .set("A", &ramp().mapv(|_| 100.0));
+    let output = bench.command(&["--set", "A=A.in.npy", "--clip", "on"]);
+    let warned = line(&{ output }.assert().success().get_output().stderr);
+    assert!(
+        warned.contains("(100 %) in B after")
+            && !warned.contains(" in E ")
+            && !warned.contains(" in F "),
+        "{warned}"
+    );
     // A number sets a constant of the program.
     let bench = Bench::new("const t = 3;\nscamp5_in(A, t);");
     bench.run(&["--set", "t=7", "--image", "pattern:spot?width=4&height=4"]);

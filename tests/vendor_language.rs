@@ -579,3 +579,172 @@ fn what_is_not_told_apart_is_refused() {
         "",
     );
 }
+
+/// Each `template<int N>` has its own variables that are made once, as has each class.
+#[test]
+fn templates_have_variables_of_their_own() {
+    numbers(
+        "template<int N> int from() { static int n = N; return ++n; } struct V { int x; }; struct W { int y; };
+template<typename T> int tick(T x) { static int n = 0; return ++n; }",
+        "scamp5_in(A, from<1>()); scamp5_in(A, from<10>()); scamp5_in(A, from<1>()); scamp5_in(A, from<10>());
+scamp5_in(B, tick(1)); scamp5_in(B, tick(1.0)); scamp5_in(B, tick(2)); V v; W w; scamp5_in(C, tick(v)); scamp5_in(C, tick(w)); scamp5_in(C, tick(v));",
+        &[2, 11, 3, 12, 1, 1, 2, 1, 1, 2],
+    );
+    told(
+        "struct V { int x; }; struct W { int y; };\ntemplate<typename T> int tick() { static int n = 0; return ++n; }\nint main() { scamp5_in(A, tick<V>()); }",
+        2,
+        "which `n` this is",
+        "variable of the file",
+    );
+}
+
+/// Of a number, or of an enumeration.
+#[test]
+fn overloads_tell_enumerations_from_numbers() {
+    let before = "enum E { P = 3, Q }; enum class F : uint8_t { X, Y = 5 }; struct H { E e; };
+void f(E e) { scamp5_in(A, 10 + e); }\nvoid f(int e) { scamp5_in(A, 100 + e); }
+void g(F e) { scamp5_in(B, 10 + (int)e); }\nvoid g(int e) { scamp5_in(B, 100 + e); }
+void l(E e) { scamp5_in(C, 1); }\nvoid l(F e) { scamp5_in(C, 2); }\nvoid m(E e) { scamp5_in(D, 1); }\nvoid m(float e) { scamp5_in(D, 2); }
+template<typename T> void give(T t) { f(t); }";
+    numbers(
+        before,
+        "f(P); f(3); f(P + 1); int x = P; f(x); E e = Q; f(e); f((int)e); E* p = &e; f(*p); E all[2] = {P, Q}; f(all[1]); auto a = P; f(a); auto b = 3; f(b); give(P); give(3); f(e = P);
+g(F::X); g(5); F y = F::Y; g(y); g((int)y); l(P); l(F::X); l(e); m(P); m(2);",
+        &[
+            13, 103, 104, 103, 14, 104, 14, 14, 13, 103, 13, 103, 13, 10, 105, 15, 105, 1, 2, 1, 1,
+            2,
+        ],
+    );
+    for unclear in ["f((E)3)", "H h; f(h.e)", "auto a = E(3); f(a)"] {
+        let text = format!("{before}\nint main() {{ {unclear}; }}");
+        told(&text, 11, "which `f` is meant is ambiguous", "convert");
+    }
+}
+
+/// By what a pointer leads to, whether a value lies there or not.
+#[test]
+fn overloads_tell_pointers_apart() {
+    numbers(
+        "void f(int* p) { scamp5_in(A, 1); }\nvoid f(const char* p) { scamp5_in(A, 2); }\nstruct S { int x; int a[2]; char c[3]; };
+void g(float* p) { scamp5_in(B, 1); }\nvoid g(int* p) { scamp5_in(B, 2); }\nvoid g(uint8_t* p) { scamp5_in(B, 3); }",
+        "int a[2] = {1, 2}; int* q = a; int x; f(a); f(\"x\"); f(q); f(&x); char c[3]; f(c); f(new int[3]); f(new char[3]); S s; f(s.a); f(s.c); f(&s.x); int b[2][2]; f(b[1]); int** pp = &q; f(*pp); std::vector<char> v(3); f(v.data());
+float r[2]; g(r); g(a); uint8_t u[2]; g(u);",
+        &[1, 2, 1, 1, 2, 1, 2, 1, 2, 1, 1, 1, 2, 1, 2, 3],
+    );
+}
+
+/// What only the run knows: how long an array is, which variable is changed.
+#[test]
+fn what_the_run_decides_is_not_taken_for_known() {
+    let within = |before: &str, inside: &str| {
+        format!(
+            "{before}\nint main() {{ while (1) {{ vs_frame_loop_control(); int n = scamp5_global_sum_fast(A);\n{inside}\n}} }}"
+        )
+    };
+    let inc = "void inc(int& x) { x += 1; }";
+    for (before, inside, message) in [
+        (
+            "",
+            "std::vector<int> v(n); scamp5_in(B, v.size());",
+            "`v.size` decides",
+        ),
+        (
+            "",
+            "int k[n]; for (int x : k) scamp5_in(B, 7);",
+            "how often this loop runs",
+        ),
+        (
+            "",
+            "std::vector<int> v; for (int i = 0; i < n; i++) v.push_back(i); scamp5_in(B, v.size());",
+            "`v.size` decides",
+        ),
+        (
+            "",
+            "std::vector<int> v; if (n > 3) v = {1, 2}; scamp5_in(B, v.size());",
+            "`v.size` decides",
+        ),
+        (
+            "",
+            "int m = -1; std::vector<int> v(m);",
+            "an array of -1 elements",
+        ),
+        (
+            inc,
+            "int a = 1, b = 5; inc(n > 3 ? a : b); scamp5_in(B, a);",
+            "which variable `inc` changes",
+        ),
+        (
+            inc,
+            "int a[2] = {1, 2}; inc(a[n]); scamp5_in(B, a[0]);",
+            "takes a value",
+        ),
+        (
+            "",
+            "int a = 1, b = 2; int* p = &a; if (n > 3) p = &b; *p = 7; scamp5_in(B, a);",
+            "takes a value",
+        ),
+        (
+            "",
+            "int a = 1, b = 2; int* p = n > 3 ? &a : &b; a = 4; *p = 7; scamp5_in(B, a);",
+            "takes a value",
+        ),
+        (
+            "",
+            "int a[3] = {1, 2, 3}; int* p = a; p += n; *p = 7; scamp5_in(B, a[0]);",
+            "takes a value",
+        ),
+        ("", "areg_t r = A; if (n > 3) r = B; mov(C, r);", "decides"),
+        (
+            "int a, b; int* pick(int n) { if (n > 3) return &a; return &b; }",
+            "b = 2; *pick(n) = 7; scamp5_in(B, b);",
+            "decides",
+        ),
+        (
+            "struct P { int x; void set(int k) { x = k; } };",
+            "P a{1}, b{2}; (n > 3 ? a : b).set(7); scamp5_in(B, a.x);",
+            "decides",
+        ),
+    ] {
+        told(&within(before, inside), 3, message, "");
+    }
+}
+
+/// An object in an array or in another object has operators too.
+#[test]
+fn operators_of_inner_objects_are_not_passed_over() {
+    let classes = "struct K { int v; bool operator==(const K& o) const { return v % 10 == o.v % 10; } };
+struct V { int x; V& operator=(const V& o) { x = o.x + 1; return *this; } }; struct H { V v; int k; };";
+    for (inside, operator) in [
+        (
+            "std::pair<K, int> p{{1}, 2}, q{{11}, 2}; scamp5_in(A, p == q);",
+            "operator==",
+        ),
+        (
+            "std::vector<K> a = {{1}}, b = {{11}}; scamp5_in(A, a == b);",
+            "operator==",
+        ),
+        ("H a{{1}, 2}, b{{5}, 6}; a = b;", "operator="),
+        ("std::vector<V> a = {V{1}}, b; b = a;", "operator="),
+        ("V a{1}, b{2}; std::swap(a, b);", "operator="),
+    ] {
+        let text = format!("{classes}\nint main() {{\n{inside}\n}}");
+        told(&text, 4, &format!("`{operator}` of"), "one by one");
+    }
+    // What is sorted or filled is not known then.
+    let text = format!(
+        "{classes}\nint main() {{\nV v[2]; V a{{3}}; std::fill(v, v + 2, a); scamp5_in(A, v[1].x);\n}}"
+    );
+    told(&text, 4, "what `fill` does", "");
+}
+
+/// `p->Base::name()` is that of the base; objects are sorted by the `<` of their class.
+#[test]
+fn functions_of_a_base_are_called_by_its_name_and_objects_sorted() {
+    numbers(
+        "struct Base { int v = 3; virtual int f() { return 1; } int g() { return v; } }; struct More : Base { int f() override { return 2; } };
+struct K { int v; bool operator<(const K& o) const { return v > o.v; } }; struct J { int v; }; bool operator<(const J& a, const J& b) { return a.v < b.v; }",
+        "More d; More* p = &d; scamp5_in(A, p->f()); scamp5_in(A, p->Base::f()); scamp5_in(A, d.Base::f()); scamp5_in(A, p->Base::g()); scamp5_in(A, p->Base::v);
+std::vector<K> k = {{1}, {13}, {2}}; std::sort(k.begin(), k.end()); for (auto& it : k) scamp5_in(B, it.v); J j[3] = {{3}, {1}, {2}}; std::sort(j, j + 3); for (auto& it : j) scamp5_in(C, it.v);",
+        &[2, 1, 1, 3, 3, 13, 2, 1, 1, 2, 3],
+    );
+}

@@ -17,6 +17,9 @@ pub struct AtBorder {
     pub of: u64,
     /// The ends.
     pub ends: [f64; 2],
+    /// Whether all pixels hold the same: a constant that was loaded, or a picture of which nothing
+    /// is left.
+    pub alike: bool,
 }
 
 /// Nearer than this part of the range a value is at its end: the chip's errors move it after the
@@ -45,7 +48,7 @@ impl Arithmetic {
 
 impl AtBorder {
     /// The registers of a chip that hold a picture of which at least a twentieth is at an end of
-    /// the range. What every pixel holds alike is a constant, and no picture.
+    /// the range, and those of which every pixel is at the same end.
     #[must_use]
     pub fn registers(chip: &dyn Array, ends: [f64; 2]) -> Vec<Self> {
         let [low, high] = ends;
@@ -70,9 +73,7 @@ impl AtBorder {
             .filter_map(|register| {
                 let values = chip.analog(register);
                 let first = values.first().copied()?;
-                if values.iter().all(|value| *value == first) {
-                    return None;
-                }
+                let alike = values.iter().all(|value| *value == first);
                 let pixels = values.iter().filter(|value| lies(**value)).count();
                 let is_much = pixels as f64 >= SHARE * values.len() as f64;
                 is_much.then(|| Self {
@@ -80,6 +81,7 @@ impl AtBorder {
                     pixels: pixels as u64,
                     of: values.len() as u64,
                     ends,
+                    alike,
                 })
             });
         looked.collect()

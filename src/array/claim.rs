@@ -7,7 +7,7 @@ use super::{
     Array as _, Chip, Exact, Input, Settings,
     crossing::{self, Parting},
     effort,
-    taps::{self, TapsError},
+    taps::{self, NoTaps, TapsError, Why},
 };
 use crate::{
     event::Packet,
@@ -141,8 +141,12 @@ pub fn check(
         why,
     };
     let traced = effort(&code.frame, device).is_some_and(|effort| effort <= MOST_EFFORT);
-    let (found, proof) = if traced {
-        let taps = taps::read(&code.frame, device, settings, register);
+    let taps = traced.then(|| taps::read(&code.frame, device, settings, register));
+    // Thirds are linear, and are not read.
+    let taps = taps.filter(
+        |it| !matches!(it, Err(TapsError::NoTaps(NoTaps { why, .. })) if *why == Why::Parts),
+    );
+    let (found, proof) = if let Some(taps) = taps {
         let taps = taps.map_err(|why: TapsError| not_linear(why.to_string()))?;
         let mut others: Vec<String> = taps
             .taps

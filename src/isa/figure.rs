@@ -67,8 +67,8 @@ pub enum Domain {
     Part,
     /// From -1 to 1.
     Correlation,
-    /// 0 or 1.
-    Bit,
+    /// 1, the only one that is modelled.
+    Set,
 }
 
 impl Domain {
@@ -95,7 +95,7 @@ impl Domain {
                 )
             }
             Self::Correlation => (Range::between(-1.0, 1.0), false),
-            Self::Bit => (Range::between(0.0, 1.0), true),
+            Self::Set => (Range::between(1.0, 1.0), true),
         }
     }
 
@@ -137,7 +137,7 @@ impl Domain {
             Self::Links => "a whole number from 4 to 255",
             Self::Part => "a number from 0 to below 1",
             Self::Correlation => "a number from -1 to 1",
-            Self::Bit => "0 or 1",
+            Self::Set => "1: arrays with another one are not modelled",
         }
     }
 }
@@ -230,7 +230,7 @@ figures! {
     /// Value of every analogue register off the array.
     Edge = "edge"."analogue", "LSB", Any;
     /// FLAG off the array.
-    EdgeFlag = "edge"."flag", "bit", Bit;
+    EdgeFlag = "edge"."flag", "bit", Set;
     /// Transfer error of one store; two stores cancel it.
     TransferError = "error"."transfer", "LSB", Any;
     /// Level towards which an analogue register decays; a register that was never written holds 0.
@@ -286,7 +286,7 @@ mod tests {
         assert!(Domain::Part.holds(0.0) && !Domain::Part.holds(1.0));
         assert!(Domain::Correlation.holds(-1.0) && !Domain::Correlation.holds(1.1));
         assert!(Domain::Codes.holds(16.0) && !Domain::Codes.holds(512.0));
-        assert!(Domain::Bit.holds(1.0) && !Domain::Bit.holds(0.5) && !Domain::Bit.holds(7.0));
+        assert!(Domain::Set.holds(1.0) && !Domain::Set.holds(0.0) && !Domain::Set.holds(7.0));
         assert!(!Domain::Any.holds(f64::NAN) && !Domain::Positive.holds(f64::INFINITY));
     }
 }

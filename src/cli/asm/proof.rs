@@ -337,6 +337,10 @@ fn equation(register: Analog, kernel: &Result<Taps, NoTaps>, device: &Device) ->
     let name = device.analog_name(register);
     let taps = match kernel {
         Ok(taps) => taps,
+        // A third is linear too.
+        Err(why) if why.why == taps::Why::Parts => {
+            return vec![format!("  {name:<4} weights that are not read: {why}")];
+        }
         Err(why) => return vec![format!("  {name:<4} no linear map: {why}")],
     };
     let parts = parts(taps);

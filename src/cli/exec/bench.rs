@@ -18,7 +18,7 @@ use super::{
     strip, trace,
 };
 use crate::{
-    array::{Arithmetic, Array, Register, Schedule, Settings},
+    array::{Arithmetic, Array, Register, Schedule, Settings, claim::MOST_EFFORT, effort, taps},
     event::Packet,
     isa::{Device, Figure},
     limit::THREADS,
@@ -276,6 +276,9 @@ impl<'a> Bench<'a> {
         }
         for it in saturated {
             let at = it.worst;
+            if at.alike && self.loads(&at.register) {
+                continue;
+            }
             let counted = (at.pixels, at.of);
             let after = if it.frame + 1 == frames {
                 "the last frame".to_owned()
@@ -290,6 +293,24 @@ impl<'a> Bench<'a> {
             });
         }
         guard.warnings()
+    }
+
+    /// Whether a register holds a constant that the program loads, whatever the light is.
+    fn loads(&self, register: &str) -> bool {
+        let device = &self.opened.device;
+        let steps = self.codes().concat();
+        if effort(&steps, device).is_none_or(|it| it > MOST_EFFORT) {
+            return true;
+        }
+        let all = taps::read_all(&steps, device, self.settings);
+        let at = device.value_of(register).and_then(|it| it.analog());
+        match (all, at) {
+            (Ok(all), Some(at)) => {
+                let read = all.get(usize::from(at.0));
+                read.is_none_or(|it| matches!(it, Ok(taps) if taps.taps.is_empty()))
+            }
+            _ => true,
+        }
     }
 
     /// Looks for registers at the end of their range, or, in an arithmetic that has no end, beyond

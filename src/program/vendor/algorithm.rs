@@ -3,9 +3,10 @@
 use std::{rc::Rc, sync::Arc};
 
 use super::{
-    call::Argument,
+    call::{Argument, Named},
     look,
     machine::{Location, Machine},
+    operator::COMPARED,
     reach::Reach,
     shape,
     tree::{Expr, ExprNode, Function, last},
@@ -52,7 +53,9 @@ impl Machine<'_> {
             "sort" | "stable_sort" if given.get(2).is_some_and(falls) => {
                 self.moved_about("fall", &values[..2])
             }
-            "sort" | "stable_sort" if values.len() == 3 => self.ordered(&values, place),
+            "sort" | "stable_sort" if values.len() == 3 || self.has_less(&values) => {
+                self.ordered(&values, place)
+            }
             "sort" | "stable_sort" if values.len() == 2 && forwards(&values).is_some() => {
                 self.moved_about("fall", &forwards(&values).unwrap_or_default())
             }
@@ -256,6 +259,14 @@ impl Machine<'_> {
             }
             _ => return None,
         };
+        let compares = matches!(name, "fall" | "sort" | "stable_sort");
+        let mut own = { written.iter() }.map(|it| {
+            self.own_operator(it, &["operator="])
+                .or_else(|| self.own_operator(it, &COMPARED).filter(|_| compares))
+        });
+        if own.any(|it| it.is_some()) {
+            return None;
+        }
         let end = range.pointer(range.length);
         self.write(&range, written);
         Some(end)
@@ -328,18 +339,32 @@ impl Machine<'_> {
         Some(into.map_or(Value::Whole(0), |it| it.pointer(it.length)))
     }
 
-    /// Elements are sorted by a function that says whether one comes before another.
-    fn ordered(&mut self, values: &[Value], place: Place) -> Option<Value> {
-        let [from, to, by] = values else {
-            return None;
+    /// Whether elements are objects of a class that has a `<` of its own.
+    fn has_less(&self, values: &[Value]) -> bool {
+        let [from, to] = values else {
+            return false;
         };
+        let first = self.range(from, to).map(|it| it.at(0));
+        let first = first.and_then(|(slot, path)| self.peek(slot, &path));
+        let Some(value @ Value::Record(layout, _)) = first else {
+            return false;
+        };
+        let own = self.own_operator(value, &["operator<"]);
+        own.is_some_and(|it| it.0 == layout.name)
+    }
+
+    /// Elements are sorted by a function that says whether one comes before another, or by the `<` of
+    /// their class.
+    fn ordered(&mut self, values: &[Value], place: Place) -> Option<Value> {
+        let ([from, to], by) = (values.first_chunk()?, values.get(2));
         let function = match by {
-            Value::Lambda(function) => Rc::clone(function),
-            Value::Symbol(name) => match &self.functions.get(last(name))?[..] {
-                [only] => Rc::clone(only),
+            None => None,
+            Some(Value::Lambda(function)) => Some(Rc::clone(function)),
+            Some(Value::Symbol(name)) => match &self.functions.get(last(name))?[..] {
+                [only] => Some(Rc::clone(only)),
                 _ => return None,
             },
-            _ => return None,
+            Some(_) => return None,
         };
         let range = self.range(from, to)?;
         let mut sorted: Vec<Value> = Vec::new();
@@ -351,8 +376,11 @@ impl Machine<'_> {
                     return None;
                 }
                 let middle = usize::midpoint(low, high);
-                let pair = vec![value.clone().into(), sorted[middle].clone().into()];
-                let is_before = self.enter_with(&function, pair, None, place);
+                let (one, other) = (value.clone().into(), sorted[middle].clone().into());
+                let is_before = match &function {
+                    Some(it) => self.enter_with(it, vec![one, other], None, place),
+                    None => self.binary_operator("<", one, other, place),
+                };
                 is_before.number()?;
                 if is_before.truth().ok()? {
                     high = middle;
@@ -362,6 +390,9 @@ impl Machine<'_> {
             }
             self.passes(sorted.len() - low);
             sorted.insert(low, value);
+        }
+        if { sorted.iter() }.any(|it| self.own_operator(it, &["operator="]).is_some()) {
+            return None;
         }
         let end = range.pointer(range.length);
         self.write(&range, sorted);
@@ -376,6 +407,8 @@ impl Machine<'_> {
             value,
             location: Some(location),
             kind,
+            named: Named::Unclear,
+            lost: None,
         };
         self.enter_with(function, vec![argument], None, place)
     }

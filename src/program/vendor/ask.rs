@@ -145,6 +145,20 @@ impl Machine<'_> {
         );
     }
 
+    /// Warns of what is shown where only the run knows whether: beside the array it is, since nothing
+    /// else hangs on it.
+    pub(super) fn shown(&mut self, place: Place, what: &str, why: &Why) {
+        if self.companion.is_none() {
+            self.unread(place, what, why);
+            return;
+        }
+        let message = format!("{what}, {why} decides: it is shown");
+        self.fault(
+            Fault::warning(place, message, "not known here")
+                .help("write it with what docs/vendor-code.md lists"),
+        );
+    }
+
     /// A new frame begins.
     pub(super) fn sync(&mut self, place: Place) {
         self.dark = false;

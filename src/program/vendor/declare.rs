@@ -113,9 +113,8 @@ impl Machine<'_> {
             self.not_followed.insert(slot, why);
             return;
         }
-        if it.lasting
-            && let Some(slot) = self.lasting.get(&self.made_once(it))
-        {
+        let once = it.lasting.then(|| self.made_once(it));
+        if let Some(slot) = once.as_ref().and_then(|it| self.lasting.get(it)) {
             let slot = *slot;
             self.bind(&it.name, slot);
             return;
@@ -239,11 +238,19 @@ impl Machine<'_> {
         if copied {
             self.copied.insert(slot);
         }
-        if !it.pointer && self.layouts.contains_key(&it.of) {
-            self.classes.insert(slot, it.of.clone());
+        match &it.value {
+            Some(value) if &*it.of == "auto" => {
+                let named = self.type_name(value, self.lies(value).as_ref());
+                self.name_type(slot, &named);
+            }
+            _ if !it.pointer && !it.of.is_empty() => {
+                self.classes.insert(slot, it.of.clone());
+            }
+            _ => {}
         }
         if it.lasting {
-            self.lasting.insert(self.made_once(it), slot);
+            let once = self.made_once(it);
+            self.lasting.insert(once, slot);
         }
     }
 
@@ -289,13 +296,17 @@ impl Machine<'_> {
     }
 
     /// Which variable it is, of those that are made once.
-    fn made_once(&self, it: &Declared) -> (usize, String) {
-        let types = if self.types.is_empty() {
+    fn made_once(&mut self, it: &Declared) -> (usize, String) {
+        let made = self.made.clone().unwrap_or_else(|| {
+            self.error(
+                it.place,
+                format!("which `{}` this is: each type has its own", it.name),
+                "`static` in a template",
+                "the type that the template is given here is not known: make it a variable of the file",
+            );
             String::new()
-        } else {
-            format!("{:?}", self.types)
-        };
-        (it.place.start, types)
+        });
+        (it.place.start, made)
     }
 
     /// Another name for a variable, which may be of a class that its own is made from.
@@ -368,7 +379,7 @@ impl Machine<'_> {
             .get(&it.of)
             .filter(|it| it.constructs())?
             .clone();
-        let lengths: Option<Vec<usize>> = self.lengths(it).into_iter().collect();
+        let lengths: Option<Vec<usize>> = self.lengths(it).ok()?.into_iter().collect();
         let count: usize = lengths?.into_iter().product();
         let mut all = Vec::new();
         while !it.pointer && all.len() < count && !self.done() {
@@ -404,7 +415,10 @@ impl Machine<'_> {
 
     /// A value with the lengths and the type of what holds it.
     pub(super) fn shaped(&mut self, it: &Declared, value: Value) -> Value {
-        let lengths = self.lengths(it);
+        let lengths = match self.lengths(it) {
+            Ok(lengths) => lengths,
+            Err(why) => return Value::Unknown(why),
+        };
         let value = match value {
             // An array of the language's library is copied.
             Value::Pointer(slot, path, _) if it.library => self.at(slot, &path),
@@ -453,10 +467,13 @@ impl Machine<'_> {
             let layout = self.layouts.get(&member.of).filter(|_| !member.pointer);
             let layout = layout.cloned();
             let lengths = self.lengths(member);
-            let text = last(&member.of) == "string" && !member.pointer && lengths.is_empty();
-            let text = text.then(|| Value::Text("".into()));
+            let text = last(&member.of) == "string" && member.lengths.is_empty();
+            let text = (text && !member.pointer).then(|| Value::Text("".into()));
             let initial = member.value.as_ref().map(|value| self.value(value));
-            let initial = initial.or(text);
+            let (lengths, initial) = match lengths {
+                Ok(lengths) => (lengths, initial.or(text)),
+                Err(why) => (Vec::new(), Some(Value::Unknown(why))),
+            };
             members.push(Member {
                 name: member.name.clone(),
                 kind: member.kind,
@@ -485,20 +502,39 @@ impl Machine<'_> {
         self.layouts.insert(it.name.clone(), layout.into());
     }
 
-    /// The lengths of an array; none is known where it is too large.
-    fn lengths(&mut self, it: &Declared) -> Vec<Option<usize>> {
+    /// The lengths of an array; none is known where it is too large. `Err` says what decides on one
+    /// that is not known.
+    fn lengths(&mut self, it: &Declared) -> Result<Vec<Option<usize>>, Why> {
         let mut lengths = Vec::new();
         for length in &it.lengths {
-            let value = length.as_ref().map(|length| self.value(length));
-            let whole = value.as_ref().and_then(Value::whole);
-            lengths.push(whole.and_then(|n| usize::try_from(n).ok()));
+            let Some(length) = length else {
+                lengths.push(None);
+                continue;
+            };
+            let value = match self.value(length) {
+                Value::Symbol(name) => self.unheard(&name, length.place),
+                value => value,
+            };
+            if let Value::Unknown(why) = value {
+                return Err(why);
+            }
+            let whole = value.whole().and_then(|n| usize::try_from(n).ok());
+            if whole.is_none() {
+                let count = value
+                    .whole()
+                    .map_or_else(|| value.describe(), |it| it.to_string());
+                let message = format!("an array of {count} elements");
+                let help = "give it a length from 0 on";
+                self.error(length.place, message, "this length", help);
+            }
+            lengths.push(whole);
         }
         let layout = self.layouts.get(&it.of).filter(|_| !it.pointer);
         let one = layout.map_or(1, |it| it.size());
         if !self.fits(shape::count(one, &lengths), it.place) {
             lengths.fill(None);
         }
-        lengths
+        Ok(lengths)
     }
 }
 

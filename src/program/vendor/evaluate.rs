@@ -8,6 +8,7 @@ use super::{
     layout::Layout,
     look,
     machine::{Flow, Location, Machine},
+    operator::COMPARED,
     reach::{Reach, base_name},
     scope::foreign,
     tree::{Declared, Expr, ExprNode, Function, Kind, Width, last},
@@ -51,8 +52,10 @@ impl Machine<'_> {
                     self.value(if holds { yes } else { no }).converted(kind)
                 }
                 Err(why) => {
-                    let (yes, no) = (look::statement(yes), look::statement(no));
-                    self.either(condition, &[&yes, &no], &why);
+                    let parts = (look::statement(yes), look::statement(no));
+                    self.either(condition, &[&parts.0, &parts.1], &why);
+                    self.lose_led(yes, &why);
+                    self.lose_led(no, &why);
                     Value::Unknown(why)
                 }
             },
@@ -261,7 +264,7 @@ impl Machine<'_> {
         let mut value = argument.value;
         if let Some(operator) = operator {
             let before = self.load(&reached, to);
-            let after = Value::binary(operator, &before, &value);
+            let after = self.arithmetic(operator, &before, &value);
             value = self.or_fault(after, place);
         }
         let value = self.store(&reached, value, to);
@@ -322,6 +325,11 @@ impl Machine<'_> {
         {
             return self.binary_operator(operator, a.into(), b.into(), place);
         }
+        if let (Value::List(_), Value::List(_)) = (&a, &b)
+            && self.holds_own(&a, &COMPARED, place)
+        {
+            return Value::Whole(0);
+        }
         let single =
             matches!(operator, "&&" | "||") || a.number().is_some() != b.number().is_some();
         if single && (self.no_number(&a, left) || self.no_number(&b, right)) {
@@ -350,9 +358,20 @@ impl Machine<'_> {
             (Value::Back(one, from, _), Value::Back(other, to, _)) if one == other => {
                 self.between(operator, (*one, to, from))
             }
-            _ => Value::binary(operator, &a, &b),
+            _ => self.arithmetic(operator, &a, &b),
         };
         self.or_fault(value, place)
+    }
+
+    /// Arithmetic; a pointer that moves by what only the run knows may lead to any element.
+    fn arithmetic(&mut self, operator: &str, a: &Value, b: &Value) -> Result<Value, String> {
+        if let (Value::Pointer(slot, ..) | Value::Back(slot, ..), Value::Unknown(why))
+        | (Value::Unknown(why), Value::Pointer(slot, ..)) = (a, b)
+            && matches!(operator, "+" | "-")
+        {
+            self.lose(*slot, why);
+        }
+        Value::binary(operator, a, b)
     }
 
     /// Whether a name is one of the chip's, or of a function or class of the file.

@@ -540,7 +540,11 @@ fn postfix(it: &mut Parser<'_>, mut value: Expr) -> Parsed<Expr> {
         } else if it.sees(".") || it.sees("->") {
             it.link()?;
             it.at += 1;
-            let name = it.name("a member is `object.name`")?;
+            let mut name = it.name("a member is `object.name`")?;
+            while it.take("::") {
+                // `object.Base::name`
+                name = format!("{name}::{}", it.name("a member is `object.Base::name`")?).into();
+            }
             ExprNode::Member(Box::new(value), name)
         } else if it.sees("++") && !it.peek(0).is_some_and(|t| t.first) {
             it.link()?;

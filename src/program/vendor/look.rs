@@ -90,6 +90,7 @@ impl Callees {
                 }
             }
             ExprNode::Member(of, name) => {
+                let name = last(name);
                 self.functions.extend(members(machine, name));
                 if let Some(slot) = base(of).and_then(|it| machine.find(&it)) {
                     self.launched(&machine.slots[slot]);
@@ -188,6 +189,7 @@ impl Callees {
 
 /// Functions of classes that have this name.
 pub(super) fn members(machine: &Machine<'_>, name: &str) -> Vec<Rc<Function>> {
+    let name = last(name);
     let inside = machine.members.get(name).into_iter().flatten();
     let outside = machine.functions.get(name).into_iter().flatten();
     let outside = outside.filter(|it| it.qualified);
@@ -370,15 +372,23 @@ pub(super) fn leaves_switch(it: &Stmt) -> bool {
 
 /// Forgets what it assigns.
 pub(super) fn forget(machine: &mut Machine<'_>, it: &Stmt, why: &Why) {
-    let (names, functions) = assigned(machine, it);
+    let Assigned {
+        names,
+        functions,
+        moved,
+        given,
+        led,
+        grows,
+    } = assigned(machine, it);
     let mut slots: BTreeSet<Slot> = names.iter().flat_map(|it| machine.find_all(it)).collect();
     // What a lambda took along, it assigns wherever it is called.
     let held = functions.iter().flat_map(|it| &it.held);
     slots.extend(held.filter(|it| names.contains(&it.0)).map(|it| it.1));
+    slots.extend(led);
     for slot in slots {
         match machine.slots[slot].clone() {
             Value::Pointer(slot, path, _) | Value::Reference(slot, path) => {
-                machine.forget(slot, &path, why);
+                forget_grown(machine, (slot, &path), grows, why);
             }
             // Of a reverse iterator, any element.
             Value::Back(slot, path, _) => {
@@ -386,8 +396,41 @@ pub(super) fn forget(machine: &mut Machine<'_>, it: &Stmt, why: &Why) {
                 machine.forget(slot, array, why);
             }
             Value::Symbol(_) | Value::Lambda(_) => {}
-            _ => machine.forget(slot, &[], why),
+            _ => forget_grown(machine, (slot, &[]), grows, why),
         }
+    }
+    // Where a pointer leads afterwards is not known: what it led to and may lead to.
+    for it in &given {
+        machine.lose_led(it, why);
+    }
+    for (slot, path) in { moved.iter() }
+        .filter_map(|it| machine.lies(it))
+        .collect::<Vec<_>>()
+    {
+        match machine.peek(slot, &path).cloned() {
+            Some(Value::Pointer(led, ..) | Value::Back(led, ..)) => machine.lose(led, why),
+            Some(Value::Symbol(_) | Value::Lambda(_)) => {}
+            _ => continue,
+        }
+        machine.put(slot, &path, Value::Unknown(why.clone()));
+    }
+}
+
+/// Forgets a value; of an array of the language's library that may have other elements, its length
+/// too.
+fn forget_grown(machine: &mut Machine<'_>, (slot, path): (Slot, &[usize]), grows: bool, why: &Why) {
+    if grows && machine.is_library(slot, path) {
+        machine.put(slot, path, Value::Unknown(why.clone()));
+    } else if grows
+        && let Some(Value::Record(layout, _)) = machine.peek(slot, path)
+        && layout.entry.is_none()
+    {
+        let layout = Rc::clone(layout);
+        for at in 0..layout.members.len() {
+            forget_grown(machine, (slot, &[path, &[at]].concat()), true, why);
+        }
+    } else {
+        machine.forget(slot, path, why);
     }
 }
 
@@ -396,14 +439,45 @@ pub(super) fn acts(machine: &Machine<'_>, it: &Declared) -> bool {
     let value = it.value.as_ref();
     let value = value.filter(|it| matches!(it.node, ExprNode::Call(..)));
     value.is_some_and(|it| {
-        let (names, _) = assigned(machine, &statement(it));
+        let names = assigned(machine, &statement(it)).names;
         names.iter().any(|it| !machine.find_all(it).is_empty())
     })
 }
 
-/// The names that it assigns to, and the functions that it calls.
-fn assigned(machine: &Machine<'_>, it: &Stmt) -> (Vec<Word>, Vec<Rc<Function>>) {
+/// What a statement may assign to.
+struct Assigned {
+    names: Vec<Word>,
+    /// The functions that it calls.
+    functions: Vec<Rc<Function>>,
+    /// What may lead elsewhere afterwards, and what it or a function gives.
+    moved: Vec<Expr>,
+    given: Vec<Expr>,
+    /// What pointers lead to that are its own.
+    led: Vec<Slot>,
+    /// Whether arrays may have other elements afterwards.
+    grows: bool,
+}
+
+/// Functions of an array after which it may have another length.
+const GROW: [&str; 12] = [
+    "push_back",
+    "push_front",
+    "pop_back",
+    "pop_front",
+    "emplace_back",
+    "emplace_front",
+    "emplace",
+    "insert",
+    "erase",
+    "resize",
+    "clear",
+    "assign",
+];
+
+fn assigned(machine: &Machine<'_>, it: &Stmt) -> Assigned {
     let mut names = Vec::new();
+    let (mut moved, mut given) = (Vec::new(), Vec::new());
+    let (mut led, mut grows) = (Vec::new(), false);
     let list = |name: &Word| {
         let slot = machine.find(name);
         slot.is_some_and(|slot| {
@@ -419,9 +493,30 @@ fn assigned(machine: &Machine<'_>, it: &Stmt) -> (Vec<Word>, Vec<Rc<Function>>) 
         slot.is_some_and(|slot| matches!(machine.slots[slot], Value::Record(..)))
     };
     let mut part = |part: &Part<'_>| {
-        let Part::Expr(value) = part else { return };
+        let value = match part {
+            Part::Expr(value) => value,
+            Part::Stmt(it) => {
+                if let StmtNode::Declare(all) = &it.node {
+                    let own = all.iter().filter(|it| !it.constant);
+                    let values = own.filter_map(|it| Some((it.reference, it.value.as_ref()?)));
+                    for (reference, value) in values {
+                        names.extend(base(value).filter(|_| reference));
+                        led.extend(machine.leads_to(value));
+                    }
+                } else if let StmtNode::Return(Some(value)) = &it.node {
+                    given.push(value.clone());
+                }
+                return;
+            }
+        };
         match &value.node {
             ExprNode::Assign(_, to, _) | ExprNode::Step(to, ..) => {
+                if let ExprNode::Assign(_, _, value) = &value.node {
+                    given.push((**value).clone());
+                }
+                let lies = machine.lies(to);
+                grows |= lies.is_some_and(|(slot, path)| machine.is_library(slot, &path));
+                moved.push((**to).clone());
                 names.extend(base(to));
                 names.extend(tied(to).into_iter().flatten().filter_map(base));
             }
@@ -438,7 +533,8 @@ fn assigned(machine: &Machine<'_>, it: &Stmt) -> (Vec<Word>, Vec<Rc<Function>>) 
                 }
                 // So may the object that is called, or that a function belongs to.
                 names.extend(base(callee).filter(object));
-                if let ExprNode::Member(of, _) = &callee.node {
+                if let ExprNode::Member(of, name) = &callee.node {
+                    grows |= GROW.contains(&&**name);
                     names.extend(base(of));
                 }
                 let callees = Callees::of(machine, &Locals::new(), callee);
@@ -452,7 +548,14 @@ fn assigned(machine: &Machine<'_>, it: &Stmt) -> (Vec<Word>, Vec<Rc<Function>>) 
         }
     };
     let functions = reach(machine, it, &mut part, &mut |_, _| {});
-    (names, functions)
+    Assigned {
+        names,
+        functions,
+        moved,
+        given,
+        led,
+        grows,
+    }
 }
 
 /// The variable that is meant by a target.

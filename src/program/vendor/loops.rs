@@ -108,7 +108,7 @@ impl Machine<'_> {
         } else if each.iter().flatten().any(|it| look::reads(self, it)) {
             self.unread(it.place, "how often this is read out", why);
         } else if each.iter().flatten().any(|it| look::shows(self, it)) {
-            self.unread(it.place, "how often this is shown", why);
+            self.shown(it.place, "how often this is shown", why);
         }
         look::forget(self, body, why);
         if self.companion.is_some() {

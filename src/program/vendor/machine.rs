@@ -102,6 +102,8 @@ pub(super) struct Machine<'a> {
     pub referred: Option<(usize, Location)>,
     /// The types that the template which runs was given, by position.
     pub types: Vec<Kind>,
+    /// What the template that runs is made for; nothing where that is not known.
+    pub made: Option<String>,
     /// What stands in `<…>` before the call that comes next.
     pub angles: Option<Vec<TemplateArgument>>,
     /// Variables that change from frame to frame, and were given one value for good.
@@ -113,8 +115,8 @@ pub(super) struct Machine<'a> {
     pub space: Word,
     /// Names of variables that are declared in several namespaces.
     pub ambiguous: BTreeSet<Word>,
-    /// Variables that are made once, by the place of their declaration, and by the types of the
-    /// template that they stand in.
+    /// Variables that are made once, by the place of their declaration, and by what the template is
+    /// made for that they stand in.
     pub lasting: BTreeMap<(usize, String), Slot>,
     /// What was asked of the array since the last frame began.
     pub items: Vec<Item>,
@@ -184,6 +186,7 @@ impl<'a> Machine<'a> {
             calls: 0,
             referred: None,
             types: Vec::new(),
+            made: Some(String::new()),
             angles: None,
             scopes: vec![BTreeMap::new()],
             base: 0,

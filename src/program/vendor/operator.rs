@@ -3,14 +3,24 @@
 use std::rc::Rc;
 
 use super::{
-    call::Argument,
+    call::{Argument, Named},
     layout::Layout,
     machine::{Location, Machine},
     reach::Reach,
-    tree::{Expr, ExprNode, last},
+    tree::{Expr, ExprNode, Function, Word, last},
     value::Value,
 };
 use crate::config::Place;
+
+/// Operators that compare.
+pub(super) const COMPARED: [&str; 6] = [
+    "operator==",
+    "operator!=",
+    "operator<",
+    "operator>",
+    "operator<=",
+    "operator>=",
+];
 
 impl Machine<'_> {
     /// Two values under an operator, of which one is an object.
@@ -25,6 +35,9 @@ impl Machine<'_> {
             && one.is_tuple()
             && other.is_tuple()
         {
+            if self.holds_own(&a.value, &COMPARED, place) {
+                return Value::Whole(0);
+            }
             return match (a.value.order(&b.value), operator) {
                 (Some(order), "==") => Value::flag(order.is_eq()),
                 (Some(order), "!=") => Value::flag(order.is_ne()),
@@ -65,6 +78,8 @@ impl Machine<'_> {
             kind: value.kind(),
             value,
             location,
+            named: Named::Number,
+            lost: None,
         };
         self.calls += 1;
         self.referred = None;
@@ -73,6 +88,40 @@ impl Machine<'_> {
         let referred = self.referred.take();
         let referred = referred.filter(|(calls, _)| *calls == self.calls + 1);
         (made, referred.map(|it| it.1))
+    }
+
+    /// Whether a value holds objects whose class has one of these operators of its own, which is not
+    /// called where the whole is copied or compared; tells of it.
+    pub(super) fn holds_own(&mut self, value: &Value, operators: &[&str], place: Place) -> bool {
+        let Some((class, operator)) = self.own_operator(value, operators) else {
+            return false;
+        };
+        self.error(
+            place,
+            format!("`{operator}` of `{class}`, objects of which are in this, is not called here"),
+            "objects inside of others, or of an array",
+            "go over the objects, in a loop or one by one",
+        );
+        true
+    }
+
+    /// The class and the operator of its own of an object that is in a value.
+    pub(super) fn own_operator(&self, value: &Value, operators: &[&str]) -> Option<(Word, Word)> {
+        let (Value::List(all) | Value::Record(_, all)) = value else {
+            return None;
+        };
+        if let Value::Record(layout, _) = value {
+            let own = layout.line().flat_map(|it| it.functions.iter());
+            let free = operators.iter().filter_map(|it| self.functions.get(*it));
+            let of_class =
+                |it: &&Rc<Function>| it.parameters.first().is_some_and(|it| it.of == layout.name);
+            let free = free.flatten().filter(of_class);
+            let mut both = own.chain(free);
+            if let Some(it) = both.find(|it| operators.contains(&&*it.name)) {
+                return Some((layout.name.clone(), it.name.clone()));
+            }
+        }
+        all.iter().find_map(|it| self.own_operator(it, operators))
     }
 
     fn no_operator(&mut self, operator: &str, (a, b): &(String, String), place: Place) -> Value {
@@ -215,7 +264,7 @@ impl Machine<'_> {
         &'o self,
         name: &str,
         given: &'o [Argument],
-    ) -> impl Iterator<Item = &'o Rc<super::tree::Function>> {
+    ) -> impl Iterator<Item = &'o Rc<Function>> {
         let all = self.functions.get(name).into_iter().flatten();
         all.filter(|it| {
             let mut pairs = given.iter().zip(it.parameters.iter());
@@ -280,6 +329,8 @@ impl Machine<'_> {
                 value: self.at(slot, &path),
                 kind: self.kind_at(slot, &path),
                 location: Some((slot, path)),
+                named: Named::Number,
+                lost: None,
             },
             Reach::Value(value) => value.into(),
             Reach::Lost(_, _, why) => Value::Unknown(why).into(),

@@ -234,6 +234,8 @@ impl Machine<'_> {
     }
 
     pub(super) fn member(&mut self, base: Reach, name: &str) -> Reach {
+        // No class has something under a name of its base.
+        let name = last(name);
         let mut base = self.through(base);
         if matches!(base, Reach::Lost(..) | Reach::Beyond(_)) {
             return base;
@@ -375,6 +377,9 @@ impl Machine<'_> {
                     // A slider that writes the variable that its handle goes to.
                     return self.at(*slot, path);
                 }
+                if self.holds_own(&value, &["operator="], to.place) {
+                    return value;
+                }
                 let value = self.separate(value);
                 let value = self.fitted(*slot, path, value);
                 self.put(*slot, path, value.clone());
@@ -391,7 +396,7 @@ impl Machine<'_> {
                 value
             }
             Reach::Value(Value::Unknown(why))
-                if matches!(to.node, ExprNode::Call(..) | ExprNode::Choose(..)) =>
+                if matches!(to.node, ExprNode::Call(..)) || self.chosen(to) =>
             {
                 let message = format!("where this is stored, {why} decides");
                 self.unknown(to.place, message, why, None);

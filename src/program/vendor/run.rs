@@ -136,7 +136,7 @@ impl Machine<'_> {
         } else if parts.iter().any(|part| look::reads(self, part)) {
             self.unread(on.place, "whether this is read out", why);
         } else if parts.iter().any(|part| look::shows(self, part)) {
-            self.unread(on.place, "whether this is shown", why);
+            self.shown(on.place, "whether this is shown", why);
         }
         for part in parts {
             look::forget(self, part, why);

@@ -344,6 +344,10 @@ pub(super) struct Parameter {
     pub of: Word,
     /// The class of the elements, where it is an array of the language's library.
     pub element: Word,
+    /// The type as it is written, without what says that it is constant.
+    pub written: Word,
+    /// The type of what a pointer leads to.
+    pub pointee: Kind,
     pub reference: bool,
     /// Whether it is a reference, to a constant too.
     pub alias: bool,

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::{
     layout::Layout,
     machine::Machine,
-    tree::{Kind, Word},
+    tree::{Expr, ExprNode, Kind, Word, last},
     value::{Slot, Value},
     why::Why,
 };
@@ -170,6 +170,60 @@ impl Machine<'_> {
         };
         for at in first..length {
             self.forget(slot, &[array, &[at]].concat(), why);
+        }
+    }
+
+    /// A pointer may lead there of which only the run knows where it leads: nothing is known of the
+    /// variable for good.
+    pub(super) fn lose(&mut self, slot: Slot, why: &Why) {
+        if self.copied.contains(&slot) {
+            self.put(slot, &[], Value::Unknown(why.clone()));
+        } else {
+            self.forget(slot, &[], why);
+        }
+        self.fixed.insert(slot);
+    }
+
+    /// Nothing is known of what a pointer leads to, which may be one of several.
+    pub(super) fn lose_led(&mut self, it: &Expr, why: &Why) {
+        for slot in self.leads_to(it) {
+            self.lose(slot, why);
+        }
+    }
+
+    /// The variables that a pointer leads to, as far as its text says.
+    pub(super) fn leads_to(&self, it: &Expr) -> Vec<Slot> {
+        match &it.node {
+            ExprNode::Unary("&", of) => self.lies(of).into_iter().map(|it| it.0).collect(),
+            ExprNode::Binary("+" | "-", a, b) | ExprNode::Choose(_, a, b) => {
+                [self.leads_to(a), self.leads_to(b)].concat()
+            }
+            ExprNode::Convert(_, of) | ExprNode::Recast(_, of) => self.leads_to(of),
+            _ => self.led_by(it).into_iter().collect(),
+        }
+    }
+
+    fn led_by(&self, it: &Expr) -> Option<Slot> {
+        let (slot, path) = self.lies(it)?;
+        match self.peek(slot, &path)? {
+            Value::Pointer(slot, ..) | Value::Back(slot, ..) => Some(*slot),
+            Value::List(_) if !self.is_library(slot, &path) => Some(slot),
+            _ => None,
+        }
+    }
+
+    /// Whether it is one variable or another: a choice, or what a function gives back.
+    pub(super) fn chosen(&self, it: &Expr) -> bool {
+        match &it.node {
+            ExprNode::Choose(..) => true,
+            ExprNode::Member(of, _) | ExprNode::Index(of, _) => self.chosen(of),
+            ExprNode::Call(callee, _) => match &callee.node {
+                ExprNode::Name(name) => {
+                    { self.functions.get(last(name)).into_iter().flatten() }.any(|it| it.refers)
+                }
+                _ => false,
+            },
+            _ => false,
         }
     }
 

@@ -114,7 +114,7 @@ impl Machine<'_> {
     }
 
     /// Where the value of an expression lies, or another element of the same array.
-    fn lies(&self, it: &Expr) -> Option<Location> {
+    pub(super) fn lies(&self, it: &Expr) -> Option<Location> {
         match &it.node {
             ExprNode::Name(name) => self.named_location(name),
             ExprNode::Unary("*", of) | ExprNode::Index(of, _) => {

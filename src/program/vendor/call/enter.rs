@@ -9,7 +9,7 @@ use super::super::{
     value::Value,
     why::Why,
 };
-use super::overload::Argument;
+use super::overload::{Argument, Lost, Named};
 use crate::config::Place;
 
 /// Calls inside each other.
@@ -74,28 +74,12 @@ impl Machine<'_> {
         if let Some(special) = self.special((function, place), types.as_deref(), &scope) {
             return self.enter_with(&special, given, None, place);
         }
-        let outer = std::mem::replace(&mut self.types, types.unwrap_or_default());
-        let mut given = given.into_iter();
-        for (i, parameter) in function.parameters.iter().enumerate() {
-            let kind = self.resolved(parameter.kind);
-            let slot = match (given.next(), self.default(function, i)) {
-                (Some(it), _) => self.given(it, kind, parameter),
-                (None, Some(default)) => {
-                    // It sees the names of the file, not those of the caller.
-                    let base = std::mem::replace(&mut self.base, self.scopes.len());
-                    let space = std::mem::replace(&mut self.space, function.space.clone());
-                    let value = self.value(&default);
-                    (self.base, self.space) = (base, space);
-                    self.taken(value, kind, parameter)
-                }
-                // What `main` is started with.
-                (None, None) => {
-                    let why = format!("`{}`", parameter.name);
-                    self.hold(Value::Unknown(why.into()), Kind::Any)
-                }
-            };
-            scope.insert(parameter.name.clone(), slot);
-        }
+        let made = self.made_for(function, &given, types.as_deref(), &scope);
+        let outer = (
+            std::mem::replace(&mut self.types, types.unwrap_or_default()),
+            std::mem::replace(&mut self.made, made),
+        );
+        self.bind_parameters(function, given, &mut scope, place);
         let (base, maybe) = (self.base, self.maybe.clone());
         let space = std::mem::replace(&mut self.space, function.space.clone());
         self.base = self.scopes.len();
@@ -109,12 +93,17 @@ impl Machine<'_> {
         self.base = base;
         self.space = space;
         let returns = self.resolved(function.returns);
-        self.types = outer;
+        (self.types, self.made) = outer;
         // Whether it returned early is its own affair, but for what it gives back.
         let unsure = std::mem::replace(&mut self.maybe, maybe.clone());
         self.referred = None;
         match (flow, unsure) {
-            (_, Some(why)) if maybe.is_none() => Value::Unknown(why),
+            (flow, Some(why)) if maybe.is_none() => {
+                if let Flow::Return(Value::Pointer(slot, ..)) = flow {
+                    self.lose(slot, &why);
+                }
+                Value::Unknown(why)
+            }
             (Flow::Return(Value::Reference(slot, path)), _) => {
                 let value = self.decayed(slot, &path, &function.name);
                 self.referred = Some((self.calls, (slot, path)));
@@ -136,6 +125,40 @@ impl Machine<'_> {
         }
     }
 
+    /// Makes the parameters of a function.
+    fn bind_parameters(
+        &mut self,
+        function: &Function,
+        given: Vec<Argument>,
+        scope: &mut BTreeMap<Word, usize>,
+        place: Place,
+    ) {
+        let mut given = given.into_iter();
+        for (i, parameter) in function.parameters.iter().enumerate() {
+            let kind = self.resolved(parameter.kind);
+            let slot = match (given.next(), self.default(function, i)) {
+                (Some(it), _) => {
+                    self.loses((&it, function), parameter, place);
+                    self.given(it, kind, parameter)
+                }
+                (None, Some(default)) => {
+                    // It sees the names of the file, not those of the caller.
+                    let base = std::mem::replace(&mut self.base, self.scopes.len());
+                    let space = std::mem::replace(&mut self.space, function.space.clone());
+                    let value = self.value(&default);
+                    (self.base, self.space) = (base, space);
+                    self.taken(value, kind, parameter)
+                }
+                // What `main` is started with.
+                (None, None) => {
+                    let why = format!("`{}`", parameter.name);
+                    self.hold(Value::Unknown(why.into()), Kind::Any)
+                }
+            };
+            scope.insert(parameter.name.clone(), slot);
+        }
+    }
+
     /// What a function gives back, as an object of the class that it says, or an array of them.
     fn given_of(&self, function: &Function, value: Value) -> Value {
         let made = |value: Value, class: &Word| match self.layouts.get(class) {
@@ -149,6 +172,30 @@ impl Machine<'_> {
                     .collect(),
             ),
             value => made(value, &function.gives),
+        }
+    }
+
+    /// An argument that a function may change, of which only the run knows which variable it is.
+    fn loses(
+        &mut self,
+        (it, function): (&Argument, &Function),
+        parameter: &Parameter,
+        place: Place,
+    ) {
+        let (Value::Unknown(why), Some(lost), true) = (&it.value, &it.lost, parameter.reference)
+        else {
+            return;
+        };
+        match lost {
+            Lost::Element((slot, path)) => self.forget(*slot, path, why),
+            Lost::Choice => {
+                let name = match &*function.name {
+                    "" => "a lambda".to_owned(),
+                    name => format!("`{name}`"),
+                };
+                let message = format!("which variable {name} changes, {why} decides");
+                self.unknown(place, message, why, None);
+            }
         }
     }
 
@@ -173,8 +220,24 @@ impl Machine<'_> {
                 }
                 own
             }
-            _ => self.taken(it.value, kind, parameter),
+            _ => {
+                let slot = self.taken(it.value, kind, parameter);
+                if matches!(parameter.kind, Kind::Parameter(_)) {
+                    self.name_type(slot, &it.named);
+                }
+                slot
+            }
         }
+    }
+
+    /// A variable has the type of a number, whatever its declaration calls it.
+    pub(in crate::program::vendor) fn name_type(&mut self, slot: usize, named: &Named) {
+        let class = match named {
+            Named::Number => return,
+            Named::Of(of) => of.clone(),
+            Named::Unclear => "".into(),
+        };
+        self.classes.insert(slot, class);
     }
 
     /// Whether an argument is of the type of a parameter, or of a class that is made from it.
@@ -208,13 +271,57 @@ impl Machine<'_> {
         };
         let whole = matches!(value, Value::List(_));
         let slot = self.hold(value, kind);
-        if self.layouts.contains_key(&parameter.element) {
-            self.classes.insert(slot, parameter.element.clone());
+        let of = if parameter.element.is_empty() {
+            &parameter.of
+        } else {
+            &parameter.element
+        };
+        if !of.is_empty() && !parameter.pointer {
+            self.classes.insert(slot, of.clone());
         }
         if whole {
             self.copied.insert(slot);
         }
         slot
+    }
+
+    /// What a template is made for, in words: each has variables of its own that are made once.
+    fn made_for(
+        &self,
+        function: &Function,
+        given: &[Argument],
+        types: Option<&[Kind]>,
+        scope: &BTreeMap<Word, usize>,
+    ) -> Option<String> {
+        if function.template.is_empty() {
+            // A lambda inside a template has its types.
+            let inner = function.name.is_empty();
+            return if inner {
+                self.made.clone()
+            } else {
+                Some(String::new())
+            };
+        }
+        let mut words = Vec::new();
+        for (at, parameter) in function.template.iter().enumerate() {
+            let kind = types
+                .and_then(|it| it.get(at))
+                .copied()
+                .unwrap_or(Kind::Any);
+            words.push(match (scope.get(&parameter.name), parameter.is_type) {
+                (Some(slot), false) => format!("{:?},", self.slots[*slot]),
+                _ if kind != Kind::Any => format!("{kind:?},"),
+                _ => {
+                    let mut all = given.iter().zip(function.parameters.iter());
+                    let it = all.find(|(_, to)| to.kind == Kind::Parameter(at))?.0;
+                    match &it.value {
+                        Value::Record(layout, _) => format!("{},", layout.name),
+                        _ => return None,
+                    }
+                }
+            });
+        }
+        Some(words.concat())
     }
 
     /// Whether a template was only announced.

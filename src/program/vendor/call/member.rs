@@ -26,7 +26,13 @@ impl Machine<'_> {
         given: &[Expr],
         place: Place,
     ) -> Option<Value> {
-        let fitting = self.own_functions(layout, member, given.len());
+        // `Base::name`: that of this class, whatever the object is.
+        let (base, member) = (qualifier(member), last(member));
+        let class = match base {
+            None => layout,
+            Some(of) => layout.line().find(|it| *it.name == *last(of))?,
+        };
+        let fitting = self.own_functions(class, member, given.len());
         if fitting.is_empty() {
             return None;
         }
@@ -39,7 +45,10 @@ impl Machine<'_> {
         let Some(function) = self.overload(member, &fitting, &given, place) else {
             return Some(Value::Whole(0));
         };
-        Some(self.enter_own(layout, &function, &location, given, place))
+        Some(match base {
+            None => self.enter_own(layout, &function, &location, given, place),
+            Some(_) => self.enter_member(layout, &function, &location, given, place),
+        })
     }
 
     /// Calls a function of the object whose function runs, by its name alone or by `Base::name`.

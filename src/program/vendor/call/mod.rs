@@ -10,7 +10,7 @@ mod random;
 mod statement;
 mod unfollowed;
 
-pub(super) use self::overload::Argument;
+pub(super) use self::overload::{Argument, Named};
 
 use std::rc::Rc;
 

@@ -6,7 +6,7 @@ use super::super::{
     machine::{Location, Machine},
     reach::Reach,
     scope::foreign,
-    tree::{Expr, Function, Kind, Parameter, last, qualifier},
+    tree::{Expr, ExprNode, Function, Kind, Parameter, Word, last, qualifier},
     value::Value,
 };
 use crate::config::Place;
@@ -99,19 +99,26 @@ impl Machine<'_> {
         let best = found
             .iter()
             .find(|(costs, _)| found.iter().all(|(other, _)| better(costs, other)));
-        let Some((costs, function)) = best else {
+        let Some((costs, _)) = best else {
             self.unclear(name, place);
             return None;
         };
-        let same = found.iter().filter(|(other, it)| {
-            // An enumeration has the numbers of an `int`; what is constant is not known.
-            let form = |it: &Function| -> Vec<_> {
-                let all = it.parameters.iter();
-                all.map(|p| (p.kind, p.of.clone(), p.reference)).collect()
-            };
-            other == costs && !Rc::ptr_eq(it, function) && form(it) != form(function)
-        });
-        if same.count() > 0 {
+        let mut equal: Vec<_> = found
+            .iter()
+            .filter(|it| it.0 == *costs)
+            .map(|it| it.1)
+            .collect();
+        // A template gives way.
+        if equal.iter().any(|it| it.template.is_empty()) {
+            equal.retain(|it| it.template.is_empty());
+        }
+        // What is constant is not known.
+        let form = |it: &Function| -> Vec<_> {
+            let all = it.parameters.iter();
+            all.map(|p| (p.written.clone(), p.reference)).collect()
+        };
+        let function = equal[0];
+        if equal.iter().any(|it| form(it) != form(function)) {
             self.unclear(name, place);
             return None;
         }
@@ -171,7 +178,13 @@ impl Machine<'_> {
             _ if to.pointer => None,
             (_, Kind::Parameter(_)) => Some(EXACT + u8::from(it.kind == Kind::Any)),
             (_, Kind::Any) if self.layouts.contains_key(&to.of) => None,
-            (_, Kind::Any) => Some(ANY),
+            (_, Kind::Any) => Some(match &it.named {
+                Named::Of(of) if *of == to.of => EXACT,
+                // It may be this enumeration: a tie with those that take its number.
+                Named::Unclear if !to.of.is_empty() => EXACT,
+                _ => ANY,
+            }),
+            (_, Kind::INT) if matches!(it.named, Named::Of(_)) => Some(PROMOTED),
             (_, kind) if kind == it.kind => Some(EXACT),
             (_, kind) => Some(match (it.kind, kind) {
                 (Kind::Flag | Kind::Bits(8 | 16, _), Kind::INT)
@@ -183,9 +196,12 @@ impl Machine<'_> {
 
     /// How badly a pointer or an array fits a pointer to something.
     fn leads(&self, it: &Value, to: &Parameter) -> Option<u8> {
-        let characters = &*to.of == "char";
         match it {
-            Value::Text(_) => Some(if characters { 0 } else { 2 }),
+            Value::Text(_) => match to.pointee {
+                Kind::CHARACTER => Some(0),
+                Kind::Any => Some(2),
+                _ => None,
+            },
             Value::Pointer(slot, path, _) => {
                 let (slot, path) = self.pointed(*slot, path.clone());
                 match self.peek(slot, &path) {
@@ -193,12 +209,13 @@ impl Machine<'_> {
                         let at = layout.line().position(|it| it.name == to.of)?;
                         Some(u8::from(at > 0))
                     }
-                    Some(Value::Whole(_)) if characters => {
-                        let kind = self.kind_at(slot, &path);
-                        let other = !matches!(kind, Kind::Any | Kind::Bits(8, _));
-                        Some(if other { 2 } else { 0 })
-                    }
-                    _ => Some(0),
+                    _ => match (self.kind_at(slot, &path), to.pointee) {
+                        // Pointers to numbers of one type are none to those of another.
+                        (held, wanted) if held == wanted => Some(0),
+                        (Kind::Any, _) | (_, Kind::Parameter(_)) => Some(0),
+                        (_, Kind::Any) => Some(2),
+                        _ => None,
+                    },
                 }
             }
             _ => Some(0),
@@ -211,6 +228,11 @@ impl Machine<'_> {
         let reached = self.reach(it);
         let value = self.load(&reached, it);
         let reached_value = !matches!(reached, Reach::Location(..));
+        let lost = match &reached {
+            Reach::Lost(slot, path, _) => Some(Lost::Element((*slot, path.clone()))),
+            _ if self.chosen(it) => Some(Lost::Choice),
+            _ => None,
+        };
         let (location, kind) = match reached {
             Reach::Location(slot, path) => {
                 let kind = self.kind_at(slot, &path);
@@ -224,10 +246,52 @@ impl Machine<'_> {
         } else {
             kind
         };
+        let named = self.type_name(it, location.as_ref());
         Argument {
             value,
             location,
             kind,
+            named,
+            lost,
+        }
+    }
+
+    /// Whether a number is of an enumeration.
+    pub(in crate::program::vendor) fn type_name(
+        &self,
+        it: &Expr,
+        location: Option<&Location>,
+    ) -> Named {
+        let unless = |known| if known { Named::Number } else { Named::Unclear };
+        let name = match &it.node {
+            ExprNode::Call(callee, _) => match &callee.node {
+                ExprNode::Name(name) => last(name),
+                _ => "",
+            },
+            _ => "",
+        };
+        let mut given = { self.functions.get(name).into_iter().flatten() }.map(|it| &it.gives);
+        if let Some(of) = given.next()
+            && !of.is_empty()
+            && given.all(|it| it == of)
+        {
+            return Named::Of(of.clone());
+        }
+        match (&it.node, location) {
+            (ExprNode::Convert(kind, _), _) => unless(*kind != Kind::Any),
+            (ExprNode::Choose(..), None) => Named::Unclear,
+            (ExprNode::Call(..), None) => unless(self.kind_of(it) != Kind::Any),
+            (_, None) => Named::Number,
+            (_, Some((slot, path))) => {
+                let inside =
+                    |end| matches!(self.peek(*slot, &path[..end]), Some(Value::Record(..)));
+                let of = self.classes.get(slot);
+                match of.filter(|_| !(0..path.len()).any(inside)) {
+                    Some(of) if of.is_empty() => Named::Unclear,
+                    Some(of) => Named::Of(of.clone()),
+                    None => unless(self.kind_at(*slot, path) != Kind::Any),
+                }
+            }
         }
     }
 }
@@ -240,6 +304,8 @@ impl From<Value> for Argument {
             value,
             location: None,
             kind,
+            named: Named::Unclear,
+            lost: None,
         }
     }
 }
@@ -249,4 +315,24 @@ pub(in crate::program::vendor) struct Argument {
     pub value: Value,
     pub location: Option<Location>,
     pub kind: Kind,
+    pub named: Named,
+    pub lost: Option<Lost>,
+}
+
+/// Where a value lies of which only the run knows the place.
+pub(in crate::program::vendor) enum Lost {
+    /// Some element in this.
+    Element(Location),
+    /// One variable or another.
+    Choice,
+}
+
+/// What the type of a number is called.
+pub(in crate::program::vendor) enum Named {
+    /// It is no enumeration.
+    Number,
+    /// It has a name, such as that of an enumeration.
+    Of(Word),
+    /// It may be an enumeration.
+    Unclear,
 }

@@ -27,8 +27,9 @@ impl Machine<'_> {
             (Some(Value::Unknown(why)), _) | (_, Reach::Lost(_, _, why)) => Some(why.clone()),
             _ => None,
         };
+        let chosen = matches!(&callee.node, ExprNode::Member(of, _) if self.chosen(of));
         if let Some(why @ Why::Run(_)) = why
-            && self.acting(member).is_some()
+            && (chosen || self.acting(member).is_some())
         {
             let message = format!("what `{name}.{member}` runs, {why} decides");
             self.unknown(place, message, &why, None);

@@ -21,7 +21,8 @@ impl Parser<'_> {
         self.at += 1;
         // The names of an `enum class` are only its own.
         let scoped = self.take_word("class") || self.take_word("struct");
-        let own = Some(self.word(0)).filter(|it| scoped && !it.is_empty());
+        let of: Word = self.word(0).into();
+        let own = Some(&*of).filter(|it| scoped && !it.is_empty());
         let outer = self.inside.as_deref();
         let all: Vec<&str> = outer.into_iter().chain(own).collect();
         let space = Some(all.join("::")).filter(|it| !it.is_empty());
@@ -57,7 +58,7 @@ impl Parser<'_> {
                 all.push(Declared {
                     name,
                     kind: Kind::INT,
-                    of: "".into(),
+                    of: of.clone(),
                     lengths: Vec::new(),
                     value: Some(value),
                     reference: false,

@@ -71,7 +71,7 @@ impl Parser<'_> {
     }
 
     /// A type as it was written, without the namespaces between which `::` stands.
-    fn spelled(&self, start: usize, it: &Type) -> String {
+    pub(super) fn spelled(&self, start: usize, it: &Type) -> String {
         if it.name.contains('<') {
             let array = if it.library { "vector of " } else { "" };
             return format!("{array}{}", it.name);

@@ -132,9 +132,13 @@ impl<'a> Parser<'a> {
             if self.take("...") {
                 continue;
             }
+            let start = self.at;
             let Some(it) = self.read_type() else {
                 return Err(unexpected(self.peek(0), self.place(), "a type", HELP));
             };
+            let written = self.spelled(start, &it);
+            let says = |word: &&str| !matches!(*word, "const" | "volatile" | "struct");
+            let mut written: String = written.split(' ').filter(says).collect();
             let function = self.pointer_name();
             let alias = function
                 .as_ref()
@@ -154,6 +158,7 @@ impl<'a> Parser<'a> {
             };
             let extent = alias.then(|| self.word(1)).filter(|it| !it.is_empty());
             while self.take("[") {
+                written.push('*');
                 array = true;
                 while self.peek(0).is_some() && !self.take("]") {
                     self.at += 1;
@@ -179,6 +184,8 @@ impl<'a> Parser<'a> {
                         it.name.clone()
                     },
                     element: if it.library { it.name } else { "".into() },
+                    written: written.into(),
+                    pointee: it.kind,
                     alias: it.reference,
                     reference: it.reference && !it.constant && !called || alias,
                     pointer: it.pointer && !called || array,
