@@ -683,7 +683,7 @@ class Sensor(EventSensor):
         arguments.one_of("readout", readout, ("all", "slots"))
         seed = self._seed if seed is None else arguments.whole("seed", seed)
         effort = arguments.number("effort", effort, "give seconds, such as effort=1")
-        to, domain = arguments.word("to", to, "int-5"), arguments.word("domain", domain, "exact")
+        to, domain = arguments.word("to", to, "int-5"), _domain(domain)
         sum, memory = arguments.word("sum", sum, "kept"), arguments.word_or_none("memory", memory, "shared")
         objective = arguments.word("objective", objective, "silicon")
         on = str(arguments.file("chip", chip, "the name of a chip, or its folder"))
@@ -718,7 +718,7 @@ class ChipSensor(EventSensor):
     def with_domain(self, domain: str, *, seed: int | None = None) -> ChipSensor:
         """The same program on cells that hold something else, or on another chip (``seed``)."""
         own, _, slots, most = self._how
-        domain = arguments.word("domain", domain, "exact")
+        domain = _domain(domain)
         how = (own if seed is None else arguments.whole("seed", seed), domain, slots, most)
         return ChipSensor(self._native, self._channels, how)
 
@@ -980,6 +980,13 @@ def _threshold(given: Any) -> dict[str, Any]:
         f"{given!r} is no threshold\n"
         "help: give a number, a pair (on, off), or a table with on, off and sigma"
     )
+
+
+def _domain(domain: str) -> str:
+    """What the cells of an array hold, which must be known."""
+    domain = arguments.word("domain", domain, "exact")
+    _amacrine.check_domain(domain)
+    return domain
 
 
 def stacked(kernels: list[npt.NDArray[np.float64]]) -> npt.NDArray[np.float64]:

@@ -322,8 +322,7 @@ impl Chip {
         slots: bool,
         max_events: Option<usize>,
     ) -> PyResult<Run> {
-        let arithmetic: Arithmetic = domain.parse().map_err(|e: ArithmeticError| raised(e))?;
-        let arithmetic = arithmetic.with_seed(seed);
+        let arithmetic = arithmetic(domain)?.with_seed(seed);
         let size = Size::new(size.0, size.1);
         let made = pool::work(py, || {
             let chip = self
@@ -362,4 +361,14 @@ pub fn plane<'py, T: numpy::Element + Copy>(
     array
         .reshape([height, width])
         .unwrap_or_else(|_| PyArray2::zeros(py, [height, width], false))
+}
+
+fn arithmetic(domain: &str) -> PyResult<Arithmetic> {
+    domain.parse().map_err(|e: ArithmeticError| raised(e))
+}
+
+/// Refuses what cells of an array cannot hold.
+#[pyfunction]
+pub fn check_domain(domain: &str) -> PyResult<()> {
+    arithmetic(domain).map(|_| ())
 }

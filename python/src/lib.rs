@@ -44,6 +44,7 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(pool::threads, module)?)?;
     module.add_function(wrap_pyfunction!(options::in_words, module)?)?;
     module.add_function(wrap_pyfunction!(names::names, module)?)?;
+    module.add_function(wrap_pyfunction!(chip::check_domain, module)?)?;
     module.add_function(wrap_pyfunction!(names::text, module)?)?;
     module.add_function(wrap_pyfunction!(files::read, module)?)?;
     module.add_function(wrap_pyfunction!(files::write, module)?)?;

@@ -43,7 +43,7 @@ def test_a_program_is_that_of_exec(
 def test_what_was_lost_goes_with_the_events(
     program: Callable[..., str], tmp_path: Path
 ) -> None:
-    frames = np.random.default_rng(0).integers(0, 256, (6, 96, 96)).astype(np.uint8)
+    frames = np.random.default_rng(0).integers(0, 256, (6, 128, 128)).astype(np.uint8)
     np.save(tmp_path / "light.npy", frames)
     program(
         "exec", "dvs/snap", "--image", tmp_path / "light.npy", "--fps", FPS,
@@ -63,12 +63,12 @@ def test_parts_of_a_stream_know_what_was_lost() -> None:
         whole = chip.events(frames, FPS)
         stream = chip.stream(FPS)
         parts = [stream.events(frames[n : n + 3]) for n in (0, 3, 6)]
-    joined = np.concatenate(parts)
+    joined: Any = np.concatenate(parts)
     assert whole.dropped is not None and whole.dropped["no_slot"] > 1000
     assert joined.dropped == whole.dropped and joined.span == whole.span
     assert joined.sensor_size == (96, 96) and joined.tobytes() == whole.tobytes()
     # What lies between is not known of two parts that do not follow one another.
-    apart = np.concatenate([parts[0], parts[2]])
+    apart: Any = np.concatenate([parts[0], parts[2]])
     assert apart.span is None and apart.dropped is None and apart.sensor_size == (96, 96)
     assert not isinstance(np.concatenate([parts[0], np.asarray(parts[1])]), type(joined))
 
