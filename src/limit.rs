@@ -204,11 +204,11 @@ table! {
     FRAME_STEPS, "what `init`, or one frame, runs: words, host operations, turns of `repeat`", "steps",
         "1.7 s of the chip's clock", "runs more than";
     MACROS, "macros of a chip", "macros",
-        "thirteen times what scamp5 has", "macros at most";
+        "twelve times what scamp5 has", "macros at most";
     MACRO_DEPTH, "macros inside each other", "levels",
         "nobody reads more", "macros inside each other";
     MACRO_STATEMENTS, "statements in the macros of a chip", "statements",
-        "two hundred times what scamp5 has", "statements at most";
+        "two hundred and fifty times what scamp5 has", "statements at most";
     ARGUMENTS, "parameters of a form, arguments of a parameter", "arguments",
         "the most registers of one kind", "arguments at most";
     FORMS, "forms of one row of a chip", "forms",

@@ -96,7 +96,7 @@ pub struct Arguments {
     /// Chips that are drawn from what the public data allow
     #[arg(long, default_value_t = 32, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_CHIPS))]
     chips: u64,
-    /// How long to search for each program, in seconds of two cores of 2024
+    /// How long to search for each program, in seconds of two cores of 2024; it counts states, so that a slower computer takes longer and finds the same
     #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
     effort: f64,
     /// Seed of the searches, of stochastic rounding and of the silicon

@@ -79,7 +79,7 @@ pub struct Arguments {
     /// Seed of the search, of stochastic rounding and of the silicon
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// How long to search for the program, in seconds of two cores of 2024
+    /// How long to search for the program, in seconds of two cores of 2024; it counts states, so that a slower computer takes longer and finds the same
     #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
     effort: f64,
     /// Frames a second at which the same light is shown, with commas between [default: four from

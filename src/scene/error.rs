@@ -10,7 +10,9 @@ use crate::{memory::TooMuch, plane::Size, unit::counted};
 pub enum SceneError {
     /// The file cannot be opened or read.
     #[error("{path}: {cause}")]
-    #[diagnostic(help("give a file that exists and can be read"))]
+    #[diagnostic(help(
+        "give a file or a folder that exists and can be read, `bundled` for the clip that comes with amacrine, or `pattern:NAME`"
+    ))]
     Unreadable {
         /// The file or folder of the scene.
         path: PathBuf,

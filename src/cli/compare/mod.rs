@@ -32,7 +32,7 @@ use crate::{
 /// What `compare` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine compare out/reference.npy out/device.npy -o curve.svg\n  amacrine compare a.npy b.npy --sensor rgc --scene clip.mp4\n\nkept is what of F1 is more than accident, (F1 - floor) / (1 - floor): the floor is F1 of the reference's own events at other cells' times, the ceiling that of the reference itself, 1. A window below the time from frame to frame says which frame an event was in, not when it was."
+    after_help = "Examples:\n  amacrine compare out/reference.npy out/silicon.npy -o curve.svg\n  amacrine compare a.npy b.npy --sensor rgc --scene clip.mp4\n\nkept is what of F1 is more than accident, (F1 - floor) / (1 - floor): the floor is F1 of the reference's own events at other cells' times, the ceiling that of the reference itself, 1. A window below the time from frame to frame says which frame an event was in, not when it was."
 )]
 pub struct Arguments {
     /// The reference: an event file of any format

@@ -207,10 +207,13 @@ impl Compiled {
         }
         let host = { self.readouts.as_ref() }.map_or_else(
             || {
-                let fps = 1e6 / cost.micros();
+                let array = self.array(device);
+                let array = array.map_or([cost.array_us; 2], |time| time.ends());
+                let rates = [1, 0].map(|end| 1e6 / (array[end] + cost.host_us));
                 format!(
-                    "{:.1} us on the host with all slots: {fps:.0} frames/s",
-                    cost.host_us
+                    "{:.1} us on the host, without a readout: {} frames/s",
+                    cost.host_us,
+                    between(rates, 0)
                 )
             },
             Readouts::time,

@@ -83,7 +83,9 @@ impl Demo<'_> {
         ];
         let domains = DOMAINS.map(|(domain, what)| format!("{domain}: {what}"));
         lines.push(format!("{}.", domains.join("; ")));
-        lines.push(format!("Chip, at most: with 2 x {SLOTS} readout slots."));
+        lines.push(format!(
+            "Chip, nominal: by the nominal times of its data, with 2 x {SLOTS} readout slots."
+        ));
         lines.push(String::new());
         let of = |showing: &Showing<'_>, to: &str, domain: &str| {
             let judged = showing.rows.iter().filter(|row| row.cell.name == KERNEL);
@@ -134,7 +136,7 @@ impl Demo<'_> {
 fn rows(showing: &Showing<'_>) -> Vec<String> {
     let mut lines = vec![format!(
         "{:<18}{:<9}{:>9}{:>7}{:>7}{:>14}{:>7}{:>16}{:>15}",
-        "", "", "events", "floor", "kept", "as threshold", "words", "chip, at most", "emulated"
+        "", "", "events", "floor", "kept", "as threshold", "words", "chip, nominal", "emulated"
     )];
     lines.extend(showing.rows.iter().map(row));
     lines

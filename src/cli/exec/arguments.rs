@@ -42,10 +42,10 @@ pub struct Arguments {
     /// Limit every store to the chip's range
     #[arg(long, value_enum)]
     pub(super) clip: Option<Switch>,
-    /// What registers off the array hold
+    /// What registers off the array hold, in LSB [default: what the program says, else 0]
     #[arg(long)]
     pub(super) edge: Option<f64>,
-    /// What PIX rises by for one unit of light
+    /// LSB that PIX rises by for one level of light [default: what the chip's data say]
     #[arg(long)]
     pub(super) gain: Option<f64>,
     /// Which chip of the silicon domain, and which noise
