@@ -2,7 +2,7 @@
 
 use super::{Arithmetic, Array, Settings};
 use crate::{
-    isa::{Analog, Device},
+    isa::{Analog, Device, Errors},
     number::Format,
 };
 
@@ -35,7 +35,8 @@ impl Arithmetic {
     pub fn ends(self, device: &Device, settings: &Settings) -> Option<[f64; 2]> {
         let chip = device.register_range().into();
         match self {
-            Self::Silicon { .. } => Some(chip),
+            // Headroom included: cells saturate there, wherever the converter does.
+            Self::Silicon { .. } => Some(Errors::from_device(device).range.into()),
             _ if settings.clip => Some(chip),
             Self::Number(Format::Fixed(format)) => {
                 let most = f64::from(1_u32 << (format.integer() - 1));

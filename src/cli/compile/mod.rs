@@ -143,7 +143,8 @@ enum Aim {
     /// errors too; with `--memory shared` as `events`, of several kinds with a memory each as `exact`
     #[default]
     Silicon,
-    /// The events that are kept on the chip, as predicted; strong light or change may saturate
+    /// The events that are kept on the chip, as predicted; strong light or change may saturate; of
+    /// several kinds with a memory each as `exact`
     Events,
     /// Signal over noise as predicted, and no light saturates anything: without the chip's errors the
     /// program says event for event what the float model says
@@ -248,6 +249,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let seconds = began.elapsed().as_secs_f64();
     for warning in { compiled.warning(&asked.kernels, arguments.objective) }
         .into_iter()
+        .chain(compiled.aimed(&asked.kernels, arguments.objective))
         .chain(compiled.unreached())
     {
         super::complain(&warning);

@@ -8,7 +8,7 @@ use crate::{
         range::{Inputs, Interval},
         survival::{Analogue, Survival, survival},
     },
-    compile::{Filter, Forecast, Signal},
+    compile::{DriveMemory, Filter, Forecast, Signal},
     isa::{Analog, Cell, Device},
     kernel::Kernel,
     program::{Overrides, Program},
@@ -129,6 +129,15 @@ impl Compiled {
             format!(
                 "warning: next to nothing of the kernel comes out of the chip, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take fewer digits (--to), or {other}\n"
             )
+        })
+    }
+
+    /// What to know of an aim that looks at one kernel's events.
+    pub(super) fn aimed(&self, kernels: &[Kernel], aim: Aim) -> Option<String> {
+        let apart = kernels.len() > 1 && self.memory != Some(DriveMemory::Shared);
+        (aim == Aim::Events && apart).then(|| {
+            "warning: --objective events chooses among the plans of one kernel; several kinds with a memory each are compiled as with --objective exact; --memory shared compiles each for its events\n"
+                .to_owned()
         })
     }
 
