@@ -14,6 +14,8 @@ pub enum FileError {
         "{}",
         if path.as_os_str() == "-" {
             "an event file is read by its name: write it to a file first"
+        } else if extension.eq_ignore_ascii_case("mcap") {
+            "recordings for viewers are written by `amacrine show EVENTS -o NAME.mcap --window 20ms`, and none is read"
         } else {
             "rename the file so that its extension says what is in it, or tell `amacrine convert` what it is"
         }
@@ -156,6 +158,8 @@ pub enum Fault {
     Header {
         /// What is there instead.
         why: String,
+        /// What to do about it.
+        way: &'static str,
     },
     /// A line with too few or too many fields.
     #[error("expected {want} fields, found {got}")]
@@ -396,9 +400,9 @@ impl Fault {
                 "write it in one of these, as Metavision's `metavision_file_to_raw` does, or as hdf5"
             }
             Self::Compressed { .. } => "unpack it first: `h5repack -f NONE IN.h5 OUT.h5`",
-            Self::Header { .. } => "let the first line name the columns: t,x,y,p",
+            Self::Header { way, .. } => way,
             Self::Fields { .. } => {
-                "give one event a line, with as many fields as there are columns"
+                "give one event a line, with as many fields as there are columns: between them commas in csv, blanks in txt and e2vid"
             }
             Self::LongLine { .. } | Self::Magic => {
                 "check that the extension says what is in the file"
@@ -406,7 +410,9 @@ impl Fault {
             Self::NotInteger { .. } => {
                 "coordinates are whole pixels, and times whole microseconds but in txt and e2vid, where they are seconds"
             }
-            Self::NotSeconds { .. } => "write times as decimal seconds, such as 0.001250000",
+            Self::NotSeconds { .. } => {
+                "write times as decimal seconds, such as 0.001250000; a first line of names has a `#` in front"
+            }
             Self::Time { .. } => {
                 "shift the recording so that it starts at 0 or later, in microseconds"
             }
