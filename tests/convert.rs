@@ -305,6 +305,39 @@ fn the_size_and_where_it_comes_from() {
     );
 }
 
+/// Two cameras in one file, as dv-processing writes it: each is read alone, with its size.
+#[test]
+fn a_camera_of_several_is_chosen() {
+    let folder = Folder::new();
+    let both = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/data/event/two_cameras.aedat4"
+    );
+    let says = ["has two streams of events, 0 and 1,", "--stream N"];
+    refused_untouched(folder.0.path(), &["convert", both, "b.npy"], &says);
+    folder.refused(
+        &[both, "b.npy", "--stream", "2"],
+        "no stream of events of number 2",
+    );
+    folder.refused(
+        &["one.npy", "b.npy", "--stream", "0"],
+        "no stream of events of number 0",
+    );
+    for (stream, size, events) in [
+        (
+            "0",
+            Size::new(4, 6),
+            &[(10, 1, 2), (20, 5, 3), (30, 0, 0)][..],
+        ),
+        ("1", Size::new(5, 8), &[(12, 7, 4), (25, 0, 1)]),
+    ] {
+        folder.said(&[both, "c.npy", "--stream", stream]);
+        let read = file::read(&folder.path("c.npy")).unwrap().packet;
+        let seen: Vec<_> = read.events.iter().map(|e| (e.t.0, e.x, e.y)).collect();
+        assert_eq!((read.size, &seen[..]), (size, events));
+    }
+}
+
 #[test]
 fn damage_and_what_is_kept() {
     let folder = Folder::new();

@@ -87,6 +87,17 @@ pub enum FileError {
         /// The size that was given.
         asked: Size,
     },
+    /// A stream of events was asked for of a file that has no such stream.
+    #[error("{}: it has no stream of events of number {stream}", path.display())]
+    #[diagnostic(help(
+        "leave the number out (--stream): it is for aedat4 files with several cameras; the refusal of such a file names its streams"
+    ))]
+    NoStream {
+        /// Which file.
+        path: PathBuf,
+        /// The number that was asked for.
+        stream: i32,
+    },
     /// The file is not what its format says.
     #[error("{}:{place}: {fault}", path.display())]
     #[diagnostic(help("{}{}", fault.help(), if *opened { fault.kept() } else { "" }))]
@@ -326,6 +337,24 @@ pub enum Fault {
         /// What the reader says.
         why: String,
     },
+    /// An HDF5 file without one of the columns.
+    #[error("the hdf5 file has no column `{column}`: {why}")]
+    Column {
+        /// Which column.
+        column: String,
+        /// What is there instead, or what the reader says.
+        why: String,
+    },
+    /// Two streams of events, of two cameras, in one file.
+    #[error("the {format} file has two streams of events, {one} and {other}, which would be mixed")]
+    Streams {
+        /// Which format.
+        format: Format,
+        /// The number of the one that was read so far.
+        one: i32,
+        /// The number of the other.
+        other: i32,
+    },
     /// A word that the format does not have.
     #[error("a word of kind {kind}, which {format} does not have")]
     Word {
@@ -398,6 +427,10 @@ impl Fault {
             Self::Size => "read it with `amacrine convert --from e2vid`, or call it .e2vid",
             Self::Encoding { .. } => {
                 "write it in one of these, as Metavision's `metavision_file_to_raw` does, or as hdf5"
+            }
+            Self::Streams { .. } => "choose one: `amacrine convert IN OUT --stream N`",
+            Self::Column { .. } => {
+                "expected is the layout of DSEC, events/{t,x,y,p} in microseconds; docs/formats.md has a line of Python for those of MVSEC, event_utils and Prophesee"
             }
             Self::Compressed { .. } => "unpack it first: `h5repack -f NONE IN.h5 OUT.h5`",
             Self::Header { way, .. } => way,
