@@ -305,6 +305,39 @@ fn the_size_and_where_it_comes_from() {
     );
 }
 
+/// Two cameras in one file, as dv-processing writes it: each is read alone, with its size.
+#[test]
+fn a_camera_of_several_is_chosen() {
+    let folder = Folder::new();
+    let both = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/data/event/two_cameras.aedat4"
+    );
+    let says = ["has two streams of events, 0 and 1,", "--stream N"];
+    refused_untouched(folder.0.path(), &["convert", both, "b.npy"], &says);
+    folder.refused(
+        &[both, "b.npy", "--stream", "2"],
+        "no stream of events of number 2",
+    );
+    folder.refused(
+        &["one.npy", "b.npy", "--stream", "0"],
+        "no stream of events of number 0",
+    );
+    for (stream, size, events) in [
+        (
+            "0",
+            Size::new(4, 6),
+            &[(10, 1, 2), (20, 5, 3), (30, 0, 0)][..],
+        ),
+        ("1", Size::new(5, 8), &[(12, 7, 4), (25, 0, 1)]),
+    ] {
+        folder.said(&[both, "c.npy", "--stream", stream]);
+        let read = file::read(&folder.path("c.npy")).unwrap().packet;
+        let seen: Vec<_> = read.events.iter().map(|e| (e.t.0, e.x, e.y)).collect();
+        assert_eq!((read.size, &seen[..]), (size, events));
+    }
+}
+
 #[test]
 fn damage_and_what_is_kept() {
     let folder = Folder::new();
@@ -353,6 +386,7 @@ fn refusals() {
         &["one.npy", "a.jpg"],
         "`jpg` is not a known kind of event file",
     );
+    folder.refused(&["one.npy", "a.mcap"], "`amacrine show EVENTS -o NAME.mcap");
     folder.refused(&["kinds.npy", "a.evt3"], ".evt3 has no place for them");
     folder.refused(
         &["kinds.npy", "a.evt3", "--kind", "3"],
@@ -448,6 +482,21 @@ fn csv_of_spreadsheets() {
         std::fs::write(folder.join("b.csv"), format!("t,x,y,p\n{line}\n")).unwrap();
         refused(folder, &["convert", "b.csv", "b.npy"], &[place]);
     }
+    for (first, way) in [
+        (
+            "2,3,1,1",
+            "names the columns in their order: t,x,y,p, or x,y,p,t",
+        ),
+        (",t,x,y,p", "to_csv(path, index=False)"),
+        ("t;x;y;p", "let commas stand between the columns"),
+        (
+            "t,x,y,colour",
+            "let the first line name the columns: t,x,y,p",
+        ),
+    ] {
+        std::fs::write(folder.join("b.csv"), format!("{first}\n1,2,3,1\n")).unwrap();
+        refused(folder, &["convert", "b.csv", "b.npy"], &[way]);
+    }
 }
 
 /// What is told of the first window is where its events come from, however windows lie.
@@ -465,11 +514,12 @@ fn the_first_window_is_where_it_is_told_to_be() {
         "before its end",
     ];
     common::refused(folder, &beyond, &told);
-    for (more, from, ms) in [
-        (&["--every", "50ms"][..], 100_000, 51),
-        (&["--every", "20ms"], 70_000, 51),
-        (&["--every", "70ms"], 120_000, 51),
-        (&["--align", "centred"], 75_000, 51),
+    for (more, from, ms, between) in [
+        (&["--every", "50ms"][..], 100_000, 51, 0),
+        (&["--every", "20ms"], 70_000, 51, 0),
+        // Those of 100 to 119 ms, 171 to 190 and 241 to 260.
+        (&["--every", "70ms"], 120_000, 51, 60),
+        (&["--align", "centred"], 75_000, 51, 0),
     ] {
         let arguments = [
             "voxels", "a.csv", "-o", "v.npy", "--window", "50ms", "--from", "100ms",
@@ -477,6 +527,7 @@ fn the_first_window_is_where_it_is_told_to_be() {
         let rest = ["--bins", "1", "--size", "4x4", "--json"];
         let said = json(folder, &[&arguments[..], more, &rest].concat());
         assert_eq!(said["from_us"], from, "{more:?}");
+        assert_eq!(said["between_windows"], between, "{more:?}");
         // The events of that window, its first bound included.
         let first = 1 + from / 1000;
         let own =

@@ -522,7 +522,7 @@ fn a_recording_for_viewers() {
             .windows(text.len())
             .any(|part| part == text.as_bytes())
     };
-    assert!(has("/events/2_vertical_edges") && has("/image/0_change"));
+    assert!(has("/events/kind2_vertical_edges") && has("/image/kind0_change"));
 }
 
 /// What `PyTorch` has is taken as it is; more kernels than a sensor has kinds are refused at once,

@@ -464,6 +464,44 @@ fn columns_that_cannot_be_unpacked_are_no_damage() {
     }
 }
 
+/// A file of another layout is told apart from one that was cut.
+#[cfg(feature = "hdf5")]
+#[test]
+fn other_layouts_are_no_damage() {
+    let path = Path::new("tests/bad/event/mvsec.h5");
+    let error = file::read(path).unwrap_err();
+    let text = error.to_string();
+    let says = "no column `events/t`: it has `davis/left/events`, as files of MVSEC do";
+    assert!(text.contains(says), "{text}");
+    assert!(
+        error
+            .help()
+            .unwrap()
+            .to_string()
+            .contains("a line of Python")
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let whole = folder.path().join("whole.h5");
+    let mut packet = Packet::new(Size::new(4, 6), 1);
+    packet.events = vec![Event {
+        t: Micros(10),
+        x: 1,
+        y: 2,
+        polarity: Polarity::On,
+        channel: 0,
+    }];
+    packet.span = (Micros(0), Micros(20));
+    file::write(&whole, &packet).unwrap();
+    let mut bytes = fs::read(&whole).unwrap();
+    bytes.pop();
+    let cut = folder.path().join("cut.h5");
+    fs::write(&cut, &bytes).unwrap();
+    let error = file::read(&cut).unwrap_err();
+    let says = format!(": byte {}: the file ends here", bytes.len());
+    assert!(error.to_string().contains(&says), "{error}");
+    assert!(error.help().unwrap().to_string().contains("was cut short"));
+}
+
 #[test]
 fn every_damaged_file_gets_its_message() {
     let folder = Path::new("tests/bad/event");
@@ -474,7 +512,7 @@ fn every_damaged_file_gets_its_message() {
         assert!(error.help().is_some(), "{name}");
     }
     let mut tested: Vec<&str> = BAD.iter().map(|(name, _)| *name).collect();
-    tested.push("blosc.h5");
+    tested.extend(["blosc.h5", "mvsec.h5"]);
     tested.sort_unstable();
     let mut there: Vec<String> = fs::read_dir(folder)
         .unwrap()

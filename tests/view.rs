@@ -207,6 +207,22 @@ fn a_sensor_without_pixels_or_with_too_many_is_refused() {
     }
 }
 
+/// Times of the day would run into what is beside them.
+#[test]
+fn late_recordings_count_from_their_beginning() {
+    const BEGIN: u64 = 1_600_000_000_000_250;
+    let mut packet = small();
+    for event in &mut packet.events {
+        event.t.0 += BEGIN;
+    }
+    packet.span = (Micros(BEGIN), Micros(BEGIN + 1000));
+    for view in VIEWS {
+        let said = texts(&view::draw(&packet, &look(view)).unwrap());
+        assert!(said.contains("times from 1600000000 s on"), "{said}");
+        assert_eq!(said.matches("16000000").count(), 1, "{said}");
+    }
+}
+
 #[test]
 fn animations_show_every_window_once() {
     let folder = tempfile::tempdir().unwrap();

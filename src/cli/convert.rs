@@ -56,6 +56,9 @@ pub struct Arguments {
     /// the day
     #[arg(long)]
     from_zero: bool,
+    /// Only this stream of events, of an aedat4 file with several cameras: its number in the file
+    #[arg(long, value_name = "N")]
+    stream: Option<i32>,
     /// Only this kind of cell (which of the ganglion cells of a pixel), from 0
     #[arg(long, value_name = "N", conflicts_with = "each_kind")]
     kind: Option<u8>,
@@ -235,6 +238,9 @@ fn open(arguments: &Arguments) -> miette::Result<Events> {
         }
         error.into()
     })?;
+    if let Some(stream) = arguments.stream {
+        events.choose(stream)?;
+    }
     if arguments.sort {
         events.sort(&arguments.a)?;
     }

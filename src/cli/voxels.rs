@@ -20,7 +20,7 @@ use crate::{
         },
     },
     memory::{Bytes, Need},
-    unit::{Micros, exact_seconds},
+    unit::{Micros, counted, exact_seconds},
 };
 
 /// What `voxels` is asked to do.
@@ -155,6 +155,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let count = file.finish()?;
     progress.finish();
+    let between = stream.between();
+    if between > 0 {
+        super::complain(&format!(
+            "warning: {} lie{} between windows, in none of them: --every {every} is longer than --window {}\n",
+            counted(between, "event"),
+            if between == 1 { "s" } else { "" },
+            arguments.window
+        ));
+    }
     if arguments.json {
         let mut all = vec![count];
         all.extend(shape.iter().map(|n| *n as u64));
@@ -164,6 +173,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "shape": all,
             "from_us": how.windows.bounds(0).0,
             "dtype": if arguments.half { "float16" } else { "float32" },
+            "between_windows": between,
             "kinds": about.names,
             "size_known": about.size_known,
         });

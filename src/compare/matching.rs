@@ -14,10 +14,11 @@
 //! `a' - b'` lies between `a - b'` and `a' - b`. So some largest matching has the pair
 //! (`a`, `b`), and the rest follows by induction.
 //!
-//! - precision = matched / judged events; 1 when nothing was judged
-//! - recall = matched / reference events; 1 when there was nothing to find
-//! - F1 = 2 matched / (reference events + judged events), the harmonic mean; 1 when both are
-//!   empty
+//! - precision = matched / judged events; none when only the reference has events
+//! - recall = matched / reference events; none when only the judged packet has events
+//! - F1 = 2 matched / (reference events + judged events), the harmonic mean
+//!
+//! Two packets without events are the same: all three are 1.
 //!
 //! The time error is judged minus reference, so a delay is positive. Greedy matches are the
 //! most, not the closest: where one cell speaks more often than once a window, a missing
@@ -62,7 +63,10 @@ pub static PRECISION: Entry = Entry {
     blind_to: "",
     knows_a_redraw: true,
     symmetric: false,
-    value: |of, within| Some(share(of.matched(within), of.pair.events()[1])),
+    value: |of, within| {
+        let [reference, judged] = of.pair.events();
+        part(of.matched(within), judged, reference)
+    },
 };
 
 /// Matched share of the reference's events, within a window.
@@ -77,7 +81,10 @@ pub static RECALL: Entry = Entry {
     blind_to: "",
     knows_a_redraw: true,
     symmetric: false,
-    value: |of, within| Some(share(of.matched(within), of.pair.events()[0])),
+    value: |of, within| {
+        let [reference, judged] = of.pair.events();
+        part(of.matched(within), reference, judged)
+    },
 };
 
 /// How many events match within a window, kept while a pair is measured.
@@ -171,16 +178,16 @@ impl Matches {
         self.errors.len() as u64
     }
 
-    /// Matched share of the judged events.
+    /// Matched share of the judged events; none when only the reference has events.
     #[must_use]
-    pub fn precision(&self) -> f64 {
-        share(self.matched(), self.events[1])
+    pub fn precision(&self) -> Option<f64> {
+        part(self.matched(), self.events[1], self.events[0])
     }
 
-    /// Matched share of the reference's events.
+    /// Matched share of the reference's events; none when only the judged packet has events.
     #[must_use]
-    pub fn recall(&self) -> f64 {
-        share(self.matched(), self.events[0])
+    pub fn recall(&self) -> Option<f64> {
+        part(self.matched(), self.events[0], self.events[1])
     }
 
     /// Harmonic mean of precision and recall.
@@ -194,6 +201,11 @@ impl Matches {
     pub fn time_error(&self) -> Option<Quantiles> {
         Quantiles::from_ascending(&self.errors)
     }
+}
+
+/// The matched share of one packet's events; none where only the other has events.
+fn part(matched: u64, own: u64, other: u64) -> Option<f64> {
+    (own > 0 || other == 0).then(|| share(matched, own))
 }
 
 /// A part of a whole; all of nothing is 1.

@@ -76,10 +76,10 @@ pub struct Comparison {
     pub within_us: Micros,
     /// Events matched.
     pub matched: u64,
-    /// Matched share of the judged events.
-    pub precision: f64,
-    /// Matched share of the reference's events.
-    pub recall: f64,
+    /// Matched share of the judged events; none when only the reference has events.
+    pub precision: Option<f64>,
+    /// Matched share of the reference's events; none when only the judged packet has events.
+    pub recall: Option<f64>,
     /// Harmonic mean of the two.
     pub f1: f64,
     /// Time of the judged event minus time of its match, in microseconds; none without matches.

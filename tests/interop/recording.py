@@ -4,6 +4,7 @@
 """
 
 import pathlib
+import re
 import sys
 
 import numpy as np
@@ -37,7 +38,8 @@ def main(folder):
             assert len(empty) == 0 or (empty == empty[0]).all(), topic
             assert (pixels[spoke] != empty[:1]).any(axis=1).all(), topic
             pictures[topic] = pictures.get(topic, 0) + 1
-    assert sorted(found) == ["/events/0_centre_on", "/events/1_edges"], sorted(found)
+    assert sorted(found) == ["/events/kind0_centre_on", "/events/kind1_edges"], sorted(found)
+    assert all(re.fullmatch(r"(/[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*)+", topic) for topic in found)
     for kind, topic in enumerate(sorted(found)):
         own = reference[reference["channel"] == kind]
         wanted = [(int(e["t"]), int(e["x"]), int(e["y"]), int(e["p"])) for e in own]

@@ -361,9 +361,14 @@ fn table(c: &Comparison, [reference, judged]: [&Loaded; 2]) -> String {
             }
         ),
     });
+    let share = |share: Option<f64>| share.map_or("-".into(), |share| format!("{share:.4}"));
     rows.push(format!(
-        "matched within {}: {}   precision {:.4}   recall {:.4}   F1 {:.4}",
-        c.within_us, c.matched, c.precision, c.recall, c.f1
+        "matched within {}: {}   precision {}   recall {}   F1 {:.4}",
+        c.within_us,
+        c.matched,
+        share(c.precision),
+        share(c.recall),
+        c.f1
     ));
     if let Some(q) = c.time_error_us {
         rows.push(format!(

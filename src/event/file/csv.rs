@@ -167,15 +167,33 @@ impl Rows for Csv {
         }
         let why = "found no line at all".into();
         let place = super::Place::Line { line: 1, column: 1 };
-        Err(Stop::Fault(place, Fault::Header { why }))
+        Err(Stop::Fault(place, Fault::Header { why, way: NAMES }))
+    }
+}
+
+/// What to do about a header that does not name the columns.
+const NAMES: &str = "let the first line name the columns: t,x,y,p";
+
+/// What to do about a first line that is no header, by what it looks like.
+fn way(first: &[u8]) -> &'static str {
+    let mut fields = first.split(|b| *b == b',').map(<[u8]>::trim_ascii);
+    if fields.clone().all(|field| integer(field).is_some()) {
+        "put a line before it that names the columns in their order: t,x,y,p, or x,y,p,t as Metavision has them"
+    } else if fields.next() == Some(b"") {
+        "leave the index out, as pandas does with `to_csv(path, index=False)`"
+    } else if !first.contains(&b',') {
+        "let commas stand between the columns, and the first line name them: t,x,y,p"
+    } else {
+        NAMES
     }
 }
 
 fn header(line: &Line<'_>) -> Result<Vec<Column>, Stop> {
     let mut columns = Vec::new();
+    let way = way(line.text);
     for field in line.text.split(|b| *b == b',') {
         let name = field.trim_ascii();
-        let stop = |why| line.stop(line.column_of(field), Fault::Header { why });
+        let stop = |why| line.stop(line.column_of(field), Fault::Header { why, way });
         let column = Column::ALL
             .into_iter()
             .find(|c| {
@@ -190,7 +208,7 @@ fn header(line: &Line<'_>) -> Result<Vec<Column>, Stop> {
     for column in [Column::T, Column::X, Column::Y, Column::P] {
         if !columns.contains(&column) {
             let why = format!("`{}` is missing", column.name());
-            return Err(line.stop(0, Fault::Header { why }));
+            return Err(line.stop(0, Fault::Header { why, way }));
         }
     }
     Ok(columns)

@@ -14,6 +14,8 @@ pub enum FileError {
         "{}",
         if path.as_os_str() == "-" {
             "an event file is read by its name: write it to a file first"
+        } else if extension.eq_ignore_ascii_case("mcap") {
+            "recordings for viewers are written by `amacrine show EVENTS -o NAME.mcap --window 20ms`, and none is read"
         } else {
             "rename the file so that its extension says what is in it, or tell `amacrine convert` what it is"
         }
@@ -84,6 +86,17 @@ pub enum FileError {
         said: Size,
         /// The size that was given.
         asked: Size,
+    },
+    /// A stream of events was asked for of a file that has no such stream.
+    #[error("{}: it has no stream of events of number {stream}", path.display())]
+    #[diagnostic(help(
+        "leave the number out (--stream): it is for aedat4 files with several cameras; the refusal of such a file names its streams"
+    ))]
+    NoStream {
+        /// Which file.
+        path: PathBuf,
+        /// The number that was asked for.
+        stream: i32,
     },
     /// The file is not what its format says.
     #[error("{}:{place}: {fault}", path.display())]
@@ -156,6 +169,8 @@ pub enum Fault {
     Header {
         /// What is there instead.
         why: String,
+        /// What to do about it.
+        way: &'static str,
     },
     /// A line with too few or too many fields.
     #[error("expected {want} fields, found {got}")]
@@ -322,6 +337,24 @@ pub enum Fault {
         /// What the reader says.
         why: String,
     },
+    /// An HDF5 file without one of the columns.
+    #[error("the hdf5 file has no column `{column}`: {why}")]
+    Column {
+        /// Which column.
+        column: String,
+        /// What is there instead, or what the reader says.
+        why: String,
+    },
+    /// Two streams of events, of two cameras, in one file.
+    #[error("the {format} file has two streams of events, {one} and {other}, which would be mixed")]
+    Streams {
+        /// Which format.
+        format: Format,
+        /// The number of the one that was read so far.
+        one: i32,
+        /// The number of the other.
+        other: i32,
+    },
     /// A word that the format does not have.
     #[error("a word of kind {kind}, which {format} does not have")]
     Word {
@@ -395,10 +428,14 @@ impl Fault {
             Self::Encoding { .. } => {
                 "write it in one of these, as Metavision's `metavision_file_to_raw` does, or as hdf5"
             }
+            Self::Streams { .. } => "choose one: `amacrine convert IN OUT --stream N`",
+            Self::Column { .. } => {
+                "expected is the layout of DSEC, events/{t,x,y,p} in microseconds; docs/formats.md has a line of Python for those of MVSEC, event_utils and Prophesee"
+            }
             Self::Compressed { .. } => "unpack it first: `h5repack -f NONE IN.h5 OUT.h5`",
-            Self::Header { .. } => "let the first line name the columns: t,x,y,p",
+            Self::Header { way, .. } => way,
             Self::Fields { .. } => {
-                "give one event a line, with as many fields as there are columns"
+                "give one event a line, with as many fields as there are columns: between them commas in csv, blanks in txt and e2vid"
             }
             Self::LongLine { .. } | Self::Magic => {
                 "check that the extension says what is in the file"
@@ -406,7 +443,9 @@ impl Fault {
             Self::NotInteger { .. } => {
                 "coordinates are whole pixels, and times whole microseconds but in txt and e2vid, where they are seconds"
             }
-            Self::NotSeconds { .. } => "write times as decimal seconds, such as 0.001250000",
+            Self::NotSeconds { .. } => {
+                "write times as decimal seconds, such as 0.001250000; a first line of names has a `#` in front"
+            }
             Self::Time { .. } => {
                 "shift the recording so that it starts at 0 or later, in microseconds"
             }

@@ -102,6 +102,20 @@ impl Reader {
         self.gate.in_order = false;
     }
 
+    /// Leaves out all streams of events but one, of a file with several cameras (aedat4), before
+    /// the first block is read; `stream` is its number in the file.
+    ///
+    /// # Errors
+    /// When the file has no such stream.
+    pub fn choose(&mut self, stream: i32) -> Result<(), FileError> {
+        if !self.source.choose(stream) {
+            let path = self.path.clone();
+            return Err(FileError::NoStream { path, stream });
+        }
+        self.listen();
+        self.contradiction().map_or(Ok(()), Err)
+    }
+
     /// The format it is read as.
     #[must_use]
     pub const fn format(&self) -> Format {

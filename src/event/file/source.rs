@@ -13,6 +13,12 @@ pub trait Source: Send {
     /// What the file has said of itself so far.
     fn about(&self) -> About;
 
+    /// Leaves out all streams of events but the one of this number; false where there is no such
+    /// stream. Before the first [`Source::fill`].
+    fn choose(&mut self, _stream: i32) -> bool {
+        false
+    }
+
     /// Adds the next events; false at the end of the file.
     ///
     /// What came before damage is added before the damage is reported.

@@ -15,6 +15,8 @@ pub struct VoxelStream {
     next: u64,
     /// Windows from there on that have begun.
     begun: VecDeque<Vec<f32>>,
+    /// Events so far that lie between windows.
+    between: u64,
 }
 
 impl VoxelStream {
@@ -27,6 +29,7 @@ impl VoxelStream {
             channels,
             next: 0,
             begun: VecDeque::new(),
+            between: 0,
         }
     }
 
@@ -71,10 +74,21 @@ impl VoxelStream {
             let end = self.how.windows.bounds(self.next).1;
             let part = rest.partition_point(|event| event.t.0 as i64 <= end);
             let (now, later) = rest.split_at(part.max(1));
+            let after = self.how.windows.after(self.next);
+            let start = self.how.windows.start();
+            let between = now.iter().filter(|e| e.t.0 as i64 <= after && e.t >= start);
+            self.between += between.count() as u64;
             self.add(now);
             rest = later;
         }
         Ok(())
+    }
+
+    /// Events so far that lie between two windows of those that [`pass`](Self::pass) has made, or
+    /// between the start and the first: windows farther apart than they are long leave them out.
+    #[must_use]
+    pub const fn between(&self) -> u64 {
+        self.between
     }
 
     /// The windows that end by `until`, up to which all events are in, in their order.

@@ -2,7 +2,7 @@
 
 use image::RgbImage;
 
-use super::layout::caption;
+use super::{layout::caption, time::Clock};
 use crate::{
     event::{Event, Packet, Polarity},
     picture::{
@@ -105,6 +105,7 @@ fn edges(drawing: &mut Drawing, space: &Box3) {
 /// The names of the axes and the values at their ends.
 fn labels(drawing: &mut Drawing, space: &Box3, packet: &Packet) {
     let line = f64::from(LINE);
+    let clock = Clock::of(packet);
     let (from, to) = packet.span;
     let mut word = |at: Point, anchor, ink, text: String| {
         drawing.text(at, anchor, Weight::Plain, ink, text);
@@ -116,14 +117,14 @@ fn labels(drawing: &mut Drawing, space: &Box3, packet: &Packet) {
         (left.0, below),
         Anchor::Start,
         ink::CAPTION,
-        format!("{:.2}", from.seconds()),
+        format!("{:.2}", clock.seconds(from)),
     );
     word((middle, below), Anchor::Middle, ink::TEXT, "t (s)".into());
     word(
         (right.0, below),
         Anchor::End,
         ink::CAPTION,
-        format!("{:.2}", to.seconds()),
+        format!("{:.2}", clock.seconds(to)),
     );
     let far = space.corner((1, 1, 1));
     let along = (

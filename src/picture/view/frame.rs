@@ -4,6 +4,7 @@ use image::{Rgb, RgbImage};
 
 use super::{
     layout::{caption, fitted},
+    time::Clock,
     window::{Window, signs},
 };
 use crate::{
@@ -88,7 +89,7 @@ pub(super) fn draw(
         caption(drawing, area, &name, &[&counts]);
         return;
     }
-    let when = format!("{}: {counts}", window.text());
+    let when = format!("{}: {counts}", window.text(Clock::of(packet)));
     caption(drawing, area, "event frame", &[&when]);
     legend(drawing, (area.x, area.bottom() + 24.0));
 }
@@ -177,7 +178,11 @@ fn animated(
     let ground = RgbImage::from_pixel(width as u32, height as u32, ink::EMPTY);
     drawing.pixels(area, crate::picture::panel::events(ground, events));
     let [on, off] = signs(events);
-    let below = format!("{:.3} to {:.3} s", from.seconds(), to.seconds());
+    let clock = Clock::of(packet);
+    let mut below = format!("{:.3} to {:.3} s", clock.seconds(from), clock.seconds(to));
+    if let Some(note) = clock.note() {
+        below = format!("{below}, {note}");
+    }
     let y = area.bottom() + 4.0;
     drawing.text((12.0, y), Anchor::Start, Weight::Plain, ink::TEXT, below);
     let mut x = 12.0;

@@ -2,7 +2,8 @@
 
 use super::{
     frame,
-    layout::{GAP, MARGIN, fitted, head},
+    layout::{GAP, MARGIN, fitted, head, top},
+    time::Clock,
     window::Window,
 };
 use crate::{
@@ -56,14 +57,14 @@ pub(super) fn draw(drawing: &mut Drawing, left: f64, top: f64, packet: &Packet, 
 pub(super) fn page(packet: &Packet, window: &Window, title: &str) -> Drawing {
     let columns = usize::from(packet.channels).clamp(2, ROW) as f64;
     let width = columns * (SMALL + APART) - APART;
-    let top = MARGIN + 2.0 * f64::from(LINE) + 16.0;
+    let top = top(packet);
     let height = height(packet);
     let bottom = top + height + f64::from(LINE) + GAP + MARGIN;
     let mut drawing = Drawing::new(width + 2.0 * MARGIN, bottom);
     head(&mut drawing, packet, title);
     draw(&mut drawing, MARGIN, top, packet, window);
     let when = (MARGIN, top + height + 8.0 + f64::from(LINE));
-    let text = window.text();
+    let text = window.text(Clock::of(packet));
     drawing.text(when, Anchor::Start, Weight::Plain, ink::CAPTION, text);
     frame::legend(&mut drawing, (MARGIN, top + height + 8.0));
     drawing

@@ -1,6 +1,9 @@
 //! Where things are on a page: its head, panels, what is written above and below them.
 
-use super::{time::trimmed, window::signs};
+use super::{
+    time::{Clock, trimmed},
+    window::signs,
+};
 use crate::{
     event::Packet,
     picture::{
@@ -57,8 +60,24 @@ pub(super) fn head(drawing: &mut Drawing, packet: &Packet, title: &str) {
         packet.size,
         trimmed(Micros(to.0.saturating_sub(from.0)).seconds()),
     );
-    let at = (MARGIN, MARGIN - 6.0 + f64::from(LINE));
-    drawing.text(at, Anchor::Start, Weight::Plain, ink::CAPTION, cut(facts));
+    for (line, text) in [Some(facts), Clock::of(packet).note()]
+        .into_iter()
+        .flatten()
+        .enumerate()
+    {
+        let at = (MARGIN, MARGIN - 6.0 + f64::from(LINE) * (line + 1) as f64);
+        drawing.text(at, Anchor::Start, Weight::Plain, ink::CAPTION, cut(text));
+    }
+}
+
+/// Where what is below the head begins.
+pub(super) fn top(packet: &Packet) -> f64 {
+    let lines = if Clock::of(packet).note().is_some() {
+        3.0
+    } else {
+        2.0
+    };
+    MARGIN + lines * f64::from(LINE) + 16.0
 }
 
 /// Where a panel of the sensor's shape lies within an area: as large as it can be.

@@ -2,8 +2,10 @@
 //! cell its events (`dvs_msgs/msg/EventArray`) and pictures of them (`sensor_msgs/msg/Image`), window
 //! by window.
 //!
-//! Topics are `/events` and `/image`; of several kinds `/events/NAME` and `/image/NAME`. A window's
-//! messages have the time of its end. <https://mcap.dev/spec>, <https://mcap.dev/spec/registry>.
+//! Topics are `/events` and `/image`; of several kinds `/events/kind0_NAME` and `/image/kind0_NAME`,
+//! and so on, since no part of a topic may begin with a digit. A window's messages have the time of
+//! its end. <https://mcap.dev/spec>, <https://mcap.dev/spec/registry>; names of topics:
+//! <https://design.ros2.org/articles/topic_and_service_names.html>.
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -134,16 +136,17 @@ fn record(file: &mut AtomicFile, packet: &Packet, window: Micros) -> mcap::McapR
     Ok(windows)
 }
 
-/// What follows `/events` and `/image`: nothing of one kind, else its name as a topic may have it.
+/// What follows `/events` and `/image`: nothing of one kind, else its number and its name, as far as
+/// a topic may have it: ASCII letters and digits, and no `_` beside another.
 fn topic(packet: &Packet, kind: u8) -> String {
     if packet.channels == 1 {
         return String::new();
     }
     let name = packet.names.get(usize::from(kind));
-    let name = name.map_or_else(|| format!("kind {kind}"), Clone::clone);
-    let letter = |c: char| if c.is_alphanumeric() { c } else { '_' };
-    // Two names may be alike but for such letters.
-    format!("/{kind}_{}", name.chars().map(letter).collect::<String>())
+    let name = name.map_or("", String::as_str);
+    let words = name.split(|c: char| !c.is_ascii_alphanumeric());
+    let words = words.filter(|word| !word.is_empty());
+    words.fold(format!("/kind{kind}"), |topic, word| topic + "_" + word)
 }
 
 fn event_array<'a>(
@@ -244,7 +247,7 @@ mod tests {
             (999, 2, 1, false),
         ]);
         all.channels = 2;
-        all.names = vec!["centre on".to_owned(), "edges".to_owned()];
+        all.names = vec!["centre, on_2é".to_owned(), "縁".to_owned()];
         all.events[2].channel = 1;
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.mcap");
@@ -265,8 +268,8 @@ mod tests {
             }
         }
         let wanted = [
-            ("/events/0_centre_on".to_owned(), vec![2, 0, 0, 1]),
-            ("/events/1_edges".to_owned(), vec![1, 0, 0, 0]),
+            ("/events/kind0_centre_on_2".to_owned(), vec![2, 0, 0, 1]),
+            ("/events/kind1".to_owned(), vec![1, 0, 0, 0]),
         ];
         assert_eq!(counts, BTreeMap::from(wanted));
     }

@@ -2,7 +2,7 @@
 
 use super::{
     cloud, frame, intervals, kinds,
-    layout::{BELOW, GAP, LEFT, MARGIN, PANEL, fitted, head},
+    layout::{self, BELOW, GAP, LEFT, MARGIN, PANEL, fitted, head},
     look::{Look, View},
     rate, surface,
     window::Window,
@@ -25,7 +25,7 @@ pub fn draw(packet: &Packet, look: &Look<'_>) -> Result<Drawing, PictureError> {
     check_size(packet.size)?;
     let shown = Window::new(packet, look);
     let line = f64::from(LINE);
-    let top = MARGIN + 2.0 * line + 16.0;
+    let top = layout::top(packet);
     let page = |width: f64, height: f64| {
         let mut drawing = Drawing::new(width + 2.0 * MARGIN, top + height + MARGIN);
         head(&mut drawing, packet, look.title);

@@ -13,7 +13,7 @@ use crate::{
     unit::Micros,
 };
 
-use super::time::lasting;
+use super::time::{Clock, lasting};
 
 /// ON and OFF events of each bin.
 #[derive(Debug, PartialEq)]
@@ -61,10 +61,8 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet) {
     let most = bins.counts.iter().flatten().copied().max().unwrap_or(0);
     let (unit, one) = prefix(most as f64 / second);
     let top = (most as f64 / second / one * 1.08).max(1e-9);
-    let (from, to) = (
-        bins.from.seconds(),
-        bins.from.seconds() + bins.counts.len() as f64 * second,
-    );
+    let from = Clock::of(packet).seconds(bins.from);
+    let to = from + bins.counts.len() as f64 * second;
     let label = format!("{unit}ev/s, in bins of {}", lasting(bins.length));
     let x = Axis {
         label: "t (s)",

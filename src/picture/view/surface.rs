@@ -3,7 +3,7 @@
 use super::{
     frame,
     layout::{caption, fitted},
-    time::{lasting, seconds},
+    time::{Clock, lasting},
     window::Window,
 };
 use crate::{
@@ -39,7 +39,8 @@ pub(super) fn draw(drawing: &mut Drawing, area: Area, packet: &Packet, window: &
     drawing.pixels(area, pixels);
     drawing.frame(area, 1.0, ink::MATCHED);
     let tau = lasting(window.tau);
-    let when = format!("at {}; fades by e in {tau}", seconds(window.to));
+    let now = Clock::of(packet).text(window.to);
+    let when = format!("at {now}; fades by e in {tau}");
     caption(drawing, area, "time surface", &[&when]);
     legend(drawing, (area.x, area.bottom() + 24.0), &tau);
 }

@@ -1,6 +1,6 @@
 //! The events of a window of time.
 
-use super::{look::Look, time::seconds};
+use super::{look::Look, time::Clock};
 use crate::{
     event::{Event, Packet, Polarity},
     unit::Micros,
@@ -37,8 +37,8 @@ impl Window {
     }
 
     /// `0.120 s to 0.130 s`.
-    pub fn text(&self) -> String {
-        format!("{} to {}", seconds(self.from), seconds(self.to))
+    pub fn text(&self, clock: Clock) -> String {
+        format!("{} to {}", clock.text(self.from), clock.text(self.to))
     }
 }
 

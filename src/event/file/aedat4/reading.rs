@@ -29,8 +29,9 @@ pub(super) struct Reading {
     table: i64,
     /// The streams that the header describes.
     streams: Vec<Described>,
-    /// The stream of the events.
+    /// The stream of the events, and whether it was chosen, so that others are left out.
     stream: Option<i32>,
+    chosen: bool,
     /// The packets read so far, for comparison with the table.
     found: Vec<Row>,
     /// The first disagreement with the table, reported after all packets were read.
@@ -84,6 +85,7 @@ pub(super) fn source(mut chunks: Chunks) -> Result<Reading, Stop> {
         table: end,
         streams,
         stream: None,
+        chosen: false,
         found: Vec::new(),
         damage: None,
         unclosed: false,
@@ -104,6 +106,8 @@ struct Described {
     number: i32,
     /// Four letters, such as `EVTS`.
     kind: String,
+    /// What it says of its events.
+    about: About,
 }
 
 /// What the XML of the header says of its streams, and of the first one of events.
@@ -113,28 +117,41 @@ fn describe(xml: &str, compression: i32) -> Result<(About, Vec<Described>), Faul
         format: Format::Aedat4,
         why: format!("describes its streams in XML that cannot be read: {e}"),
     })?;
-    let value = |node: roxmltree::Node<'_, '_>, key: &str| {
-        let mut children = node.children();
-        let child = children.find(|c| c.attribute("key") == Some(key))?;
-        child.text().map(str::to_owned)
-    };
     let nodes = document.descendants();
     let typed = nodes.filter_map(|node| Some((node, value(node, "typeIdentifier")?)));
-    let typed: Vec<_> = typed.collect();
-    let streams = typed.iter().filter_map(|(node, kind)| {
-        let number = node.attribute("name")?.parse().ok()?;
-        let kind = kind.clone();
-        Some(Described { number, kind })
-    });
-    let streams = streams.collect();
+    let (mut first, mut streams) = (None, Vec::new());
+    for (node, kind) in typed {
+        let about = if kind == "EVTS" {
+            let about = described(node, compression)?;
+            first.get_or_insert_with(|| about.clone());
+            about
+        } else {
+            About::NOTHING
+        };
+        if let Some(Ok(number)) = node.attribute("name").map(str::parse) {
+            streams.push(Described {
+                number,
+                kind,
+                about,
+            });
+        }
+    }
+    Ok((first.unwrap_or(About::NOTHING), streams))
+}
+
+/// The value of a key in the XML.
+fn value(node: roxmltree::Node<'_, '_>, key: &str) -> Option<String> {
+    let mut children = node.children();
+    let child = children.find(|c| c.attribute("key") == Some(key))?;
+    child.text().map(str::to_owned)
+}
+
+/// What the XML says of a stream of events.
+fn described(stream: roxmltree::Node<'_, '_>, compression: i32) -> Result<About, Fault> {
     let mut about = About::NOTHING;
-    let of_events = typed.iter().find(|(_, kind)| kind == "EVTS");
-    let Some((stream, info)) = of_events.and_then(|(stream, _)| {
-        let mut children = stream.children();
-        let info = children.find(|c| c.attribute("name") == Some("info"))?;
-        Some((stream, info))
-    }) else {
-        return Ok((about, streams));
+    let mut children = stream.children();
+    let Some(info) = children.find(|c| c.attribute("name") == Some("info")) else {
+        return Ok(about);
     };
     let side = |key| {
         value(info, key)?
@@ -156,7 +173,7 @@ fn describe(xml: &str, compression: i32) -> Result<(About, Vec<Described>), Faul
             let one = format!("its remark says that the sensor is {stated}");
             return twice(one, format!("`sizeX` and `sizeY` say {other}"));
         }
-        let named = value(*stream, "compression");
+        let named = value(stream, "compression");
         let known = usize::try_from(compression).ok();
         let known = known.and_then(|number| COMPRESSIONS.get(number));
         if let (Some(named), Some(known)) = (named, known)
@@ -167,7 +184,7 @@ fn describe(xml: &str, compression: i32) -> Result<(About, Vec<Described>), Faul
         }
         about = ours;
     }
-    Ok((about, streams))
+    Ok(about)
 }
 
 impl Reading {
@@ -243,8 +260,14 @@ impl Reading {
             self.skipped += 1;
             return Ok(false);
         }
-        if *self.stream.get_or_insert(stream) != stream {
-            return Err(wrong(at, "has two streams of events, which would be mixed"));
+        let one = *self.stream.get_or_insert(stream);
+        if one != stream && !self.chosen {
+            let fault = Fault::Streams {
+                format: Format::Aedat4,
+                one,
+                other: stream,
+            };
+            return Err(Stop::Fault(Place::Byte(at), fault));
         }
         let events = Table::root(body).and_then(|table| table.vector(0, EVENT));
         let Some((events, start)) = events else {
@@ -257,6 +280,9 @@ impl Reading {
         let ends = (time(records.first()), time(records.last()));
         row.events = Some((records.len() as u64, ends.0, ends.1));
         self.found.push(row);
+        if one != stream {
+            return Ok(false);
+        }
         // Behind the size.
         self.start = start + 4;
         self.end = self.start + events.len();
@@ -340,6 +366,16 @@ impl Reading {
 impl Source for Reading {
     fn about(&self) -> About {
         self.about.clone()
+    }
+
+    fn choose(&mut self, stream: i32) -> bool {
+        let mut streams = self.streams.iter();
+        let Some(described) = streams.find(|it| it.number == stream && it.kind == "EVTS") else {
+            return false;
+        };
+        self.about = described.about.clone();
+        (self.stream, self.chosen) = (Some(stream), true);
+        true
     }
 
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {

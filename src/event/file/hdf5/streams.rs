@@ -28,6 +28,34 @@ fn wrong(why: impl Into<String>) -> Stop {
     Stop::layout(Format::Hdf5, 0, why)
 }
 
+/// Layouts of others: where their events are, and who writes them.
+const OTHERS: [(&str, &str); 4] = [
+    ("events/ts", "event_utils"),
+    ("CD/events", "Prophesee"),
+    ("davis/left/events", "MVSEC"),
+    ("davis/right/events", "MVSEC"),
+];
+
+/// Why a column is not there: the file was cut, or is laid out in another way.
+fn missing(file: &File, name: &str, why: &Error) -> Stop {
+    if let Error::Format(FormatError::UnexpectedEof {
+        expected,
+        available,
+    }) = why
+        && *available as u64 == file.file_size()
+    {
+        let inside = format!("at least {expected} bytes");
+        return Stop::Fault(Place::Byte(*available as u64), Fault::Truncated { inside });
+    }
+    let mut others = OTHERS.iter();
+    let found = match others.find(|(path, _)| file.dataset(path).is_ok()) {
+        Some((path, whose)) => format!("it has `{path}`, as files of {whose} do"),
+        None => why.to_string(),
+    };
+    let (column, why) = (format!("events/{name}"), found);
+    Stop::Fault(Place::Byte(0), Fault::Column { column, why })
+}
+
 /// Opens a file's stream of events.
 pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     let unreadable = |e: Error| wrong(format!("cannot be read: {e}"));
@@ -41,7 +69,7 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
         let column = match file.dataset(&format!("events/{name}")) {
             Ok(column) => column,
             Err(_) if name == "channel" => continue,
-            Err(e) => return Err(wrong(format!("has no column `events/{name}`: {e}"))),
+            Err(e) => return Err(missing(&file, name, &e)),
         };
         let shape = column.shape().map_err(unreadable)?;
         let [length] = shape[..] else {
