@@ -129,6 +129,40 @@ fn a_threshold_of_nothing_is_told_of() {
     }
 }
 
+/// Where no sensor has an event nothing is kept, and no threshold costs as much.
+#[test]
+fn a_silent_scene_has_no_scores() {
+    let folder = TempDir::new().unwrap();
+    let ask = [
+        "quantise",
+        "csdvs-3",
+        "--to",
+        "ternary",
+        "--threshold",
+        "5000",
+        "--scene",
+        "pattern:disc?width=32&height=24&frames=6",
+        "--effort",
+        "0.01",
+    ];
+    let said = json(folder.path(), &[&ask[..], &["--json"]].concat());
+    let row = &said["chip"]["rows"][0];
+    assert!(row["threshold_equivalent_percent"].is_null(), "{row}");
+    for side in ["exact", "silicon"] {
+        let score = &row["on_chip"][side];
+        assert!(
+            score["kept"].is_null() && score["tuned"].is_null(),
+            "{score}"
+        );
+    }
+    let table = amacrine(folder.path(), &ask).assert().success();
+    let table = String::from_utf8_lossy(&table.get_output().stdout).into_owned();
+    assert!(
+        !table.contains("1.000") && !table.contains(" 0.0 %"),
+        "{table}"
+    );
+}
+
 /// A kernel that loses nothing by being quantised loses no event in exact arithmetic, and one
 /// that does loses some; both cost what the programs say.
 #[test]

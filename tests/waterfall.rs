@@ -423,7 +423,7 @@ fn kinds_of_one_program_fall_together() {
     };
     let rates = falls[1].rates(&two, &open, &|| {}).unwrap();
     for rate in &rates.rates {
-        let taken: f64 = rate.causes.iter().map(|cause| cause.share).sum();
+        let taken: f64 = rate.causes.iter().map(|cause| cause.share.unwrap()).sum();
         assert!((taken + rate.headline.kept.unwrap() - 1.0).abs() < 1e-9);
     }
 }
@@ -448,6 +448,38 @@ fn over_scene(question: &Question<'_>, choice: &Choice, scene: &str) -> Rates {
     fall.unwrap().rates(&choice, &open, &|| {}).unwrap()
 }
 
+/// Within a window that covers the clip accident scores all there is.
+#[test]
+fn where_accident_scores_all_nothing_is_told() {
+    let (kernel, device) = (ternary(), Device::scamp5());
+    let within = Micros(10_000_000);
+    let open = || scene::open(SCENE, &OpenOptions::default());
+    let fall = Fall::new(Question {
+        within,
+        ..question(design(&kernel, &device, 32.0))
+    });
+    let choice = Choice {
+        within: Some(within),
+        ..choice(&[240.0, 480.0], 2)
+    };
+    let all = fall.unwrap().rates(&choice, &open, &|| {}).unwrap();
+    for rate in &all.rates {
+        let told = (
+            rate.headline.kept,
+            rate.headline.threshold_equivalent_percent,
+        );
+        assert_eq!(told, (None, None));
+        assert_eq!(rate.kept_10_90, None);
+        for share in &rate.causes {
+            assert_eq!((share.share, share.share_10_90), (None, None), "{share:?}");
+        }
+    }
+    assert_eq!(all.costliest(), None);
+    let drawing = all.drawing("nothing");
+    let dashes = drawing.texts().filter(|text| *text == "-").count();
+    assert_eq!(dashes, 2, "one for each rate, beside `kept`");
+}
+
 fn choice(rates: &[f64], chips: u64) -> Choice {
     Choice {
         rates: rates.to_vec(),
@@ -460,7 +492,7 @@ fn choice(rates: &[f64], chips: u64) -> Choice {
 fn taken(rates: &Rates, cause: Cause) -> Vec<f64> {
     let share = |rate: &amacrine::study::waterfall::Rate| {
         let own = rate.causes.iter().find(|share| share.cause == cause);
-        own.unwrap().share
+        own.unwrap().share.unwrap()
     };
     rates.rates.iter().map(share).collect()
 }
@@ -482,17 +514,18 @@ fn what_is_kept_and_what_the_causes_take_is_all() {
             for rate in &all.rates {
                 let found: Vec<_> = rate.causes.iter().map(|share| share.cause).collect();
                 assert_eq!(found, causes);
-                let sum: f64 = rate.causes.iter().map(|share| share.share).sum();
+                let sum: f64 = rate.causes.iter().map(|share| share.share.unwrap()).sum();
                 let kept = rate.headline.kept.unwrap();
                 assert!((sum + kept - 1.0).abs() < 1e-9, "{sum} {kept}");
                 assert!(kept < 0.9, "nothing was lost: {kept}");
-                let [low, high] = rate.kept_10_90;
+                let [low, high] = rate.kept_10_90.unwrap();
                 assert!(low <= kept + 1e-12 && kept <= high + 1e-12);
-                assert!(rate.headline.threshold_equivalent_percent > 0.0);
+                assert!(rate.headline.threshold_equivalent_percent > Some(0.0));
                 assert_eq!(rate.headline.window_us, WITHIN);
                 for share in &rate.causes {
-                    let [low, high] = share.share_10_90;
-                    assert!(low <= share.share + 1e-12 && share.share <= high + 1e-12);
+                    let own = share.share.unwrap();
+                    let [low, high] = share.share_10_90.unwrap();
+                    assert!(low <= own + 1e-12 && own <= high + 1e-12);
                     let how = match share.cause {
                         Cause::Readout => How::Last,
                         Cause::Format if chips == 1 => How::Shapley,
@@ -527,13 +560,13 @@ fn rates_and_steps_agree_where_they_ask_the_same() {
         let mut before = 1.0;
         for (step, share) in steps.steps.iter().zip(&rate.causes).take(4) {
             assert_eq!(step.cause, share.cause);
-            near(share.share, before - step.likeness.kept.unwrap());
+            near(share.share.unwrap(), before - step.likeness.kept.unwrap());
             before = step.likeness.kept.unwrap();
         }
         let last = steps.steps.last().unwrap().likeness;
         near(rate.headline.kept.unwrap(), last.kept.unwrap());
         near(
-            rate.headline.threshold_equivalent_percent,
+            rate.headline.threshold_equivalent_percent.unwrap(),
             last.threshold_equivalent_percent,
         );
         let readout = &steps.steps[steps.steps.len() - 2..];
@@ -581,7 +614,7 @@ fn a_perfect_chip_loses_nothing_of_its_own_at_any_rate() {
     let losses = [Cause::Frames, Cause::Memory];
     for rate in &all.rates {
         for share in rate.causes.iter().filter(|s| !losses.contains(&s.cause)) {
-            assert!(share.share.abs() < 1e-9, "{share:?}");
+            assert!(share.share.unwrap().abs() < 1e-9, "{share:?}");
         }
         assert_eq!(rate.noise.unwrap().events_per_second, 0.0);
     }
@@ -644,7 +677,7 @@ fn tiles_stand_for_the_whole_sensor() {
     let (a, b) = (some.headline.kept.unwrap(), whole.headline.kept.unwrap());
     assert!((a - b).abs() < 0.05, "{a} {b}");
     for (a, b) in some.causes.iter().zip(&whole.causes) {
-        let (a, b) = (a.share, b.share);
+        let (a, b) = (a.share.unwrap(), b.share.unwrap());
         assert!((a - b).abs() < 0.05, "{a} {b}");
     }
 }
@@ -660,11 +693,11 @@ fn rates_do_not_depend_on_threads_and_chips_differ() {
     };
     let all = on(1, 4);
     assert_eq!(all, on(3, 4));
-    let [low, high] = all.rates[0].kept_10_90;
+    let [low, high] = all.rates[0].kept_10_90.unwrap();
     assert!(low < high);
     // One chip is its own spread, and it is the first of the four.
     let one = on(2, 1);
-    let [low, high] = one.rates[0].kept_10_90;
+    let [low, high] = one.rates[0].kept_10_90.unwrap();
     assert_eq!([low, high], [one.rates[0].headline.kept.unwrap(); 2]);
 }
 

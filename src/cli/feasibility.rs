@@ -66,7 +66,8 @@ pub struct Arguments {
     #[command(flatten)]
     clip: Clip,
     /// The few values that the chip computes with (see `amacrine quantise --help`); else the
-    /// best of the candidates
+    /// best of the candidates. The table still has a row for each candidate: `--candidates` says
+    /// which
     #[arg(long, value_name = "QUANTISER", value_parser = super::quantiser::quantiser)]
     to: Option<Quantiser>,
     /// Rows of the table of quantisers

@@ -17,7 +17,7 @@ use crate::{
         sweep::{
             Report,
             key::Side,
-            report::{Group, Refused, Standing},
+            report::{Group, Refused, Standing, Without},
             store,
             study::COSTS,
         },
@@ -223,12 +223,13 @@ fn table(report: &Report, arguments: &Arguments) -> String {
         }
     }
     if !report.without.is_empty() {
-        let _ = writeln!(
-            text,
-            "\nwithout  {}: no {}, or no error where accident scores as much as anything",
-            report.without.join(", "),
-            label(&report.cost)
-        );
+        text.push('\n');
+    }
+    for Without { name, no_error } in &report.without {
+        let _ = match no_error {
+            Some(why) => writeln!(text, "without  {name}: no error, since {why}"),
+            None => writeln!(text, "without  {name}: no {}", label(&report.cost)),
+        };
     }
     if let Some(path) = &arguments.output {
         let _ = writeln!(text, "\nwrote    {}", path.display());

@@ -347,15 +347,15 @@ fn rate_table(steps: &Waterfall, rates: &Rates) -> String {
         let _ = writeln!(text, "{}", line.trim_end());
     };
     // Numbers stand below each other.
-    let cell = |share: f64, spread: [f64; 2]| {
-        let text = share_text(share, spread);
+    let cell = |share: Option<f64>, spread: Option<[f64; 2]>| {
+        let text = share_text(share.zip(spread));
         let number = text.find(' ').unwrap_or(text.len());
         format!("{}{text}", " ".repeat(6_usize.saturating_sub(number)))
     };
     let all = || rates.rates.iter();
     let head = |rate: &Rate| format!("{:>6} frames/s", equivalent::rate(rate.headline.fps));
     row(&mut text, "%", &mut all().map(head));
-    let kept = |rate: &Rate| cell(rate.headline.kept.unwrap_or(0.0), rate.kept_10_90);
+    let kept = |rate: &Rate| cell(rate.headline.kept, rate.kept_10_90);
     row(&mut text, "kept", &mut all().map(kept));
     let first: &[Share] = rates.rates.first().map_or(&[], |rate| &rate.causes);
     for (i, cause) in first.iter().enumerate() {
@@ -364,8 +364,11 @@ fn rate_table(steps: &Waterfall, rates: &Rates) -> String {
         row(&mut text, cause.name, &mut cells);
     }
     let equivalent = |rate: &Rate| {
-        let percent = rate.headline.threshold_equivalent_percent;
-        let told = equivalent::percents(percent, rate.threshold_equivalent_is_least);
+        let is_least = rate.threshold_equivalent_is_least;
+        let told = { rate.headline.threshold_equivalent_percent }
+            .map_or("-".to_owned(), |percent| {
+                equivalent::percents(percent, is_least)
+            });
         format!("{told:>8}")
     };
     row(
@@ -383,6 +386,9 @@ fn rate_table(steps: &Waterfall, rates: &Rates) -> String {
         for line in rates.advice() {
             let _ = writeln!(text, "{line}");
         }
+    }
+    if all().any(|rate| rate.headline.kept.is_none()) {
+        text += "\n-: accident scores as much as anything there, so nothing can be said of what is kept.\n";
     }
     text + "\nkept and what the causes take add up to 100. noise alone: events on a still picture, for each of the float sensor's.\n"
 }

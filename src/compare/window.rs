@@ -86,6 +86,16 @@ pub fn interval(fps: f64) -> Micros {
     Micros((1e6 / fps).ceil() as u64)
 }
 
+/// Up to which floor of F1 a scene can judge: where accident alone scores more, a few events decide
+/// what is left above it.
+pub const CLEAR_FLOOR: f64 = 0.9;
+
+/// Whether a scene with this floor of F1 can judge.
+#[must_use]
+pub fn can_judge(floor: f64) -> bool {
+    floor <= CLEAR_FLOOR
+}
+
 /// What of a score is more than accident; the score is at most 1.
 ///
 /// Where accident scores 1, a packet that scores 1 keeps all; of any other nothing can be said.

@@ -34,22 +34,27 @@ pub struct RatesCause<'a> {
     pub name: &'a str,
     /// Its colour.
     pub ink: Ink,
-    /// What it takes at each rate.
-    pub shares: Vec<f64>,
-    /// From where to where that lies for most chips.
-    pub spreads: Vec<[f64; 2]>,
+    /// What it takes at each rate, and from where to where that lies for most chips; none where
+    /// nothing can be said.
+    pub shares: Vec<Option<(f64, [f64; 2])>>,
 }
 
 impl RatesCause<'_> {
     /// The most that it ever takes.
     fn most(&self) -> f64 {
-        self.shares.iter().copied().fold(0.0, f64::max)
+        let known = self.shares.iter().flatten();
+        known.map(|(share, _)| *share).fold(0.0, f64::max)
+    }
+
+    /// All shares and the ends of their spreads.
+    fn numbers(&self) -> impl Iterator<Item = f64> {
+        let known = self.shares.iter().flatten();
+        known.flat_map(|(share, [from, to])| [*share, *from, *to])
     }
 
     /// Whether it changes as much as is written.
     fn is_seen(&self) -> bool {
-        let all = self.shares.iter().chain(self.spreads.iter().flatten());
-        all.map(|share| share.abs()).fold(0.0, f64::max) >= 0.0005
+        self.numbers().map(f64::abs).fold(0.0, f64::max) >= 0.0005
     }
 }
 
@@ -138,9 +143,12 @@ fn places(rates: &[f64], area: Area) -> Vec<f64> {
 }
 
 /// A share in per cent, and from where to where most chips lie, where they differ by as much as
-/// is written: `20.0 (15.0 to 25.0)`.
+/// is written: `20.0 (15.0 to 25.0)`; a dash where nothing can be said.
 #[must_use]
-pub fn share_text(share: f64, [low, high]: [f64; 2]) -> String {
+pub fn share_text(share: Option<(f64, [f64; 2])>) -> String {
+    let Some((share, [low, high])) = share else {
+        return "-".to_owned();
+    };
     let percent = |share: f64| {
         let text = format!("{:.1}", 100.0 * share);
         if text == "-0.0" {
@@ -187,8 +195,8 @@ fn grid(page: &mut Drawing, area: Area, rates: &[f64], y: Axis<'_>) {
 fn stacked(page: &mut Drawing, area: Area, show: &RatesShow<'_>, seen: &[&RatesCause<'_>]) {
     let all = || std::iter::once(&show.kept).chain(seen.iter().copied());
     let share = |cause: &RatesCause<'_>, i: usize| {
-        let share = cause.shares.get(i).copied().unwrap_or(0.0);
-        share.max(0.0)
+        let known = cause.shares.get(i).copied().flatten();
+        known.map_or(0.0, |(share, _)| share.max(0.0))
     };
     let sums = (0..show.rates.len()).map(|i| all().map(|cause| share(cause, i)).sum::<f64>());
     let axis = Axis {
@@ -204,6 +212,10 @@ fn stacked(page: &mut Drawing, area: Area, show: &RatesShow<'_>, seen: &[&RatesC
     // The ends of each cause in the bar before, for the lines between the bars.
     let mut before: Option<(f64, Vec<f64>)> = None;
     for (i, x) in at.iter().enumerate() {
+        if show.kept.shares.get(i).is_none_or(Option::is_none) {
+            before = None;
+            continue;
+        }
         let (left, mut bottom) = (x - width / 2.0, area.bottom());
         let mut ends = Vec::new();
         for cause in all() {
@@ -232,12 +244,9 @@ fn spreads(page: &mut Drawing, area: Area, show: &RatesShow<'_>, seen: &[&RatesC
     let mut biggest = seen.to_vec();
     biggest.order_by(|a, b| b.most().total_cmp(&a.most()));
     biggest.truncate(BIGGEST);
-    let all = || {
-        let spreads = biggest.iter().flat_map(|c| c.spreads.iter().flatten());
-        spreads.chain(biggest.iter().flat_map(|c| &c.shares))
-    };
-    let low = all().copied().fold(0.0, f64::min);
-    let high = all().copied().fold(0.01, f64::max);
+    let all = || biggest.iter().flat_map(|cause| cause.numbers());
+    let low = all().fold(0.0, f64::min);
+    let high = all().fold(0.01, f64::max);
     let axis = Axis {
         label: "% that the biggest causes take, 10 to 90 % of the chips",
         from: 100.0 * low,
@@ -250,14 +259,17 @@ fn spreads(page: &mut Drawing, area: Area, show: &RatesShow<'_>, seen: &[&RatesC
     let mut names = Vec::new();
     for (k, cause) in biggest.iter().enumerate() {
         let beside = 6.0 * (k as f64 - (biggest.len() - 1) as f64 / 2.0);
-        let dots: Vec<(f64, f64)> = { at.iter().zip(&cause.shares) }
-            .map(|(x, share)| (x + beside, y(*share)))
+        let dots: Vec<Option<(f64, f64)>> = { at.iter().zip(&cause.shares) }
+            .map(|(x, known)| Some((x + beside, y((*known)?.0))))
             .collect();
         for two in dots.windows(2) {
-            page.line(two[0], two[1], 2.0, cause.ink);
+            if let [Some(from), Some(to)] = two {
+                page.line(*from, *to, 2.0, cause.ink);
+            }
         }
-        for ((x, middle), [from, to]) in dots.iter().zip(&cause.spreads) {
-            page.line((*x, y(*from)), (*x, y(*to)), 3.0, cause.ink);
+        let spreads = cause.shares.iter().flatten().map(|(_, spread)| *spread);
+        for ((x, middle), [from, to]) in dots.iter().flatten().zip(spreads) {
+            page.line((*x, y(from)), (*x, y(to)), 3.0, cause.ink);
             let dot = Area {
                 x: x - 3.5,
                 y: middle - 3.5,
@@ -266,7 +278,7 @@ fn spreads(page: &mut Drawing, area: Area, show: &RatesShow<'_>, seen: &[&RatesC
             };
             page.fill(dot, cause.ink);
         }
-        if let Some((_, last)) = dots.last() {
+        if let Some((_, last)) = dots.iter().flatten().last() {
             names.push((*last, cause));
         }
     }
@@ -315,8 +327,8 @@ fn numbers(page: &mut Drawing, top: f64, show: &RatesShow<'_>, seen: &[&RatesCau
         page.fill(swatch, cause.ink);
         let at = (MARGIN + SWATCH + 6.0, y);
         page.text(at, Anchor::Start, Weight::Plain, ink::TEXT, cause.name);
-        for (i, (share, spread)) in cause.shares.iter().zip(&cause.spreads).enumerate() {
-            let text = share_text(*share, *spread);
+        for (i, share) in cause.shares.iter().enumerate() {
+            let text = share_text(*share);
             let at = (column(i), y);
             page.text(at, Anchor::Start, Weight::Plain, ink::TEXT, text);
         }
@@ -333,8 +345,9 @@ mod tests {
         RatesCause {
             name,
             ink,
-            shares: shares.to_vec(),
-            spreads: shares.iter().map(|s| [s - 0.05, s + 0.05]).collect(),
+            shares: { shares.iter() }
+                .map(|s| Some((*s, [s - 0.05, s + 0.05])))
+                .collect(),
         }
     }
 

@@ -10,6 +10,7 @@ use miette::Diagnostic as _;
 
 use super::Larger;
 use crate::{
+    compare::window::can_judge,
     event::{Event, Packet},
     kernel::quantise::Erasure,
     photoreceptor::{Curve, Response},
@@ -256,12 +257,11 @@ impl Warning {
         )
     }
 
-    /// A window within which accident scores this much; none where a score still says something.
+    /// A window within which accident scores this much; none where a score still says something
+    /// ([`can_judge`]).
     #[must_use]
     pub fn window(within: Micros, floor: f64) -> Option<Self> {
-        /// From which floor on a few events decide what is kept.
-        const MOST: f64 = 0.95;
-        (floor >= MOST).then(|| {
+        (!can_judge(floor)).then(|| {
             Self::new(
                 About::Window,
                 "what is kept",

@@ -57,7 +57,7 @@ pub struct Likeness {
     /// Events for each of the reference's; none where it has none.
     pub event_ratio: Option<f64>,
     /// The same against a float sensor that says as many events; none where no threshold of the
-    /// ladder does.
+    /// ladder does, or there is no event.
     pub tuned: Option<Tuned>,
 }
 
@@ -80,7 +80,8 @@ impl Likeness {
 pub struct Tuned {
     /// What its threshold is more than the reference's, in per cent: the gain error.
     pub threshold_percent: f64,
-    /// What is kept of it: the shape; none where accident scores as much as anything.
+    /// What is kept of it: the shape; none where accident scores as much as anything, or one of
+    /// the two has no event.
     pub kept: Option<f64>,
     /// The change of threshold that costs as much as what is not kept; none where that is not
     /// known.
@@ -316,9 +317,13 @@ impl Ladder {
     }
 
     /// The threshold, as a part of the reference's, at which the float sensor says this many
-    /// events; none where no threshold of the ladder does.
+    /// events; none where no threshold of the ladder does, and of no event at all, which any
+    /// threshold is high enough for.
     #[must_use]
     pub fn part_of(&self, events: u64) -> Option<f64> {
+        if events == 0 {
+            return None;
+        }
         // Fewer events the higher the threshold; where more events are lost to chance than that,
         // the first crossing counts.
         let events = events as f64;
@@ -342,10 +347,15 @@ impl Ladder {
     ) -> Result<(), CompareError> {
         let pair = Pair::new(tuned, packet)?;
         let point = Point::new(&pair, &Redraws::new(&pair, self.seed), self.window);
-        let equivalent = point.kept.map(|kept| self.equivalent_of_kept(kept));
+        let kept = point
+            .kept
+            .filter(|_| pair.events().iter().all(|events| *events > 0));
+        // The ladder of a silent reference tells nothing apart.
+        let known = kept.filter(|_| !self.reference.events.is_empty());
+        let equivalent = known.map(|kept| self.equivalent_of_kept(kept));
         likeness.tuned = Some(Tuned {
             threshold_percent: percent(part),
-            kept: point.kept,
+            kept,
             threshold_equivalent_percent: equivalent.map(|(percent, _)| percent),
             threshold_equivalent_is_least: equivalent.is_some_and(|(_, is_least)| is_least),
         });
@@ -426,21 +436,28 @@ fn percent(part: f64) -> f64 {
 impl std::fmt::Display for Likeness {
     /// `kept 0.847 (100 ms, 10 frames/s), as a threshold 16 % higher`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let kept = kept(self.kept, 3);
         write!(
             f,
-            "kept {} ({}, {} frames/s), as a threshold {} higher",
-            kept(self.kept, 3),
+            "kept {kept} ({}, {} frames/s)",
             Short(self.window_us),
-            rate(self.fps),
-            self.equivalent()
-        )
+            rate(self.fps)
+        )?;
+        match self.event_ratio {
+            Some(_) => write!(f, ", as a threshold {} higher", self.equivalent()),
+            None => Ok(()),
+        }
     }
 }
 
 impl Likeness {
-    /// The threshold equivalent in a few characters, such as `16 %` or `> 900 %`.
+    /// The threshold equivalent in a few characters, such as `16 %` or `> 900 %`; a dash where the
+    /// reference has no event.
     #[must_use]
     pub fn equivalent(&self) -> String {
+        if self.event_ratio.is_none() {
+            return "-".to_owned();
+        }
         percents(
             self.threshold_equivalent_percent,
             self.threshold_equivalent_is_least,

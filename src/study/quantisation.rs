@@ -78,8 +78,9 @@ pub struct Headline {
     pub window_us: Micros,
     /// Frames a second that were shown.
     pub fps: f64,
-    /// The change of the float sensor's threshold that costs as much, in per cent.
-    pub threshold_equivalent_percent: f64,
+    /// The change of the float sensor's threshold that costs as much, in per cent; none where
+    /// the float sensor has no event, or accident scores as much as anything.
+    pub threshold_equivalent_percent: Option<f64>,
 }
 
 impl From<Likeness> for Headline {
@@ -88,7 +89,8 @@ impl From<Likeness> for Headline {
             kept: of.kept,
             window_us: of.window_us,
             fps: of.fps,
-            threshold_equivalent_percent: of.threshold_equivalent_percent,
+            threshold_equivalent_percent: { of.event_ratio }
+                .map(|_| of.threshold_equivalent_percent),
         }
     }
 }

@@ -200,7 +200,9 @@ fn program_table(arguments: &Arguments, programs: &[Joint], kinds: usize) -> Str
                 let ratio = score.event_ratio;
                 let ratio = ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.3}"));
                 let kept = equivalent::kept(score.kept, 3);
-                format!("{:>6.3} {kept:>6} {ratio:>7}", score.f1)
+                let f1 =
+                    { score.event_ratio }.map_or("-".to_owned(), |_| format!("{:.3}", score.f1));
+                format!("{f1:>6} {kept:>6} {ratio:>7}")
             };
             let _ = writeln!(
                 text,

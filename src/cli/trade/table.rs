@@ -68,6 +68,8 @@ impl<M> Table<'_, M> {
         if let Some(knee) = trade.knee() {
             let _ = writeln!(text, "knee     {}", self.told.says(trade, knee));
             let _ = writeln!(text, "         {}", (self.told.command)(&knee.model));
+        } else {
+            text += "no knee: nothing on the front is faster than the full model\n";
         }
         for point in trade.front().filter(|point| !point.is_knee) {
             let _ = writeln!(text, "front    {}", self.told.says(trade, point));

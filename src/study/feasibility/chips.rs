@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     array::{Arithmetic, Array},
-    compare::CompareError,
+    compare::{CompareError, window::can_judge},
     event::Packet,
     isa::{Device, Evidence, Figure},
     program::readout::{Demand, Scans},
@@ -35,16 +35,6 @@ pub const MOSTLY: f64 = 0.80;
 
 /// From what share on it is feasible with loss: *half kept*.
 pub const HALF: f64 = 0.50;
-
-/// Up to which floor a scene can judge: where accident alone scores more, what is left above it
-/// says nothing.
-pub const CLEAR_FLOOR: f64 = 0.9;
-
-/// Whether a scene with this floor of F1 can judge.
-#[must_use]
-pub fn can_judge(floor: f64) -> bool {
-    floor <= CLEAR_FLOOR
-}
 
 /// Chips that watch side by side.
 const ABREAST: usize = 8;

@@ -6,14 +6,17 @@
 use super::{
     Estimate, Feasibility, Fit, Stream,
     chip::OnChip,
-    chips::{CLEAR_FLOOR, HALF, MOSTLY, can_judge},
+    chips::{HALF, MOSTLY},
     estimate::short,
     stream::Judged,
     time::Binds,
 };
 use crate::{
-    compare::metric::Short,
-    study::{quantisation::Outcome, waterfall::Step},
+    compare::{
+        metric::Short,
+        window::{CLEAR_FLOOR, can_judge},
+    },
+    study::{quantisation::Outcome, waterfall::Rates},
 };
 
 /// The verdict: a headline, and a sentence for each finding.
@@ -399,20 +402,17 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
         word,
         says,
         rule: format!(
-            "What is kept less from the float kernel to the program without errors, and from there to the chip; the larger is named, where it is at least {LITTLE}. Above all: the step of the chip that changes most events in the waterfall."
+            "What is kept less from the float kernel to the program without errors, and from there to the chip; the larger is named, where it is at least {LITTLE}. Above all: the step of the chip that takes most of what there is to keep in the waterfall over frame rate, at the scene's own rate."
         ),
     }
 }
 
-/// The step of the chip that changes most.
+/// The step of the chip that takes most of what there is to keep.
 fn largest(all: &Feasibility) -> String {
-    let steps = all.waterfall.iter().flat_map(|w| &w.steps);
-    let chip = steps.filter(|step| !step.cause.is_float());
-    let largest = chip.max_by(|a, b| {
-        let changed = |step: &Step| step.forward_share.changed();
-        changed(a).total_cmp(&changed(b))
-    });
-    largest.map_or(String::new(), |step| format!(", above all {}", step.name))
+    let largest = all.over_rates.as_ref().and_then(Rates::costliest);
+    largest.map_or(String::new(), |(_, share)| {
+        format!(", above all {}", share.name)
+    })
 }
 
 fn against_dvs(chip: &Stream, dvs: &Stream) -> Finding {

@@ -81,11 +81,11 @@ fn over_rates(all: &Feasibility, rates: &Rates) -> Markup {
     let first = rates.rates.first();
     let causes = first.map_or(&[][..], |rate| &rate.causes);
     let all_rates = || rates.rates.iter().enumerate();
-    let cell = |at: &str, ends: &str, share: f64, [low, high]: [f64; 2]| {
+    let cell = |at: &str, ends: &str, share: Option<f64>, spread: Option<[f64; 2]>| {
         html! {
             td.n {
-                (number::fixed(at, share, 3))
-                @if high > low {
+                (number::fixed_or_none(at, share, 3))
+                @if let Some([low, high]) = spread && high > low {
                     span.source { (number::fixed(&format!("{ends}/0"), low, 3)) " to " (number::fixed(&format!("{ends}/1"), high, 3)) }
                 }
             }
@@ -110,7 +110,7 @@ fn over_rates(all: &Feasibility, rates: &Rates) -> Markup {
                         th scope="row" { "kept" }
                         @for (i, rate) in all_rates() {
                             @let at = format!("/over_rates/rates/{i}");
-                            (cell(&format!("{at}/kept"), &format!("{at}/kept_10_90"), rate.headline.kept.unwrap_or(0.0), rate.kept_10_90))
+                            (cell(&format!("{at}/kept"), &format!("{at}/kept_10_90"), rate.headline.kept, rate.kept_10_90))
                         }
                     }
                     @for (k, cause) in causes.iter().enumerate() {
@@ -127,11 +127,15 @@ fn over_rates(all: &Feasibility, rates: &Rates) -> Markup {
                     tr {
                         th scope="row" { "as a threshold higher by" }
                         @for (i, rate) in all_rates() {
-                            td.n { (number::equivalent(
-                                &format!("/over_rates/rates/{i}/threshold_equivalent_percent"),
-                                rate.headline.threshold_equivalent_percent,
-                                rate.threshold_equivalent_is_least,
-                            )) }
+                            td.n {
+                                @if let Some(percent) = rate.headline.threshold_equivalent_percent {
+                                    (number::equivalent(
+                                        &format!("/over_rates/rates/{i}/threshold_equivalent_percent"),
+                                        percent,
+                                        rate.threshold_equivalent_is_least,
+                                    ))
+                                } @else { (number::none()) }
+                            }
                         }
                     }
                 }

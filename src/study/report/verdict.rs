@@ -14,7 +14,7 @@ use crate::{
     study::{
         feasibility::{Feasibility, Fit, tornado::Turn},
         quantisation::{Outcome, Row},
-        waterfall::Step,
+        waterfall::{Rates, Share},
     },
 };
 
@@ -113,9 +113,11 @@ fn task(all: &Feasibility) -> Line {
             let at = |key: &str| format!("/quantisation/{i}/{key}");
             html! {
                 "kept " (number::fixed_or_none(&at("kept"), headline.kept, 3))
-                ", as a threshold "
-                (number::equivalent(&at("threshold_equivalent_percent"), headline.threshold_equivalent_percent, silicon.threshold_equivalent_is_least))
-                " higher"
+                @if let Some(percent) = headline.threshold_equivalent_percent {
+                    ", as a threshold "
+                    (number::equivalent(&at("threshold_equivalent_percent"), percent, silicon.threshold_equivalent_is_least))
+                    " higher"
+                }
                 span.of {
                     "within " (number::scaled(&at("window_us"), headline.window_us.0 as f64, 1e-3)) " ms, at "
                     (number::plain(&at("fps"), headline.fps)) " frames/s"
@@ -291,19 +293,16 @@ fn power(all: &Feasibility) -> Line {
 }
 
 fn decides(all: &Feasibility) -> Line {
-    let steps = all.waterfall.iter().flat_map(|waterfall| &waterfall.steps);
-    let chip = steps.enumerate().filter(|(_, step)| !step.cause.is_float());
-    let changed = |step: &Step| step.forward_share.changed();
-    let largest = chip.max_by(|a, b| changed(a.1).total_cmp(&changed(b.1)));
+    let largest = all.over_rates.as_ref().and_then(Rates::costliest);
     let turn = fall::deciding(all).next();
     let answer = match word(all, "what limits") {
         Some(limit) => {
             let mut answer = format!("It loses most to: {limit}");
-            if let Some((_, step)) = largest {
+            if let Some((_, share)) = largest {
                 let _ = write!(
                     answer,
-                    "; of the chip\u{2019}s steps {} changes most",
-                    step.name
+                    "; of the chip\u{2019}s steps {} takes most",
+                    share.name
                 );
             }
             if let Some((_, turn)) = turn {
@@ -322,7 +321,7 @@ fn decides(all: &Feasibility) -> Line {
             "trade-offs"
         },
         answer,
-        number: number.or_else(|| largest.map(|(i, step)| lost(i, step))),
+        number: number.or_else(|| largest.and_then(|(i, share)| taken(i, share))),
         evidence: match (turn, largest) {
             (Some((_, turn)), _) => Some(turn.evidence),
             (None, largest) => largest.map(|_| Evidence::Modelled),
@@ -344,14 +343,13 @@ fn moved(i: usize, turn: &Turn) -> Markup {
     }
 }
 
-/// What one step changes.
-fn lost(i: usize, step: &Step) -> Markup {
-    let at = |key: &str| format!("/waterfall/steps/{i}/forward_share/{key}");
-    html! {
-        "lost " (number::fixed(&at("lost"), step.forward_share.lost, 3))
-        ", extra " (number::fixed(&at("extra"), step.forward_share.extra, 3))
-        span.of { "for each event of the float sensor" }
-    }
+/// What one step takes at the clip's own frame rate.
+fn taken(i: usize, share: &Share) -> Option<Markup> {
+    let at = format!("/over_rates/rates/0/causes/{i}/share");
+    Some(html! {
+        (number::fixed(&at, share.share?, 3))
+        span.of { "of what there is to keep" }
+    })
 }
 
 /// Which rule chose which word.

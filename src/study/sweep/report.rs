@@ -60,8 +60,17 @@ pub struct Report {
     pub refused: Vec<Refused>,
     /// Sensors with points that failed, each with the first reason.
     pub failed: Vec<Refused>,
-    /// Sensors that do not have this cost: only programs have words.
-    pub without: Vec<String>,
+    /// Sensors without this cost (only programs have words), or without an error.
+    pub without: Vec<Without>,
+}
+
+/// A sensor that has no place among the others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Without {
+    /// What sets it apart.
+    pub name: String,
+    /// Why it has no error; none: it does not have this cost.
+    pub no_error: Option<String>,
 }
 
 /// Sensors that can be compared.
@@ -224,7 +233,8 @@ impl Report {
                 continue;
             }
             let Some(standing) = standing(&name, key, &done, cost) else {
-                without.push(name);
+                let no_error = no_error(&done);
+                without.push(Without { name, no_error });
                 continue;
             };
             let tasks = done.iter().map(|row| table::cell(row, "task"));
@@ -305,6 +315,25 @@ fn name(key: &[String], varying: &BTreeMap<String, Vec<bool>>) -> String {
         });
     }
     words.join(" ")
+}
+
+/// Why a sensor with these points has no error, told of the first that has none; none where all
+/// have one.
+fn no_error(rows: &[&Row]) -> Option<String> {
+    let number = |row: &Row, column: &str| row.get(column).and_then(serde_json::Value::as_f64);
+    let mut bare = rows.iter().filter(|row| number(row, "error").is_none());
+    let first = bare.next()?;
+    let why = match number(first, "events") {
+        Some(events) if number(first, "reference_events") == Some(0.0) => {
+            format!("the float sensor has no event, this one has {events}")
+        }
+        _ => "accident scores as much as anything".to_owned(),
+    };
+    let (some, all) = (bare.count() + 1, rows.len());
+    Some(match all {
+        1 => why,
+        _ => format!("{why} (at {some} of {all} points, the first of them)"),
+    })
 }
 
 fn standing(name: &str, key: &[String], rows: &[&Row], cost: &str) -> Option<Standing> {
@@ -407,6 +436,37 @@ mod tests {
         let pooled = Report::new(&manifest(8), &rows, "seconds_per_frame", true);
         assert_eq!(pooled.groups.len(), 1);
         assert_eq!(names(&pooled.groups[0])[3].1, Some(f("f64")));
+    }
+
+    #[test]
+    fn a_sensor_without_an_error_says_why() {
+        let bare = |reference: u64| {
+            let mut row = row("array", "f16", "a", 0.5, 1.0);
+            row.insert("error".to_owned(), json!(null));
+            row.insert("events".to_owned(), json!(7));
+            row.insert("reference_events".to_owned(), json!(reference));
+            row
+        };
+        let why = |rows: &[Row], cost: &str| {
+            let report = Report::new(&manifest(1), rows, cost, false);
+            report.without[0].no_error.clone()
+        };
+        let silent = "the float sensor has no event, this one has 7";
+        assert_eq!(
+            why(&[bare(0)], "seconds_per_frame").as_deref(),
+            Some(silent)
+        );
+        let accident = "accident scores as much as anything";
+        assert_eq!(
+            why(&[bare(9)], "seconds_per_frame").as_deref(),
+            Some(accident)
+        );
+        let some = why(&[row("array", "f16", "a", 0.5, 1.0), bare(0)], "bits").unwrap();
+        assert_eq!(
+            some,
+            format!("{silent} (at 1 of 2 points, the first of them)")
+        );
+        assert_eq!(why(&[row("array", "f16", "a", 0.5, 1.0)], "words"), None);
     }
 
     #[test]

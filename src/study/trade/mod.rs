@@ -297,7 +297,8 @@ impl<M> Trade<M> {
     /// as a share of the full model's: one per cent of the events weighs as one of the time. What
     /// was measured of it and of another point of the front may overlap: then seconds do not tell
     /// them apart, and the one that changes less is the knee. Nor does a point beat another by such
-    /// seconds alone.
+    /// seconds alone. One that is hardly faster than the full model is no knee: then that is the
+    /// full model, or there is none where another beats it.
     fn judge(&mut self) {
         let seconds = |point: &Point<M>| point.seconds().unwrap_or(f64::INFINITY);
         self.points
@@ -328,7 +329,8 @@ impl<M> Trade<M> {
                 point.beaten_by = by;
             }
         }
-        if let Some(point) = knee(&front).and_then(|at| self.points.get_mut(at)) {
+        let full = placed.iter().find(|placed| placed.is_full);
+        if let Some(point) = knee(&front, full).and_then(|at| self.points.get_mut(at)) {
             point.is_knee = true;
         }
     }
@@ -351,9 +353,11 @@ impl Placed {
     }
 }
 
+/// How many times as fast as the full model a knee is at least: less is written as 1.0.
+const FASTER: f64 = 1.05;
+
 /// The number of the front's knee.
-fn knee(front: &[Placed]) -> Option<usize> {
-    let full = front.iter().find(|placed| placed.is_full);
+fn knee(front: &[Placed], full: Option<&Placed>) -> Option<usize> {
     let all = full.map_or(1.0, |full| full.cost.x).max(1e-9);
     let costs = front.iter().map(|placed| placed.cost.x);
     let least = costs.fold(f64::INFINITY, f64::min);
@@ -370,8 +374,14 @@ fn knee(front: &[Placed]) -> Option<usize> {
         error
             .then(b.is_full.cmp(&a.is_full))
             .then(away(a).total_cmp(&away(b)))
-    });
-    Some(knee?.at)
+    })?;
+    match full {
+        Some(full) if full.cost.x < FASTER * knee.cost.x => {
+            let full = front.iter().find(|placed| placed.is_full);
+            full.map(|full| full.at)
+        }
+        _ => Some(knee.at),
+    }
 }
 
 #[cfg(test)]
@@ -450,6 +460,21 @@ mod tests {
             trade.knee().unwrap().name.clone()
         };
         assert_eq!([with(0.1), with(0.3)], ["f32", FULL]);
+    }
+
+    #[test]
+    fn what_is_hardly_faster_is_no_knee() {
+        let knee = |limit, seconds| {
+            let trade = judged(&[
+                (FULL, 1.0, Some(0.0), 0.0),
+                ("f32", seconds, Some(limit), 0.0),
+            ]);
+            trade.knee().map(|point| point.name.clone())
+        };
+        assert_eq!(knee(0.001, 0.96).as_deref(), Some(FULL));
+        // The full model is not on the front, since the other changes nothing.
+        assert_eq!(knee(0.0, 0.96), None);
+        assert_eq!(knee(0.0, 0.94).as_deref(), Some("f32"));
     }
 
     #[test]

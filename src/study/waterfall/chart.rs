@@ -80,18 +80,18 @@ impl Rates {
             name: "kept",
             ink: ink::MATCHED,
             shares: { self.rates.iter() }
-                .map(|rate| rate.headline.kept.unwrap_or(0.0))
+                .map(|rate| rate.headline.kept.zip(rate.kept_10_90))
                 .collect(),
-            spreads: self.rates.iter().map(|rate| rate.kept_10_90).collect(),
         };
         let of = |(i, cause): (usize, &Share)| {
-            let shares = || self.rates.iter().filter_map(move |rate| rate.causes.get(i));
+            let shares = self.rates.iter().filter_map(|rate| rate.causes.get(i));
             let place = Cause::SILICON.iter().position(|one| *one == cause.cause);
             RatesCause {
                 name: cause.name,
                 ink: place.map_or(ink::BARS, |place| ink::CAUSES[place]),
-                shares: shares().map(|share| share.share).collect(),
-                spreads: shares().map(|share| share.share_10_90).collect(),
+                shares: shares
+                    .map(|share| share.share.zip(share.share_10_90))
+                    .collect(),
             }
         };
         let first = self.rates.first().map(|rate| rate.causes.as_slice());

@@ -10,7 +10,10 @@ use super::{
 };
 use crate::{
     array::Arithmetic,
-    compare::{CompareError, Pair, window},
+    compare::{
+        CompareError, Pair,
+        window::{self, Redraws},
+    },
     event::Packet,
     rig,
     scene::{Frame, Scene as _, held::Held},
@@ -20,16 +23,30 @@ use crate::{
 /// What is kept of the float sensor's events.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Judge<'a> {
-    pub reference: &'a Packet,
-    /// F1 of a redraw of the reference.
-    pub floor: f64,
-    pub window: Micros,
+    reference: &'a Packet,
+    /// F1 of a redraw of the reference, below 1.
+    floor: f64,
+    window: Micros,
 }
 
-impl Judge<'_> {
+impl<'a> Judge<'a> {
+    /// None where accident scores 1: then nothing can be said of what is kept.
+    pub(super) fn new(
+        reference: &'a Packet,
+        window: Micros,
+        seed: u64,
+    ) -> Result<Option<Self>, CompareError> {
+        let floor = Redraws::new(&Pair::new(reference, reference)?, seed).floor(window);
+        Ok((floor < 1.0).then_some(Self {
+            reference,
+            floor,
+            window,
+        }))
+    }
+
     pub(super) fn kept(self, said: &Packet) -> Result<f64, CompareError> {
         let f1 = window::f1(&Pair::new(self.reference, said)?, self.window);
-        Ok(window::kept(f1, self.floor).unwrap_or(0.0))
+        Ok((f1 - self.floor) / (1.0 - self.floor))
     }
 }
 
@@ -38,7 +55,6 @@ pub(super) struct Game<'a> {
     pub fall: &'a Fall<'a>,
     pub sample: &'a Sample,
     pub light: Held,
-    pub judge: Judge<'a>,
     /// Called after each sensor.
     pub seen: &'a (dyn Fn() + Sync),
 }
@@ -87,13 +103,22 @@ impl Game<'_> {
         Ok(self.sample.within(self.fall.own(&said).into_owned()))
     }
 
-    fn kept(&self, question: &Question<'_>, on: &Switches) -> Result<f64, WaterfallError> {
-        Ok(self.judge.kept(&self.said(question, on)?)?)
+    fn kept(
+        &self,
+        judge: Judge<'_>,
+        question: &Question<'_>,
+        on: &Switches,
+    ) -> Result<f64, WaterfallError> {
+        Ok(judge.kept(&self.said(question, on)?)?)
     }
 
     /// Attributes what is not kept to the causes before the readout, for the chips of these
     /// seeds. For each chip the parts add up to 1 less what it keeps.
-    pub(super) fn attribution(&self, seeds: &[u64]) -> Result<Attribution, WaterfallError> {
+    pub(super) fn attribution(
+        &self,
+        judge: Judge<'_>,
+        seeds: &[u64],
+    ) -> Result<Attribution, WaterfallError> {
         let question = self.fall.question;
         let (ordered, switches) = causes(question.arithmetic);
         let base: Switches = ordered.iter().copied().collect();
@@ -101,7 +126,7 @@ impl Game<'_> {
         let floats = ordered.iter().take_while(|cause| cause.is_float()).count();
         let in_order: Vec<f64> = (1..=floats)
             .into_par_iter()
-            .map(|n| self.kept(&question, &ordered.iter().take(n).copied().collect()))
+            .map(|n| self.kept(judge, &question, &ordered.iter().take(n).copied().collect()))
             .collect::<Result<_, _>>()?;
         let first = seeds
             .first()
@@ -110,7 +135,7 @@ impl Game<'_> {
         // Those that change nothing stay on.
         let dead = { switches.iter() }.filter(|cause| !alive.contains(cause));
         let base: Switches = base.iter().chain(dead).copied().collect();
-        let values = self.values(seeds, &base, &alive)?;
+        let values = self.values(judge, seeds, &base, &alive)?;
         let chip = |values: &Vec<f64>| -> Vec<f64> {
             let mut before = 1.0;
             let mut taken = Vec::new();
@@ -174,6 +199,7 @@ impl Game<'_> {
     /// same on all chips, and are run once.
     fn values(
         &self,
+        judge: Judge<'_>,
         seeds: &[u64],
         base: &Switches,
         alive: &[Cause],
@@ -197,7 +223,7 @@ impl Game<'_> {
             .collect();
         let found: Vec<f64> = jobs
             .par_iter()
-            .map(|(chip, set)| self.kept(&question.of_chip(seeds[*chip]), &on(*set)))
+            .map(|(chip, set)| self.kept(judge, &question.of_chip(seeds[*chip]), &on(*set)))
             .collect::<Result<_, _>>()?;
         let mut values = vec![vec![0.0; sets]; seeds.len()];
         for ((chip, set), kept) in jobs.into_iter().zip(found) {

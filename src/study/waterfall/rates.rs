@@ -11,10 +11,7 @@ use super::{
 };
 use crate::{
     array::Arithmetic,
-    compare::{
-        Pair,
-        window::{self, Redraws},
-    },
+    compare::window,
     elementary,
     event::{Packet, readout::Readout},
     number::Format,
@@ -113,13 +110,13 @@ pub struct Rates {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rate {
     /// What leaves the chip against the float sensor at the times of its crossings; what is kept
-    /// is the mean of the chips.
+    /// is the mean of the chips, none where accident scores as much as anything.
     #[serde(flatten)]
     pub headline: Headline,
     /// Whether the threshold equivalent is at least that.
     pub threshold_equivalent_is_least: bool,
-    /// What 10 and 90 % of the chips keep at most.
-    pub kept_10_90: [f64; 2],
+    /// What 10 and 90 % of the chips keep at most; none where what is kept is not known.
+    pub kept_10_90: Option<[f64; 2]>,
     /// Frames that were shown.
     pub frames: u64,
     /// What takes the rest: the shares and what is kept add up to 1.
@@ -135,12 +132,31 @@ pub struct Share {
     pub cause: Cause,
     /// In a few words.
     pub name: &'static str,
-    /// Of what there is to keep; the mean of the chips. Below 0 where it makes up for others.
-    pub share: f64,
+    /// Of what there is to keep; the mean of the chips. Below 0 where it makes up for others; none
+    /// where accident scores as much as anything.
+    pub share: Option<f64>,
     /// What 10 and 90 % of the chips lose by it at most.
-    pub share_10_90: [f64; 2],
+    pub share_10_90: Option<[f64; 2]>,
     /// How it was told from the others.
     pub how: How,
+}
+
+impl Rates {
+    /// What of the chip takes most at the slowest rate, and its place among the causes; none where
+    /// nothing takes any.
+    #[must_use]
+    pub fn costliest(&self) -> Option<(usize, &Share)> {
+        costliest(&self.rates.first()?.causes)
+    }
+}
+
+fn costliest(causes: &[Share]) -> Option<(usize, &Share)> {
+    { causes.iter().enumerate() }
+        .filter(|(_, share)| !share.cause.is_float() && share.share > Some(0.0))
+        .max_by(|(_, a), (_, b)| {
+            let [a, b] = [a, b].map(|share| share.share.unwrap_or(0.0));
+            a.total_cmp(&b)
+        })
 }
 
 /// How what a cause takes is told from what the others do.
@@ -329,8 +345,9 @@ struct Whole<'a> {
 }
 
 impl Whole<'_> {
-    /// What the readout takes at a rate, after all else.
-    fn taken(&self, fps: f64, window: Micros) -> Result<f64, WaterfallError> {
+    /// What the readout takes at a rate, after all else; none where accident scores as much as
+    /// anything.
+    fn taken(&self, fps: f64, window: Micros) -> Result<Option<f64>, WaterfallError> {
         let question = self.fall.question;
         let (ordered, switches) = causes(question.arithmetic);
         let on = ordered.into_iter().chain(switches).collect();
@@ -339,24 +356,19 @@ impl Whole<'_> {
         let mut chip = setup.sensor(&question, &self.fall.kinds, scene.size())?;
         let said = rig::watch(&mut { scene }, &mut [&mut *chip], |_| ())?;
         let fired = said.first().ok_or(WaterfallError::Packet)?;
-        let judge = judge(&self.reference, window, question.design.seed)?;
         // The readout is of all kinds.
         let read = question.readout.read(fired).packet;
         let (read, fired) = (self.fall.own(&read), self.fall.own(fired));
         if read.events == fired.events {
-            return Ok(0.0);
+            return Ok(Some(0.0));
         }
-        Ok(judge.kept(&fired)? - judge.kept(&read)?)
+        Ok(
+            match Judge::new(&self.reference, window, question.design.seed)? {
+                Some(judge) => Some(judge.kept(&fired)? - judge.kept(&read)?),
+                None => None,
+            },
+        )
     }
-}
-
-fn judge(reference: &Packet, window: Micros, seed: u64) -> Result<Judge<'_>, WaterfallError> {
-    let redraws = Redraws::new(&Pair::new(reference, reference)?, seed);
-    Ok(Judge {
-        reference,
-        floor: redraws.floor(window),
-        window,
-    })
 }
 
 /// What is needed at each rate.
@@ -386,11 +398,13 @@ impl OneRate<'_> {
             fall: self.fall,
             sample: self.sample,
             light: held(Resampled::new(source.again(), fps)?)?,
-            judge: judge(reference, window, seed)?,
             seen,
         };
-        let Attribution { taken, kept } = game.attribution(self.seeds)?;
         let readout = self.readout(&game, fps)?;
+        let judged = match Judge::new(reference, window, seed)?.zip(readout) {
+            Some((judge, readout)) => Some((game.attribution(judge, self.seeds)?, readout)),
+            None => None,
+        };
         let (ordered, switches) = causes(question.arithmetic);
         let mut causes = Vec::new();
         for (i, cause) in ordered.iter().chain(&switches).enumerate() {
@@ -399,13 +413,19 @@ impl OneRate<'_> {
             } else {
                 How::Shapley
             };
-            let own: Vec<f64> = taken.iter().filter_map(|t| t.get(i).copied()).collect();
+            let own = judged.as_ref().map(|(Attribution { taken, .. }, _)| {
+                let own = taken.iter().filter_map(|t| t.get(i).copied());
+                own.collect::<Vec<f64>>()
+            });
             causes.push(Share::new(*cause, own, how));
         }
-        causes.push(Share::new(Cause::Readout, vec![readout], How::Last));
-        let kept: Vec<f64> = kept.iter().map(|kept| kept - readout).collect();
-        let mean = mean(&kept);
-        let (threshold_equivalent_percent, is_least) = ladder.equivalent_of_kept(mean);
+        let readout = judged.as_ref().map(|(_, readout)| vec![*readout]);
+        causes.push(Share::new(Cause::Readout, readout, How::Last));
+        let kept: Option<Vec<f64>> = judged.map(|(Attribution { kept, .. }, readout)| {
+            kept.iter().map(|kept| kept - readout).collect()
+        });
+        let mean = kept.as_deref().map(mean);
+        let equivalent = mean.map(|mean| ladder.equivalent_of_kept(mean));
         let noise = match question.arithmetic {
             Arithmetic::Silicon { .. } => {
                 let seeds = self.seeds.get(..NOISE_CHIPS).unwrap_or(self.seeds);
@@ -420,13 +440,13 @@ impl OneRate<'_> {
         };
         Ok(Rate {
             headline: Headline {
-                kept: Some(mean),
+                kept: mean,
                 window_us: window,
                 fps,
-                threshold_equivalent_percent,
+                threshold_equivalent_percent: equivalent.map(|(percent, _)| percent),
             },
-            threshold_equivalent_is_least: is_least,
-            kept_10_90: spread(kept),
+            threshold_equivalent_is_least: equivalent.is_some_and(|(_, is_least)| is_least),
+            kept_10_90: kept.map(spread),
             frames: game.light.all().len() as u64,
             causes,
             noise,
@@ -434,8 +454,8 @@ impl OneRate<'_> {
     }
 
     /// What the readout takes. Slots are those of the whole sensor, so it is run, but where its
-    /// frames cannot fill them.
-    fn readout(&self, game: &Game<'_>, fps: f64) -> Result<f64, WaterfallError> {
+    /// frames cannot fill them; none where accident scores as much as anything.
+    fn readout(&self, game: &Game<'_>, fps: f64) -> Result<Option<f64>, WaterfallError> {
         let question = self.fall.question;
         let may_lose = match question.readout {
             Readout::Ideal(_) => false,
@@ -450,7 +470,7 @@ impl OneRate<'_> {
         if may_lose {
             self.whole.taken(fps, self.window)
         } else {
-            Ok(0.0)
+            Ok(Some(0.0))
         }
     }
 }
@@ -478,12 +498,12 @@ fn held(mut scene: impl Scene) -> Result<Held, SceneError> {
 }
 
 impl Share {
-    fn new(cause: Cause, chips: Vec<f64>, how: How) -> Self {
+    fn new(cause: Cause, chips: Option<Vec<f64>>, how: How) -> Self {
         Self {
             cause,
             name: cause.name(),
-            share: mean(&chips),
-            share_10_90: spread(chips),
+            share: chips.as_deref().map(mean),
+            share_10_90: chips.map(spread),
             how,
         }
     }
@@ -516,6 +536,26 @@ mod tests {
         // A clip that is as fast as the chip, or faster.
         assert_eq!(ladder(130.0, 137.3), [130.0]);
         assert_eq!(ladder(240.0, 137.3), [240.0]);
+    }
+
+    /// One that brings events back takes nothing, however much it changes, and the float model's
+    /// own steps are not the chip's.
+    #[test]
+    fn the_costliest_is_what_of_the_chip_takes_most() {
+        let share = |cause, share: f64| Share::new(cause, Some(vec![share]), How::Shapley);
+        let causes = [
+            share(Cause::Frames, 0.5),
+            share(Cause::Converter, -0.6),
+            share(Cause::Transfer, 0.1),
+            share(Cause::Mismatch, 0.2),
+        ];
+        let (place, found) = costliest(&causes).unwrap();
+        assert_eq!((place, found.cause), (3, Cause::Mismatch));
+        assert_eq!(costliest(&causes[..2]), None);
+        assert_eq!(
+            costliest(&[Share::new(Cause::Noise, None, How::Shapley)]),
+            None
+        );
     }
 
     #[test]
