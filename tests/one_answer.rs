@@ -7,6 +7,7 @@ mod common;
 
 use std::{fs, path::Path};
 
+use amacrine::{compare::window::can_judge, rig::guard::Warning, unit::Micros};
 use common::{amacrine, good, json, refused};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -263,4 +264,14 @@ fn an_impossible_candidate_is_a_row() {
         &["quantise", "csdvs-5", "--to", "binary"],
         &["csdvs-5 cannot be binary", "no choice of levels"],
     );
+}
+
+/// What verbs warn of is what `feasibility` does not judge.
+#[test]
+fn accident_scores_too_much_from_one_limit() {
+    for floor in [0.0, 0.85, 0.9, 0.92, 0.97, 1.0] {
+        let warned = Warning::window(Micros(100_000), floor).is_some();
+        assert_eq!(warned, !can_judge(floor), "{floor}");
+        assert_eq!(warned, floor > 0.9, "{floor}");
+    }
 }
