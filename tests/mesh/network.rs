@@ -84,7 +84,11 @@ proptest! {
         let signal = scene(size.0, size.1, seed);
         let settled = network.settle(&signal).unwrap();
         let error = furthest(&settled.surround, &direct(&network, &signal));
-        let condition = 1.0 + 4.0 * (down * down + across * across);
+        // Gershgorin's circles, from the parts as they are.
+        let most = |plane: &Plane<f64>| plane.iter().copied().fold(0.0, f64::max);
+        let (own, (down, across)) = (network.transverse(), network.lateral());
+        let least = own.iter().copied().fold(f64::INFINITY, f64::min);
+        let condition = (most(&own) + 4.0 * (most(&down) + most(&across))) / least;
         prop_assert!(error < 1e-15 * (20.0 + condition), "{error:e} {settled:?}");
         prop_assert!(settled.error < 1e-12);
     }

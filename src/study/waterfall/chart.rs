@@ -141,7 +141,7 @@ impl Rates {
         };
         [
             format!(
-                "kept of the float sensor's events, at the times of its crossings, within {} and above accident; with all its readout slots the chip allows {:.0} frames/s by the nominal times of its data",
+                "kept of the float sensor's events, at the times of its crossings, within {} and above accident; with all its readout slots the chip allows {:.0} frames/s (nominal)",
                 Short(window),
                 self.ceiling_fps
             ),
