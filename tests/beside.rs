@@ -187,6 +187,51 @@ fn a_loop_that_a_variable_ends() {
     assert!(!decides(&steady));
 }
 
+/// The text is that of the C library.
+#[test]
+fn posts_are_as_printf_writes_them() {
+    for (format, values, all) in [
+        (
+            "[%g] [%.3g] [%9g] [%G]",
+            "1234567.0, 1.0 / 3, 0.5, 1e-5",
+            "[1.23457e+06] [0.333] [      0.5] [1E-05]",
+        ),
+        (
+            "[%g] [%g] [%g] [%g]",
+            "0.0, 100.0, 100.25, -3.0",
+            "[0] [100] [100.25] [-3]",
+        ),
+        (
+            "[%.1e] [%10.2e] [%e]",
+            "0.0, 123456.0, -0.5",
+            "[0.0e+00] [  1.23e+05] [-5.000000e-01]",
+        ),
+        (
+            "[%-8g] [%+g] [%08.2f] [%#g]",
+            "1e10, 2.5, -1.5, 1.0",
+            "[1e+10   ] [+2.5] [-0001.50] [1.00000]",
+        ),
+        (
+            "%hhu %hd %hhd %u %d",
+            "300, 70000, 200, -1, 4294967295u",
+            "44 4464 -56 4294967295 -1",
+        ),
+        (
+            "[%*d] [%-*d] [%.*f] %% %d",
+            "4, 7, -3, 8, 2, 1.0, 5",
+            "[   7] [8  ] [1.00] % 5",
+        ),
+        (
+            "[%ld] [%llu] [%zu] [%hx] [%5s]",
+            "5000000000L, 7, sizeof(int), -1, \"ab\"",
+            "[5000000000] [7] [4] [ffff] [   ab]",
+        ),
+    ] {
+        let inside = format!("vs_post_text(\"{format}\", {values});");
+        assert_eq!(posts(&inside, 1, &[]), [all], "{inside}");
+    }
+}
+
 /// What is posted is told whatever its types are, a scalar is a place to read into, and what the
 /// light does and why the run ended is said.
 #[test]

@@ -748,3 +748,93 @@ std::vector<K> k = {{1}, {13}, {2}}; std::sort(k.begin(), k.end()); for (auto& i
         &[2, 1, 1, 3, 3, 13, 2, 1, 1, 2, 3],
     );
 }
+
+/// A number becomes one of an enumeration, of the bits that this has.
+#[test]
+fn casts_to_enumerations() {
+    numbers(
+        "enum Mode { IDLE, RUN = 5, STOP }; enum class Dir : uint8_t { N = 1, E = 2 }; typedef enum { LOW, HIGH = 7 } Level; using Other = Mode;
+struct Light { enum Phase { RED, GREEN }; Phase at = (Phase)0; void next() { at = (Phase)((at + 1) % 2); } };",
+        "int x = 2; Mode m = (Mode)(x + 1); scamp5_in(A, m); m = Mode(STOP - 1); scamp5_in(A, m); m = static_cast<Mode>((x + 3) % 7); scamp5_in(A, m); if ((Mode)(m + 1) == STOP) scamp5_in(A, 1);
+switch (Mode(x + 3)) { case RUN: scamp5_in(A, 2); break; default: scamp5_in(A, 3); } for (int i = 0; i < 2; i++) m = (Mode)(m + 1); scamp5_in(A, m);
+Dir d = Dir(x); scamp5_in(B, (int)d); d = (Dir)(x + 299); scamp5_in(B, (int)d); scamp5_in(B, Dir(x) == Dir::E); Level l = (Level)(x * 3 + 1); scamp5_in(B, l == HIGH); scamp5_in(B, HIGH); Other o = (Other)(x - 1); scamp5_in(B, o);
+m = (Mode)2.9f; scamp5_in(C, m); Light t; t.next(); scamp5_in(C, t.at); m = Mode{RUN}; scamp5_in(C, m);",
+        &[3, 5, 5, 1, 2, 7, 2, 45, 1, 1, 7, 1, 2, 1, 5],
+    );
+}
+
+/// Of arrays, of pointers and of vectors a template takes the type of the elements.
+#[test]
+fn types_are_taken_from_elements() {
+    numbers(
+        "template<typename T, int N> T mean(const T(&a)[N]) { T s = 0; for (int i = 0; i < N; i++) s += a[i]; return s / N; } template<typename T> T sum(const T* a, int n) { T s = 0; for (int i = 0; i < n; i++) s += a[i]; return s; }
+template<typename T> T all(const std::vector<T>& v) { T s = 0; for (auto x : v) s += x; return s / (int)v.size(); } template<typename T> int bytes(T* p) { return sizeof(T); }",
+        "float f[3] = {1, 2, 4}; uint8_t u[4] = {200, 200, 200, 200}; double d[2] = {.5, .25}; scamp5_in(A, (int)(mean(f) * 10)); scamp5_in(A, mean(u)); scamp5_in(A, (int)(sum(f, 3) * 10)); scamp5_in(A, sum(u, 4)); scamp5_in(A, sum(u + 1, 2) - 100); scamp5_in(A, (int)(sum(d, 2) * 100));
+std::vector<float> w = {1, 2, 4}; std::vector<uint8_t> b = {200, 200}; scamp5_in(B, (int)(all(w) * 10)); scamp5_in(B, all(b)); scamp5_in(B, bytes(d)); scamp5_in(B, bytes(u)); uint8_t* p = u; scamp5_in(B, sum(p, 3));
+auto more = [](auto x) { x += 100; return x; }; auto half = [](auto x) { auto h = x; h /= 2; return h; }; scamp5_in(C, more(u[0])); scamp5_in(C, more(7)); scamp5_in(C, (int)(half(2.5f) * 100)); scamp5_in(C, more((uint8_t)200));
+auto total = [](const auto& v) { auto s = v[0]; for (size_t i = 1; i < v.size(); i++) s += v[i]; return s; }; scamp5_in(C, total(b) - 100); scamp5_in(C, (int)(total(w) * 10));",
+        &[23, 8, 70, 32, 44, 75, 23, 72, 8, 1, 88, 44, 107, 125, 44, 44, 70],
+    );
+}
+
+/// What is chosen is of the type that is asked for; `auto` is of the type of an element.
+#[test]
+fn the_library_keeps_types() {
+    numbers(
+        "struct S { uint8_t m = 250; uint8_t get() const { return m; } };",
+        "scamp5_in(A, std::min<int>(255, 3.7f)); scamp5_in(A, std::max<uint8_t>(200 + 100, 10)); scamp5_in(A, 7 / std::max<int>(2.9, 1)); scamp5_in(A, (int)(std::max<float>(1, 2) / 4 * 10)); scamp5_in(A, std::clamp<uint8_t>(300, 0, 255)); scamp5_in(A, std::max<int>({1.9, 3.9, 2}));
+std::vector<uint8_t> v = {250, 3}; uint8_t a[3] = {250, 1, 2}; uint8_t ten = 10; scamp5_in(B, std::accumulate(a, a + 3, ten)); scamp5_in(B, std::accumulate(v.begin(), v.end(), 0) - 200);
+auto x1 = v.front(); x1 += 10; auto x2 = *v.begin(); x2 += 10; auto x3 = v.at(0); x3 += 10; auto x4 = *std::max_element(a, a + 3); x4 += 10; scamp5_in(C, x1); scamp5_in(C, x2); scamp5_in(C, x3); scamp5_in(C, x4);
+std::pair<uint8_t, int> p = {250, 1}; auto x5 = std::get<0>(p); x5 += 10; std::map<int, uint8_t> m; m[1] = 250; auto x6 = m.at(1); x6 += 10; auto x7 = m[1]; x7 += 10; auto x8 = m.begin()->second; x8 += 10; S s; auto x9 = s.get(); x9 += 10; auto y = *v.rbegin(); y += 254; scamp5_in(D, x5); scamp5_in(D, x6); scamp5_in(D, x7); scamp5_in(D, x8); scamp5_in(D, x9); scamp5_in(D, y);
+std::vector<float> w = {3, 4}; auto z = *w.begin(); z = 1; z /= 4; scamp5_in(D, (int)(z * 100)); int few[2] = {1, 2}; auto q = few[1]; q = 2.9; scamp5_in(D, q);",
+        &[
+            3, 44, 3, 5, 44, 3, 7, 53, 4, 4, 4, 4, 4, 4, 4, 4, 4, 1, 25, 2,
+        ],
+    );
+}
+
+/// Where objects change others when they end, or by their members, it is said.
+#[test]
+fn objects_that_change_others_are_refused() {
+    for (class, inside) in [
+        ("struct E { E() { n++; } ~E() { n--; } };", "E e;"),
+        ("struct E { int* p; ~E() { (*p)--; } };", "E e{&n};"),
+    ] {
+        let text = format!("int n = 0;\n{class}\nint main() {{ {inside} }}");
+        told(
+            &text,
+            2,
+            "the destructor of `E` changes",
+            "where the object ends",
+        );
+    }
+    for (class, inside) in [
+        (
+            "struct I { int& n; I(int& k) : n(k) {} void go() { n++; } };",
+            "I a(total);",
+        ),
+        ("struct I { int& n; };", "I a{total};"),
+    ] {
+        let text = format!("int total = 0;\n{class}\nint main() {{\n{inside} }}");
+        told(
+            &text,
+            4,
+            "a class with a reference as a member",
+            "a pointer",
+        );
+    }
+    numbers(
+        "int n = 3; struct B { int k = 1; int* p; B() { p = new int[4]; } ~B() { delete[] p; p = nullptr; k = 0; } };",
+        "B b; scamp5_in(A, b.k); scamp5_in(A, n);",
+        &[1, 3],
+    );
+}
+
+/// A variable that is made once, in a function that the run may call from the second frame on.
+#[test]
+fn variables_that_are_made_once_in_a_later_frame() {
+    let text = "int f(int x) { static int8_t n = 0; n++; return n + x; }\nint main() { int a = 3, b = 0, c = 3; while (1) { vs_frame_loop_control();\nc = c * 3 % 7; if (c == 2) { a = 1; } else { a = 2; }\nb = a > 5 || f(c); scamp5_in(A, 1); } }";
+    assert_eq!(loaded(&expand(text).unwrap().code.frame), [1.0]);
+    let text = "template<typename T> T t(T x) { return x; } int f(double x) { static int8_t n = 0; n++; return n + x; }\nint main() { int a = 3, b = 0, c = 3; while (1) { vs_frame_loop_control();\nc = c * 3 % 7; if (t(c)) { a = 1; } else { a = 2; }\nb = a || f(c); scamp5_in(A, 1); } }";
+    assert_eq!(loaded(&expand(text).unwrap().code.frame), [1.0]);
+}

@@ -238,6 +238,10 @@ fn mean_of<D: Domain>(
         sum += domain.value(&cells[at.y * state.layout.size.width + at.x]);
         count += 1.0;
     }
+    mean(converters, sum, count)
+}
+
+fn mean(converters: &Converters, sum: f64, count: f64) -> u8 {
     // No pixel, no current.
     if count == 0.0 {
         converters.read(0.0)
@@ -255,14 +259,16 @@ fn sum<D: Domain>(
 ) -> u32 {
     let size = state.layout.size;
     let patterns = |n: usize| {
-        (0..n * n)
-            .map(|i| {
-                let members = pixels(size).filter(|at| {
-                    let address = Address::from_pixel(*at, size);
-                    address.row % n == i / n && address.column % n == i % n
-                });
-                u32::from(mean_of(domain, converters, state, source, members))
-            })
+        let cells = state.analog(source);
+        let mut bins = vec![(0.0, 0.0); n * n];
+        for at in pixels(size) {
+            let address = Address::from_pixel(at, size);
+            let (sum, count) = &mut bins[address.row % n * n + address.column % n];
+            *sum += domain.value(&cells[at.y * size.width + at.x]);
+            *count += 1.0;
+        }
+        { bins.into_iter() }
+            .map(|(sum, count)| u32::from(mean(converters, sum, count)))
             .sum()
     };
     match over {

@@ -9,7 +9,7 @@ use super::{
     operator::COMPARED,
     reach::Reach,
     shape,
-    tree::{Expr, ExprNode, Function, last},
+    tree::{Expr, ExprNode, Function, Kind, last},
     value::{Slot, Value},
     why::Why,
 };
@@ -59,7 +59,11 @@ impl Machine<'_> {
             "sort" | "stable_sort" if values.len() == 2 && forwards(&values).is_some() => {
                 self.moved_about("fall", &forwards(&values).unwrap_or_default())
             }
-            _ if looks(name) => self.looked(name, &values),
+            _ if looks(name) => {
+                // A sum is of the type of what it begins with.
+                let kind = given.get(2).map_or(Kind::Any, |it| self.kind_of(it));
+                self.looked(name, &values, kind)
+            }
             _ => self.moved_about(name, &values),
         };
         found.unwrap_or_else(|| {
@@ -273,7 +277,7 @@ impl Machine<'_> {
     }
 
     /// What is found in elements, or made of them.
-    fn looked(&self, name: &str, values: &[Value]) -> Option<Value> {
+    fn looked(&self, name: &str, values: &[Value], kind: Kind) -> Option<Value> {
         let range = self.range(values.first()?, values.get(1)?)?;
         let all = self.values_of(&range);
         let numbers: Vec<f64> = all.iter().map(Value::number).collect::<Option<_>>()?;
@@ -302,8 +306,10 @@ impl Machine<'_> {
                 Some(range.pointer(found.unwrap_or(range.length)))
             }
             ("accumulate", Some(Some(_))) if values.len() == 3 => {
-                // The sum is of the type of what it begins with.
-                let kind = values[2].kind();
+                let kind = match kind {
+                    Kind::Any => values[2].kind(),
+                    kind => kind,
+                };
                 let mut sum = values[2].clone();
                 for value in &all {
                     sum = Value::binary("+", &sum, value).ok()?.converted(kind);

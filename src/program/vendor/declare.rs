@@ -7,9 +7,10 @@ use super::{
     layout::{Layout, Member},
     look,
     machine::{Location, Machine},
+    parse::REFERS,
     reach::Reach,
     shape::{self, Leaf},
-    tree::{Declared, Expr, ExprNode, Function, Kind, Struct, last},
+    tree::{Declared, Expr, ExprNode, Function, Kind, Struct, Word, last},
     value::{Slot, Value, unassigned},
     why::Why,
 };
@@ -104,6 +105,7 @@ impl Machine<'_> {
             self.make(&it.name, Value::Unknown(why.into()), Kind::Any);
             return;
         }
+        self.refuse_reference(it);
         if let Some(why) = self.unread_type(it) {
             if let Some(value) = &it.value {
                 self.value(value);
@@ -124,7 +126,7 @@ impl Machine<'_> {
         let given = { &it.value }
             .as_ref()
             .filter(|_| &*it.of == "auto" && !it.pointer);
-        let given = given.map_or(Kind::Any, |value| self.kind_of(value));
+        let mut given = given.map_or(Kind::Any, |value| self.kind_of(value));
         self.naming = Some(it.name.clone());
         let initial = match &it.value {
             // Another name for the same variable, or for an element.
@@ -143,6 +145,14 @@ impl Machine<'_> {
                 }
                 reached => Some(self.load(&reached, value)),
             },
+            // Of the type of what a call, an index or a pointer leads to.
+            Some(value) if &*it.of == "auto" && !it.pointer && leads(value) => {
+                let argument = self.argument(value);
+                if given == Kind::Any {
+                    given = argument.kind;
+                }
+                Some(argument.value)
+            }
             Some(value) => Some(self.value(value)),
             None => None,
         };
@@ -276,6 +286,53 @@ impl Machine<'_> {
         };
         let kind = self.resolved(it.kind);
         Some(self.make(&it.name, before, kind))
+    }
+
+    /// Refuses an object that has references as members: what it changes by them is not followed.
+    pub(super) fn refuse_reference(&mut self, it: &Declared) {
+        let of = last(&it.of);
+        let what = self.unread.get(of).filter(|it| it.starts_with(REFERS));
+        if let (Some(what), false, false) = (what, it.pointer, it.reference) {
+            let message = format!("what an object of `{of}`, {what}, changes is not followed");
+            let help = "make the member a pointer: `int *n`, with `&variable` where it is made";
+            self.error(it.place, message, "this object", help);
+        }
+    }
+
+    /// Refuses a destructor that changes what is not its object's: destructors are not run.
+    fn refuse_end(&mut self, it: &Struct) {
+        let ends = |of: &&Rc<Function>| {
+            let before = self.text.get(..of.place.start).unwrap_or_default();
+            of.hidden && of.name == it.name && before.trim_end().ends_with('~')
+        };
+        let base = it.base.as_ref().and_then(|it| self.layouts.get(it));
+        let own = |name: &Word| {
+            let inherited = base.is_some_and(|base| base.members.iter().any(|it| it.name == *name));
+            inherited || it.members.iter().any(|it| it.name == *name)
+        };
+        let leads = |name: &Word| {
+            let mut all = it.members.iter();
+            all.any(|it| it.name == *name && (it.pointer || it.reference))
+        };
+        let found = it.functions.iter().filter(ends).find_map(|function| {
+            let mut all = function.body.iter().flat_map(|it| look::assigns(self, it));
+            let name = all.find(|(name, through)| {
+                let others = !own(name) && self.find(name).is_some();
+                others || *through && leads(name)
+            });
+            Some((function.place, name?.0))
+        });
+        if let Some((place, name)) = found {
+            self.error(
+                place,
+                format!(
+                    "the destructor of `{}` changes `{name}`, and destructors are not run",
+                    it.name
+                ),
+                "this destructor",
+                "do it in a function of the class, and call that where the object ends",
+            );
+        }
     }
 
     /// Why nothing is known of a variable of this type.
@@ -443,6 +500,7 @@ impl Machine<'_> {
 
     /// A class is defined.
     pub(super) fn class(&mut self, it: &Struct, place: Place) {
+        self.refuse_end(it);
         if let Some(what) = it.unread {
             let what = format!("{what} of {}", self.line(place));
             self.unread.insert(it.name.clone(), what);
@@ -583,4 +641,16 @@ fn alike(some: &[Option<Expr>], others: &[Option<Expr>]) -> bool {
         _ => false,
     };
     some.len() == others.len() && some.iter().zip(others).all(same)
+}
+
+/// Whether a value may lie somewhere that only running it finds.
+fn leads(it: &Expr) -> bool {
+    matches!(
+        it.node,
+        ExprNode::Call(..)
+            | ExprNode::Template(..)
+            | ExprNode::Member(..)
+            | ExprNode::Index(..)
+            | ExprNode::Unary("*", _)
+    )
 }

@@ -128,6 +128,7 @@ impl Machine<'_> {
 
     /// `new`: memory that has no name.
     fn allocated(&mut self, it: &Declared) -> Value {
+        self.refuse_reference(it);
         let value = it.value.as_ref().map(|value| self.value(value));
         let empty = if it.lengths.is_empty() {
             Value::Whole(0)

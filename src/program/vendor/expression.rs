@@ -212,6 +212,7 @@ fn cast(it: &mut Parser<'_>) -> Parsed<Option<Expr>> {
         && let Some(of) = it.read_cast()
         && (it.take(")") || it.array_pointer())
     {
+        let known = known || it.enumeration_kind(&of.class()).is_some();
         // `(name *)` is a type whatever the name.
         let pointer = it.at >= 2 && it.tokens_before(2).is("*");
         let value = it.peek(0).is_some_and(|t| {
@@ -222,7 +223,7 @@ fn cast(it: &mut Parser<'_>) -> Parsed<Option<Expr>> {
         if value {
             let value = Box::new(it.deeper(unary)?);
             let place = start.to(value.place);
-            let node = of.converts(value);
+            let node = it.converted(&of, value);
             return Ok(Some(Expr { node, place }));
         }
     }
@@ -314,7 +315,7 @@ fn named_cast(it: &mut Parser<'_>, name: &str, place: Place) -> Parsed<Expr> {
         return Ok(Expr::made(name, vec![class, *value], place.to(it.before())));
     }
     Ok(Expr {
-        node: of.converts(value),
+        node: it.converted(&of, value),
         place: place.to(it.before()),
     })
 }
@@ -340,6 +341,9 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
     let array = matches!(&*name, "vector" | "deque");
     let get = std && &*name == "get";
     if (std || array) && !get {
+        if std && matches!(&*name, "min" | "max" | "clamp") && it.sees("<") {
+            return chosen(it, &full, place);
+        }
         let start = it.at;
         let angles = it.angles();
         if array && (std || angles) && it.sees("(") {
@@ -350,30 +354,21 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
             it.at = start;
         }
     }
-    let kind = it.kind_named(&name);
+    let plain = it.kind_named(&name);
+    let kind = match it.enumeration_kind(&name) {
+        Some(kind) if plain == Kind::Any => kind,
+        _ => plain,
+    };
     if kind != Kind::Any && (it.sees("(") || it.sees("{")) {
-        if it.sees("{") {
-            let of = Box::new(braces(it)?);
-            let place = place.to(it.before());
-            let node = match of.node {
-                ExprNode::Braces(all) => all.into_iter().next(),
-                _ => None,
-            };
-            let zero = Expr {
-                node: ExprNode::Whole(0),
-                place,
-            };
-            return Ok(Expr {
-                node: ExprNode::Convert(kind, Box::new(node.unwrap_or(zero))),
-                place,
-            });
-        }
-        it.at += 1;
-        let of = Box::new(it.expression()?);
-        it.expect(")", "close the parenthesis")?;
-        return Ok(Expr {
-            node: ExprNode::Convert(kind, of),
-            place: place.to(it.before()),
+        let made = number(it, kind, place)?;
+        // An enumeration is no plain number.
+        return Ok(if plain == Kind::Any {
+            Expr {
+                place: made.place,
+                node: ExprNode::Convert(Kind::Any, Box::new(made)),
+            }
+        } else {
+            made
         });
     }
     match &*name {
@@ -408,6 +403,56 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
         node,
         place: place.to(it.before()),
     })
+}
+
+/// `type(value)`, `type{value}`: a number, from the parenthesis or the brace on.
+fn number(it: &mut Parser<'_>, kind: Kind, place: Place) -> Parsed<Expr> {
+    let of = if it.sees("{") {
+        let of = braces(it)?;
+        let node = match of.node {
+            ExprNode::Braces(all) => all.into_iter().next(),
+            _ => None,
+        };
+        node.unwrap_or(Expr {
+            node: ExprNode::Whole(0),
+            place: place.to(it.before()),
+        })
+    } else {
+        it.at += 1;
+        let of = it.expression()?;
+        it.expect(")", "close the parenthesis")?;
+        of
+    };
+    Ok(Expr {
+        node: ExprNode::Convert(kind, Box::new(of)),
+        place: place.to(it.before()),
+    })
+}
+
+/// `std::min<type>(a, b)` and its kin: of values that are converted to the type.
+fn chosen(it: &mut Parser<'_>, name: &str, place: Place) -> Parsed<Expr> {
+    const SHAPE: &str = "write `std::min<int>(a, b)`";
+    let kind = match &template_arguments(it)?[..] {
+        [TemplateArgument::Type(kind)] => *kind,
+        _ => Kind::Any,
+    };
+    if !it.sees("(") {
+        return Err(unexpected(it.peek(0), it.place(), "`(`", SHAPE));
+    }
+    let convert = |of: Expr| Expr {
+        place: of.place,
+        node: ExprNode::Convert(kind, Box::new(of)),
+    };
+    let given = arguments(it, SHAPE)?.into_iter().map(|of| match of.node {
+        ExprNode::Braces(all) => Expr {
+            node: ExprNode::Braces(all.into_iter().map(convert).collect()),
+            place: of.place,
+        },
+        ExprNode::Lambda(_) => of,
+        _ => convert(of),
+    });
+    let given = given.collect();
+    Ok(convert(Expr::made(name, given, place.to(it.before()))))
 }
 
 /// `sizeof(type)`, `sizeof value`.

@@ -40,6 +40,8 @@ impl Machine<'_> {
         // with the one value that they were given from outside.
         let mut known = self.snapshot();
         if self.fix(&start, &known) {
+            // Variables that are made once are made again.
+            self.lasting.retain(|_, slot| *slot < start.len());
             self.slots = start;
             for slot in self.fixed.clone() {
                 if let Some(value) = self.word(slot).and_then(|name| self.set(&name)) {
@@ -63,6 +65,12 @@ impl Machine<'_> {
                     unknown_where_other(old, new, &why);
                     changed = true;
                 }
+            }
+            // Variables that are made once, and were not made before this turn.
+            let last = self.lasting.values().copied().max();
+            if let Some(last) = last.filter(|it| *it >= known.len()) {
+                known.resize(last + 1, Value::Unknown(why.clone()));
+                changed = true;
             }
             if !changed {
                 break;

@@ -444,6 +444,16 @@ pub(super) fn acts(machine: &Machine<'_>, it: &Declared) -> bool {
     })
 }
 
+/// What a statement may assign to, and whether it is what that leads to.
+pub(super) fn assigns(machine: &Machine<'_>, it: &Stmt) -> Vec<(Word, bool)> {
+    let Assigned { names, moved, .. } = assigned(machine, it);
+    let through = { moved.iter() }.filter(|it| !matches!(it.node, ExprNode::Name(_)));
+    let through = through.filter_map(base).map(|it| (it, true));
+    through
+        .chain(names.into_iter().map(|it| (it, false)))
+        .collect()
+}
+
 /// What a statement may assign to.
 struct Assigned {
     names: Vec<Word>,

@@ -2,7 +2,11 @@
 
 use sprintf::{ConversionSpecifier, ConversionType, NumericParam, Printf};
 
-use super::{machine::Machine, tree::Width, value::Value};
+use super::{
+    machine::Machine,
+    tree::{Kind, Width},
+    value::Value,
+};
 
 impl Machine<'_> {
     /// `printf(format, …)`, with what is known of its values.
@@ -12,18 +16,67 @@ impl Machine<'_> {
         else {
             return;
         };
-        let given: Vec<Printed<'_>> = values.iter().map(Printed).collect();
+        let (plain, values) = cut(format, values);
+        let given: Vec<Printed> = values.into_iter().map(Printed).collect();
         let given: Vec<&dyn Printf> = given.iter().map(|it| it as &dyn Printf).collect();
         // A format that does not fit its values is shown as it stands.
-        let text = sprintf::vsprintf(format, &given).unwrap_or_else(|_| format.to_string());
+        let text = sprintf::vsprintf(&plain, &given).unwrap_or_else(|_| format.to_string());
         companion.array.post(text);
     }
 }
 
-/// A value as `printf` takes it, whatever its type is; `?` where it is not known.
-struct Printed<'a>(&'a Value);
+/// A format without `*` and lengths, and its values as their lengths have them: `%hhu` has 8 bits.
+fn cut(format: &str, values: &[Value]) -> (String, Vec<Value>) {
+    let (mut plain, mut given) = (String::new(), Vec::new());
+    let mut values = values.iter();
+    let mut parts = format.split('%');
+    plain.push_str(parts.next().unwrap_or_default());
+    while let Some(part) = parts.next() {
+        plain.push('%');
+        if part.is_empty() {
+            // `%%`
+            plain.push('%');
+            plain.push_str(parts.next().unwrap_or_default());
+            continue;
+        }
+        let numeric = |it: char| it.is_ascii_digit() || "-+ #.*".contains(it);
+        let (size, rest) = part.split_at(part.find(|it| !numeric(it)).unwrap_or(part.len()));
+        for it in size.chars() {
+            match it {
+                '*' => {
+                    let number = values.next().and_then(Value::whole);
+                    plain.push_str(&number.map_or_else(String::new, |it| it.to_string()));
+                }
+                it => plain.push(it),
+            }
+        }
+        let name = |it: char| !"hlqLjzZt".contains(it);
+        let (length, rest) = rest.split_at(rest.find(name).unwrap_or(rest.len()));
+        plain.push_str(rest);
+        let bits = match length {
+            "hh" => 8,
+            "h" => 16,
+            "" => 32,
+            _ => 64,
+        };
+        let kind = match rest.chars().next() {
+            Some('d' | 'i') => Some(Kind::Bits(bits, true)),
+            Some('u' | 'o' | 'x' | 'X') => Some(Kind::Bits(bits, false)),
+            _ => None,
+        };
+        given.extend(values.next().map(|it| match (it, kind) {
+            (Value::Whole(_) | Value::Wide(..), Some(kind)) => it.clone().converted(kind),
+            _ => it.clone(),
+        }));
+    }
+    given.extend(values.cloned());
+    (plain, given)
+}
 
-impl Printf for Printed<'_> {
+/// A value as `printf` takes it, whatever its type is; `?` where it is not known.
+struct Printed(Value);
+
+impl Printf for Printed {
     fn format(&self, spec: &ConversionSpecifier) -> sprintf::Result<String> {
         Ok(self.printed(spec).unwrap_or_else(|_| "?".to_owned()))
     }
@@ -33,42 +86,96 @@ impl Printf for Printed<'_> {
     }
 }
 
-/// What `%f` shows of a number, halves to even as C rounds them: `sprintf` rounds them away from 0.
-fn rounded(number: f64, spec: &ConversionSpecifier) -> f64 {
-    let fixed = matches!(
-        spec.conversion_type,
-        ConversionType::DecFloatLower | ConversionType::DecFloatUpper
-    );
-    match spec.precision {
-        NumericParam::Literal(digits @ 0..=300) if fixed => {
-            let text = format!("{number:.*}", digits as usize);
-            text.parse().unwrap_or(number)
+/// A real number as C writes it; nothing where the format is of another type.
+fn real(number: f64, spec: &ConversionSpecifier) -> Option<String> {
+    use ConversionType::{
+        CompactFloatLower, CompactFloatUpper, DecFloatLower, DecFloatUpper, SciFloatLower,
+        SciFloatUpper,
+    };
+    let NumericParam::Literal(digits) = spec.precision else {
+        return None;
+    };
+    let (digits, size) = (usize::try_from(digits).unwrap_or(0), number.abs());
+    let text = match spec.conversion_type {
+        DecFloatLower | DecFloatUpper => format!("{size:.digits$}"),
+        SciFloatLower | SciFloatUpper => scientific(size, digits),
+        CompactFloatLower | CompactFloatUpper => compact(size, digits.max(1), spec.alt_form),
+        _ => return None,
+    };
+    let text = match spec.conversion_type {
+        DecFloatUpper | SciFloatUpper | CompactFloatUpper => text.to_uppercase(),
+        _ => text.to_lowercase(),
+    };
+    let sign = match (number.is_sign_negative(), spec.force_sign, spec.space_sign) {
+        (true, ..) if !number.is_nan() => "-",
+        (_, true, _) => "+",
+        (.., true) => " ",
+        _ => "",
+    };
+    let width = match spec.width {
+        NumericParam::Literal(width) => usize::try_from(width).unwrap_or(0),
+        NumericParam::FromArgument => 0,
+    };
+    let rest = width.saturating_sub(sign.len());
+    Some(if spec.left_adj {
+        format!("{:<width$}", format!("{sign}{text}"))
+    } else if spec.zero_pad && number.is_finite() {
+        format!("{sign}{text:0>rest$}")
+    } else {
+        format!("{:>width$}", format!("{sign}{text}"))
+    })
+}
+
+/// With an exponent of two digits and a sign.
+fn scientific(size: f64, digits: usize) -> String {
+    let text = format!("{size:.digits$e}");
+    match text.split_once('e') {
+        Some((value, power)) => {
+            let power: i32 = power.parse().unwrap_or(0);
+            format!("{value}e{power:+03}")
         }
-        _ => number,
+        None => text,
     }
 }
 
-impl Printed<'_> {
+/// `%g`: so many digits that count, without zeros at the end.
+fn compact(size: f64, digits: usize, whole: bool) -> String {
+    let text = scientific(size, digits - 1);
+    let Some((value, power)) = text.split_once('e') else {
+        return text;
+    };
+    let trimmed = |it: &str| {
+        if it.contains('.') && !whole {
+            it.trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            it.to_owned()
+        }
+    };
+    let exponent: i32 = power.parse().unwrap_or(0);
+    match usize::try_from(digits as i64 - 1 - i64::from(exponent)) {
+        Ok(behind) if exponent >= -4 => trimmed(&format!("{size:.behind$}")),
+        _ => format!("{}e{power}", trimmed(value)),
+    }
+}
+
+impl Printed {
     /// Fails where the value is of another type than the format asks for.
     fn printed(&self, spec: &ConversionSpecifier) -> sprintf::Result<String> {
-        match *self.0 {
+        match self.0 {
             Value::Whole(number) => {
                 let narrow = number as i32;
                 let character = || (narrow as u32).format(spec);
-                let real = || (number as f64).format(spec);
+                let written = || real(number as f64, spec).ok_or(sprintf::PrintfError::WrongType);
                 narrow
                     .format(spec)
                     .or_else(|_| character())
-                    .or_else(|_| real())
+                    .or_else(|_| written())
             }
             Value::Wide(number, Width::Long) if number != i64::MIN => number.format(spec),
             Value::Wide(number, _) => (number as u64).format(spec),
             Value::Real(_) | Value::Single(_) => {
                 let number = self.0.number().unwrap_or_default();
-                let whole = || (number as i32).format(spec);
-                let text = rounded(number, spec).format(spec).or_else(|_| whole())?;
-                // `%g` has no point without a digit behind it.
-                Ok(text.replace(".e", "e"))
+                real(number, spec).map_or_else(|| (number as i32).format(spec), Ok)
             }
             Value::Text(ref text) | Value::Symbol(ref text) => (&**text).format(spec),
             _ => Ok("?".to_owned()),

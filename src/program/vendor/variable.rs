@@ -23,6 +23,8 @@ impl Machine<'_> {
         let slot = self.free.pop().unwrap_or(self.slots.len());
         if slot == self.slots.len() {
             self.slots.push(value);
+            // Frames are run anew with fewer variables.
+            self.kinds.truncate(slot);
             self.kinds.push(kind);
         } else {
             self.slots[slot] = value;

@@ -74,7 +74,7 @@ impl Machine<'_> {
                         Kind::Any
                     }
                 }
-                _ => self.kind_given(callee),
+                _ => self.kind_given(callee, given.len()),
             },
             ExprNode::Index(of, _) if self.is_text(of) => Kind::CHARACTER,
             ExprNode::Name(_)
@@ -100,12 +100,21 @@ impl Machine<'_> {
     }
 
     /// The type of the number that a function of the file gives back, where all of its name agree.
-    fn kind_given(&self, callee: &Expr) -> Kind {
-        let ExprNode::Name(name) = &callee.node else {
-            return Kind::Any;
+    fn kind_given(&self, callee: &Expr, given: usize) -> Kind {
+        let all = match &callee.node {
+            ExprNode::Name(name) => self.functions.get(last(name)).cloned().unwrap_or_default(),
+            ExprNode::Member(of, name) => {
+                let object = self.led_to(of).and_then(|(slot, path)| {
+                    let Value::Record(layout, _) = self.peek(slot, &path)? else {
+                        return None;
+                    };
+                    Some(self.own_functions(layout, name, given))
+                });
+                object.unwrap_or_default()
+            }
+            _ => return Kind::Any,
         };
-        let all = self.functions.get(last(name)).into_iter().flatten();
-        let mut kinds = all.map(|it| it.returns);
+        let mut kinds = all.iter().map(|it| it.returns);
         match kinds.next() {
             Some(Kind::Parameter(_)) | None => Kind::Any,
             Some(first) if kinds.all(|it| it == first) => first,

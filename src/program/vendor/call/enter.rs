@@ -135,8 +135,17 @@ impl Machine<'_> {
     ) {
         let mut given = given.into_iter();
         for (i, parameter) in function.parameters.iter().enumerate() {
-            let kind = self.resolved(parameter.kind);
-            let slot = match (given.next(), self.default(function, i)) {
+            let mut kind = self.resolved(parameter.kind);
+            let next = given.next();
+            if let Some(it) = &next
+                && &*parameter.of == "auto"
+                && kind == Kind::Any
+                && !parameter.pointer
+                && !matches!(it.value, Value::Pointer(..))
+            {
+                kind = self.element_kind(it);
+            }
+            let slot = match (next, self.default(function, i)) {
                 (Some(it), _) => {
                     self.loses((&it, function), parameter, place);
                     self.given(it, kind, parameter)
@@ -393,6 +402,23 @@ impl Machine<'_> {
         found.cloned()
     }
 
+    /// The type of a number that is given, or of those that a pointer or an array leads to.
+    fn element_kind(&self, it: &Argument) -> Kind {
+        let held = match &it.value {
+            Value::Pointer(slot, path, _) => {
+                let (slot, path) = self.pointed(*slot, path.clone());
+                let kind = self.kind_at(slot, &path);
+                return match self.peek(slot, &path) {
+                    Some(value) if kind == Kind::Any => value.kind(),
+                    _ => kind,
+                };
+            }
+            Value::List(all) if it.kind == Kind::Any => all.first().map(Value::kind),
+            _ => None,
+        };
+        held.unwrap_or(it.kind)
+    }
+
     /// What the parameters of a template are: given in `<…>`, taken from the arguments, or their
     /// defaults. Values become variables, types are given back by position.
     fn template(
@@ -410,9 +436,14 @@ impl Machine<'_> {
             let default = given_here.is_none();
             let given_here = given_here.or_else(|| parameter.default.clone());
             let deduced = || {
+                let wanted = Kind::Parameter(at);
                 let mut all = given.iter().zip(function.parameters.iter());
-                let it = all.find(|(_, to)| to.kind == Kind::Parameter(at))?.0;
-                Some(TemplateArgument::Type(it.kind))
+                let of = |to: &Parameter| {
+                    let leads = to.pointer || !to.element.is_empty();
+                    to.kind == wanted || leads && to.pointee == wanted
+                };
+                let it = all.find(|(_, to)| of(to))?.0;
+                Some(TemplateArgument::Type(self.element_kind(it)))
             };
             let length = || {
                 let mut all = given.iter().zip(function.parameters.iter());

@@ -17,7 +17,7 @@ use super::{
 };
 
 impl Parser<'_> {
-    pub(super) fn enumeration(&mut self) -> Parsed<StmtNode> {
+    pub(super) fn enumeration(&mut self, named_behind: bool) -> Parsed<StmtNode> {
         self.at += 1;
         // The names of an `enum class` are only its own.
         let scoped = self.take_word("class") || self.take_word("struct");
@@ -26,8 +26,18 @@ impl Parser<'_> {
         let outer = self.inside.as_deref();
         let all: Vec<&str> = outer.into_iter().chain(own).collect();
         let space = Some(all.join("::")).filter(|it| !it.is_empty());
+        let mut kind = Kind::INT;
         while self.peek(0).is_some() && !self.sees("{") && !self.sees(";") {
-            self.at += 1;
+            let numbers = if self.take(":") {
+                self.read_type()
+            } else {
+                self.at += 1;
+                None
+            };
+            kind = numbers.map_or(kind, |it| it.kind);
+        }
+        if !of.is_empty() {
+            self.enumerations.insert(of.clone(), kind);
         }
         let mut all: Vec<Declared> = Vec::new();
         if self.take("{") {
@@ -80,6 +90,11 @@ impl Parser<'_> {
                 }
             }
         }
+        if named_behind && let Some(name) = self.peek(0).and_then(Token::name).cloned() {
+            self.enumerations.insert(name.clone(), kind);
+            let unnamed = all.iter_mut().filter(|it| it.of.is_empty());
+            unnamed.for_each(|it| it.of = name.clone());
+        }
         self.skip_past(";");
         Ok(StmtNode::Declare(all))
     }
@@ -124,6 +139,9 @@ impl Parser<'_> {
         self.at += 1;
         if matches!(self.word(0), "class" | "struct" | "union") && self.is_definition() {
             return self.class(true);
+        }
+        if self.word(0) == "enum" && self.is_definition() {
+            return self.enumeration(true);
         }
         let start = self.at;
         if self.read_type().is_some()
@@ -178,7 +196,7 @@ impl Parser<'_> {
         }
         // It is known inside of itself.
         let known = !plain || named_behind || !self.classes.insert(name.clone());
-        let (data, functions) = self.class_body(&name, plain);
+        let (data, functions, refers) = self.class_body(&name, plain);
         if !known && data.is_none() {
             self.classes.remove(&name);
         }
@@ -195,7 +213,9 @@ impl Parser<'_> {
         let unread = unread.or_else(|| {
             let is_operator = |it: &Rc<Function>| &*it.name == "operator";
             let copies = |it: &Rc<Function>| it.name == name && copies(&name, &it.parameters);
-            Some(if functions.iter().any(copies) {
+            Some(if refers {
+                REFERS
+            } else if functions.iter().any(copies) {
                 "a class with a copy constructor"
             } else if functions.iter().any(is_operator) {
                 "a class with operators that are not followed"
@@ -233,12 +253,12 @@ impl Parser<'_> {
     }
 
     /// What stands between the braces of a class: its data, where nothing else matters when an
-    /// object is made, and its functions with bodies.
+    /// object is made, its functions with bodies, and whether a member is a reference.
     fn class_body(
         &mut self,
         class: &str,
         plain: bool,
-    ) -> (Option<Vec<Declared>>, Vec<Rc<Function>>) {
+    ) -> (Option<Vec<Declared>>, Vec<Rc<Function>>, bool) {
         let start = self.at;
         self.skip_group();
         let end = std::mem::replace(&mut self.at, start + 1);
@@ -282,6 +302,7 @@ impl Parser<'_> {
         self.at = end;
         // An object that holds others with constructors is made in more steps than are followed.
         let whole = |it: &Declared| !it.reference && (it.pointer || !self.constructs(&it.of));
+        let refers = data.iter().any(|it| it.reference);
         let mut plain = plain && data.iter().all(whole);
         if plain {
             functions.extend(self.inherited(class, &functions));
@@ -294,7 +315,7 @@ impl Parser<'_> {
                 self.constructed.insert(class.into());
             }
         }
-        (plain.then_some(data), functions)
+        (plain.then_some(data), functions, refers)
     }
 
     /// Whether what is declared here belongs to the class, not to its objects: `inline static int n;`.
@@ -342,7 +363,7 @@ impl Parser<'_> {
         if self.word(0) == "enum" {
             let place = self.place();
             let outer = self.inside.replace(space);
-            let node = self.enumeration();
+            let node = self.enumeration(false);
             self.inside = outer;
             let node = node.ok()?;
             self.shared.push(Stmt { node, place });
@@ -503,6 +524,9 @@ impl Parser<'_> {
         }
     }
 }
+
+/// What a class is whose objects change what they were made of.
+pub(in crate::program::vendor) const REFERS: &str = "a class with a reference as a member";
 
 /// What the name begins with of what a function of a class calls whose body is not understood.
 pub(in crate::program::vendor) const UNREAD: &str = "the body of ";

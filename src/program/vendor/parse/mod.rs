@@ -16,11 +16,14 @@ mod types;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-pub(super) use self::{class::UNREAD, types::Type};
+pub(super) use self::{
+    class::{REFERS, UNREAD},
+    types::Type,
+};
 use super::{
     expression::{self, unexpected},
     token::Token,
-    tree::{Expr, Stmt, StmtNode, TemplateParameter, Word},
+    tree::{Expr, Kind, Stmt, StmtNode, TemplateParameter, Word},
 };
 use crate::{
     config::{Fault, Place, enough},
@@ -46,6 +49,7 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
         pending: Vec::new(),
         shared: Vec::new(),
         aliases: BTreeMap::new(),
+        enumerations: BTreeMap::new(),
         templates: BTreeSet::new(),
         variables: BTreeSet::new(),
         template: Vec::new(),
@@ -88,6 +92,8 @@ pub(super) struct Parser<'a> {
     shared: Vec<Stmt>,
     /// Types that have another name.
     aliases: BTreeMap<Word, Type>,
+    /// Enumerations, with the type of their numbers.
+    enumerations: BTreeMap<Word, Kind>,
     /// Names of functions that are templates.
     pub templates: BTreeSet<Word>,
     /// Names of variables that are no constants.

@@ -132,7 +132,7 @@ impl Parser<'_> {
                 node
             }
             "namespace" => self.namespace(),
-            "enum" => self.enumeration(),
+            "enum" => self.enumeration(false),
             // It is defined elsewhere.
             "class" | "struct" | "union"
                 if !self.word(1).is_empty() && self.peek(2).is_some_and(|t| t.is(";")) =>

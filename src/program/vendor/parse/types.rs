@@ -137,6 +137,27 @@ impl Parser<'_> {
             .map_or_else(|| kind_of(name), Type::value_kind)
     }
 
+    /// The type of the numbers of an enumeration, by its name or another.
+    pub(in crate::program::vendor) fn enumeration_kind(&self, name: &str) -> Option<Kind> {
+        let alias = self.aliases.get(name);
+        let alias = alias.filter(|it| !it.pointer && !it.library && it.lengths.is_empty());
+        let name = alias.map_or(name, |it| &it.name);
+        self.enumerations.get(name).copied()
+    }
+
+    /// A value that is converted to a type: of an enumeration, to the type of its numbers.
+    pub(in crate::program::vendor) fn converted(&self, of: &Type, value: Box<Expr>) -> ExprNode {
+        let place = value.place;
+        match self.enumeration_kind(&of.name) {
+            Some(kind) if !of.pointer && !of.library && of.kind == Kind::Any => {
+                let node = ExprNode::Convert(kind, value);
+                // Outside it is no plain number.
+                ExprNode::Convert(Kind::Any, Box::new(Expr { node, place }))
+            }
+            _ => of.converts(value),
+        }
+    }
+
     /// A type with a name behind it, if that stands here; the place is then at the name.
     pub(super) fn declared_type(&mut self) -> Option<Type> {
         let start = self.at;
