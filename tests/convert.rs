@@ -367,6 +367,18 @@ fn damage_and_what_is_kept() {
     folder.refused(&["cut.npz", "b.csv"], "its members lie stands at its end");
     let salvage = ["cut.npz", "b.csv", "--salvage"];
     folder.refused(&salvage, "nothing is kept of it");
+    // What is whole, and not read, is no damage: its own advice stands.
+    let foreign = [
+        ("evt4.raw", "metavision_file_to_raw"),
+        #[cfg(feature = "hdf5")]
+        ("blosc.h5", "h5repack -f NONE"),
+        #[cfg(feature = "hdf5")]
+        ("mvsec.h5", "expected is the layout of DSEC"),
+    ];
+    for (name, advice) in foreign {
+        fs::copy(format!("tests/bad/event/{name}"), folder.path(name)).unwrap();
+        folder.refused(&[name, "b.csv", "--salvage"], advice);
+    }
 }
 
 #[test]

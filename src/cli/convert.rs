@@ -19,7 +19,7 @@ use super::{
 use crate::{
     event::{
         Dropped, Event,
-        file::{Compression, Fault, FileError, Format, Head, Opening, Writer},
+        file::{Compression, FileError, Format, Head, Opening, Writer},
     },
     plane::Size,
     unit::{Micros, counted, exact_seconds},
@@ -224,12 +224,7 @@ fn open(arguments: &Arguments) -> miette::Result<Events> {
         size: arguments.size,
     };
     let mut events = Events::streamed(&arguments.a, &opening).map_err(|error| {
-        let is_damaged = match &error {
-            FileError::Bad { fault, .. } => {
-                !matches!(fault, Fault::Encoding { .. } | Fault::Compressed { .. })
-            }
-            _ => false,
-        };
+        let is_damaged = matches!(&error, FileError::Bad { fault, .. } if !fault.is_foreign());
         if arguments.salvage && is_damaged {
             return miette!(
                 help = "nothing is kept of it: what is damaged is needed to read the first event",

@@ -483,6 +483,15 @@ impl Fault {
         }
     }
 
+    /// Whether the file is good, and in a layout or an encoding that is not read.
+    #[must_use]
+    pub const fn is_foreign(&self) -> bool {
+        matches!(
+            self,
+            Self::Encoding { .. } | Self::Compressed { .. } | Self::Column { .. }
+        )
+    }
+
     /// How to keep the events before the damage, where some may be good.
     const fn kept(&self) -> &'static str {
         match self {
