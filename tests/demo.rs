@@ -84,7 +84,7 @@ fn what_the_chip_can_carry_is_what_feasibility_chooses() {
             let shown = row(true, to, domain);
             assert_eq!(Some(number(shown, "kept")), likeness.kept, "{to} {domain}");
             let percent = number(shown, "threshold_equivalent_percent");
-            assert_eq!(percent, likeness.threshold_equivalent_percent);
+            assert_eq!(Some(percent), likeness.threshold_equivalent_percent);
             assert_eq!(number(shown, "words"), chip.words as f64);
         }
     }

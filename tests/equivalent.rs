@@ -74,7 +74,7 @@ fn the_reference_itself_keeps_all() {
             (own.kept, own.f1, own.event_ratio),
             (Some(1.0), 1.0, Some(1.0))
         );
-        assert_eq!(own.threshold_equivalent_percent, 0.0);
+        assert_eq!(own.threshold_equivalent_percent, Some(0.0));
         assert!(!own.threshold_equivalent_is_least);
         assert!(own.floor < 0.9, "{}", own.floor);
     });
@@ -87,7 +87,7 @@ fn a_higher_threshold_is_told_by_its_own_height() {
         let mut before = 1.0;
         for (part, packet) in parts.iter().zip(watched(design, &parts)) {
             let told = ladder.judge(&packet).unwrap();
-            let percent = told.threshold_equivalent_percent;
+            let percent = told.threshold_equivalent_percent.unwrap();
             let off = percent - 100.0 * (part - 1.0);
             // On a rung it is the rung; between two it is near.
             let far = if RUNGS.contains(part) { 1e-9 } else { 4.0 };
@@ -141,7 +141,7 @@ fn what_is_beyond_the_ladder_says_so() {
             told.kept.unwrap() < 0.0 && told.threshold_equivalent_is_least,
             "{told:?}"
         );
-        assert_eq!(told.threshold_equivalent_percent, 900.0);
+        assert_eq!(told.threshold_equivalent_percent, Some(900.0));
         assert_eq!(told.equivalent(), "> 900 %");
         assert_eq!(ladder.part_of(0), None);
         assert_eq!(ladder.part_of(u64::MAX), None);

@@ -567,7 +567,7 @@ fn rates_and_steps_agree_where_they_ask_the_same() {
         near(rate.headline.kept.unwrap(), last.kept.unwrap());
         near(
             rate.headline.threshold_equivalent_percent.unwrap(),
-            last.threshold_equivalent_percent,
+            last.threshold_equivalent_percent.unwrap(),
         );
         let readout = &steps.steps[steps.steps.len() - 2..];
         near(

@@ -539,11 +539,10 @@ fn over_chips(over: &OverChips) -> String {
         crate::unit::counted(over.chips, "chip"),
         evidence.word()
     );
-    let is_silent = over.has_nothing_to_keep();
-    if is_silent {
+    if over.has_nothing_to_keep() {
         let _ = writeln!(text, "{:<22} {}", "kept", OverChips::NOTHING_TO_KEEP);
     }
-    let threshold = Some(ranges.threshold_equivalent_percent).filter(|_| !is_silent);
+    let threshold = ranges.threshold_equivalent_percent;
     let rows = [
         ("kept", ranges.kept, 3),
         ("threshold, % higher", threshold, 1),
@@ -560,7 +559,7 @@ fn over_chips(over: &OverChips) -> String {
             );
         }
     }
-    if is_silent {
+    if over.has_nothing_to_keep() {
         return text;
     }
     let _ = writeln!(

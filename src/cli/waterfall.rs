@@ -364,11 +364,8 @@ fn rate_table(steps: &Waterfall, rates: &Rates) -> String {
         row(&mut text, cause.name, &mut cells);
     }
     let equivalent = |rate: &Rate| {
-        let is_least = rate.threshold_equivalent_is_least;
-        let told = { rate.headline.threshold_equivalent_percent }
-            .map_or("-".to_owned(), |percent| {
-                equivalent::percents(percent, is_least)
-            });
+        let percent = rate.headline.threshold_equivalent_percent;
+        let told = equivalent::percents(percent, rate.threshold_equivalent_is_least);
         format!("{told:>8}")
     };
     row(

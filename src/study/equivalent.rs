@@ -50,8 +50,9 @@ pub struct Likeness {
     pub f1: f64,
     /// F1 of a redraw of the reference.
     pub floor: f64,
-    /// The change of the float sensor's threshold that costs as much, in per cent.
-    pub threshold_equivalent_percent: f64,
+    /// The change of the float sensor's threshold that costs as much, in per cent; none where the
+    /// reference has no event.
+    pub threshold_equivalent_percent: Option<f64>,
     /// Whether the score is beyond the ladder, so that the change is at least that.
     pub threshold_equivalent_is_least: bool,
     /// Events for each of the reference's; none where it has none.
@@ -283,16 +284,17 @@ impl Ladder {
     pub fn judge(&self, packet: &Packet) -> Result<Likeness, CompareError> {
         let pair = self.pair(packet)?;
         let point = Point::new(&pair, &self.redraws, self.window);
-        let (percent, is_least) = self.equivalent(point.f1);
         let [reference, judged] = pair.events().map(|events| events as f64);
+        // The ladder of a silent reference tells nothing apart.
+        let equivalent = (reference > 0.0).then(|| self.equivalent(point.f1));
         Ok(Likeness {
             kept: point.kept.filter(|_| reference > 0.0),
             window_us: self.window,
             fps: self.fps,
             f1: point.f1,
             floor: point.floor,
-            threshold_equivalent_percent: percent,
-            threshold_equivalent_is_least: is_least,
+            threshold_equivalent_percent: equivalent.map(|(percent, _)| percent),
+            threshold_equivalent_is_least: equivalent.is_some_and(|(_, is_least)| is_least),
             event_ratio: (reference > 0.0).then(|| judged / reference),
             tuned: None,
         })
@@ -451,13 +453,9 @@ impl std::fmt::Display for Likeness {
 }
 
 impl Likeness {
-    /// The threshold equivalent in a few characters, such as `16 %` or `> 900 %`; a dash where the
-    /// reference has no event.
+    /// The threshold equivalent in a few characters.
     #[must_use]
     pub fn equivalent(&self) -> String {
-        if self.event_ratio.is_none() {
-            return "-".to_owned();
-        }
         percents(
             self.threshold_equivalent_percent,
             self.threshold_equivalent_is_least,
@@ -466,24 +464,25 @@ impl Likeness {
 }
 
 impl Tuned {
-    /// The threshold equivalent in a few characters; a dash where there is none.
+    /// The threshold equivalent in a few characters.
     #[must_use]
     pub fn equivalent(&self) -> String {
-        let is_least = self.threshold_equivalent_is_least;
-        let told = |percent| percents(percent, is_least);
-        self.threshold_equivalent_percent
-            .map_or("-".to_owned(), told)
+        percents(
+            self.threshold_equivalent_percent,
+            self.threshold_equivalent_is_least,
+        )
     }
 }
 
-/// A threshold equivalent in a few characters, such as `16 %` or `> 900 %`.
+/// A threshold equivalent in a few characters, such as `16 %` or `> 900 %`; a dash where there is
+/// none.
 #[must_use]
-pub fn percents(percent: f64, is_least: bool) -> String {
+pub fn percents(percent: Option<f64>, is_least: bool) -> String {
     let least = if is_least { "> " } else { "" };
-    if percent < 9.95 {
-        format!("{least}{percent:.1} %")
-    } else {
-        format!("{least}{percent:.0} %")
+    match percent {
+        None => "-".to_owned(),
+        Some(percent) if percent < 9.95 => format!("{least}{percent:.1} %"),
+        Some(percent) => format!("{least}{percent:.0} %"),
     }
 }
 

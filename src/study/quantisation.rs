@@ -89,8 +89,7 @@ impl From<Likeness> for Headline {
             kept: of.kept,
             window_us: of.window_us,
             fps: of.fps,
-            threshold_equivalent_percent: { of.event_ratio }
-                .map(|_| of.threshold_equivalent_percent),
+            threshold_equivalent_percent: of.threshold_equivalent_percent,
         }
     }
 }

@@ -35,7 +35,7 @@ pub(super) struct Headline {
 #[derive(Clone, Copy, Serialize)]
 pub(super) struct Equivalent {
     #[serde(rename = "threshold_equivalent_percent")]
-    pub percent: f64,
+    pub percent: Option<f64>,
     #[serde(rename = "threshold_equivalent_is_least")]
     pub is_least: bool,
     /// Against the sensor that says as many events; none where no threshold does.
@@ -134,7 +134,7 @@ impl Headline {
             ),
             (_, None) => write!(text, "; the events' times are on no frames"),
         };
-        if let Some(equivalent) = self.equivalent {
+        if let Some(equivalent) = self.equivalent.filter(|it| it.percent.is_some()) {
             let percents = equivalent::percents(equivalent.percent, equivalent.is_least);
             let _ = write!(text, "; as a threshold {percents} higher");
         }

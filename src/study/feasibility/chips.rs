@@ -80,8 +80,9 @@ pub struct Stretch {
 pub struct Ranges {
     /// What of F1 is more than accident; none where nothing can be kept.
     pub kept: Option<Spread>,
-    /// The change of the float sensor's threshold that costs as much, in per cent.
-    pub threshold_equivalent_percent: Spread,
+    /// The change of the float sensor's threshold that costs as much, in per cent; none where the
+    /// float sensor has no event.
+    pub threshold_equivalent_percent: Option<Spread>,
     /// Events for each of the float sensor's; none where it has none.
     pub event_ratio: Option<Spread>,
     /// Frames a second at most.
@@ -105,8 +106,9 @@ pub struct DrawnChip {
     pub window_us: Micros,
     /// Frames a second that were shown.
     pub fps: f64,
-    /// The change of the float sensor's threshold that costs as much, in per cent.
-    pub threshold_equivalent_percent: f64,
+    /// The change of the float sensor's threshold that costs as much, in per cent; none where the
+    /// float sensor has no event.
+    pub threshold_equivalent_percent: Option<f64>,
     /// Events for each of the float sensor's; none where it has none.
     pub event_ratio: Option<f64>,
     /// Frames a second at most.
@@ -336,13 +338,15 @@ impl OverChips {
             let values: Vec<f64> = drawn.iter().map(of).collect();
             Spread::new(&values)
         };
-        let kept: Vec<f64> = drawn.iter().filter_map(|chip| chip.kept).collect();
-        let ratios: Vec<f64> = drawn.iter().filter_map(|chip| chip.event_ratio).collect();
+        let known = |of: &dyn Fn(&DrawnChip) -> Option<f64>| {
+            let values: Vec<f64> = drawn.iter().filter_map(of).collect();
+            Spread::new(&values)
+        };
         let ranges = || {
             Some(Ranges {
-                kept: Spread::new(&kept),
-                threshold_equivalent_percent: spread(&|chip| chip.threshold_equivalent_percent)?,
-                event_ratio: Spread::new(&ratios),
+                kept: known(&|chip| chip.kept),
+                threshold_equivalent_percent: known(&|chip| chip.threshold_equivalent_percent),
+                event_ratio: known(&|chip| chip.event_ratio),
                 frames_s: spread(&|chip| chip.frames_s)?,
                 power_busy_mw: spread(&|chip| chip.power_busy_mw)?,
             })
@@ -399,7 +403,7 @@ mod tests {
             kept: Some(kept),
             window_us: Micros(100_000),
             fps: 100.0,
-            threshold_equivalent_percent: 1.0,
+            threshold_equivalent_percent: Some(1.0),
             event_ratio: Some(1.0),
             frames_s,
             power_busy_mw: 1.0,

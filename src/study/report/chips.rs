@@ -65,8 +65,6 @@ fn ranges(all: &Feasibility, evidence: Evidence) -> Markup {
     let Some(ranges) = &all.over_chips.ranges else {
         return html! {};
     };
-    let is_silent = all.over_chips.has_nothing_to_keep();
-    let threshold = Some(ranges.threshold_equivalent_percent).filter(|_| !is_silent);
     let rows = [
         (
             "Kept",
@@ -79,7 +77,7 @@ fn ranges(all: &Feasibility, evidence: Evidence) -> Markup {
             "As a threshold higher by",
             "the change of the float sensor\u{2019}s threshold that costs as much",
             "threshold_equivalent_percent",
-            threshold,
+            ranges.threshold_equivalent_percent,
             "%",
         ),
         (
@@ -105,7 +103,7 @@ fn ranges(all: &Feasibility, evidence: Evidence) -> Markup {
         ),
     ];
     html! {
-        @if is_silent {
+        @if all.over_chips.has_nothing_to_keep() {
             tr {
                 th scope="row" { "Kept" }
                 td { (OverChips::NOTHING_TO_KEEP) }

@@ -128,13 +128,11 @@ fn over_rates(all: &Feasibility, rates: &Rates) -> Markup {
                         th scope="row" { "as a threshold higher by" }
                         @for (i, rate) in all_rates() {
                             td.n {
-                                @if let Some(percent) = rate.headline.threshold_equivalent_percent {
-                                    (number::equivalent(
-                                        &format!("/over_rates/rates/{i}/threshold_equivalent_percent"),
-                                        percent,
-                                        rate.threshold_equivalent_is_least,
-                                    ))
-                                } @else { (number::none()) }
+                                (number::equivalent(
+                                    &format!("/over_rates/rates/{i}/threshold_equivalent_percent"),
+                                    rate.headline.threshold_equivalent_percent,
+                                    rate.threshold_equivalent_is_least,
+                                ))
                             }
                         }
                     }

@@ -30,7 +30,10 @@ pub(super) fn scaled(at: &str, value: f64, by: f64) -> Markup {
 /// A change of threshold in per cent, as [`Likeness::equivalent`] writes it.
 ///
 /// [`Likeness::equivalent`]: crate::study::equivalent::Likeness::equivalent
-pub(super) fn equivalent(at: &str, percent: f64, is_least: bool) -> Markup {
+pub(super) fn equivalent(at: &str, percent: Option<f64>, is_least: bool) -> Markup {
+    let Some(percent) = percent else {
+        return none();
+    };
     let decimals = usize::from(percent < 9.95);
     html! { @if is_least { "> " } (fixed(at, percent, decimals)) " %" }
 }

@@ -113,9 +113,9 @@ fn task(all: &Feasibility) -> Line {
             let at = |key: &str| format!("/quantisation/{i}/{key}");
             html! {
                 "kept " (number::fixed_or_none(&at("kept"), headline.kept, 3))
-                @if let Some(percent) = headline.threshold_equivalent_percent {
+                @if headline.threshold_equivalent_percent.is_some() {
                     ", as a threshold "
-                    (number::equivalent(&at("threshold_equivalent_percent"), percent, silicon.threshold_equivalent_is_least))
+                    (number::equivalent(&at("threshold_equivalent_percent"), headline.threshold_equivalent_percent, silicon.threshold_equivalent_is_least))
                     " higher"
                 }
                 span.of {
