@@ -15,7 +15,7 @@ use amacrine::{
         guard::{About, Crowd, Guard, Warning},
     },
     scene::{
-        Coding, Frame, Observation, Observed, OpenOptions, Origin, Outline, Range, Scene,
+        Coding, Frame, Observation, Observed, OpenOptions, Origin, Outline, Range, Samples, Scene,
         SceneError, Transfer, bundled, bundled_with, open,
     },
     sensor::Sensor,
@@ -507,7 +507,8 @@ fn a_clip_that_repeats_frames_says_so() {
     assert_eq!(warning.about, About::Repeats);
     let text = warning.to_string();
     assert!(text.contains("10 of 20 frames"), "{text}");
-    assert!(text.contains("the 10 others at 50 % of the rate"), "{text}");
+    let change = "leave out one of 2 and show the others at 50 % of the rate";
+    assert!(text.contains(change), "{text}");
     // Now and then is no other rate, and a scene may stand still for long.
     let rarely = clip(&[1, 1, 1, 1, 1, 2, 1, 1, 1, 1, 1]);
     assert_eq!(found(&rarely), Some((1, 12)));
@@ -518,6 +519,47 @@ fn a_clip_that_repeats_frames_says_so() {
         assert_eq!(observed(scene).repeated(), None);
     }
     assert_eq!(observed(bundled().unwrap()).repeated(), None);
+}
+
+/// Pictures whose numbers lack some, arrays of more than 8 bits, and reals near 1.
+#[test]
+fn gaps_and_scales_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    for n in [1, 2, 3, 7, 8] {
+        let still = fs::read(data("still.pgm")).unwrap();
+        fs::write(folder.path().join(format!("f{n:03}.pgm")), still).unwrap();
+    }
+    let scene = open(
+        &folder.path().display().to_string(),
+        &OpenOptions::default(),
+    )
+    .unwrap();
+    let told = Warning::of_scene(&observed(scene), Response::IDENTITY);
+    let gap = told.iter().find(|warning| warning.about == About::Gap);
+    let text = gap.expect("three are missing").to_string();
+    assert!(
+        text.contains("3 pictures are missing: after 3 comes 7"),
+        "{text}"
+    );
+
+    let scaled = |samples, extent| {
+        let warning = Warning::scale(samples, Some(extent), Response::IDENTITY);
+        warning.map(|warning| warning.to_string())
+    };
+    let ten = scaled(Samples::Integers, (3.0, 987.0)).unwrap();
+    assert!(ten.contains("(0.249267 for 10 bits"), "{ten}");
+    for (samples, extent) in [
+        (Samples::Integers, (0.0, 255.0)),
+        // What shines, and night.
+        (Samples::Floats, (0.0, 700.0)),
+        (Samples::Floats, (0.0, 30.0)),
+        (Samples::Integers, (0.0, 9.0)),
+        (Samples::Video, (0.0, 1.0)),
+    ] {
+        assert_eq!(scaled(samples, extent), None);
+    }
+    let above = scaled(Samples::Floats, (0.0, 2.772)).unwrap();
+    assert!(above.contains("with light above it"), "{above}");
 }
 
 #[test]
@@ -893,7 +935,7 @@ mod verbs {
     #[test]
     fn the_guard_of_scale_knows_the_response() {
         let said = |curve: Curve, extent| {
-            let warning = Warning::scale(Some(extent), Response::new(curve));
+            let warning = Warning::scale(Samples::Floats, Some(extent), Response::new(curve));
             warning.map(|warning| warning.to_string())
         };
         let whole = said(Curve::Identity, (0.0, 1.0)).unwrap();

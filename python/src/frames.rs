@@ -1,5 +1,6 @@
 //! Frames as numpy holds them, as light.
 
+use amacrine::scene::Samples;
 use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -62,6 +63,14 @@ impl<'py> Borrowed<'py> {
 }
 
 impl Frames<'_> {
+    /// What kind of numbers they are.
+    pub const fn samples(self) -> Samples {
+        match self {
+            Self::U8(_) => Samples::Integers,
+            Self::F32(_) | Self::F64(_) => Samples::Floats,
+        }
+    }
+
     /// The least and the most light.
     pub fn extent(self, scale: f64) -> Option<(f64, f64)> {
         fn ends<T: Copy + Into<f64>>(all: &[T], scale: f64) -> Option<(f64, f64)> {

@@ -429,8 +429,9 @@ impl Program {
     /// What a run is to be warned of, as `amacrine exec` warns.
     fn warned(&self, chip: &dyn Array, packet: &Packet, light: &Light<'_>) -> Vec<String> {
         let mut guard = Guard::new();
-        if let Some(warning) = Warning::scale(light.frames.extent(light.scale), Response::IDENTITY)
-        {
+        let extent = light.frames.extent(light.scale);
+        let scale = Warning::scale(light.frames.samples(), extent, Response::IDENTITY);
+        if let Some(warning) = scale {
             guard.warn(warning);
         }
         // A program that reads no events out, and a single frame, have none to miss; a host that

@@ -11,7 +11,7 @@ use amacrine::{
     plane::{Plane, Size},
     reference::Limit,
     rig::guard::{Crowd, Guard, Warning},
-    scene::{Frame, check_rate, upsample},
+    scene::{Frame, Samples, check_rate, upsample},
     sensor::SensorError,
     unit::Micros,
 };
@@ -52,6 +52,8 @@ struct Watch {
     reach: Option<[f64; 2]>,
     /// The least and the most light so far.
     extent: Option<(f64, f64)>,
+    /// Of the latest frames.
+    samples: Samples,
     /// Cells that fired, over all frames.
     fired: u64,
     /// Whether a frame could not be watched: what cells hold is then not known.
@@ -91,6 +93,7 @@ impl Run {
             response,
             reach,
             extent: None,
+            samples: Samples::Floats,
             fired: 0,
             is_stopped: false,
         })))
@@ -202,6 +205,7 @@ impl Watch {
         if let Some(light) = self.frame.light.as_slice_mut() {
             frames.light(n, self.scale, light);
         }
+        self.samples = frames.samples();
         self.measure();
     }
 
@@ -383,7 +387,7 @@ impl Watch {
     /// As `amacrine run` warns.
     fn warnings(&self, subject: &str) -> Vec<Warning> {
         let mut guard = Guard::new();
-        if let Some(warning) = Warning::scale(self.extent, self.response) {
+        if let Some(warning) = Warning::scale(self.samples, self.extent, self.response) {
             guard.warn(warning);
         }
         let lost = self.packet.dropped.no_slot;

@@ -15,12 +15,18 @@ use crate::{
     kernel::quantise::Erasure,
     photoreceptor::{Curve, Response},
     plane::Size,
-    scene::{Cut, Frame, Light, Observation, Repeated},
+    scene::{Cut, Frame, Gap, Observation, Repeated, Samples},
     unit::{Micros, counted},
 };
 
 /// Light so many times the sensor's white is on another scale; what shines is brighter than white.
 const BEYOND: f64 = 4.0;
+
+/// The same for whole numbers, which end at white; a scale that was given may be a little off.
+const BEYOND_WHOLE: f64 = 1.1;
+
+/// Reals that are so many times less than the sensor's white, all of them, have another white.
+const DARK: f64 = 64.0;
 
 /// What a warning is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -40,6 +46,8 @@ pub enum About {
     Cut,
     /// Frames of the clip are the one before once more.
     Repeats,
+    /// Numbers are missing among those of pictures.
+    Gap,
     /// A frame rate that nobody said.
     AssumedRate,
     /// A clip that ends before all frames that were asked for.
@@ -70,6 +78,7 @@ impl About {
             Self::Scale => "scale",
             Self::Cut => "cut",
             Self::Repeats => "repeats",
+            Self::Gap => "gap",
             Self::AssumedRate => "assumed-rate",
             Self::Short => "short",
             Self::Window => "window",
@@ -368,28 +377,41 @@ impl Warning {
         )
     }
 
-    /// Numbers without a scale of their own that lie within 0 and 1, or far beyond white, for a sensor
-    /// whose response takes 0 to 255, or to another white.
+    /// Numbers without a scale of their own that lie near 0, or beyond white, for a sensor whose
+    /// response takes 0 to 255, or to another white. Whole numbers beyond it are of more bits; of
+    /// reals some may be brighter than white.
     #[must_use]
-    pub fn scale(extent: Option<(f64, f64)>, response: Response) -> Option<Self> {
+    pub fn scale(samples: Samples, extent: Option<(f64, f64)>, response: Response) -> Option<Self> {
         let (low, high) = extent?;
         let white = response.white();
-        let is_unit = low >= 0.0 && high <= 1.0001 && high > 0.0;
-        if high > BEYOND * white {
+        let (dark, most) = match samples {
+            Samples::Floats => (white / DARK, BEYOND * white),
+            Samples::Integers => (1.0, BEYOND_WHOLE * white),
+            Samples::Video | Samples::Pictures | Samples::Drawn => return None,
+        };
+        let is_dark = low >= 0.0 && high <= dark.max(1.0001) && high > 0.0;
+        if high > most {
             return Some(Self::new(
                 About::Scale,
                 "the scene",
                 format!("light goes up to {high:.4}, but the sensor takes 0 to {white}"),
                 "numbers of more than 8 bits are taken as they are, so that all changes are as much larger and their noise with them",
                 format!(
-                    "give --scale with {white} over what is white in the array, {:.6} for 16 bits, or multiply the array",
+                    "give --scale with {white} over what is white in the array ({:.6} for 10 bits, {:.6} for 12, {:.8} for 16), or multiply the array",
+                    white / 1023.0,
+                    white / 4095.0,
                     white / 65_535.0
                 ),
             ));
         }
-        if !is_unit || white <= 2.0 {
+        if !is_dark || white <= 2.0 {
             return None;
         }
+        let looks = if high <= 1.0001 {
+            "the array is scaled to 1"
+        } else {
+            "the array seems to be scaled to 1, with light above it"
+        };
         // Light of 0 and above has a signal in every response.
         let moves = |by: f64| {
             let at = |light: f64| response.apply(by * light).unwrap_or(0.0);
@@ -409,7 +431,7 @@ impl Warning {
                 "all light lies between {low:.4} and {high:.4}, but the sensor takes 0 to {white}"
             ),
             format!(
-                "the array is scaled to 1; from its darkest to its brightest the signal moves by {here:.4}, and times {white} by {there:.4}{also}"
+                "{looks}; from its darkest to its brightest the signal moves by {here:.4}, and times {white} by {there:.4}{also}"
             ),
             format!("give --scale {white}, or multiply the array"),
         ))
@@ -448,7 +470,7 @@ impl Warning {
                 first.correlation
             ),
             format!(
-                "split the clip there: one scene is its first {} (of a video file: ffmpeg -frames:v {}; `frames` in a study)",
+                "split the clip there: one scene is its first {} (--slice ..{1}, or `slice` in a study), the next begins at {1}..",
                 counted(first.frame, "frame"),
                 first.frame
             ),
@@ -459,19 +481,42 @@ impl Warning {
     #[must_use]
     pub fn repeats(repeated: Repeated) -> Option<Self> {
         let Repeated { frames, of } = repeated;
-        let new = of - frames;
+        let share = 100.0 * (of - frames) as f64 / of as f64;
+        let change = match repeated.cycle() {
+            Some(cycle) => format!(
+                "leave out one of {cycle} and show the others at {share:.0} % of the rate; of a video file: ffmpeg -i CLIP -vf decimate=cycle={cycle} -pix_fmt gray clip.y4m"
+            ),
+            None => format!(
+                "leave them out and show the {} others at {share:.0} % of the rate; of a video file: mkdir FRAMES; ffmpeg -i CLIP -vf mpdecimate -fps_mode passthrough FRAMES/%06d.png, then --fps",
+                of - frames
+            ),
+        };
         (10 * frames >= of).then(|| {
             Self::new(
                 About::Repeats,
                 "the scene",
                 format!("{frames} of {of} frames are the frame before once more"),
                 "the file has a higher frame rate than the camera had: what moves stands still and then jumps, and events come in bursts",
-                format!(
-                    "leave them out and show the {new} others at {:.0} % of the rate (of a video file: ffmpeg -i CLIP -vf mpdecimate -fps_mode passthrough FRAMES/%06d.png, then --fps)",
-                    100.0 * new as f64 / of as f64
-                ),
+                change,
             )
         })
+    }
+
+    /// A folder of pictures that lacks some by their numbers.
+    #[must_use]
+    pub fn gap(gap: Gap) -> Self {
+        Self::new(
+            About::Gap,
+            "the scene",
+            format!(
+                "by their numbers {} missing: after {} comes {}",
+                counted(gap.missing, "picture") + if gap.missing == 1 { " is" } else { " are" },
+                gap.before,
+                gap.after
+            ),
+            "pictures are shown one after another: what comes behind a gap is too early, and what moves jumps",
+            "add them, or show the parts before and behind as scenes of their own (--slice)",
+        )
     }
 
     /// A frame rate that neither the scene nor the caller said: for whoever shows no line with it;
@@ -508,11 +553,15 @@ impl Warning {
     /// What a scene warns of, for a sensor of this response.
     #[must_use]
     pub fn of_scene(observation: &Observation, response: Response) -> Vec<Self> {
-        let free = observation.light().filter(Light::has_free_scale);
-        let scale = free.and_then(|_| Self::scale(observation.extent(), response));
+        let light = observation.light();
+        let scale = light.and_then(|it| Self::scale(it.samples, observation.extent(), response));
         let cuts = Self::cuts(&observation.cuts());
         let repeats = observation.repeated().and_then(Self::repeats);
-        scale.into_iter().chain(cuts).chain(repeats).collect()
+        let gap = observation.gap().map(Self::gap);
+        { scale.into_iter().chain(cuts) }
+            .chain(repeats)
+            .chain(gap)
+            .collect()
     }
 }
 

@@ -19,6 +19,7 @@ use super::{
     gray::{self, Depth, Layout},
     light::{self, MemoryLimit},
     rate::Rate,
+    spacing,
     still::MOST_CODED,
 };
 use crate::plane::Size;
@@ -211,19 +212,13 @@ fn even_rate(path: &Path, delays: &[Delay], unit: f64) -> Result<Option<f64>, Sc
             .map(|sum| sum + u64::from(delay.numerator));
     }
     let count = shown.len() as f64;
-    let mut got = 0.0;
-    for (before, delay) in shown.iter().enumerate() {
-        got += delay.seconds();
-        let want = (before + 1) as f64 * length / count;
-        if (got - want).abs() > unit + 1e-9 {
-            let frame = before as u64 + 1;
-            return Err(SceneError::Uneven {
-                path: path.into(),
-                frame,
-                got,
-                want,
-            });
-        }
+    let mut times = vec![0.0];
+    for delay in shown {
+        times.push(times[times.len() - 1] + delay.seconds());
+    }
+    let rounded = spacing::check(path, &times, unit)?;
+    if rounded.is_some() {
+        return Ok(rounded);
     }
     // Summed as fractions where they share a denominator, so that 1/10 s gives exactly 10.
     Ok((length > 0.0).then(|| match exact {

@@ -4,7 +4,7 @@
 //! usually does there (the median of the changes up to [`NEAR`] frames before and after), and
 //! what is seen at a place no longer resembles what was seen there (Pearson's correlation below
 //! [`ALIKE`]), with a part of the pixels changed ([`CHANGED`]) at least. A flash changes much and keeps the picture; fast motion loses the picture, but
-//! frame after frame. Some thousand pixels of a frame are looked at.
+//! frame after frame, so that of frames within [`APART`] none is a cut. Some thousand pixels of a frame are looked at.
 
 use super::Image;
 use crate::plane::Size;
@@ -17,6 +17,9 @@ const ALIKE: f64 = 0.65;
 
 /// A new picture changes at least this part of the pixels.
 const CHANGED: f64 = 0.25;
+
+/// Two frames that are nearer each other are no cuts, but something that passes close by.
+const APART: u64 = 3;
 
 /// Changes on either side that say what is usual.
 const NEAR: usize = 12;
@@ -87,7 +90,7 @@ impl Cuts {
     /// The cuts among the frames that were seen.
     pub fn found(&self) -> Vec<Cut> {
         let each = self.changes.iter().enumerate();
-        each.filter_map(|(at, change)| {
+        let found = each.filter_map(|(at, change)| {
             let usual = self.usual(at)?;
             let is_other = change.correlation < ALIKE && change.part >= CHANGED;
             let is_cut = is_other && change.mean > RATIO * usual;
@@ -97,8 +100,16 @@ impl Cuts {
                 times_usual: (usual > 0.0).then(|| change.mean / usual),
                 correlation: change.correlation,
             })
-        })
-        .collect()
+        });
+        let found: Vec<Cut> = found.collect();
+        let is_alone = |at: usize| {
+            let near = |other: usize| {
+                { found.get(other) }.is_some_and(|cut| cut.frame.abs_diff(found[at].frame) < APART)
+            };
+            !near(at + 1) && !near(at.wrapping_sub(1))
+        };
+        let alone = (0..found.len()).filter(|at| is_alone(*at));
+        alone.map(|at| found[at]).collect()
     }
 
     /// The median of the changes beside one.
@@ -177,6 +188,11 @@ mod tests {
         let clip = (0..20).map(|n| frame(u64::from(n >= 8) + 1, n));
         assert_eq!(found(clip), [8]);
         assert!(found((0..20).map(|n| frame(1, n))).is_empty());
+        let clip = (0..40).map(|n| frame(1 + u64::from(n >= 8) + u64::from(n >= 11), n));
+        assert_eq!(found(clip), [8, 11]);
+        // What covers the picture for a frame or two passes by.
+        let clip = (0..40).map(|n| frame(1 + u64::from(n == 8) + 2 * u64::from(n == 9), n));
+        assert!(found(clip).is_empty());
         // Slides: each is another picture, and that is usual.
         assert!(found((0..20).map(|n| frame(n as u64 + 1, n))).is_empty());
     }

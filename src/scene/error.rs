@@ -1,6 +1,9 @@
 //! Errors of scenes: one variant for each cause, each with what to do about it.
 
-use std::{io, path::PathBuf};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
 
 use super::rate::{MOST_FPS, Shown};
 use crate::{memory::TooMuch, plane::Size, unit::counted};
@@ -34,7 +37,8 @@ pub enum SceneError {
     #[error("{path}: {} is no known kind of scene", kind(path))]
     #[diagnostic(help(
         "known: .y4m .mp4 .gif .apng .png .pgm .npy, a folder of .png or .pgm pictures, \
-         pattern:NAME; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m"
+         pattern:NAME; {}",
+        way_in(path)
     ))]
     UnknownKind {
         /// The file or folder of the scene.
@@ -109,9 +113,7 @@ pub enum SceneError {
         "{path}: shape ({}), expected three axes: (frames, height, width), or one channel of (frames, 1, height, width)",
         join(shape)
     )]
-    #[diagnostic(help(
-        "in numpy: one picture is a[None, :, :]; a clip of colour needs gray first"
-    ))]
+    #[diagnostic(help("in numpy: {}", three_axes(shape)))]
     Axes {
         /// The file or folder of the scene.
         path: PathBuf,
@@ -218,6 +220,14 @@ pub enum SceneError {
         path: PathBuf,
     },
 
+    /// A name with a place for numbers or for anything, as ffmpeg and shells have it.
+    #[error("{path}: there is no such file, and names of many files are not read")]
+    #[diagnostic(help("give the folder that the pictures are in, or one file"))]
+    NoPattern {
+        /// What it is called.
+        path: PathBuf,
+    },
+
     /// No frame rate in the file.
     #[error("{path}: the file does not say how many frames there are per second")]
     #[diagnostic(help("say it: --fps N"))]
@@ -235,19 +245,24 @@ pub enum SceneError {
     },
 
     /// Frames that are not evenly spaced in time.
-    #[error("{path}: frame {frame} is at {got:.6} s, even spacing puts it at {want:.6} s")]
+    #[error(
+        "{path}: frame {frame}, at {seconds:.6} s, comes {gap:.6} s after the one before, where {usual:.6} s are usual"
+    )]
     #[diagnostic(help(
-        "frames must be evenly spaced; take them as such with --fps N, or space them: ffmpeg -i FILE -vf fps=N -pix_fmt gray clip.y4m"
+        "frames must be evenly spaced: ffmpeg -i FILE -vf fps={0} -pix_fmt gray clip.y4m spaces them; --fps {0} shows each for as long as any other, so that what moves changes its speed",
+        short_rate(usual.recip())
     ))]
     Uneven {
         /// The file or folder of the scene.
         path: PathBuf,
-        /// Which frame.
+        /// The frame whose distance from the one before is furthest from the usual one.
         frame: u64,
         /// When it is, in seconds.
-        got: f64,
-        /// When it should be, in seconds.
-        want: f64,
+        seconds: f64,
+        /// Its distance from the frame before, in seconds.
+        gap: f64,
+        /// The median distance, in seconds.
+        usual: f64,
     },
 
     /// The file ends inside a frame.
@@ -291,9 +306,12 @@ pub enum SceneError {
     },
 
     /// Something other than a picture in a folder of pictures.
-    #[error("{path}: not a picture, and nothing in a folder of pictures is passed over")]
+    #[error(
+        "{path}: not a picture that is read, and nothing in a folder of pictures is passed over"
+    )]
     #[diagnostic(help(
-        "a folder may hold .png, .pgm, .ppm and .pnm pictures and hidden files: move this one out"
+        "a folder may hold .png, .pgm, .ppm and .pnm pictures and hidden files: {}",
+        way_out(path)
     ))]
     NotAPicture {
         /// The file or folder of the scene.
@@ -359,7 +377,7 @@ pub enum SceneError {
     /// An mp4 that is damaged, or not H.264 in 8 bits.
     #[error("{path}: {what}")]
     #[diagnostic(help(
-        "mp4 is read with H.264 video of 8 bits and colour in 4:2:0 (yuv420p) only; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m"
+        "mp4 is read with H.264 video of whole frames, 8 bits and colour in 4:2:0 (yuv420p) only; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m (interlaced video with -vf yadif)"
     ))]
     Mp4 {
         /// The file or folder of the scene.
@@ -525,8 +543,63 @@ impl SceneError {
     }
 }
 
+/// How a file of another kind becomes a scene.
+fn way_in(path: &Path) -> String {
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let text = match ending.to_str().unwrap_or_default() {
+        "npz" => "an .npz holds arrays by name; in numpy: np.save('clip.npy', np.load(FILE)[NAME])",
+        "tif" | "tiff" => {
+            "of a TIFF of many pages, ffmpeg reads the first only; in Python: np.save('clip.npy', tifffile.imread(FILE))"
+        }
+        "yuv" | "raw" | "rgb" | "gray" => {
+            "of raw video the size and the kind of pixels must be said: ffmpeg -f rawvideo -pix_fmt yuv420p -s WIDTHxHEIGHT -r FPS -i FILE -pix_fmt gray clip.y4m"
+        }
+        _ => "anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m",
+    };
+    text.to_owned()
+}
+
+/// What to do about a file in a folder of pictures that is none of those that are read.
+fn way_out(path: &Path) -> String {
+    let ending = path.extension().unwrap_or_default();
+    let known = [
+        "jpg", "jpeg", "bmp", "tif", "tiff", "webp", "exr", "jp2", "heic", "avif",
+    ];
+    if !known.iter().any(|kind| ending.eq_ignore_ascii_case(kind)) {
+        return "move this one out".to_owned();
+    }
+    let folder = path.parent().unwrap_or(Path::new("."));
+    format!(
+        "of .{0} pictures make a clip: ffmpeg -framerate FPS -pattern_type glob -i '{1}/*.{0}' -pix_fmt gray clip.y4m",
+        ending.display(),
+        folder.display()
+    )
+}
+
+/// How an array of other axes becomes a clip.
+fn three_axes(shape: &[u64]) -> &'static str {
+    match shape {
+        [_, _] => "one picture is a[None, :, :]",
+        [_, _, _, 1] => "a clip of one channel is a[..., 0]",
+        [_, _, _, 3] => {
+            "gray of a clip of colour is a @ [0.299, 0.587, 0.114] (RGB; Rec. 601, as other scenes)"
+        }
+        [_, _, _, 4] => "gray of a clip of colour is a[..., :3] @ [0.299, 0.587, 0.114] (RGB)",
+        [_, 3, _, _] => {
+            "gray of a clip of colour is np.tensordot(a, [0.299, 0.587, 0.114], (1, 0)) (RGB; Rec. 601, as other scenes)"
+        }
+        _ => "one picture is a[None, :, :]; a clip of colour needs gray first",
+    }
+}
+
+/// A frame rate in a few digits.
+fn short_rate(fps: f64) -> String {
+    let text = format!("{fps:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// The ending of a file name, as the user would say it.
-fn kind(path: &std::path::Path) -> String {
+fn kind(path: &Path) -> String {
     match path.extension() {
         Some(ending) => format!(".{}", ending.display()),
         None => "a file without an ending".into(),

@@ -9,7 +9,7 @@ use std::{
 };
 
 use super::{
-    Frame, OpenOptions, Outline, Scene, SceneError,
+    Frame, Gap, OpenOptions, Outline, Scene, SceneError,
     decoded::Source,
     light::{self, MemoryLimit},
     rate::Rate,
@@ -32,6 +32,7 @@ struct Folder {
     /// The first picture, read early for its size.
     first: Option<Frame>,
     rate: Rate,
+    gap: Option<Gap>,
 }
 
 /// Opens a folder. The bits of a sample are those of the first picture.
@@ -60,6 +61,11 @@ pub(super) fn open(
         pictures.extend(entry.file_name().map(OsStr::to_owned));
     }
     pictures.order_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
+    let numbers: Option<Vec<u64>> = pictures
+        .iter()
+        .map(|name| number(&name.to_string_lossy()))
+        .collect();
+    let gap = numbers.and_then(|numbers| Gap::find(&numbers));
     let room = MemoryLimit::new(options);
     let mut left = VecDeque::from(pictures);
     let count = left.len() as u64;
@@ -83,6 +89,7 @@ pub(super) fn open(
             light,
         }),
         rate: Rate::asked_or_assumed(options.fps),
+        gap,
     };
     Ok((folder, Source::pictures(bits)))
 }
@@ -94,6 +101,7 @@ impl Scene for Folder {
         let pixel = still::MOST_CODED + light::PIXEL_BYTES_HELD;
         Outline {
             frames: Some(self.count),
+            gap: self.gap,
             bytes: names + pixel * self.size.pixels() as u128,
             ..Outline::at(self.rate, self.size)
         }
@@ -124,6 +132,14 @@ impl Scene for Folder {
             light,
         }))
     }
+}
+
+/// The number of a picture: the last digits of its name before its ending.
+fn number(name: &str) -> Option<u64> {
+    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    let end = stem.trim_end_matches(|c: char| !c.is_ascii_digit());
+    let start = end.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+    end[start..].parse().ok()
 }
 
 /// Text order, but runs of digits by their value: `f2` before `f10`.
@@ -196,6 +212,29 @@ mod tests {
                 "g"
             ]
         );
+    }
+
+    #[test]
+    fn missing_numbers_are_found() {
+        let gap = |names: &[&str]| {
+            let numbers: Option<Vec<u64>> = names.iter().map(|name| number(name)).collect();
+            let gap = numbers.and_then(|numbers| Gap::find(&numbers));
+            gap.map(|gap| (gap.before, gap.after, gap.missing))
+        };
+        let names = [
+            "f002", "f003", "f004", "f008", "f009", "f010", "f012", "f013", "f014",
+        ];
+        assert_eq!(gap(&names), Some((4, 8, 4)));
+        assert_eq!(
+            gap(&["2_4a.png", "2_8a.png", "2_12a.png", "2_16a.png"]),
+            None
+        );
+        assert_eq!(gap(&["a0", "a2", "a4", "a6", "a10"]), Some((6, 10, 1)));
+        // Times, names, one number twice, one picture.
+        assert_eq!(gap(&["100", "133", "167", "200", "290"]), None);
+        assert_eq!(gap(&["a", "b"]), None);
+        assert_eq!(gap(&["1", "1b", "2", "9"]), None);
+        assert_eq!(gap(&["7"]), None);
     }
 
     proptest! {

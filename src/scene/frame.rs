@@ -15,6 +15,41 @@ pub struct Frame {
     pub light: Image,
 }
 
+/// Numbers that are missing among those of pictures in a folder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Gap {
+    /// The number before the first gap.
+    pub before: u64,
+    /// The number behind it.
+    pub after: u64,
+    /// How many pictures are missing in all gaps.
+    pub missing: u64,
+}
+
+impl Gap {
+    /// What is missing among numbers in their order, where most go up by the same step.
+    pub(super) fn find(numbers: &[u64]) -> Option<Self> {
+        let steps: Vec<u64> = { numbers.windows(2) }
+            .map(|two| two[1].saturating_sub(two[0]))
+            .collect();
+        let mut sorted = steps.clone();
+        sorted.sort_unstable();
+        let usual = *sorted.get(sorted.len() / 2)?;
+        let as_usual = steps.iter().filter(|step| **step == usual).count();
+        // Numbers that go up by all kinds of steps may be times.
+        if usual == 0 || 4 * as_usual < 3 * steps.len() {
+            return None;
+        }
+        let first = steps.iter().position(|step| *step > usual)?;
+        let missing = { steps.iter() }.map(|step| (step / usual).saturating_sub(1));
+        Some(Self {
+            before: numbers[first],
+            after: numbers[first + 1],
+            missing: missing.sum(),
+        })
+    }
+}
+
 /// What is known of a scene before its frames are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outline {
@@ -29,6 +64,8 @@ pub struct Outline {
     pub frames: Option<u64>,
     /// How its samples became light, and who said so.
     pub coding: Light,
+    /// Numbers that are missing among those of its pictures; none where there are none to miss.
+    pub gap: Option<Gap>,
     /// The most bytes that the source holds while frames are taken from it, the frame that it gives
     /// included.
     pub bytes: u128,
@@ -45,6 +82,7 @@ impl Outline {
             fps_is_assumed: false,
             frames: None,
             coding: Light::DRAWN,
+            gap: None,
             bytes: light::PIXEL_BYTES_HELD * size.pixels() as u128,
         }
     }

@@ -38,6 +38,25 @@ pub enum Codes {
     Words(Arc<Vec<u16>>),
 }
 
+impl Codes {
+    /// The mean size of the change from these to others; infinite where they are of another kind or
+    /// number.
+    pub(super) fn mean_change(&self, others: &Self) -> f64 {
+        let (sum, count): (u64, usize) = match (self, others) {
+            (Self::Bytes(a), Self::Bytes(b)) if a.len() == b.len() => {
+                let each = a.iter().zip(b.iter());
+                (each.map(|(a, b)| u64::from(a.abs_diff(*b))).sum(), a.len())
+            }
+            (Self::Words(a), Self::Words(b)) if a.len() == b.len() => {
+                let each = a.iter().zip(b.iter());
+                (each.map(|(a, b)| u64::from(a.abs_diff(*b))).sum(), a.len())
+            }
+            _ => return f64::INFINITY,
+        };
+        sum as f64 / count.max(1) as f64
+    }
+}
+
 /// The light of each code, from 0 on: of 256, or of 65,536. Copies share them.
 #[derive(Clone, Debug)]
 pub struct Levels {

@@ -4,7 +4,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{
-    Frame, Light, Outline, Samples, Scene, SceneError,
+    Frame, Gap, Light, Outline, Samples, Scene, SceneError,
     cut::{Cut, Cuts},
     repeats::{Repeated, Repeats},
 };
@@ -18,6 +18,7 @@ pub struct Observation(Arc<Mutex<Seen>>);
 struct Seen {
     light: Option<Light>,
     assumed_fps: Option<f64>,
+    gap: Option<Gap>,
     frames: u64,
     extent: Option<(f64, f64)>,
     cuts: Cuts,
@@ -46,6 +47,12 @@ impl Observation {
     #[must_use]
     pub fn assumed_fps(&self) -> Option<f64> {
         self.seen().assumed_fps
+    }
+
+    /// Numbers that are missing among those of its pictures.
+    #[must_use]
+    pub fn gap(&self) -> Option<Gap> {
+        self.seen().gap
     }
 
     /// Frames that were seen.
@@ -103,6 +110,7 @@ impl<S: Scene> Observed<S> {
         let outline = scene.outline();
         let mut seen = observation.seen();
         seen.light = Some(outline.coding);
+        seen.gap = outline.gap;
         seen.assumed_fps =
             (outline.fps_is_assumed && outline.frames != Some(1)).then_some(outline.fps);
         drop(seen);

@@ -38,6 +38,12 @@ fn whole(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError
         return Ok(Box::new(Pattern::with_options(pattern, *options)?));
     }
     let path = Path::new(spec);
+    if spec == "-" {
+        return Err(SceneError::NoFile { path: path.into() });
+    }
+    if spec.contains(['*', '%']) && !path.exists() {
+        return Err(SceneError::NoPattern { path: path.into() });
+    }
     let data = path
         .metadata()
         .map_err(|cause| SceneError::unreadable(path, cause))?;

@@ -31,6 +31,7 @@ use crate::{
         light::{self, MemoryLimit},
         options::OpenOptions,
         rate::Rate,
+        spacing,
     },
 };
 
@@ -56,6 +57,8 @@ pub(super) struct H264 {
     flushed: bool,
     size: Size,
     rate: Rate,
+    /// Decoded frames that come before those that are shown.
+    passed_over: u64,
     count: u64,
     next: u64,
 }
@@ -82,11 +85,20 @@ impl H264 {
             NoTrack::Unusable(what) => wrong(what),
         })?;
         let samples = track.samples;
-        let count = samples.len() as u64;
+        let mut times: Vec<i64> = samples.iter().map(|s| s.shown).collect();
+        times.sort_unstable();
+        let shown = match track.edit {
+            Some(edit) => edit.shown(&times, track.timescale),
+            None => 0..times.len(),
+        };
+        if shown.is_empty() && !times.is_empty() {
+            return Err(wrong("its edit list shows none of its frames".into()));
+        }
         let found = match asked {
             Some(_) => None,
-            None => even_rate(path, &samples, track.timescale)?,
+            None => even_rate(path, &times[shown.clone()], track.timescale)?,
         };
+        let count = shown.len() as u64;
         let rate = match count {
             0 => {
                 return Err(SceneError::Empty {
@@ -124,6 +136,7 @@ impl H264 {
             flushed: false,
             size: Size::new(0, 0),
             rate,
+            passed_over: shown.start as u64,
             count,
             next: 0,
         };
@@ -250,12 +263,16 @@ impl Scene for H264 {
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
-        self.fill()?;
         let index = self.next;
+        if index == self.count {
+            return Ok(None);
+        }
+        self.fill()?;
+        while self.passed_over > 0 && self.ready.pop_front().is_some() {
+            self.passed_over -= 1;
+            self.fill()?;
+        }
         let Some(light) = self.ready.pop_front() else {
-            if index == self.count {
-                return Ok(None);
-            }
             let count = self.count;
             return Err(self.wrong(format!(
                 "only {index} of its {count} frames could be decoded"
@@ -290,10 +307,10 @@ fn check_set(
     let Some(pictures) = Pictures::from_unit(unit) else {
         return Ok(());
     };
-    if let Some(chroma) = pictures.chroma.beyond_decoder() {
+    if let Some(what) = pictures.beyond_decoder() {
         return Err(SceneError::Mp4 {
             path: path.into(),
-            what: format!("its colour is coded in {chroma}, which the H.264 decoder does not read"),
+            what: format!("{what}, which the H.264 decoder does not read"),
         });
     }
     *colour = colour.or(pictures.colour);
@@ -329,10 +346,9 @@ fn luma(path: &Path, frame: u64, picture: &DecodedYUV<'_>) -> Result<Image, Scen
     })
 }
 
-/// The frame rate, from the composition times; an error where they are not evenly spaced.
-fn even_rate(path: &Path, samples: &[Sample], unit: u32) -> Result<Option<f64>, SceneError> {
-    let mut times: Vec<i64> = samples.iter().map(|s| s.shown).collect();
-    times.sort_unstable();
+/// The frame rate, from the composition times in their order; an error where they are not evenly
+/// spaced.
+fn even_rate(path: &Path, times: &[i64], unit: u32) -> Result<Option<f64>, SceneError> {
     let (Some(&first), Some(&last)) = (times.first(), times.last()) else {
         return Ok(None);
     };
@@ -341,18 +357,7 @@ fn even_rate(path: &Path, samples: &[Sample], unit: u32) -> Result<Option<f64>, 
         return Ok(None);
     }
     let after = |time: i64| (i128::from(time) - i128::from(first)) as f64;
-    let step = after(last) / steps as f64;
-    for (frame, time) in times.iter().enumerate() {
-        let (got, want) = (after(*time), frame as f64 * step);
-        // Times are rounded to whole units, so each may be off by a half, and so may the ends.
-        if (got - want).abs() > 1.0 {
-            return Err(SceneError::Uneven {
-                path: path.into(),
-                frame: frame as u64,
-                got: got / unit,
-                want: want / unit,
-            });
-        }
-    }
-    Ok(Some(unit / step))
+    let seconds: Vec<f64> = times.iter().map(|time| after(*time) / unit).collect();
+    let rounded = spacing::check(path, &seconds, unit.recip())?;
+    Ok(Some(rounded.unwrap_or(unit * steps as f64 / after(last))))
 }

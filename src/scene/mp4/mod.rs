@@ -11,6 +11,8 @@ mod clip;
 #[cfg(feature = "mp4")]
 mod colour;
 #[cfg(feature = "mp4")]
+mod edit;
+#[cfg(feature = "mp4")]
 mod fragment;
 #[cfg(feature = "mp4")]
 mod parameters;

@@ -50,11 +50,32 @@ pub(super) struct Pictures {
     pub references: u64,
     /// How its colour is sampled.
     pub chroma: Chroma,
+    /// Bits of a sample of luma.
+    pub bits: u64,
+    /// Whether pictures may be of fields, half a frame each.
+    pub has_fields: bool,
+    /// Whether it may be coded without loss, past the transform.
+    pub is_lossless: bool,
     /// What the set says about range and transfer.
     pub colour: Colour,
 }
 
 impl Pictures {
+    /// What of them the decoder does not read, where there is such a thing.
+    pub fn beyond_decoder(self) -> Option<String> {
+        if let Some(chroma) = self.chroma.beyond_decoder() {
+            return Some(format!("its colour is coded in {chroma}"));
+        }
+        if self.bits != 8 {
+            return Some(format!("its samples have {} bits", self.bits));
+        }
+        if self.has_fields {
+            return Some("it is coded as interlaced video".to_owned());
+        }
+        self.is_lossless
+            .then(|| "it is coded without loss (a high 4:4:4 profile)".to_owned())
+    }
+
     /// Reads a NAL unit that is a sequence parameter set; `None` for all other units, and for one
     /// that ends too early.
     pub fn from_unit(unit: &[u8]) -> Option<Self> {
@@ -102,7 +123,7 @@ impl Bits<'_> {
         self.bits(16)?; // constraint flags, level_idc
         self.number()?; // seq_parameter_set_id
         // The high profiles have fields for chroma, bit depth and scaling lists.
-        let mut chroma = Chroma::default();
+        let (mut chroma, mut bits, mut is_lossless) = (Chroma::default(), 8, false);
         if matches!(
             profile,
             100 | 110 | 122 | 244 | 44 | 83 | 86 | 118 | 128 | 134 | 135 | 138 | 139
@@ -112,9 +133,9 @@ impl Bits<'_> {
             if chroma == Chroma::Full {
                 self.bits(1)?; // separate_colour_plane_flag
             }
-            self.number()?; // bit_depth_luma_minus8
+            bits += self.number()?; // bit_depth_luma_minus8
             self.number()?; // bit_depth_chroma_minus8
-            self.bits(1)?; // qpprime_y_zero_transform_bypass_flag
+            is_lossless = self.bits(1)? == 1; // qpprime_y_zero_transform_bypass_flag
             if self.bits(1)? == 1 {
                 self.skip_scaling_lists(if chroma == Chroma::Full { 12 } else { 8 })?;
             }
@@ -146,6 +167,9 @@ impl Bits<'_> {
             width: 16 * width,
             references,
             chroma,
+            bits,
+            has_fields: fields == 2,
+            is_lossless,
             // A set that ends here has said enough to be decoded.
             colour: self.colour(fields == 2).unwrap_or_default(),
         })
@@ -239,6 +263,9 @@ mod tests {
                 width: 48,
                 references,
                 chroma: Chroma::Quarter,
+                bits: 8,
+                has_fields: false,
+                is_lossless: false,
                 colour: Colour::default(),
             };
             assert_eq!(pictures, want);
@@ -249,6 +276,30 @@ mod tests {
                 assert!(part.is_none_or(|part| end > 6 && part == want), "{end}");
             }
             assert_eq!(Pictures::from_unit(&[0x68, 1, 2]), None);
+        }
+    }
+
+    /// Sets that x264 wrote of 10 bits, of interlaced video, and without loss.
+    #[test]
+    fn what_the_decoder_does_not_read_is_named() {
+        for (set, words) in [
+            ("676e000aa6cd9447a1000003000100000300140f122596", "10 bits"),
+            (
+                "67640015acd9444fcb08000003000800000300a0f8a14cb0",
+                "interlaced",
+            ),
+            (
+                "67f4000aaeb208f4d9000003000100000300140f122648",
+                "without loss",
+            ),
+        ] {
+            let byte = |at| u8::from_str_radix(&set[at..at + 2], 16).unwrap();
+            let set: Vec<u8> = (0..set.len()).step_by(2).map(byte).collect();
+            let told = Pictures::from_unit(&set).unwrap().beyond_decoder();
+            assert!(
+                told.clone().is_some_and(|it| it.contains(words)),
+                "{told:?}"
+            );
         }
     }
 

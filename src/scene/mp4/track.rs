@@ -5,6 +5,7 @@ use std::io::{Read, Seek, SeekFrom};
 use super::{
     boxes::{BoxHeader, Boxes, Name, Wrong, u32_at},
     colour::Colour,
+    edit::{Edit, Edits},
     fragment::{Defaults, FragmentReader},
     table::{self, Sample},
     turn::Turn,
@@ -25,6 +26,8 @@ pub(super) struct Track {
     pub colour: Colour,
     /// How its pictures are turned when they are shown.
     pub turn: Turn,
+    /// The part of it that is shown; none: all.
+    pub edit: Option<Edit>,
 }
 
 /// Why a file has no usable video track.
@@ -91,7 +94,7 @@ impl Track {
 
     /// The video track with the lowest track number, and that number.
     fn from_moov(moov: &[u8], length: u64) -> Result<(Self, u32), NoTrack> {
-        let mut video: Option<(u32, Turn, &[u8])> = None;
+        let mut video: Option<(u32, &[u8], &[u8])> = None;
         for found in Boxes(moov) {
             let (name, trak) = found?;
             if name != *b"trak" {
@@ -105,12 +108,18 @@ impl Track {
             let hdlr = Boxes(mdia).get(*b"hdlr")?;
             let is_video = hdlr.get(8..12) == Some(b"vide");
             if is_video && video.is_none_or(|(first, ..)| id < first) {
-                video = Some((id, Turn::from_tkhd(tkhd), mdia));
+                video = Some((id, trak, tkhd));
             }
         }
-        let Some((id, turn, mdia)) = video else {
+        let Some((id, trak, tkhd)) = video else {
             return Err(NoTrack::Unusable("it has no video track".into()));
         };
+        let edit = match Edits::read(trak, moov)? {
+            Edits::All => None,
+            Edits::One(edit) => Some(edit),
+            Edits::Other(why) => return Err(NoTrack::Unusable(why)),
+        };
+        let mdia = Boxes(trak).get(*b"mdia")?;
         let mdhd = Boxes(mdia).get(*b"mdhd")?;
         let timescale = u32_at(mdhd, if mdhd.first() == Some(&1) { 20 } else { 12 });
         let stbl = Boxes(Boxes(mdia).get(*b"minf")?).get(*b"stbl")?;
@@ -134,7 +143,8 @@ impl Track {
             parameters,
             // Of boxes behind the parameters, damaged or not, nothing else is taken.
             colour: colour(boxes),
-            turn,
+            turn: Turn::from_tkhd(tkhd),
+            edit,
         };
         Ok((track, id))
     }
