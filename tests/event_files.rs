@@ -468,10 +468,10 @@ fn columns_that_cannot_be_unpacked_are_no_damage() {
 #[cfg(feature = "hdf5")]
 #[test]
 fn other_layouts_are_no_damage() {
-    let path = Path::new("tests/bad/event/mvsec.h5");
+    let path = Path::new("tests/bad/event/prophesee.h5");
     let error = file::read(path).unwrap_err();
     let text = error.to_string();
-    let says = "no column `events/t`: it has `davis/left/events`, as files of MVSEC do";
+    let says = "no column `events/t`: it has `CD/events`, as files of Prophesee do";
     assert!(text.contains(says), "{text}");
     assert!(
         error
@@ -512,7 +512,7 @@ fn every_damaged_file_gets_its_message() {
         assert!(error.help().is_some(), "{name}");
     }
     let mut tested: Vec<&str> = BAD.iter().map(|(name, _)| *name).collect();
-    tested.extend(["blosc.h5", "mvsec.h5"]);
+    tested.extend(["blosc.h5", "prophesee.h5"]);
     tested.sort_unstable();
     let mut there: Vec<String> = fs::read_dir(folder)
         .unwrap()

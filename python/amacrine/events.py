@@ -108,6 +108,23 @@ def _joined(parts: Any, events: Any) -> Any:
     return known
 
 
+def whole(events: Any) -> Any:
+    """Events, or a list of parts of them one after the other, joined."""
+    if not isinstance(events, (list, tuple)) or not events:
+        return events
+    if not all(fields_of(part) for part in events):
+        return events
+    parts = [part.to_records(index=False) if hasattr(part, "to_records") else part for part in events]
+    try:
+        return np.concatenate(parts)
+    except TypeError as error:
+        told = " and ".join(dict.fromkeys(", ".join(fields_of(part)) for part in parts))
+        raise Error(
+            f"parts of events that cannot be joined: with the fields {told}\n"
+            "help: give parts of one dtype, such as part.astype(amacrine.EVENT)"
+        ) from error
+
+
 def size_of(events: Any, size: tuple[int, int] | None) -> tuple[int, int] | None:
     """The size of the sensor, as it is given, else as the events know it."""
     given = arguments.size(size)
@@ -288,7 +305,7 @@ def voxels(
 
     Args:
         events: A structured array, or a pandas data frame, with the fields t (us), x, y, p and, of
-            several kinds of cells, channel, in any order.
+            several kinds of cells, channel, in any order; or a list of such, one part after the other.
         size: Height and width of the sensor; where it is left out, that of the sensor or the file
             that the events are of (``.sensor_size``), else the smallest that holds them.
         channels: Kinds of cells, where some said nothing; where it is left out, those of that sensor
@@ -302,6 +319,7 @@ def voxels(
     Returns:
         (windows,K,bins,H,W), or (windows,K,2,bins,H,W) with OFF first where they are split.
     """
+    events = whole(events)
     if start is None:
         start = (getattr(events, "span", None) or (0.0, 0.0))[0]
     since = round(arguments.seconds("start", start, -arguments.SECONDS) * 1e6)
@@ -345,6 +363,7 @@ def time_surfaces(
     Returns:
         ``float32`` (times,K,2,H,W) with OFF first, or (times,K,H,W) where they are signed.
     """
+    events = whole(events)
     size, count = size_of(events, size), kinds_of(events, channels) or 1
     help = "give seconds, from 0 on, such as [0.01, 0.02]"
     seconds = [arguments.seconds("times", one) for one in arguments.numbers("times", times, help)]
@@ -385,6 +404,7 @@ def event_frames(
     Returns:
         ``int32`` (frames,K,H,W), or (frames,K,2,H,W) with OFF first where they are split.
     """
+    events = whole(events)
     each, kinds = arguments.whole("count", count, 1), kinds_of(events, channels) or 1
     size = size_of(events, size)
     polarity, fill = arguments.word("polarity", polarity, "split"), arguments.word("fill", fill, "last")

@@ -23,6 +23,7 @@ from .events import (
     npy,
     size_of,
     view,
+    whole,
 )
 from .voxels import MOST_BINS
 
@@ -66,7 +67,11 @@ def _about(text: str) -> About:
 
 
 def read(
-    path: Path_, *, format: str | None = None, size: tuple[int, int] | None = None
+    path: Path_,
+    *,
+    format: str | None = None,
+    size: tuple[int, int] | None = None,
+    stream: int | None = None,
 ) -> NamedEvents:
     """The events of a file: EVT2, EVT2.1, EVT3, DAT, AEDAT2, 3.1 and 4, ES, NPY, NPZ, CSV, text,
     HDF5, Parquet, and the text and zip of E2VID.
@@ -75,13 +80,15 @@ def read(
         path: The file.
         format: Its format, where its name and first bytes do not say it.
         size: Height and width of the sensor, where the file does not say them.
+        stream: Which stream of events, of a file of several cameras: its number in an AEDAT4 file, 0
+            for left and 1 for right in an HDF5 file of MVSEC.
 
     Returns:
         A structured array as :meth:`Sensor.events` gives it, with what the file says besides:
         ``.sensor_size``, ``.kinds`` and their ``.names``, ``.span`` and ``.dropped``, which
         :func:`write` writes.
     """
-    records, channels, text = _read(path, format, size)
+    records, channels, text = _read(path, format, size, stream)
     events, about = view(records, channels), _about(text)
     check_addresses(path, events, about.size)
     size_known = about.size if about.size_known else None
@@ -89,18 +96,25 @@ def read(
     return named(events, about.names, size_known, channels, (first, last), about.dropped)
 
 
-def _read(path: Any, format: Any, size: Any) -> tuple[npt.NDArray[np.uint8], int, str]:
+def _read(
+    path: Any, format: Any, size: Any, stream: Any
+) -> tuple[npt.NDArray[np.uint8], int, str]:
     """The bytes of records, the number of kinds, and about them."""
     file = arguments.file("path", path, "the path of an event file")
     kind = arguments.word_or_none("format", format, "evt3")
-    return _amacrine.read(file, kind, arguments.size(size))
+    number = None if stream is None else arguments.whole("stream", stream, 0, (1 << 31) - 1)
+    return _amacrine.read(file, kind, arguments.size(size), number)
 
 
 def about(
-    path: Path_, *, format: str | None = None, size: tuple[int, int] | None = None
+    path: Path_,
+    *,
+    format: str | None = None,
+    size: tuple[int, int] | None = None,
+    stream: int | None = None,
 ) -> About:
-    """What a file says besides its events. It is read whole."""
-    return _about(_read(path, format, size)[2])
+    """What a file says besides its events; the arguments are those of :func:`read`. It is read whole."""
+    return _about(_read(path, format, size, stream)[2])
 
 
 def write(
@@ -119,7 +133,8 @@ def write(
     Args:
         path: The file.
         events: A structured array, or a pandas data frame, with the fields t (us), x, y, p and, of
-            several kinds of cells, channel; integers of any width, in any order.
+            several kinds of cells, channel; integers of any width, in any order. Or a list of such,
+            one part after the other, of which is written what all of them know alike.
         size: Height and width of the sensor; where it is left out, that of the sensor or the file
             that the events are of, else the smallest that holds them.
         channels: Kinds of cells, where some said nothing; those of that sensor where it is left out.
@@ -132,6 +147,7 @@ def write(
 
     What a format cannot hold is an :class:`Error`, never clipped or flattened.
     """
+    events = whole(events)
     place, kinds = size_of(events, size), kinds_of(events, channels)
     if isinstance(events, NamedEvents):
         # Without the field they are of one kind, whatever it was called.
@@ -196,6 +212,7 @@ def compare(
         identical packet and accident. ``docs/ruler.md`` has them all.
     """
     window, place = arguments.micros("within", within), arguments.size(size)
+    reference, judged = whole(reference), whole(judged)
     _check_kinds(reference, judged)
     text = _amacrine.compare(
         _side(reference, "the reference", place),

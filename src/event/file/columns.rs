@@ -3,7 +3,7 @@
 use super::{
     Place,
     about::About,
-    fault::Stop,
+    fault::{Fault, Stop},
     gate::{Raw, hold_kinds},
 };
 
@@ -22,12 +22,12 @@ pub fn about(comment: Option<&str>, columns: usize) -> Result<About, Stop> {
 }
 
 /// An event from what each of the [`COLUMNS`] has of it; 0 where there is no such column.
-pub fn raw(value: impl Fn(usize) -> i128) -> Raw {
-    Raw {
-        t: value(0),
-        x: value(1),
-        y: value(2),
-        p: value(3),
-        channel: value(4),
-    }
+pub fn raw(value: impl Fn(usize) -> Result<i128, Fault>) -> Result<Raw, Fault> {
+    Ok(Raw {
+        t: value(0)?,
+        x: value(1)?,
+        y: value(2)?,
+        p: value(3)?,
+        channel: value(4)?,
+    })
 }

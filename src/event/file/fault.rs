@@ -89,14 +89,14 @@ pub enum FileError {
     },
     /// A stream of events was asked for of a file that has no such stream.
     #[error("{}: it has no stream of events of number {stream}", path.display())]
-    #[diagnostic(help(
-        "leave the number out (--stream): it is for aedat4 files with several cameras; the refusal of such a file names its streams"
-    ))]
+    #[diagnostic(help("{}", streams(known)))]
     NoStream {
         /// Which file.
         path: PathBuf,
         /// The number that was asked for.
         stream: i32,
+        /// Those that there are.
+        known: Vec<i32>,
     },
     /// The file is not what its format says.
     #[error("{}:{place}: {fault}", path.display())]
@@ -127,6 +127,16 @@ pub enum FileError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Save(#[from] SaveError),
+}
+
+/// Which streams may be asked for.
+fn streams(known: &[i32]) -> String {
+    if known.is_empty() {
+        return "leave the number out (--stream): it is for aedat4 and hdf5 files of several cameras"
+            .into();
+    }
+    let known: Vec<_> = known.iter().map(i32::to_string).collect();
+    format!("give one of those that there are: {}", known.join(", "))
 }
 
 /// The list of known extensions, for messages.
@@ -350,10 +360,10 @@ pub enum Fault {
     Streams {
         /// Which format.
         format: Format,
-        /// The number of the one that was read so far.
-        one: i32,
-        /// The number of the other.
-        other: i32,
+        /// The number of the first, and where it is if the format says so by a name.
+        one: String,
+        /// The same of the other.
+        other: String,
     },
     /// A word that the format does not have.
     #[error("a word of kind {kind}, which {format} does not have")]
@@ -428,9 +438,11 @@ impl Fault {
             Self::Encoding { .. } => {
                 "write it in one of these, as Metavision's `metavision_file_to_raw` does, or as hdf5"
             }
-            Self::Streams { .. } => "choose one: `amacrine convert IN OUT --stream N`",
+            Self::Streams { .. } => {
+                "choose one by its number: --stream N, in Python read(path, stream=N)"
+            }
             Self::Column { .. } => {
-                "expected is the layout of DSEC, events/{t,x,y,p} in microseconds; docs/formats.md has a line of Python for those of MVSEC, event_utils and Prophesee"
+                "read are the layouts of DSEC (events/{t,x,y,p}, in microseconds), event_utils (events/{xs,ys,ts,ps}) and MVSEC (davis/{left,right}/events); docs/formats.md has a line of Python for that of Prophesee"
             }
             Self::Compressed { .. } => "unpack it first: `h5repack -f NONE IN.h5 OUT.h5`",
             Self::Header { way, .. } => way,
@@ -483,12 +495,16 @@ impl Fault {
         }
     }
 
-    /// Whether the file is good, and in a layout or an encoding that is not read.
+    /// Whether the file is good, and in a layout or an encoding that is not read, or of several
+    /// cameras, of which none was chosen.
     #[must_use]
     pub const fn is_foreign(&self) -> bool {
         matches!(
             self,
-            Self::Encoding { .. } | Self::Compressed { .. } | Self::Column { .. }
+            Self::Encoding { .. }
+                | Self::Compressed { .. }
+                | Self::Column { .. }
+                | Self::Streams { .. }
         )
     }
 

@@ -29,6 +29,7 @@ use super::super::{
     about::About,
     columns::{self, COLUMNS},
     fault::Stop,
+    gate::Raw,
     head::Head,
     origin::Origin,
     source::{BLOCK, Out, Sink, Source},
@@ -282,9 +283,9 @@ impl Source for Reading {
             columns.push(values);
         }
         for i in 0..count {
-            let value = |n: usize| columns.get(n).map_or(0, |c: &Vec<i128>| c[i]);
+            let value = |n: usize| Ok(columns.get(n).map_or(0, |c: &Vec<i128>| c[i]));
             let event = columns::raw(value)
-                .event()
+                .and_then(Raw::event)
                 .map_err(|fault| Stop::Fault(self.place(i), fault))?;
             events.push(event);
         }

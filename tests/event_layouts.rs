@@ -1,0 +1,332 @@
+//! HDF5 files in the layouts of others, event_utils and MVSEC: what is read of those that h5py
+//! wrote, and one message for each way in which they may be wrong.
+#![cfg(feature = "hdf5")]
+
+mod common;
+
+use std::path::{Path, PathBuf};
+
+use amacrine::{
+    event::{
+        Event, Polarity,
+        file::{self, Loaded, Opening},
+    },
+    plane::Size,
+};
+use common::{good, json, refused, refused_untouched};
+use hdf5_pure::{AttrValue, FileBuilder};
+use miette::Diagnostic as _;
+
+fn data(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data/event")
+        .join(name)
+}
+
+/// Times, places and signs.
+type Row = (u64, u16, u16, bool);
+
+const ROWS: [Row; 5] = [
+    (10, 0, 0, true),
+    (20, 5, 4, false),
+    (20, 7, 1, true),
+    (45_000, 3, 2, true),
+    (1_250_000, 2, 3, false),
+];
+
+fn rows(loaded: &Loaded) -> Vec<Row> {
+    let of = |e: &Event| (e.t.0, e.x, e.y, e.polarity == Polarity::On);
+    loaded.packet.events.iter().map(of).collect()
+}
+
+#[test]
+fn event_utils_is_read() {
+    let loaded = file::read(&data("event_utils.h5")).unwrap();
+    assert_eq!(rows(&loaded), ROWS);
+    assert_eq!(loaded.packet.size, Size::new(5, 8));
+    assert!(loaded.size_known);
+    assert_eq!(loaded.skipped, 2, "two images");
+}
+
+/// Times of the day lose no microsecond; each camera is read alone.
+#[test]
+fn mvsec_is_read() {
+    const DAY: u64 = 1_506_117_889_000_000;
+    let path = data("mvsec.h5");
+    let read = |stream| {
+        let how = Opening {
+            stream,
+            ..Opening::default()
+        };
+        file::read_as(&path, &how)
+    };
+    for (stream, shift, from) in [(0, 0, 0), (1, 1, 1)] {
+        let loaded = read(Some(stream)).unwrap();
+        let wanted = ROWS[from..].iter();
+        let wanted = wanted.map(|(t, x, y, on)| (DAY + t, (x + shift) % 8, *y, *on));
+        assert_eq!(rows(&loaded), wanted.collect::<Vec<_>>());
+        assert_eq!(loaded.packet.size, Size::new(5, 8));
+        assert_eq!((loaded.size_known, loaded.skipped), (true, 7));
+    }
+    let error = read(None).unwrap_err();
+    let says = "two streams of events, 0 (davis/left/events) and 1 (davis/right/events), which";
+    assert!(error.to_string().contains(says), "{error}");
+    let error = read(Some(2)).unwrap_err();
+    let help = error.help().unwrap().to_string();
+    assert_eq!(help, "give one of those that there are: 0, 1");
+}
+
+/// One camera of a stereo file is chosen in the same way by every verb that reads event files.
+#[test]
+fn every_verb_reads_one_of_two_cameras() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let both = |name: &str| data(name).display().to_string();
+    for stereo in [both("mvsec.h5"), both("two_cameras.aedat4")] {
+        let whole: [&[&str]; 6] = [
+            &["packets", &stereo, "--json"],
+            &["show", &stereo, "-o", "a.png", "--json"],
+            &["compare", &stereo, &stereo, "--json"],
+            &["voxels", &stereo, "-o", "a.npy", "--window", "1s", "--json"],
+            &["convert", &stereo, "b.npy", "--json"],
+            &["convert", &stereo, "b.npy", "--json", "--salvage"],
+        ];
+        for arguments in whole {
+            let says = [
+                "has two streams of events, 0",
+                "choose one by its number: --stream N",
+            ];
+            refused_untouched(folder, arguments, &says);
+            for stream in ["0", "1"] {
+                json(folder, &[arguments, &["--stream", stream]].concat());
+            }
+            let wrong = [arguments, &["--stream", "7"]].concat();
+            refused(folder, &wrong, &["no stream of events of number 7", "0, 1"]);
+        }
+        // Of two files only one may have several.
+        good(folder, &["convert", &stereo, "one.npy", "--stream", "1"]);
+        let said = json(
+            folder,
+            &["compare", &stereo, "one.npy", "--stream", "1", "--json"],
+        );
+        assert_eq!(said["headline"]["f1"], 1.0, "{said}");
+    }
+    let none = ["compare", "one.npy", "one.npy", "--stream", "1"];
+    refused(folder, &none, &["no stream of events of number 1"]);
+}
+
+/// A file of event_utils, of which one column or attribute is another.
+fn utils(path: &Path, edit: impl Fn(&mut FileBuilder, &str) -> bool) {
+    let mut builder = FileBuilder::new();
+    for name in ["events/xs", "events/ys", "events/ts", "events/ps"] {
+        if edit(&mut builder, name) {
+            continue;
+        }
+        let column = builder.create_dataset(name);
+        match name {
+            "events/xs" => column.with_i16_data(&[0, 5, 7]),
+            "events/ys" => column.with_i16_data(&[0, 4, 1]),
+            "events/ts" => column.with_f64_data(&[1e-5, 2e-5, 0.045]),
+            _ => column.with_i8_data(&[1, -1, 1]),
+        };
+    }
+    for (name, value) in [
+        ("num_events", AttrValue::I64(3)),
+        ("sensor_resolution", AttrValue::I64Array(vec![5, 8])),
+    ] {
+        if !edit(&mut builder, name) {
+            builder.set_attr(name, value);
+        }
+    }
+    builder.write(path).unwrap();
+}
+
+#[test]
+fn every_fault_of_event_utils_has_its_message() {
+    type Edit = fn(&mut FileBuilder);
+    let cases: [(&str, Edit, &str); 13] = [
+        (
+            "events/ts",
+            |b| {
+                b.create_dataset("events/ts")
+                    .with_f64_data(&[1e-5, f64::NAN, 1.0]);
+            },
+            ": event 1: `t` should be seconds, found `NaN`",
+        ),
+        (
+            "events/ts",
+            |b| {
+                b.create_dataset("events/ts")
+                    .with_f64_data(&[1e-5, 2e-5, f64::INFINITY]);
+            },
+            ": event 2: `t` should be seconds, found `inf`",
+        ),
+        (
+            "events/ts",
+            |b| {
+                b.create_dataset("events/ts")
+                    .with_f64_data(&[1e-5, 2e-5, 1e-5]);
+            },
+            ": event 2: time runs backwards: 10 us comes after 20 us",
+        ),
+        (
+            "events/ts",
+            |b| {
+                b.create_dataset("events/ts")
+                    .with_f64_data(&[-1e-5, 2e-5, 1.0]);
+            },
+            ": event 0: `t` is -10 us",
+        ),
+        (
+            "events/ts",
+            |b| {
+                b.create_dataset("events/ts").with_f64_data(&[1e-5, 2e-5]);
+            },
+            "has columns of different lengths",
+        ),
+        (
+            "events/xs",
+            |b| {
+                b.create_dataset("events/xs")
+                    .with_f64_data(&[0.0, 3.5, 1.0]);
+            },
+            ": event 1: `x` should be a whole number (at most 19 digits), found `3.5`",
+        ),
+        (
+            "events/xs",
+            |b| {
+                b.create_dataset("events/xs").with_i16_data(&[0, -1, 1]);
+            },
+            ": event 1: `x` is -1",
+        ),
+        (
+            "events/xs",
+            |b| {
+                b.create_dataset("events/xs").with_i16_data(&[0, 8, 1]);
+            },
+            ": event 1: the event at x 8, y 4 is off the sensor, which is 8x5",
+        ),
+        (
+            "events/ps",
+            |b| {
+                b.create_dataset("events/ps").with_i8_data(&[1, 2, 1]);
+            },
+            ": event 1: `p` should be 1 for ON, 0 or -1 for OFF, found 2",
+        ),
+        ("events/ps", |_| (), "no column `events/ps`"),
+        (
+            "num_events",
+            |b| {
+                b.set_attr("num_events", AttrValue::I64(4));
+            },
+            "`num_events` says 4 events, `events/ts` has 3",
+        ),
+        (
+            "num_events",
+            |b| {
+                b.set_attr("num_events", AttrValue::String("many".into()));
+            },
+            "an attribute `num_events` of no whole numbers",
+        ),
+        (
+            "sensor_resolution",
+            |b| {
+                b.set_attr("sensor_resolution", AttrValue::I64(5));
+            },
+            "`sensor_resolution` that is not (height, width)",
+        ),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    utils(&path, |_, _| false);
+    assert_eq!(file::read(&path).unwrap().packet.events.len(), 3);
+    for (what, edit, says) in cases {
+        utils(&path, |builder, name| {
+            let its = name == what;
+            if its {
+                edit(builder);
+            }
+            its
+        });
+        let error = file::read(&path).unwrap_err();
+        assert!(error.to_string().contains(says), "{error}\n{says}");
+        assert!(error.help().is_some(), "{error}");
+    }
+}
+
+/// Integers are microseconds, floating point seconds; seconds that look like microseconds are told.
+#[test]
+fn the_unit_of_times_goes_by_their_type() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let times = |whole: bool| {
+        utils(&path, |builder, name| {
+            let its = name == "events/ts";
+            if its && whole {
+                builder
+                    .create_dataset(name)
+                    .with_i64_data(&[10, 20, 45_000]);
+            } else if its {
+                builder
+                    .create_dataset(name)
+                    .with_f64_data(&[10.0, 20.0, 45_000.0]);
+            }
+            its
+        });
+        let said = json(folder.path(), &["convert", "a.h5", "a.npy", "--json"]);
+        let last = said["written"][0]["last_us"].as_u64().unwrap();
+        (last, said["read"]["note"].as_str().map(str::to_owned))
+    };
+    assert_eq!(times(true), (45_000, None));
+    let (last, note) = times(false);
+    assert_eq!(last, 45_000_000_000);
+    assert!(note.unwrap().contains("all times are whole seconds"));
+}
+
+/// Damage is named, and what stands before it is kept; other shapes are refused.
+#[test]
+fn damage_of_mvsec() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |columns: u64, values: &[f64]| {
+        let mut builder = FileBuilder::new();
+        let rows = builder.create_dataset("davis/right/events");
+        let shape = [values.len() as u64 / columns, columns];
+        rows.with_f64_data(values).with_shape(&shape);
+        builder.write(folder.path().join("a.h5")).unwrap();
+    };
+    let t = 1_506_117_889.0;
+    write(4, &[3.0, 2.0, t, 1.0, 4.0, f64::NAN, t, -1.0]);
+    let says = ": event 1: `y` should be a whole number (at most 19 digits), found `NaN`";
+    refused(folder.path(), &["convert", "a.h5", "a.npy"], &[says]);
+    let said = good(folder.path(), &["convert", "a.h5", "a.npy", "--salvage"]);
+    assert!(
+        said.contains("damage   a.h5: event 1") && said.contains("1 event"),
+        "{said}"
+    );
+    write(5, &[3.0, 2.0, t, 1.0, 0.0]);
+    let says = "has `davis/right/events` of the shape (1, 5), not (N, 4)";
+    refused(folder.path(), &["convert", "a.h5", "a.npy"], &[says]);
+}
+
+/// The layout of DSEC is in whole microseconds: a fraction of one, which was cut off, is refused.
+#[test]
+fn times_of_dsec_are_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let write = |times: &[f64]| {
+        let mut builder = FileBuilder::new();
+        for name in ["events/x", "events/y", "events/p"] {
+            builder.create_dataset(name).with_u8_data(&[1, 0]);
+        }
+        builder.create_dataset("events/t").with_f64_data(times);
+        builder.write(&path).unwrap();
+        file::read(&path)
+    };
+    let error = write(&[0.25, 1.5]).unwrap_err().to_string();
+    assert!(
+        error.contains(": event 0: `t` should be a whole number (at most 19 digits), found `0.25`"),
+        "{error}"
+    );
+    let loaded = write(&[250_000.0, 1_500_000.0]).unwrap();
+    assert_eq!(rows(&loaded)[1].0, 1_500_000);
+}
