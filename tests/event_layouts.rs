@@ -1,6 +1,7 @@
 //! HDF5 files in the layouts of others, event_utils and MVSEC: what is read of those that h5py
-//! wrote, and one message for each way in which they may be wrong.
-#![cfg(feature = "hdf5")]
+//! wrote, and one message for each way in which they may be wrong. Types of numbers in HDF5 and
+//! Parquet: signs, units.
+#![cfg(all(feature = "hdf5", feature = "parquet"))]
 
 mod common;
 
@@ -9,7 +10,7 @@ use std::path::{Path, PathBuf};
 use amacrine::{
     event::{
         Event, Polarity,
-        file::{self, Loaded, Opening},
+        file::{self, Loaded, Opening, Reader},
     },
     plane::Size,
 };
@@ -329,4 +330,68 @@ fn times_of_dsec_are_whole() {
     );
     let loaded = write(&[250_000.0, 1_500_000.0]).unwrap();
     assert_eq!(rows(&loaded)[1].0, 1_500_000);
+}
+
+/// Times that need the bit of the sign are neither cut off nor negative; other columns are told.
+#[test]
+fn numbers_without_a_sign_keep_their_value() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let mut builder = FileBuilder::new();
+    for name in ["events/x", "events/y", "events/p", "events/z"] {
+        builder.create_dataset(name).with_u8_data(&[1, 0]);
+    }
+    let times = [1, (1 << 63) + 5];
+    builder.create_dataset("events/t").with_u64_data(&times);
+    builder.write(&path).unwrap();
+    let error = file::read(&path).unwrap_err().to_string();
+    assert!(
+        error.contains(": event 1: `t` is 9223372036854775813 us"),
+        "{error}"
+    );
+    let path = data("unsigned.parquet");
+    let loaded = file::read(&path).unwrap();
+    let times: Vec<u64> = rows(&loaded).iter().map(|row| row.0).collect();
+    assert_eq!(times, [3_000_000_000, 4_294_967_295]);
+    let path = path.display().to_string();
+    let said = json(folder.path(), &["convert", &path, "b.npy", "--json"]);
+    let note = said["read"]["note"].as_str().unwrap();
+    assert_eq!(
+        note,
+        "other columns than t, x, y, p and channel are left out"
+    );
+}
+
+#[test]
+fn nanoseconds_are_refused() {
+    let error = file::read(Path::new("tests/bad/event/nanoseconds.parquet")).unwrap_err();
+    let error = error.to_string();
+    let says = "has a column `t` in nanoseconds: let it be whole microseconds";
+    assert!(error.contains(says), "{error}");
+}
+
+/// A file that was cut anywhere is refused, or has all its events; a byte that was changed ends
+/// nothing but the reading.
+#[test]
+fn cut_and_changed_files_are_survived() {
+    for (name, stream) in [("event_utils.h5", None), ("mvsec.h5", Some(1))] {
+        let how = Opening {
+            stream,
+            ..Opening::default()
+        };
+        let whole = std::fs::read(data(name)).unwrap();
+        let read = |bytes: Vec<u8>| {
+            let reader = Reader::of_bytes(Path::new("a.h5"), bytes, &how).ok()?;
+            Some(file::all(reader))
+        };
+        let wanted = rows(&read(whole.clone()).unwrap().0);
+        for cut in 0..whole.len() {
+            if let Some((loaded, None)) = read(whole[..cut].to_vec()) {
+                assert_eq!(rows(&loaded), wanted, "{name} cut at byte {cut}");
+            }
+            let mut changed = whole.clone();
+            changed[cut] ^= 1 << (cut % 8);
+            read(changed);
+        }
+    }
 }

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import io
 import itertools
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import Any, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,9 @@ FIELDS = (
 
 Events = npt.NDArray[np.void]
 """A structured array of :data:`EVENT` or :data:`EVENT_OF_KINDS`."""
+
+Parts = Union[npt.NDArray[Any], Sequence[npt.NDArray[Any]]]
+"""Events, or a list of parts, one after the other."""
 
 MOST_SIDE = 1 << 15
 """The longest side whose addresses an event's ``i2`` holds."""
@@ -286,7 +289,7 @@ def _saved(events: npt.NDArray[Any]) -> bytes:
 
 
 def voxels(
-    events: npt.NDArray[Any],
+    events: Parts,
     *,
     bins: int,
     window: float | None = None,
@@ -338,7 +341,7 @@ def voxels(
 
 
 def time_surfaces(
-    events: npt.NDArray[Any],
+    events: Parts,
     times: npt.ArrayLike,
     *,
     tau: float,
@@ -381,7 +384,7 @@ def time_surfaces(
 
 
 def event_frames(
-    events: npt.NDArray[Any],
+    events: Parts,
     count: int,
     *,
     polarity: str = "signed",

@@ -16,6 +16,7 @@ from ._amacrine import Error
 from .answer import Answer
 from .events import (
     NamedEvents,
+    Parts,
     check_addresses,
     fields_of,
     kinds_of,
@@ -28,8 +29,8 @@ from .events import (
 from .voxels import MOST_BINS
 
 Path_ = arguments.File
-Packet = Union[Path_, npt.NDArray[Any]]
-"""Events: a file of any format, or a structured array."""
+Packet = Union[Path_, Parts]
+"""Events: a file of any format, a structured array, or a list of such, one after the other."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ def about(
 
 def write(
     path: Path_,
-    events: npt.NDArray[Any],
+    events: Parts,
     *,
     size: tuple[int, int] | None = None,
     channels: int | None = None,
@@ -150,8 +151,8 @@ def write(
     events = whole(events)
     place, kinds = size_of(events, size), kinds_of(events, channels)
     if isinstance(events, NamedEvents):
-        # Without the field they are of one kind, whatever it was called.
-        if names is None and ("channel" in fields_of(events) or kinds == events.kinds):
+        # Without the field they are of one kind: of several, nobody knows which.
+        if names is None and ("channel" in fields_of(events) or events.kinds in (kinds, 1)):
             names = events.names
         span = events.span if span is None else span
     lost = getattr(events, "dropped", None) or {}
@@ -212,11 +213,11 @@ def compare(
         identical packet and accident. ``docs/ruler.md`` has them all.
     """
     window, place = arguments.micros("within", within), arguments.size(size)
-    reference, judged = whole(reference), whole(judged)
-    _check_kinds(reference, judged)
+    one, other = whole(reference), whole(judged)
+    _check_kinds(one, other)
     text = _amacrine.compare(
-        _side(reference, "the reference", place),
-        _side(judged, "the judged", place),
+        _side(one, "the reference", place),
+        _side(other, "the judged", place),
         window,
         None if fps is None else arguments.rate(fps),
         arguments.whole("bins", bins, 1, MOST_BINS),
@@ -225,7 +226,7 @@ def compare(
     return Answer.parse(text, rows="curve")
 
 
-def _check_kinds(reference: Packet, judged: Packet) -> None:
+def _check_kinds(reference: Any, judged: Any) -> None:
     """Refuses several kinds of cells against one where an array is among the two: it does not say how
     many there are. Two files say it to each other."""
     both = reference, judged
@@ -239,7 +240,7 @@ def _check_kinds(reference: Packet, judged: Packet) -> None:
         )
 
 
-def _has_kinds(packet: Packet) -> bool:
+def _has_kinds(packet: Any) -> bool:
     """Whether there are several kinds of cells."""
     if isinstance(packet, (str, PathLike)):
         return about(packet).channels > 1
@@ -247,7 +248,7 @@ def _has_kinds(packet: Packet) -> bool:
 
 
 def _side(
-    packet: Packet, name: str, size: tuple[int, int] | None
+    packet: Any, name: str, size: tuple[int, int] | None
 ) -> tuple[Path_, bytes | None, tuple[int, int] | None, int]:
     """A file, or an array and what it knows: the size of its sensor, and kinds of cells."""
     if isinstance(packet, (str, PathLike)):

@@ -20,7 +20,7 @@ pub struct Recording {
     pub size: Option<Size>,
     /// Which stream of events, of a file of several cameras: its number in an aedat4 file, 0 for
     /// left and 1 for right in an hdf5 file of MVSEC
-    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    #[arg(long, value_name = "N")]
     pub stream: Option<i32>,
 }
 

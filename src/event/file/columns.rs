@@ -10,6 +10,9 @@ use super::{
 /// The columns; the last one is there where a packet has several kinds.
 pub const COLUMNS: [&str; 5] = ["t", "x", "y", "p", "channel"];
 
+/// The remark of a file that has other columns.
+pub const OTHERS: &str = "other columns than t, x, y, p and channel are left out";
+
 /// What the file says of the whole packet, where it says it; `columns` is how many it has.
 pub fn about(comment: Option<&str>, columns: usize) -> Result<About, Stop> {
     let about = comment.map_or(Ok(None), About::parse);

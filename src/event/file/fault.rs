@@ -339,8 +339,8 @@ pub enum Fault {
         /// What the header says.
         name: String,
     },
-    /// Columns that are compressed in a way that is not read.
-    #[error("the column `{column}` is compressed in a way that is not read: {why}")]
+    /// Columns that are compressed, or laid out, in a way that is not read.
+    #[error("the column `{column}` is stored in a way that is not read: {why}")]
     Compressed {
         /// Which column.
         column: String,
@@ -401,6 +401,10 @@ pub enum Fault {
     Trailing,
 }
 
+/// The longest side that formats with signed coordinates hold.
+const NARROW: usize = 1 << 15;
+const WIDE: &str = "write csv, npz, hdf5 or parquet, which hold sensors up to 65536x65536";
+
 impl Fault {
     /// The field whose value is wrong, where it is one.
     pub(super) const fn field(&self) -> Option<&'static str> {
@@ -430,6 +434,7 @@ impl Fault {
             Self::Late { .. } | Self::Silence { .. } => {
                 "write aedat4, npy or csv, which hold any time; or let times begin at 0 (`convert --from-zero`), and cut what is longer (`--slice`)"
             }
+            Self::Large { size, .. } if size.width.max(size.height) > NARROW => WIDE,
             Self::Large { .. } => "write aedat4, npy or csv, which hold larger sensors",
             Self::Layout { .. } | Self::Word { .. } => {
                 "check that the extension (or `--from`) says what is in the file"
@@ -470,6 +475,7 @@ impl Fault {
                 _ if *value < 0 || *value > 65535 => {
                     "coordinates count from 0 at the top left, to 65535 at most"
                 }
+                _ if *value >= NARROW as i128 => WIDE,
                 _ => {
                     "coordinates count from 0 at the top left; if this one is right, another format may hold it"
                 }

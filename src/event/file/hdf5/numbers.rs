@@ -11,6 +11,8 @@ use super::{
 pub enum Numbers {
     /// Integers and truth values.
     Whole(Vec<i64>),
+    /// Integers of 64 bits without a sign.
+    Natural(Vec<u64>),
     /// Floating point.
     Real(Vec<f64>),
 }
@@ -20,13 +22,14 @@ impl Numbers {
     pub fn read(of: &Dataset, name: &str, rows: (u64, u64), each: u64) -> Result<Self, Stop> {
         let (from, count) = rows;
         let cannot = |e| wrong(format!("has a column `{name}` that cannot be read: {e}"));
-        let numbers = if is_real(of)? {
-            Self::Real(of.read_f64_rows(from, count).map_err(cannot)?)
-        } else {
-            Self::Whole(of.read_i64_rows(from, count).map_err(cannot)?)
+        let numbers = match of.dtype().map_err(unreadable)? {
+            DType::F32 | DType::F64 => Self::Real(of.read_f64_rows(from, count).map_err(cannot)?),
+            DType::U64 => Self::Natural(of.read_u64_rows(from, count).map_err(cannot)?),
+            _ => Self::Whole(of.read_i64_rows(from, count).map_err(cannot)?),
         };
         let found = match &numbers {
             Self::Whole(values) => values.len(),
+            Self::Natural(values) => values.len(),
             Self::Real(values) => values.len(),
         };
         if found as u64 == count * each {
@@ -39,6 +42,7 @@ impl Numbers {
     pub fn whole(&self, at: usize, name: &'static str) -> Result<i128, Fault> {
         match self {
             Self::Whole(values) => Ok(values[at].into()),
+            Self::Natural(values) => Ok(values[at].into()),
             Self::Real(values) => {
                 let value = values[at];
                 // Neither NaN nor infinity has a fraction of 0.
@@ -55,6 +59,7 @@ impl Numbers {
     pub fn micros(&self, at: usize) -> Result<i128, Fault> {
         match self {
             Self::Whole(values) => Ok(values[at].into()),
+            Self::Natural(values) => Ok(values[at].into()),
             Self::Real(values) => {
                 let seconds = values[at];
                 if seconds.is_finite() {
@@ -69,7 +74,7 @@ impl Numbers {
     /// Whether a time is real and has a fraction of a second.
     pub fn is_fraction(&self, at: usize) -> bool {
         match self {
-            Self::Whole(_) => false,
+            Self::Whole(_) | Self::Natural(_) => false,
             Self::Real(values) => values[at].fract() != 0.0,
         }
     }

@@ -30,10 +30,12 @@ pub fn open(origin: &Origin) -> Result<File, Stop> {
 pub fn column(file: &File, path: &str) -> Result<Dataset, Stop> {
     let column = file.dataset(path).map_err(|e| missing(file, path, &e))?;
     let rows = column.shape().map_err(unreadable)?.first().copied();
-    // Damage comes later; a filter that is not known is none.
+    // Damage comes later; a filter or a layout that is not known is none.
     if rows.is_some_and(|rows| rows > 0)
         && let Err(e) = column.read_raw_rows(0, 1)
-        && matches!(e, Error::Format(FormatError::UnsupportedFilter(_)))
+        && let Error::Format(
+            FormatError::UnsupportedFilter(_) | FormatError::InvalidLayoutVersion(_),
+        ) = e
     {
         let (column, why) = (path.to_owned(), e.to_string());
         let fault = Fault::Compressed { column, why };

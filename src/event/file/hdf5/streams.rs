@@ -13,7 +13,7 @@ use super::{
     super::{
         Fault, Format, Place,
         about::About,
-        columns::{self, COLUMNS},
+        columns::{self, COLUMNS, OTHERS},
         fault::Stop,
         head::Head,
         origin::Origin,
@@ -68,7 +68,9 @@ fn dsec(file: &File) -> Result<Reading, Stop> {
     };
     let about = columns::about(comment.as_deref(), columns.len())?;
     let index = file.dataset("ms_to_idx").ok().map(Index::new).transpose()?;
+    let all = file.group("events").and_then(|group| group.datasets());
     Ok(Reading {
+        others: all.map_err(unreadable)?.len() > columns.len(),
         columns,
         index,
         offset: offset.unwrap_or(0),
@@ -166,6 +168,8 @@ impl Index {
 pub(super) struct Reading {
     columns: Vec<Dataset>,
     index: Option<Index>,
+    /// Whether there are other columns.
+    others: bool,
     offset: i128,
     about: About,
     events: u64,
@@ -214,6 +218,10 @@ impl Source for Reading {
         }
         self.read += count;
         Ok(true)
+    }
+
+    fn note(&self) -> Option<&'static str> {
+        self.others.then_some(OTHERS)
     }
 
     fn place(&self, event: usize) -> Place {
