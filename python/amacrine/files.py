@@ -148,14 +148,14 @@ def write(
 
     What a format cannot hold is an :class:`Error`, never clipped or flattened.
     """
-    events = whole(events)
-    place, kinds = size_of(events, size), kinds_of(events, channels)
-    if isinstance(events, NamedEvents):
+    given = whole(events)
+    place, kinds = size_of(given, size), kinds_of(given, channels)
+    if isinstance(given, NamedEvents):
         # Without the field they are of one kind: of several, nobody knows which.
-        if names is None and ("channel" in fields_of(events) or events.kinds in (kinds, 1)):
-            names = events.names
-        span = events.span if span is None else span
-    lost = getattr(events, "dropped", None) or {}
+        if names is None and ("channel" in fields_of(given) or given.kinds in (kinds, 1)):
+            names = given.names
+        span = given.span if span is None else span
+    lost = getattr(given, "dropped", None) or {}
     called = [] if names is None else arguments.names("names", names)
     if called and channels is not None and kinds != len(called):
         raise Error(
@@ -164,7 +164,7 @@ def write(
         )
     _amacrine.write(
         arguments.file("path", path, "the path of the file to write"),
-        npy(events, place),
+        npy(given, place),
         place,
         kinds,
         called,
