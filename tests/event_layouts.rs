@@ -15,7 +15,7 @@ use amacrine::{
     plane::Size,
 };
 use common::{good, json, refused, refused_untouched};
-use hdf5_pure::{AttrValue, FileBuilder};
+use hdf5_pure::{AttrValue, DatasetBuilder, File, Group};
 use miette::Diagnostic as _;
 
 fn data(name: &str) -> PathBuf {
@@ -116,139 +116,137 @@ fn every_verb_reads_one_of_two_cameras() {
     refused(folder, &none, &["no stream of events of number 1"]);
 }
 
-/// A file of event_utils, of which one column or attribute is another.
-fn utils(path: &Path, edit: impl Fn(&mut FileBuilder, &str) -> bool) {
-    let mut builder = FileBuilder::new();
-    for name in ["events/xs", "events/ys", "events/ts", "events/ps"] {
-        if edit(&mut builder, name) {
-            continue;
-        }
-        let column = builder.create_dataset(name);
-        match name {
-            "events/xs" => column.with_i16_data(&[0, 5, 7]),
-            "events/ys" => column.with_i16_data(&[0, 4, 1]),
-            "events/ts" => column.with_f64_data(&[1e-5, 2e-5, 0.045]),
-            _ => column.with_i8_data(&[1, -1, 1]),
-        };
+/// A file with these groups, and what is put in.
+fn hdf5(path: &Path, groups: &[&str], put: impl Fn(&Group)) {
+    let file = File::create(path).unwrap();
+    for group in groups {
+        file.root().create_group(group).unwrap();
     }
-    for (name, value) in [
-        ("num_events", AttrValue::I64(3)),
-        ("sensor_resolution", AttrValue::I64Array(vec![5, 8])),
-    ] {
-        if !edit(&mut builder, name) {
-            builder.set_attr(name, value);
-        }
-    }
-    builder.write(path).unwrap();
+    put(&file.root());
+    file.commit().unwrap();
+    file.close().unwrap();
 }
+
+fn column(root: &Group, path: &str, values: impl FnOnce(&mut DatasetBuilder)) {
+    root.create_dataset(path, values).unwrap();
+}
+
+/// A file of event_utils, of which one column or attribute, `but`, is put in by `edit`.
+fn utils(path: &Path, but: &str, edit: impl Fn(&Group)) {
+    hdf5(path, &["events"], |root| {
+        for name in ["events/xs", "events/ys", "events/ts", "events/ps"] {
+            if name != but {
+                column(root, name, |column| {
+                    match name {
+                        "events/xs" => column.with_i16_data(&[0, 5, 7]),
+                        "events/ys" => column.with_i16_data(&[0, 4, 1]),
+                        "events/ts" => column.with_f64_data(&[1e-5, 2e-5, 0.045]),
+                        _ => column.with_i8_data(&[1, -1, 1]),
+                    };
+                });
+            }
+        }
+        for (name, value) in [
+            ("num_events", AttrValue::I64(3)),
+            ("sensor_resolution", AttrValue::I64Array(vec![5, 8])),
+        ] {
+            if name != but {
+                root.set_attr(name, value).unwrap();
+            }
+        }
+        edit(root);
+    });
+}
+
+fn real(root: &Group, name: &str, values: &[f64]) {
+    column(root, name, |column| {
+        column.with_f64_data(values);
+    });
+}
+
+fn short(root: &Group, name: &str, values: &[i16]) {
+    column(root, name, |column| {
+        column.with_i16_data(values);
+    });
+}
+
+const T: &str = "events/ts";
+const X: &str = "events/xs";
+const P: &str = "events/ps";
+const EVENTS: &str = "num_events";
+const SIZE: &str = "sensor_resolution";
 
 #[test]
 fn every_fault_of_event_utils_has_its_message() {
-    type Edit = fn(&mut FileBuilder);
+    type Edit = fn(&Group);
     let cases: [(&str, Edit, &str); 13] = [
         (
-            "events/ts",
-            |b| {
-                b.create_dataset("events/ts")
-                    .with_f64_data(&[1e-5, f64::NAN, 1.0]);
-            },
+            T,
+            |r| real(r, T, &[1e-5, f64::NAN, 1.0]),
             ": event 1: `t` should be seconds, found `NaN`",
         ),
         (
-            "events/ts",
-            |b| {
-                b.create_dataset("events/ts")
-                    .with_f64_data(&[1e-5, 2e-5, f64::INFINITY]);
-            },
+            T,
+            |r| real(r, T, &[1e-5, 2e-5, f64::INFINITY]),
             ": event 2: `t` should be seconds, found `inf`",
         ),
         (
-            "events/ts",
-            |b| {
-                b.create_dataset("events/ts")
-                    .with_f64_data(&[1e-5, 2e-5, 1e-5]);
-            },
+            T,
+            |r| real(r, T, &[1e-5, 2e-5, 1e-5]),
             ": event 2: time runs backwards: 10 us comes after 20 us",
         ),
         (
-            "events/ts",
-            |b| {
-                b.create_dataset("events/ts")
-                    .with_f64_data(&[-1e-5, 2e-5, 1.0]);
-            },
+            T,
+            |r| real(r, T, &[-1e-5, 2e-5, 1.0]),
             ": event 0: `t` is -10 us",
         ),
         (
-            "events/ts",
-            |b| {
-                b.create_dataset("events/ts").with_f64_data(&[1e-5, 2e-5]);
-            },
+            T,
+            |r| real(r, T, &[1e-5, 2e-5]),
             "has columns of different lengths",
         ),
         (
-            "events/xs",
-            |b| {
-                b.create_dataset("events/xs")
-                    .with_f64_data(&[0.0, 3.5, 1.0]);
-            },
+            X,
+            |r| real(r, X, &[0.0, 3.5, 1.0]),
             ": event 1: `x` should be a whole number (at most 19 digits), found `3.5`",
         ),
+        (X, |r| short(r, X, &[0, -1, 1]), ": event 1: `x` is -1"),
         (
-            "events/xs",
-            |b| {
-                b.create_dataset("events/xs").with_i16_data(&[0, -1, 1]);
-            },
-            ": event 1: `x` is -1",
-        ),
-        (
-            "events/xs",
-            |b| {
-                b.create_dataset("events/xs").with_i16_data(&[0, 8, 1]);
-            },
+            X,
+            |r| short(r, X, &[0, 8, 1]),
             ": event 1: the event at x 8, y 4 is off the sensor, which is 8x5",
         ),
         (
-            "events/ps",
-            |b| {
-                b.create_dataset("events/ps").with_i8_data(&[1, 2, 1]);
-            },
+            P,
+            |r| short(r, P, &[1, 2, 1]),
             ": event 1: `p` should be 1 for ON, 0 or -1 for OFF, found 2",
         ),
-        ("events/ps", |_| (), "no column `events/ps`"),
+        (P, |_| (), "no column `events/ps`"),
         (
-            "num_events",
-            |b| {
-                b.set_attr("num_events", AttrValue::I64(4));
-            },
+            EVENTS,
+            |r| r.set_attr(EVENTS, AttrValue::I64(4)).unwrap(),
             "`num_events` says 4 events, `events/ts` has 3",
         ),
         (
-            "num_events",
-            |b| {
-                b.set_attr("num_events", AttrValue::String("many".into()));
+            EVENTS,
+            |r| {
+                r.set_attr(EVENTS, AttrValue::String("many".into()))
+                    .unwrap()
             },
             "an attribute `num_events` of no whole numbers",
         ),
         (
-            "sensor_resolution",
-            |b| {
-                b.set_attr("sensor_resolution", AttrValue::I64(5));
-            },
+            SIZE,
+            |r| r.set_attr(SIZE, AttrValue::I64(5)).unwrap(),
             "`sensor_resolution` that is not (height, width)",
         ),
     ];
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.h5");
-    utils(&path, |_, _| false);
+    utils(&path, "", |_| ());
     assert_eq!(file::read(&path).unwrap().packet.events.len(), 3);
     for (what, edit, says) in cases {
-        utils(&path, |builder, name| {
-            let its = name == what;
-            if its {
-                edit(builder);
-            }
-            its
-        });
+        utils(&path, what, edit);
         let error = file::read(&path).unwrap_err();
         assert!(error.to_string().contains(says), "{error}\n{says}");
         assert!(error.help().is_some(), "{error}");
@@ -261,18 +259,14 @@ fn the_unit_of_times_goes_by_their_type() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.h5");
     let times = |whole: bool| {
-        utils(&path, |builder, name| {
-            let its = name == "events/ts";
-            if its && whole {
-                builder
-                    .create_dataset(name)
-                    .with_i64_data(&[10, 20, 45_000]);
-            } else if its {
-                builder
-                    .create_dataset(name)
-                    .with_f64_data(&[10.0, 20.0, 45_000.0]);
-            }
-            its
+        utils(&path, T, |root| {
+            column(root, T, |column| {
+                if whole {
+                    column.with_i64_data(&[10, 20, 45_000]);
+                } else {
+                    column.with_f64_data(&[10.0, 20.0, 45_000.0]);
+                }
+            });
         });
         let said = json(folder.path(), &["convert", "a.h5", "a.npy", "--json"]);
         let last = said["written"][0]["last_us"].as_u64().unwrap();
@@ -289,11 +283,13 @@ fn the_unit_of_times_goes_by_their_type() {
 fn damage_of_mvsec() {
     let folder = tempfile::tempdir().unwrap();
     let write = |columns: u64, values: &[f64]| {
-        let mut builder = FileBuilder::new();
-        let rows = builder.create_dataset("davis/right/events");
-        let shape = [values.len() as u64 / columns, columns];
-        rows.with_f64_data(values).with_shape(&shape);
-        builder.write(folder.path().join("a.h5")).unwrap();
+        let path = folder.path().join("a.h5");
+        hdf5(&path, &["davis", "davis/right"], |root| {
+            let shape = [values.len() as u64 / columns, columns];
+            column(root, "davis/right/events", |rows| {
+                rows.with_f64_data(values).with_shape(&shape);
+            });
+        });
     };
     let t = 1_506_117_889.0;
     write(4, &[3.0, 2.0, t, 1.0, 4.0, f64::NAN, t, -1.0]);
@@ -315,12 +311,12 @@ fn times_of_dsec_are_whole() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.h5");
     let write = |times: &[f64]| {
-        let mut builder = FileBuilder::new();
-        for name in ["events/x", "events/y", "events/p"] {
-            builder.create_dataset(name).with_u8_data(&[1, 0]);
-        }
-        builder.create_dataset("events/t").with_f64_data(times);
-        builder.write(&path).unwrap();
+        hdf5(&path, &["events"], |root| {
+            for name in ["events/x", "events/y", "events/p"] {
+                short(root, name, &[1, 0]);
+            }
+            real(root, "events/t", times);
+        });
         file::read(&path)
     };
     let error = write(&[0.25, 1.5]).unwrap_err().to_string();
@@ -337,13 +333,14 @@ fn times_of_dsec_are_whole() {
 fn numbers_without_a_sign_keep_their_value() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.h5");
-    let mut builder = FileBuilder::new();
-    for name in ["events/x", "events/y", "events/p", "events/z"] {
-        builder.create_dataset(name).with_u8_data(&[1, 0]);
-    }
-    let times = [1, (1 << 63) + 5];
-    builder.create_dataset("events/t").with_u64_data(&times);
-    builder.write(&path).unwrap();
+    hdf5(&path, &["events"], |root| {
+        for name in ["events/x", "events/y", "events/p", "events/z"] {
+            short(root, name, &[1, 0]);
+        }
+        column(root, "events/t", |times| {
+            times.with_u64_data(&[1, (1 << 63) + 5]);
+        });
+    });
     let error = file::read(&path).unwrap_err().to_string();
     assert!(
         error.contains(": event 1: `t` is 9223372036854775813 us"),
