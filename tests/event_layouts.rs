@@ -1,4 +1,4 @@
-//! HDF5 files in the layouts of others, event_utils and MVSEC: what is read of those that h5py
+//! HDF5 files in the layouts of others, `event_utils` and MVSEC: what is read of those that h5py
 //! wrote, and one message for each way in which they may be wrong. Types of numbers in HDF5 and
 //! Parquet: signs, units.
 #![cfg(all(feature = "hdf5", feature = "parquet"))]
@@ -131,7 +131,11 @@ fn column(root: &Group, path: &str, values: impl FnOnce(&mut DatasetBuilder)) {
     root.create_dataset(path, values).unwrap();
 }
 
-/// A file of event_utils, of which one column or attribute, `but`, is put in by `edit`.
+fn attribute(root: &Group, name: &str, value: AttrValue) {
+    root.set_attr(name, value).unwrap();
+}
+
+/// A file of `event_utils`, of which one column or attribute, `but`, is put in by `edit`.
 fn utils(path: &Path, but: &str, edit: impl Fn(&Group)) {
     hdf5(path, &["events"], |root| {
         for name in ["events/xs", "events/ys", "events/ts", "events/ps"] {
@@ -151,7 +155,7 @@ fn utils(path: &Path, but: &str, edit: impl Fn(&Group)) {
             ("sensor_resolution", AttrValue::I64Array(vec![5, 8])),
         ] {
             if name != but {
-                root.set_attr(name, value).unwrap();
+                attribute(root, name, value);
             }
         }
         edit(root);
@@ -224,20 +228,17 @@ fn every_fault_of_event_utils_has_its_message() {
         (P, |_| (), "no column `events/ps`"),
         (
             EVENTS,
-            |r| r.set_attr(EVENTS, AttrValue::I64(4)).unwrap(),
+            |r| attribute(r, EVENTS, AttrValue::I64(4)),
             "`num_events` says 4 events, `events/ts` has 3",
         ),
         (
             EVENTS,
-            |r| {
-                r.set_attr(EVENTS, AttrValue::String("many".into()))
-                    .unwrap()
-            },
+            |r| attribute(r, EVENTS, AttrValue::String("many".into())),
             "an attribute `num_events` of no whole numbers",
         ),
         (
             SIZE,
-            |r| r.set_attr(SIZE, AttrValue::I64(5)).unwrap(),
+            |r| attribute(r, SIZE, AttrValue::I64(5)),
             "`sensor_resolution` that is not (height, width)",
         ),
     ];

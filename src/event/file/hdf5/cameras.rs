@@ -17,7 +17,7 @@ use crate::{event::Event, plane::Size};
 /// Where the rows are.
 pub enum Table {
     /// x, y, t and p, each a data set.
-    Columns([(Dataset, &'static str); 4]),
+    Columns(Vec<(Dataset, &'static str)>),
     /// One data set of four columns.
     Rows(Dataset),
 }

@@ -1,4 +1,4 @@
-//! The layout of event_utils, which the networks of the E2VID family are trained on:
+//! The layout of `event_utils`, which the networks of the E2VID family are trained on:
 //! `events/{xs,ys,ts,ps}`.
 //!
 //! `ts` is in seconds where it is real, in microseconds where it is whole; `ps` is a truth value
@@ -27,7 +27,7 @@ pub fn source(file: &File) -> Result<Reading, Stop> {
         length(&column, path, &mut events)?;
         Ok((column, path))
     };
-    let columns = [
+    let columns = vec![
         open("events/xs")?,
         open("events/ys")?,
         open(TIMES)?,

@@ -5,7 +5,7 @@
 //! event, so `t + t_offset` is absolute. t is `<i8`, where DSEC has 32 bits without a sign;
 //! columns are deflated in chunks. Size, channels, time watched and drops are an attribute.
 //! Read with integers of any width; what is compressed by other filters (blosc) is refused.
-//! The layouts of event_utils and MVSEC are read too: `event_utils.rs`, `mvsec.rs`.
+//! The layouts of `event_utils` and MVSEC are read too: `event_utils.rs`, `mvsec.rs`.
 //! While a file is written it waits as a temporary file. Source:
 //! <https://dsec.ifi.uzh.ch/data-format/>.
 

@@ -1,9 +1,9 @@
 //! The layout of the MVSEC data set (Zhu et al. 2018): `davis/left/events` and
 //! `davis/right/events`, one row an event: x, y, seconds, sign.
 //!
-//! Times are those of the day, so they lie about 1.5e9 s after 0. Left is stream 0, right stream
-//! 1. The size is that of the camera's images, `image_raw`, which are left out and counted, as is
-//! its motion, `imu`. Source: <https://daniilidis-group.github.io/mvsec/>.
+//! Times are those of the day, so they lie about 1.5e9 s after 0. The left camera is stream
+//! 0, the right one is 1. The size is that of the camera's images, `image_raw`, which are left
+//! out and counted, as is its motion, `imu`. Source: <https://daniilidis-group.github.io/mvsec/>.
 
 use hdf5_pure::File;
 
