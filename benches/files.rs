@@ -111,7 +111,7 @@ fn timed(seconds: f64, call: impl FnMut()) -> Timed {
 fn count(path: &Path, format: Format, events: usize) {
     let opening = Opening {
         format: Some(format),
-        size: None,
+        ..Opening::default()
     };
     let mut reader = Reader::open(path, &opening).expect("just written");
     let (mut block, mut sum) = (Vec::new(), 0);

@@ -144,7 +144,7 @@ fn halves(bytes: &[u8]) -> (&[u8], &[u8]) {
 fn events(format: Format, bytes: &[u8]) {
     let opening = Opening {
         format: Some(format),
-        size: None,
+        ..Opening::default()
     };
     let Ok(reader) = Reader::of_bytes(Path::new("fuzz"), bytes.to_vec(), &opening) else {
         return;
@@ -196,7 +196,7 @@ fn pair(bytes: &[u8]) {
     let read = |bytes: &[u8]| {
         let opening = Opening {
             format: Some(Format::Dat),
-            size: Some(Size::new(64, 64)),
+            size: Some(Size::new(64, 64)), stream: None,
         };
         let reader = Reader::of_bytes(Path::new("fuzz"), bytes.to_vec(), &opening);
         reader.ok().map(|reader| file::all(reader).0)

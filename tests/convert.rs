@@ -315,6 +315,9 @@ fn a_camera_of_several_is_chosen() {
     );
     let says = ["has two streams of events, 0 and 1,", "--stream N"];
     refused_untouched(folder.0.path(), &["convert", both, "b.npy"], &says);
+    // No damage, of which something could be kept.
+    let salvage = ["convert", both, "b.npy", "--salvage"];
+    refused_untouched(folder.0.path(), &salvage, &says);
     folder.refused(
         &[both, "b.npy", "--stream", "2"],
         "no stream of events of number 2",
@@ -373,7 +376,7 @@ fn damage_and_what_is_kept() {
         #[cfg(feature = "hdf5")]
         ("blosc.h5", "h5repack -f NONE"),
         #[cfg(feature = "hdf5")]
-        ("mvsec.h5", "expected is the layout of DSEC"),
+        ("prophesee.h5", "read are the layouts of DSEC"),
     ];
     for (name, advice) in foreign {
         fs::copy(format!("tests/bad/event/{name}"), folder.path(name)).unwrap();

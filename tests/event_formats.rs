@@ -174,7 +174,7 @@ proptest! {
             for (at, byte) in &damage {
                 damaged[at.index(whole.len())] = *byte;
             }
-            let opening = Opening { format: Some(format), size: None };
+            let opening = Opening { format: Some(format), ..Opening::default() };
             for bytes in [damaged, whole[..cut.index(whole.len())].to_vec()] {
                 let cut_short = bytes.len() < whole.len();
                 let length = bytes.len() as u64;
@@ -211,7 +211,7 @@ proptest! {
         ];
         let bytes = [heads[head], &noise[..]].concat();
         for format in formats() {
-            let opening = Opening { format: Some(format), size: None };
+            let opening = Opening { format: Some(format), ..Opening::default() };
             if let Ok(reader) = Reader::of_bytes(Path::new("noise"), bytes.clone(), &opening) {
                 let (loaded, _) = file::all(reader);
                 prop_assert!(loaded.packet.events.windows(2).all(|w| w[0].t <= w[1].t));
@@ -227,7 +227,7 @@ fn no_room_is_made_for_values_that_are_not_there() {
     let file = Path::new("tests/data/event/long_dictionary.parquet");
     let opening = Opening {
         format: Some(Format::Parquet),
-        size: None,
+        ..Opening::default()
     };
     let reader = Reader::of_bytes(file, fs::read(file).unwrap(), &opening).unwrap();
     let (_, fault) = file::all(reader);
@@ -403,7 +403,7 @@ fn promises_cost_nothing() {
     for (format, bytes) in cases {
         let opening = Opening {
             format: Some(format),
-            size: None,
+            ..Opening::default()
         };
         let read = Reader::of_bytes(Path::new("promise"), bytes, &opening).map(file::all);
         let error = match read {
@@ -424,7 +424,7 @@ fn words_of_cameras() {
     let read = |format, text: &str, words: &[u8]| {
         let opening = Opening {
             format: Some(format),
-            size: None,
+            ..Opening::default()
         };
         let bytes = [text.as_bytes(), words].concat();
         let reader = Reader::of_bytes(Path::new("camera"), bytes, &opening).unwrap();
@@ -707,7 +707,7 @@ fn damage_has_its_message() {
         fs::write(&path, bytes).unwrap();
         let opening = Opening {
             format: Some(format),
-            size: None,
+            ..Opening::default()
         };
         let (kept, error) = match file::salvage(&path, &opening) {
             Ok((loaded, error)) => (loaded.packet.events, error.expect("damage is seen")),
@@ -758,7 +758,7 @@ fn the_place_is_that_of_the_event() {
         }
         let opening = Opening {
             format: Some(format),
-            size: None,
+            ..Opening::default()
         };
         let reader = Reader::of_bytes(Path::new("a"), damaged, &opening).unwrap();
         let (loaded, error) = file::all(reader);
@@ -802,7 +802,7 @@ fn blocks_and_the_whole_are_the_same_file() {
         assert_eq!(writer.finish().unwrap(), 30_000);
         let opening = Opening {
             format: Some(format),
-            size: None,
+            ..Opening::default()
         };
         assert_eq!(
             file::read_as(parts, &opening).unwrap(),

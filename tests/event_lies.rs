@@ -65,7 +65,7 @@ fn bytes_of(format: Format, compression: Compression, packet: &Packet) -> Vec<u8
 fn read(format: Format, bytes: Vec<u8>) -> Result<Packet, (Vec<Event>, FileError)> {
     let opening = Opening {
         format: Some(format),
-        size: None,
+        ..Opening::default()
     };
     let opened = Reader::of_bytes(Path::new("a"), bytes, &opening);
     let (loaded, error) = file::all(opened.map_err(|error| (Vec::new(), error))?);

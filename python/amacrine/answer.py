@@ -87,14 +87,23 @@ class Answer:
         return self._data
 
     def to_frame(self, key: str | None = None) -> Any:
-        """A list of it as a pandas data frame; the list that is its table where ``key`` is left
-        out. Needs pandas."""
+        """A list of it as a pandas data frame, such as ``"chip.rows"`` for one inside of another; the
+        list that is its table where ``key`` is left out. Needs pandas."""
         key = self._rows if key is None else key
-        if key is None or not isinstance(self._data.get(key), list):
+        found = self._list(key)
+        if found is None:
             lists = [name for name, of in self._data.items() if isinstance(of, list)]
+            lists += [self._rows] if self._rows and "." in self._rows else []
             raise KeyError(f"{key} is no table; there are {', '.join(lists)}")
         pandas = importlib.import_module("pandas")
-        return pandas.json_normalize(self._data[key])
+        return pandas.json_normalize(found)
+
+    def _list(self, key: str | None) -> list[Any] | None:
+        """A list by its name, or by those that lead to it, with points in between."""
+        found: Any = None if key is None else self._data
+        for name in (key or "").split("."):
+            found = found.get(name) if isinstance(found, dict) else None
+        return found if isinstance(found, list) else None
 
     @property
     def page(self) -> str | None:
@@ -126,7 +135,7 @@ class Answer:
             return f'<iframe srcdoc="{whole}" width="100%" height="800" frameborder="0"></iframe>'
         if self._drawing is not None:
             return self._drawing
-        rows = self._data.get(self._rows) if self._rows else [self._data]
+        rows = self._list(self._rows) if self._rows else [self._data]
         return table(rows or [])
 
 

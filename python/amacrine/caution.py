@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
 
 Said = list[tuple[str, str]]
 """What a run warns of: what each warning is about, and its words."""
@@ -31,3 +34,23 @@ def caution_of(runs: Iterable[Said]) -> None:
             first.pop(of_all, None)
     for text in first.values():
         warnings.warn(text, Caution, stacklevel=3)
+
+
+PACKAGE = str(Path(__file__).parent)
+
+
+class Place:
+    """The line of the caller that is not of this package, of which cautions are told that come later:
+    in a worker process, where none of the caller's lines runs."""
+
+    def __init__(self) -> None:
+        frame = sys._getframe(1)
+        while frame.f_back is not None and frame.f_code.co_filename.startswith(PACKAGE):
+            frame = frame.f_back
+        self._file, self._line = frame.f_code.co_filename, frame.f_lineno
+        self._module = frame.f_globals.get("__name__")
+        self._told: dict[Any, Any] = {}
+
+    def caution(self, text: str) -> None:
+        """Warns of it there, once where filters say so."""
+        warnings.warn_explicit(text, Caution, self._file, self._line, self._module, self._told)

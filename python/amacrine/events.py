@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import io
 import itertools
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import Any, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,9 @@ FIELDS = (
 
 Events = npt.NDArray[np.void]
 """A structured array of :data:`EVENT` or :data:`EVENT_OF_KINDS`."""
+
+Parts = Union[npt.NDArray[Any], Sequence[npt.NDArray[Any]]]
+"""Events, or a list of parts, one after the other."""
 
 MOST_SIDE = 1 << 15
 """The longest side whose addresses an event's ``i2`` holds."""
@@ -106,6 +109,23 @@ def _joined(parts: Any, events: Any) -> Any:
     if known.span is not None and all(one is not None for one in lost):
         known.dropped = {why: sum(one[why] for one in lost) for why in lost[0]}
     return known
+
+
+def whole(events: Any) -> Any:
+    """Events, or a list of parts of them one after the other, joined."""
+    if not isinstance(events, (list, tuple)) or not events:
+        return events
+    if not all(fields_of(part) for part in events):
+        return events
+    parts = [part.to_records(index=False) if hasattr(part, "to_records") else part for part in events]
+    try:
+        return np.concatenate(parts)
+    except TypeError as error:
+        told = " and ".join(dict.fromkeys(", ".join(fields_of(part)) for part in parts))
+        raise Error(
+            f"parts of events that cannot be joined: with the fields {told}\n"
+            "help: give parts of one dtype, such as part.astype(amacrine.EVENT)"
+        ) from error
 
 
 def size_of(events: Any, size: tuple[int, int] | None) -> tuple[int, int] | None:
@@ -269,7 +289,7 @@ def _saved(events: npt.NDArray[Any]) -> bytes:
 
 
 def voxels(
-    events: npt.NDArray[Any],
+    events: Parts,
     *,
     bins: int,
     window: float | None = None,
@@ -288,7 +308,7 @@ def voxels(
 
     Args:
         events: A structured array, or a pandas data frame, with the fields t (us), x, y, p and, of
-            several kinds of cells, channel, in any order.
+            several kinds of cells, channel, in any order; or a list of such, one part after the other.
         size: Height and width of the sensor; where it is left out, that of the sensor or the file
             that the events are of (``.sensor_size``), else the smallest that holds them.
         channels: Kinds of cells, where some said nothing; where it is left out, those of that sensor
@@ -302,6 +322,7 @@ def voxels(
     Returns:
         (windows,K,bins,H,W), or (windows,K,2,bins,H,W) with OFF first where they are split.
     """
+    events = whole(events)
     if start is None:
         start = (getattr(events, "span", None) or (0.0, 0.0))[0]
     since = round(arguments.seconds("start", start, -arguments.SECONDS) * 1e6)
@@ -320,7 +341,7 @@ def voxels(
 
 
 def time_surfaces(
-    events: npt.NDArray[Any],
+    events: Parts,
     times: npt.ArrayLike,
     *,
     tau: float,
@@ -345,6 +366,7 @@ def time_surfaces(
     Returns:
         ``float32`` (times,K,2,H,W) with OFF first, or (times,K,H,W) where they are signed.
     """
+    events = whole(events)
     size, count = size_of(events, size), kinds_of(events, channels) or 1
     help = "give seconds, from 0 on, such as [0.01, 0.02]"
     seconds = [arguments.seconds("times", one) for one in arguments.numbers("times", times, help)]
@@ -362,7 +384,7 @@ def time_surfaces(
 
 
 def event_frames(
-    events: npt.NDArray[Any],
+    events: Parts,
     count: int,
     *,
     polarity: str = "signed",
@@ -385,6 +407,7 @@ def event_frames(
     Returns:
         ``int32`` (frames,K,H,W), or (frames,K,2,H,W) with OFF first where they are split.
     """
+    events = whole(events)
     each, kinds = arguments.whole("count", count, 1), kinds_of(events, channels) or 1
     size = size_of(events, size)
     polarity, fill = arguments.word("polarity", polarity, "split"), arguments.word("fill", fill, "last")

@@ -16,6 +16,7 @@ from ._amacrine import Error
 from .answer import Answer
 from .events import (
     NamedEvents,
+    Parts,
     check_addresses,
     fields_of,
     kinds_of,
@@ -23,12 +24,13 @@ from .events import (
     npy,
     size_of,
     view,
+    whole,
 )
 from .voxels import MOST_BINS
 
 Path_ = arguments.File
-Packet = Union[Path_, npt.NDArray[Any]]
-"""Events: a file of any format, or a structured array."""
+Packet = Union[Path_, Parts]
+"""Events: a file of any format, a structured array, or a list of such, one after the other."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,11 @@ def _about(text: str) -> About:
 
 
 def read(
-    path: Path_, *, format: str | None = None, size: tuple[int, int] | None = None
+    path: Path_,
+    *,
+    format: str | None = None,
+    size: tuple[int, int] | None = None,
+    stream: int | None = None,
 ) -> NamedEvents:
     """The events of a file: EVT2, EVT2.1, EVT3, DAT, AEDAT2, 3.1 and 4, ES, NPY, NPZ, CSV, text,
     HDF5, Parquet, and the text and zip of E2VID.
@@ -75,13 +81,15 @@ def read(
         path: The file.
         format: Its format, where its name and first bytes do not say it.
         size: Height and width of the sensor, where the file does not say them.
+        stream: Which stream of events, of a file of several cameras: its number in an AEDAT4 file, 0
+            for left and 1 for right in an HDF5 file of MVSEC.
 
     Returns:
         A structured array as :meth:`Sensor.events` gives it, with what the file says besides:
         ``.sensor_size``, ``.kinds`` and their ``.names``, ``.span`` and ``.dropped``, which
         :func:`write` writes.
     """
-    records, channels, text = _read(path, format, size)
+    records, channels, text = _read(path, format, size, stream)
     events, about = view(records, channels), _about(text)
     check_addresses(path, events, about.size)
     size_known = about.size if about.size_known else None
@@ -89,23 +97,30 @@ def read(
     return named(events, about.names, size_known, channels, (first, last), about.dropped)
 
 
-def _read(path: Any, format: Any, size: Any) -> tuple[npt.NDArray[np.uint8], int, str]:
+def _read(
+    path: Any, format: Any, size: Any, stream: Any
+) -> tuple[npt.NDArray[np.uint8], int, str]:
     """The bytes of records, the number of kinds, and about them."""
     file = arguments.file("path", path, "the path of an event file")
     kind = arguments.word_or_none("format", format, "evt3")
-    return _amacrine.read(file, kind, arguments.size(size))
+    number = None if stream is None else arguments.whole("stream", stream, 0, (1 << 31) - 1)
+    return _amacrine.read(file, kind, arguments.size(size), number)
 
 
 def about(
-    path: Path_, *, format: str | None = None, size: tuple[int, int] | None = None
+    path: Path_,
+    *,
+    format: str | None = None,
+    size: tuple[int, int] | None = None,
+    stream: int | None = None,
 ) -> About:
-    """What a file says besides its events. It is read whole."""
-    return _about(_read(path, format, size)[2])
+    """What a file says besides its events; the arguments are those of :func:`read`. It is read whole."""
+    return _about(_read(path, format, size, stream)[2])
 
 
 def write(
     path: Path_,
-    events: npt.NDArray[Any],
+    events: Parts,
     *,
     size: tuple[int, int] | None = None,
     channels: int | None = None,
@@ -119,7 +134,8 @@ def write(
     Args:
         path: The file.
         events: A structured array, or a pandas data frame, with the fields t (us), x, y, p and, of
-            several kinds of cells, channel; integers of any width, in any order.
+            several kinds of cells, channel; integers of any width, in any order. Or a list of such,
+            one part after the other, of which is written what all of them know alike.
         size: Height and width of the sensor; where it is left out, that of the sensor or the file
             that the events are of, else the smallest that holds them.
         channels: Kinds of cells, where some said nothing; those of that sensor where it is left out.
@@ -132,13 +148,14 @@ def write(
 
     What a format cannot hold is an :class:`Error`, never clipped or flattened.
     """
-    place, kinds = size_of(events, size), kinds_of(events, channels)
-    if isinstance(events, NamedEvents):
-        # Without the field they are of one kind, whatever it was called.
-        if names is None and ("channel" in fields_of(events) or kinds == events.kinds):
-            names = events.names
-        span = events.span if span is None else span
-    lost = getattr(events, "dropped", None) or {}
+    given = whole(events)
+    place, kinds = size_of(given, size), kinds_of(given, channels)
+    if isinstance(given, NamedEvents):
+        # Without the field they are of one kind: of several, nobody knows which.
+        if names is None and ("channel" in fields_of(given) or given.kinds in (kinds, 1)):
+            names = given.names
+        span = given.span if span is None else span
+    lost = getattr(given, "dropped", None) or {}
     called = [] if names is None else arguments.names("names", names)
     if called and channels is not None and kinds != len(called):
         raise Error(
@@ -147,7 +164,7 @@ def write(
         )
     _amacrine.write(
         arguments.file("path", path, "the path of the file to write"),
-        npy(events, place),
+        npy(given, place),
         place,
         kinds,
         called,
@@ -196,10 +213,11 @@ def compare(
         identical packet and accident. ``docs/ruler.md`` has them all.
     """
     window, place = arguments.micros("within", within), arguments.size(size)
-    _check_kinds(reference, judged)
+    one, other = whole(reference), whole(judged)
+    _check_kinds(one, other)
     text = _amacrine.compare(
-        _side(reference, "the reference", place),
-        _side(judged, "the judged", place),
+        _side(one, "the reference", place),
+        _side(other, "the judged", place),
         window,
         None if fps is None else arguments.rate(fps),
         arguments.whole("bins", bins, 1, MOST_BINS),
@@ -208,7 +226,7 @@ def compare(
     return Answer.parse(text, rows="curve")
 
 
-def _check_kinds(reference: Packet, judged: Packet) -> None:
+def _check_kinds(reference: Any, judged: Any) -> None:
     """Refuses several kinds of cells against one where an array is among the two: it does not say how
     many there are. Two files say it to each other."""
     both = reference, judged
@@ -222,7 +240,7 @@ def _check_kinds(reference: Packet, judged: Packet) -> None:
         )
 
 
-def _has_kinds(packet: Packet) -> bool:
+def _has_kinds(packet: Any) -> bool:
     """Whether there are several kinds of cells."""
     if isinstance(packet, (str, PathLike)):
         return about(packet).channels > 1
@@ -230,7 +248,7 @@ def _has_kinds(packet: Packet) -> bool:
 
 
 def _side(
-    packet: Packet, name: str, size: tuple[int, int] | None
+    packet: Any, name: str, size: tuple[int, int] | None
 ) -> tuple[Path_, bytes | None, tuple[int, int] | None, int]:
     """A file, or an array and what it knows: the size of its sensor, and kinds of cells."""
     if isinstance(packet, (str, PathLike)):

@@ -128,9 +128,11 @@ def quantise(
 
     Returns:
         A :class:`Quantised`, a list of them where several quantisers were asked for; of several
-        kernels a list with that of each. With ``thresholds`` an :class:`Answer` whose table (``rows``)
-        has words, us, what is kept and the threshold equivalent of each; of several kernels its table
-        is ``together``, a row for each quantiser.
+        kernels a list with that of each. With ``thresholds`` an :class:`Answer` with the names of
+        ``amacrine quantise --json``: ``kernel``, ``quantised`` (a row for each quantiser: levels,
+        scale, relative error) and ``chip``, whose ``rows``, the table of ``to_frame()``, have words, us,
+        what is kept and the threshold equivalent of each; of several kernels ``kernels``, each with
+        its ``quantised``, and the table ``together``, a row for each quantiser.
     """
     given, several = named(kernel), not isinstance(to, str)
     values, total = names("to", to), word("sum", sum, "kept")
@@ -155,7 +157,7 @@ def quantise(
         text = _amacrine.on_chip_together(given, values, limits, *how)
         return _told(Answer.parse(text, rows="together"))
     text = _amacrine.on_chip(given[0], values, limits[0], *how)
-    return _told(Answer.parse(text, rows="rows"))
+    return _told(Answer.parse(text, rows="chip.rows"))
 
 
 def _quantised(name: str, of: dict[str, Any]) -> Quantised:

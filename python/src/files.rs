@@ -90,10 +90,12 @@ pub fn read<'py>(
     path: PathBuf,
     kind: Option<&str>,
     of: Option<(usize, usize)>,
+    stream: Option<i32>,
 ) -> PyResult<(Bound<'py, PyArray1<u8>>, u8, String)> {
     let how = Opening {
         format: format(kind)?,
         size: size(of),
+        stream,
     };
     let read = pool::work(py, || {
         let loaded = load(&path, None, &how)?;
@@ -146,8 +148,8 @@ pub fn write(
     let compression =
         compression.ok_or_else(|| refused("unknown compression", "give lz4, zstd or none"))?;
     let how = Opening {
-        format: None,
         size: size(of),
+        ..Opening::default()
     };
     let written = pool::work(py, || {
         let mut loaded = load(Path::new("events"), Some(npy), &how)?;
@@ -223,8 +225,8 @@ type Side = (PathBuf, Option<Vec<u8>>, Option<(usize, usize)>, u8);
 
 fn side((path, npy, of, channels): Side) -> Result<Loaded, Report> {
     let how = Opening {
-        format: None,
         size: size(of),
+        ..Opening::default()
     };
     let mut loaded = load(&path, npy, &how)?;
     loaded.packet.channels = loaded.packet.channels.max(channels);

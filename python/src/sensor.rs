@@ -6,6 +6,7 @@ use amacrine::{
     number::{Format, FormatError},
     plane::Size,
     reference::Description,
+    rig::guard::Warning,
     source,
     study::{
         pilot::{Effect, UnknownPart, left_out},
@@ -18,6 +19,7 @@ use pyo3::prelude::*;
 use crate::{
     chip::{self, Chip, plane},
     error::raised,
+    options::in_python,
     pool,
     run::Run,
     source::Source,
@@ -118,6 +120,14 @@ impl Sensor {
         let watcher = pool::work(py, || watcher::float(description, size, seed, format))?;
         let watcher = watcher.map_err(raised)?;
         Run::new(watcher, (size, channels), seen, fps, scale, max_events)
+    }
+
+    /// What there is to warn of in numbers of light from `low` to `high` that this sensor is shown, in
+    /// the words of a run.
+    fn warning_of_light(&self, subject: &str, low: f64, high: f64) -> Option<String> {
+        let mut warning = Warning::scale(Some((low, high)), self.description.response)?;
+        warning.subjects = vec![subject.to_owned()];
+        Some(in_python(&warning.to_string()))
     }
 
     /// The text of the sensor without these effects.

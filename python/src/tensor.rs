@@ -105,8 +105,8 @@ pub fn arrays(py: Python<'_>, all: Vec<Vec<f32>>) -> Vec<Bound<'_, PyArray1<f32>
 /// The packet of an array of events.
 fn packet(npy: Vec<u8>, size: Option<(usize, usize)>, channels: u8) -> Result<Packet, Report> {
     let how = Opening {
-        format: None,
         size: size.map(|(height, width)| Size::new(height, width)),
+        ..Opening::default()
     };
     let mut packet = files::load(Path::new("events"), Some(npy), &how)?.packet;
     packet.channels = packet.channels.max(channels);

@@ -242,3 +242,35 @@ def test_a_part_of_a_clip_is_that_of_numpy() -> None:
     for how, words in odd:
         with pytest.raises(amacrine.Error, match=words):
             amacrine.load("pattern:noise?width=20&height=12&frames=9&fps=100", **how)
+
+
+def test_parts_of_events_are_one_after_the_other(tmp_path: Path) -> None:
+    whole = np.zeros(9, amacrine.EVENT)
+    whole["t"] = np.arange(9) * 1000
+    amacrine.write(tmp_path / "a.npy", whole, size=(5, 8), names=["change"], span=(0, 1))
+    read = amacrine.read(tmp_path / "a.npy")
+    assert read.names == ["change"]
+    # Of one length, and of two, which numpy joins to no array.
+    for parts in ([read[:3], read[3:6], read[6:]], (read[:4], read[4:])):
+        amacrine.write(tmp_path / "b.npy", parts)
+        again = amacrine.read(tmp_path / "b.npy")
+        assert again.tobytes() == whole.tobytes()
+        assert (again.sensor_size, again.names) == ((5, 8), ["change"])
+        voxels = amacrine.events.voxels(parts, bins=2, window=0.01)
+        assert np.array_equal(voxels, amacrine.events.voxels(read, bins=2, window=0.01, start=0))
+        assert amacrine.compare(parts, read).f1 == 1
+    wide = read.astype([(name, "<i8") for name in "tpxy"])[["t", "p", "x", "y"]]
+    with pytest.raises(amacrine.Error, match="parts of events that cannot be joined"):
+        amacrine.write(tmp_path / "c.npy", [read, wide])
+
+
+def test_one_camera_of_several_is_read() -> None:
+    data = Path(__file__).parents[2] / "tests/data/event"
+    with pytest.raises(amacrine.Error, match=r"two streams of events, 0 and 1[\s\S]*stream=N"):
+        amacrine.read(data / "two_cameras.aedat4")
+    left, right = (amacrine.read(data / "two_cameras.aedat4", stream=n) for n in (0, 1))
+    assert (left.sensor_size, right.sensor_size) == ((4, 6), (5, 8))
+    assert (len(left), right["t"].tolist()) == (3, [12, 25])
+    assert amacrine.about(data / "two_cameras.aedat4", stream=1).size == (5, 8)
+    with pytest.raises(amacrine.Error, match="no stream of events of number 2"):
+        amacrine.read(data / "two_cameras.aedat4", stream=2)

@@ -57,6 +57,7 @@ def test_several_kernels_are_run_in_one_program(program: Callable[..., str]) -> 
         ["dvs", "sobel-x"], "ternary", thresholds=[20, 30], scene=SCENE, effort=0.05
     )
     assert answer.to_dict()["together"] == stated["together"]
+    assert answer.to_dict()["kernels"] == stated["kernels"]
     assert [kind.name for kind in answer.kernels] == ["dvs", "sobel-x"]
     assert "ternary" in answer._repr_html_()
     with pytest.raises(amacrine.Error, match="3 thresholds for 2 kernels"):
@@ -73,7 +74,14 @@ def test_quantise_on_the_chip(program: Callable[..., str]) -> None:
     words = ("--threshold", 20, "--scene", SCENE, "--effort", 0.05)
     stated = json.loads(program("quantise", "csdvs-3", "--to", "ternary", *words, "--json"))
     answer = amacrine.quantise("csdvs-3", ["ternary"], thresholds=20, scene=SCENE, effort=0.05)
-    assert answer.to_dict()["rows"] == stated["chip"]["rows"]
+    of_command = ("kernel", "sum", "quantised", "chip")
+    assert {name: answer.to_dict()[name] for name in of_command} == {
+        name: stated[name] for name in of_command
+    }
+    assert answer.quantised[0].scale == amacrine.quantise("csdvs-3", "ternary").scale
+    assert answer.to_frame().to.tolist() == answer.to_frame("chip.rows").to.tolist() == ["ternary"]
+    with pytest.raises(KeyError, match="words is no table; there are quantised, warnings, chip.rows"):
+        answer.to_frame("words")
     frames, fps = amacrine.load(SCENE)
     scale = None if frames.dtype == np.uint8 else 1
     same = amacrine.quantise(

@@ -395,8 +395,15 @@ def test_a_data_set_tells_once_what_a_chip_leaves_out(tmp_path: Path) -> None:
 def test_numbers_that_have_their_scale_are_not_scaled_twice(tmp_path: Path) -> None:
     np.save(tmp_path / "clip.npy", np.full((4, 16, 16), 200, np.uint8))
     data = EventDataset(tmp_path, frames=4, scale=255, fps=60)
-    with pytest.warns(amacrine.Caution, match="light goes up to 51000"):
+    with pytest.warns(amacrine.Caution, match="light goes up to 51000") as told:
         data[0]
+    # In the words of a run, of this video; a loader's own lines are not the caller's.
+    said = f"{tmp_path / 'clip.npy'}: light goes up to 51000.0000, but the sensor takes 0 to 255: "
+    assert str(told[0].message).startswith(said) and "give scale=" in str(told[0].message)
+    with pytest.warns(amacrine.Caution) as told:
+        data = EventDataset(tmp_path, frames=4, scale=255, fps=60)
+        [*torch.utils.data.DataLoader(data, collate_fn=list)]
+    assert [one.filename for one in told] == [__file__]
 
 
 def test_types_of_torch_are_types_of_voxels(videos: Path) -> None:

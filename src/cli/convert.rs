@@ -14,12 +14,12 @@ use super::{
     files::{self, Input, Output},
     in_order::Events,
     progress::Progress,
-    recording,
+    recording::{self, Recording},
 };
 use crate::{
     event::{
         Dropped, Event,
-        file::{Compression, FileError, Format, Head, Opening, Writer},
+        file::{Compression, FileError, Format, Head, Writer},
     },
     plane::Size,
     unit::{Micros, counted, exact_seconds},
@@ -45,9 +45,8 @@ pub struct Arguments {
     /// How packets of aedat4 are compressed [default: lz4]
     #[arg(long, value_name = "lz4|zstd|none", value_parser = compression)]
     compression: Option<Compression>,
-    /// The size of the sensor, where A does not say it
-    #[arg(long, value_name = "WxH", value_parser = recording::size)]
-    size: Option<Size>,
+    #[command(flatten)]
+    recording: Recording,
     /// Only the events from FROM on and before TO, each with its unit; either may be left out.
     /// Windows (`voxels`, `show`) have those after their start and up to their end
     #[arg(long, value_name = "FROM..TO", value_parser = slice)]
@@ -56,9 +55,6 @@ pub struct Arguments {
     /// the day
     #[arg(long)]
     from_zero: bool,
-    /// Only this stream of events, of an aedat4 file with several cameras: its number in the file
-    #[arg(long, value_name = "N")]
-    stream: Option<i32>,
     /// Only this kind of cell (which of the ganglion cells of a pixel), from 0
     #[arg(long, value_name = "N", conflicts_with = "each_kind")]
     kind: Option<u8>,
@@ -219,13 +215,10 @@ fn file_json(format: Format, written: &Written) -> serde_json::Value {
 }
 
 fn open(arguments: &Arguments) -> miette::Result<Events> {
-    let opening = Opening {
-        format: arguments.from,
-        size: arguments.size,
-    };
+    let opening = arguments.recording.opening(arguments.from);
     let mut events = Events::streamed(&arguments.a, &opening).map_err(|error| {
-        let is_damaged = matches!(&error, FileError::Bad { fault, .. } if !fault.is_foreign());
-        if arguments.salvage && is_damaged {
+        let is_bad = matches!(error, FileError::Bad { .. });
+        if arguments.salvage && is_bad && is_damage(&error) {
             return miette!(
                 help = "nothing is kept of it: what is damaged is needed to read the first event",
                 "{error}"
@@ -233,13 +226,16 @@ fn open(arguments: &Arguments) -> miette::Result<Events> {
         }
         error.into()
     })?;
-    if let Some(stream) = arguments.stream {
-        events.choose(stream)?;
-    }
     if arguments.sort {
         events.sort(&arguments.a)?;
     }
     Ok(events)
+}
+
+/// Whether an error says that the file is damaged; else it is whole, and nothing of it is to be
+/// saved.
+const fn is_damage(error: &FileError) -> bool {
+    !matches!(error, FileError::Bad { fault, .. } if fault.is_foreign())
 }
 
 /// The size and the kinds: from the file, else from all of its events.
@@ -275,7 +271,7 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
         }
         let more = match reader.next_block(&mut events) {
             Ok(more) => more,
-            Err(_) if arguments.salvage => break,
+            Err(error) if arguments.salvage && is_damage(&error) => break,
             Err(error) => return Err(error.into()),
         };
         // Text says what it is with its first events.
@@ -378,7 +374,7 @@ fn pass(
         match reader.next_block(&mut events) {
             Ok(true) => (),
             Ok(false) => break,
-            Err(error) if arguments.salvage => {
+            Err(error) if arguments.salvage && is_damage(&error) => {
                 seen.damage = Some(error);
                 break;
             }

@@ -1,35 +1,75 @@
 //! How verbs are told what an event file does not say itself.
 
-use std::path::Path;
+use std::{fs, path::Path};
 
 use miette::miette;
 
 use super::budget::{budget, check};
 use crate::{
-    event::file::{self, Loaded, Opening, Reader},
+    event::file::{self, FileError, Format, Loaded, Opening, Reader},
     limit::ARRAY_SIDE,
     memory::Need,
     plane::Size,
 };
 
 /// What an event file may leave open.
-#[derive(Debug, Default, clap::Args)]
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct Recording {
     /// The size of the sensor, where the file does not say it
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<Size>,
+    /// Which stream of events, of a file of several cameras: its number in an aedat4 file, 0 for
+    /// left and 1 for right in an hdf5 file of MVSEC
+    #[arg(long, value_name = "N")]
+    pub stream: Option<i32>,
 }
 
 impl Recording {
+    /// How a file is opened, whose format is this one where it is given.
+    pub const fn opening(&self, format: Option<Format>) -> Opening {
+        Opening {
+            format,
+            size: self.size,
+            stream: self.stream,
+        }
+    }
+
+    /// That of each of two files: a stream is asked of those that have several, and of the first
+    /// where neither has.
+    pub fn of_each(&self, paths: [&Path; 2]) -> Result<[Self; 2], FileError> {
+        let mut each = [*self, *self];
+        if self.stream.is_none() {
+            return Ok(each);
+        }
+        for (own, path) in each.iter_mut().zip(paths) {
+            // A pipe is read once.
+            if fs::metadata(path).is_ok_and(|it| it.is_file())
+                && Reader::open(path, &own.without_stream().opening(None))?
+                    .streams()
+                    .len()
+                    < 2
+            {
+                *own = own.without_stream();
+            }
+        }
+        if each.iter().all(|own| own.stream.is_none()) {
+            each[0] = *self;
+        }
+        Ok(each)
+    }
+
+    const fn without_stream(self) -> Self {
+        Self {
+            stream: None,
+            ..self
+        }
+    }
+
     /// Reads a whole file, of which each event takes `each` bytes in all that is made of it,
     /// where there is room for it beside `held` bytes.
     pub fn read(&self, path: &Path, held: u128, each: u128) -> miette::Result<Loaded> {
-        let opening = Opening {
-            format: None,
-            size: self.size,
-        };
         let room = u128::from(Need::new().and("", held).left(budget())) / each;
-        let reader = Reader::open(path, &opening)?;
+        let reader = Reader::open(path, &self.opening(None))?;
         let (loaded, damage, more) = file::up_to(reader, room as usize);
         if let Some(damage) = damage {
             return Err(damage.into());

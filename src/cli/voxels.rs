@@ -13,7 +13,7 @@ use super::{
 use crate::{
     event::{
         Event,
-        file::{self, Opening, Reader},
+        file::{self, Reader},
         tensor::{
             Alignment, Container, Layers, Normalise, Precision, Share, Sides, TensorFile,
             VoxelStream, Voxels, Windows,
@@ -140,7 +140,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     };
     let mut file = TensorFile::create(&arguments.output, container, layers)?;
     let mut stream = VoxelStream::new(how, size, channels);
-    let mut reader = Reader::open(&arguments.file, &arguments.opening())?;
+    let mut reader = Reader::open(&arguments.file, &arguments.recording.opening(None))?;
     let progress = Progress::new("windows", Some(windows.count(about.end)));
     let mut block: Vec<Event> = Vec::new();
     let mut write = |window: &[f32]| {
@@ -205,7 +205,7 @@ struct Extent {
 
 impl Extent {
     fn of(arguments: &Arguments) -> miette::Result<Self> {
-        let mut reader = Reader::open(&arguments.file, &arguments.opening())?;
+        let mut reader = Reader::open(&arguments.file, &arguments.recording.opening(None))?;
         let mut block: Vec<Event> = Vec::new();
         let (mut first, mut last) = (None, Micros(0));
         // Only the events themselves say where they end and what they reach.
@@ -264,12 +264,5 @@ impl Arguments {
             &format!("{windows} windows of {}", Bytes(each)),
             "take longer windows, fewer of them (--every), fewer bins, or 16 bits (--half)",
         )
-    }
-
-    fn opening(&self) -> Opening {
-        Opening {
-            format: None,
-            size: self.recording.size,
-        }
     }
 }

@@ -53,6 +53,23 @@ for name, ours in zip(("t", "x", "y", "on"), "txyp"):
 with event_stream.Encoder(str(theirs / "event_stream.es"), "dvs", width, height) as encoder:
     encoder.write(own)
 
+import h5py
+
+# As event_utils packages events, and as MVSEC has its two cameras.
+for name, times in (("event_utils.h5", events["t"] * 1e-6), ("event_utils.micros.h5", events["t"])):
+    with h5py.File(theirs / name, "w") as file:
+        columns = {"xs": events["x"], "ys": events["y"], "ts": times, "ps": events["p"].astype(bool)}
+        for column, values in columns.items():
+            file.create_dataset(f"events/{column}", data=values, maxshape=(None,), chunks=True)
+        file.attrs["sensor_resolution"] = (height, width)
+        file.attrs["num_events"] = len(events)
+        file.create_dataset("images/image000000000", data=np.zeros((height, width), np.uint8))
+with h5py.File(theirs / "mvsec.h5", "w") as file:
+    sign = np.where(events["p"], 1, -1)
+    rows = np.stack([events["x"], events["y"], events["t"] * 1e-6, sign], 1)
+    for camera, part in (("left", rows), ("right", rows[:7])):
+        file.create_dataset(f"davis/{camera}/events", data=part, compression="gzip")
+
 columns = {name: events[name] for name in "txyp"}
 np.savez(theirs / "numpy.npz", **columns)
 np.savez_compressed(theirs / "numpy_compressed.npz", **columns)

@@ -16,7 +16,7 @@ import torch
 
 from .. import _amacrine, arguments
 from .._amacrine import Error
-from ..caution import Caution
+from ..caution import Caution, Place
 from ..frames import load
 from ..kernels import Kernels
 from ..sensor import EventSensor, Sensor
@@ -112,6 +112,7 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         cache: int = 1 << 30,
         transform: Callable[[Item], Any] | None = None,
     ) -> None:
+        self._place = Place()
         self.videos = _videos(folder)
         help = "give a range above 0, low to high, such as thresholds=(0.1, 0.4)"
         ends = arguments.numbers("thresholds", thresholds, help)
@@ -165,6 +166,7 @@ class EventDataset(torch.utils.data.Dataset[Item]):
                 raise Error(f"chips: there is no chip {chip}\nhelp: give {names}, or a folder")
         if self._crop is not None and 0 in self._crop:
             raise Error(f"crop = {self._crop}\nhelp: give a height and a width above 0")
+        self._any = sensors[0]
         still = np.zeros((self._frames, 16, 16), np.uint8)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Caution)
@@ -186,7 +188,7 @@ class EventDataset(torch.utils.data.Dataset[Item]):
                 text = str(caution.message)
                 if text not in told:
                     told.add(text)
-                    warnings.warn(text, Caution, stacklevel=3)
+                    self._place.caution(text)
 
     def __repr__(self) -> str:
         return (
@@ -251,24 +253,18 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         if video in self._clips:
             self._clips.move_to_end(video)
             return self._clips[video]
-        clip, fps = load(self.videos[video], fps=self._fps, scale=self._scale)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", Caution)
+            clip, fps = load(self.videos[video], fps=self._fps, scale=self._scale)
+        cautions = [str(caution.message) for caution in caught]
         if clip.dtype != np.uint8:
             clip = clip.astype(np.float32)
-            if self._scale is None and clip.size > 0 and clip.max() <= 1.0:
-                warnings.warn(
-                    f"{self.videos[video]}: all light lies between {clip.min():.4g} and "
-                    f"{clip.max():.4g}, but sensors take 0 to 255: say scale=255 where white is 1",
-                    Caution,
-                    stacklevel=3,
-                )
-        if self._scale is not None and clip.size > 0 and clip.max() > 255.0:
-            warnings.warn(
-                f"{self.videos[video]}: light goes up to {clip.max():.6g} after scale={self._scale:g}, "
-                "but sensors take 0 to 255: scale is for videos of 0 to 1; give others in a list of "
-                "their own",
-                Caution,
-                stacklevel=3,
-            )
+        if clip.size > 0 and (clip.dtype != np.uint8 or self._scale is not None):
+            low, high = float(clip.min()), float(clip.max())
+            of_light = self._any._native.warning_of_light(self.videos[video], low, high)
+            cautions += [] if of_light is None else [of_light]
+        for text in cautions:
+            self._place.caution(text)
         self._clips[video] = clip, fps
         while sum(kept.nbytes for kept, _ in self._clips.values()) > self._most:
             if len(self._clips) == 1:

@@ -1,7 +1,10 @@
 //! Kernels in few values, alone and on a chip.
 
 use amacrine::{
-    kernel::quantise::{Quantiser, Sum, Summary},
+    kernel::{
+        Kernel,
+        quantise::{Erasure, Quantiser, Sum, Summary},
+    },
     photoreceptor::Response,
     rig::guard::Warning,
     study::quantisation,
@@ -55,11 +58,46 @@ fn few(named: &Named, to: &[Quantiser], sum: Sum, seed: u64) -> PyResult<Vec<Few
     Ok(all)
 }
 
-/// Each quantiser on the chip.
+/// A kernel in the values of one quantiser, or why it is not to be had in them.
+#[derive(Serialize)]
+pub struct Row {
+    to: String,
+    #[serde(flatten)]
+    summary: Option<Summary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    refused: Option<String>,
+}
+
+impl Row {
+    /// The row, and what few values have erased.
+    pub fn new(kernel: &Kernel, to: Quantiser, sum: Sum, seed: u64) -> (Self, Vec<Erasure>) {
+        let few = to.quantise(kernel, sum, seed);
+        let erased = few.iter().flat_map(|few| few.erasures(kernel)).collect();
+        let summary = few.as_ref().map(|few| Summary::new(kernel, few));
+        let row = Self {
+            to: to.to_string(),
+            refused: summary.as_ref().err().map(ToString::to_string),
+            summary: summary.ok(),
+        };
+        (row, erased)
+    }
+}
+
+/// The weights of a kernel, row by row.
+pub fn weights(kernel: &Kernel) -> Vec<Vec<f64>> {
+    let rows = kernel.weights().rows().into_iter();
+    // Rounded to 0 from below is 0.
+    rows.map(|row| row.iter().map(|weight| weight + 0.0).collect())
+        .collect()
+}
+
+/// A kernel, each quantiser of it, and each on the chip.
 #[derive(Serialize)]
 struct OnChip {
-    #[serde(flatten)]
-    answer: quantisation::Answer,
+    kernel: Vec<Vec<f64>>,
+    sum: f64,
+    quantised: Vec<Row>,
+    chip: quantisation::Answer,
     warnings: Vec<Warning>,
 }
 
@@ -96,7 +134,12 @@ pub fn on_chip(
     })?;
     let answer = answer.map_err(|report: Report| raised(report))?;
     json(&OnChip {
+        kernel: weights(&kernel),
+        sum: kernel.sum(),
+        quantised: { quantisers.iter() }
+            .map(|to| Row::new(&kernel, *to, sum, seed).0)
+            .collect(),
         warnings: answer.warnings.clone(),
-        answer,
+        chip: answer,
     })
 }

@@ -1,7 +1,7 @@
 //! Several kernels in one program, as `amacrine quantise` has it.
 
 use amacrine::{
-    kernel::quantise::{Quantiser, Sum, Summary},
+    kernel::quantise::{Quantiser, Sum},
     photoreceptor::Response,
     rig::guard::{Guard, Warning},
     study::{design::Design, joint::Joint},
@@ -11,7 +11,11 @@ use miette::Report;
 use pyo3::prelude::*;
 use serde::Serialize;
 
-use super::{Named, Search, Shown, check, device, kernel, open_on, quantisers, within};
+use super::{
+    Named, Search, Shown, check, device,
+    few::{Row, weights},
+    kernel, open_on, quantisers, within,
+};
 use crate::{
     chip::{effort, sum},
     error::raised,
@@ -31,17 +35,9 @@ struct Answer {
 #[derive(Serialize)]
 struct Kind {
     name: String,
+    kernel: Vec<Vec<f64>>,
+    sum: f64,
     quantised: Vec<Row>,
-}
-
-/// A kernel in the values of one quantiser, or why it is not to be had in them.
-#[derive(Serialize)]
-struct Row {
-    to: String,
-    #[serde(flatten)]
-    summary: Option<Summary>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    refused: Option<String>,
 }
 
 /// What is asked of all kernels.
@@ -100,6 +96,8 @@ impl Question<'_> {
         let each = self.names.iter().zip(&self.floats);
         let kernels = each.map(|(name, float)| Kind {
             name: name.clone(),
+            kernel: weights(float.kernel),
+            sum: float.kernel.sum(),
             quantised: { to.iter() }
                 .map(|to| self.row(float, *to, &mut guard))
                 .collect(),
@@ -126,15 +124,10 @@ impl Question<'_> {
 
     /// One kernel in the values of one quantiser.
     fn row(&self, float: &Design<'_>, to: Quantiser, guard: &mut Guard) -> Row {
-        let few = to.quantise(float.kernel, self.sum, float.seed);
-        for erasure in few.iter().flat_map(|few| few.erasures(float.kernel)) {
+        let (row, erased) = Row::new(float.kernel, to, self.sum, float.seed);
+        for erasure in erased {
             guard.warn(Warning::erased(&to.to_string(), erasure));
         }
-        let summary = { few.as_ref() }.map(|few| Summary::new(float.kernel, few));
-        Row {
-            to: to.to_string(),
-            refused: summary.as_ref().err().map(ToString::to_string),
-            summary: summary.ok(),
-        }
+        row
     }
 }

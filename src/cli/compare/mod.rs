@@ -76,9 +76,10 @@ const EACH: u128 = 176;
 /// When a file cannot be read, or the two are of different sensors.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     arguments.check()?;
-    let mut reference = arguments.recording.read(&arguments.a, 0, EACH)?;
+    let [of_a, of_b] = { arguments.recording }.of_each([&arguments.a, &arguments.b])?;
+    let mut reference = of_a.read(&arguments.a, 0, EACH)?;
     let held = EACH * reference.packet.events.len() as u128;
-    let mut judged = arguments.recording.read(&arguments.b, held, EACH)?;
+    let mut judged = of_b.read(&arguments.b, held, EACH)?;
     reference.widen_to(&judged.packet);
     judged.widen_to(&reference.packet);
     let pair = Pair::new(&reference.packet, &judged.packet)?;

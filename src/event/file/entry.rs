@@ -82,6 +82,8 @@ pub(super) enum Sign {
     /// A line of its header, which is of lines that begin with `%`, has these words, in lower
     /// case.
     Line(fn(&[&str]) -> bool),
+    /// A line of such a header names it as the encoding.
+    Encoding,
 }
 
 /// A file whose header was read, or what is wrong with it.

@@ -43,7 +43,7 @@ pub(super) const ENTRY: Entry = Entry {
     readers: "faery, expelliarmus, evlib, eventcv",
     module: "faery",
     python: "faery.events_stream_from_file(path, file_type='evt').to_array()",
-    sign: Sign::Line(|words| matches!(words, ["evt", "2.0" | "2", ..] | ["format", "evt2", ..])),
+    sign: Sign::Encoding,
     streams: Some(Streams {
         source: |_, chunks| Ok(Box::new(source(chunks)?)),
         sink: |head, _| Ok(Box::new(sink(head))),

@@ -30,7 +30,7 @@ pub(super) const ENTRY: Entry = Entry {
     readers: "evlib",
     module: "evlib",
     python: "evlib.load_events(path).collect()",
-    sign: Sign::Line(|words| matches!(words, ["evt", "2.1", ..] | ["format", "evt21", ..])),
+    sign: Sign::Encoding,
     streams: Some(Streams {
         source: |_, chunks| Ok(Box::new(source(chunks)?)),
         sink: |head, _| Ok(Box::new(sink(head))),

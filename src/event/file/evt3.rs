@@ -36,7 +36,7 @@ pub(super) const ENTRY: Entry = Entry {
     readers: "faery, evlib, eventcv",
     module: "faery",
     python: "faery.events_stream_from_file(path, file_type='evt').to_array()",
-    sign: Sign::Line(|words| matches!(words, ["evt", "3.0" | "3", ..] | ["format", "evt3", ..])),
+    sign: Sign::Encoding,
     streams: Some(Streams {
         source: |_, chunks| Ok(Box::new(source(chunks)?)),
         sink: |head, _| Ok(Box::new(sink(head))),

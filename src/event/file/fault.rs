@@ -89,14 +89,14 @@ pub enum FileError {
     },
     /// A stream of events was asked for of a file that has no such stream.
     #[error("{}: it has no stream of events of number {stream}", path.display())]
-    #[diagnostic(help(
-        "leave the number out (--stream): it is for aedat4 files with several cameras; the refusal of such a file names its streams"
-    ))]
+    #[diagnostic(help("{}", streams(known)))]
     NoStream {
         /// Which file.
         path: PathBuf,
         /// The number that was asked for.
         stream: i32,
+        /// Those that there are.
+        known: Vec<i32>,
     },
     /// The file is not what its format says.
     #[error("{}:{place}: {fault}", path.display())]
@@ -127,6 +127,16 @@ pub enum FileError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Save(#[from] SaveError),
+}
+
+/// Which streams may be asked for.
+fn streams(known: &[i32]) -> String {
+    if known.is_empty() {
+        return "leave the number out (--stream): it is for aedat4 and hdf5 files of several cameras"
+            .into();
+    }
+    let known: Vec<_> = known.iter().map(i32::to_string).collect();
+    format!("give one of those that there are: {}", known.join(", "))
 }
 
 /// The list of known extensions, for messages.
@@ -329,8 +339,8 @@ pub enum Fault {
         /// What the header says.
         name: String,
     },
-    /// Columns that are compressed in a way that is not read.
-    #[error("the column `{column}` is compressed in a way that is not read: {why}")]
+    /// Columns that are compressed, or laid out, in a way that is not read.
+    #[error("the column `{column}` is stored in a way that is not read: {why}")]
     Compressed {
         /// Which column.
         column: String,
@@ -350,10 +360,10 @@ pub enum Fault {
     Streams {
         /// Which format.
         format: Format,
-        /// The number of the one that was read so far.
-        one: i32,
-        /// The number of the other.
-        other: i32,
+        /// The number of the first, and where it is if the format says so by a name.
+        one: String,
+        /// The same of the other.
+        other: String,
     },
     /// A word that the format does not have.
     #[error("a word of kind {kind}, which {format} does not have")]
@@ -391,6 +401,10 @@ pub enum Fault {
     Trailing,
 }
 
+/// The longest side that formats with signed coordinates hold.
+const NARROW: usize = 1 << 15;
+const WIDE: &str = "write csv, npz, hdf5 or parquet, which hold sensors up to 65536x65536";
+
 impl Fault {
     /// The field whose value is wrong, where it is one.
     pub(super) const fn field(&self) -> Option<&'static str> {
@@ -420,6 +434,7 @@ impl Fault {
             Self::Late { .. } | Self::Silence { .. } => {
                 "write aedat4, npy or csv, which hold any time; or let times begin at 0 (`convert --from-zero`), and cut what is longer (`--slice`)"
             }
+            Self::Large { size, .. } if size.width.max(size.height) > NARROW => WIDE,
             Self::Large { .. } => "write aedat4, npy or csv, which hold larger sensors",
             Self::Layout { .. } | Self::Word { .. } => {
                 "check that the extension (or `--from`) says what is in the file"
@@ -428,9 +443,11 @@ impl Fault {
             Self::Encoding { .. } => {
                 "write it in one of these, as Metavision's `metavision_file_to_raw` does, or as hdf5"
             }
-            Self::Streams { .. } => "choose one: `amacrine convert IN OUT --stream N`",
+            Self::Streams { .. } => {
+                "choose one by its number: --stream N, in Python read(path, stream=N)"
+            }
             Self::Column { .. } => {
-                "expected is the layout of DSEC, events/{t,x,y,p} in microseconds; docs/formats.md has a line of Python for those of MVSEC, event_utils and Prophesee"
+                "read are the layouts of DSEC (events/{t,x,y,p}, in microseconds), event_utils (events/{xs,ys,ts,ps}) and MVSEC (davis/{left,right}/events); docs/formats.md has a line of Python for that of Prophesee"
             }
             Self::Compressed { .. } => "unpack it first: `h5repack -f NONE IN.h5 OUT.h5`",
             Self::Header { way, .. } => way,
@@ -458,6 +475,7 @@ impl Fault {
                 _ if *value < 0 || *value > 65535 => {
                     "coordinates count from 0 at the top left, to 65535 at most"
                 }
+                _ if *value >= NARROW as i128 => WIDE,
                 _ => {
                     "coordinates count from 0 at the top left; if this one is right, another format may hold it"
                 }
@@ -483,12 +501,16 @@ impl Fault {
         }
     }
 
-    /// Whether the file is good, and in a layout or an encoding that is not read.
+    /// Whether the file is good, and in a layout or an encoding that is not read, or of several
+    /// cameras, of which none was chosen.
     #[must_use]
     pub const fn is_foreign(&self) -> bool {
         matches!(
             self,
-            Self::Encoding { .. } | Self::Compressed { .. } | Self::Column { .. }
+            Self::Encoding { .. }
+                | Self::Compressed { .. }
+                | Self::Column { .. }
+                | Self::Streams { .. }
         )
     }
 

@@ -9,6 +9,7 @@ use super::{
     Fault, Format,
     about::{About, BLANK, NAME},
     chunks::Chunks,
+    encoding::Encoding,
     fault::Stop,
     head::Head,
     source::Out,
@@ -121,23 +122,21 @@ impl Header {
 
     /// Checks that a Prophesee file is of the encoding that its header names, once or twice.
     pub fn names(&self, format: Format) -> Result<(), Fault> {
-        let of = |name: &str| match name.to_ascii_lowercase().as_str() {
-            "2" | "2.0" | "evt2" => Some(Format::Evt2),
-            "2.1" | "evt21" => Some(Format::Evt21),
-            "3" | "3.0" | "evt3" => Some(Format::Evt3),
-            _ => None,
-        };
-        for key in ["evt", "format"] {
-            let value = self.get(key).unwrap_or_default();
-            let name = value.split(';').next().unwrap_or_default().trim();
-            match of(name) {
+        for key in Encoding::KEYS {
+            let Some(Encoding {
+                name,
+                format: named,
+            }) = self.get(key).and_then(Encoding::of_value)
+            else {
+                continue;
+            };
+            match named {
                 Some(named) if named == format => (),
                 Some(_) => {
                     let one = format!("`{key}` in its header says {name}");
                     return Err(Fault::twice(format, one, "it is read as another encoding"));
                 }
-                None if name.is_empty() => (),
-                None => return Err(Fault::Encoding { name: name.into() }),
+                None => return Err(Fault::Encoding { name }),
             }
         }
         Ok(())

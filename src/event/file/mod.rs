@@ -22,6 +22,7 @@ mod csv;
 mod dat;
 mod e2vid;
 mod e2vid_zip;
+mod encoding;
 mod entry;
 mod es;
 mod evt2;

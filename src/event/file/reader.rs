@@ -14,6 +14,8 @@ pub struct Opening {
     pub format: Option<Format>,
     /// The size of its sensor, where the file does not give one; another than the file gives is refused.
     pub size: Option<Size>,
+    /// Which of its streams of events, of a file of several cameras: its number in the file.
+    pub stream: Option<i32>,
 }
 
 /// An event file being read: memory does not grow with its length.
@@ -46,8 +48,8 @@ impl Reader {
     /// Opens a file and reads what stands before its events.
     ///
     /// # Errors
-    /// When the format is not known, the file cannot be opened, or its header is not as the
-    /// format says.
+    /// When the format is not known, the file cannot be opened, its header is not as the format
+    /// says, or it has no such stream as was asked for.
     pub fn open(path: &Path, how: &Opening) -> Result<Self, FileError> {
         Self::new(path, &Origin::File(path.to_owned()), how)
     }
@@ -90,6 +92,9 @@ impl Reader {
             stopped: None,
             ended: false,
         };
+        if let Some(stream) = how.stream {
+            reader.choose(stream)?;
+        }
         reader.listen();
         match reader.contradiction() {
             Some(error) => Err(error),
@@ -102,18 +107,25 @@ impl Reader {
         self.gate.in_order = false;
     }
 
-    /// Leaves out all streams of events but one, of a file with several cameras (aedat4), before
-    /// the first block is read; `stream` is its number in the file.
-    ///
-    /// # Errors
-    /// When the file has no such stream.
-    pub fn choose(&mut self, stream: i32) -> Result<(), FileError> {
-        if !self.source.choose(stream) {
-            let path = self.path.clone();
-            return Err(FileError::NoStream { path, stream });
+    /// Leaves out all streams of events but one.
+    fn choose(&mut self, stream: i32) -> Result<(), FileError> {
+        let known = self.streams();
+        if known.contains(&stream) {
+            self.source.choose(stream);
+            return Ok(());
         }
-        self.listen();
-        self.contradiction().map_or(Ok(()), Err)
+        Err(FileError::NoStream {
+            path: self.path.clone(),
+            stream,
+            known,
+        })
+    }
+
+    /// The numbers of its streams of events, one for each camera; none where the format has no
+    /// room for several.
+    #[must_use]
+    pub fn streams(&self) -> Vec<i32> {
+        self.source.streams()
     }
 
     /// The format it is read as.

@@ -3,6 +3,7 @@
 use std::{path::Path, str::FromStr};
 
 use super::{
+    encoding::Encoding,
     entry::{Entry, Sign},
     fault::{Fault, FileError, Place},
     format::Format,
@@ -59,32 +60,21 @@ impl Format {
         match known[..] {
             [format] => Ok(format),
             [] => sniff(start).map_or_else(|| Self::from_path(path), Ok),
-            _ => sniff(start).ok_or_else(|| match encoding(start) {
-                Some(name) => FileError::Bad {
-                    path: path.to_owned(),
-                    place: Place::Byte(0),
-                    fault: Fault::Encoding { name },
-                    opened: false,
-                },
-                None => FileError::Unknown {
-                    path: path.to_owned(),
-                },
+            _ => sniff(start).ok_or_else(|| {
+                match lines(start).find_map(|it| Encoding::of_line(&it)) {
+                    Some(Encoding { name, .. }) => FileError::Bad {
+                        path: path.to_owned(),
+                        place: Place::Byte(0),
+                        fault: Fault::Encoding { name },
+                        opened: false,
+                    },
+                    None => FileError::Unknown {
+                        path: path.to_owned(),
+                    },
+                }
             }),
         }
     }
-}
-
-/// The encoding that the header of a Prophesee file says.
-fn encoding(start: &[u8]) -> Option<String> {
-    let mut lines = start
-        .split(|b| *b == b'\n')
-        .map_while(|line| line.strip_prefix(b"% "));
-    lines.find_map(|line| {
-        let line = String::from_utf8_lossy(line);
-        let value = line.strip_prefix("format ").or(line.strip_prefix("evt "))?;
-        let name = value.split(';').next().unwrap_or_default().trim();
-        (!name.is_empty()).then(|| name.to_owned())
-    })
 }
 
 /// What follows the last dot of a name that has one.
@@ -114,28 +104,35 @@ fn sniff(start: &[u8]) -> Option<Format> {
             let extension = Path::new(name).extension();
             extension.is_some_and(|its| its.eq_ignore_ascii_case(member))
         }),
-        Sign::Nothing | Sign::Line(_) => false,
+        Sign::Nothing | Sign::Line(_) | Sign::Encoding => false,
     };
     if let Some(format) = all.find(begins) {
         return Some(format);
     }
-    let mut header = start
-        .split(|b| *b == b'\n')
-        .take_while(|line| line.starts_with(b"%"))
-        .map(|line| String::from_utf8_lossy(line).to_ascii_lowercase());
     // The first line that says a format decides.
-    header.find_map(|line| {
-        let words: Vec<_> = line
+    lines(start).find_map(|line| {
+        let words = line.to_ascii_lowercase();
+        let words: Vec<_> = words
             .trim_start_matches('%')
             .split([' ', ';', '\r'])
             .filter(|word| !word.is_empty())
             .collect();
+        let named = Encoding::of_line(&line).and_then(|it| it.format);
         let says = |format: &Format| match format.entry().sign {
             Sign::Line(says) => says(&words),
+            Sign::Encoding => named == Some(*format),
             Sign::Nothing | Sign::Bytes(_) | Sign::Archive(_) => false,
         };
         Format::ALL.iter().copied().find(says)
     })
+}
+
+/// The lines of a header whose lines begin with `%`.
+fn lines(start: &[u8]) -> impl Iterator<Item = std::borrow::Cow<'_, str>> {
+    let lines = start.split(|b| *b == b'\n');
+    lines
+        .take_while(|line| line.starts_with(b"%"))
+        .map(String::from_utf8_lossy)
 }
 
 /// What the first member of a zip archive is called; `start` are its first bytes.

@@ -13,11 +13,14 @@ pub trait Source: Send {
     /// What the file has said of itself so far.
     fn about(&self) -> About;
 
-    /// Leaves out all streams of events but the one of this number; false where there is no such
-    /// stream. Before the first [`Source::fill`].
-    fn choose(&mut self, _stream: i32) -> bool {
-        false
+    /// The numbers of its streams of events, where the format may have several.
+    fn streams(&self) -> Vec<i32> {
+        Vec::new()
     }
+
+    /// Leaves out all streams of events but this one of [`Source::streams`]. Before the first
+    /// [`Source::fill`].
+    fn choose(&mut self, _stream: i32) {}
 
     /// Adds the next events; false at the end of the file.
     ///

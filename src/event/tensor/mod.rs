@@ -8,6 +8,7 @@ mod file;
 mod frame;
 mod hdf5;
 mod normalise;
+mod period;
 mod sides;
 mod stream;
 mod surface;

@@ -2,7 +2,10 @@
 
 use std::str::FromStr;
 
-use super::error::{TensorError, named, time};
+use super::{
+    error::{TensorError, named, time},
+    period::Period,
+};
 use crate::unit::Micros;
 
 /// Where a window lies about the time it is of.
@@ -35,10 +38,10 @@ impl FromStr for Alignment {
 /// events are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Windows {
-    length: f64,
-    every: f64,
+    length: Period,
+    every: Period,
     alignment: Alignment,
-    /// In microseconds, so that recordings with times of the day lose no digit.
+    /// In microseconds.
     start: i64,
 }
 
@@ -49,8 +52,8 @@ impl Windows {
     /// When one of the two is less than a microsecond, or not finite.
     pub fn new(length: f64, every: f64, alignment: Alignment) -> Result<Self, TensorError> {
         Ok(Self {
-            length: time("the window", length)?,
-            every: time("the time from window to window", every)?,
+            length: Period::from_seconds(time("the window", length)?),
+            every: Period::from_seconds(time("the time from window to window", every)?),
             alignment,
             start: 0,
         })
@@ -70,9 +73,9 @@ impl Windows {
     /// The same, without those that end before a time: the first is the one in which it lies.
     #[must_use]
     pub fn reaching(self, first: Micros) -> Self {
-        let skipped = (first.seconds() / self.every).floor();
-        let start = micros(skipped * self.every).min(first.0 as i64);
-        self.from(Micros(start.max(0) as u64))
+        let first = first.0.min(i64::MAX as u64) as i64;
+        let start = self.multiple(self.every.within(first), 0);
+        self.from(Micros(start.clamp(0, first) as u64))
     }
 
     /// The time from which they are counted.
@@ -84,14 +87,21 @@ impl Windows {
     /// Start and end of window `n`, in microseconds; the start may lie before 0.
     #[must_use]
     pub fn bounds(&self, n: u64) -> (i64, i64) {
-        let at = n as f64 * self.every;
         let (from, to) = match self.alignment {
-            Alignment::Causal => (at + (self.every - self.length), at + self.every),
-            Alignment::Centred => (at - self.length / 2.0, at + self.length / 2.0),
+            Alignment::Causal => {
+                let n = n.saturating_add(1);
+                (self.multiple(n, -2), self.multiple(n, 0))
+            }
+            Alignment::Centred => (self.multiple(n, -1), self.multiple(n, 1)),
         };
-        let from = self.start.saturating_add(micros(from));
-        let to = self.start.saturating_add(micros(to));
+        let from = self.start.saturating_add(from);
+        let to = self.start.saturating_add(to);
         (from, to.max(from.saturating_add(1)))
+    }
+
+    /// So many times `every`, and so many halves of the length.
+    fn multiple(&self, count: u64, halves: i128) -> i64 {
+        self.every.times(count, halves, self.length)
     }
 
     /// The events of window `n` are after this time, and up to its end.
@@ -104,9 +114,9 @@ impl Windows {
     #[must_use]
     pub fn count(&self, end: Micros) -> u64 {
         let end = end.0 as i64;
-        let seconds = end.saturating_sub(self.start) as f64 * 1e-6;
         // Near it, and then exactly: bounds are rounded.
-        let mut count = (seconds / self.every).max(2.0) as u64 - 1;
+        let near = self.every.within(end.saturating_sub(self.start));
+        let mut count = near.max(2) - 1;
         match self.alignment {
             Alignment::Causal => {
                 while count > 1 && self.bounds(count - 2).1 >= end {
@@ -117,7 +127,7 @@ impl Windows {
                 }
             }
             Alignment::Centred => {
-                let middle = |n: u64| self.start.saturating_add(micros(n as f64 * self.every));
+                let middle = |n: u64| self.start.saturating_add(self.multiple(n, 0));
                 while count > 1 && middle(count - 1) > end {
                     count -= 1;
                 }
@@ -133,11 +143,6 @@ impl Windows {
         }
         count
     }
-}
-
-fn micros(seconds: f64) -> i64 {
-    // `as` saturates, which is what is meant.
-    (seconds * 1e6).round() as i64
 }
 
 #[cfg(test)]
@@ -184,6 +189,37 @@ mod tests {
             let last = Micros(i64::MAX as u64);
             let windows = windows.reaching(Micros(last.0 - 5_000_000));
             assert!((95..=105).contains(&windows.count(last)), "{alignment:?}");
+        }
+    }
+
+    /// However far from 0, windows lie where they would at 0.
+    #[test]
+    fn late_windows_are_exact() {
+        // A multiple of each distance.
+        let far = (1_u64 << 60) / 300_000 * 300_000;
+        for (length, every, skipped) in [
+            (0.05, 0.05, far / 50_000),
+            (0.1, 0.03, far / 30_000),
+            (1.0 / 30.0, 1.0 / 30.0, far / 100_000 * 3),
+        ] {
+            for alignment in [Alignment::Causal, Alignment::Centred] {
+                let windows = Windows::new(length, every, alignment).unwrap();
+                for first in [far, far + 7] {
+                    assert_eq!(windows.reaching(Micros(first)).start(), Micros(far));
+                }
+                for n in 0..100 {
+                    let (from, to) = windows.bounds(n);
+                    let shifted = (from + far as i64, to + far as i64);
+                    assert_eq!(windows.reaching(Micros(far)).bounds(n), shifted);
+                    // But at 0 a half is rounded to the other side.
+                    if from >= 0 {
+                        assert_eq!(windows.bounds(skipped + n), shifted);
+                    }
+                }
+                let reaching = windows.reaching(Micros(far));
+                let end = far + 999_999;
+                assert_eq!(reaching.count(Micros(end)), windows.count(Micros(999_999)));
+            }
         }
     }
 

@@ -264,8 +264,8 @@ impl Reading {
         if one != stream && !self.chosen {
             let fault = Fault::Streams {
                 format: Format::Aedat4,
-                one,
-                other: stream,
+                one: one.to_string(),
+                other: stream.to_string(),
             };
             return Err(Stop::Fault(Place::Byte(at), fault));
         }
@@ -368,14 +368,17 @@ impl Source for Reading {
         self.about.clone()
     }
 
-    fn choose(&mut self, stream: i32) -> bool {
+    fn streams(&self) -> Vec<i32> {
+        let events = self.streams.iter().filter(|it| it.kind == "EVTS");
+        events.map(|it| it.number).collect()
+    }
+
+    fn choose(&mut self, stream: i32) {
         let mut streams = self.streams.iter();
-        let Some(described) = streams.find(|it| it.number == stream && it.kind == "EVTS") else {
-            return false;
-        };
-        self.about = described.about.clone();
-        (self.stream, self.chosen) = (Some(stream), true);
-        true
+        if let Some(described) = streams.find(|it| it.number == stream && it.kind == "EVTS") {
+            self.about = described.about.clone();
+            (self.stream, self.chosen) = (Some(stream), true);
+        }
     }
 
     fn fill(&mut self, events: &mut Vec<Event>) -> Result<bool, Stop> {

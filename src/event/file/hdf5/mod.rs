@@ -5,9 +5,20 @@
 //! event, so `t + t_offset` is absolute. t is `<i8`, where DSEC has 32 bits without a sign;
 //! columns are deflated in chunks. Size, channels, time watched and drops are an attribute.
 //! Read with integers of any width; what is compressed by other filters (blosc) is refused.
+//! The layouts of `event_utils` and MVSEC are read too: `event_utils.rs`, `mvsec.rs`.
 //! While a file is written it waits as a temporary file. Source:
 //! <https://dsec.ifi.uzh.ch/data-format/>.
 
+#[cfg(feature = "hdf5")]
+mod cameras;
+#[cfg(feature = "hdf5")]
+mod event_utils;
+#[cfg(feature = "hdf5")]
+mod mvsec;
+#[cfg(feature = "hdf5")]
+mod numbers;
+#[cfg(feature = "hdf5")]
+mod open;
 #[cfg(feature = "hdf5")]
 mod streams;
 
@@ -15,7 +26,7 @@ use super::entry::{Entry, Limits, Sign, Streams};
 
 #[cfg(feature = "hdf5")]
 const STREAMS: Option<Streams> = Some(Streams {
-    source: |origin, _| Ok(Box::new(streams::source(origin)?)),
+    source: |origin, _| streams::source(origin),
     sink: |head, _| Ok(Box::new(streams::sink(head))),
 });
 

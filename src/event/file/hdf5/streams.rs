@@ -6,93 +6,60 @@ use std::{
 };
 
 use hdf5_pure::{
-    AttrValue, Dataset, Error, File, FileAccessProperties, FileBuilder, FormatError, MaxExtent,
-    SyncPolicy,
+    AttrValue, Dataset, Error, File, FileAccessProperties, FileBuilder, MaxExtent, SyncPolicy,
 };
 
-use super::super::{
-    Fault, Format, Place,
-    about::About,
-    columns::{self, COLUMNS},
-    fault::Stop,
-    head::Head,
-    origin::Origin,
-    source::{BLOCK, Out, Sink, Source},
+use super::{
+    super::{
+        Fault, Format, Place,
+        about::About,
+        columns::{self, COLUMNS, OTHERS},
+        fault::Stop,
+        head::Head,
+        origin::Origin,
+        source::{BLOCK, Out, Sink, Source},
+    },
+    event_utils, mvsec,
+    numbers::Numbers,
+    open::{column, length, open, unreadable, wrong},
 };
 use crate::{event::Event, save::Spool};
 
 /// Values of a chunk; at 2^16 the C library refuses how hdf5-pure 0.47 writes the number.
 const CHUNK: u64 = 1 << 15;
 
-fn wrong(why: impl Into<String>) -> Stop {
-    Stop::layout(Format::Hdf5, 0, why)
-}
-
-/// Layouts of others: where their events are, and who writes them.
-const OTHERS: [(&str, &str); 4] = [
-    ("events/ts", "event_utils"),
-    ("CD/events", "Prophesee"),
-    ("davis/left/events", "MVSEC"),
-    ("davis/right/events", "MVSEC"),
-];
-
-/// Why a column is not there: the file was cut, or is laid out in another way.
-fn missing(file: &File, name: &str, why: &Error) -> Stop {
-    if let Error::Format(FormatError::UnexpectedEof {
-        expected,
-        available,
-    }) = why
-        && *available as u64 == file.file_size()
-    {
-        let inside = format!("at least {expected} bytes");
-        return Stop::Fault(Place::Byte(*available as u64), Fault::Truncated { inside });
+/// Opens a file's stream of events, in whichever layout they are.
+pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
+    let file = open(origin)?;
+    if file.dataset("events/t").is_err() {
+        if file.dataset(event_utils::TIMES).is_ok() {
+            return Ok(Box::new(event_utils::source(&file)?));
+        }
+        if mvsec::fits(&file) {
+            return Ok(Box::new(mvsec::source(&file)?));
+        }
     }
-    let mut others = OTHERS.iter();
-    let found = match others.find(|(path, _)| file.dataset(path).is_ok()) {
-        Some((path, whose)) => format!("it has `{path}`, as files of {whose} do"),
-        None => why.to_string(),
-    };
-    let (column, why) = (format!("events/{name}"), found);
-    Stop::Fault(Place::Byte(0), Fault::Column { column, why })
+    Ok(Box::new(dsec(&file)?))
 }
 
-/// Opens a file's stream of events.
-pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
-    let unreadable = |e: Error| wrong(format!("cannot be read: {e}"));
-    let file = match origin {
-        Origin::File(path) => File::open_streaming(path).map_err(unreadable)?,
-        Origin::Memory(bytes) => File::from_bytes(bytes.to_vec()).map_err(unreadable)?,
-    };
+/// Opens the stream of a file that is laid out as DSEC.
+fn dsec(file: &File) -> Result<Reading, Stop> {
     let mut columns = Vec::new();
     let mut events = None;
     for name in COLUMNS {
-        let column = match file.dataset(&format!("events/{name}")) {
-            Ok(column) => column,
-            Err(_) if name == "channel" => continue,
-            Err(e) => return Err(missing(&file, name, &e)),
-        };
-        let shape = column.shape().map_err(unreadable)?;
-        let [length] = shape[..] else {
-            return Err(wrong(format!("has `{name}` of {} dimensions", shape.len())));
-        };
-        if *events.get_or_insert(length) != length {
-            return Err(wrong("has columns of different lengths"));
+        let path = format!("events/{name}");
+        if name == "channel" && file.dataset(&path).is_err() {
+            continue;
         }
-        // Damage comes later; a filter that is not known is none.
-        if length > 0
-            && let Err(e) = column.read_i64_rows(0, 1)
-            && matches!(e, Error::Format(FormatError::UnsupportedFilter(_)))
-        {
-            let (column, why) = (format!("events/{name}"), e.to_string());
-            return Err(Stop::Fault(
-                Place::Event(0),
-                Fault::Compressed { column, why },
-            ));
-        }
+        let column = column(file, &path)?;
+        length(&column, name, &mut events)?;
         columns.push(column);
     }
     let offset = match file.dataset("t_offset") {
-        Ok(offset) => offset.read_i64().map_err(unreadable)?.first().copied(),
+        Ok(offset) => {
+            let offset = Numbers::read(&offset, "t_offset", (0, 1), 1)?.whole(0, "t_offset");
+            Some(offset.map_err(|fault| Stop::Fault(Place::Byte(0), fault))?)
+        }
         Err(_) => None,
     };
     let comment = match file.root().attrs().map_err(unreadable)?.get("amacrine") {
@@ -101,7 +68,9 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     };
     let about = columns::about(comment.as_deref(), columns.len())?;
     let index = file.dataset("ms_to_idx").ok().map(Index::new).transpose()?;
+    let all = file.group("events").and_then(|group| group.datasets());
     Ok(Reading {
+        others: all.map_err(unreadable)?.len() > columns.len(),
         columns,
         index,
         offset: offset.unwrap_or(0),
@@ -199,7 +168,9 @@ impl Index {
 pub(super) struct Reading {
     columns: Vec<Dataset>,
     index: Option<Index>,
-    offset: i64,
+    /// Whether there are other columns.
+    others: bool,
+    offset: i128,
     about: About,
     events: u64,
     read: u64,
@@ -223,23 +194,22 @@ impl Source for Reading {
         }
         let mut columns = Vec::new();
         for (column, name) in self.columns.iter().zip(COLUMNS) {
-            let values = column.read_i64_rows(self.read, count);
-            let values = values
-                .map_err(|e| wrong(format!("has a column `{name}` that cannot be read: {e}")))?;
-            if values.len() as u64 != count {
-                return Err(wrong(format!("has a column `{name}` that ends early")));
-            }
-            columns.push(values);
+            columns.push(Numbers::read(column, name, (self.read, count), 1)?);
         }
         for i in 0..count as usize {
-            let value = |n: usize| columns.get(n).map_or(0, |c| i128::from(c[i]));
-            let mut raw = columns::raw(value);
-            raw.t += i128::from(self.offset);
-            let event = raw
-                .event()
-                .map_err(|fault| Stop::Fault(self.place(i), fault))?;
+            let value = |n: usize| {
+                let column: Option<&Numbers> = columns.get(n);
+                column.map_or(Ok(0), |column| column.whole(i, COLUMNS[n]))
+            };
+            let mut since = 0;
+            let event = columns::raw(value).and_then(|mut raw| {
+                since = raw.t;
+                raw.t += self.offset;
+                raw.event()
+            });
+            let event = event.map_err(|fault| Stop::Fault(self.place(i), fault))?;
             if let Some(index) = &mut self.index {
-                let millisecond = u64::try_from(value(0)).unwrap_or(0) / 1000;
+                let millisecond = u64::try_from(since).unwrap_or(0) / 1000;
                 if millisecond >= index.next {
                     index.hold(millisecond, self.first + i as u64)?;
                 }
@@ -248,6 +218,10 @@ impl Source for Reading {
         }
         self.read += count;
         Ok(true)
+    }
+
+    fn note(&self) -> Option<&'static str> {
+        self.others.then_some(OTHERS)
     }
 
     fn place(&self, event: usize) -> Place {

@@ -7,6 +7,8 @@
 //! temporary file. Source: <https://parquet.apache.org/docs/file-format/>.
 
 #[cfg(feature = "parquet")]
+mod kind;
+#[cfg(feature = "parquet")]
 mod streams;
 
 use super::entry::{Entry, Limits, Sign, Streams};

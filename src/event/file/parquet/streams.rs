@@ -24,14 +24,18 @@ use parquet::{
     schema::parser::parse_message_type,
 };
 
-use super::super::{
-    Fault, Format, Place,
-    about::About,
-    columns::{self, COLUMNS},
-    fault::Stop,
-    head::Head,
-    origin::Origin,
-    source::{BLOCK, Out, Sink, Source},
+use super::{
+    super::{
+        Fault, Format, Place,
+        about::About,
+        columns::{self, COLUMNS, OTHERS},
+        fault::Stop,
+        gate::Raw,
+        head::Head,
+        origin::Origin,
+        source::{BLOCK, Out, Sink, Source},
+    },
+    kind,
 };
 use crate::{catch_panic, event::Event};
 
@@ -55,11 +59,11 @@ fn guarded<T>(work: impl FnOnce() -> ParquetResult<T>) -> Result<T, Stop> {
 fn opened(
     file: &dyn FileReader,
     group: usize,
-    columns: &[usize],
+    columns: &[(usize, bool)],
 ) -> ParquetResult<(u64, Vec<ColumnReader>)> {
     let group = file.get_row_group(group)?;
     let mut open = Vec::new();
-    for number in columns {
+    for (number, _) in columns {
         let column = group.metadata().column(*number);
         let places = [
             column.compressed_size(),
@@ -139,7 +143,14 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     let mut columns = Vec::new();
     for name in COLUMNS {
         match place(name) {
-            Some(column) => columns.push(column),
+            Some(column) => {
+                let unsigned = kind::is_unsigned(&schema.column(column)).map_err(|unit| {
+                    wrong(format!(
+                        "has a column `{name}` in {unit}: let it be whole microseconds"
+                    ))
+                })?;
+                columns.push((column, unsigned));
+            }
             None if name == "channel" => (),
             None => return Err(wrong(format!("has no column `{name}`"))),
         }
@@ -152,6 +163,7 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     let about = columns::about(comment.as_deref(), columns.len())?;
     hold_rows(&*file)?;
     Ok(Reading {
+        others: schema.num_columns() > columns.len(),
         file,
         columns,
         about,
@@ -206,21 +218,24 @@ fn hold_rows(file: &dyn FileReader) -> Result<(), Stop> {
 pub(super) struct Reading {
     file: Box<dyn FileReader>,
     /// Numbers of these columns in the file.
-    columns: Vec<usize>,
+    /// Their numbers, and whether theirs have no sign.
+    columns: Vec<(usize, bool)>,
     about: About,
     /// The next row group, rows left of this one, and its columns.
     group: usize,
     left: u64,
     open: Vec<ColumnReader>,
+    /// Whether there are other columns.
+    others: bool,
     read: u64,
     first: u64,
 }
 
 /// Reads `count` integers of a column.
-fn integers(column: &mut ColumnReader, count: usize) -> ParquetResult<Vec<i128>> {
+fn integers(column: &mut ColumnReader, unsigned: bool, count: usize) -> ParquetResult<Vec<i128>> {
     /// What a column of one type gives.
     macro_rules! read {
-        ($column:expr) => {{
+        ($column:expr, $number:expr) => {{
             let mut values = Vec::with_capacity(count);
             let mut levels = Vec::new();
             while values.len() < count {
@@ -231,13 +246,19 @@ fn integers(column: &mut ColumnReader, count: usize) -> ParquetResult<Vec<i128>>
                     break;
                 }
             }
-            values.into_iter().map(i128::from).collect()
+            values.into_iter().map($number).collect()
         }};
     }
     Ok(match column {
-        ColumnReader::BoolColumnReader(column) => read!(column),
-        ColumnReader::Int32ColumnReader(column) => read!(column),
-        ColumnReader::Int64ColumnReader(column) => read!(column),
+        ColumnReader::BoolColumnReader(column) => read!(column, i128::from),
+        ColumnReader::Int32ColumnReader(column) if unsigned => {
+            read!(column, |value| i128::from(value.cast_unsigned()))
+        }
+        ColumnReader::Int64ColumnReader(column) if unsigned => {
+            read!(column, |value| i128::from(value.cast_unsigned()))
+        }
+        ColumnReader::Int32ColumnReader(column) => read!(column, i128::from),
+        ColumnReader::Int64ColumnReader(column) => read!(column, i128::from),
         _ => return Err(ParquetError::General("a column is not of integers".into())),
     })
 }
@@ -252,7 +273,7 @@ impl Source for Reading {
         while self.left == 0 {
             // No values behind those of the last row.
             for (column, name) in self.open.iter_mut().zip(COLUMNS) {
-                if !guarded(|| integers(column, 1))?.is_empty() {
+                if !guarded(|| integers(column, false, 1))?.is_empty() {
                     let one = format!("row group {} says how many rows it has", self.group - 1);
                     let fault = Fault::twice(
                         Format::Parquet,
@@ -272,8 +293,9 @@ impl Source for Reading {
         }
         let count = self.left.min(BLOCK as u64) as usize;
         let mut columns = Vec::new();
-        for (column, name) in self.open.iter_mut().zip(COLUMNS) {
-            let values = guarded(|| integers(column, count))?;
+        let signs = self.columns.iter().map(|(_, unsigned)| *unsigned);
+        for ((column, name), unsigned) in self.open.iter_mut().zip(COLUMNS).zip(signs) {
+            let values = guarded(|| integers(column, unsigned, count))?;
             if values.len() != count {
                 return Err(wrong(format!(
                     "has a column `{name}` with missing values, or that ends early"
@@ -282,15 +304,19 @@ impl Source for Reading {
             columns.push(values);
         }
         for i in 0..count {
-            let value = |n: usize| columns.get(n).map_or(0, |c: &Vec<i128>| c[i]);
+            let value = |n: usize| Ok(columns.get(n).map_or(0, |c: &Vec<i128>| c[i]));
             let event = columns::raw(value)
-                .event()
+                .and_then(Raw::event)
                 .map_err(|fault| Stop::Fault(self.place(i), fault))?;
             events.push(event);
         }
         self.read += count as u64;
         self.left -= count as u64;
         Ok(true)
+    }
+
+    fn note(&self) -> Option<&'static str> {
+        self.others.then_some(OTHERS)
     }
 
     fn place(&self, event: usize) -> Place {
