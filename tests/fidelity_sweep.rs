@@ -185,7 +185,11 @@ fn pilots_are_checked() {
     common::refused(
         here,
         &verify,
-        &[name, "1 pilot", "and those of pilots that are named"],
+        &[
+            name,
+            "1 file of pilots",
+            "and those of pilots that are named",
+        ],
     );
     // What it says to do helps.
     fs::remove_dir_all(here.join("out/points")).unwrap();

@@ -350,27 +350,27 @@ fn say_verified(verified: &Verified, output: &Path, arguments: &Arguments) -> mi
     }
     let mut points: Vec<usize> = differences.iter().map(|d| d.point).collect();
     points.dedup();
+    let mut said = Vec::new();
+    if !points.is_empty() {
+        said.push(format!(
+            "{} of {compared} points that were computed again (of {finished} finished) are not what {} says:{}",
+            points.len(),
+            output.display(),
+            listed(differences.iter().map(ToString::to_string))
+        ));
+    }
+    if !pilots.is_empty() {
+        said.push(format!(
+            "{} of pilots that were measured again do not say what was measured:{}",
+            counted(pilots.len(), "file"),
+            listed(pilots.iter().map(|path| path.display().to_string()))
+        ));
+    }
     Err(miette!(
         help = "nothing was overwritten: to have these points computed again, delete their files in points/, and those of pilots that are named, and sweep again; amacrine report --json says which build and which processor computed them",
-        "{} of {compared} points that were computed again (of {finished} finished) are not what {} says:{}{}",
-        points.len(),
-        output.display(),
-        listed(differences.iter().map(ToString::to_string)),
-        other_pilots(pilots)
+        "{}",
+        said.join("\n")
     ))
-}
-
-/// Pilots that are not what their files say.
-fn other_pilots(pilots: &[PathBuf]) -> String {
-    if pilots.is_empty() {
-        return String::new();
-    }
-    let files = pilots.iter().map(|path| path.display().to_string());
-    format!(
-        "\n{} that were measured again are not what their files say:{}",
-        counted(pilots.len(), "pilot"),
-        listed(files)
-    )
 }
 
 /// What a search saw, rung by rung.
@@ -540,11 +540,10 @@ impl Said<'_> {
             format!(" --pool --cost {}", search.cost)
         });
         let rows = self.tables.finished + self.tables.failed;
-        let next = if rows > 0 {
-            format!("amacrine report {output}{more}")
+        let next = if rows == 0 && search.is_some() {
+            "nothing to report: lower the thresholds, or show a scene that moves more".to_owned()
         } else {
-            "nothing to report: no point has a result; lower the thresholds, or show more of the scene"
-                .to_owned()
+            format!("amacrine report {output}{more}")
         };
         let _ = write!(
             text,

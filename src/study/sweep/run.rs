@@ -99,7 +99,7 @@ pub struct Did {
     pub pilot_seconds: f64,
 }
 
-/// A point that failed.
+/// A point of which nothing came.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Failed {
     /// Its number.

@@ -194,6 +194,8 @@ impl Run<'_> {
             ..*self
         };
         let failed = Mutex::new(Vec::new());
+        // A disk that does not take them is no reason to go without.
+        let made = Mutex::new(HashMap::new());
         run.on_threads(work, &Shared::new(None), |i, entry, shared| {
             let row = run.computed(entry, || measure(run.plan, entry, shared, run.limits));
             if is_failed(&row) {
@@ -201,20 +203,25 @@ impl Run<'_> {
                 let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
                 failed.push((i, reason));
             } else {
-                tried_file(&entry.id, &row).write(&folder);
+                let file = tried_file(&entry.id, &row);
+                file.write(&folder);
+                let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
+                made.insert(i, file);
             }
             done();
             Ok(())
         })?;
         let mut failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
         failed.order_by_key(|(i, _)| *i);
+        let mut made = made.into_inner().unwrap_or_else(PoisonError::into_inner);
         let mut costs = Vec::new();
         let mut numbers = Vec::new();
         let mut nothing = Vec::new();
         for (i, entry) in cut.plan.entries.iter().enumerate() {
+            let file = made.remove(&i).or_else(|| known(entry));
             let Some(PilotFile {
                 figures, reason, ..
-            }) = known(entry)
+            }) = file
             else {
                 continue;
             };
