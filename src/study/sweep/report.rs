@@ -225,11 +225,11 @@ impl Report {
         let mut groups: BTreeMap<BTreeSet<String>, Compared<'_>> = BTreeMap::new();
         let (mut refused, mut failed, mut without) = (Vec::new(), Vec::new(), Vec::new());
         for (key, rows) in &sensors {
-            let mut name = name(key, &varying);
-            if let Some(first) = rows.first() {
-                let field = task_name::field(first, |column| differing.contains(&column));
-                name = format!("{name} {field}").trim_end().to_owned();
-            }
+            let field = rows.first().map_or_else(String::new, |first| {
+                task_name::field(first, |column| differing.contains(&column))
+            });
+            let name = format!("{} {field}", name(key, &varying));
+            let name = name.trim_end().to_owned();
             let of = |outcome: &str| -> Vec<&Row> {
                 let rows = rows.iter().copied();
                 rows.filter(|row| table::cell(row, "outcome") == outcome)
@@ -273,7 +273,7 @@ impl Report {
             .map(|(tasks, Compared { sensors, rows })| Group {
                 tasks: tasks.len(),
                 name: String::new(),
-                on: task_name::columns(rows.into_iter()),
+                on: task_name::columns(&rows),
                 sensors: judged(cost, sensors),
             })
             .collect();

@@ -155,22 +155,22 @@ impl Run<'_> {
         let mut mine = self.mine();
         let search = self.plan.study.sample.and_then(|sample| sample.search);
         let mut damaged = held.damaged;
-        let pilots = match (search, self.plan.study.settings.tolerance) {
-            (None, None) => None,
-            _ => {
-                let folder = store.pilots()?;
-                let pilots = pilot_file::damaged(&folder)?;
-                store.set_aside(&pilots)?;
-                damaged.extend(pilots);
-                Some(folder)
-            }
+        let goes_by_pilots = search.is_some() || self.plan.study.settings.tolerance.is_some();
+        let pilots = if goes_by_pilots {
+            let folder = store.pilots()?;
+            let pilots = pilot_file::damaged(&folder)?;
+            store.set_aside(&pilots)?;
+            damaged.extend(pilots);
+            Some(folder)
+        } else {
+            None
         };
         let searched = match search {
             Some(search) => {
                 let searched = self.search(search, store, &|| {
                     let _ = done();
                 })?;
-                mine.retain(|(point, _)| searched.chosen.contains(point));
+                mine.retain(|(point, _)| searched.points.contains(point));
                 searched.keep_failed(self.plan, store, &held.records)?;
                 searched
             }

@@ -66,7 +66,7 @@ pub struct Searched {
 #[derive(Debug, Default)]
 pub(super) struct Chosen {
     /// Numbers of the points that are to be computed on the whole scene.
-    pub chosen: HashSet<usize>,
+    pub points: HashSet<usize>,
     pub did: Searched,
     /// Points that were given up in a rung.
     pub failed: Vec<Failed>,
@@ -167,7 +167,7 @@ impl Run<'_> {
         });
         did.point_frames = seen(did.rungs.iter().map(|rung| rung.point_frames));
         Ok(Chosen {
-            chosen: left.into_iter().collect(),
+            points: left.into_iter().collect(),
             did,
             failed,
         })
@@ -226,15 +226,12 @@ impl Run<'_> {
                 continue;
             };
             let figure = |column: &str| figures.get(column).copied();
-            match (figure("error"), figure(search.cost)) {
-                (Some(y), Some(x)) => {
-                    costs.push(Cost { x, y });
-                    numbers.push(i);
-                }
-                _ => {
-                    let reason = reason.unwrap_or_else(|| format!("it has no {}", search.cost));
-                    nothing.push((i, format!("{IN_A_RUNG}{reason}")));
-                }
+            if let (Some(y), Some(x)) = (figure("error"), figure(search.cost)) {
+                costs.push(Cost { x, y });
+                numbers.push(i);
+            } else {
+                let reason = reason.unwrap_or_else(|| format!("it has no {}", search.cost));
+                nothing.push((i, format!("{IN_A_RUNG}{reason}")));
             }
         }
         let ranked = survivors(&costs, costs.len()).into_iter();

@@ -28,11 +28,11 @@ const SHOWN: [&str; 16] = [
 pub type Columns = BTreeMap<String, Vec<Json>>;
 
 /// The columns of the tasks of these points, each value once.
-pub(super) fn columns<'a>(rows: impl Iterator<Item = &'a Row> + Clone) -> Columns {
+pub(super) fn columns(rows: &[&Row]) -> Columns {
     let each = FIELD.iter().chain(&SHOWN).map(|column| {
         let mut values: Vec<Json> = Vec::new();
         let mut seen = BTreeSet::new();
-        for row in rows.clone() {
+        for row in rows {
             if let Some(value) = row.get(*column).filter(|value| !value.is_null())
                 && seen.insert(value.to_string())
             {
@@ -156,7 +156,7 @@ mod tests {
             .iter()
             .map(|row| row.as_object().unwrap().clone())
             .collect();
-        columns(rows.iter())
+        columns(&rows.iter().collect::<Vec<_>>())
     }
 
     #[test]
