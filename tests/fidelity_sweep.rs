@@ -3,7 +3,7 @@
 
 mod common;
 
-use std::{fs, path::Path};
+use std::{fmt::Write as _, fs, path::Path};
 
 use serde_json::Value;
 
@@ -176,7 +176,10 @@ fn pilots_are_checked() {
     fields.remove("checksum");
     let text = serde_json::to_string(&fields).unwrap();
     let checksum = <sha2::Sha256 as sha2::Digest>::digest(text.as_bytes());
-    let checksum: String = checksum.iter().map(|byte| format!("{byte:02x}")).collect();
+    let checksum = checksum.iter().fold(String::new(), |mut hex, byte| {
+        let _ = write!(hex, "{byte:02x}");
+        hex
+    });
     fields.insert("checksum".to_owned(), checksum.into());
     fs::write(first, serde_json::to_string(&fields).unwrap()).unwrap();
     fs::remove_dir_all(here.join("out/points")).unwrap();
