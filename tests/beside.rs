@@ -764,6 +764,8 @@ fn a_host_that_decides_nothing_changes_nothing() {
                     "written",
                     "posts",
                     "array_us",
+                    "words_per_frame",
+                    "array_us_per_frame",
                     "host_us",
                     "readings",
                     "warnings",

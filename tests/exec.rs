@@ -274,6 +274,22 @@ fn every_shipped_program_runs() {
     }
 }
 
+/// What `words` and `array_us` are in a sweep has keys of its own beside those of the whole run.
+#[test]
+fn costs_of_a_frame_have_their_own_keys() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let run = |frames: &str| {
+        let said = ["exec", "dvs/snap", "--image", "bundled", "--frames", frames];
+        json(root, &said)
+    };
+    let (two, four) = (run("2"), run("4"));
+    let of = |said: &serde_json::Value, key: &str| said[key].as_f64().unwrap();
+    let each = (of(&four, "words") - of(&two, "words")) / 2.0;
+    assert_eq!(of(&four, "words_per_frame"), each);
+    let each = (of(&four, "array_us") - of(&two, "array_us")) / 2.0;
+    assert!((of(&four, "array_us_per_frame") - each).abs() < 1e-9);
+}
+
 #[test]
 fn numbers_of_the_chip_can_be_set() {
     let bench = Bench::new("mov(B, A);").set("A", &Plane::from_elem((16, 16), 50.0));

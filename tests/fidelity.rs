@@ -911,6 +911,7 @@ mod command {
             "at most",
             "dead time",
             "plan ",
+            "the scene's frames and the readout included",
             "verified",
             "nothing is left out",
         ] {

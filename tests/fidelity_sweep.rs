@@ -3,7 +3,7 @@
 
 mod common;
 
-use std::{fs, path::Path};
+use std::{fmt::Write as _, fs, path::Path};
 
 use serde_json::Value;
 
@@ -94,6 +94,7 @@ fn plain_models_stand_for_points() {
         &["sweep", "auto.toml", "--output", "auto", "--verify", "100%"],
     );
     assert!(said.contains("the same bits"), "{said}");
+    plain_models_are_told(here);
     for wrong in [
         "fidelity = \"some\"\n",
         "fidelity = \"auto\"\ntolerance = 2\n",
@@ -107,6 +108,103 @@ fn plain_models_stand_for_points() {
             &[wrong.split(' ').next().unwrap()],
         );
     }
+}
+
+/// What the sweep and its report say of plainer models.
+fn plain_models_are_told(here: &Path) {
+    let said = common::good(here, &["sweep", "auto.toml", "--output", "auto"]);
+    assert!(said.contains("plainer  models stand for "), "{said}");
+    let report = ["report", "auto", "--cost", "state_memory_bytes"];
+    let text = common::good(here, &[&report[..], &["-o", "front.svg"]].concat());
+    let note = "with figures of a plainer model (fidelity = \"auto\")";
+    for words in [
+        "reference f32 *",
+        note,
+        "f32: at most ",
+        "open, reference f32 seems better",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    let picture = fs::read_to_string(here.join("front.svg")).unwrap();
+    assert!(picture.contains("of a plainer model"));
+    let told = common::json(here, &report);
+    let sensors = told["groups"][0]["sensors"].as_array().unwrap();
+    let named = |name: &str| sensors.iter().find(|s| s["name"] == name).unwrap();
+    let (f32, f64) = (named("reference f32"), named("reference f64"));
+    assert_eq!(f32["left_out"]["what"], serde_json::json!(["f32"]));
+    assert!(f64["left_out"].is_null());
+    // Half the bytes with the figures of f64 are no victory over it.
+    assert!(f64["dominated_by"].is_null());
+    assert_eq!(f64["undecided_with"], "reference f32");
+}
+
+/// A pilot's file is checked as a point's is.
+#[test]
+fn pilots_are_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let study = format!(
+        "fidelity = \"auto\"\ntolerance = \"2%\"{}",
+        STUDY.split("[[side]]\nside = \"array\"").next().unwrap()
+    );
+    let before = rows(here, &study, "out");
+    let sweep = ["sweep", "out.toml", "--output", "out"];
+    let pilots: Vec<_> = { fs::read_dir(here.join("out/pilots")).unwrap() }
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    let (first, name) = (&pilots[0], pilots[0].file_name().unwrap().to_str().unwrap());
+    let whole = fs::read_to_string(first).unwrap();
+
+    // One digit by accident: it is set aside and measured again.
+    let mut fields: std::collections::BTreeMap<String, Value> =
+        serde_json::from_str(&whole).unwrap();
+    fields.get_mut("figures").unwrap()["f32"] = 0.5.into();
+    fs::write(first, serde_json::to_string(&fields).unwrap()).unwrap();
+    fs::remove_dir_all(here.join("out/points")).unwrap();
+    let said = common::good(here, &sweep);
+    let words = [
+        "damaged  1 file of pilots, set aside in out/damaged:",
+        name,
+        "its checksum is not",
+    ];
+    assert!(words.iter().all(|words| said.contains(words)), "{said}");
+    assert!(said.contains("pilot measured in"), "{said}");
+    assert_eq!(fs::read_to_string(first).unwrap(), whole);
+    assert!(here.join("out/damaged").join(name).exists());
+
+    // With a checksum that is right it is believed, and --verify names it.
+    fields.remove("checksum");
+    let text = serde_json::to_string(&fields).unwrap();
+    let checksum = <sha2::Sha256 as sha2::Digest>::digest(text.as_bytes());
+    let checksum = checksum.iter().fold(String::new(), |mut hex, byte| {
+        let _ = write!(hex, "{byte:02x}");
+        hex
+    });
+    fields.insert("checksum".to_owned(), checksum.into());
+    fs::write(first, serde_json::to_string(&fields).unwrap()).unwrap();
+    fs::remove_dir_all(here.join("out/points")).unwrap();
+    common::good(here, &sweep);
+    let verify = [&sweep[..], &["--verify", "100%"]].concat();
+    common::refused(
+        here,
+        &verify,
+        &[
+            name,
+            "1 file of pilots",
+            "and those of pilots that are named",
+        ],
+    );
+    // What it says to do helps.
+    fs::remove_dir_all(here.join("out/points")).unwrap();
+    fs::remove_file(first).unwrap();
+    let again = rows(here, &study, "out");
+    common::good(here, &verify);
+    let errors = |rows: &[Value]| {
+        rows.iter()
+            .map(|row| row["error"].clone())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(errors(&again), errors(&before));
 }
 
 const MESHES: &str = r#"

@@ -138,6 +138,74 @@ fn a_search_finds_the_front_at_a_fraction_of_its_cost() {
     );
 }
 
+/// The study as a search whose cost no clock decides.
+fn searched() -> TempDir {
+    folder(&format!(
+        "sample = {{ method = \"search\", points = 1000, cost = \"bits\" }}\n{STUDY}"
+    ))
+}
+
+#[test]
+fn what_a_search_gives_up_is_a_row_and_is_tried_again() {
+    let folder = searched();
+    let at = folder.path();
+    let sweep = ["sweep", "study.toml", "-o", "out"];
+    let limited = [&sweep[..], &["--max-seconds-per-point", "1e-9"]].concat();
+    let said = good(at, &limited);
+    for words in [
+        "failed   144 points, computed again by the next run:",
+        "point 0: on a part of the scene: it took more than 0.000000001 s",
+        "144 rows",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    assert!(!said.contains("-0"), "{said}");
+    let given_up = rows(&at.join("out"));
+    assert!(given_up.iter().all(|row| row["outcome"] == "failed"));
+    let again = json(at, &sweep);
+    assert_eq!(again["search"]["rungs"][0]["tried"], POINTS);
+    assert_eq!(again["failed"], json!([]));
+    let found = rows(&at.join("out"));
+    assert_eq!(found.len(), 8);
+    assert!(found.iter().all(|row| row["outcome"] == "done"));
+    // As if nothing had been given up.
+    json(at, &["sweep", "study.toml", "-o", "other"]);
+    let figures = |folder: &str| {
+        rows(&at.join(folder))
+            .iter()
+            .map(figures)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(figures("out"), figures("other"));
+}
+
+#[test]
+fn a_search_names_the_points_that_come_to_nothing() {
+    let folder = searched();
+    let at = folder.path();
+    let sweep = [
+        "sweep",
+        "study.toml",
+        "threshold=5000,6000,7000",
+        "-o",
+        "out",
+    ];
+    let said = good(at, &sweep);
+    for words in [
+        "nothing  came of 144 points, which the search left out:",
+        "point 0: on a part of the scene: neither the float sensor nor this one has an event",
+        "0 rows",
+        "next     nothing to report",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    assert!(!said.contains("-0"), "{said}");
+    // What is known to come to nothing is not tried again, and is told again.
+    let again = json(at, &sweep);
+    assert_eq!(again["search"]["rungs"][0]["tried"], 0);
+    assert_eq!(again["search"]["nothing"].as_array().unwrap().len(), POINTS);
+}
+
 const SMALL: &str = r#"
 scene = "pattern:disc?width=32&height=24&frames=6&radius=6"
 kernel = "csdvs-3"

@@ -1056,7 +1056,36 @@ fn points_that_say_nothing_are_told() {
         })
     };
     assert!(warned(&said), "{said}");
-    assert!(warned(&json(folder.path(), &["report", "out"])));
+    let report = json(folder.path(), &["report", "out"]);
+    assert!(warned(&report));
+    // The silent point is no perfect one.
+    let text = fs::read_to_string(folder.path().join("out/results.jsonl")).unwrap();
+    let rows = text
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).unwrap());
+    let silent: Vec<Value> = rows.filter(|row| row["events"] == 0).collect();
+    assert!(!silent.is_empty());
+    for row in &silent {
+        for column in ["kept", "error", "threshold_equivalent_percent"] {
+            assert!(row[column].is_null(), "{column}: {row}");
+        }
+    }
+    let why = report["without"][0]["no_error"].as_str().unwrap();
+    assert!(
+        why.contains("neither the float sensor nor this one has an event"),
+        "{why}"
+    );
+}
+
+/// A key that two sides have is listed once.
+#[test]
+fn keys_that_are_known_are_listed_once() {
+    let (head, side) = head();
+    let folder = folder(&format!("{head}shape = 3\n{side}"));
+    let run = ["sweep", "study.toml", "-o", "out"];
+    let said = refused(folder.path(), &run, &["unknown key `shape`"]);
+    let list = said.split("expected").nth(1).unwrap();
+    assert_eq!(list.matches("`memory`").count(), 1, "{said}");
 }
 
 /// What a table of errors against bits must say: numbers that cannot hold the light, and events

@@ -52,6 +52,8 @@ def main():
         row = json.loads(server.stdout.readline())
         if row["outcome"] != "done":
             raise optuna.TrialPruned(row["reason"])
+        if row["error"] is None:
+            raise optuna.TrialPruned("no event, or accident scores as much as anything")
         return row["error"], row[given.cost]
 
     optuna.logging.set_verbosity(optuna.logging.WARNING)

@@ -4,8 +4,8 @@
 //! test holds the two together.
 
 use crate::{
-    isa::{Clock, Device, Figure, Primitive},
-    program::{Cost, Host, host_us},
+    isa::{Clock, Device, Primitive},
+    program::{Cost, Host, array_us, host_us},
     unit::Words,
 };
 
@@ -77,10 +77,9 @@ impl Ledger {
     #[must_use]
     pub fn cost(&self, device: &Device) -> Cost {
         let words = self.words();
-        let launches = self.launches as f64 * device.value(Figure::Launch);
         Cost {
             words,
-            array_us: words.0 as f64 / device.value(Figure::Clock) + launches,
+            array_us: array_us(words, self.launches, device),
             host_us: self.host_us,
         }
     }

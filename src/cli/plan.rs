@@ -329,7 +329,7 @@ impl Told<'_> {
         if let Some(ran) = self.planned {
             let _ = writeln!(
                 text,
-                "run      {} in {:.3} s",
+                "run      {} in {:.3} s, the scene's frames and the readout included",
                 counted(ran.packet.events.len(), "event"),
                 ran.time.as_secs_f64()
             );

@@ -1,6 +1,6 @@
 //! `amacrine report`: which points of a sweep no other beats.
 
-use std::fmt::Write as _;
+use std::{collections::BTreeMap, fmt::Write as _};
 
 use miette::miette;
 use serde_json::json;
@@ -37,7 +37,8 @@ pub struct Arguments {
     /// What error is weighed against
     #[arg(long, default_value = "seconds_per_frame", value_parser = COSTS)]
     cost: String,
-    /// Compare all sensors, also those that were given different tasks
+    /// Compare all sensors, also those that were given different tasks: each kernel and each
+    /// threshold is a sensor of its own, and means are over what else differs
     #[arg(long)]
     pool: bool,
     /// Print one JSON object instead of the table
@@ -61,7 +62,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     light::warn(&tables.warnings);
     let report = Report::new(&manifest, &rows, &arguments.cost, arguments.pool);
     if let Some(path) = &arguments.output {
-        path.draw(&fronts(&shows(&report)))?;
+        path.draw(&fronts(&shows(&report, arguments.pool)))?;
     }
     if arguments.json {
         let mut said = json!(report);
@@ -128,21 +129,68 @@ fn label(cost: &str) -> &str {
     }
 }
 
+/// What plainer models leave out of these sensors, each with its largest limit: lines below a table
+/// or a chart, in which the sensors have a mark.
+fn left_out(report: &Report, group: &Group) -> Vec<String> {
+    let mut limits: BTreeMap<&str, f64> = BTreeMap::new();
+    let marked = { group.sensors.iter() }.filter_map(|sensor| sensor.left_out.as_ref());
+    let sensors = marked.clone().count();
+    for left_out in marked {
+        for what in &left_out.what {
+            let limit = limits.entry(what).or_default();
+            *limit = limit.max(left_out.limit);
+        }
+    }
+    if sensors == 0 {
+        return Vec::new();
+    }
+    let mut lines = vec![format!(
+        "{MARK} {} with figures of a plainer model (fidelity = \"auto\"), of which at most so many events are others; left out:",
+        counted(sensors, "sensor")
+    )];
+    let each = limits.iter();
+    lines.extend(each.map(|(what, limit)| format!("  {what}: at most {:.1} %", 100.0 * limit)));
+    if report.cost == "seconds_per_frame" {
+        lines.push(
+            "  their times are those of the plainer model, and no front is told by them".to_owned(),
+        );
+    }
+    if group.sensors.iter().any(|s| s.undecided_with.is_some()) {
+        lines.push("  open: what seems better may not be, by what was left out".to_owned());
+    }
+    lines
+}
+
+/// Behind the name of a sensor that a plainer model stands for.
+const MARK: &str = "*";
+
+/// What a sensor is called in a table and a chart.
+fn marked(sensor: &Standing) -> String {
+    let mark = sensor.left_out.as_ref().map_or("", |_| MARK);
+    format!("{} {mark}", sensor.name).trim_end().to_owned()
+}
+
 fn heading(group: &Group, number: usize, all: usize, pool: bool) -> String {
     let sensors = match group.sensors.len() {
         1 => "1 sensor".to_owned(),
         n => format!("{n} sensors"),
     };
     let tasks = match (group.tasks, pool) {
-        (_, true) => "on tasks of their own".to_owned(),
+        (_, true) => "on tasks of their own, means over them".to_owned(),
         (1, _) => "on one task".to_owned(),
         (n, _) => format!("each on the same {n} tasks"),
     };
-    if all > 1 {
-        format!("group {number}: {sensors} {tasks}")
+    let group_number = if all > 1 {
+        format!("group {number}: ")
     } else {
-        format!("{sensors} {tasks}")
-    }
+        String::new()
+    };
+    let name = if group.name.is_empty() {
+        String::new()
+    } else {
+        format!(": {}", group.name)
+    };
+    format!("{group_number}{sensors} {tasks}{name}")
 }
 
 fn table(report: &Report, arguments: &Arguments) -> String {
@@ -164,7 +212,7 @@ fn table(report: &Report, arguments: &Arguments) -> String {
         let width = group
             .sensors
             .iter()
-            .map(|s| s.name.len())
+            .map(|s| marked(s).len())
             .max()
             .unwrap_or(0);
         // What error is weighed against has a column of its own.
@@ -189,14 +237,15 @@ fn table(report: &Report, arguments: &Arguments) -> String {
                 .words
                 .map_or("-".to_owned(), |words| format!("{words:.0}"));
             let threshold = threshold(sensor);
-            let front = match &sensor.dominated_by {
-                None => "yes".to_owned(),
-                Some(by) => format!("no, {by} is better"),
+            let front = match (&sensor.dominated_by, &sensor.undecided_with) {
+                (Some(by), _) => format!("no, {by} is better"),
+                (None, Some(by)) => format!("open, {by} seems better"),
+                (None, None) => "yes".to_owned(),
             };
             let _ = writeln!(
                 text,
                 "  {:<width$}  {}  {}  {threshold:>9}  {:>14}{}  {front}",
-                sensor.name,
+                marked(sensor),
                 error(sensor.error),
                 error(sensor.worst_error),
                 shown(&report.cost, sensor.cost),
@@ -204,6 +253,9 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             );
         }
         text += &beyond(group);
+        for line in left_out(report, group) {
+            let _ = writeln!(text, "  {line}");
+        }
     }
     for (what, list) in [("cannot", &report.refused), ("failed", &report.failed)] {
         for Refused {
@@ -237,13 +289,13 @@ fn table(report: &Report, arguments: &Arguments) -> String {
     text
 }
 
-fn shows(report: &Report) -> Vec<FrontShow<'_>> {
+fn shows(report: &Report, pool: bool) -> Vec<FrontShow<'_>> {
     let show = |(number, group): (usize, &Group)| {
         let dots = group.sensors.iter().map(|sensor| Dot {
-            name: sensor.name.clone(),
+            name: marked(sensor),
             cost: sensor.cost,
             error: sensor.error,
-            dominated: sensor.dominated_by.is_some(),
+            dominated: sensor.dominated_by.is_some() || sensor.undecided_with.is_some(),
             side: Side::ALL
                 .iter()
                 .position(|side| side.name() == sensor.side)
@@ -253,12 +305,13 @@ fn shows(report: &Report) -> Vec<FrontShow<'_>> {
             heading: format!(
                 "{}: {}",
                 report.title,
-                heading(group, number, report.groups.len(), false)
+                heading(group, number, report.groups.len(), pool)
             ),
             cost: label(&report.cost),
             seconds: report.cost == "seconds_per_frame",
             sides: Side::ALL.map(Side::name),
             dots: dots.collect(),
+            notes: left_out(report, group),
         }
     };
     (1..).zip(&report.groups).map(show).collect()

@@ -23,8 +23,8 @@ use crate::bundled::Kind;
 use crate::study::sweep::{
     Asked, Limits, Override, Plan, Run, Shard, Store, Study,
     ask::{self, PointError},
-    damage::listed,
-    run::Did,
+    damage::{Damage, listed},
+    run::{Did, Failed},
     schema,
     search::Searched,
     store::Tables,
@@ -327,6 +327,7 @@ fn say_verified(verified: &Verified, output: &Path, arguments: &Arguments) -> mi
         compared,
         finished,
         differences,
+        pilots,
     } = verified;
     if arguments.json {
         let said = json!({
@@ -335,25 +336,40 @@ fn say_verified(verified: &Verified, output: &Path, arguments: &Arguments) -> mi
             "compared": compared,
             "seed": arguments.verify_seed,
             "differences": differences,
+            "pilots": pilots,
         });
         super::say(&format!("{said}\n"));
-    } else if differences.is_empty() {
+    } else if differences.is_empty() && pilots.is_empty() {
         super::say(&format!(
             "verified {compared} of {finished} finished points (seed {}): the same bits in every column but the times\n",
             arguments.verify_seed
         ));
     }
-    if differences.is_empty() {
+    if differences.is_empty() && pilots.is_empty() {
         return Ok(());
     }
     let mut points: Vec<usize> = differences.iter().map(|d| d.point).collect();
     points.dedup();
+    let mut said = Vec::new();
+    if !points.is_empty() {
+        said.push(format!(
+            "{} of {compared} points that were computed again (of {finished} finished) are not what {} says:{}",
+            points.len(),
+            output.display(),
+            listed(differences.iter().map(ToString::to_string))
+        ));
+    }
+    if !pilots.is_empty() {
+        said.push(format!(
+            "{} of pilots that were measured again do not say what was measured:{}",
+            counted(pilots.len(), "file"),
+            listed(pilots.iter().map(|path| path.display().to_string()))
+        ));
+    }
     Err(miette!(
-        help = "nothing was overwritten: to have these points computed again, delete their files and sweep again; amacrine report --json says which build and which processor computed them",
-        "{} of {compared} points that were computed again (of {finished} finished) are not what {} says:{}",
-        points.len(),
-        output.display(),
-        listed(differences.iter().map(ToString::to_string))
+        help = "nothing was overwritten: to have these points computed again, delete their files in points/, and those of pilots that are named, and sweep again; amacrine report --json says which build and which processor computed them",
+        "{}",
+        said.join("\n")
     ))
 }
 
@@ -386,7 +402,36 @@ fn searched(search: &Searched, all: usize) -> String {
         100.0 * search.point_frames / search.of.max(1.0),
         search.of
     );
+    let nothing = &search.nothing;
+    if !nothing.is_empty() {
+        let _ = writeln!(
+            text,
+            "nothing  came of {}, which the search left out:{}",
+            counted(nothing.len(), "point"),
+            reasons(nothing)
+        );
+    }
     text
+}
+
+/// Points with their reasons, for people.
+fn reasons(points: &[Failed]) -> String {
+    let lines = points.iter();
+    listed(lines.map(|Failed { point, reason }| format!("point {point}: {reason}")))
+}
+
+/// How many files are damaged, of what.
+fn files(damaged: &[Damage]) -> String {
+    let pilots = damaged
+        .iter()
+        .filter(|damage| damage.point.is_none())
+        .count();
+    let of = |files: usize, what: &str| format!("{} of {what}", counted(files, "file"));
+    match (damaged.len() - pilots, pilots) {
+        (points, 0) => of(points, "points"),
+        (0, pilots) => of(pilots, "pilots"),
+        (points, pilots) => format!("{} and {}", of(points, "points"), of(pilots, "pilots")),
+    }
 }
 
 struct Said<'a> {
@@ -417,6 +462,8 @@ impl Said<'_> {
             "refused": self.tables.refused,
             "warnings": self.tables.warnings,
             "search": self.did.search,
+            "left_out": self.tables.left_out,
+            "pilots": {"measured": self.did.pilots, "seconds": self.did.pilot_seconds},
             "jobs": self.jobs,
             "seconds": self.seconds,
         });
@@ -451,8 +498,8 @@ impl Said<'_> {
         if !damaged.is_empty() {
             let _ = writeln!(
                 text,
-                "damaged  {} of points, set aside in {output}/damaged:{}",
-                counted(damaged.len(), "file"),
+                "damaged  {}, set aside in {output}/damaged:{}",
+                files(damaged),
                 listed(
                     damaged
                         .iter()
@@ -465,12 +512,7 @@ impl Said<'_> {
                 text,
                 "failed   {}, computed again by the next run:{}",
                 counted(self.tables.failed, "point"),
-                listed(
-                    self.did
-                        .failed
-                        .iter()
-                        .map(|f| format!("point {}: {}", f.point, f.reason))
-                )
+                reasons(&self.did.failed)
             );
         }
         if self.tables.refused > 0 {
@@ -481,6 +523,7 @@ impl Said<'_> {
                 counted(self.tables.finished, "point")
             );
         }
+        text += &self.left_out();
         if let Some(search) = &self.did.search {
             text += &searched(search, all);
         }
@@ -496,11 +539,43 @@ impl Said<'_> {
         let more = search.map_or_else(String::new, |search| {
             format!(" --pool --cost {}", search.cost)
         });
+        let rows = self.tables.finished + self.tables.failed;
+        let next = if rows == 0 && search.is_some() {
+            "nothing to report: lower the thresholds, or show a scene that moves more".to_owned()
+        } else {
+            format!("amacrine report {output}{more}")
+        };
         let _ = write!(
             text,
-            "wrote    {output}/results.csv and results.jsonl, {}\nnext     amacrine report {output}{more}\n",
-            counted(self.tables.finished + self.tables.failed, "row")
+            "wrote    {output}/results.csv and results.jsonl, {}\nnext     {next}\n",
+            counted(rows, "row")
         );
+        text
+    }
+
+    /// Points that a plainer model stands for, and what was spent to know which.
+    fn left_out(&self) -> String {
+        let mut text = String::new();
+        let points = self.tables.left_out;
+        if points > 0 {
+            let _ = writeln!(
+                text,
+                "plainer  models stand for {points} of {} (fidelity = \"auto\"): the report marks them",
+                counted(self.tables.finished, "point")
+            );
+        }
+        let Did {
+            pilots,
+            pilot_seconds,
+            ..
+        } = &self.did;
+        if *pilots > 0 {
+            let _ = writeln!(
+                text,
+                "cost     {} measured in {pilot_seconds:.1} s of one thread; what they saved is not measured",
+                counted(*pilots, "pilot")
+            );
+        }
         text
     }
 }

@@ -19,7 +19,8 @@ pub struct Dot {
     pub cost: f64,
     /// Its error, 0 to 1.
     pub error: f64,
-    /// Whether another sensor is better in both error and cost (it is not on the Pareto front).
+    /// Whether another sensor is, or seems, better in both error and cost (it is not on the Pareto
+    /// front).
     pub dominated: bool,
     /// Index of its group in [`FrontShow::sides`], 0 to 2; each group has a colour.
     pub side: usize,
@@ -38,6 +39,8 @@ pub struct FrontShow<'a> {
     pub sides: [&'a str; 3],
     /// The dots.
     pub dots: Vec<Dot>,
+    /// Lines below the chart.
+    pub notes: Vec<String>,
 }
 
 /// Colours of the groups.
@@ -55,9 +58,10 @@ pub fn fronts(shows: &[FrontShow<'_>]) -> Drawing {
     let line = f64::from(LINE);
     let height = |show: &FrontShow<'_>| {
         let named = show.dots.iter().filter(|dot| !dot.dominated).count();
+        let notes = show.notes.len() as f64 * line;
         (named as f64 + 3.0)
             .mul_add(line, TOP)
-            .max(TOP + HEIGHT + 60.0)
+            .max(TOP + HEIGHT + 60.0 + notes)
     };
     let all: f64 = shows.iter().map(height).sum();
     let mut drawing = Drawing::new(WIDTH, all.max(60.0));
@@ -155,6 +159,10 @@ fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
         drawing.square(plot.at(dot), 2.5, colour(dot.side));
     }
     let line = f64::from(LINE);
+    for (row, note) in (0..).zip(&show.notes) {
+        let place = (24.0, top + TOP + HEIGHT + 56.0 + f64::from(row) * line);
+        write(drawing, place, Weight::Plain, note);
+    }
     let names = PLOT + 40.0;
     let heading = (names, top + TOP - line - 4.0);
     let what = "on the front, the cheapest first";
@@ -215,11 +223,13 @@ mod tests {
                 dot("fast", 1e-4, 0.2, false),
                 dot("beaten", 2e-3, 0.3, true),
             ],
+            notes: vec!["a note".to_owned()],
         };
         let drawing = fronts(&[show]);
         let texts: Vec<&str> = drawing.texts().collect();
         let named = |name: &str| texts.iter().any(|text| text.contains(name));
         assert!(named("1 fast") && named("2 slow") && !named("beaten"));
+        assert!(named("a note"));
         assert!(named("reference") && !named("mesh"), "only sides with dots");
     }
 }

@@ -22,41 +22,67 @@ impl Cost {
     /// ([`Program::expand`](super::Program::expand)) ends long before counts do.
     #[must_use]
     pub fn of(steps: &[Step], device: &Device) -> Self {
-        let mut cost = Self::default();
-        let mut launched = false;
-        for step in steps {
-            match &step.action {
-                Action::Word(word) => {
-                    let words = device.words(word);
-                    cost.words.0 = cost.words.0.saturating_add(words);
-                    cost.array_us += words as f64 / device.value(Figure::Clock);
-                    if !launched {
-                        cost.array_us += device.value(Figure::Launch);
-                    }
-                    launched = true;
-                }
-                Action::Host(host) => {
-                    cost.host_us += host_us(host, device);
-                    launched = false;
-                }
-                Action::Repeat { times, body } => {
-                    let once = Self::of(body, device);
-                    let times = u64::from(*times);
-                    let words = once.words.0.saturating_mul(times);
-                    cost.words.0 = cost.words.0.saturating_add(words);
-                    cost.array_us += once.array_us * times as f64;
-                    cost.host_us += once.host_us * times as f64;
-                    launched = false;
-                }
-            }
+        let Counts {
+            words,
+            launches,
+            host_us,
+        } = Counts::of(steps, device);
+        Self {
+            words: Words(words),
+            array_us: array_us(Words(words), launches, device),
+            host_us,
         }
-        cost
     }
 
     /// All of its time, in microseconds.
     #[must_use]
     pub fn micros(&self) -> f64 {
         self.array_us + self.host_us
+    }
+}
+
+/// Time of words on the array, and of launches, in microseconds.
+#[must_use]
+pub fn array_us(words: Words, launches: u64, device: &Device) -> f64 {
+    let launches = launches as f64 * device.value(Figure::Launch);
+    words.0 as f64 / device.value(Figure::Clock) + launches
+}
+
+/// What is counted first and timed as a whole: a sum of times has the rounding of each.
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    words: u64,
+    launches: u64,
+    host_us: f64,
+}
+
+impl Counts {
+    fn of(steps: &[Step], device: &Device) -> Self {
+        let mut counts = Self::default();
+        let mut launched = false;
+        for step in steps {
+            match &step.action {
+                Action::Word(word) => {
+                    counts.words = counts.words.saturating_add(device.words(word));
+                    counts.launches = counts.launches.saturating_add(u64::from(!launched));
+                    launched = true;
+                }
+                Action::Host(host) => {
+                    counts.host_us += host_us(host, device);
+                    launched = false;
+                }
+                Action::Repeat { times, body } => {
+                    let once = Self::of(body, device);
+                    let times = u64::from(*times);
+                    let add = |all: u64, once: u64| all.saturating_add(once.saturating_mul(times));
+                    counts.words = add(counts.words, once.words);
+                    counts.launches = add(counts.launches, once.launches);
+                    counts.host_us += once.host_us * times as f64;
+                    launched = false;
+                }
+            }
+        }
+        counts
     }
 }
 

@@ -30,7 +30,7 @@ mod words;
 
 pub use crate::isa::Cell;
 pub use code::{Action, Code, Step};
-pub use cost::{Cost, host_us, stored};
+pub use cost::{Cost, array_us, host_us, stored};
 pub use effect::{CellEffect, FlagState};
 pub use expand::{Entry, Expanded, Expansion, Overrides, for_each};
 pub use exposure::Exposure;

@@ -287,7 +287,7 @@ impl Warning {
         Self::new(
             About::NoEvents,
             subject,
-            "it is 0, since neither sensor has an event",
+            "it cannot be told, since neither sensor has an event",
             "the threshold is above what changes anywhere",
             "leave such points out: lower the thresholds, or show a scene that moves",
         )

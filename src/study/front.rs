@@ -19,31 +19,65 @@ impl Cost {
     }
 }
 
+/// Two costs of one thing, each known to lie between two numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Between {
+    /// The least that they can be.
+    pub low: Cost,
+    /// The most.
+    pub high: Cost,
+}
+
+impl From<Cost> for Between {
+    fn from(cost: Cost) -> Self {
+        Self {
+            low: cost,
+            high: cost,
+        }
+    }
+}
+
 /// For each cost, what dominates it: of those on the front that do, the one of the lowest `y`; none
 /// for those on the front. Equal ones do not dominate each other.
 #[must_use]
 pub fn dominators(costs: &[Cost]) -> Vec<Option<usize>> {
-    let mut order: Vec<usize> = (0..costs.len()).collect();
-    let place = |i: &usize| costs.get(*i).map_or((0.0, 0.0), |cost| (cost.x, cost.y));
-    order.order_by(|a, b| {
-        let ((ax, ay), (bx, by)) = (place(a), place(b));
-        ax.total_cmp(&bx).then(ay.total_cmp(&by))
-    });
-    let mut by = vec![None; costs.len()];
-    // The lowest `y` of all that cost no more of `x`.
+    let all: Vec<Between> = costs.iter().copied().map(Between::from).collect();
+    sure_dominators(&all)
+}
+
+/// The same of costs that lie between two numbers: what dominates one wherever both lie, by the
+/// most that it can cost.
+#[must_use]
+pub fn sure_dominators(all: &[Between]) -> Vec<Option<usize>> {
+    let order = |cost: fn(&Between) -> Cost| {
+        let place = |i: usize| all.get(i).map_or((0.0, 0.0), |it| (cost(it).x, cost(it).y));
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        order.order_by(|a, b| {
+            let ((ax, ay), (bx, by)) = (place(*a), place(*b));
+            ax.total_cmp(&bx).then(ay.total_cmp(&by))
+        });
+        order
+    };
+    let mut by = vec![None; all.len()];
+    let mut surely = order(|it| it.high).into_iter().peekable();
+    // The lowest `y` of all that surely cost no more of `x`.
     let mut best: Option<(usize, Cost)> = None;
-    for i in order {
-        let Some(cost) = costs.get(i).copied() else {
+    for i in order(|it| it.low) {
+        let Some(Between { low, .. }) = all.get(i).copied() else {
             continue;
         };
-        match best {
-            Some((front, least)) if least.dominates(cost) => {
-                if let Some(by) = by.get_mut(i) {
-                    *by = Some(front);
-                }
+        while let Some(next) =
+            surely.next_if(|next| all.get(*next).is_some_and(|it| it.high.x <= low.x))
+        {
+            let Some(Between { high, .. }) = all.get(next).copied() else {
+                continue;
+            };
+            if best.is_none_or(|(_, least)| high.y < least.y) {
+                best = Some((next, high));
             }
-            Some((_, least)) if least == cost => {}
-            _ => best = Some((i, cost)),
+        }
+        if let (Some((front, least)), Some(by)) = (best, by.get_mut(i)) {
+            *by = least.dominates(low).then_some(front);
         }
     }
     by
@@ -54,7 +88,54 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    #[test]
+    fn what_may_cost_as_much_is_not_surely_better() {
+        let cost = |x: f64, y: f64| Cost { x, y };
+        let all = [
+            Between::from(cost(1.0, 1.0)),
+            // Its y may be that of the first, or less.
+            Between {
+                low: cost(2.0, 0.5),
+                high: cost(2.0, 1.5),
+            },
+            // All of it is above the first, and above the most of the second.
+            Between {
+                low: cost(3.0, 1.6),
+                high: cost(3.0, 2.0),
+            },
+            // Nobody knows its x.
+            Between {
+                low: cost(0.0, 0.1),
+                high: cost(f64::INFINITY, 0.1),
+            },
+        ];
+        assert_eq!(sure_dominators(&all), [None, None, Some(0), None]);
+    }
+
     proptest! {
+        /// Against the definition, written out.
+        #[test]
+        fn sure_fronts_are_those_of_the_definition(
+            costs in proptest::collection::vec((0..9_u8, 0..9_u8, 0..3_u8, 0..3_u8), 0..40)
+        ) {
+            let all: Vec<Between> = costs
+                .into_iter()
+                .map(|(x, y, wide, high)| Between {
+                    low: Cost { x: x.into(), y: y.into() },
+                    high: Cost { x: (x + wide).into(), y: (y + high).into() },
+                })
+                .collect();
+            let found = sure_dominators(&all);
+            for (it, by) in all.iter().zip(&found) {
+                let any = all.iter().any(|other| other.high.dominates(it.low));
+                prop_assert_eq!(by.is_some(), any);
+                if let Some(by) = by {
+                    prop_assert!(all[*by].high.dominates(it.low));
+                    prop_assert_eq!(found[*by], None);
+                }
+            }
+        }
+
         /// Against the definition, written out.
         #[test]
         fn fronts_are_those_of_the_definition(

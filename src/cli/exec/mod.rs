@@ -25,7 +25,7 @@ use self::{
     statistics::Statistics, trace::Tracer,
 };
 use super::files;
-use crate::{picture::write_png, save::save, unit::counted};
+use crate::{picture::write_png, program::Cost, save::save, unit::counted};
 
 /// Runs the verb.
 ///
@@ -106,6 +106,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         chip: &*chip,
         arithmetic: bench.arithmetic,
         frames,
+        per_frame: (!bench.opened.decides)
+            .then(|| Cost::of(&bench.opened.expansion.code.frame, &bench.opened.device)),
         packet: &packet,
         light: &bench.observation,
         warnings: &warnings,

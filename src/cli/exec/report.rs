@@ -6,6 +6,7 @@ use super::{super::light, reading};
 use crate::{
     array::{Arithmetic, Array, Ledger, Readings},
     event::{Packet, Polarity},
+    program::Cost,
     rig::guard::Warning,
     scene::Observation,
     unit::counted,
@@ -22,6 +23,8 @@ pub struct Report<'a> {
     /// What analogue cells do without, after the arithmetic.
     pub without: String,
     pub frames: u64,
+    /// What a frame costs; none where the host decides, and frames differ.
+    pub per_frame: Option<Cost>,
     pub packet: &'a Packet,
     pub light: &'a Observation,
     pub warnings: &'a [Warning],
@@ -79,6 +82,7 @@ impl Report<'_> {
             "height": self.packet.size.height,
             "frames": self.frames,
             "words": cost.words,
+            "words_per_frame": self.per_frame.map(|frame| frame.words),
             "words_by_clock": {
                 "analog": ledger.analog,
                 "digital": ledger.digital,
@@ -86,6 +90,7 @@ impl Report<'_> {
                 "prop": ledger.prop,
             },
             "array_us": cost.array_us,
+            "array_us_per_frame": self.per_frame.map(|frame| frame.array_us),
             "host_us": cost.host_us,
             "slots": ledger.slots,
             "events": self.packet.events.len(),

@@ -83,7 +83,7 @@ pub(super) fn answered(
     let (runs, frames) = question.watch(&design, float, ran.ok(), &mut *scene, &mut seen)?;
     let scene = SceneSummary::new(question.scene, &*scene, frames, &runs.float);
     let by = (&design, &ladder);
-    let streams = runs.streams(question, by, judged, &mut *open()?, &mut seen)?;
+    let streams = runs.streams(question, by, judged.as_ref(), &mut *open()?, &mut seen)?;
     let over_chips = match (program, &runs.silicon) {
         (Some(program), Some(nominal)) => Trial {
             question,

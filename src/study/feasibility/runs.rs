@@ -109,7 +109,7 @@ impl Runs {
         &self,
         question: &Question<'_>,
         (design, ladder): (&Design<'_>, &Ladder),
-        judged: Option<[Likeness; 2]>,
+        judged: Option<&[Likeness; 2]>,
         scene: &mut dyn Scene,
         seen: &mut dyn FnMut(&Frame),
     ) -> Result<Streams, FeasibilityError> {

@@ -1,14 +1,14 @@
-//! Damaged files of points.
+//! Damaged files of points and of pilots.
 
 use std::{fmt::Write as _, path::PathBuf};
 
 use serde::Serialize;
 
-/// A point's file that is damaged.
+/// A point's or a pilot's file that is damaged.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Damage {
-    /// The point's number.
-    pub point: usize,
+    /// The point's number; none: it is a pilot's.
+    pub point: Option<usize>,
     /// Its file.
     pub path: PathBuf,
     /// What is wrong with it.

@@ -5,7 +5,7 @@
 //! pilot on the tiles of a scene serves all formats of a sensor; it is kept by content in the
 //! folder of results. How the array's work is ordered changes no event, and needs no pilot.
 
-use std::{collections::BTreeMap, path::Path, sync::Arc};
+use std::sync::Arc;
 
 use serde_json::json;
 use sha2::{Digest, Sha256};
@@ -16,6 +16,7 @@ use super::{
     drive::driven,
     key::Side,
     limits::Limits,
+    pilot_file::{Found, PilotFile},
     plan::{Entry, Plan},
     refusal::Refusal,
     seen::Seen,
@@ -26,10 +27,8 @@ use super::{
 use crate::{
     array::{Arithmetic, Schedule},
     compare::metric,
-    limit::MANIFEST_BYTES,
     number::Format,
     reference::Description,
-    save::save_durably,
     study::{
         design,
         pilot::{ChangeEstimate, Chips, Choice, Effect, Family, Floats, Machine, Measure},
@@ -47,9 +46,6 @@ pub(super) struct Plain {
     pub limit: f64,
     pub seen: Seen,
 }
-
-/// What was measured of one plainer model: about how much changes, and the limit.
-pub(super) type Found = BTreeMap<String, f64>;
 
 /// The part of a sensor that a pilot runs: its cost is shared by many points.
 const PART: f64 = 0.15;
@@ -69,7 +65,7 @@ pub(super) fn plain(
     };
     match entry.point.side() {
         Side::Reference | Side::Mesh => float(plan, entry, shared, (limits, tolerance), row),
-        Side::Array => array(plan, entry, shared, tolerance, row),
+        Side::Array => array(plan, entry, shared, (limits, tolerance), row),
     }
 }
 
@@ -138,7 +134,8 @@ fn float(
         }
         // A large kernel is not written out whole there; the task has all of its weights.
         let key = format!("{} {}", entry.task, key_of(&description, seed, &scene));
-        let limits = pilot(plan, &scene, shared, (&key, &family), &candidates)?;
+        let place = (&*scene, shared, limits);
+        let limits = pilot(plan, place, (&key, &family), &candidates)?;
         if format != Format::F64 {
             limit = match limits.get(&name) {
                 Some(limit) if *limit <= tolerance => *limit,
@@ -181,7 +178,7 @@ fn array(
     plan: &Plan,
     entry: &Entry,
     shared: &Shared,
-    tolerance: f64,
+    (limits, tolerance): (Limits<'_>, f64),
     row: &mut Row,
 ) -> Result<Option<Plain>, Refusal> {
     let settings = &plan.study.settings;
@@ -220,7 +217,8 @@ fn array(
             Arithmetic::Number(_) | Arithmetic::Silicon { .. } => None,
         });
         let candidates: Vec<_> = candidates.collect();
-        let limits = pilot(plan, &entry.scene, shared, (&program, &family), &candidates)?;
+        let place = (&*entry.scene, shared, limits);
+        let limits = pilot(plan, place, (&program, &family), &candidates)?;
         if let Some(found) = limits.get(&name).filter(|found| **found <= tolerance) {
             (limit, stands) = (*found, exact);
         }
@@ -247,8 +245,7 @@ fn array(
 /// this run, or measured now.
 fn pilot<F: Family>(
     plan: &Plan,
-    scene: &CachedScene,
-    shared: &Shared,
+    (scene, shared, limits): (&CachedScene, &Shared, Limits<'_>),
     (key, family): (&str, &F),
     candidates: &[(String, F::Model)],
 ) -> Result<Found, Refusal> {
@@ -260,15 +257,24 @@ fn pilot<F: Family>(
     let question = question.to_string();
     let id = hex(&Sha256::digest(question.as_bytes())[..16]);
     let made = shared.pilot(&id, || {
-        let kept = shared.pilots().and_then(|folder| read(folder, &id));
-        if let Some(limits) = kept {
-            return Ok(limits);
+        let kept = shared
+            .pilots()
+            .and_then(|folder| PilotFile::read(folder, &id));
+        if let Some(kept) = kept {
+            return Ok(kept.figures);
         }
-        let limits = measured(scene, family, candidates, (within, tolerance))?;
+        let begin = (limits.clock)();
+        let figures = measured(scene, family, candidates, (within, tolerance))?;
+        shared.count_pilot((limits.clock)() - begin);
         if let Some(folder) = shared.pilots() {
-            write(folder, &id, &limits);
+            let file = PilotFile {
+                id: id.clone(),
+                figures: figures.clone(),
+                reason: None,
+            };
+            file.write(folder);
         }
-        Ok(limits)
+        Ok(figures)
     });
     match made.get() {
         Some(Ok(limits)) => Ok(limits.clone()),
@@ -323,20 +329,6 @@ fn measured<F: Family>(
     Ok(offers
         .filter_map(|offer| Some((offer.what, limit(offer.change?)?)))
         .collect())
-}
-
-/// What is kept of a pilot; none where nothing is, or it cannot be believed.
-pub(super) fn read(folder: &Path, id: &str) -> Option<Found> {
-    let path = folder.join(format!("{id}.json"));
-    let bytes = super::regular::read(&path, MANIFEST_BYTES).ok()?;
-    serde_json::from_slice(&bytes).ok()
-}
-
-/// Keeps a pilot. Where that fails it is only made again.
-pub(super) fn write(folder: &Path, id: &str, limits: &Found) {
-    let text = json!(limits).to_string() + "\n";
-    let path = folder.join(format!("{id}.json"));
-    let _ = save_durably(&path, |out| std::io::Write::write_all(out, text.as_bytes()));
 }
 
 #[cfg(test)]

@@ -167,14 +167,17 @@ fn measured(
     put("bits", json!(address::bits(&packet)));
     put("reference_events", json!(ladder.reference().events.len()));
     put("window_us", json!(headline.window_us));
-    put("kept", json!(headline.kept));
+    // Of two packets without an event nothing is kept and nothing lost.
+    let told = !ladder.reference().events.is_empty();
+    let kept = headline.kept.filter(|_| told);
+    put("kept", json!(kept));
     let of_kinds = truth.kept_of_kinds(&packet)?;
     if !of_kinds.is_empty() {
         put("kept_of_kinds", json!(json!(of_kinds).to_string()));
     }
     put("floor", json!(headline.floor));
-    put("error", json!(headline.kept.map(|kept| 1.0 - kept)));
-    if settings.threshold_equivalent {
+    put("error", json!(kept.map(|kept| 1.0 - kept)));
+    if settings.threshold_equivalent && told {
         let (percent, is_least) = truth.equivalent(headline.f1, &watched)?;
         put("threshold_equivalent_percent", json!(percent));
         put(

@@ -8,7 +8,7 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 /// The version of the results: of what is measured and how. It is part of every identity.
-pub const SCHEMA: u32 = 5;
+pub const SCHEMA: u32 = 6;
 
 /// The version of the numerics: two builds of one version compute the same bits from the same
 /// point, on any processor. It is raised whenever a result may change.

@@ -2,21 +2,24 @@
 //!
 //! A sensor is all of a point but its task (scene, receptive field, thresholds) and its seed.
 //! Its error and its costs are means over its points. Only sensors that were given the same
-//! tasks are compared: each set of tasks has a front of its own.
+//! tasks are compared: each set of tasks has a front of its own. Pooled, a sensor also has its
+//! kernel and its thresholds, and all are compared.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
 use super::{
+    left_out::LeftOut,
     manifest::Manifest,
     record::is_failed,
     table::{self, Row},
+    task_name::{self, Columns, FIELD},
 };
 use crate::{
     order::Order,
     rig::guard::{About, Warning},
-    study::front::{Cost, dominators},
+    study::front::{Between, Cost, dominators, sure_dominators},
     unit::Micros,
 };
 
@@ -76,8 +79,13 @@ pub struct Without {
 /// Sensors that can be compared.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Group {
-    /// Tasks that all of them were given.
+    /// Tasks that all of them were given; 0 where all sensors are pooled.
     pub tasks: usize,
+    /// What sets these tasks apart from each other and from those of other groups; empty where
+    /// nothing does.
+    pub name: String,
+    /// The values of the columns that make the tasks.
+    pub on: Columns,
     /// In order of cost.
     pub sensors: Vec<Standing>,
 }
@@ -109,6 +117,11 @@ pub struct Standing {
     pub words: Option<f64>,
     /// The sensor on the front that beats it; none: it is on the front.
     pub dominated_by: Option<String>,
+    /// The sensor that would beat it by figures that may be off by more than what they differ in,
+    /// since plainer models stand for one of both.
+    pub undecided_with: Option<String>,
+    /// What plainer models leave out of it; none: nothing.
+    pub left_out: Option<LeftOut>,
 }
 
 /// A sensor with points that cannot be, or failed.
@@ -163,7 +176,7 @@ fn saturated(rows: &[Row]) -> Option<Warning> {
     (points > 0).then(|| Warning::saturated_points(points, rows.len()))
 }
 
-/// That neither sensor has an event at some points, which count as no error at all.
+/// That neither sensor has an event at some points, which have no error to tell.
 fn silent(rows: &[Row]) -> Option<Warning> {
     let none = |row: &&Row| {
         let number = |name: &str| row.get(name).and_then(serde_json::Value::as_f64);
@@ -202,13 +215,21 @@ impl Report {
         let varying = varying(rows);
         let mut sensors: BTreeMap<Vec<String>, Vec<&Row>> = BTreeMap::new();
         for row in rows {
-            let key = SENSOR.map(|column| value(row, column)).to_vec();
+            let own = SENSOR.iter().chain(if pool { &FIELD[..] } else { &[] });
+            let key = own.map(|column| value(row, column)).collect();
             sensors.entry(key).or_default().push(row);
         }
-        let mut groups: BTreeMap<BTreeSet<String>, Vec<Standing>> = BTreeMap::new();
+        let differing: Vec<&str> = { FIELD.into_iter() }
+            .filter(|column| pool && task_name::varies(rows, column))
+            .collect();
+        let mut groups: BTreeMap<BTreeSet<String>, Compared<'_>> = BTreeMap::new();
         let (mut refused, mut failed, mut without) = (Vec::new(), Vec::new(), Vec::new());
         for (key, rows) in &sensors {
-            let name = name(key, &varying);
+            let field = rows.first().map_or_else(String::new, |first| {
+                task_name::field(first, |column| differing.contains(&column))
+            });
+            let name = format!("{} {field}", name(key, &varying));
+            let name = name.trim_end().to_owned();
             let of = |outcome: &str| -> Vec<&Row> {
                 let rows = rows.iter().copied();
                 rows.filter(|row| table::cell(row, "outcome") == outcome)
@@ -243,13 +264,25 @@ impl Report {
             } else {
                 tasks.collect()
             };
-            groups.entry(tasks).or_default().push(standing);
+            let group = groups.entry(tasks).or_default();
+            group.sensors.push(standing);
+            group.rows.extend(done);
         }
         let mut groups: Vec<Group> = groups
             .into_iter()
-            .map(|(tasks, sensors)| judged(tasks.len(), sensors))
+            .map(|(tasks, Compared { sensors, rows })| Group {
+                tasks: tasks.len(),
+                name: String::new(),
+                on: task_name::columns(&rows),
+                sensors: judged(cost, sensors),
+            })
             .collect();
         groups.order_by_key(|group| std::cmp::Reverse(group.sensors.len()));
+        let on: Vec<Columns> = groups.iter().map(|group| group.on.clone()).collect();
+        let on: Vec<&Columns> = on.iter().collect();
+        for group in &mut groups {
+            group.name = task_name::name(&group.on, &on);
+        }
         Self {
             title: manifest.title.clone(),
             cost: cost.to_owned(),
@@ -261,6 +294,13 @@ impl Report {
             without,
         }
     }
+}
+
+/// What was given the same tasks.
+#[derive(Default)]
+struct Compared<'a> {
+    sensors: Vec<Standing>,
+    rows: Vec<&'a Row>,
 }
 
 /// For each side the columns in which its sensors differ.
@@ -319,11 +359,14 @@ fn name(key: &[String], varying: &BTreeMap<String, Vec<bool>>) -> String {
 
 /// Why a sensor with these points has no error, told of the first that has none; none where all
 /// have one.
-fn no_error(rows: &[&Row]) -> Option<String> {
+pub(super) fn no_error(rows: &[&Row]) -> Option<String> {
     let number = |row: &Row, column: &str| row.get(column).and_then(serde_json::Value::as_f64);
     let mut bare = rows.iter().filter(|row| number(row, "error").is_none());
     let first = bare.next()?;
     let why = match number(first, "events") {
+        Some(0.0) if number(first, "reference_events") == Some(0.0) => {
+            "neither the float sensor nor this one has an event".to_owned()
+        }
         Some(events) if number(first, "reference_events") == Some(0.0) => {
             format!("the float sensor has no event, this one has {events}")
         }
@@ -360,11 +403,13 @@ fn standing(name: &str, key: &[String], rows: &[&Row], cost: &str) -> Option<Sta
         bits: mean("bits")?,
         words: mean("words"),
         dominated_by: None,
+        undecided_with: None,
+        left_out: LeftOut::of(rows),
     })
 }
 
-/// Marks each sensor with the one that dominates it.
-fn judged(tasks: usize, mut sensors: Vec<Standing>) -> Group {
+/// Marks each sensor with the one that dominates it, or would if their figures were their own.
+fn judged(cost: &str, mut sensors: Vec<Standing>) -> Vec<Standing> {
     sensors.order_by(|a, b| a.cost.total_cmp(&b.cost).then(a.error.total_cmp(&b.error)));
     let costs: Vec<Cost> = sensors
         .iter()
@@ -373,11 +418,20 @@ fn judged(tasks: usize, mut sensors: Vec<Standing>) -> Group {
             y: s.error,
         })
         .collect();
+    let all: Vec<Between> = { sensors.iter().zip(&costs) }
+        .map(|(sensor, at)| match &sensor.left_out {
+            Some(left_out) => left_out.between(cost, *at),
+            None => Between::from(*at),
+        })
+        .collect();
     let names: Vec<String> = sensors.iter().map(|s| s.name.clone()).collect();
-    for (sensor, by) in sensors.iter_mut().zip(dominators(&costs)) {
-        sensor.dominated_by = by.and_then(|by| names.get(by).cloned());
+    let named = |by: Option<usize>| names.get(by?).cloned();
+    let sure = sure_dominators(&all).into_iter().zip(dominators(&costs));
+    for (sensor, (sure, seeming)) in sensors.iter_mut().zip(sure) {
+        sensor.dominated_by = named(sure);
+        sensor.undecided_with = named(seeming).filter(|_| sure.is_none());
     }
-    Group { tasks, sensors }
+    sensors
 }
 
 #[cfg(test)]
@@ -451,6 +505,12 @@ mod tests {
             let report = Report::new(&manifest(1), rows, cost, false);
             report.without[0].no_error.clone()
         };
+        let mut neither = bare(0);
+        neither.insert("events".to_owned(), json!(0));
+        assert_eq!(
+            why(&[neither], "bits").as_deref(),
+            Some("neither the float sensor nor this one has an event")
+        );
         let silent = "the float sensor has no event, this one has 7";
         assert_eq!(
             why(&[bare(0)], "seconds_per_frame").as_deref(),
@@ -490,5 +550,80 @@ mod tests {
             (500.0, 1)
         );
         assert_eq!(standing(&[known, with("b", 900.0, false)]), (500.0, 0));
+    }
+
+    /// f16 with the figures of f64 and half the bytes is not better than f64.
+    #[test]
+    fn figures_of_a_plainer_model_claim_no_victory_within_its_limit() {
+        let with = |format: &str, error: f64, bytes: u64, limit: Option<f64>| {
+            let mut row = row("reference", format, "a", error, 1.0);
+            row.insert("state_memory_bytes".to_owned(), json!(bytes));
+            row.insert("floor".to_owned(), json!(0.5));
+            if let Some(limit) = limit {
+                row.insert("left_out".to_owned(), json!(format));
+                row.insert("left_out_limit".to_owned(), json!(limit));
+            }
+            row
+        };
+        let rows = [
+            with("f64", 0.0, 8, None),
+            with("f16", 0.0, 2, Some(0.1)),
+            with("q4.4", 0.3, 9, None),
+            with("q8.8", 0.1, 9, None),
+        ];
+        let report = |cost: &str| Report::new(&manifest(4), &rows, cost, false);
+        let told = report("state_memory_bytes");
+        let [f16, f64, q8, q4] = &told.groups[0].sensors[..] else {
+            panic!("{told:?}");
+        };
+        let f = |format: &str| Some(format!("reference {format}"));
+        assert_eq!((&f16.dominated_by, &f16.undecided_with), (&None, &None));
+        assert_eq!((&f64.dominated_by, &f64.undecided_with), (&None, &f("f16")));
+        // 0.3 is beyond what f16 may be off by, 0.1 / (1 - 0.5), and so is 0.1 above f64.
+        assert_eq!(q4.dominated_by, f("f64"));
+        assert_eq!(q8.dominated_by, f("f64"));
+        assert_eq!(f16.left_out.as_ref().unwrap().error_off, 0.2);
+        // Its time is that of f64.
+        let told = report("seconds_per_frame");
+        assert!(told.groups[0].sensors.iter().all(|it| {
+            it.name != "reference f16" || (it.dominated_by.is_none() && it.left_out.is_some())
+        }));
+    }
+
+    #[test]
+    fn groups_and_pooled_sensors_are_told_apart_by_kernel_and_threshold() {
+        let with = |kernel: &str, threshold: f64| {
+            let mut row = row(
+                "reference",
+                "f64",
+                &format!("{kernel}{threshold}"),
+                0.1,
+                1.0,
+            );
+            for (column, value) in [
+                ("kernel", json!(kernel)),
+                ("threshold_on", json!(threshold)),
+                ("threshold_off", json!(threshold)),
+                ("scene", json!("s")),
+            ] {
+                row.insert(column.to_owned(), value);
+            }
+            row
+        };
+        let rows = [with("dog", 8.0), with("dvs", 8.0), with("dvs", 9.0)];
+        let report = |pool: bool| Report::new(&manifest(3), &rows, "seconds_per_frame", pool);
+        let told = report(false);
+        let [group] = &told.groups[..] else {
+            panic!("one sensor on three tasks: {told:?}");
+        };
+        assert_eq!(group.name, "kernel dog | dvs, threshold 8 | 9");
+        assert_eq!(group.on["threshold_on"], [json!(8.0), json!(9.0)]);
+        assert_eq!(group.on["scene"], [json!("s")]);
+        let told = report(true);
+        let names: Vec<&str> = { told.groups[0].sensors.iter() }
+            .map(|s| &*s.name)
+            .collect();
+        let want = ["dog threshold 8", "dvs threshold 8", "dvs threshold 9"];
+        assert_eq!(names, want.map(|field| format!("reference f64 {field}")));
     }
 }

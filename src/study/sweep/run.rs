@@ -3,7 +3,6 @@
 use std::{
     collections::HashMap,
     ops::ControlFlow,
-    path::PathBuf,
     sync::{
         Mutex, PoisonError,
         atomic::{AtomicBool, AtomicUsize, Ordering},
@@ -16,10 +15,11 @@ use super::{
     error::{Kept, StoreError},
     limits::Limits,
     measure::{described, measure, without_figures},
+    pilot_file,
     plan::{Entry, Plan},
     provenance::Provenance,
     record::{Record, is_failed},
-    search::Searched,
+    search::{Chosen, Searched},
     shared::Shared,
     store::Store,
     table::{self, Row},
@@ -93,9 +93,13 @@ pub struct Did {
     pub damaged: Vec<Damage>,
     /// What a search did.
     pub search: Option<Searched>,
+    /// Pilots of plainer models that were measured now.
+    pub pilots: usize,
+    /// Their seconds, each on one thread.
+    pub pilot_seconds: f64,
 }
 
-/// A point that failed.
+/// A point of which nothing came.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Failed {
     /// Its number.
@@ -150,15 +154,28 @@ impl Run<'_> {
         let is_there = |entry: &Entry| held.records.get(&entry.id).is_some_and(Record::is_final);
         let mut mine = self.mine();
         let search = self.plan.study.sample.and_then(|sample| sample.search);
-        let searched = match search {
-            Some(search) => Some(self.search(search, store, &|| {
-                let _ = done();
-            })?),
-            None => None,
+        let mut damaged = held.damaged;
+        let goes_by_pilots = search.is_some() || self.plan.study.settings.tolerance.is_some();
+        let pilots = if goes_by_pilots {
+            let folder = store.pilots()?;
+            let pilots = pilot_file::damaged(&folder)?;
+            store.set_aside(&pilots)?;
+            damaged.extend(pilots);
+            Some(folder)
+        } else {
+            None
         };
-        if let Some((chosen, _)) = &searched {
-            mine.retain(|(point, _)| chosen.contains(point));
-        }
+        let searched = match search {
+            Some(search) => {
+                let searched = self.search(search, store, &|| {
+                    let _ = done();
+                })?;
+                mine.retain(|(point, _)| searched.points.contains(point));
+                searched.keep_failed(self.plan, store, &held.records)?;
+                searched
+            }
+            None => Chosen::default(),
+        };
         let all = mine.len();
         let work: Vec<_> = mine
             .into_iter()
@@ -167,18 +184,15 @@ impl Run<'_> {
         let mut did = Did {
             computed: work.len(),
             found: all - work.len(),
-            damaged: held.damaged,
-            failed: Vec::new(),
-            search: searched.map(|(_, did)| did),
+            damaged,
+            search: search.map(|_| searched.did),
+            ..Did::default()
         };
         begin(work.len() as u64);
-        let failed = Mutex::new(Vec::new());
+        let failed = Mutex::new(searched.failed);
         let provenance = Provenance::here();
-        let pilots = match self.plan.study.settings.tolerance {
-            Some(_) => Some(store.pilots()?),
-            None => None,
-        };
-        self.on_threads(work, pilots, |point, entry, shared| {
+        let shared = Shared::new(pilots);
+        self.on_threads(work, &shared, |point, entry, shared| {
             store.begin(&entry.id)?;
             let row = self.computed(entry, || compute(entry, shared));
             if is_failed(&row) {
@@ -195,6 +209,7 @@ impl Run<'_> {
         })?;
         did.failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
         did.failed.order_by_key(|failed| failed.point);
+        (did.pilots, did.pilot_seconds) = shared.pilot_cost();
         Ok(did)
     }
 
@@ -220,19 +235,18 @@ impl Run<'_> {
     pub(super) fn on_threads(
         &self,
         mut work: Vec<(usize, &Entry)>,
-        pilots: Option<PathBuf>,
+        shared: &Shared,
         each: impl Fn(usize, &Entry, &Shared) -> Kept<()> + Sync,
     ) -> Kept<()> {
         task_by_task(&mut work);
         let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
         let failed = Mutex::new(None);
-        let shared = Shared::new(pilots);
         let worker = || {
             while !stop.load(Ordering::Relaxed) {
                 let Some((point, entry)) = work.get(next.fetch_add(1, Ordering::Relaxed)) else {
                     return;
                 };
-                if let Err(error) = each(*point, entry, &shared) {
+                if let Err(error) = each(*point, entry, shared) {
                     stop.store(true, Ordering::Relaxed);
                     let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
                     failed.get_or_insert(error);

@@ -11,7 +11,10 @@
 //! Jamieson & Talwalkar 2016 for one objective; here who survives is who is on the front of error
 //! and cost (`survivors`).
 
-use std::{collections::HashSet, sync::Arc};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::{Arc, Mutex, PoisonError},
+};
 
 use serde_json::json;
 use sha2::{Digest, Sha256};
@@ -19,16 +22,21 @@ use sha2::{Digest, Sha256};
 use super::{
     cached_scene::{CachedScene, Part, hex},
     error::Kept,
-    fidelity::{self, Found as Figures},
-    measure::measure,
+    measure::{described, measure, without_figures},
+    pilot_file::PilotFile,
     plan::{Entry, Plan},
-    run::Run,
+    provenance::Provenance,
+    record::{Record, is_failed},
+    report::no_error,
+    run::{Failed, Run},
     sample::Search,
+    shared::Shared,
     store::Store,
-    study::Settings,
+    study::{COSTS, Settings},
     survivors::survivors,
+    table::{self, Row},
 };
-use crate::{rng::Hash, scene::SceneError, study::front::Cost};
+use crate::{order::Order, rng::Hash, scene::SceneError, study::front::Cost};
 
 /// What a rung did.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -50,6 +58,49 @@ pub struct Searched {
     pub point_frames: f64,
     /// What all candidates would have seen.
     pub of: f64,
+    /// Points that went no further since a rung has no error or no cost of them, with the reason.
+    pub nothing: Vec<Failed>,
+}
+
+/// What a search comes to.
+#[derive(Debug, Default)]
+pub(super) struct Chosen {
+    /// Numbers of the points that are to be computed on the whole scene.
+    pub points: HashSet<usize>,
+    pub did: Searched,
+    /// Points that were given up in a rung.
+    pub failed: Vec<Failed>,
+}
+
+/// What the reason of a point begins with that was given up in a rung.
+const IN_A_RUNG: &str = "on a part of the scene: ";
+
+impl Chosen {
+    /// Points that were given up in a rung are rows, until a run gets further with them.
+    pub fn keep_failed(
+        &self,
+        plan: &Plan,
+        store: &Store,
+        records: &HashMap<String, Record>,
+    ) -> Kept<()> {
+        let failed = self.failed.iter();
+        let failed: HashMap<usize, &str> = failed.map(|f| (f.point, &*f.reason)).collect();
+        for (point, entry) in plan.entries.iter().enumerate() {
+            let held = records.get(&entry.id);
+            if let Some(reason) = failed.get(&point) {
+                if !held.is_some_and(Record::is_final) {
+                    let row = without_figures(described(plan, entry), "failed", reason);
+                    let provenance = Provenance::here();
+                    store.keep(&entry.id, &Record { row, provenance })?;
+                }
+            } else if held.is_some_and(|held| {
+                is_failed(&held.row) && table::cell(&held.row, "reason").starts_with(IN_A_RUNG)
+            }) {
+                store.forget(&entry.id)?;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The part of the scene that a rung sees, and the share of the candidates that come to it; the
@@ -63,18 +114,18 @@ const FEWEST: usize = 8;
 const MUCH: f64 = 0.5;
 
 impl Run<'_> {
-    /// Tries candidates rung by rung; the numbers of those that are to be computed on the whole
-    /// scene.
+    /// Tries candidates rung by rung.
     pub(super) fn search(
         &self,
         search: Search,
         store: &Store,
         done: &(impl Fn() + Sync),
-    ) -> Kept<(HashSet<usize>, Searched)> {
+    ) -> Kept<Chosen> {
         let plan = self.plan;
         let all = plan.entries.len();
         let finish = ((search.finish * all as f64).ceil() as usize).max(FEWEST);
         let mut left: Vec<usize> = (0..all).collect();
+        let mut failed = Vec::new();
         let mut did = Searched {
             of: plan.entries.iter().map(|e| e.scene.frames as f64).sum(),
             ..Searched::default()
@@ -89,36 +140,49 @@ impl Run<'_> {
             else {
                 continue;
             };
-            let (ranked, rung) = self.try_rung(&rung, search, store, done)?;
-            did.rungs.push(rung);
-            left = ranked
-                .into_iter()
-                .filter_map(|i| left.get(i).copied())
-                .collect();
+            let tried = self.try_rung(&rung, search, store, done)?;
+            did.rungs.push(tried.rung);
+            let numbered = |list: Vec<(usize, String)>| {
+                let of = |(i, reason)| {
+                    Some(Failed {
+                        point: *left.get(i)?,
+                        reason,
+                    })
+                };
+                list.into_iter().filter_map(of).collect::<Vec<_>>()
+            };
+            did.nothing.extend(numbered(tried.nothing));
+            failed.extend(numbered(tried.failed));
+            let ranked = tried.ranked.into_iter();
+            left = ranked.filter_map(|i| left.get(i).copied()).collect();
         }
+        did.nothing.order_by_key(|nothing| nothing.point);
         left.truncate(finish);
         did.rungs.push(Rung {
             points: left.len(),
             tried: 0,
-            point_frames: { left.iter() }
-                .filter_map(|i| Some(plan.entries.get(*i)?.scene.frames as f64))
-                .sum(),
+            point_frames: seen(
+                { left.iter() }.filter_map(|i| Some(plan.entries.get(*i)?.scene.frames as f64)),
+            ),
         });
-        did.point_frames = did.rungs.iter().map(|rung| rung.point_frames).sum();
-        Ok((left.into_iter().collect(), did))
+        did.point_frames = seen(did.rungs.iter().map(|rung| rung.point_frames));
+        Ok(Chosen {
+            points: left.into_iter().collect(),
+            did,
+            failed,
+        })
     }
 
-    /// Tries the points of a rung; the best first, what came of nothing left out.
+    /// Tries the points of a rung. What failed is not kept: the next run tries it again.
     fn try_rung(
         &self,
         cut: &Cut,
         search: Search,
         store: &Store,
         done: &(impl Fn() + Sync),
-    ) -> Kept<(Vec<usize>, Rung)> {
+    ) -> Kept<Tried> {
         let folder = store.pilots()?;
-        let columns = ["error", search.cost];
-        let known = |entry: &Entry| fidelity::read(&folder, &entry.id);
+        let known = |entry: &Entry| PilotFile::read(&folder, &entry.id);
         let entries = cut.plan.entries.iter().enumerate();
         let work: Vec<_> = entries
             .filter(|(_, entry)| known(entry).is_none())
@@ -129,37 +193,92 @@ impl Run<'_> {
             shard: None,
             ..*self
         };
-        run.on_threads(work, None, |_, entry, shared| {
+        let failed = Mutex::new(Vec::new());
+        // A disk that does not take them is no reason to go without.
+        let made = Mutex::new(HashMap::new());
+        run.on_threads(work, &Shared::new(None), |i, entry, shared| {
             let row = run.computed(entry, || measure(run.plan, entry, shared, run.limits));
-            let number = |column: &str| row.get(column)?.as_f64().filter(|n| n.is_finite());
-            let figures = { columns.iter() }
-                .filter_map(|column| Some(((*column).to_owned(), number(column)?)));
-            fidelity::write(&folder, &entry.id, &figures.collect::<Figures>());
+            if is_failed(&row) {
+                let reason = format!("{IN_A_RUNG}{}", table::cell(&row, "reason"));
+                let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
+                failed.push((i, reason));
+            } else {
+                let file = tried_file(&entry.id, &row);
+                file.write(&folder);
+                let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
+                made.insert(i, file);
+            }
             done();
             Ok(())
         })?;
+        let mut failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
+        failed.order_by_key(|(i, _)| *i);
+        let mut made = made.into_inner().unwrap_or_else(PoisonError::into_inner);
         let mut costs = Vec::new();
         let mut numbers = Vec::new();
+        let mut nothing = Vec::new();
         for (i, entry) in cut.plan.entries.iter().enumerate() {
-            let Some(figures) = known(entry) else {
+            let file = made.remove(&i).or_else(|| known(entry));
+            let Some(PilotFile {
+                figures, reason, ..
+            }) = file
+            else {
                 continue;
             };
-            if let [Some(y), Some(x)] = columns.map(|column| figures.get(column).copied()) {
+            let figure = |column: &str| figures.get(column).copied();
+            if let (Some(y), Some(x)) = (figure("error"), figure(search.cost)) {
                 costs.push(Cost { x, y });
                 numbers.push(i);
+            } else {
+                let reason = reason.unwrap_or_else(|| format!("it has no {}", search.cost));
+                nothing.push((i, format!("{IN_A_RUNG}{reason}")));
             }
         }
         let ranked = survivors(&costs, costs.len()).into_iter();
-        let rung = Rung {
-            points: cut.plan.entries.len(),
-            tried,
-            point_frames: cut.point_frames,
-        };
-        Ok((
-            ranked.filter_map(|i| numbers.get(i).copied()).collect(),
-            rung,
-        ))
+        Ok(Tried {
+            ranked: ranked.filter_map(|i| numbers.get(i).copied()).collect(),
+            rung: Rung {
+                points: cut.plan.entries.len(),
+                tried,
+                point_frames: cut.point_frames,
+            },
+            nothing,
+            failed,
+        })
     }
+}
+
+/// What came of a rung; points are counted within it.
+struct Tried {
+    /// The best first.
+    ranked: Vec<usize>,
+    rung: Rung,
+    /// Points without an error or a cost, and why.
+    nothing: Vec<(usize, String)>,
+    /// Points that were given up, and why.
+    failed: Vec<(usize, String)>,
+}
+
+/// What a rung keeps of a point.
+fn tried_file(id: &str, row: &Row) -> PilotFile {
+    let number = |column: &str| row.get(column)?.as_f64().filter(|n| n.is_finite());
+    let columns = ["error"].into_iter().chain(COSTS);
+    let figures = columns.filter_map(|column| Some((column.to_owned(), number(column)?)));
+    let refused = table::cell(row, "reason");
+    PilotFile {
+        id: id.to_owned(),
+        figures: figures.collect(),
+        reason: if refused.is_empty() {
+            no_error(&[row])
+        } else {
+            Some(refused)
+        },
+    }
+}
+
+/// Frames in all; the sum of no floats is -0.
+fn seen(frames: impl Iterator<Item = f64>) -> f64 {
+    frames.sum::<f64>() + 0.0
 }
 
 /// A part of a scene, and its share of all.

@@ -7,7 +7,8 @@ use std::{
 };
 
 use super::{
-    cached_scene::Drive, level_program::LevelProgram, refusal::Refusal, table::Row, truth::Truth,
+    cached_scene::Drive, level_program::LevelProgram, pilot_file::Found, refusal::Refusal,
+    table::Row, truth::Truth,
 };
 
 /// A memo of what several points need.
@@ -20,10 +21,12 @@ pub(super) struct Shared {
     figures: Mutex<HashMap<String, Figures>>,
     /// Where pilots are kept.
     folder: Option<PathBuf>,
+    /// How many pilots were measured, and their seconds.
+    cost: Mutex<(usize, f64)>,
 }
 
 /// The limits of plainer models, by name, or why there are none.
-pub(super) type Pilot = Arc<OnceLock<Result<BTreeMap<String, f64>, Refusal>>>;
+pub(super) type Pilot = Arc<OnceLock<Result<Found, Refusal>>>;
 
 /// The figures of a model on a scene, or why there are none.
 pub(super) type Figures = Arc<OnceLock<Result<Row, Refusal>>>;
@@ -78,14 +81,32 @@ impl Shared {
     }
 
     /// What a pilot says of a family of sensors on a scene.
-    pub fn pilot(
-        &self,
-        key: &str,
-        make: impl FnOnce() -> Result<BTreeMap<String, f64>, Refusal>,
-    ) -> Pilot {
+    pub fn pilot(&self, key: &str, make: impl FnOnce() -> Result<Found, Refusal>) -> Pilot {
         let slot = slot(&self.pilots, key);
         slot.get_or_init(make);
         slot
+    }
+
+    /// That a pilot was measured, in so many seconds.
+    pub fn count_pilot(&self, seconds: f64) {
+        let mut cost = self.cost.lock().unwrap_or_else(PoisonError::into_inner);
+        cost.0 += 1;
+        cost.1 += seconds;
+    }
+
+    /// How many pilots were measured and not known, and in how many seconds of one thread.
+    pub fn pilot_cost(&self) -> (usize, f64) {
+        *self.cost.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What the pilots say that were asked, by identity.
+    pub fn known_pilots(&self) -> BTreeMap<String, Found> {
+        let all = self.pilots.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = all.iter().filter_map(|(id, pilot)| {
+            let found = pilot.get()?.as_ref().ok()?;
+            Some((id.clone(), found.clone()))
+        });
+        known.collect()
     }
 
     /// The figures of a model that stands for several points.

@@ -19,6 +19,7 @@ use serde::Serialize;
 use super::{
     damage::Damage,
     error::{Kept, StoreError},
+    left_out,
     manifest::{self, Manifest, is_identity},
     provenance::Provenance,
     record::{LONGEST, Record, Wrong},
@@ -65,6 +66,8 @@ pub struct Tables {
     pub computed_by: Vec<ComputedBy>,
     /// Points among them that cannot be.
     pub refused: usize,
+    /// Points among them that a plainer model stands for.
+    pub left_out: usize,
     /// What makes their figures mean something else than they seem to.
     pub warnings: Vec<Warning>,
 }
@@ -186,6 +189,15 @@ impl Store {
         Ok(())
     }
 
+    /// Takes a point away that is to be as if it had not been computed.
+    ///
+    /// # Errors
+    /// When the disk does not do it.
+    pub(super) fn forget(&self, id: &str) -> Kept<()> {
+        let path = file_of(&self.folder, id);
+        fs::remove_file(&path).map_err(|cause| StoreError::Save { path, cause })
+    }
+
     /// Notes that the computation of a point begins.
     ///
     /// # Errors
@@ -298,6 +310,7 @@ fn believed(folder: &Path, manifest: &Manifest) -> Kept<(Vec<Row>, Tables)> {
         refused: { rows.iter() }
             .filter(|row| table::cell(row, "outcome") == "refused")
             .count(),
+        left_out: rows.iter().filter(|row| left_out::stands_for(row)).count(),
         warnings: report::warnings(&rows),
         finished: rows.len() - failed,
         failed,
@@ -331,7 +344,11 @@ pub(super) fn held(folder: &Path, manifest: &Manifest) -> Kept<Held> {
             Ok(record) => {
                 held.records.insert(id.clone(), record);
             }
-            Err(Wrong::Damaged(why)) => held.damaged.push(Damage { point, path, why }),
+            Err(Wrong::Damaged(why)) => held.damaged.push(Damage {
+                point: Some(point),
+                path,
+                why,
+            }),
             Err(Wrong::Other(made)) => {
                 others += 1;
                 first.get_or_insert((path, made));

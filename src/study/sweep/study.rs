@@ -2,7 +2,7 @@
 
 use super::{
     grid::{self, Axes},
-    key::Side,
+    key::{KEYS, Key, Side},
     overrides::{Override, overridden},
     point::Point,
     read::SEE,
@@ -535,7 +535,12 @@ fn sample_of(settings: &Section<'_>) -> Read<Option<Sample>> {
 /// Every key that can stand at the top.
 fn all_names() -> impl Iterator<Item = &'static str> + Clone {
     let settings = BESIDE.names().chain(["side"]);
-    settings.chain(super::key::KEYS.iter().map(|key| key.name))
+    // Two sides may have keys of one name.
+    let once = |(i, key): (usize, &'static Key)| {
+        let before = KEYS.iter().take(i).any(|other| other.name == key.name);
+        (!before).then_some(key.name)
+    };
+    settings.chain(KEYS.iter().enumerate().filter_map(once))
 }
 
 /// A value, or those of a list, each once.

@@ -1,7 +1,7 @@
 //! A share of the points, computed again: are they what the folder says, to the bit?
 
 use std::{
-    path::Path,
+    path::{Path, PathBuf},
     str::FromStr,
     sync::{Mutex, PoisonError},
 };
@@ -17,9 +17,11 @@ use super::{
     error::{Kept, StoreError},
     manifest::Manifest,
     measure::measure,
+    pilot_file::{self, PilotFile},
     plan::Entry,
     record::Record,
     run::Run,
+    shared::Shared,
     store::held,
 };
 
@@ -67,6 +69,8 @@ pub struct Verified {
     pub finished: usize,
     /// What is not the same, in the order of points.
     pub differences: Vec<Difference>,
+    /// Files of pilots that say something else than what was measured now.
+    pub pilots: Vec<PathBuf>,
 }
 
 /// A column of a point that was computed again and is not the same.
@@ -148,7 +152,8 @@ impl Run<'_> {
         begin(compared as u64);
         let found = Mutex::new(Vec::new());
         let (plan, limits) = (self.plan, self.limits);
-        self.on_threads(chosen, None, |point, entry, shared| {
+        let shared = Shared::new(None);
+        self.on_threads(chosen, &shared, |point, entry, shared| {
             let row = self.computed(entry, || measure(plan, entry, shared, limits));
             if let Some(Record { row: kept, .. }) = held.records.get(&entry.id) {
                 let own = differences(&asked.columns, kept, &row);
@@ -174,8 +179,22 @@ impl Run<'_> {
             compared,
             finished,
             differences,
+            pilots: other_pilots(folder, &shared),
         })
     }
+}
+
+/// Files of pilots that say something else than what was measured: points would be computed from
+/// them again. One that is missing or damaged is measured again.
+fn other_pilots(folder: &Path, shared: &Shared) -> Vec<PathBuf> {
+    let folder = folder.join("pilots");
+    let measured = shared.known_pilots().into_iter();
+    let other = measured.filter(|(id, found)| {
+        PilotFile::read(&folder, id).is_some_and(|held| held.figures != *found)
+    });
+    other
+        .map(|(id, _)| pilot_file::path(&folder, &id))
+        .collect()
 }
 
 #[cfg(test)]
