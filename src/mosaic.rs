@@ -76,6 +76,8 @@ impl Mosaic {
     /// shows its last tile again.
     fn at(&self, y: usize, x: usize) -> (usize, isize, isize) {
         let block = self.block();
+        // Tiles of no pixels have no cells: nobody asks for one of them, and if, it is a corner.
+        let block = Size::new(block.height.max(1), block.width.max(1));
         let tile = y / block.height * self.across + x / block.width;
         let off = |at: usize, side: usize| (at % side).cast_signed() - self.halo.cast_signed();
         (tile, off(y, block.height), off(x, block.width))

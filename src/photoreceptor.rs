@@ -102,6 +102,28 @@ impl Response {
         })
     }
 
+    /// The first of its numbers that a file cannot state.
+    #[must_use]
+    pub(crate) fn odd(self) -> Option<String> {
+        let numbers = match self.curve {
+            Curve::Identity => Vec::new(),
+            Curve::Linear { white } => vec![("white", white, Range::POSITIVE)],
+            Curve::Log { white, offset } => vec![
+                ("white", white, Range::POSITIVE),
+                ("offset", offset, Range::POSITIVE),
+            ],
+            Curve::LinLog { knee } => vec![("knee", knee, KNEE)],
+        };
+        let mut odd = numbers
+            .iter()
+            .filter(|(_, value, range)| !range.holds(*value));
+        if let Some((name, value, _)) = odd.next() {
+            return Some(format!("{name} of {value}"));
+        }
+        let rounds = matches!(self.curve, Curve::Identity | Curve::LinLog { .. }) && self.round_f32;
+        rounds.then(|| "rounding to f32, which only linear and log have".to_owned())
+    }
+
     /// The light that it takes for white; 255 where it does not say.
     #[must_use]
     pub const fn white(self) -> f64 {
@@ -187,10 +209,12 @@ const LOG: Table = Table::new(&[
     ROUND,
 ]);
 
-// Below e the two parts cannot both rise.
+/// Below 1 the two parts cannot both rise.
+const KNEE: Range = Range::above(1.0);
+
 const LIN_LOG: Table = Table::new(&[Key::required(
     "knee",
-    Kind::Number(Range::above(1.0)),
+    Kind::Number(KNEE),
     "the light where the two parts meet",
 )
 .example("knee = 20")]);

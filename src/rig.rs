@@ -37,6 +37,7 @@ pub enum RigError {
         /// Which.
         name: String,
         /// Why.
+        #[source]
         cause: SensorError,
     },
 }

@@ -1,6 +1,9 @@
 //! What the reference and the device have in common: light in, events out.
 
-use crate::{event::Packet, number::Format, photoreceptor::LightError, plane::Size, scene::Frame};
+use crate::{
+    event::Packet, number::Format, photoreceptor::LightError, plane::Size, scene::Frame,
+    unit::counted,
+};
 
 /// A sensor that watches a scene frame by frame.
 pub trait Sensor {
@@ -25,7 +28,10 @@ pub trait Sensor {
     /// `span`, if this does not: [`rig::watch`](crate::rig::watch) does.
     ///
     /// # Errors
-    /// When the frame has another size than the sensor, or the sensor cannot go on.
+    /// When the frame has another size than the sensor, or the sensor cannot go on. A frame whose
+    /// size, time or light is refused leaves a [`Reference`](crate::reference::Reference) and an array
+    /// as they were, so that it can be shown repaired; what else is left after an error they say
+    /// themselves.
     fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError>;
 }
 
@@ -132,6 +138,35 @@ pub enum SensorError {
         /// What it says.
         why: String,
     },
+    /// The sensor did not get through an earlier frame.
+    #[error(
+        "{sensor} did not get through the frame before: some of its cells are past it, others are not"
+    )]
+    #[diagnostic(help(
+        "make the sensor anew, or keep a copy of it from before a frame that may fail"
+    ))]
+    Halfway {
+        /// Which sensor.
+        sensor: String,
+    },
+    /// What is to take the events is for a sensor of another shape.
+    #[error(
+        "{sink} of {got} and {}, the sensor is {want} with {}",
+        counted(*got_kinds, "kind of cells"), counted(*want_kinds, "kind of cells")
+    )]
+    #[diagnostic(help("make it with the size and the channels of the sensor"))]
+    Sink {
+        /// What it is.
+        sink: &'static str,
+        /// Its size.
+        got: Size,
+        /// Its kinds of cells.
+        got_kinds: usize,
+        /// The sensor's size.
+        want: Size,
+        /// The sensor's kinds of cells.
+        want_kinds: usize,
+    },
     /// A sensor without pixels, or with more than addresses.
     #[error("a sensor of {size} pixels cannot be addressed")]
     #[diagnostic(help(
@@ -165,6 +200,7 @@ pub enum SensorError {
         /// Column.
         x: usize,
         /// What is wrong with it.
+        #[source]
         cause: LightError,
     },
     /// A frame that is not later than the one before.

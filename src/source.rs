@@ -23,6 +23,7 @@ pub struct SourceError {
     /// The file.
     pub path: PathBuf,
     /// What is wrong with it.
+    #[source]
     pub cause: Cause,
     /// What the user can do about it.
     pub help: String,
@@ -60,6 +61,15 @@ pub enum Cause {
     },
     /// Not what `numpy.save` writes.
     NotNumbers,
+}
+
+impl std::error::Error for Cause {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::System(cause) => Some(cause),
+            _ => None,
+        }
+    }
 }
 
 impl fmt::Display for Cause {

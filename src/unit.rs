@@ -22,7 +22,9 @@ pub struct Micros(pub u64);
 impl Micros {
     /// The nearest microsecond to `seconds`.
     ///
-    /// Times before zero become zero; a sensor starts at its first frame.
+    /// Times before zero become zero; a sensor starts at its first frame. The times of events
+    /// between two frames the float model rounds by
+    /// [`Interval::micros`](crate::reference::Interval::micros).
     #[must_use]
     pub fn from_seconds(seconds: f64) -> Self {
         // `as` saturates, which is what is meant.

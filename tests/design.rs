@@ -423,7 +423,7 @@ fn voxels_of_a_file() {
     let windows = Windows::new(0.3, 0.1, Alignment::Centred).unwrap();
     let mut voxels = Voxels::new(3, windows).unwrap();
     (voxels.sides, voxels.normalise) = (Sides::Split, Normalise::Largest);
-    let wanted = voxels.of(&packet);
+    let wanted = voxels.of(&packet).unwrap();
     let read = ndarray::Array6::<f32>::read_npy(fs::File::open(folder.join("v.npy")).unwrap());
     let read = read.unwrap();
     let shape: Vec<u64> = serde_json::from_value(said["shape"].clone()).unwrap();

@@ -9,12 +9,14 @@ use amacrine::{
     compile::{CellKind, DriveMemory, Effort, Objective, Request, SensorProgram},
     isa::Device,
     kernel::Kernel,
-    plane::Size,
+    plane::{Plane, Size},
     program::{Overrides, Program},
     property::{
-        Disagreement, Tolerance, agree, assert_agrees, clips, devices, formats, kernels, programs,
+        Clip, Disagreement, Tolerance, agree, assert_agrees, assert_sensors_agree, clips, devices,
+        formats, kernels, programs,
     },
-    reference::Description,
+    reference::{Description, Reference},
+    rig,
 };
 use proptest::prelude::*;
 
@@ -67,8 +69,8 @@ fn a_threshold_that_is_wrong_is_caught() {
 #[test]
 fn a_program_that_does_not_run_is_named() {
     let program = Program::parse("wrong", "frame {\n    mov(A, Q);\n}\n").unwrap();
-    let clip = amacrine::property::Clip {
-        frames: vec![amacrine::plane::Plane::zeros((2, 2))],
+    let clip = Clip {
+        frames: vec![Plane::zeros((2, 2))],
         fps: 1.0,
     };
     let error = agree(
@@ -139,4 +141,29 @@ proptest! {
         prop_assert!(arithmetic.chip("random", &code, &device, Size::new(5, 4), settings).is_ok());
         prop_assert!(Chip::new("random", Exact, &code, &device, Size::new(5, 4), settings).is_ok());
     }
+}
+
+/// Any two sensors, and a clip as a scene for whoever watches scenes.
+#[test]
+fn sensors_of_any_make_are_compared() {
+    let size = Size::new(3, 2);
+    let tolerance = Tolerance {
+        size,
+        cases: 2000,
+        ..Tolerance::default()
+    };
+    let sensor = |threshold: f64| move |size| Reference::new(float(&pixel(), threshold), size, 0);
+    assert_sensors_agree(sensor(20.0), sensor(20.0), &tolerance);
+    let tried = AssertUnwindSafe(|| assert_sensors_agree(sensor(20.0), sensor(22.0), &tolerance));
+    let panic = catch_unwind(tried).expect_err("nothing was found");
+    let said = *panic.downcast::<String>().unwrap();
+    assert!(said.contains("float does not agree with float"), "{said}");
+    let clip = Clip {
+        frames: vec![Plane::zeros((3, 2)), Plane::from_elem((3, 2), 90.0)],
+        fps: 10.0,
+    };
+    let mut watching = sensor(20.0)(size).unwrap();
+    let packets = rig::watch(&mut clip.scene(), &mut [&mut watching], |_| ()).unwrap();
+    assert_eq!(packets[0].events.len(), 6);
+    assert_eq!(packets[0].span.1.0, 100_000);
 }

@@ -343,10 +343,15 @@ impl Run {
             let now = Micros::from_seconds(watch.frame.seconds).0;
             let now = Micros(now.saturating_sub(1));
             stream.with(|stream| {
-                stream.add(&watch.packet.events);
+                stream
+                    .add(&watch.packet.events)
+                    .map_err(|error| SensorError::Stopped {
+                        sensor: "the stream of voxels".to_owned(),
+                        why: error.to_string(),
+                    })?;
                 over.append(&mut stream.finished(now));
-            });
-            Ok(())
+                Ok(())
+            })
         })?;
         Ok(arrays(py, over))
     }

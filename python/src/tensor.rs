@@ -175,7 +175,7 @@ pub fn voxels<'py>(
         let need = Need::new().and("voxels", u128::from(count) * each as u128 * 4);
         within(&need, "voxels", &help)?;
         let mut voxels = vec![0.0; count as usize * each];
-        how.how.fill(&packet, &mut voxels);
+        how.how.fill(&packet, &mut voxels)?;
         Ok((voxels, place(&packet)))
     })?;
     let (voxels, place) = made.map_err(|report: Report| raised(report))?;
@@ -204,7 +204,7 @@ pub fn surfaces<'py>(
             planes(&packet, how.sides) * times.len() as u128,
         )?;
         let times: Vec<_> = times.into_iter().map(Micros).collect();
-        Ok((how.of(&packet, &times), place(&packet)))
+        Ok((how.of(&packet, &times)?, place(&packet)))
     })?;
     let (surfaces, place) = made.map_err(|report: Report| raised(report))?;
     Ok((PyArray1::from_vec(py, surfaces), place))
@@ -226,7 +226,7 @@ pub fn event_frames<'py>(
         let packet = packet(npy, size, channels)?;
         let frames = packet.events.len().div_ceil(each.max(1));
         room("event frames", planes(&packet, sides) * frames as u128)?;
-        Ok((frames_of(&packet, each, sides, fill), place(&packet)))
+        Ok((frames_of(&packet, each, sides, fill)?, place(&packet)))
     })?;
     let (frames, place) = made.map_err(|report: Report| raised(report))?;
     Ok((PyArray1::from_vec(py, frames), place))

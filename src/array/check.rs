@@ -52,6 +52,16 @@ pub enum CodeProblem {
         /// The size.
         size: Size,
     },
+    /// A field of the [`Settings`](super::Settings) that no array has.
+    #[error("the setting {field} is {value}; {want} was expected")]
+    Setting {
+        /// Which.
+        field: &'static str,
+        /// Its value.
+        value: String,
+        /// What it can be.
+        want: &'static str,
+    },
     /// A bus without a target.
     #[error("a bus without a target")]
     NoTarget,
@@ -82,6 +92,7 @@ impl CodeProblem {
                 "a pixel needs NEWS, and two different registers that mask and spread"
             }
             Self::Size { .. } => "width and height must be from 1 to 65536",
+            Self::Setting { .. } => "Settings::from_device has those of a chip's data",
             Self::NoTarget => "name the register that the bus is stored in",
             Self::Twice => {
                 "on a bus all registers must differ, the targets too: a register connected twice is connected once"

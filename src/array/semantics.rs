@@ -211,7 +211,7 @@ impl<D: Domain> Before<'_, D> {
                 horizontal,
                 vertical,
             } => {
-                let parts: i32 = self.settings.diffusion.max(4).into();
+                let parts: i32 = self.settings.diffusion.into();
                 let (mut sum, mut own) = (domain.nothing(), parts);
                 for direction in Direction::ALL {
                     let wanted = match direction {

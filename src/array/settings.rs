@@ -1,6 +1,8 @@
 //! What the sources leave open, by name, with a default; and how the work is done.
 
-use super::Schedule;
+use std::fmt;
+
+use super::{CodeProblem, Schedule};
 use crate::isa::{Device, Figure};
 
 /// How the array behaves where the vendor's sources leave it open.
@@ -100,6 +102,58 @@ impl Settings {
             schedule: None,
             threads: None,
         }
+    }
+
+    /// Whether an array can be like this.
+    ///
+    /// # Errors
+    /// The first field that cannot be.
+    pub fn check(&self) -> Result<(), CodeProblem> {
+        let wrong = |field: &'static str, value: &dyn fmt::Display, want: &'static str| {
+            Err(CodeProblem::Setting {
+                field,
+                value: value.to_string(),
+                want,
+            })
+        };
+        for (field, value) in [
+            ("edge", self.edge),
+            ("gain", self.gain),
+            ("reset_level", self.reset_level),
+            ("square_gain", self.square_gain),
+            ("converters.low", self.converters.low),
+            ("converters.high", self.converters.high),
+        ] {
+            if !value.is_finite() {
+                return wrong(field, &value, "a finite number");
+            }
+        }
+        let Converters {
+            low,
+            high,
+            adc_codes,
+            dac_codes,
+        } = self.converters;
+        if low >= high {
+            return wrong("converters.high", &high, "a number above converters.low");
+        }
+        let is_whole = |codes: f64| codes.fract() == 0.0;
+        if !((2.0..=256.0).contains(&adc_codes) && is_whole(adc_codes)) {
+            let want = "a whole number from 2 to 256";
+            return wrong("converters.adc_codes", &adc_codes, want);
+        }
+        if !(dac_codes >= 2.0 && is_whole(dac_codes)) {
+            let want = "a whole number of at least 2";
+            return wrong("converters.dac_codes", &dac_codes, want);
+        }
+        if self.diffusion < 4 {
+            return wrong(
+                "diffusion",
+                &self.diffusion,
+                "4 or more: a cell has four links",
+            );
+        }
+        Ok(())
     }
 
     /// The lowest and the highest value of a register, in LSB.

@@ -50,13 +50,21 @@ pub(super) fn until_ended(run: impl FnOnce() -> miette::Result<()>) -> miette::R
 }
 
 /// From now on lines of messages break at spaces only: a name such as `rgc-on-chip` can be copied.
+/// A cause that the message has in it is not told again.
 pub(super) fn wrap_at_spaces() {
     // It can only fail where there is one already.
-    let _ = miette::set_hook(Box::new(|_| {
+    let _ = miette::set_hook(Box::new(|diagnostic| {
         let options = MietteHandlerOpts::new()
             .word_separator(WordSeparator::AsciiSpace)
             .word_splitter(WordSplitter::NoHyphenation)
             .break_words(false);
+        let told =
+            |cause: &dyn std::error::Error| diagnostic.to_string().contains(&cause.to_string());
+        let options = if diagnostic.source().is_some_and(told) {
+            options.without_cause_chain()
+        } else {
+            options
+        };
         Box::new(options.build())
     }));
 }

@@ -145,7 +145,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut block: Vec<Event> = Vec::new();
     let mut write = |window: &[f32]| {
         progress.tick();
-        file.push(window)
+        file.push(window).map_err(miette::Report::from)
     };
     while reader.next_block(&mut block)? {
         stream.pass(&block, &mut write)?;

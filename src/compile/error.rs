@@ -54,6 +54,17 @@ pub enum CompileError {
     #[error("the search was given up")]
     #[diagnostic(help("search again"))]
     GivenUp,
+    /// A field of the request that cannot be.
+    #[error("{field}: {what}")]
+    #[diagnostic(help("{help}"))]
+    Field {
+        /// Which.
+        field: &'static str,
+        /// What is wrong with it.
+        what: String,
+        /// What to give.
+        help: &'static str,
+    },
     /// A weight that sums and halves do not make exactly.
     #[error(
         "{kernel}, row {row}, column {column}: {weight} is not a whole number of 1/4096 of at most 4096"

@@ -35,8 +35,9 @@ impl Request<'_> {
     /// Searches for the filter.
     ///
     /// # Errors
-    /// When a weight is not dyadic, or the registers do not suffice.
+    /// When a field cannot be, a weight is not dyadic, or the registers do not suffice.
     pub fn filter(&self) -> Result<Filter, CompileError> {
+        self.check()?;
         let mut all = ordinary_registers(self.device);
         let is_narrow = all.len() < USUAL;
         all.retain(|register| !self.keep.contains(register));

@@ -169,12 +169,62 @@ impl<'a> Request<'a> {
         }
     }
 
+    /// Whether its fields fit each other and the chip.
+    pub(super) fn check(&self) -> Result<(), CompileError> {
+        let wrong = |field, what: String, help| Err(CompileError::Field { field, what, help });
+        let all = ordinary_registers(self.device);
+        let name = |register: &Analog| self.device.analog_name(*register);
+        let is_there = |register: &&Analog| all.contains(register);
+        let registers =
+            "give registers of this chip but NEWS: Device::analog finds one by its name";
+        for (field, own) in [
+            ("input", std::slice::from_ref(&self.input)),
+            ("into", &self.into[..]),
+        ] {
+            if let Some(register) = own.iter().find(|register| !is_there(register)) {
+                let what = format!("{} is no register for values", name(register));
+                return wrong(field, what, registers);
+            }
+        }
+        let (kernels, into) = (self.kernels.len(), self.into.len());
+        if kernels != into {
+            let what = format!(
+                "{} for {}",
+                counted(into, "register"),
+                counted(kernels, "kernel")
+            );
+            return wrong("into", what, "give one register for each kernel");
+        }
+        let twice = |(n, register): &(usize, &Analog)| self.into[..*n].contains(register);
+        if let Some((_, register)) = self.into.iter().enumerate().find(twice) {
+            let what = format!("{} twice", name(register));
+            return wrong("into", what, "give each result a register of its own");
+        }
+        let free = all.iter().filter(|register| !self.keep.contains(register));
+        // Where there are too few, that is what is said.
+        if free.count() >= kernels
+            && let Some(register) = self.into.iter().find(|it| self.keep.contains(it))
+        {
+            let what = format!("{} is kept, and a result goes into it", name(register));
+            let help = "keep another register, or move the result: Request::into_free";
+            return wrong("keep", what, help);
+        }
+        match self.range {
+            Some((low, high)) if low.is_nan() || high.is_nan() || low > high => {
+                let what = format!("from {low} to {high} LSB");
+                wrong("range", what, "give the lowest input, then the highest")
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Filters none of which has both fewer words and more signal over noise than another, the
     /// shortest first.
     ///
     /// # Errors
-    /// When a weight is not dyadic, or the registers do not suffice.
+    /// When a field cannot be, a weight is not dyadic, or the registers do not suffice.
     pub fn front(&self) -> Result<Vec<Filter>, CompileError> {
+        self.check()?;
         let (goals, unit) = goals(self.kernels)?;
         let mut all = ordinary_registers(self.device);
         all.retain(|register| !self.keep.contains(register));

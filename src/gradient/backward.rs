@@ -74,7 +74,7 @@ impl<R: Float> Model<R> {
     /// The gradient of a loss, from its gradients of what [`Model::forward`] has made.
     ///
     /// # Errors
-    /// When a gradient that is given has another shape or is not finite, or a sum left the format.
+    /// When `seen` was made by a model of another shape, or holds nothing; when a gradient that is given has another shape or is not finite, or a sum left the format.
     pub fn backward(
         &self,
         seen: &Forward<R>,
@@ -88,6 +88,7 @@ impl<R: Float> Model<R> {
                 help: "use memory = \"filtered-step\" and, with a period, refractory.rule = \"dead-time\"; or another rule of the gradient",
             });
         }
+        self.check_made(seen)?;
         shape(seen, Tensor::Voxels, ask.voxels, seen.voxels.len(), 0)?;
         shape(seen, Tensor::Counts, ask.counts, seen.counts.len(), 1)?;
         let pieces = Piece::all(seen.clips, self.size);
@@ -120,6 +121,20 @@ impl<R: Float> Model<R> {
             .light
             .then(|| light::gradient(self, seen, &pieces, &drives));
         Ok(Gradient { channels, light })
+    }
+}
+
+impl<R: Float> Model<R> {
+    /// Whether a model of this shape made it: what it keeps for the way back is laid out so.
+    fn check_made(&self, seen: &Forward<R>) -> Result<(), GradientError> {
+        let own = self.shape();
+        if seen.by == Some(own) {
+            return Ok(());
+        }
+        Err(GradientError::Forward {
+            got: seen.by.map_or("nothing".to_owned(), |by| by.to_string()),
+            want: own.to_string(),
+        })
     }
 }
 
@@ -157,7 +172,7 @@ fn shape<R: Float>(
         return Ok(());
     };
     let [clips, frames, channels, height, width] = seen.shape();
-    let shape = [clips, frames - less, channels, height, width];
+    let shape = [clips, frames.saturating_sub(less), channels, height, width];
     Err(GradientError::Shape {
         tensor,
         got: values.len(),
@@ -177,7 +192,7 @@ fn numbers<R: Float>(
         return Ok(());
     };
     let [clips, frames, channels, height, width] = seen.shape();
-    let shape = [clips, frames - less, channels, height, width];
+    let shape = [clips, frames.saturating_sub(less), channels, height, width];
     let mut at = vec![0; shape.len()];
     let mut rest = n;
     for (at, side) in at.iter_mut().zip(shape).rev() {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::{photoreceptor::LightError, plane::Size};
+use crate::{photoreceptor::LightError, plane::Size, sensor::SensorError};
 
 /// A tensor that the gradient takes or gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,6 +68,19 @@ pub enum GradientError {
         /// The size.
         size: Size,
     },
+    /// A sensor that cannot be.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Sensor(#[from] SensorError),
+    /// What [`Model::forward`](super::Model::forward) made is not of such a model.
+    #[error("what goes back was made by a model of {got}, and this one is of {want}")]
+    #[diagnostic(help("go back through the model that went forward"))]
+    Forward {
+        /// The model that made it.
+        got: String,
+        /// This model.
+        want: String,
+    },
     /// A tensor of another number of values.
     #[error("{tensor} has {}, and {want} were expected", crate::unit::counted(*got, "value"))]
     #[diagnostic(help("give it in this order of axes, the last one without gaps"))]
@@ -106,6 +119,7 @@ pub enum GradientError {
         /// Column.
         x: usize,
         /// What is wrong with it.
+        #[source]
         cause: LightError,
     },
     /// A cell whose events cannot be counted.

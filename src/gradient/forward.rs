@@ -9,7 +9,7 @@ use super::{
     error::{GradientError, Tensor},
     float::Float,
     forward_pass::ForwardPass,
-    model::Model,
+    model::{Model, Shape},
     piece::{Piece, split},
 };
 
@@ -18,6 +18,8 @@ use super::{
 pub struct Forward<R: Float> {
     pub(super) size: Size,
     pub(super) channels: usize,
+    /// The model that made it.
+    pub(super) by: Option<Shape>,
     pub(super) clips: usize,
     pub(super) times: Vec<f64>,
     pub(super) voxels: Vec<R>,
@@ -90,6 +92,7 @@ impl<R: Float> Default for Forward<R> {
         Self {
             size: Size::new(0, 0),
             channels: 0,
+            by: None,
             clips: 0,
             times: Vec::new(),
             voxels: Vec::new(),
@@ -186,6 +189,7 @@ impl<R: Float> Model<R> {
         *seen = Forward {
             size,
             channels,
+            by: Some(self.shape()),
             clips: count,
             times: clips.times().to_vec(),
             tapes,

@@ -1,5 +1,7 @@
 //! A sensor that can be differentiated.
 
+use std::fmt;
+
 use crate::{
     kernel::Kernel,
     limit::ARRAY_SIDE,
@@ -10,6 +12,7 @@ use crate::{
         thresholds::Thresholds,
     },
     rng::Hash,
+    unit::counted,
 };
 
 use super::{error::GradientError, float::Float, piece::ROWS, rule::Rule, signal::Photoreceptors};
@@ -42,7 +45,8 @@ impl<R: Float> Model<R> {
     ///
     /// # Errors
     /// When the size is empty or too large, or when a rule of the sensor has no gradient here: a
-    /// memory of pixels, the pixel's own polarity, a mesh, noise but for the thresholds' mismatch.
+    /// memory of pixels, the pixel's own polarity, a mesh, noise but for the thresholds' mismatch; when
+    /// there can be no such sensor ([`Description::check`]).
     pub fn new(description: Description, size: Size, seed: u64) -> Result<Self, GradientError> {
         let sides = 1..=ARRAY_SIDE;
         if !sides.contains(&size.width) || !sides.contains(&size.height) {
@@ -52,6 +56,7 @@ impl<R: Float> Model<R> {
             let name = description.name;
             return Err(GradientError::Rule { name, what, help });
         }
+        description.check()?;
         let channels = &description.channels;
         let kernels = || channels.iter().flat_map(|channel| &channel.kernels);
         let reach = kernels().map(Kernel::reach);
@@ -157,6 +162,17 @@ impl<R: Float> Model<R> {
         }
     }
 
+    /// What the way back needs to know of it.
+    pub(super) fn shape(&self) -> Shape {
+        Shape {
+            size: self.size,
+            channels: self.channels(),
+            reach: self.reach,
+            kind: self.kind(),
+            rests: self.silence() > 0.0,
+        }
+    }
+
     /// The refractory period in seconds.
     pub(super) fn silence(&self) -> f64 {
         self.description.refractory.us * 1e-6
@@ -174,6 +190,42 @@ pub(super) enum Kind {
     Authors,
     /// A memory that snaps.
     Snap,
+}
+
+/// What the way back needs to know of the model that went forward.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Shape {
+    size: Size,
+    channels: usize,
+    /// Rows and columns that the kernels reach beyond a pixel.
+    reach: (usize, usize),
+    kind: Kind,
+    /// Whether cells are silent for a time after an event.
+    rests: bool,
+}
+
+impl fmt::Display for Shape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (down, across) = self.reach;
+        let memory = match self.kind {
+            Kind::Snap => "a memory that snaps",
+            Kind::Step | Kind::Dead | Kind::Authors => "a memory that steps",
+        };
+        let rule = match (self.rests, self.kind) {
+            (false, Kind::Authors) => ", by the authors' rule",
+            (false, _) => "",
+            (true, Kind::Authors) => " and a refractory period by the authors' rule",
+            (true, _) => " and a refractory period",
+        };
+        write!(
+            f,
+            "{}, {}, kernels of {}x{}, {memory}{rule}",
+            self.size,
+            counted(self.channels, "channel"),
+            2 * across + 1,
+            2 * down + 1,
+        )
+    }
 }
 
 /// What keeps a sensor from being differentiated, and what to use in its place.

@@ -35,8 +35,12 @@ impl Kernel {
     /// The sum of these Gaussians, as `gaussians = [...]` of a kernel file.
     ///
     /// # Errors
-    /// When there are none, or their sum is no kernel.
+    /// When there are none, a sigma is not above 0, or their sum is no kernel.
     pub fn from_gaussians(parts: &[Gaussian]) -> Result<Self, KernelError> {
+        let odd = |part: &&Gaussian| !(part.sigma.is_finite() && part.sigma > 0.0);
+        if let Some(Gaussian { sigma, .. }) = parts.iter().find(odd) {
+            return Err(KernelError::Sigma { sigma: *sigma });
+        }
         let side = parts.iter().map(Gaussian::side).max();
         let side = side.ok_or(KernelError::Empty)?;
         if side > KERNEL_SIDE {

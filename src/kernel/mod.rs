@@ -56,6 +56,12 @@ pub enum KernelError {
         /// The length of row 0.
         want: usize,
     },
+    /// A Gaussian without a width.
+    #[error("the sigma of a Gaussian is {sigma}; give a finite number above 0, in pixels")]
+    Sigma {
+        /// Its standard deviation.
+        sigma: f64,
+    },
     /// A side that is too long.
     #[error(
         "the kernel is {} by {}; a side of a kernel is at most {KERNEL_SIDE}",

@@ -114,17 +114,22 @@ fn last_axis_first(shape: &[usize], values: &[f64]) -> Vec<f64> {
 /// Writes an array, the last axis running fastest.
 ///
 /// # Errors
-/// When it cannot be written.
-///
-/// # Panics
-/// When there are more or fewer numbers than the shape says.
+/// When it cannot be written, or there are more or fewer numbers than the shape says.
 pub fn write<T: Element>(
     out: &mut (impl Write + ?Sized),
     shape: &[usize],
     values: impl ExactSizeIterator<Item = T>,
 ) -> io::Result<()> {
-    let count: usize = shape.iter().product();
-    assert_eq!(values.len(), count, "as many numbers as the shape says");
+    let count = shape
+        .iter()
+        .fold(1, |n: usize, side| n.saturating_mul(*side));
+    if values.len() != count {
+        let why = format!(
+            "{} numbers, and an array of shape {shape:?} has {count}",
+            values.len()
+        );
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
+    }
     let axes: Vec<_> = shape.iter().map(usize::to_string).collect();
     let comma = if axes.len() == 1 { "," } else { "" };
     let text = format!(

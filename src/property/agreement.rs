@@ -1,4 +1,7 @@
-//! A program on the array against a sensor of the float model.
+//! Two sensors on random scenes: a program on the array against a sensor of the float model, or any
+//! other two.
+
+use std::cell::RefCell;
 
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
 
@@ -12,8 +15,7 @@ use crate::{
     plane::Size,
     program::{Overrides, Program},
     reference::{Description, Reference},
-    scene::Frame,
-    sensor::Sensor,
+    sensor::{Sensor, SensorError},
     unit::Micros,
 };
 
@@ -115,11 +117,31 @@ pub fn agree(
     };
     let chip = (tolerance.arithmetic).chip(file, &code, device, size, settings);
     let mut chip = chip.map_err(|e| broken(file, &e))?;
-    let mut float =
-        Reference::new(reference.clone(), size, 0).map_err(|e| broken(&reference.name, &e))?;
-    let said = watch(&mut float, clip).map_err(|e| broken(&reference.name, &e))?;
-    let judged = watch(&mut chip, clip).map_err(|e| broken(file, &e))?;
-    let comparison = compare(&said, &judged, tolerance.within).map_err(|e| broken(file, &e))?;
+    let float = Reference::new(reference.clone(), size, 0);
+    let mut float = float.map_err(|e| broken(&reference.name, &e))?;
+    agree_sensors(&mut float, &mut *chip, clip, tolerance)
+}
+
+/// Shows one clip to two sensors of any make, as they are: the first is the reference.
+///
+/// # Errors
+/// When one of them cannot go on, or they do not agree. Of the tolerance what is said of events
+/// counts.
+pub fn agree_sensors(
+    reference: &mut dyn Sensor,
+    judged: &mut dyn Sensor,
+    clip: &Clip,
+    tolerance: &Tolerance,
+) -> Result<(), Disagreement> {
+    let names = [reference.name().to_owned(), judged.name().to_owned()];
+    let broken = |what: &str, why: &dyn std::fmt::Display| Disagreement::Broken {
+        what: what.to_owned(),
+        why: why.to_string(),
+    };
+    let said = watch(reference, clip).map_err(|e| broken(&names[0], &e))?;
+    let judged = watch(judged, clip).map_err(|e| broken(&names[1], &e))?;
+    let comparison =
+        compare(&said, &judged, tolerance.within).map_err(|e| broken(&names[1], &e))?;
     let events = comparison.events;
     let few = events.iter().sum::<u64>() < tolerance.least_events as u64;
     if few || comparison.f1 >= tolerance.least_f1 {
@@ -134,8 +156,8 @@ pub fn agree(
             || "the events are the same but for their times".to_owned(),
             |divergence| {
                 let who = match divergence.only_in {
-                    Side::Reference => &reference.name,
-                    Side::Judged => file,
+                    Side::Reference => &names[0],
+                    Side::Judged => &names[1],
                 };
                 let sign = if divergence.p == 1 { "ON" } else { "OFF" };
                 format!(
@@ -147,15 +169,10 @@ pub fn agree(
     })
 }
 
-fn watch(sensor: &mut dyn Sensor, clip: &Clip) -> Result<Packet, crate::sensor::SensorError> {
+fn watch(sensor: &mut dyn Sensor, clip: &Clip) -> Result<Packet, SensorError> {
     let mut packet = Packet::new(sensor.size(), sensor.channels());
-    for (index, light) in clip.frames.iter().enumerate() {
-        let frame = Frame {
-            index: index as u64,
-            seconds: index as f64 / clip.fps,
-            light: light.clone().into(),
-        };
-        sensor.watch(&frame, &mut packet)?;
+    for frame in clip.scene().all() {
+        sensor.watch(frame, &mut packet)?;
     }
     Ok(packet)
 }
@@ -165,6 +182,45 @@ fn watch(sensor: &mut dyn Sensor, clip: &Clip) -> Result<Packet, crate::sensor::
 /// # Panics
 /// With the smallest such scene that was found, and how they part on it.
 pub fn assert_agrees(program: &Program, reference: &Description, tolerance: &Tolerance) {
+    let names = [&reference.name, &program.file].map(String::as_str);
+    assert_on_scenes(names, tolerance, |clip| {
+        agree(program, reference, clip, tolerance)
+    });
+}
+
+/// Looks for a scene on which two sensors do not agree. Both are made anew for each scene, of the
+/// tolerance's size: the first is the reference.
+///
+/// # Panics
+/// With the smallest such scene that was found, and how they part on it; when a sensor cannot be
+/// made.
+pub fn assert_sensors_agree<R: Sensor, J: Sensor>(
+    mut reference: impl FnMut(Size) -> Result<R, SensorError>,
+    mut judged: impl FnMut(Size) -> Result<J, SensorError>,
+    tolerance: &Tolerance,
+) {
+    let mut make = || Ok::<_, SensorError>((reference(tolerance.size)?, judged(tolerance.size)?));
+    let names = match make() {
+        Ok((reference, judged)) => [reference.name().to_owned(), judged.name().to_owned()],
+        Err(error) => panic!("{error}"),
+    };
+    let make = RefCell::new(make);
+    assert_on_scenes(names.each_ref().map(String::as_str), tolerance, |clip| {
+        let made = (make.borrow_mut())();
+        let (mut reference, mut judged) = made.map_err(|error| Disagreement::Broken {
+            what: names.join(" and "),
+            why: error.to_string(),
+        })?;
+        agree_sensors(&mut reference, &mut judged, clip, tolerance)
+    });
+}
+
+/// Looks for a scene on which something does not hold.
+fn assert_on_scenes(
+    [reference, judged]: [&str; 2],
+    tolerance: &Tolerance,
+    holds: impl Fn(&Clip) -> Result<(), Disagreement>,
+) {
     let config = Config {
         cases: tolerance.cases,
         failure_persistence: None,
@@ -175,17 +231,15 @@ pub fn assert_agrees(program: &Program, reference: &Description, tolerance: &Tol
     let mut seed = [0; 32];
     seed[..8].copy_from_slice(&tolerance.seed.to_le_bytes());
     let scenes = TestRng::from_seed(RngAlgorithm::ChaCha, &seed);
-    let found =
-        TestRunner::new_with_rng(config, scenes).run(&clips(tolerance.size, 2..=6), |clip| {
-            agree(program, reference, &clip, tolerance)
-                .map_err(|e| TestCaseError::fail(e.to_string()))
+    let found = TestRunner::new_with_rng(config, scenes)
+        .run(&clips(tolerance.size, 2..=6), |clip| {
+            holds(&clip).map_err(|e| TestCaseError::fail(e.to_string()))
         });
     match found {
         Ok(()) => {}
-        Err(TestError::Fail(why, clip)) => panic!(
-            "{} does not agree with {}: {why}\non the scene {clip:?}",
-            program.file, reference.name
-        ),
+        Err(TestError::Fail(why, clip)) => {
+            panic!("{judged} does not agree with {reference}: {why}\non the scene {clip:?}")
+        }
         Err(TestError::Abort(why)) => panic!("no scene could be made: {why}"),
     }
 }

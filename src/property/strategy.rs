@@ -10,6 +10,7 @@ use crate::{
     kernel::Kernel,
     number::Format,
     plane::{Plane, Size},
+    scene::{Frame, held::Held},
 };
 
 /// A few pictures, one after the other.
@@ -19,6 +20,20 @@ pub struct Clip {
     pub frames: Vec<Plane<f64>>,
     /// Pictures per second.
     pub fps: f64,
+}
+
+impl Clip {
+    /// Its frames as a scene, from the first on.
+    #[must_use]
+    pub fn scene(&self) -> Held {
+        let size = self.frames.first().map_or(Size::new(0, 0), Size::of);
+        let frames = self.frames.iter().enumerate().map(|(index, light)| Frame {
+            index: index as u64,
+            seconds: index as f64 / self.fps,
+            light: light.clone().into(),
+        });
+        Held::new(frames.collect(), size, self.fps)
+    }
 }
 
 impl fmt::Debug for Clip {

@@ -9,6 +9,7 @@ use crate::{
 };
 
 use super::{
+    sinks::check_shape,
     train::{BandSink, Interval, Sink, TrainRow},
     voxel::split,
 };
@@ -47,6 +48,11 @@ pub struct CountBand<'a> {
 
 impl Sink for Counts {
     type Band<'a> = CountBand<'a>;
+
+    fn check(&self, size: Size, channels: usize) -> Result<(), SensorError> {
+        let own = self.planes.first().map_or(size, Size::of);
+        check_shape("counts", (own, self.planes.len()), (size, channels))
+    }
 
     fn wants_times(&self) -> bool {
         false

@@ -33,13 +33,12 @@
 //! cells; its low-pass is an Euler step that has to be clipped.
 
 use crate::{
-    config::{Fault, Key, Kind, Node, Range, Read, Section, Table},
+    config::{Key, Kind, Node, Range, Read, Section, Table},
     elementary,
     mesh::Between,
 };
 
 use super::{
-    description::{MemoryRule, RefractoryRule},
     reason::{Place, Reason},
     train::Train,
 };
@@ -184,33 +183,6 @@ impl Noise {
                 .word("cutoff-rule", &[Between::Ramp, Between::Step])?
                 .unwrap_or_default(),
         })
-    }
-
-    /// The noise that a checked table states, under these rules.
-    ///
-    /// # Errors
-    /// When the rules do not know it.
-    pub(super) fn read(
-        node: Node<'_>,
-        memory: MemoryRule,
-        refractory: RefractoryRule,
-    ) -> Read<Self> {
-        let noise = Self::stated(node)?;
-        let leaks = noise.leak_hz > 0.0;
-        let place = Section::new(node, &Self::TABLE).place_of("leak-hz");
-        let pixels = matches!(memory, MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep);
-        if pixels && leaks {
-            let message = "noise.leak-hz counts thresholds of the filtered signal, and this memory holds pixels";
-            return Err(Fault::error(place, message, "here").help(
-                "use memory = \"filtered-snap\" or \"filtered-step\", or leave the leak out",
-            ));
-        }
-        if refractory == RefractoryRule::Authors && leaks {
-            let message = "noise.leak-hz moves the memory between frames, which the authors' refractory rule does not know";
-            return Err(Fault::error(place, message, "here")
-                .help("use rule = \"dead-time\", or leave the leak out"));
-        }
-        Ok(noise)
     }
 
     /// Whether there is shot noise, or a hot cell. A leak goes by way of the memory.

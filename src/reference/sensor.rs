@@ -61,6 +61,8 @@ pub struct Reference<N: Number = F64> {
     /// Times of the first frame and of the last, in seconds.
     seen: Option<(f64, f64)>,
     intervals: u64,
+    /// Whether the last frame stopped half-way: some cells are past it, others are not.
+    is_halfway: bool,
 }
 
 impl Reference<F64> {
@@ -163,6 +165,7 @@ impl<N: Number> Reference<N> {
             buffers: Buffers::default(),
             seen: None,
             intervals: 0,
+            is_halfway: false,
             plan: Plan::new(number, description, size, seed, mosaic),
         })
     }
@@ -248,10 +251,28 @@ impl<N: Number> Reference<N> {
     /// The first frame sets the memory and makes no event.
     ///
     /// # Errors
-    /// When the frame has another size, is not later than the last, holds light that the
-    /// response is not defined for, or the sink or the memory cannot take more.
+    /// When the frame has another size, is not later than the last, or holds light that the
+    /// response is not defined for, and when the sink is for a sensor of another shape: the sensor
+    /// then is as it was, and may be shown another frame in its place. When the sink cannot take
+    /// more, a number format cannot hold what a cell sees, or a resistor sheet does not settle:
+    /// some cells are then past the frame and others are not, and every later call is
+    /// [`SensorError::Halfway`].
     pub fn watch_into<S: Sink>(&mut self, frame: &Frame, sink: &mut S) -> Result<(), SensorError> {
-        let (index, seconds) = (frame.index, frame.seconds);
+        self.check(frame, sink)?;
+        self.is_halfway = true;
+        self.take(frame, sink)?;
+        self.is_halfway = false;
+        Ok(())
+    }
+
+    /// All that can be told before anything moves.
+    fn check<S: Sink>(&mut self, frame: &Frame, sink: &S) -> Result<(), SensorError> {
+        if self.is_halfway {
+            return Err(SensorError::Halfway {
+                sensor: self.plan.description.name.clone(),
+            });
+        }
+        let index = frame.index;
         let got = frame.light.size();
         if got != self.size {
             return Err(SensorError::Size {
@@ -260,8 +281,15 @@ impl<N: Number> Reference<N> {
                 want: self.size,
             });
         }
+        sink.check(self.size, self.plan.weights.len())?;
         check_time(frame, self.seen.map(|(_, last)| last))?;
         self.photoreceptors.see(frame);
+        self.photoreceptors.check(frame)
+    }
+
+    /// Takes a frame that was checked.
+    fn take<S: Sink>(&mut self, frame: &Frame, sink: &mut S) -> Result<(), SensorError> {
+        let seconds = frame.seconds;
         if let Some(low_pass) = &mut self.low_pass {
             let passed = self.seen.map(|(_, last)| seconds - last);
             low_pass.see(&self.plan.description, frame, passed)?;
@@ -313,7 +341,7 @@ impl<N: Number> Reference<N> {
                     Ok(())
                 })
             });
-        parallel::all(jobs).map_err(|error| first_fault(light, *size).unwrap_or(error))?;
+        parallel::all(jobs)?;
         self.bands = bands.into_iter().flatten().collect();
         Ok(())
     }
@@ -331,13 +359,12 @@ impl<N: Number> Reference<N> {
             low_pass: self.low_pass.as_ref(),
         };
         let (plan, bands) = (&self.plan, &mut self.bands);
-        let fault = |error| first_fault(light, self.size).unwrap_or(error);
         let holds_pixels = !self.pixels.is_empty();
         if holds_pixels {
             // Kernels read the pixel memory of cells beyond their band.
             let jobs = { bands.iter_mut() }
                 .map(|band| -> Job<'_, _> { Box::new(move || band.see(plan, light)) });
-            parallel::all(jobs).map_err(fault)?;
+            parallel::all(jobs)?;
             lay_out_pixels(plan, bands, &mut self.pixels);
         }
         let input = IntervalInput {
@@ -359,7 +386,7 @@ impl<N: Number> Reference<N> {
             parallel::all(jobs)
         };
         drop(parts);
-        advanced.map_err(fault)?;
+        advanced?;
         sink.end()
     }
 }
@@ -382,13 +409,6 @@ fn lay_out_pixels<N: Number>(plan: &Plan<N>, bands: &[Band<N>], pixels: &mut [Pa
             }
         }
     }
-}
-
-/// The first pixel, row by row, whose light the response is not defined for: which band finds one
-/// first must not matter.
-fn first_fault<N: Number>(light: Light<'_, N>, size: Size) -> Option<SensorError> {
-    let mut row = vec![N::ZERO; size.width];
-    (0..size.height).find_map(|y| light.row(y, &mut row).err())
 }
 
 /// Rows of a band of a sensor of this size.
@@ -428,9 +448,7 @@ impl<N: Number> Sensor for Reference<N> {
     }
 
     fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
-        if self.seen.is_none() {
-            packet.span.0 = Micros::from_seconds(frame.seconds);
-        }
+        let is_first = self.seen.is_none();
         let buffers = std::mem::take(&mut self.buffers);
         let mut list = EventList::with_buffers(packet, self.limit, buffers);
         // Through that door: no loops of its own for lists alone.
@@ -441,7 +459,11 @@ impl<N: Number> Sensor for Reference<N> {
         let watched = self.watch_into_sinks(frame, sinks);
         self.buffers = list.into_buffers();
         watched?;
-        packet.span.1 = Micros::from_seconds(frame.seconds);
+        let t = Micros::from_seconds(frame.seconds);
+        if is_first {
+            packet.span.0 = t;
+        }
+        packet.span.1 = t;
         Ok(())
     }
 }

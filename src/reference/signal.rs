@@ -8,9 +8,9 @@ use crate::{
     aligned::{Aligned, LINE},
     number::{Number, Real},
     photoreceptor::{Curve, Response},
-    plane::Size,
+    plane::{Plane, Size},
     scene::{Codes, Frame, Image, Levels},
-    sensor::SensorError,
+    sensor::{SensorError, light_error},
 };
 
 use super::{description::Border, low_pass::LowPass, rounding::TWO_52};
@@ -223,6 +223,33 @@ impl<N: Number> Photoreceptors<N> {
         self.levels = Some((levels.clone(), signals.unwrap_or_default()));
     }
 
+    /// Whether the response is defined for all light of a frame that was seen: the first pixel, row
+    /// by row, for which it is not.
+    pub(super) fn check(&self, frame: &Frame) -> Result<(), SensorError> {
+        if let (Some(coded), Some((levels, signals))) = (frame.light.coded(), &self.levels)
+            && levels.same(coded.levels())
+            && !signals.is_empty()
+        {
+            return Ok(());
+        }
+        let least = match self.response.curve {
+            Curve::Identity => f64::MIN,
+            Curve::Linear { .. } | Curve::Log { .. } | Curve::LinLog { .. } => 0.0,
+        };
+        let light: &Plane<f64> = &frame.light;
+        if light
+            .as_slice_memory_order()
+            .is_some_and(|light| all_within(light, least))
+        {
+            return Ok(());
+        }
+        let wrong = |light: f64| self.response.apply(light).err();
+        if light.iter().any(|light| wrong(*light).is_some()) {
+            return Err(light_error(frame, wrong));
+        }
+        Ok(())
+    }
+
     /// `u = R(I)` for row `y` of a frame.
     pub(super) fn row(
         &self,
@@ -387,6 +414,16 @@ fn from_table<H: Copy>(table: &[H; 256], light: &[f64], out: &mut [H]) -> bool {
         }
     }
     true
+}
+
+/// Whether all light is finite and at least `least`.
+#[multiversion(targets("x86_64+avx2", "aarch64+neon"))]
+fn all_within(light: &[f64], least: f64) -> bool {
+    let mut within = true;
+    for &light in light {
+        within &= light >= least && light <= f64::MAX;
+    }
+    within
 }
 
 /// `light / white`; returns whether all light is finite and at least `least`.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::{number::Real, sensor::SensorError};
+use crate::{number::Real, plane::Size, sensor::SensorError};
 
 use super::train::{BandSink, Interval, Sink, TrainRow};
 
@@ -11,6 +11,10 @@ impl<S: Sink> Sink for &mut S {
         = S::Band<'a>
     where
         Self: 'a;
+
+    fn check(&self, size: Size, channels: usize) -> Result<(), SensorError> {
+        S::check(self, size, channels)
+    }
 
     fn wants_times(&self) -> bool {
         S::wants_times(self)
@@ -30,6 +34,11 @@ impl<S: Sink> Sink for Option<S> {
         = Option<S::Band<'a>>
     where
         Self: 'a;
+
+    fn check(&self, size: Size, channels: usize) -> Result<(), SensorError> {
+        self.as_ref()
+            .map_or(Ok(()), |sink| sink.check(size, channels))
+    }
 
     fn wants_times(&self) -> bool {
         self.as_ref().is_some_and(S::wants_times)
@@ -59,6 +68,11 @@ impl<A: Sink, B: Sink> Sink for (A, B) {
     where
         Self: 'a;
 
+    fn check(&self, size: Size, channels: usize) -> Result<(), SensorError> {
+        self.0.check(size, channels)?;
+        self.1.check(size, channels)
+    }
+
     fn wants_times(&self) -> bool {
         self.0.wants_times() || self.1.wants_times()
     }
@@ -82,4 +96,22 @@ impl<A: BandSink, B: BandSink> BandSink for (A, B) {
         self.0.row(row)?;
         self.1.row(row)
     }
+}
+
+/// Refuses a sink that is for a sensor of another shape.
+pub(super) fn check_shape(
+    sink: &'static str,
+    (got, got_kinds): (Size, usize),
+    (want, want_kinds): (Size, usize),
+) -> Result<(), SensorError> {
+    if (got, got_kinds) == (want, want_kinds) {
+        return Ok(());
+    }
+    Err(SensorError::Sink {
+        sink,
+        got,
+        got_kinds,
+        want,
+        want_kinds,
+    })
 }

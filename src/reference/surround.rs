@@ -166,6 +166,46 @@ impl Surrounds {
     }
 }
 
+impl Surrounds {
+    /// What a file cannot state, and what to do.
+    pub(super) fn odd(&self) -> Option<(String, &'static str)> {
+        if self.sheets.is_empty() {
+            return Some((
+                "a mesh without sheets".to_owned(),
+                "give one sheet at least",
+            ));
+        }
+        let all = self.sheets.iter().flat_map(|sheet| {
+            [
+                ("gain", sheet.gain, Range::FINITE),
+                ("tau", sheet.tau * 1e6, Range::NOT_NEGATIVE),
+                ("noise", sheet.noise, Range::NOT_NEGATIVE),
+            ]
+        });
+        let centre = ("centre", self.centre, Range::FINITE);
+        let mut odd = std::iter::once(centre)
+            .chain(all)
+            .filter(|(_, value, range)| !range.holds(*value));
+        if let Some((name, value, _)) = odd.next() {
+            let help = "give finite numbers, times and noise of 0 or more";
+            return Some((format!("a mesh with {name} of {value}"), help));
+        }
+        let alike = |sheet: &Surround| suits(self.rule, sheet.sheet, sheet.noise);
+        (!self.sheets.iter().all(alike)).then(|| (V2E.0.to_owned(), V2E.1))
+    }
+}
+
+/// Whether a rule knows such a sheet.
+fn suits(rule: SheetRule, sheet: Sheet, noise: f64) -> bool {
+    rule != SheetRule::V2e || (noise <= 0.0 && sheet.lambdas().0 == sheet.lambdas().1)
+}
+
+/// What v2e's rule does not know, and what to do.
+const V2E: (&str, &str) = (
+    "v2e's sheet has one space constant and no noise",
+    "use rule = \"ramp\", or leave noise and lambda-y out",
+);
+
 impl Surround {
     fn read(section: &Section<'_>, own: f64, gain: f64, rule: SheetRule) -> Read<Self> {
         let lambda = section.number("lambda")?;
@@ -179,12 +219,8 @@ impl Surround {
             )
         })?;
         let noise = section.number("noise")?;
-        if rule == SheetRule::V2e && (noise > 0.0 || sheet.lambdas().0 != sheet.lambdas().1) {
-            return Err(fault(
-                section.place(),
-                "v2e's sheet has one space constant and no noise",
-                "use rule = \"ramp\", or leave noise and lambda-y out",
-            ));
+        if !suits(rule, sheet, noise) {
+            return Err(fault(section.place(), V2E.0, V2E.1));
         }
         Ok(Self {
             gain: times("gain", own, gain, section.place())?,

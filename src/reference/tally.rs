@@ -4,9 +4,12 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use crate::{number::Real, sensor::SensorError};
+use crate::{number::Real, plane::Size, sensor::SensorError};
 
-use super::train::{BandSink, Interval, Sink, TrainRow};
+use super::{
+    sinks::check_shape,
+    train::{BandSink, Interval, Sink, TrainRow},
+};
 
 /// Events of each channel, `(on, off)`, over all intervals.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,6 +47,10 @@ impl Tally {
 
 impl Sink for Tally {
     type Band<'a> = TallyBand<'a>;
+
+    fn check(&self, size: Size, channels: usize) -> Result<(), SensorError> {
+        check_shape("a tally", (size, self.kinds.len()), (size, channels))
+    }
 
     fn wants_times(&self) -> bool {
         false

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use crate::{event::Polarity, number::Real, sensor::SensorError};
+use crate::{event::Polarity, number::Real, plane::Size, sensor::SensorError};
 
 /// Equally spaced events of one cell between two frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,6 +162,15 @@ pub trait Sink {
     type Band<'a>: BandSink + Send
     where
         Self: 'a;
+
+    /// Whether it can take the events of a sensor of this size and so many kinds of cells.
+    ///
+    /// # Errors
+    /// [`SensorError::Sink`] when it is for another.
+    fn check(&self, size: Size, channels: usize) -> Result<(), SensorError> {
+        let (_, _) = (size, channels);
+        Ok(())
+    }
 
     /// Whether the times of the events matter, or only their number.
     fn wants_times(&self) -> bool;

@@ -23,7 +23,10 @@ use crate::{
     sensor::SensorError,
 };
 
-use super::train::{BandSink, Interval, Sink, Train, TrainRow};
+use super::{
+    sinks::check_shape,
+    train::{BandSink, Interval, Sink, Train, TrainRow},
+};
 
 /// The two bins between which the current interval lies; `[channel][y, x]`.
 #[derive(Clone, Debug)]
@@ -98,6 +101,11 @@ pub struct VoxelBand<'a> {
 
 impl Sink for VoxelGrid {
     type Band<'a> = VoxelBand<'a>;
+
+    fn check(&self, size: Size, channels: usize) -> Result<(), SensorError> {
+        let own = self.earlier.first().map_or(size, Size::of);
+        check_shape("voxels", (own, self.earlier.len()), (size, channels))
+    }
 
     fn wants_times(&self) -> bool {
         true

@@ -20,6 +20,7 @@ pub struct SaveError {
     /// The file that was to be written.
     pub path: PathBuf,
     /// The error of the system, which is part of the message.
+    #[source]
     pub cause: io::Error,
 }
 

@@ -20,6 +20,7 @@ pub enum SceneError {
         /// The file or folder of the scene.
         path: PathBuf,
         /// What the system said.
+        #[source]
         cause: io::Error,
     },
 

@@ -69,6 +69,7 @@ pub enum CellsError {
         /// The kind of cell, from 0.
         channel: usize,
         /// What is wrong with it.
+        #[source]
         cause: KernelError,
     },
     /// One threshold is asked for, and there are two.

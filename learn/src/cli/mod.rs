@@ -94,6 +94,7 @@ struct RunArguments {
 /// # Errors
 /// What went wrong, as it is to be told.
 pub fn run(arguments: Arguments) -> Result<()> {
+    print::tell_causes_once();
     match (arguments.verb, arguments.run) {
         (Some(Verb::Report { run }), _) => report(&run),
         (Some(Verb::New { name }), _) => begin::task(&name),

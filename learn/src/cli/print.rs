@@ -5,7 +5,7 @@ use std::{
     process::ExitCode,
 };
 
-use miette::{Report, Result, miette};
+use miette::{MietteHandlerOpts, Report, Result, miette};
 
 /// The program ends with this code; all that is to be said of it has been said.
 #[derive(Clone, Copy, Debug, thiserror::Error, miette::Diagnostic)]
@@ -25,6 +25,14 @@ pub(super) fn say(text: &str) -> Result<()> {
 /// Prints to standard error. There is nobody to tell when that fails.
 pub(super) fn complain(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// From now on a cause is not told again behind the message that has it in it, as all have.
+pub(super) fn tell_causes_once() {
+    // It can only fail where there is one already.
+    let _ = miette::set_hook(Box::new(|_| {
+        Box::new(MietteHandlerOpts::new().without_cause_chain().build())
+    }));
 }
 
 /// Prints what went wrong; the exit code.

@@ -30,12 +30,18 @@ pub trait Array: Sensor {
     ///
     /// # Errors
     /// When the plane has another size.
+    ///
+    /// # Panics
+    /// When the array does not have the register: [`layout`](Self::layout) says how many there are.
     fn set_analog(&mut self, register: Analog, values: &Plane<f64>) -> Result<(), ShapeError>;
 
     /// Sets a one-bit register, whatever R0 is.
     ///
     /// # Errors
     /// When the plane has another size.
+    ///
+    /// # Panics
+    /// When the array does not have the register.
     fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) -> Result<(), ShapeError>;
 
     /// Sets FLAG.
@@ -45,12 +51,21 @@ pub trait Array: Sensor {
     fn set_flag(&mut self, bits: &Plane<bool>) -> Result<(), ShapeError>;
 
     /// An analogue register, in LSB, without loss.
+    ///
+    /// # Panics
+    /// When the array does not have the register: [`layout`](Self::layout) says how many there are.
     fn analog(&self, register: Analog) -> Plane<f64>;
 
     /// A one-bit register.
+    ///
+    /// # Panics
+    /// When the array does not have the register.
     fn digital(&self, register: Digital) -> Plane<bool>;
 
     /// Every pixel whose one-bit register is 1, in the order in which the chip's scan finds them.
+    ///
+    /// # Panics
+    /// When the array does not have the register.
     fn ones(&self, register: Digital) -> Vec<At>;
 
     /// FLAG.
@@ -68,19 +83,21 @@ pub trait Array: Sensor {
     ///
     /// # Errors
     /// When the frame has another size, is no later than the one before, or has light that the array
-    /// does not hold.
+    /// does not hold; the array is then as it was.
     fn show(&mut self, frame: &Frame) -> Result<bool, SensorError>;
 
     /// Runs `init` once; events are stamped with `t`.
     ///
     /// # Errors
-    /// When the domain has no answer for an instruction.
+    /// When the domain has no answer for an instruction. What came before that word was done, its
+    /// events are in the packet, and nothing after it was: the array goes on from there with whatever
+    /// it is given next.
     fn run_init(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError>;
 
     /// Runs `frame` once; events are stamped with `t`.
     ///
     /// # Errors
-    /// When the domain has no answer for an instruction.
+    /// As [`run_init`](Self::run_init).
     fn run_frame(&mut self, t: Micros, packet: &mut Packet) -> Result<(), RunError>;
 
     /// Lowers these steps, to be run on this chip as often as wanted.
@@ -93,7 +110,7 @@ pub trait Array: Sensor {
     /// Runs a body now, as a kernel of its own; what was read before is kept.
     ///
     /// # Errors
-    /// When the domain has no answer for an instruction.
+    /// As [`run_init`](Self::run_init).
     fn run_body(&mut self, body: &Body, t: Micros, packet: &mut Packet) -> Result<(), RunError>;
 
     /// Lowers these steps and runs them once.

@@ -63,7 +63,8 @@ impl<D: RowOps> Chip<D> {
     /// A chip as switched on: every register 0, FLAG 1.
     ///
     /// # Errors
-    /// When the program cannot run on an array of this layout and size.
+    /// When the program cannot run on an array of this layout and size, or no array has these
+    /// settings; on line 0 what is not of the program.
     pub fn new(
         name: &str,
         domain: D,
@@ -73,6 +74,8 @@ impl<D: RowOps> Chip<D> {
         settings: Settings,
     ) -> Result<Self, CodeError> {
         let layout = Layout::new(device, size);
+        let checked = settings.check();
+        checked.map_err(|problem| CodeError { line: 0, problem })?;
         check(code, &layout)?;
         let mut state = State::new(&domain, layout, settings.edge);
         // Switched on in the dark.

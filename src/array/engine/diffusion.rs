@@ -23,7 +23,7 @@ pub(super) fn diffuse<D: RowOps>(
     rows: Range<usize>,
 ) {
     let Diffusion { target, source, .. } = *word;
-    let (parts, clip) = (settings.diffusion.max(4).into(), settings.limits());
+    let (parts, clip) = (settings.diffusion.into(), settings.limits());
     let step = slab.first() + word.step;
     let mut conducting = Conducting::new(word, slab.bits.words());
     let cells = slab.take(target);

@@ -63,6 +63,7 @@ pub enum FileError {
         /// Which file.
         path: PathBuf,
         /// What the system said.
+        #[source]
         cause: io::Error,
     },
     /// A compression was asked for of a format that has none to choose.

@@ -1,6 +1,9 @@
 //! An event file, read a block at a time.
 
-use std::path::{Path, PathBuf};
+use std::{
+    fmt,
+    path::{Path, PathBuf},
+};
 
 use super::{
     FileError, Format, about::About, fault::Stop, gate::Gate, origin::Origin, source::Source,
@@ -42,6 +45,17 @@ pub struct Reader {
     /// The error behind the events of the last block.
     stopped: Option<FileError>,
     ended: bool,
+}
+
+impl fmt::Debug for Reader {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Reader")
+            .field("path", &self.path)
+            .field("format", &self.format)
+            .field("size", &self.size)
+            .field("ended", &self.ended)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Reader {

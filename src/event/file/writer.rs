@@ -1,6 +1,9 @@
 //! An event file, written a block at a time.
 
-use std::path::{Path, PathBuf};
+use std::{
+    fmt,
+    path::{Path, PathBuf},
+};
 
 use super::{
     Fault, FileError, Format,
@@ -27,6 +30,15 @@ pub struct Writer {
     /// Events that do not fill a block yet: what is written must not depend on how many come at
     /// a time.
     rest: Vec<Event>,
+}
+
+impl fmt::Debug for Writer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Writer")
+            .field("path", &self.path)
+            .field("about", &self.about)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Writer {

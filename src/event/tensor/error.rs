@@ -1,5 +1,12 @@
 //! What no tensor can be made of.
 
+use crate::{
+    event::{Event, outside},
+    memory::{Budget, Bytes},
+    plane::Size,
+    unit::counted,
+};
+
 /// The most bins of a window.
 pub const MOST_BINS: usize = 1000;
 
@@ -21,6 +28,32 @@ pub enum TensorError {
         what: &'static str,
         /// Its length.
         seconds: f64,
+    },
+    /// An event that its own packet has no cell for.
+    #[error("an event at x {}, y {} of channel {} in a packet of {size} and {}", event.x, event.y, event.channel, counted(*channels, "channel"))]
+    #[diagnostic(help("the packet is inconsistent: correct its size, its channels or the event"))]
+    Outside {
+        /// The event.
+        event: Event,
+        /// Size of its packet.
+        size: Size,
+        /// Channels of its packet.
+        channels: u8,
+    },
+    /// More values than this machine's memory holds.
+    #[error("{parts} {what} take {}, more than the {} that may be held here", Bytes(*bytes), Bytes((*most).into()))]
+    #[diagnostic(help(
+        "take fewer of them, or a part of the events; recordings with times of the day begin with years of nothing: begin the windows at the first event"
+    ))]
+    Room {
+        /// How many parts.
+        parts: u64,
+        /// What they are.
+        what: &'static str,
+        /// Bytes of all of them.
+        bytes: u128,
+        /// Bytes that may be held.
+        most: u64,
     },
     /// A name that is none.
     #[error("`{text}` is no {what}")]
@@ -51,6 +84,39 @@ pub(super) fn named<T: Copy>(
         }
     })
 }
+
+/// Refuses events that a packet of this size has no cell for.
+pub(super) fn inside(events: &[Event], size: Size, channels: u8) -> Result<(), TensorError> {
+    outside(events, size, channels).map_or(Ok(()), |event| {
+        Err(TensorError::Outside {
+            event: *event,
+            size,
+            channels,
+        })
+    })
+}
+
+/// How many values so many parts of `each` have, of four bytes, where this machine holds them.
+pub(super) fn room(parts: u64, what: &'static str, each: usize) -> Result<usize, TensorError> {
+    let values = u128::from(parts) * each as u128;
+    let bytes = values.saturating_mul(4);
+    // What is as small as this is never asked for.
+    if bytes > SMALL {
+        let most = Budget::from_machine().bytes;
+        if bytes > u128::from(most) {
+            return Err(TensorError::Room {
+                parts,
+                what,
+                bytes,
+                most,
+            });
+        }
+    }
+    Ok(values as usize)
+}
+
+/// Bytes that every machine has.
+const SMALL: u128 = 64 << 20;
 
 /// A time that windows can have.
 pub(super) fn time(what: &'static str, seconds: f64) -> Result<f64, TensorError> {

@@ -13,6 +13,7 @@ use crate::{
     event::file::Steady,
     npy::framed,
     save::{AtomicFile, SaveError},
+    unit::counted,
 };
 
 /// How a number is held.
@@ -66,6 +67,7 @@ pub(super) const NAME: &str = "voxels";
 const HEADER: usize = 192;
 
 /// A file of layers that grows.
+#[derive(Debug)]
 pub struct TensorFile {
     file: AtomicFile,
     layers: Layers,
@@ -73,6 +75,7 @@ pub struct TensorFile {
     body: Body,
 }
 
+#[derive(Debug)]
 enum Body {
     /// Written as it comes, its header at the end.
     Npy,
@@ -102,9 +105,21 @@ impl TensorFile {
     /// Adds a layer: as many values as its shape has.
     ///
     /// # Errors
-    /// When the disk does not take it, or 16 bits do not hold it.
+    /// When it has more values or fewer, when the disk does not take it, or 16 bits do not hold it;
+    /// of the disk, the file is then no longer whole, and is not to be finished.
     pub fn push(&mut self, layer: &[f32]) -> Result<(), SaveError> {
-        self.count += 1;
+        let shape = &self.layers.shape;
+        let want = shape
+            .iter()
+            .fold(1, |n: usize, side| n.saturating_mul(*side));
+        if layer.len() != want {
+            let why = format!(
+                "a layer of {}, and layers of shape {shape:?} have {want}",
+                counted(layer.len() as u64, "value")
+            );
+            let cause = io::Error::new(io::ErrorKind::InvalidData, why);
+            return Err(self.file.failed(cause));
+        }
         if self.layers.precision == Precision::Half {
             let most = layer
                 .iter()
@@ -125,7 +140,9 @@ impl TensorFile {
             Body::Npz(rest) => rest.write_all(&bytes(layer, self.layers.precision)),
             Body::Hdf5(chunks) => chunks.push(&mut self.file, &bytes(layer, self.layers.precision)),
         };
-        written.map_err(|cause| self.file.failed(cause))
+        written.map_err(|cause| self.file.failed(cause))?;
+        self.count += 1;
+        Ok(())
     }
 
     /// Gives the file its name; returns how many layers it has.

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use super::{
-    error::{TensorError, named},
+    error::{TensorError, inside, named, room},
     sides::Sides,
     sorted,
 };
@@ -31,13 +31,21 @@ impl FromStr for Fill {
 
 /// Frames of `each` events in the order of their times, `[frame][channel][side][y, x]`; the last
 /// has what is left. No events are no frame.
-#[must_use]
-pub fn frames(packet: &Packet, each: usize, sides: Sides, fill: Fill) -> Vec<i32> {
+///
+/// # Errors
+/// When an event lies outside of the packet, or the frames are more than this machine holds.
+pub fn frames(
+    packet: &Packet,
+    each: usize,
+    sides: Sides,
+    fill: Fill,
+) -> Result<Vec<i32>, TensorError> {
+    inside(&packet.events, packet.size, packet.channels)?;
     let pixels = packet.size.pixels();
     let cells = usize::from(packet.channels) * sides.count() * pixels;
     let events = sorted(&packet.events);
     let parts = events.chunks(each.max(1));
-    let mut out = vec![0; parts.len() * cells];
+    let mut out = vec![0; room(parts.len() as u64, "event frames", cells)?];
     for (events, out) in parts.zip(out.chunks_mut(cells.max(1))) {
         for event in events {
             let plane = usize::from(event.channel) * sides.count() + sides.plane(event.polarity);
@@ -51,7 +59,7 @@ pub fn frames(packet: &Packet, each: usize, sides: Sides, fill: Fill) -> Vec<i32
             }
         }
     }
-    out
+    Ok(out)
 }
 
 #[cfg(test)]
@@ -76,12 +84,18 @@ mod tests {
                 channel: 0,
             })
             .collect();
-        let of = |sides, fill| frames(&packet, 3, sides, fill);
-        assert_eq!(of(Sides::Signed, Fill::Count), [1, 0, 0, 1]);
-        assert_eq!(of(Sides::Signed, Fill::Last), [-1, 0, 0, 1]);
-        assert_eq!(of(Sides::Split, Fill::Count), [1, 0, 2, 0, 0, 0, 0, 1]);
-        assert_eq!(of(Sides::Split, Fill::Last), [1, 0, 1, 0, 0, 0, 0, 1]);
+        let of = |packet: &Packet, sides, fill| frames(packet, 3, sides, fill).unwrap();
+        assert_eq!(of(&packet, Sides::Signed, Fill::Count), [1, 0, 0, 1]);
+        assert_eq!(of(&packet, Sides::Signed, Fill::Last), [-1, 0, 0, 1]);
+        assert_eq!(
+            of(&packet, Sides::Split, Fill::Count),
+            [1, 0, 2, 0, 0, 0, 0, 1]
+        );
+        assert_eq!(
+            of(&packet, Sides::Split, Fill::Last),
+            [1, 0, 1, 0, 0, 0, 0, 1]
+        );
         packet.events.clear();
-        assert!(frames(&packet, 3, Sides::Signed, Fill::Count).is_empty());
+        assert!(of(&packet, Sides::Signed, Fill::Count).is_empty());
     }
 }

@@ -2,7 +2,10 @@
 
 use std::collections::VecDeque;
 
-use super::voxels::Voxels;
+use super::{
+    error::{TensorError, inside, room},
+    voxels::Voxels,
+};
 use crate::{event::Event, plane::Size, unit::Micros};
 
 /// The voxels of events that come part by part.
@@ -17,6 +20,8 @@ pub struct VoxelStream {
     begun: VecDeque<Vec<f32>>,
     /// Events so far that lie between windows.
     between: u64,
+    /// Events so far that came when a window of theirs was over.
+    lost: u64,
 }
 
 impl VoxelStream {
@@ -30,6 +35,7 @@ impl VoxelStream {
             next: 0,
             begun: VecDeque::new(),
             between: 0,
+            lost: 0,
         }
     }
 
@@ -40,25 +46,59 @@ impl VoxelStream {
     }
 
     /// Takes in the next events, in the order of their times. What belongs to windows that are over
-    /// is lost.
-    pub fn add(&mut self, events: &[Event]) {
-        let Some(last) = events.last() else { return };
-        let last = last.t.0 as i64;
+    /// is [lost](Self::lost).
+    ///
+    /// # Errors
+    /// When an event lies outside of the sensor, or the windows that it begins are more than this
+    /// machine holds; nothing was then taken in.
+    pub fn add(&mut self, events: &[Event]) -> Result<(), TensorError> {
+        let Some(last) = events.last() else {
+            return Ok(());
+        };
         let place = (self.size, self.channels);
+        inside(events, self.size, self.channels)?;
         let windows = self.how.windows;
+        let open = windows.count(last.t).saturating_sub(self.next);
+        room(open, "windows of voxels", self.how.len(place.0, place.1))?;
+        self.lost += events.iter().filter(|event| self.is_late(event)).count() as u64;
+        let last = last.t.0 as i64;
         for n in (self.next..).take_while(|n| windows.after(*n) < last) {
             let at = (n - self.next) as usize;
             self.begin(at);
             self.how.add(events, n, place, &mut self.begun[at]);
         }
+        Ok(())
+    }
+
+    /// Whether a window is over to which an event belongs.
+    fn is_late(&self, event: &Event) -> bool {
+        let windows = self.how.windows;
+        let t = event.t.0 as i64;
+        let Some(last) = self.next.checked_sub(1) else {
+            return false;
+        };
+        if t > windows.bounds(last).1 {
+            return false;
+        }
+        // The first that ends no earlier than it.
+        let (mut low, mut high) = (0, last);
+        while low < high {
+            let middle = u64::midpoint(low, high);
+            if windows.bounds(middle).1 < t {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        windows.after(low) < t
     }
 
     /// As [`add`](Self::add), and passes on each window that is over, one after the other: only those
     /// that overlap are held, however far apart events are.
     ///
     /// # Errors
-    /// The first of `pass`.
-    pub fn pass<E>(
+    /// Those of [`add`](Self::add), and the first of `pass`.
+    pub fn pass<E: From<TensorError>>(
         &mut self,
         events: &[Event],
         mut pass: impl FnMut(&[f32]) -> Result<(), E>,
@@ -76,12 +116,20 @@ impl VoxelStream {
             let (now, later) = rest.split_at(part.max(1));
             let after = self.how.windows.after(self.next);
             let start = self.how.windows.start();
-            let between = now.iter().filter(|e| e.t.0 as i64 <= after && e.t >= start);
-            self.between += between.count() as u64;
-            self.add(now);
+            let is_between = |e: &&Event| e.t.0 as i64 <= after && e.t >= start && !self.is_late(e);
+            let between = now.iter().filter(is_between).count();
+            self.add(now)?;
+            self.between += between as u64;
             rest = later;
         }
         Ok(())
+    }
+
+    /// Events so far that came when a window to which they belong was over: they are not in it.
+    /// None where events come in the order of their times.
+    #[must_use]
+    pub const fn lost(&self) -> u64 {
+        self.lost
     }
 
     /// Events so far that lie between two windows of those that [`pass`](Self::pass) has made, or

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use super::{
-    error::{TensorError, named, time},
+    error::{TensorError, inside, named, room, time},
     sides::Sides,
     sorted,
 };
@@ -61,14 +61,17 @@ impl TimeSurface {
 
     /// The surfaces of a packet at these times, in any order: each has seen the events up to its
     /// time, that time among them.
-    #[must_use]
-    pub fn of(&self, packet: &Packet, times: &[Micros]) -> Vec<f32> {
+    ///
+    /// # Errors
+    /// When an event lies outside of the packet, or the surfaces are more than this machine holds.
+    pub fn of(&self, packet: &Packet, times: &[Micros]) -> Result<Vec<f32>, TensorError> {
+        inside(&packet.events, packet.size, packet.channels)?;
         let pixels = packet.size.pixels();
         let each = usize::from(packet.channels) * self.sides.count() * pixels;
         let events = sorted(&packet.events);
         let mut order: Vec<usize> = (0..times.len()).collect();
         order.sort_by_key(|n| times[*n]);
-        let mut out = vec![0.0; times.len() * each];
+        let mut out = vec![0.0; room(times.len() as u64, "time surfaces", each)?];
         let mut last = vec![(NEVER, 0.0f32); each];
         let mut events = events.iter().peekable();
         for n in order {
@@ -87,7 +90,7 @@ impl TimeSurface {
                 }
             }
         }
-        out
+        Ok(out)
     }
 
     fn left(&self, age: Micros) -> f32 {
@@ -123,7 +126,7 @@ mod tests {
         let mut surface = TimeSurface::new(0.002).unwrap();
         let half = (-0.5f64).exp() as f32;
         assert_eq!(
-            surface.of(&packet, &times),
+            surface.of(&packet, &times).unwrap(),
             [-1.0, 0.0, 0.0, 0.0, half, 0.0]
         );
         surface.sides = Sides::Split;
@@ -133,6 +136,6 @@ mod tests {
             [0.0, 0.0, 0.0, 0.0],
             [0.0, 0.0, 0.5, 0.0],
         ];
-        assert_eq!(surface.of(&packet, &times), split.concat());
+        assert_eq!(surface.of(&packet, &times).unwrap(), split.concat());
     }
 }

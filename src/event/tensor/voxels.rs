@@ -10,7 +10,7 @@ use std::str::FromStr;
 use rayon::prelude::*;
 
 use super::{
-    error::{MOST_BINS, TensorError, named},
+    error::{MOST_BINS, TensorError, inside, named, room},
     normalise::Normalise,
     sides::Sides,
     sorted,
@@ -94,19 +94,24 @@ impl Voxels {
     }
 
     /// The voxels of all windows of a packet, up to the end of what was watched.
-    #[must_use]
-    pub fn of(&self, packet: &Packet) -> Vec<f32> {
+    ///
+    /// # Errors
+    /// When an event lies outside of the packet, or the windows are more than this machine holds.
+    pub fn of(&self, packet: &Packet) -> Result<Vec<f32>, TensorError> {
         let last = packet.events.iter().map(|event| event.t).max();
-        let count = self
-            .windows
-            .count(last.unwrap_or_default().max(packet.span.1));
-        let mut voxels = vec![0.0; count as usize * self.len(packet.size, packet.channels)];
-        self.fill(packet, &mut voxels);
-        voxels
+        let end = last.unwrap_or_default().max(packet.span.1);
+        let each = self.len(packet.size, packet.channels);
+        let mut voxels = vec![0.0; room(self.windows.count(end), "windows of voxels", each)?];
+        self.fill(packet, &mut voxels)?;
+        Ok(voxels)
     }
 
     /// Writes the voxels of a packet's first windows, as many as `out` has room for.
-    pub fn fill(&self, packet: &Packet, out: &mut [f32]) {
+    ///
+    /// # Errors
+    /// When an event lies outside of the packet.
+    pub fn fill(&self, packet: &Packet, out: &mut [f32]) -> Result<(), TensorError> {
+        inside(&packet.events, packet.size, packet.channels)?;
         let events = sorted(&packet.events);
         let place = (packet.size, packet.channels);
         let each = self.len(place.0, place.1).max(1);
@@ -115,23 +120,18 @@ impl Voxels {
             self.add(&events, n as u64, place, out);
             self.finish(place, out);
         });
+        Ok(())
     }
 
     /// Adds what these events, in the order of their times, give to window `n`.
-    pub(super) fn add(
-        &self,
-        events: &[Event],
-        n: u64,
-        (size, channels): (Size, u8),
-        out: &mut [f32],
-    ) {
+    pub(super) fn add(&self, events: &[Event], n: u64, (size, _): (Size, u8), out: &mut [f32]) {
         let (from, to) = self.windows.bounds(n);
         let up_to = |time: i64| events.partition_point(|event| event.t.0 as i64 <= time);
         let events = &events[up_to(self.windows.after(n))..up_to(to)];
         let (pixels, steps) = (size.pixels(), (self.bins - 1) as f64);
         let (bins, length) = (self.bins as i64, to - from);
         let per = steps / length as f64;
-        for event in events.iter().filter(|event| event.channel < channels) {
+        for event in events {
             let since = event.t.0 as i64 - from;
             let sign = self.sides.sign(event.polarity) as f32;
             let plane = usize::from(event.channel) * self.sides.count();
@@ -258,7 +258,7 @@ mod tests {
         #[test]
         fn voxels_are_those_of_the_equation(how in how(), events in events()) {
             let packet = packet(events);
-            let (got, want) = (how.of(&packet), slow(&how, &packet));
+            let (got, want) = (how.of(&packet).unwrap(), slow(&how, &packet));
             prop_assert_eq!(got.len(), want.len());
             for (got, want) in got.iter().zip(want) {
                 prop_assert!((f64::from(*got) - want).abs() < 1e-4, "{} {}", got, want);
@@ -279,19 +279,19 @@ mod tests {
             while until < 100_000 {
                 until = (until + step).min(100_000);
                 let part = rest.partition_point(|event| event.t.0 <= until);
-                stream.add(&rest[..part]);
+                stream.add(&rest[..part]).unwrap();
                 rest = &rest[part..];
                 got.extend(stream.finished(Micros(until)).into_iter().flatten());
             }
             got.extend(stream.rest(Micros(100_000)).into_iter().flatten());
-            prop_assert_eq!(&got, &how.of(&packet));
+            prop_assert_eq!(&got, &how.of(&packet).unwrap());
             // And passed on one by one.
             let mut stream = VoxelStream::new(how, SIZE, 2);
             let mut passed = Vec::new();
             for part in packet.events.chunks(1 + step as usize % 9) {
                 let pass = |window: &[f32]| {
                     passed.extend_from_slice(window);
-                    Ok::<(), ()>(())
+                    Ok::<(), TensorError>(())
                 };
                 stream.pass(part, pass).unwrap();
             }

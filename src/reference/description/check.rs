@@ -12,10 +12,11 @@ use crate::{
 use super::{
     channel::{Channel, Threshold},
     kernels::scaled,
-    keys::{FILE, MOST_CHANNELS, REFRACTORY, SENSOR, THRESHOLD},
+    keys::{FILE, REFRACTORY, SENSOR, THRESHOLD},
     reader::{ReadFile, Reader, wrong},
     rules::{Border, MemoryRule, PolarityRule, Refractory, RefractoryRule},
     sensor::Description,
+    soundness,
 };
 
 impl Description {
@@ -37,21 +38,14 @@ impl Reader<'_> {
         let shared = shared(memory, &section)?;
         let polarity = polarity(memory, &section)?;
         let noise = match section.get("noise") {
-            Some(noise) => Noise::read(noise, memory, refractory.rule)?,
+            Some(noise) => noise_of(memory, refractory, noise)?,
             None => Noise::NONE,
         };
         let channels = section.tables("channel").into_iter();
         let channels = channels.map(|channel| self.channels(memory, &channel));
         let channels = channels.collect::<Read<Vec<_>>>()?.concat();
-        if channels.len() > MOST_CHANNELS {
-            return Err(wrong(
-                section.place_of("channel"),
-                format!("{} kinds of cells", channels.len()),
-                &format!(
-                    "give {MOST_CHANNELS} at most, those of a file of several kernels counted one by one"
-                ),
-            ));
-        }
+        let many = soundness::channels(channels.len());
+        many.map_err(|odd| odd.at(section.place_of("channel")))?;
         let border = section.word("border", &[Border::Replicate, Border::Zero])?;
         let name = section.maybe_text("name");
         Ok(Description {
@@ -75,16 +69,8 @@ impl Reader<'_> {
         let surrounds = match section.get("mesh") {
             None => None,
             Some(mesh) => {
-                let alone = !four
-                    && !log_temporal
-                    && matches!(memory, MemoryRule::FilteredSnap | MemoryRule::FilteredStep);
-                if !alone {
-                    return Err(wrong(
-                        mesh.place(),
-                        "a mesh stands in place of a kernel, before a memory of the filtered signal",
-                        "use memory = \"filtered-step\" or \"filtered-snap\", and no pattern or log-temporal in this channel",
-                    ));
-                }
+                let fits = soundness::mesh(memory, four, log_temporal);
+                fits.map_err(|odd| odd.at(mesh.place()))?;
                 Some(Surrounds::read(mesh, gain)?)
             }
         };
@@ -149,48 +135,31 @@ fn refractory(memory: MemoryRule, section: Option<Node<'_>>) -> Read<Refractory>
     let section = Section::new(node, &REFRACTORY);
     let rules = [RefractoryRule::DeadTime, RefractoryRule::Authors];
     let rule = section.word("rule", &rules)?.unwrap_or_default();
-    if !memory.steps() && rule == RefractoryRule::Authors {
-        return Err(wrong(
-            node.place(),
-            "the authors' refractory rule counts the steps of a memory, and this memory snaps",
-            "use rule = \"dead-time\", or memory = \"filtered-step\"",
-        ));
-    }
-    if memory == MemoryRule::AuthorsPixelStep && rule == RefractoryRule::DeadTime {
-        return Err(wrong(
-            node.place(),
-            "memory = \"authors-pixel-step\" exists to agree with the released code, whose refractory rule is its own",
-            "use rule = \"authors\"",
-        ));
-    }
+    soundness::refractory(memory, rule).map_err(|odd| odd.at(node.place()))?;
     let us = section.number("us")?;
     Ok(Refractory { us, rule })
 }
 
-/// Whether one memory serves all kinds: only a memory of pixels is the same for all of them.
 fn shared(memory: MemoryRule, section: &Section<'_>) -> Read<bool> {
     let shared = section.flag("shared");
-    if shared && memory != MemoryRule::RawSnap {
-        return Err(wrong(
-            section.place_of("shared"),
-            "shared = true is for memory = \"raw-snap\": a picture of the pixels is the same for all kinds, a filtered signal is each kind's own",
-            "use memory = \"raw-snap\", or leave shared out",
-        ));
-    }
+    let fits = soundness::shared(memory, shared);
+    fits.map_err(|odd| odd.at(section.place_of("shared")))?;
     Ok(shared)
 }
 
 fn polarity(memory: MemoryRule, section: &Section<'_>) -> Read<PolarityRule> {
     let rules = [PolarityRule::Filtered, PolarityRule::Pixel];
     let rule = section.word("polarity", &rules)?.unwrap_or_default();
-    if memory.steps() && rule == PolarityRule::Pixel {
-        return Err(wrong(
-            section.place_of("polarity"),
-            "polarity = \"pixel\" needs the pixel as it was when the cell last fired, and a memory that steps does not keep it",
-            "use polarity = \"filtered\", or memory = \"raw-snap\" or \"filtered-snap\"",
-        ));
-    }
+    let fits = soundness::polarity(memory, rule);
+    fits.map_err(|odd| odd.at(section.place_of("polarity")))?;
     Ok(rule)
+}
+
+fn noise_of(memory: MemoryRule, refractory: Refractory, node: Node<'_>) -> Read<Noise> {
+    let noise = Noise::stated(node)?;
+    let place = Section::new(node, &Noise::TABLE).place_of("leak-hz");
+    soundness::leak(memory, refractory.rule, &noise).map_err(|odd| odd.at(place))?;
+    Ok(noise)
 }
 
 /// What the kinds of a channel are called: as they are listed, or numbered from 0.

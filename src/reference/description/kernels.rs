@@ -2,7 +2,6 @@
 
 use crate::{
     config::{Node, Place, Read},
-    elementary,
     kernel::{Kernel, KernelError, KernelFileError, SHAPES},
     plane::Plane,
 };
@@ -10,6 +9,7 @@ use crate::{
 use super::{
     reader::{Reader, wrong},
     rules::MemoryRule,
+    soundness,
 };
 
 impl Reader<'_> {
@@ -20,24 +20,11 @@ impl Reader<'_> {
         gain: f64,
         channel: Place,
     ) -> Read<Option<Kernel>> {
-        match (given, memory) {
-            (None, MemoryRule::AuthorsPixelStep) => Err(wrong(
-                channel,
-                "memory = \"authors-pixel-step\" needs a memory-kernel",
-                "give the kernel that the memory is seen through (often the channel's own)",
-            )),
-            (None, _) => Ok(None),
-            (Some(given), MemoryRule::AuthorsPixelStep) => {
-                let kernel = scaled(&self.kernel(given)?, gain, given.place())?;
-                stable(&kernel, given.place())?;
-                Ok(Some(kernel))
-            }
-            (Some(given), _) => Err(wrong(
-                given.place(),
-                "memory-kernel is only for memory = \"authors-pixel-step\"",
-                "leave it out: the memory of the other rules is seen through the channel's own kernel, or holds the filtered signal",
-            )),
-        }
+        let place = given.map_or(channel, Node::place);
+        let kernel = given.map(|given| scaled(&self.kernel(given)?, gain, place));
+        let kernel = kernel.transpose()?;
+        soundness::memory_kernel(memory, kernel.as_ref()).map_err(|odd| odd.at(place))?;
+        Ok(kernel)
     }
 
     /// One kernel, or four for a pattern.
@@ -128,46 +115,4 @@ pub(super) fn scaled(kernel: &Kernel, gain: f64, place: Place) -> Read<Kernel> {
         };
         wrong(place, format!("with gain {gain:e}: {e}"), advice)
     })
-}
-
-/// Checks that a pixel memory that is stepped by filtered thresholds is stable. Events move the
-/// pixels' memory by the filtered difference, which moves that difference by the kernel's response
-/// to it: in a frame, a pattern of spatial frequency f is multiplied by 1 - W(f). Above 1 in
-/// magnitude it grows.
-fn stable(kernel: &Kernel, place: Place) -> Read<()> {
-    let worst = growth(kernel);
-    if worst <= MOST_GROWTH {
-        return Ok(());
-    }
-    Err(wrong(
-        place,
-        format!(
-            "a pixel memory stepped by filtered thresholds runs away through this kernel: what an event should remove grows up to {worst:.2} times with each frame"
-        ),
-        "use memory = \"filtered-step\" or \"raw-snap\", which are stable with any kernel",
-    ))
-}
-
-/// How much a pixel memory stepped by filtered thresholds may grow in a frame. 1 would be
-/// stable for ever; the kernels that the released simulator's reference outputs were made with
-/// reach 1.13.
-const MOST_GROWTH: f64 = 1.25;
-
-/// The largest |1 - W(f)| of a kernel, over a grid of spatial frequencies.
-fn growth(kernel: &Kernel) -> f64 {
-    const GRID: usize = 32;
-    let (reach_y, reach_x) = kernel.reach();
-    let angle = |i: usize| std::f64::consts::TAU * i as f64 / GRID as f64;
-    let at = |fy: f64, fx: f64| {
-        let (mut re, mut im) = (1.0, 0.0);
-        for ((y, x), weight) in kernel.weights().indexed_iter() {
-            let phase = fy * (y as f64 - reach_y as f64) + fx * (x as f64 - reach_x as f64);
-            re -= weight * elementary::cos(phase);
-            im -= weight * elementary::sin(phase);
-        }
-        elementary::hypot(re, im)
-    };
-    (0..GRID * GRID)
-        .map(|i| at(angle(i / GRID), angle(i % GRID)))
-        .fold(0.0, f64::max)
 }

@@ -23,6 +23,7 @@
 
 mod channel;
 mod check;
+mod growth;
 mod kernels;
 pub mod keys;
 mod open;

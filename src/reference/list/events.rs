@@ -9,7 +9,11 @@ use std::{
 use crate::{
     event::{Event, Packet},
     number::Real,
-    reference::train::{BandSink, Interval, Sink, TrainRow},
+    plane::Size,
+    reference::{
+        sinks::check_shape,
+        train::{BandSink, Interval, Sink, TrainRow},
+    },
     sensor::SensorError,
 };
 
@@ -131,6 +135,11 @@ impl Sink for EventList<'_> {
     where
         Self: 'b;
 
+    fn check(&self, size: Size, channels: usize) -> Result<(), SensorError> {
+        let own = (self.packet.size, self.packet.channels.into());
+        check_shape("a packet", own, (size, channels))
+    }
+
     fn wants_times(&self) -> bool {
         true
     }
@@ -182,7 +191,7 @@ impl BandSink for ListBand<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{event::Polarity, plane::Size, unit::Micros};
+    use crate::{event::Polarity, unit::Micros};
     use proptest::prelude::*;
 
     fn told(

@@ -30,6 +30,21 @@ pub(super) struct TimeQuantiser {
 /// times it is lost.
 const ROUNDING_BIAS: f64 = 1.0 / (1 << 28) as f64;
 
+impl Interval {
+    /// The microsecond at which an event list has an event at `place` of this interval: 0 is the
+    /// earlier frame, 1 the later. To the nearest; a half, and what is less than 2^-28 us below
+    /// one, to the later; never after the later frame, nor before time 0.
+    ///
+    /// This is how [`EventList`](super::EventList) rounds; `from + place * duration` in
+    /// [`Micros::from_seconds`] may part from it by a microsecond, where rounding of the sum has left
+    /// a half just below.
+    #[must_use]
+    pub fn micros(&self, place: f64) -> Micros {
+        let quantiser = TimeQuantiser::new(*self);
+        quantiser.time(quantiser.at(place.clamp(0.0, 1.0)))
+    }
+}
+
 impl TimeQuantiser {
     pub(super) fn new(interval: Interval) -> Self {
         let (from, to) = (interval.from * 1e6, interval.to * 1e6);

@@ -40,6 +40,7 @@ pub enum StoreError {
         /// Which file.
         path: PathBuf,
         /// What the system said.
+        #[source]
         cause: io::Error,
     },
     /// Something cannot be read.
@@ -49,6 +50,7 @@ pub enum StoreError {
         /// Which file.
         path: PathBuf,
         /// What the system said.
+        #[source]
         cause: io::Error,
     },
     /// It was stopped from outside.
