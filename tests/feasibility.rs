@@ -737,7 +737,7 @@ fn what_does_not_fit_gets_a_page_that_says_so() {
 #[test]
 fn a_scene_larger_than_the_array_does_not_fit() {
     let folder = folder();
-    let chip = "name = \"small\"\ntitle = \"a small one\"\nextends = \"scamp5\"\n[figure.array]\nheight = { value = 16, unit = \"px\", source = \"what if\", evidence = \"guess\" }\nwidth = { value = 64, unit = \"px\", source = \"what if\", evidence = \"guess\" }\n";
+    let chip = "name = \"small\"\ntitle = \"a small one\"\nextends = \"scamp5\"\n[figure.array]\nheight = { value = 16, unit = \"px\", source = \"test\", evidence = \"quoted\" }\nwidth = { value = 64, unit = \"px\", source = \"test\", evidence = \"quoted\" }\n";
     fs::create_dir(folder.path().join("small")).unwrap();
     fs::write(folder.path().join("small/device.toml"), chip).unwrap();
     let (source, numbers) = asked(folder.path(), &["--chip", "small"]);
@@ -1009,7 +1009,8 @@ fn a_chip_without_intervals_has_nothing_to_turn() {
     }
     let array = &all["fit"]["on_chip"]["time"]["array"];
     near(number(array, "/low"), number(array, "/high"));
-    assert_eq!(array["evidence"], "measured");
+    // The words of instructions are quoted.
+    assert_eq!(array["evidence"], "quoted");
 }
 
 #[test]

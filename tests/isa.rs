@@ -336,10 +336,12 @@ fn block(name: &str) -> String {
 #[test]
 fn the_walk_through_the_readme_works() {
     let folder = tempfile::tempdir().unwrap();
+    let own = folder.path().join("my-chip");
+    fs::create_dir(&own).unwrap();
     for file in ["device.toml", "macros.scamp", "primitives.toml"] {
-        fs::write(folder.path().join(file), block(file)).unwrap();
+        fs::write(own.join(file), block(file)).unwrap();
     }
-    let device = Device::load(folder.path()).unwrap();
+    let device = Device::load(&own).unwrap();
     let program = Program::parse("program.scamp", &block("program.scamp")).unwrap();
     let expansion = program.expand(&device, &BTreeMap::new()).unwrap();
     let cost = |steps: &[Step]| amacrine::program::Cost::of(steps, &device);
@@ -376,23 +378,22 @@ fn the_walk_through_the_readme_works() {
 #[test]
 fn a_row_without_a_variant_is_told_where_it_stands() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("isa/scamp5");
-    let (copy, extends) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    let (copy, extends) = (folder.path().join("scamp5"), folder.path().join("my-chip"));
+    fs::create_dir(&copy).unwrap();
+    fs::create_dir(&extends).unwrap();
     let mut shipped = String::new();
     for file in ["device.toml", "macros.scamp", "primitives.toml"] {
         shipped = fs::read_to_string(root.join(file)).unwrap();
-        fs::write(copy.path().join(file), &shipped).unwrap();
+        fs::write(copy.join(file), &shipped).unwrap();
     }
-    assert!(Device::load(copy.path()).is_ok());
+    assert!(Device::load(&copy).is_ok());
     let row = block("new row");
-    fs::write(
-        copy.path().join("primitives.toml"),
-        format!("{shipped}\n{row}"),
-    )
-    .unwrap();
-    fs::write(extends.path().join("device.toml"), block("device.toml")).unwrap();
-    fs::write(extends.path().join("primitives.toml"), &row).unwrap();
+    fs::write(copy.join("primitives.toml"), format!("{shipped}\n{row}")).unwrap();
+    fs::write(extends.join("device.toml"), block("device.toml")).unwrap();
+    fs::write(extends.join("primitives.toml"), &row).unwrap();
     for (folder, line) in [(&extends, 2), (&copy, shipped.lines().count() as u32 + 3)] {
-        let error = Device::load(folder.path()).unwrap_err();
+        let error = Device::load(folder).unwrap_err();
         let LoadError::Wrong(faults) = &error else {
             panic!("{error:?}");
         };
@@ -625,15 +626,17 @@ fn what_lets_the_rest_pass_is_found() {
 
 /// A chip `x` that extends SCAMP-5 by these lines of `device.toml` and this row, if any.
 fn extended(lines: &str, row: &str) -> Device {
-    let folder = tempfile::tempdir().unwrap();
+    let parent = tempfile::tempdir().unwrap();
+    let folder = parent.path().join("x");
+    fs::create_dir(&folder).unwrap();
     let text = format!("name = \"x\"\ntitle = \"x\"\nextends = \"scamp5\"\n{lines}");
-    fs::write(folder.path().join("device.toml"), text).unwrap();
+    fs::write(folder.join("device.toml"), text).unwrap();
     if !row.is_empty() {
         let rest = "equation = \"x\"\nwords = 1\nclock = \"analog\"\nsource = \"x\"\nevidence = \"guess\"\n";
         let text = format!("[[primitive]]\n{row}\n{rest}");
-        fs::write(folder.path().join("primitives.toml"), text).unwrap();
+        fs::write(folder.join("primitives.toml"), text).unwrap();
     }
-    Device::load(folder.path()).unwrap()
+    Device::load(&folder).unwrap()
 }
 
 /// What is wrong with a program on a chip: message and advice of the first fault.

@@ -208,7 +208,7 @@ fn numbers_are_as_well_known_as_the_chip_s_figures() {
     let us = told["array_us_range"][1].as_f64().unwrap();
     for line in [
         format!(
-            "time      {us:.1} us on the array (highest clock, to a launch with every word: measured)"
+            "time      {us:.1} us on the array (highest clock, to a launch with every word: quoted)"
         ),
         format!(
             "energy    {energy:.2} uJ a frame for its words, each at full power over the highest clock (modelled)"
@@ -599,66 +599,44 @@ fn a_chip_without_a_word_is_given_no_program_that_has_it() {
     let folder = folder.path();
     chip(folder, "blind", "");
     row(folder, "blind", "where", &[]);
-    let bits = ["R0", "R1", "R2", "R3", "R4", "R12"];
-    chip(
-        folder,
-        "short",
-        &format!("[registers]\ndigital = {bits:?}\n"),
-    );
     let scene = ["--scene", "pattern:spot?width=32&height=24&frames=6"];
-    let roles = "mask = \"R0\"\npropagated = \"R6\"\nnorth = \"R3\"\neast = \"R4\"\nsouth = \"R1\"\nwest = \"R2\"\n";
-    chip(folder, "other", &format!("[registers.roles]\n{roles}"));
-    for (chip, why) in [
-        (
-            "other",
-            "no program for other: `R6` is its `propagated`, and the program keeps bits in it",
-        ),
-        (
-            "blind",
-            "no program for blind: scamp5 has this `where`, and blind does not",
-        ),
-        (
-            "short",
-            "no program for short: `R6` is a register of scamp5, and not of short",
-        ),
+    let why = "no program for blind: scamp5 has this `where`, and blind does not";
+    for verb in [
+        &["compile", "csdvs-3", "--threshold", "20"][..],
+        &[
+            "quantise",
+            "csdvs-3",
+            "--threshold",
+            "20",
+            "--to",
+            "ternary",
+        ],
+        &[
+            "waterfall",
+            "csdvs-3",
+            "--threshold",
+            "20",
+            "--to",
+            "ternary",
+        ],
+        &["design", "csdvs-3", "--threshold", "20", "--to", "ternary"],
+        &[
+            "feasibility",
+            "csdvs-3",
+            "--threshold",
+            "20",
+            "--to",
+            "ternary",
+            "-o",
+            "r.html",
+        ],
     ] {
-        for verb in [
-            &["compile", "csdvs-3", "--threshold", "20"][..],
-            &[
-                "quantise",
-                "csdvs-3",
-                "--threshold",
-                "20",
-                "--to",
-                "ternary",
-            ],
-            &[
-                "waterfall",
-                "csdvs-3",
-                "--threshold",
-                "20",
-                "--to",
-                "ternary",
-            ],
-            &["design", "csdvs-3", "--threshold", "20", "--to", "ternary"],
-            &[
-                "feasibility",
-                "csdvs-3",
-                "--threshold",
-                "20",
-                "--to",
-                "ternary",
-                "-o",
-                "r.html",
-            ],
-        ] {
-            let more = ["--chip", chip, "--effort", "0"];
-            let said = amacrine(folder, &[verb, &scene, &more].concat())
-                .output()
-                .unwrap();
-            let told = line(&said.stderr) + &line(&said.stdout);
-            assert!(told.contains(why), "{verb:?}: {told}");
-        }
+        let more = ["--chip", "blind", "--effort", "0"];
+        let said = amacrine(folder, &[verb, &scene, &more].concat())
+            .output()
+            .unwrap();
+        let told = line(&said.stderr) + &line(&said.stdout);
+        assert!(told.contains(why), "{verb:?}: {told}");
     }
 }
 

@@ -247,15 +247,17 @@ fn one_register_more_never_costs_words() {
 
 /// SCAMP-5 with so few analogue registers.
 fn narrow(registers: usize) -> Device {
-    let folder = tempfile::tempdir().unwrap();
+    let parent = tempfile::tempdir().unwrap();
+    let folder = parent.path().join("x");
+    std::fs::create_dir(&folder).unwrap();
     let names: Vec<&str> = { ["A", "B", "C", "D", "E"][..registers].iter().copied() }
         .chain(["NEWS"])
         .collect();
     let text = format!(
         "name = \"x\"\ntitle = \"x\"\nextends = \"scamp5\"\n[registers]\nanalogue = {names:?}\n"
     );
-    std::fs::write(folder.path().join("device.toml"), text).unwrap();
-    Device::load(folder.path()).unwrap()
+    std::fs::write(folder.join("device.toml"), text).unwrap();
+    Device::load(&folder).unwrap()
 }
 
 /// On chips of three to five registers: where no more comes out, there are no more words.

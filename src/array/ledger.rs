@@ -46,7 +46,7 @@ impl Ledger {
             Clock::Digital => &mut self.digital,
             Clock::Dnews => &mut self.dnews,
             Clock::Prop => &mut self.prop,
-        } += row.words;
+        } += row.words();
     }
 
     /// What a block costs, once more.

@@ -58,4 +58,4 @@ pub use schedule::{Schedule, ScheduleError};
 pub use settings::{Converters, Propagation, Settings};
 pub use silicon::Silicon;
 pub use state::State;
-pub use symbolic::{GenericError, Input, effort, range, taps};
+pub use symbolic::{CaptureError, GenericError, Input, check_capture, effort, range, taps};

@@ -52,6 +52,12 @@ impl Filter {
         text
     }
 
+    /// Instruction words that it takes on a chip.
+    #[must_use]
+    pub fn word_count(&self, device: &Device) -> u64 {
+        self.words.iter().map(|word| device.words(word)).sum()
+    }
+
     /// From kernel times input to the result: what the halvings leave of it.
     #[must_use]
     pub fn scale(&self) -> f64 {

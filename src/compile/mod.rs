@@ -41,6 +41,7 @@ mod listed;
 mod naive_cost;
 mod need;
 mod noise;
+mod one_bit;
 mod plan;
 mod plan_builder;
 mod register_levels;

@@ -6,7 +6,7 @@
 //! | memory | analogue registers | one-bit registers |
 //! |---|---|---|
 //! | a drive of each kind (`analogue`) | `2 K + 2`: drives, memories, a threshold, a scratch | 2 |
-//! | the pixel, for all kinds (`shared`) | 4: the memory, three for filter and comparison; 5 from the sixth kind on, with the light | `2 min(K, 5)`, and 2 |
+//! | the pixel, for all kinds (`shared`) | 4: the memory, three for filter and comparison; 5 from the sixth kind on, with the light | `2 min(K, 5)`, and 2 (of fewer, as many kinds at a time as there are pairs) |
 //! | N bits for each kind (`bits:N`) | `K + 3`: drives, a memory being read, a threshold, a scratch | `N K` of 8, and 5 |
 //!
 //! A filter with more registers than it needs takes fewer words, so what is free beyond that is
@@ -16,9 +16,10 @@ use super::{
     allocate::ordinary_registers,
     cell_kind::{CellKind, DriveMemory},
     error::{CompileError, times_that_fit},
+    one_bit::OneBit,
     request::{Effort, Objective, Request},
-    sensor::{SensorProgram, memory_bits},
-    shared_memory::AT_A_TIME,
+    sensor::SensorProgram,
+    shared_memory::at_a_time,
     walk,
 };
 use crate::isa::{Device, Figure};
@@ -36,16 +37,16 @@ pub struct Need {
 }
 
 impl Need {
-    /// Of so many kinds that remember in this way.
+    /// Of so many kinds that remember in this way on a chip.
     #[must_use]
-    pub fn new(memory: DriveMemory, kinds: usize) -> Self {
+    pub fn new(memory: DriveMemory, kinds: usize, device: &Device) -> Self {
         match memory {
             DriveMemory::Analogue => Self {
                 analogue: 2 * kinds + 2,
                 bits: 0,
             },
             DriveMemory::Shared => Self {
-                analogue: 1 + usize::from(kinds > AT_A_TIME) + walk::FEWEST_REGISTERS,
+                analogue: 1 + usize::from(kinds > at_a_time(device)) + walk::FEWEST_REGISTERS,
                 bits: 0,
             },
             DriveMemory::Bits(bits) => Self {
@@ -58,7 +59,7 @@ impl Need {
     /// Whether a chip has them.
     #[must_use]
     pub fn fits(self, device: &Device) -> bool {
-        self.analogue <= Self::free(device) && self.bits <= memory_bits(device).len()
+        self.analogue <= Self::free(device) && self.bits <= OneBit::memories(device)
     }
 
     /// The analogue registers of a chip's pixel, NEWS left out.
@@ -72,9 +73,9 @@ impl Need {
     #[must_use]
     pub fn most_kinds(memory: DriveMemory, device: &Device) -> Option<usize> {
         if memory == DriveMemory::Shared {
-            return (!Self::new(memory, 1).fits(device)).then_some(0);
+            return (!Self::new(memory, 1, device).fits(device)).then_some(0);
         }
-        let fits = |kinds: &usize| Self::new(memory, *kinds).fits(device);
+        let fits = |kinds: &usize| Self::new(memory, *kinds, device).fits(device);
         // Each takes a register at least.
         Some((1..=Self::free(device)).take_while(fits).count())
     }
@@ -144,7 +145,7 @@ fn ways(kinds: &[CellKind], memory: DriveMemory, request: &Request<'_>, own: &st
             "give all kinds one memory of the pixel (--memory shared, which is `raw-snap` with `shared = true`)".to_owned(),
         );
     }
-    let most = memory_bits(request.device).len() / kinds.len().max(1);
+    let most = OneBit::memories(request.device) / kinds.len().max(1);
     let bits = (1..=most as u8).map(DriveMemory::Bits);
     let mut bits = bits.filter(|_| !kinds.is_empty());
     if let Some(DriveMemory::Bits(bits)) =

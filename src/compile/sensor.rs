@@ -9,10 +9,11 @@ use super::{
     error::{CompileError, largest_of_both_signs, most_threshold},
     event_readout::EventReadout,
     filter::Filter,
-    need::{MEMORY_BITS, Need, advice},
+    need::{Need, advice},
+    one_bit::OneBit,
     request::{Border, Request},
     shared_memory,
-    words::{check_bits, check_words},
+    words::check_words,
 };
 use crate::{
     elementary,
@@ -20,20 +21,6 @@ use crate::{
     kernel::Kernel,
     unit::counted,
 };
-
-/// The one-bit registers that memories may take. R0 and R12 serve logic; R5, R6 and R11 the
-/// program.
-const MEMORY: [&str; MEMORY_BITS] = ["R7", "R8", "R9", "R10", "R1", "R2", "R3", "R4"];
-
-/// Those that a chip has.
-pub(super) fn memory_bits(device: &Device) -> Vec<&'static str> {
-    let is_there = |name: &&str| {
-        device
-            .value_of(name)
-            .is_some_and(|it| it.digital().is_some())
-    };
-    MEMORY.into_iter().filter(is_there).collect()
-}
 
 /// A memory in one-bit registers: the range of the drive in equal steps.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +30,7 @@ pub struct BitMemory {
     /// The size of a step, LSB.
     pub step: f64,
     /// The one-bit registers, the lowest bit first.
-    pub registers: Vec<&'static str>,
+    pub registers: Vec<String>,
 }
 
 /// A sensor as a program for the chip.
@@ -78,6 +65,7 @@ pub(super) enum Registers {
         memories: Vec<Analog>,
         threshold: Analog,
         scratch: Analog,
+        bits: OneBit,
     },
     /// With one for all.
     Shared(shared_memory::Registers),
@@ -111,14 +99,14 @@ impl SensorProgram {
             let program = shared_memory::program(kinds, title, request)?;
             check_thresholds(request.device, kinds, &program.scales)?;
             check_words(&program.text, request.device)?;
-            check_bits(&program.text, request.device)?;
             return Ok(program);
         }
         let device = request.device;
         let all = ordinary_registers(device);
         let count = kinds.len();
-        let bits = memory_bits(device);
-        let remembered = memory_registers(memory, count, (all.len(), bits.len()))?;
+        let own_bits = OneBit::of(device);
+        let bits = &own_bits.memory;
+        let remembered = memory_registers(memory, count, (all.len(), bits.len()), device)?;
         // From the first register on: drives, a scratch; the threshold and the memories are last.
         let memories = all[all.len() - remembered..].to_vec();
         let kernels: Vec<Kernel> = kinds.iter().map(|kind| kind.kernel.clone()).collect();
@@ -143,7 +131,7 @@ impl SensorProgram {
         let filter = request.filter()?;
         // The filter is in `init` (for the first memory) and in `frame`.
         let (words, room) = (
-            2 * filter.words.len() as u64,
+            2 * filter.word_count(device),
             device.value(Figure::Store) as u64,
         );
         if words > room {
@@ -179,11 +167,11 @@ impl SensorProgram {
                 memories,
                 threshold: all[all.len() - remembered - 1],
                 scratch: all[count],
+                bits: own_bits,
             },
         };
         program.text = program.text_with(kinds, title, device, EventReadout::most_slots(device));
         check_words(&program.text, device)?;
-        check_bits(&program.text, device)?;
         Ok(program)
     }
 
@@ -202,6 +190,7 @@ impl SensorProgram {
                 memories,
                 threshold,
                 scratch,
+                bits,
             } => Writer {
                 steps: &self.steps,
                 device,
@@ -213,6 +202,7 @@ impl SensorProgram {
                 threshold: *threshold,
                 scratch: *scratch,
                 readout,
+                bits,
             }
             .text(title),
             Registers::Shared(registers) => shared_memory::Writer {
@@ -220,7 +210,7 @@ impl SensorProgram {
                 kinds,
                 filters: &self.filters,
                 scales: &self.scales,
-                registers: *registers,
+                registers,
                 readout,
             }
             .text(title),
@@ -280,6 +270,7 @@ fn memory_registers(
     memory: DriveMemory,
     count: usize,
     (free, free_bits): (usize, usize),
+    device: &Device,
 ) -> Result<usize, CompileError> {
     // One register for each memory, or one in which bit memories are assembled in turn.
     let (remembered, each) = match memory {
@@ -289,7 +280,7 @@ fn memory_registers(
         ),
         DriveMemory::Bits(_) => (1, "a drive for each, a memory, a threshold and a scratch"),
     };
-    let Need { analogue, bits } = Need::new(memory, count);
+    let Need { analogue, bits } = Need::new(memory, count, device);
     if free < analogue {
         return Err(CompileError::Kinds {
             count,
@@ -316,7 +307,7 @@ fn memory_registers(
 const MOST_BITS: u8 = 16;
 
 impl BitMemory {
-    fn new(kind: &CellKind, host: (f64, f64), registers: &[&'static str]) -> Self {
+    fn new(kind: &CellKind, host: (f64, f64), registers: &[String]) -> Self {
         let (low, step) = Self::range(kind, host, registers.len() as i32);
         Self {
             low,
@@ -390,6 +381,7 @@ struct Writer<'a> {
     threshold: Analog,
     scratch: Analog,
     readout: EventReadout,
+    bits: &'a OneBit,
 }
 
 impl Writer<'_> {
@@ -405,10 +397,12 @@ impl Writer<'_> {
         let list = |registers: &[Analog]| registers.iter().map(name).collect::<Vec<_>>().join(", ");
         let _ = writeln!(
             text,
-            "// {}: the drive; {}: minus the memory; {}: minus the threshold; R5 ON, R6 OFF",
+            "// {}: the drive; {}: minus the memory; {}: minus the threshold; {} ON, {} OFF",
             list(self.drives),
             list(self.memories),
             name(&self.threshold),
+            self.bits.events[0],
+            self.bits.events[1],
         );
         text += "\ninit {\n";
         self.filter_text(&mut text);
@@ -417,7 +411,11 @@ impl Writer<'_> {
                 let _ = writeln!(text, "    neg({}, {});", name(memory), name(drive));
             }
         } else {
-            text += "    SET(R5); // all are remembered\n";
+            let _ = writeln!(
+                text,
+                "    SET({}); // all are remembered",
+                self.bits.events[0]
+            );
         }
         for i in 0..self.steps.len() {
             self.remember_bits(&mut text, i);
@@ -486,18 +484,20 @@ impl Writer<'_> {
             self.recall_bits(text, i);
         }
         let (threshold, scratch) = (name(self.threshold), name(self.scratch));
+        let news = name(self.device.news());
+        let [on_bit, off_bit] = self.bits.events.each_ref().map(String::as_str);
         let (on, off) = constants(self.kinds, i);
         let number = number(self.kinds, i);
         let mut line = |what: &str| {
             let _ = writeln!(text, "    {what}");
         };
         line(&format!("scamp5_in({threshold}, -{off});"));
-        line("bus(NEWS);");
-        line(&format!("bus({scratch}, NEWS, {drive}, {memory});"));
+        line(&format!("bus({news});"));
+        line(&format!("bus({scratch}, {news}, {drive}, {memory});"));
         line(&format!(
             "where({scratch}, {threshold}); // memory - drive > threshold"
         ));
-        line("MOV(R6, FLAG);");
+        line(&format!("MOV({off_bit}, FLAG);"));
         if on != off {
             line("all();");
             line(&format!("scamp5_in({threshold}, -{on});"));
@@ -505,16 +505,21 @@ impl Writer<'_> {
         line(&format!(
             "where({drive}, {memory}, {threshold}); // drive - memory > threshold"
         ));
-        line("MOV(R5, FLAG);");
+        line(&format!("MOV({on_bit}, FLAG);"));
         if !in_bits {
-            line("WHERE(R5, R6); // where it fired, the memory becomes the drive");
+            line(&format!(
+                "WHERE({on_bit}, {off_bit}); // where it fired, the memory becomes the drive"
+            ));
             line(&format!("neg({memory}, {drive});"));
         }
         line("all();");
         self.readout
-            .write(text, ["R5", "R6"], &number, (&drive, &scratch));
+            .write(text, [on_bit, off_bit], &number, (&drive, &scratch));
         if in_bits {
-            text.push_str("    OR(R5, R6); // where it fired, the memory becomes the drive\n");
+            let _ = writeln!(
+                text,
+                "    OR({on_bit}, {off_bit}); // where it fired, the memory becomes the drive"
+            );
             self.remember_bits(text, i);
         }
     }
@@ -542,8 +547,8 @@ impl Writer<'_> {
         }
     }
 
-    /// Writes statements that encode the drive's step into the bits, where R5 is set: the highest
-    /// bit first (successive approximation).
+    /// Writes statements that encode the drive's step into the bits, where that of ON
+    /// is set: the highest bit first (successive approximation).
     fn remember_bits(&self, text: &mut String, i: usize) {
         let BitMemory {
             low,
@@ -556,6 +561,8 @@ impl Writer<'_> {
             name(self.memories[0]),
             name(self.threshold),
         );
+        let OneBit { events, spare, .. } = self.bits;
+        let chosen = &events[0];
         let _ = writeln!(text, "    scamp5_in({below}, {:?} - zero);", -low);
         for (bit, register) in registers.iter().enumerate().rev() {
             let size = -step * 2f64.powi(bit as i32);
@@ -564,10 +571,10 @@ impl Writer<'_> {
                 text,
                 "    where({drive}, {below}, {level}); // above the middle"
             );
-            let _ = writeln!(text, "    MOV(R11, FLAG);");
+            let _ = writeln!(text, "    MOV({spare}, FLAG);");
             let _ = writeln!(text, "    add({below}, {below}, {level});");
             let _ = writeln!(text, "    all();");
-            let _ = writeln!(text, "    MUX({register}, R5, R11, {register});");
+            let _ = writeln!(text, "    MUX({register}, {chosen}, {spare}, {register});");
         }
     }
 }

@@ -11,8 +11,8 @@
 //! M takes one register for the whole frame, whatever the number of kinds; the filters have the
 //! others, one after the other. The photodiode integrates on while they run, which is a hundredth
 //! of a frame or less, beside the readout. The bits of five kinds wait for the readout, which comes
-//! after all analogue work. More kinds are read out five at a time, so that the light of the frame
-//! is held in a register as well.
+//! after all analogue work (of fewer, where the chip has fewer one-bit registers). More kinds are
+//! read out five at a time, so that the light of the frame is held in a register as well.
 
 use std::fmt::Write as _;
 
@@ -24,6 +24,7 @@ use super::{
     event_readout::EventReadout,
     filter::Filter,
     need::Need,
+    one_bit::OneBit,
     request::{Border, Objective, Request},
     sensor::{self, SensorProgram, largest_light},
 };
@@ -32,17 +33,13 @@ use crate::{
     order::Order,
 };
 
-/// The one-bit registers of each kind that waits for its readout, ON and OFF.
-const EVENTS: [[&str; 2]; AT_A_TIME] = [
-    ["R5", "R6"],
-    ["R7", "R8"],
-    ["R9", "R10"],
-    ["R1", "R2"],
-    ["R3", "R4"],
-];
+/// Kinds whose bits wait for one readout, at most.
+const AT_A_TIME: usize = 5;
 
-/// Kinds whose bits wait for one readout.
-pub(super) const AT_A_TIME: usize = 5;
+/// Kinds whose bits wait for one readout on a chip.
+pub(super) fn at_a_time(device: &Device) -> usize {
+    OneBit::of(device).pairs(AT_A_TIME).len()
+}
 
 /// Words besides the filters: of each kind, of a second threshold, and of all.
 const AROUND: (u64, u64, u64) = (11, 3, 16);
@@ -55,7 +52,8 @@ pub(super) fn program(
 ) -> Result<SensorProgram, CompileError> {
     let device = request.device;
     let all = ordinary_registers(device);
-    let needed = Need::new(DriveMemory::Shared, kinds.len()).analogue;
+    let bits = OneBit::of(device);
+    let needed = Need::new(DriveMemory::Shared, kinds.len(), device).analogue;
     if all.len() < needed {
         return Err(CompileError::Kinds {
             count: kinds.len(),
@@ -68,15 +66,16 @@ pub(super) fn program(
     let (memory, work) = all
         .split_last()
         .map_or((Analog(0), &all[..]), |(m, w)| (*m, w));
-    let light = (kinds.len() > AT_A_TIME).then(|| work[work.len() - 1]);
+    let light = (kinds.len() > bits.pairs(AT_A_TIME).len()).then(|| work[work.len() - 1]);
     let registers = Registers {
         drive: work[0],
         scratch: work[1],
         threshold: work[2],
         light,
         memory,
+        bits,
     };
-    let filters = filters(kinds, registers, request)?;
+    let filters = filters(kinds, &registers, request)?;
     let scales: Vec<f64> = { filters.iter() }
         .map(|filter| device.value(Figure::LightScale) * filter.scale())
         .collect();
@@ -85,15 +84,15 @@ pub(super) fn program(
         kinds,
         filters: &filters,
         scales: &scales,
-        registers,
+        registers: &registers,
         readout: EventReadout::most_slots(device),
     };
     let (text, difference) = (writer.text(title), writer.difference());
     Ok(SensorProgram {
         text,
-        registers: sensor::Registers::Shared(registers),
         filter: Filter::joined(&filters),
         drives: vec![registers.drive; kinds.len()],
+        registers: sensor::Registers::Shared(registers),
         scale: scales.first().copied().unwrap_or(1.0),
         scales,
         steps: Vec::new(),
@@ -103,7 +102,7 @@ pub(super) fn program(
 }
 
 /// The registers of a frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Registers {
     /// The light less the memory, and what a filter makes of it.
     drive: Analog,
@@ -112,13 +111,15 @@ pub(super) struct Registers {
     /// The light of the frame, where the photodiode is not to be read for so long.
     light: Option<Analog>,
     memory: Analog,
+    /// Those of one bit.
+    bits: OneBit,
 }
 
 /// The filter of each kind. Where together they are too long for the chip's store, the longest are
 /// searched again for fewer words.
 fn filters(
     kinds: &[CellKind],
-    registers: Registers,
+    registers: &Registers,
     request: &Request<'_>,
 ) -> Result<Vec<Filter>, CompileError> {
     let device = request.device;
@@ -158,8 +159,8 @@ fn filters(
     let twice = kinds.iter().filter(|kind| kind.on != kind.off).count() as u64;
     let around = AROUND.0 * kinds.len() as u64 + AROUND.1 * twice + AROUND.2;
     let words = |own: &[Filter]| {
-        let filters: usize = own.iter().map(|own| own.words.len()).sum();
-        filters as u64 + around
+        let filters: u64 = own.iter().map(|own| own.word_count(device)).sum();
+        filters + around
     };
     let mut longest: Vec<usize> = (0..own.len()).collect();
     longest.order_by_key(|i| std::cmp::Reverse(own[*i].words.len()));
@@ -214,7 +215,7 @@ pub(super) struct Writer<'a> {
     pub(super) kinds: &'a [CellKind],
     pub(super) filters: &'a [Filter],
     pub(super) scales: &'a [f64],
-    pub(super) registers: Registers,
+    pub(super) registers: &'a Registers,
     pub(super) readout: EventReadout,
 }
 
@@ -231,7 +232,8 @@ impl Writer<'_> {
             threshold,
             memory,
             light,
-        } = self.registers;
+            ref bits,
+        } = *self.registers;
         let [drive, scratch, threshold, memory] = [drive, scratch, threshold, memory].map(name);
         let _ = writeln!(
             text,
@@ -248,22 +250,23 @@ impl Writer<'_> {
             );
         }
         let count = self.kinds.len();
+        let pairs = bits.pairs(AT_A_TIME);
         // The bit that holds whether any kind before has fired.
         let mut before = false;
-        for start in (0..count).step_by(AT_A_TIME) {
-            let batch: Vec<usize> = (start..count.min(start + AT_A_TIME)).collect();
-            for (i, bits) in batch.iter().zip(EVENTS) {
-                self.kind(&mut text, *i, bits);
+        for start in (0..count).step_by(pairs.len()) {
+            let batch: Vec<usize> = (start..count.min(start + pairs.len())).collect();
+            for (i, bits) in batch.iter().zip(&pairs) {
+                self.kind(&mut text, *i, *bits);
             }
-            Self::collect(&mut text, batch.len(), before);
+            self.collect(&mut text, &pairs[..batch.len()], before);
             before = true;
-            if start + AT_A_TIME >= count {
+            if start + pairs.len() >= count {
                 self.remember(&mut text);
             }
-            for (i, bits) in batch.iter().zip(EVENTS) {
+            for (i, bits) in batch.iter().zip(&pairs) {
                 let number = number(self.kinds, *i);
                 self.readout
-                    .write(&mut text, bits, &number, (&drive, &scratch));
+                    .write(&mut text, *bits, &number, (&drive, &scratch));
             }
         }
         text += "}\n";
@@ -304,10 +307,10 @@ impl Writer<'_> {
 
     /// The words before each filter: the light less the memory.
     fn difference(&self) -> String {
-        let Registers { drive, memory, .. } = self.registers;
+        let Registers { drive, memory, .. } = *self.registers;
         let [drive, memory] = [drive, memory].map(|register| self.device.analog_name(register));
-        let light = self.light();
-        format!("    bus(NEWS, {light});\n    bus({drive}, NEWS, {memory});\n")
+        let (light, news) = (self.light(), self.device.analog_name(self.device.news()));
+        format!("    bus({news}, {light});\n    bus({drive}, {news}, {memory});\n")
     }
 
     /// Writes one kind's part of a frame: filter, and comparison with both thresholds.
@@ -318,8 +321,9 @@ impl Writer<'_> {
             scratch,
             threshold,
             ..
-        } = self.registers;
-        let [drive, scratch, threshold] = [drive, scratch, threshold].map(name);
+        } = *self.registers;
+        let [drive, scratch, threshold, news] =
+            [drive, scratch, threshold, self.device.news()].map(name);
         let (on, off) = constants(self.kinds, i);
         let called = self.kinds[i].name.iter().map(|name| format!(", {name}"));
         // A name of several lines would end the comment.
@@ -331,8 +335,8 @@ impl Writer<'_> {
             let _ = writeln!(text, "    {what}");
         };
         line(&format!("scamp5_in({threshold}, -{off});"));
-        line("bus(NEWS);");
-        line(&format!("bus({scratch}, NEWS, {drive});"));
+        line(&format!("bus({news});"));
+        line(&format!("bus({scratch}, {news}, {drive});"));
         line(&format!(
             "where({scratch}, {threshold}); // -drive > threshold"
         ));
@@ -348,18 +352,19 @@ impl Writer<'_> {
         line("all();");
     }
 
-    /// Writes what collects the bits of so many kinds in R11; with those of the kinds `before`, which
-    /// are there already.
-    fn collect(text: &mut String, kinds: usize, before: bool) {
-        let bits: Vec<&str> = EVENTS[..kinds].iter().flatten().copied().collect();
+    /// Writes what collects the bits of kinds in the spare register; with those of the kinds
+    /// `before`, which are there already.
+    fn collect(&self, text: &mut String, pairs: &[[&str; 2]], before: bool) {
+        let OneBit { spare, scratch, .. } = &self.registers.bits;
+        let bits: Vec<&str> = pairs.iter().flatten().copied().collect();
         text.push('\n');
         // No word may store where it reads, so that the sums go to and fro.
-        let (mut from, mut into) = ("R11", "R0");
+        let (mut from, mut into) = (&**spare, &**scratch);
         let mut any = before;
         let mut left = &bits[..];
         while !left.is_empty() {
             if !any {
-                (from, into) = ("R0", "R11");
+                (from, into) = (scratch, spare);
             }
             let (now, later) = left.split_at(left.len().min(if any { 3 } else { 4 }));
             let held = any.then_some(from);
@@ -368,18 +373,18 @@ impl Writer<'_> {
             (from, into) = (into, from);
             (any, left) = (true, later);
         }
-        if from != "R11" {
-            let _ = writeln!(text, "    MOV(R11, {from});");
+        if from != spare {
+            let _ = writeln!(text, "    MOV({spare}, {from});");
         }
     }
 
     /// Writes what an event of any kind does to the memory, and the reset.
     fn remember(&self, text: &mut String) {
         let memory = self.device.analog_name(self.registers.memory);
-        let light = self.light();
+        let (light, any) = (self.light(), &self.registers.bits.spare);
         let _ = writeln!(
             text,
-            "    WHERE(R11); // where any kind fired, the memory becomes the light\n    mov({memory}, {light});\n    all();"
+            "    WHERE({any}); // where any kind fired, the memory becomes the light\n    mov({memory}, {light});\n    all();"
         );
         if self.registers.light.is_none() {
             text.push_str("    respix();\n");

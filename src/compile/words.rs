@@ -6,7 +6,10 @@ use super::{
 };
 use crate::{
     config::Place,
-    isa::{Device, Direction, Source, Value, signature::Given},
+    isa::{
+        Device, Direction, Kind, Signature, Source, Value,
+        signature::{Given, Mode},
+    },
     program::Program,
 };
 
@@ -69,6 +72,23 @@ impl Buses {
     }
 }
 
+/// Whether a bus of the chip to one target, or to two, takes more sources than filters make use of.
+pub(super) fn has_wider_bus(device: &Device) -> bool {
+    let forms = &device.row(Kind::Bus).forms;
+    let plain = { forms.iter() }.filter(|form| form.parameters.iter().all(|it| !it.group));
+    let wider = |form: &Signature| {
+        let (targets, sources): (Vec<_>, Vec<_>) =
+            { form.parameters.iter() }.partition(|it| it.mode == Mode::Out);
+        let sources: usize = sources.iter().map(|it| it.count.1).sum();
+        match targets.len() {
+            1 => sources > SOURCES,
+            2 => sources > SOURCES_SPLIT,
+            _ => false,
+        }
+    };
+    plain.into_iter().any(wider)
+}
+
 /// Checks that a chip has every word of a program; how many of them it holds is another question.
 ///
 /// # Errors
@@ -89,30 +109,6 @@ pub fn check_words(text: &str, device: &Device) -> Result<(), CompileError> {
                 }
                 _ => fault.message,
             },
-        })
-    })
-}
-
-/// Checks that a whole program, in which R1 to R11 keep bits, keeps none where the chip's hardware
-/// would change it: in the mask of propagation, and in what that masks.
-///
-/// # Errors
-/// When it does.
-pub(super) fn check_bits(text: &str, device: &Device) -> Result<(), CompileError> {
-    let roles = device.registers().roles;
-    let kept = 1..=11;
-    let both = [("mask", roles.mask), ("propagated", roles.propagated)];
-    let taken = both.into_iter().find_map(|(role, register)| {
-        let name = device.digital_name(register);
-        let mut words = text.split(|c: char| !c.is_ascii_alphanumeric());
-        let is_kept = kept.clone().any(|number| name == format!("R{number}"));
-        (is_kept && words.any(|word| word == name)).then_some((role, name))
-    });
-    taken.map_or(Ok(()), |(role, name)| {
-        let chip = device.name();
-        Err(CompileError::Missing {
-            chip: chip.to_owned(),
-            why: format!("`{name}` is its `{role}`, and the program keeps bits in it"),
         })
     })
 }

@@ -21,7 +21,8 @@ pub struct FigureError {
 impl FigureError {
     fn help(&self) -> String {
         if self.figure.domain().holds(self.value) {
-            return "the low end of the range lies below the high one".to_owned();
+            return "the low end of the range lies below the high one, and the range holds 0"
+                .to_owned();
         }
         format!("give {}", self.figure.domain().instead_of(self.value))
     }
@@ -132,7 +133,7 @@ impl Device {
         quantity.note = None;
         quantity.interval = None;
         let (low, high) = self.register_range();
-        if low >= high {
+        if low >= high || low > 0.0 || high < 0.0 {
             return Err(FigureError { figure, value });
         }
         Ok(self)
@@ -178,7 +179,7 @@ impl Device {
     /// Instruction words that a primitive takes.
     #[must_use]
     pub fn words(&self, primitive: &Primitive) -> u64 {
-        self.row(primitive.kind()).words
+        self.row(primitive.kind()).words()
     }
 
     /// NEWS, the analogue register that neighbours can reach.

@@ -9,6 +9,7 @@ mod connection;
 mod device;
 mod direction;
 mod errors;
+mod extent;
 mod figure;
 mod interval;
 mod left_out;

@@ -3,7 +3,7 @@
 use super::{Area, Host, Pattern, Shape, SumOver, Window};
 use crate::{
     event::Polarity,
-    isa::{Analog, Device, Digital, HostKind, Value, signature::Bound},
+    isa::{Analog, Device, Digital, Figure, HostKind, Value, signature::Bound},
 };
 
 /// The polarity and channel that a buffer's name stands for: `off…` is OFF, anything else is
@@ -79,15 +79,15 @@ impl Values<'_> {
 }
 
 /// The operation that a statement of this name asks for; `drawing` is the register of the
-/// `scamp5_draw_begin` before.
+/// `scamp5_draw_begin` before; `device` says how far the array goes where nothing else does.
 ///
 /// # Errors
 /// What is wrong with it, in words.
 pub(super) fn build(
-    kind: HostKind,
-    name: &str,
+    (kind, name): (HostKind, &str),
     bound: &[Bound],
     drawing: Option<Digital>,
+    device: &Device,
 ) -> Result<Host, String> {
     // A chip's own row may have other parameters than the operation needs.
     let misfit = || format!("the chip's row of `{name}` lacks a parameter");
@@ -99,7 +99,8 @@ pub(super) fn build(
     if kind == HostKind::ScanEvents {
         return scan_events(&Values(bound));
     }
-    operation(kind, name, &Values(bound), drawing).ok_or_else(misfit)
+    let last_row = (device.value(Figure::Height) - 1.0) as u16;
+    operation((kind, name), &Values(bound), drawing, last_row).ok_or_else(misfit)
 }
 
 fn scan_events(values: &Values<'_>) -> Result<Host, String> {
@@ -138,10 +139,10 @@ fn scan_events(values: &Values<'_>) -> Result<Host, String> {
 }
 
 fn operation(
-    kind: HostKind,
-    name: &str,
+    (kind, name): (HostKind, &str),
     values: &Values<'_>,
     drawing: Option<Digital>,
+    last_row: u16,
 ) -> Option<Host> {
     Some(match kind {
         HostKind::LoadIn => Host::LoadIn {
@@ -175,7 +176,7 @@ fn operation(
             source: values.digital(0)?,
             // A picture is of all rows.
             first_row: values.u16(2).unwrap_or(0),
-            last_row: values.u16(3).unwrap_or(255),
+            last_row: values.u16(3).unwrap_or(last_row),
             events: match values.value(1) {
                 Some(Value::Word(name)) => event_buffer(name),
                 _ => None,

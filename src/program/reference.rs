@@ -130,10 +130,14 @@ fn primitive(text: &mut String, row: &PrimitiveRow, pictured: &[Sample<'_>]) {
         Clock::Dnews => "DNEWS",
         Clock::Prop => "PROP",
     };
-    line(text, &format!("- words: {}, {clock} clock", row.words));
+    line(text, &format!("- words: {}, {clock} clock", row.words()));
     line(
         text,
-        &format!("- evidence: {}; {}", row.evidence.word(), row.source),
+        &format!(
+            "- evidence: {}; {}",
+            row.cost.evidence.word(),
+            row.cost.source
+        ),
     );
 }
 

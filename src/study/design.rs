@@ -34,7 +34,7 @@ use std::ops::Deref;
 
 use super::expanded::Expanded;
 use crate::{
-    array::CodeError,
+    array::{CaptureError, CodeError, check_capture},
     compile::{CellKind, CompileError, DriveMemory, Effort, Request, SensorProgram, check_words},
     config::Faults,
     isa::Device,
@@ -85,6 +85,10 @@ pub enum DesignError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Compile(#[from] CompileError),
+    /// The chip's capture leaves something else than the light.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Capture(#[from] CaptureError),
     /// The chip does not take the program that was compiled: a few words more than it stores,
     /// or a threshold beyond what its converter sets.
     #[error(transparent)]
@@ -266,6 +270,9 @@ impl Compiled {
         device: &Device,
         (effort, seed): (Effort, u64),
     ) -> Result<Self, DesignError> {
+        if memory != DriveMemory::Shared {
+            check_capture(device)?;
+        }
         let first = kinds.first().map(|kind| kind.kernel.clone());
         let kernels: Vec<Kernel> = first.into_iter().collect();
         let mut request = Request::new(&kernels, device)?;

@@ -121,7 +121,7 @@ impl OnChip {
         Self {
             memory: together::name(program.memory),
             against: program.against(),
-            filter_words: compiled.program.filter.words.len() as u64,
+            filter_words: compiled.program.filter.word_count(device),
             words: cost.words.0,
             stored_words: compiled.stored.0,
             store: device.value(Figure::Store) as u64,

@@ -408,7 +408,7 @@ impl Question<'_> {
         let filter = &compiled.program.filter;
         Ok(Chips {
             cost: Costs {
-                filter_words: filter.words.len() as u64,
+                filter_words: filter.word_count(&compiled.device),
                 words: compiled.cost.words.0,
                 array_us: compiled.cost.array_us,
                 registers: compiled.registers(),

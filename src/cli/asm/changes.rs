@@ -127,12 +127,12 @@ fn differences(base: &Device, device: &Device) -> Vec<String> {
     }
     for row in device.primitives() {
         let before = base.row(row.kind);
-        if before.words != row.words {
+        if before.words() != row.words() {
             let name = row.forms.first().map_or("", |form| form.name.as_str());
             lines.push(format!(
                 "{name}: {} instead of {}",
-                crate::unit::counted(row.words, "word"),
-                before.words
+                crate::unit::counted(row.words(), "word"),
+                before.words()
             ));
         }
         if row.forms.is_empty() && !before.forms.is_empty() {

@@ -6,17 +6,24 @@ use crate::compile::bound::{LowerBound, Proof};
 
 /// Between which numbers the fewest words of a filter lie.
 pub(super) struct Bounds {
-    /// No program has fewer.
+    /// No program has fewer bus words.
     pub(super) lower: LowerBound,
-    /// So many were found.
-    pub(super) upper: usize,
+    /// So many bus words were found.
+    pub(super) stores: usize,
+    /// Instruction words that one of them takes on the chip.
+    pub(super) each: u64,
     /// How many kernels the filter has.
     pub(super) kernels: usize,
 }
 
 impl Bounds {
     fn is_optimal(&self) -> bool {
-        self.upper <= usize::from(self.lower.words)
+        self.stores <= usize::from(self.lower.words)
+    }
+
+    /// No program has fewer instruction words, and so many were found.
+    fn ends(&self) -> [u64; 2] {
+        [u64::from(self.lower.words), self.stores as u64].map(|stores| stores * self.each)
     }
 
     /// In words.
@@ -26,32 +33,32 @@ impl Bounds {
         } else {
             "this kernel"
         };
-        let lower = self.lower.words;
+        let [lower, upper] = self.ends();
         let why = match self.lower.proof {
             Proof::Exhaustive => "every one was tried, with any number of registers",
             Proof::Reach => "its weights lie too far away, or are too large",
         };
-        if self.upper == 0 {
+        if upper == 0 {
             "optimal: no word is needed".to_owned()
         } else if lower == 0 {
             format!(
                 "at most {}; whether fewer make {of} is not known",
-                crate::unit::counted(self.upper, "word")
+                crate::unit::counted(upper, "word")
             )
         } else if self.is_optimal() {
             format!("optimal: no program of fewer words makes {of} ({why})")
         } else {
             format!(
-                "between {lower} and {} words: no program of fewer than {lower} makes {of} ({why}); whether one of fewer than {} does is not known",
-                self.upper, self.upper
+                "between {lower} and {upper} words: no program of fewer than {lower} makes {of} ({why}); whether one of fewer than {upper} does is not known"
             )
         }
     }
 
     pub(super) fn json(&self) -> serde_json::Value {
+        let [lower, upper] = self.ends();
         json!({
-            "lower": self.lower.words,
-            "upper": self.upper,
+            "lower": lower,
+            "upper": upper,
             "is_optimal": self.is_optimal(),
             "proof": self.lower.proof,
         })

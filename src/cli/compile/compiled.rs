@@ -14,7 +14,7 @@ use crate::{
         Decided, DriveMemory, Filter, Need, bound::LowerBound, brightest, carried,
         largest_of_both_signs,
     },
-    isa::{Analog, Device, Evidence, Figure},
+    isa::{Analog, Device, Evidence, Figure, Kind},
     plane::Plane,
     program::{Cost, for_each},
     study::feasibility::{Estimate, power::words_energy, time},
@@ -67,8 +67,8 @@ impl Compiled {
             "quantised_scales": asked.scales,
             "warnings": asked.warnings,
             "prescale_bits": self.filter.prescale,
-            "bounds": self.bounds(asked).map(|bounds| bounds.json()),
-            "filter_words": self.filter.words.len(),
+            "bounds": self.bounds(asked, device).map(|bounds| bounds.json()),
+            "filter_words": self.filter.word_count(device),
             "snake_words": self.snake,
             "border": self.filter.border,
             "wrong_from_border_px": self.wrong_within(),
@@ -136,7 +136,7 @@ impl Compiled {
                 format!("the drive of each kind in {}", counted(bits, "bit"))
             }
         };
-        let needed = Need::new(memory, kinds).analogue;
+        let needed = Need::new(memory, kinds, device).analogue;
         format!(
             "{what}: {needed} of {} analogue registers at least; the chip carries {} like these",
             Need::free(device),
@@ -151,22 +151,20 @@ impl Compiled {
 
     /// Between which numbers the fewest words lie; none where the input is halved, as the bounds are
     /// of the kernels themselves, and where each kernel has a filter of its own.
-    fn bounds(&self, asked: &Asked) -> Option<Bounds> {
-        let lower = || LowerBound::new(&asked.kernels);
+    fn bounds(&self, asked: &Asked, device: &Device) -> Option<Bounds> {
+        let lower = || LowerBound::on(&asked.kernels, device);
         let together = self.memory != Some(DriveMemory::Shared);
         (together && self.filter.prescale == 0).then(|| Bounds {
             lower: lower(),
-            upper: self.filter.words.len(),
+            stores: self.filter.words.len(),
+            each: device.row(Kind::Bus).words(),
             kernels: asked.kernels.len(),
         })
     }
 
     /// What the words of a frame take.
     fn energy(&self, device: &Device) -> Estimate {
-        words_energy(
-            Cost::of(&self.expansion.code.frame, device).words.0 as f64,
-            device,
-        )
+        words_energy(&self.expansion.code.frame, device)
     }
 
     fn energy_line(&self, device: &Device) -> String {
@@ -190,11 +188,11 @@ impl Compiled {
             format!(
                 "{} (the filter {}, a naive snake {})",
                 cost.words.0,
-                self.filter.words.len(),
+                self.filter.word_count(device),
                 self.snake
             ),
         );
-        if let Some(bounds) = self.bounds(asked) {
+        if let Some(bounds) = self.bounds(asked, device) {
             line("bound", bounds.words());
         }
         let room = device.value(Figure::Store);

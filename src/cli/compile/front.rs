@@ -16,10 +16,10 @@ pub(super) fn print(arguments: &Arguments, asked: &Asked, device: &Device) -> mi
         let worst = OnChip::run(&filter, device, &request.into, signal)?
             .into_iter()
             .min_by(|a, b| a.kept().total_cmp(&b.kept()));
-        rows.extend(worst.map(|worst| (filter.words.len(), filter.prescale, worst)));
+        rows.extend(worst.map(|worst| (filter.word_count(device), filter.prescale, worst)));
     }
     if arguments.json {
-        let row = |(words, bits, on_chip): &(usize, u32, OnChip)| json!({ "words": words, "prescale_bits": bits, "on_chip": on_chip });
+        let row = |(words, bits, on_chip): &(u64, u32, OnChip)| json!({ "words": words, "prescale_bits": bits, "on_chip": on_chip });
         let rows: Vec<_> = rows.iter().map(row).collect();
         super::super::say(&format!("{}\n", json!(rows)));
         return Ok(());

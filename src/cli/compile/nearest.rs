@@ -55,7 +55,7 @@ pub(super) fn named(refused: Report, arguments: &Arguments, device: &Device) -> 
 }
 
 /// A way, the words of its filter, and the correlation of its worst result.
-type Way = (String, usize, f64);
+type Way = (String, u64, f64);
 
 /// The first of which enough comes out, else that of which the most does.
 fn best(ways: impl Iterator<Item = Way>) -> Option<Way> {
@@ -73,7 +73,7 @@ fn best(ways: impl Iterator<Item = Way>) -> Option<Way> {
 }
 
 /// With these values.
-fn coarser(name: &str, arguments: &Arguments, device: &Device) -> Option<(usize, f64)> {
+fn coarser(name: &str, arguments: &Arguments, device: &Device) -> Option<(u64, f64)> {
     let to = super::super::quantiser::quantiser(name).ok()?;
     if arguments.to.0 == Some(to) {
         return None;
@@ -84,7 +84,7 @@ fn coarser(name: &str, arguments: &Arguments, device: &Device) -> Option<(usize,
 }
 
 /// With an input of so many times the size.
-fn resized(times: f64, arguments: &Arguments, device: &Device) -> Option<((f64, f64), usize, f64)> {
+fn resized(times: f64, arguments: &Arguments, device: &Device) -> Option<((f64, f64), u64, f64)> {
     let (low, high) = arguments.input?;
     // Never -0.
     let input = (low * times + 0.0, high * times + 0.0);
@@ -99,8 +99,8 @@ fn resized(times: f64, arguments: &Arguments, device: &Device) -> Option<((f64, 
 }
 
 /// The words of the filter and the correlation of the worst result.
-fn tried(asked: &Asked, arguments: &Arguments, device: &Device) -> Option<(usize, f64)> {
+fn tried(asked: &Asked, arguments: &Arguments, device: &Device) -> Option<(u64, f64)> {
     let program = compiled(arguments, asked, device).ok()?;
     let worst = { program.on_chip.iter() }.map(OnChip::kept);
-    Some((program.filter.words.len(), worst.fold(1.0, f64::min)))
+    Some((program.filter.word_count(device), worst.fold(1.0, f64::min)))
 }

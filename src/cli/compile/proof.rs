@@ -5,13 +5,13 @@ use miette::{WrapErr, miette};
 use super::{Compiled, Proof, RANGED, TRACED, noises};
 use crate::{
     array::{
-        Arithmetic, Input, Settings, effort,
+        Arithmetic, Input, Settings, check_capture, effort,
         range::{self, Interval},
         taps,
     },
     compile::{CompileError, Filter, check_words, largest_of_both_signs, naive_cost},
     event::Packet,
-    isa::{Analog, Figure},
+    isa::{Analog, Figure, Kind},
     number::Format,
     plane::{Plane, Size},
     program::{Action, Code, Overrides, Program, Step},
@@ -28,6 +28,9 @@ impl Proof<'_> {
         limited: bool,
     ) -> miette::Result<Compiled> {
         check_words(&text, self.device)?;
+        if self.input == Input::Light {
+            check_capture(self.device)?;
+        }
         let program = Program::parse("compiled", &text)?;
         let expansion = program.expand(self.device, &Overrides::default());
         let expansion = expansion.map_err(|faults| self.too_long(&filter, faults))?;
@@ -98,7 +101,7 @@ impl Proof<'_> {
             memory: None,
             readouts: None,
             saturations,
-            snake: naive_cost(self.kernels)?,
+            snake: naive_cost(self.kernels)? * self.device.row(Kind::Bus).words(),
             results_in: self.results.to_vec(),
             scales: vec![self.scale; self.kernels.len()],
             text,
@@ -164,7 +167,7 @@ impl Proof<'_> {
         faults: crate::config::Faults,
     ) -> miette::Report {
         let room = self.device.value(Figure::Store) as u64;
-        let words = filter.words.len() as u64;
+        let words = filter.word_count(self.device);
         if words > room {
             return CompileError::Store {
                 words,

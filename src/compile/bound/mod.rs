@@ -16,7 +16,8 @@ mod state;
 
 pub use exhaustive::{Exhausted, TERNARY, fewest_words};
 
-use crate::kernel::Kernel;
+use super::words::has_wider_bus;
+use crate::{isa::Device, kernel::Kernel};
 
 /// The exhaustive search has tried all programs of up to so many words.
 pub const PROVED: u8 = 5;
@@ -60,6 +61,14 @@ impl LowerBound {
         };
         let each = kernels.iter().map(Self::of_one);
         each.fold(none, |a, b| if b.words > a.words { b } else { a })
+    }
+
+    /// Of a filter of these kernels on a chip: none where a bus of it takes more sources than those
+    /// of the words above.
+    #[must_use]
+    pub fn on(kernels: &[Kernel], device: &Device) -> Self {
+        let kernels = if has_wider_bus(device) { &[] } else { kernels };
+        Self::new(kernels)
     }
 
     fn of_one(kernel: &Kernel) -> Self {

@@ -11,6 +11,7 @@ use super::{
     assemble::assemble,
     error::LoadError,
     layers::{SHIPPED, disk_folder, layers, shipped_folder, unknown},
+    naming,
 };
 
 impl Device {
@@ -41,15 +42,17 @@ impl Device {
     /// A shipped chip by name, or any other from its folder.
     ///
     /// # Errors
-    /// When there is no such chip, or its files are wrong.
+    /// When there is no such chip, its files are wrong, or a folder has the name of a shipped one.
     pub fn find(name: &str) -> Result<Self, LoadError> {
-        if name == "scamp5" {
-            return Ok(Self::scamp5());
-        }
-        if SHIPPED.iter().any(|(shipped, ..)| *shipped == name) {
-            return shipped(name);
-        }
         let folder = Path::new(name);
+        if SHIPPED.iter().any(|(shipped, ..)| *shipped == name) {
+            naming::check_no_other(name, folder)?;
+            return if name == "scamp5" {
+                Ok(Self::scamp5())
+            } else {
+                shipped(name)
+            };
+        }
         if folder.is_dir() {
             return Self::load(folder);
         }
@@ -62,7 +65,11 @@ impl Device {
     /// # Errors
     /// When there is no such chip, or its files are wrong.
     pub fn find_for(name: &str, program: &str, folder: &Path) -> Result<Self, LoadError> {
-        match Self::find(name) {
+        let found = Self::find(name);
+        if found.is_ok() && SHIPPED.iter().any(|(shipped, ..)| *shipped == name) {
+            naming::check_no_other(name, &folder.join(name))?;
+        }
+        match found {
             Err(LoadError::Unknown { name, shipped, .. }) => {
                 let beside = folder.join(&name);
                 if beside.is_dir() {
@@ -78,12 +85,16 @@ impl Device {
         }
     }
 
-    /// A chip from its folder. What it `extends` is a folder beside it, or a shipped chip.
+    /// A chip from its folder, which has its name. What it `extends` is a folder beside it, or a
+    /// shipped chip.
     ///
     /// # Errors
     /// When its files cannot be read or are wrong.
     pub fn load(folder: &Path) -> Result<Self, LoadError> {
-        assemble(&layers(disk_folder(folder)?, folder.parent())?)
+        let layers = layers(disk_folder(folder)?, folder.parent())?;
+        let device = assemble(&layers)?;
+        naming::check(&layers)?;
+        Ok(device)
     }
 
     /// The folders on disk of the chips that the chip in this folder extends. None where there

@@ -33,6 +33,17 @@ pub enum LoadError {
         /// What there is.
         shipped: String,
     },
+    /// A shipped chip, and another in a folder of that name.
+    #[error("`{name}` is a shipped chip, and {folder} is another one of that name")]
+    #[diagnostic(help(
+        "give the folder, and `name` in its device.toml, another name; programs and --chip then name either"
+    ))]
+    Twice {
+        /// What was asked for.
+        name: String,
+        /// The folder.
+        folder: String,
+    },
     /// A file cannot be read.
     #[error(transparent)]
     #[diagnostic(transparent)]

@@ -60,23 +60,33 @@ pub(super) fn figures(layers: &[Layer]) -> Result<Vec<Quantity>, Faults> {
             .help("state each under [figure.<section>], or extend a chip that does"),
         );
     }
-    if let (Some(low), Some(high)) = (found.get(&Figure::Lowest), found.get(&Figure::Highest))
-        && low.value >= high.value
-    {
-        faults.push(
-            Fault::error(
-                top.device.name.place,
-                format!(
-                    "range.low ({}) is not below range.high ({})",
-                    low.value, high.value
-                ),
-                "this chip",
-            )
-            .help("swap them"),
-        );
+    if let (Some(low), Some(high)) = (found.get(&Figure::Lowest), found.get(&Figure::Highest)) {
+        faults.extend(wrong_range(low.value, high.value, top));
     }
     top.wrong("device.toml", faults)?;
     Ok(found.into_values().collect())
+}
+
+/// What is wrong with the range of an analogue register.
+fn wrong_range(low: f64, high: f64, top: &Layer) -> Option<Fault> {
+    let (what, help) = if low >= high {
+        (
+            format!("range.low ({low}) is not below range.high ({high})"),
+            "swap them",
+        )
+    } else if low > 0.0 || high < 0.0 {
+        (
+            format!("0 is not in the range, from range.low ({low}) to range.high ({high})"),
+            "give a range that holds 0, which a register holds that was never written",
+        )
+    } else {
+        return None;
+    };
+    // Of both, that which is new here.
+    let own = { top.device.figures.iter() }.filter(|(section, ..)| section == "range");
+    let place = own.map(|(_, _, stated)| stated.place).last();
+    let place = place.unwrap_or(top.device.name.place);
+    Some(Fault::error(place, what, "this figure").help(help))
 }
 
 fn wrong_quantity(figure: Figure, entry: &Placed<Quantity>) -> Option<Fault> {

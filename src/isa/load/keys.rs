@@ -160,7 +160,7 @@ const HOST: Table = Table::new(&[
     Key::optional(
         "item",
         Kind::Table(&QUANTITY),
-        "time of each slot, sample or pixel besides",
+        "time of each slot, sample or row besides; operations that read several need it",
     ),
 ]);
 

@@ -23,6 +23,19 @@ pub(super) struct Folder {
     pub(super) macros: Option<String>,
 }
 
+impl Folder {
+    /// Its texts: `device.toml`, `primitives.toml`, `macros.scamp`.
+    pub(super) fn all(&self) -> (&str, Option<&str>, Option<&str>) {
+        let Self {
+            device,
+            primitives,
+            macros,
+            ..
+        } = self;
+        (device, primitives.as_deref(), macros.as_deref())
+    }
+}
+
 /// One folder, read as TOML.
 pub(super) struct Layer {
     pub(super) folder: Folder,

@@ -11,7 +11,9 @@ mod file;
 mod host_form;
 pub mod keys;
 mod layers;
+mod naming;
 mod registers;
+mod row_form;
 mod rows;
 
 pub use self::error::LoadError;

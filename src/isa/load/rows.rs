@@ -7,13 +7,14 @@ use crate::limit::FORMS;
 
 use super::{
     super::{
-        Analog, Digital, Domain, HostKind, HostRow, Kind, Macro, Operand, PrimitiveRow, Signature,
-        Value, macros, row, signature::Parameter,
+        Analog, Digital, Domain, HostKind, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity,
+        Signature, Value, macros, row, signature::Parameter,
     },
     figures::wrong,
     file::Placed,
     host_form,
     layers::Layer,
+    row_form,
 };
 
 /// Parses the forms of a row.
@@ -71,14 +72,24 @@ pub(super) fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faul
         twice(names, &mut faults);
         for row in &layer.primitives {
             let kind = row.kind.value;
+            let own = { row.forms.iter() }.filter_map(|it| {
+                let form = Signature::parse(&it.value).ok()?;
+                row_form::misfit(kind, &form, it.place)
+            });
+            faults.extend(own);
             let built = PrimitiveRow {
                 kind,
                 forms: forms(&row.forms, &mut faults, |form| can_be_built(kind, form)),
                 equation: row.equation.clone(),
-                words: row.words,
+                cost: Quantity {
+                    value: row.words as f64,
+                    unit: "words".to_owned(),
+                    source: row.source.clone(),
+                    evidence: row.evidence,
+                    note: None,
+                    interval: None,
+                },
                 clock: row.clock,
-                source: row.source.clone(),
-                evidence: row.evidence,
             };
             rows.insert(kind, built);
         }
@@ -104,7 +115,16 @@ pub(super) fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faul
 
 pub(super) fn host_rows(layers: &[Layer]) -> Result<Vec<HostRow>, Faults> {
     let mut rows: BTreeMap<HostKind, HostRow> = BTreeMap::new();
+    let mut wide = None;
     for layer in layers {
+        if let Some(now) = width(layer) {
+            let row = rows.get_mut(&HostKind::ScanDigital);
+            let item = row.and_then(|row| row.item.as_mut());
+            if let (Some(before), Some(item)) = (wide, item) {
+                widen(item, [before, now].map(bytes));
+            }
+            wide = Some(now);
+        }
         let mut faults = Vec::new();
         let names = { layer.device.host.iter() }.map(|row| (row.kind.value.word(), row.kind.place));
         twice(names, &mut faults);
@@ -115,6 +135,11 @@ pub(super) fn host_rows(layers: &[Layer]) -> Result<Vec<HostRow>, Faults> {
                 let name = format!("{name}.{key}");
                 let cost = cost.and_then(|cost| wrong(&name, HOST_COST, cost));
                 faults.extend(cost);
+            }
+            if row.item.is_none() && row.kind.value.is_of_items() {
+                let what = format!("`{name}` has no `item`, the time of each slot, sample or row");
+                let help = "write item = { value = …, unit = \"us\", source = …, evidence = … } beside `call`; 0 if it costs nothing";
+                faults.push(Fault::error(row.kind.place, what, "this operation").help(help));
             }
             if layer.folder.path.is_some() {
                 let own = row.forms.iter().filter_map(|it| {
@@ -150,6 +175,33 @@ pub(super) fn host_rows(layers: &[Layer]) -> Result<Vec<HostRow>, Faults> {
     }
     top.wrong("device.toml", faults)?;
     Ok(rows.into_values().collect())
+}
+
+/// The columns that a layer states.
+fn width(layer: &Layer) -> Option<f64> {
+    let mut figures = layer.device.figures.iter();
+    let own = figures.find(|(section, key, _)| section == "array" && key.value == "width");
+    own.map(|(.., stated)| stated.value.value)
+}
+
+/// The bytes of so many bits.
+fn bytes(bits: f64) -> f64 {
+    (bits / 8.0).ceil()
+}
+
+/// A row of bits of another array takes as much longer as it has more bytes.
+fn widen(item: &mut Quantity, [before, now]: [f64; 2]) {
+    if before == now {
+        return;
+    }
+    let times = now / before;
+    item.value *= times;
+    if let Some(interval) = &mut item.interval {
+        interval.low *= times;
+        interval.high *= times;
+    }
+    let now = crate::unit::counted(now as u64, "byte");
+    item.source += &format!("; here {now} a row");
 }
 
 /// The macros of all layers, and the layer that each is from; one of the same heading

@@ -1,10 +1,6 @@
 //! The kinds of primitives and of host operations, and their rows.
 
-use super::super::{
-    figure::{Evidence, Quantity},
-    primitive::Primitive,
-    signature::Signature,
-};
+use super::super::{figure::Quantity, primitive::Primitive, signature::Signature};
 
 /// An enum, the list of its variants and how each is written, from one list.
 macro_rules! listed {
@@ -97,14 +93,18 @@ pub struct PrimitiveRow {
     pub forms: Vec<Signature>,
     /// What it does.
     pub equation: String,
-    /// Instruction words.
-    pub words: u64,
+    /// Its instruction words, with who says so and how well it is known.
+    pub cost: Quantity,
     /// The clock that it runs under, which says how long a word takes.
     pub clock: Clock,
-    /// Who says so.
-    pub source: String,
-    /// How well it is known.
-    pub evidence: Evidence,
+}
+
+impl PrimitiveRow {
+    /// Instruction words.
+    #[must_use]
+    pub const fn words(&self) -> u64 {
+        self.cost.value as u64
+    }
 }
 
 listed! {
@@ -148,6 +148,21 @@ pub enum HostKind {
     /// `program::Host` of this name.
     DrawEnd = "draw_end",
 }
+}
+
+impl HostKind {
+    /// Whether its time is that of the slots, samples or rows that it reads.
+    #[must_use]
+    pub const fn is_of_items(self) -> bool {
+        matches!(
+            self,
+            Self::ScanEvents
+                | Self::ReadAnalog
+                | Self::ScanAnalog
+                | Self::ScanBlocks
+                | Self::ScanDigital
+        )
+    }
 }
 
 /// A row of `[[host]]` in `device.toml`.

@@ -189,7 +189,7 @@ impl<'d> Lowering<'d> {
     ) -> Result<Vec<Bound>, Fault> {
         for (values, parameter) in bound.iter_mut().zip(&signature.parameters) {
             if let (true, Some(default)) = (values.is_empty(), &parameter.default) {
-                values.push(self.value(default, &[])?);
+                values.push(self.value(&self.device.filled_in(default), &[])?);
             }
         }
         Ok(bound)

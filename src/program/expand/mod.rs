@@ -320,11 +320,11 @@ impl<'d> Lowering<'d> {
                 self.push(sink, Action::Word(word), 1)
             }
             Callable::Host(kind, form) => {
-                let operation =
-                    host::build(kind, &form.name, bound, self.drawing).map_err(|message| {
-                        Fault::error(sink.place, message, "this statement")
-                            .help(format!("it is written {form}"))
-                    })?;
+                let operation = host::build((kind, &form.name), bound, self.drawing, self.device)
+                    .map_err(|message| {
+                    Fault::error(sink.place, message, "this statement")
+                        .help(format!("it is written {form}"))
+                })?;
                 match &operation {
                     super::Host::DrawBegin { target } => self.drawing = Some(*target),
                     super::Host::DrawEnd => self.drawing = None,

@@ -96,7 +96,8 @@ pub struct ChipSummary {
     pub height: u64,
     /// Figures of its data that are guesses, by name.
     pub guesses: Vec<String>,
-    /// Those on which the verdict rests and that are guesses without an interval.
+    /// Those on which the verdict rests and that are guesses without an interval, and those of the
+    /// room whose interval leaves open whether it is enough.
     pub guessed_values: Vec<String>,
 }
 
@@ -161,7 +162,8 @@ fn unrounded(kernel: &Kernel) -> f64 {
 }
 
 impl ChipSummary {
-    pub(super) fn new(device: &Device) -> Self {
+    /// Of a chip that needs so many rows, columns and words of its store.
+    pub(super) fn new(device: &Device, needed: [Option<u64>; 3]) -> Self {
         let name = |figure: Figure| {
             let (section, key) = figure.key();
             format!("{section}.{key}")
@@ -173,6 +175,7 @@ impl ChipSummary {
             height: device.value(Figure::Height) as u64,
             guesses: device.figures_of(Evidence::Guess).map(name).collect(),
             guessed_values: { Named::guessed_values(device).into_iter() }
+                .chain(Named::open_room(device, needed))
                 .map(Named::name)
                 .collect(),
         }

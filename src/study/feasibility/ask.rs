@@ -6,7 +6,7 @@ use super::{
     chip::OnChip,
     chips::{OverChips, Trial},
     choice::Few,
-    named::FigureSummary,
+    named::{FigureSummary, Named},
     power::{Link, Load, Power},
     runs::{MEMORY, Runs},
     time::{self, Words},
@@ -16,11 +16,12 @@ use crate::{
     array::Arithmetic,
     compare::window,
     event::Packet,
-    isa::Evidence,
+    isa::{Evidence, Figure},
     kernel::{
         Kernel,
         quantise::{Quantised, Quantiser},
     },
+    limit::STORE_WORDS,
     mesh::{self, Fitting},
     plane::Size,
     program::readout::Demand,
@@ -116,9 +117,11 @@ pub(super) fn answered(
         }
         Err(why) => Fit::Refused(why.clone()),
     };
+    let each = program.map_or_else(Vec::new, |it| Named::words_of(&it.code.frame));
+    let needed = question.room_needed(&design.in_levels(&quantised), program, &scene);
     let link = question.link_of(&streams, &scene);
     let power = match &fit {
-        Fit::OnChip(chip) => Some(question.power_of(chip, &streams, &scene, &link)),
+        Fit::OnChip(chip) => Some(question.power_of(chip, &streams, &scene, &link, &each)),
         Fit::Refused(_) => None,
     };
     let mut feasibility = Feasibility {
@@ -128,7 +131,7 @@ pub(super) fn answered(
         verdict: Verdict::default(),
         kernel: KernelSummary::new(question.name, question.kernel),
         threshold: question.threshold,
-        chip: ChipSummary::new(question.device),
+        chip: ChipSummary::new(question.device, needed),
         chosen: Chosen {
             to: to.to_string(),
             asked_for: question.to.is_some(),
@@ -138,7 +141,7 @@ pub(super) fn answered(
         },
         fit,
         over_chips,
-        figures: FigureSummary::all(question.device),
+        figures: FigureSummary::all(question.device, &each),
         within_us: question.within,
         power,
         link,
@@ -257,16 +260,45 @@ impl Question<'_> {
         )?)
     }
 
+    /// The rows, columns and words of the store that a program of a design needs; none where there
+    /// is no program however large the store.
+    fn room_needed(
+        &self,
+        design: &Design<'_>,
+        program: Option<&Compiled>,
+        scene: &SceneSummary,
+    ) -> [Option<u64>; 3] {
+        let stored = match program {
+            Some(compiled) => Some(compiled.stored.0),
+            None => self.stored_in_any(design),
+        };
+        [Some(scene.height as u64), Some(scene.width as u64), stored]
+    }
+
+    /// The words of a program that the chip refuses, where a larger store takes it.
+    fn stored_in_any(&self, design: &Design<'_>) -> Option<u64> {
+        let any = { self.device.clone() }.what_if(Figure::Store, STORE_WORDS as f64);
+        let device = any.ok()?;
+        let compiled = Design {
+            device: &device,
+            ..*design
+        }
+        .compile("quantised");
+        compiled.ok().map(|compiled| compiled.stored.0)
+    }
+
     fn power_of(
         &self,
         chip: &OnChip,
         streams: &Streams,
         scene: &SceneSummary,
         link: &Link,
+        each: &[Named],
     ) -> Power {
         let silicon = streams.silicon.as_ref();
         let load = Load {
             words: chip.frame_words as f64,
+            each,
             time: &chip.time,
             fps: scene.fps,
             events_s: silicon

@@ -66,7 +66,7 @@ impl OnChip {
         let (program, code) = (&compiled.program, &compiled.code);
         let filter = &program.filter;
         Self {
-            filter_words: filter.words.len() as u64,
+            filter_words: filter.word_count(device),
             frame_words: Cost::of(&code.frame, device).words.0,
             stored_words: compiled.stored.0,
             store: Estimate::figure(device, Figure::Store),

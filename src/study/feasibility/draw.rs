@@ -1,6 +1,6 @@
 //! Chips that the public data allow: each number with an interval is drawn from it.
 //!
-//! A number is uniform over its interval, or log-uniform where that spans decades
+//! A number is uniform over its interval, whole where it counts something, or log-uniform where that spans decades
 //! ([`Interval::is_logarithmic`](crate::isa::Interval::is_logarithmic)). It is a hash of the
 //! seed, the number's name and the chip, so that no other number and no other chip can change
 //! it. The numbers are drawn independently: what the data say of several at once is left out,
@@ -43,6 +43,10 @@ impl Drawn {
                 elementary::exp(low + at * (high - low))
             } else {
                 low + at * (high - low)
+            };
+            let value = match named {
+                Named::Figure(figure) if figure.domain().range().1 => value.round(),
+                _ => value,
             };
             Some((named, value.clamp(low, high)))
         };

@@ -69,7 +69,7 @@ impl Estimate {
             if let Some(quantity) = named.quantity(device) {
                 self.evidence = Evidence::weakest([self.evidence, quantity.interval_evidence()]);
                 let name = named.name();
-                if !self.inputs.contains(&name) {
+                if named.is_told(device) && !self.inputs.contains(&name) {
                     self.inputs.push(name);
                 }
             }

@@ -8,10 +8,14 @@ use std::fmt;
 
 use serde_json::Value as Json;
 
-use super::{Feasibility, estimate::short, named::FigureSummary};
+use super::{
+    Feasibility,
+    estimate::short,
+    named::{FigureSummary, Named},
+};
 use crate::{
     config::suggestion_or,
-    isa::{Device, Evidence},
+    isa::{Device, Evidence, Kind},
 };
 
 /// A number, how it is made, and what of.
@@ -251,7 +255,8 @@ const LINKS: &[Link] = &[
 /// # Errors
 /// When it can be none of these.
 pub fn check(what: &str, device: &Device) -> Result<(), ExplainError> {
-    let figures = FigureSummary::all(device);
+    let words = Kind::ALL.iter().copied().map(Named::Words);
+    let figures = FigureSummary::all(device, &words.collect::<Vec<_>>());
     let is_figure = figures.iter().any(|it| it.figure == what);
     let is_link = LINKS.iter().any(|link| link.name == what);
     if is_link || is_figure || what.starts_with('/') {
@@ -380,7 +385,8 @@ impl FigureSummary {
     /// Whether a chip computes with it.
     fn is_of_events(&self) -> bool {
         let costs = ["clock.", "scan_", "global_", "store."];
-        !costs.iter().any(|cost| self.figure.starts_with(cost))
+        let is_cost = |cost: &&str| self.figure.starts_with(cost);
+        !costs.iter().any(is_cost) && !self.figure.ends_with(".words")
     }
 }
 

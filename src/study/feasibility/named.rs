@@ -1,8 +1,12 @@
 //! The chip's numbers that an answer rests on, by name.
 
-use crate::isa::{Device, Evidence, Figure, HostKind, Interval, Quantity};
+use crate::{
+    isa::{Device, Evidence, Figure, HostKind, Interval, Kind, Quantity},
+    program::{Action, Step},
+};
 
-/// What no compiled sensor uses, and how large the chip is, which is known of any.
+/// What no compiled sensor uses, and how large the chip is, on which only whether there is room
+/// rests.
 const NO_RESULT: [Figure; 11] = [
     Figure::Height,
     Figure::Width,
@@ -17,6 +21,20 @@ const NO_RESULT: [Figure; 11] = [
     Figure::Travel,
 ];
 
+/// How much room a chip has.
+const ROOM: [Figure; 3] = [Figure::Height, Figure::Width, Figure::Store];
+
+/// The instructions that compiled sensors are made of.
+const OF_SENSORS: [Kind; 7] = [
+    Kind::Nop,
+    Kind::ResetPix,
+    Kind::Bus,
+    Kind::Where,
+    Kind::All,
+    Kind::Or,
+    Kind::WhereBit,
+];
+
 /// A number in a chip's data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Named {
@@ -26,6 +44,8 @@ pub enum Named {
     Item(HostKind),
     /// The time of a call of an operation of the host.
     Call(HostKind),
+    /// The words of an instruction.
+    Words(Kind),
 }
 
 impl Named {
@@ -35,7 +55,9 @@ impl Named {
         let figures = Figure::ALL.iter().copied().map(Self::Figure);
         let items = [HostKind::ScanEvents, HostKind::ScanDigital].map(Self::Item);
         let all = figures.chain(items);
-        all.filter(|named| named.interval(device).is_some())
+        // An interval of one value leaves nothing to draw.
+        let is_open = |it: &Interval| it.low < it.high;
+        all.filter(|named| named.interval(device).is_some_and(is_open))
             .collect()
     }
 
@@ -57,10 +79,57 @@ impl Named {
             quantity.evidence == Evidence::Guess && quantity.interval.is_none()
         };
         let mut all = Self::of_results(device);
+        all.extend(OF_SENSORS.map(Self::Words));
         all.retain(|named| {
             *named != Self::Figure(Figure::Power) && named.quantity(device).is_some_and(is_bare)
         });
         all
+    }
+
+    /// What leaves open whether a chip has room for so many rows, columns and words of its store: a
+    /// guess of one value, or an interval that the number lies in.
+    #[must_use]
+    pub fn open_room(device: &Device, needed: [Option<u64>; 3]) -> Vec<Self> {
+        let is_open = |(figure, needed): &(Figure, Option<u64>)| {
+            let quantity = device.figure(*figure);
+            let [low, high] = quantity.ends();
+            needed.is_some_and(|needed| {
+                quantity.evidence == Evidence::Guess && quantity.interval.is_none()
+                    || low < needed as f64 && needed as f64 <= high
+            })
+        };
+        { ROOM.into_iter().zip(needed) }
+            .filter(is_open)
+            .map(|(figure, _)| Self::Figure(figure))
+            .collect()
+    }
+
+    /// Whether it says how much room there is.
+    #[must_use]
+    pub fn is_of_room(name: &str) -> bool {
+        ROOM.iter()
+            .any(|figure| Self::Figure(*figure).name() == name)
+    }
+
+    /// The words of each instruction of a frame.
+    #[must_use]
+    pub fn words_of(frame: &[Step]) -> Vec<Self> {
+        let mut found: Vec<Kind> = Vec::new();
+        kinds(frame, &mut found);
+        found.into_iter().map(Self::Words).collect()
+    }
+
+    /// Whether what is made of it tells it: the words of an instruction only where they are neither
+    /// measured nor stated by whoever made the chip.
+    #[must_use]
+    pub fn is_told(self, device: &Device) -> bool {
+        match self {
+            Self::Words(kind) => {
+                let evidence = device.row(kind).cost.evidence;
+                matches!(evidence, Evidence::Guess | Evidence::Modelled)
+            }
+            Self::Figure(_) | Self::Item(_) | Self::Call(_) => true,
+        }
     }
 
     /// What a chip computes with: numbers on which its events depend, and not only their cost.
@@ -71,7 +140,7 @@ impl Named {
                 figure,
                 Figure::Clock | Figure::Launch | Figure::Power | Figure::Pitch
             ),
-            Self::Item(_) | Self::Call(_) => false,
+            Self::Item(_) | Self::Call(_) | Self::Words(_) => false,
         }
     }
 
@@ -85,6 +154,7 @@ impl Named {
             }
             Self::Item(kind) => format!("{}.item", HostKind::WORDS[kind as usize]),
             Self::Call(kind) => format!("{}.call", HostKind::WORDS[kind as usize]),
+            Self::Words(kind) => format!("{}.words", kind.word()),
         }
     }
 
@@ -94,6 +164,7 @@ impl Named {
         match self {
             Self::Figure(figure) => figure.unit(),
             Self::Item(_) | Self::Call(_) => "us",
+            Self::Words(_) => "words",
         }
     }
 
@@ -104,6 +175,7 @@ impl Named {
             Self::Figure(figure) => Some(device.figure(figure)),
             Self::Item(kind) => device.host(kind).item.as_ref(),
             Self::Call(kind) => Some(&device.host(kind).call),
+            Self::Words(kind) => Some(&device.row(kind).cost),
         }
     }
 
@@ -123,6 +195,17 @@ impl Named {
     #[must_use]
     pub fn ends(self, device: &Device) -> [f64; 2] {
         self.quantity(device).map_or([0.0; 2], Quantity::ends)
+    }
+}
+
+/// Adds the instructions of some steps, each once.
+fn kinds(steps: &[Step], found: &mut Vec<Kind>) {
+    for step in steps {
+        match &step.action {
+            Action::Word(word) if !found.contains(&word.kind()) => found.push(word.kind()),
+            Action::Repeat { body, .. } => kinds(body, found),
+            Action::Word(_) | Action::Host(_) => {}
+        }
     }
 }
 
@@ -150,9 +233,11 @@ pub struct FigureSummary {
 }
 
 impl FigureSummary {
-    /// Of all that have an interval, and of those that times and power are made of.
-    pub(super) fn all(device: &Device) -> Vec<Self> {
+    /// Of all that have an interval, and of those that events, times and power are made of.
+    /// `words`: those of the instructions of a frame.
+    pub(super) fn all(device: &Device, words: &[Named]) -> Vec<Self> {
         let mut named = Named::with_interval(device);
+        let others = Named::of_results(device).into_iter();
         let of_costs = [Figure::Clock, Figure::Launch, Figure::Power, Figure::Store];
         let items = [HostKind::ScanEvents, HostKind::ScanDigital];
         let calls = [
@@ -163,8 +248,9 @@ impl FigureSummary {
         ];
         let hosts = items.map(Named::Item).into_iter();
         let costs = of_costs.map(Named::Figure).into_iter().chain(hosts);
-        for other in costs.chain(calls.map(Named::Call)) {
-            if !named.contains(&other) {
+        let costs = costs.chain(calls.map(Named::Call));
+        for other in costs.chain(words.iter().copied()).chain(others) {
+            if other.is_told(device) && !named.contains(&other) {
                 named.push(other);
             }
         }

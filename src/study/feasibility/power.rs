@@ -5,6 +5,7 @@ use crate::{
     event::readout::Frame,
     isa::{Device, Evidence, Figure},
     plane::Size,
+    program::{Cost, Step},
 };
 
 /// Electrical power at the frame rate that was asked for, part by part.
@@ -47,6 +48,8 @@ pub struct Part {
 pub(super) struct Load<'a> {
     /// Instruction words of a frame.
     pub words: f64,
+    /// Those of each instruction.
+    pub each: &'a [Named],
     /// Times of a frame.
     pub time: &'a Time,
     /// Frames a second that were asked for.
@@ -73,7 +76,8 @@ pub(super) fn worked(words: f64, device: &Device, fps: f64) -> f64 {
 
 /// What the words of a frame take.
 #[must_use]
-pub fn words_energy(words: f64, device: &Device) -> Estimate {
+pub fn words_energy(frame: &[Step], device: &Device) -> Estimate {
+    let words = Cost::of(frame, device).words.0 as f64;
     let [full, clock] = [Figure::Power, Figure::Clock].map(Named::Figure);
     let us = at_the_highest_clock(words, device);
     Estimate::between(
@@ -83,6 +87,7 @@ pub fn words_energy(words: f64, device: &Device) -> Estimate {
         "energy of a word (full power / the highest clock) x words a frame",
     )
     .made_of(device, &[full, clock])
+    .made_of(device, &Named::words_of(frame))
 }
 
 impl Power {
@@ -107,7 +112,8 @@ impl Power {
             Evidence::Modelled,
             "energy of a word (full power / the highest clock) x words a frame x frames/s",
         )
-        .made_of(device, &[full, clock]);
+        .made_of(device, &[full, clock])
+        .made_of(device, load.each);
         let [_, most] = full.ends(device);
         let idle = Estimate::between(
             [0.0, most * (1.0 - worked) * 1e3],
@@ -115,7 +121,8 @@ impl Power {
             Evidence::Modelled,
             "full power for the rest of the time, which no array that waits takes",
         )
-        .made_of(device, &[full, clock]);
+        .made_of(device, &[full, clock])
+        .made_of(device, load.each);
         let link = load.kbit_s.map(|kbit_s| {
             let what = "bits a second x energy of a bit";
             load.bit.times(kbit_s * 1e-6, "mW", what)
@@ -258,6 +265,7 @@ mod tests {
         let bit = Estimate::between([1.0, 20.0], "pJ", Evidence::Guess, "test");
         let load = Load {
             words,
+            each: &[],
             time: &time,
             fps,
             events_s,

@@ -196,7 +196,7 @@ impl SharedProgram {
             memory: name(together.memory),
             against: together.against().to_owned(),
             carried: together.carried(),
-            filter_words: filter.words.len() as u64,
+            filter_words: filter.word_count(device),
             frame_words: compiled.cost.words.0,
             frame_words_apart: apart.sum(),
             stored_words: compiled.stored.0,

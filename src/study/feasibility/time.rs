@@ -60,7 +60,7 @@ pub enum Binds {
 }
 
 /// The words of a frame, of which the array's time is made.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Words {
     /// How many.
     pub count: f64,
@@ -75,6 +75,8 @@ pub(super) struct Words {
     launch: [f64; 2],
     /// Whether nobody says how many words a launch carries, so that each may take one.
     is_unknown: bool,
+    /// The words of each instruction.
+    each: Vec<Named>,
 }
 
 /// What the words of a frame take: from the chip's highest clock to what their launches may take
@@ -114,6 +116,7 @@ impl Words {
             clocks: Named::Figure(Figure::Clock).ends(device),
             launch: launch.ends(device),
             is_unknown: launch.interval(device).is_some(),
+            each: Named::words_of(frame),
         })
     }
 
@@ -147,6 +150,7 @@ impl Words {
             ),
         )
         .made_of(device, &[Figure::Clock, Figure::Launch].map(Named::Figure))
+        .made_of(device, &self.each)
     }
 
     /// Their time on a chip of this clock and launch, us.
@@ -182,7 +186,8 @@ pub(super) struct Parts<'a> {
 impl Time {
     /// Of all its parts.
     pub(super) fn new(parts: &Parts<'_>) -> Self {
-        let Parts { device, order, .. } = *parts;
+        let Parts { device, order, .. } = parts;
+        let (device, order) = (*device, *order);
         let array = parts.words.estimate(device);
         let exposure = parts.exposure.map(|exposure| {
             Estimate::one(
@@ -287,6 +292,7 @@ mod tests {
                 clocks: [9.0, 10.0],
                 launch: [0.0, 0.23],
                 is_unknown: true,
+                each: Vec::new(),
             },
             scans: Scans {
                 count: 2,

@@ -8,6 +8,7 @@ use super::{
     chip::OnChip,
     chips::{HALF, MOSTLY},
     estimate::short,
+    named::Named,
     stream::Judged,
     time::Binds,
 };
@@ -118,15 +119,19 @@ impl Verdict {
         });
         let [nearly, hardly] = SHARES.map(percent);
         let guesses = &all.chip.guessed_values;
-        let headline = if headline.starts_with("Feasible") && !guesses.is_empty() {
-            format!("Not known: it rests on guesses ({})", guesses.join(", "))
+        let decide: Vec<&str> = { guesses.iter().map(String::as_str) }
+            .filter(|name| fits || Named::is_of_room(name))
+            .collect();
+        let is_open = headline == "Does not fit" || headline.starts_with("Feasible");
+        let headline = if is_open && !decide.is_empty() {
+            format!("Not known: it rests on guesses ({})", decide.join(", "))
         } else {
             headline.to_owned()
         };
         Self {
             headline: format!("{headline}{share}"),
             rule: format!(
-                "\u{201c}Does not fit\u{201d} where there is no program or the scene is larger than the array; else \u{201c}too slow\u{201d} where that is the word on speed; without an event to keep, or where accident keeps nearly all, the scene cannot judge; else by the chips that the public data allow: feasible where {nearly} of them are, with loss where {nearly} are with loss or without, on some where more than {hardly} are. Not known instead, where a number that it rests on is a guess without an interval in the chip's data."
+                "\u{201c}Does not fit\u{201d} where there is no program or the scene is larger than the array; else \u{201c}too slow\u{201d} where that is the word on speed; without an event to keep, or where accident keeps nearly all, the scene cannot judge; else by the chips that the public data allow: feasible where {nearly} of them are, with loss where {nearly} are with loss or without, on some where more than {hardly} are. Not known instead, where a number that it rests on is a guess without an interval in the chip's data, or whether it fits lies within the interval of such a number."
             ),
             findings,
         }
@@ -147,14 +152,14 @@ fn guessed(all: &Feasibility) -> Option<Finding> {
         about: "guesses",
         word: "not known",
         says: format!(
-            "In the data of {} {} guessed without an interval, so that all chips have the same value: what is said holds if it is right. State between which values it lies (low, high, why), or measure it.",
+            "In the data of {} {} guessed without an interval, so that all chips have the same value, or say of the room only that it may do: what is said holds if it is right. State between which values it lies (low, high, why), or measure it.",
             all.chip.name,
             match &guesses[..] {
                 [one] => format!("{one} is"),
                 all => format!("{} are", all.join(", ")),
             }
         ),
-        rule: "not known: a number on which events or time rest is a guess, and no interval is stated.".to_owned(),
+        rule: "not known: a number on which events, time or room rest is a guess, and no interval is stated; or what is needed lies within the interval of such a number of the room.".to_owned(),
     })
 }
 
