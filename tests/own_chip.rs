@@ -103,7 +103,15 @@ fn a_capture_that_saturates_is_named() {
         &[&asked[..], &["--effort", "0.1", "--chip", "dark"]].concat(),
     );
     assert!(!told.contains("nothing saturates"), "{told}");
-    assert!(told.contains("can saturate: the capture stores"), "{told}");
+    assert!(told.contains("saturates: the capture stores"), "{told}");
+    // Nor is anything predicted of its events.
+    let asked = [&asked[..4], &["--effort", "0.1", "--chip", "dark"]].concat();
+    let told = good(folder, &asked);
+    assert!(told.contains("saturates: the capture stores"), "{told}");
+    assert!(!told.contains("F1"), "{told}");
+    let told = json(folder, &asked);
+    assert!(told["decided"].is_null(), "{told}");
+    assert!(told["notes"].to_string().contains("light.reset"), "{told}");
 }
 
 #[test]

@@ -87,7 +87,7 @@ impl Compiled {
             "noise_lsb": self.noises,
             "on_chip": self.on_chip,
             "exact_within_lsb": exact_within,
-            "decided": decided,
+            "decided": self.is_captured(device).then_some(decided),
             "energy_uj": energy.low,
             "energy_uj_range": energy.ends(),
             "evidence": {
@@ -111,7 +111,14 @@ impl Compiled {
             let note = any_fires(*lsb, few / own, device)?;
             Some(format!("threshold of kind {kind}: {note}"))
         };
-        kinds.filter_map(any).collect()
+        let cut_off = { self.memory.is_some() }.then(|| capture_cut_off(device));
+        kinds.filter_map(any).chain(cut_off.flatten()).collect()
+    }
+
+    /// Whether registers hold what the program takes of the photodiode, so that its events are as
+    /// predicted.
+    fn is_captured(&self, device: &Device) -> bool {
+        self.memory.is_none() || capture_cut_off(device).is_none()
     }
 
     /// Words that the program takes of the chip's store.
@@ -260,7 +267,12 @@ impl Compiled {
             line("chip", on_chip.line(device));
         }
         if let Some(decided) = self.decided() {
-            line("events", decided);
+            let told = if self.is_captured(device) {
+                decided
+            } else {
+                "not predicted: the light itself is cut off (range)".to_owned()
+            };
+            line("events", told);
         }
         for added in &self.noises {
             line("noise", noise(added, device));
@@ -309,6 +321,11 @@ impl Compiled {
 
     /// Whether anything saturates, and what that costs.
     pub(super) fn range(&self, device: &Device) -> String {
+        if self.memory.is_some()
+            && let Some(cut_off) = capture_cut_off(device)
+        {
+            return format!("every capture saturates: {cut_off}");
+        }
         let saturates = |filter: &Filter| filter.decided.is_some() && !filter.holds;
         if self.filters.iter().any(saturates) {
             return self.exact_range();
@@ -327,9 +344,8 @@ impl Compiled {
                 )
             }
             (n, _) if self.memory.is_some() => format!(
-                "{} can saturate: {}",
+                "{} can saturate: search longer (--effort), or take fewer digits (--to)",
                 counted(n, "store"),
-                against_saturation(device)
             ),
             (n, _) => format!(
                 "{} can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
@@ -431,17 +447,15 @@ impl Compiled {
     }
 }
 
-/// What to do about a whole program whose stores can saturate.
-fn against_saturation(device: &Device) -> String {
+/// That no register holds the reset level of the photodiode, negated, as a capture stores it.
+fn capture_cut_off(device: &Device) -> Option<String> {
     let (_, high) = device.register_range();
     let reset = device.value(Figure::LightReset);
-    if -reset > high {
+    (-reset > high).then(|| {
         format!(
             "the capture stores the photodiode's reset level (light.reset), {reset} LSB, negated, and a register holds {high} at most; change light.reset or range.high of the chip's data"
         )
-    } else {
-        "search longer (--effort), or take fewer digits (--to)".to_owned()
-    }
+    })
 }
 
 /// What a filter adds to its result, for people.

@@ -17,7 +17,10 @@ use crate::{
         metric::Short,
         window::{CLEAR_FLOOR, can_judge},
     },
-    study::{quantisation::Outcome, waterfall::Rates},
+    study::{
+        quantisation::Outcome,
+        waterfall::{Cause, Rates, Share},
+    },
 };
 
 /// The verdict: a headline, and a sentence for each finding.
@@ -375,6 +378,16 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
             "little",
             "Neither the few values nor the chip's errors cost much.".to_owned(),
         )
+    } else if few >= chip
+        && let Some(share) = without_errors(all)
+    {
+        (
+            share.name,
+            format!(
+                "Most of the loss is {} ({few:.3} of what is to be kept is lost without the chip's errors, which take {chip:.3}).",
+                share.name
+            ),
+        )
     } else if few >= chip {
         (
             "few values",
@@ -410,6 +423,18 @@ fn limit(exact: &Judged, silicon: &Judged, all: &Feasibility) -> Finding {
             "What is kept less from the float kernel to the program without errors, and from there to the chip; the larger is named, where it is at least {LITTLE}. Above all: the step of the chip that takes most of what there is to keep in the waterfall over frame rate, at the scene's own rate."
         ),
     }
+}
+
+/// What takes more than the kernel's few values of a program without errors, in the waterfall.
+fn without_errors(all: &Feasibility) -> Option<&Share> {
+    let causes = &all.over_rates.as_ref()?.rates.first()?.causes;
+    let others = [Cause::Format, Cause::Converter, Cause::Saturation];
+    let of = |cause| causes.iter().find(|share| share.cause == cause);
+    let taken = |share: &Share| share.share.unwrap_or(0.0);
+    let kernel = of(Cause::Kernel).map_or(0.0, taken);
+    { others.into_iter().filter_map(of) }
+        .filter(|share| taken(share) > kernel.max(0.0))
+        .max_by(|a, b| taken(a).total_cmp(&taken(b)))
 }
 
 /// The step of the chip that takes most of what there is to keep.
