@@ -196,7 +196,8 @@ fn pair(bytes: &[u8]) {
     let read = |bytes: &[u8]| {
         let opening = Opening {
             format: Some(Format::Dat),
-            size: Some(Size::new(64, 64)), stream: None,
+            size: Some(Size::new(64, 64)),
+            stream: None,
         };
         let reader = Reader::of_bytes(Path::new("fuzz"), bytes.to_vec(), &opening);
         reader.ok().map(|reader| file::all(reader).0)

@@ -80,7 +80,7 @@ def test_quantise_on_the_chip(program: Callable[..., str]) -> None:
     }
     assert answer.quantised[0].scale == amacrine.quantise("csdvs-3", "ternary").scale
     assert answer.to_frame().to.tolist() == answer.to_frame("chip.rows").to.tolist() == ["ternary"]
-    with pytest.raises(KeyError, match="words is no table; there are quantised, warnings, chip.rows"):
+    with pytest.raises(KeyError, match="words is no table; there are kernel, quantised, warnings, chip.rows"):
         answer.to_frame("words")
     frames, fps = amacrine.load(SCENE)
     scale = None if frames.dtype == np.uint8 else 1
