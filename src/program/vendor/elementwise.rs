@@ -194,6 +194,21 @@ impl Machine<'_> {
         each.collect()
     }
 
+    /// The first element of which a function says this: it is not called for those behind.
+    fn first(
+        &mut self,
+        range: &Range,
+        (function, wanted): (&Rc<Function>, bool),
+        place: Place,
+    ) -> Option<Option<usize>> {
+        for i in 0..range.length {
+            if self.holds(function, &[range.at(i)], place)? == wanted {
+                return Some(Some(i));
+            }
+        }
+        Some(None)
+    }
+
     fn holds(&mut self, function: &Rc<Function>, given: &[Location], place: Place) -> Option<bool> {
         if self.done() {
             return None;
