@@ -75,11 +75,11 @@ impl Machine<'_> {
             }
             ("find_if" | "find_if_not", [_], Some(function)) => {
                 let found = self.first(&range, (&function, name == "find_if"), place)?;
-                Some(range.pointer(found.unwrap_or(range.length)))
+                Some(range.pointer(found))
             }
             ("any_of" | "all_of" | "none_of", [_], Some(function)) => {
                 let found = self.first(&range, (&function, name != "all_of"), place)?;
-                Some(Value::flag(found.is_some() == (name == "any_of")))
+                Some(Value::flag((found < range.length) == (name == "any_of")))
             }
             ("min_element" | "max_element", [_], Some(function)) => {
                 let mut best = 0;
@@ -194,19 +194,20 @@ impl Machine<'_> {
         each.collect()
     }
 
-    /// The first element of which a function says this: it is not called for those behind.
+    /// The first element of which a function says this, or the end: it is not called for those
+    /// behind.
     fn first(
         &mut self,
         range: &Range,
         (function, wanted): (&Rc<Function>, bool),
         place: Place,
-    ) -> Option<Option<usize>> {
+    ) -> Option<usize> {
         for i in 0..range.length {
             if self.holds(function, &[range.at(i)], place)? == wanted {
-                return Some(Some(i));
+                return Some(i);
             }
         }
-        Some(None)
+        Some(range.length)
     }
 
     fn holds(&mut self, function: &Rc<Function>, given: &[Location], place: Place) -> Option<bool> {

@@ -82,18 +82,15 @@ fn cut(format: &str, values: &[Value]) -> (String, Vec<Value>) {
             (Value::Whole(_) | Value::Wide(..), Some(kind)) => it.clone().converted(kind),
             _ => it.clone(),
         });
-        match { value.as_ref() }.and_then(|it| at_least(&size, rest, it)) {
-            Some((size, text)) => {
-                plain.push_str(&size);
-                plain.push('s');
-                plain.push_str(&rest[1..]);
-                given.push(Value::Text(text.into()));
-            }
-            None => {
-                plain.push_str(&size);
-                plain.push_str(rest);
-                given.extend(value);
-            }
+        if let Some((size, text)) = value.as_ref().and_then(|it| at_least(&size, rest, it)) {
+            plain.push_str(&size);
+            plain.push('s');
+            plain.push_str(&rest[1..]);
+            given.push(Value::Text(text.into()));
+        } else {
+            plain.push_str(&size);
+            plain.push_str(rest);
+            given.extend(value);
         }
     }
     given.extend(values.cloned());

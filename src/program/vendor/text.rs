@@ -251,19 +251,19 @@ impl Machine<'_> {
             return Value::Whole(0);
         };
         let found = match (kind, &**name) {
+            (Kind::Any | Kind::Analog | Kind::Digital | Kind::Parameter(_), _) => None,
             (_, "is_signed") => Some(Value::flag(!matches!(
                 kind,
                 Kind::Flag | Kind::Bits(_, false)
             ))),
             (_, "is_integer") => Some(Value::flag(!matches!(kind, Kind::Float | Kind::Real))),
             (Kind::Flag, "max") => Some(Value::Whole(1)),
-            (Kind::Flag, "min" | "lowest") => Some(Value::Whole(0)),
+            (Kind::Flag | Kind::Bits(_, false), "min" | "lowest") => Some(Value::Whole(0)),
             (Kind::Bits(64, true), "max") => Some(Value::Wide(i64::MAX, Width::Long)),
             (Kind::Bits(64, true), "min" | "lowest") => Some(Value::Wide(i64::MIN, Width::Long)),
             (Kind::Bits(bits, true), "max") => Some(Value::Whole((1 << (bits - 1)) - 1)),
             (Kind::Bits(bits, true), "min" | "lowest") => Some(Value::Whole(-(1 << (bits - 1)))),
             (Kind::Bits(_, false), "max") => Some(Value::Wide(-1, Width::UnsignedLong)),
-            (Kind::Bits(_, false), "min" | "lowest") => Some(Value::Whole(0)),
             (Kind::Bits(bits, signed), "digits") => {
                 Some(Value::Whole(i64::from(bits) - i64::from(signed)))
             }
