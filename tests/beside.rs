@@ -222,6 +222,16 @@ fn posts_are_as_printf_writes_them() {
             "[   7] [8  ] [1.00] % 5",
         ),
         (
+            "[%.3d] [%5.3d] [%-6.2d] [%08.3d] [%+.2d] [%.0d]",
+            "7, -7, 3, 7, 3, 0",
+            "[007] [ -007] [03    ] [     007] [+03] []",
+        ),
+        (
+            "[%.3x] [%#.4X] [%#.2o] [%.5ld] [%.*d] [%.3i]",
+            "10, 255, 8, -42L, 4, 7, -7",
+            "[00a] [0X00FF] [010] [-00042] [0007] [-007]",
+        ),
+        (
             "[%ld] [%llu] [%zu] [%hx] [%5s]",
             "5000000000L, 7, sizeof(int), -1, \"ab\"",
             "[5000000000] [7] [4] [ffff] [   ab]",
@@ -238,6 +248,13 @@ fn posts_are_as_printf_writes_them() {
 fn posts_places_and_ends() {
     let text = posts("vs_post_text(\"%d %s %g %g\", k, 3, 1e-7, 1e10);", 1, &[]);
     assert_eq!(text, ["0 ? 1e-07 1e+10"]);
+    // Arrays of characters are texts; where it is not known whether something is posted, it is said.
+    let text = posts(
+        "char line[8]; sprintf(line, \"%d!\", 12); vs_post_text(\"%s %3s\", line, line + 2); vs_post_text(line);",
+        1,
+        &[],
+    );
+    assert_eq!(text, ["12!   !", "12!"]);
     // Halves are rounded to even, as the C library does.
     let text = posts(
         "vs_post_text(\"%.1f %.1f %.0f %.0f %6.2f\", 0.25, 0.75, 2.5, 3.5, -1.005);",

@@ -415,8 +415,7 @@ fn algorithms_change_what_they_are_given() {
     for unknown in [
         "int v[3] = {5, 6, 7}; std::partial_sort(v, v + 2, v + 3); scamp5_in(A, v[1]);",
         "int v[3] = {5, 6, 7}; std::rotate(v, v + 3, v + 1); scamp5_in(A, v[1]);",
-        "std::vector<int> v = {5, 6}; v.erase(std::remove(v.begin(), v.end(), 5), v.end()); scamp5_in(A, v.size());",
-        "int s = 0; int v[2] = {1, 2}; std::all_of(v, v + 2, [&](int x) { s += x; return true; }); scamp5_in(A, s);",
+        "int s = 0; int v[2] = {1, 2}; std::is_partitioned(v, v + 2, [&](int x) { s += x; return true; }); scamp5_in(A, s);",
         "uint8_t e[4] = {1, 2, 3, 4}; uint16_t *w = (uint16_t *)e; scamp5_in(A, w[0]);",
         "uint8_t e[4] = {1, 2, 3, 4}; uint16_t *w = (uint16_t *)e; w[0] = 7; scamp5_in(A, e[0]);",
     ] {
@@ -1947,12 +1946,12 @@ fn text_is_written_elsewhere() {
         "vs_post_text(\"%s\\n\", scamp5_verbose_str()); mov(A, B);",
         "mov(A, B);",
     );
-    // What a text holds decides nothing.
+    // What is not run decides nothing.
     told(
         "",
-        "std::string t = \"3\";\nif (std::stoi(t) > 2) { mov(A, B); }",
+        "std::string t = \"3\";\nif (memcmp(t.c_str(), \"3\", 1) == 0) { mov(A, B); }",
         2,
-        "`stoi` decides",
+        "`memcmp` decides",
         "what docs/vendor-code.md lists",
     );
     // No register goes where it is not known what is done with it.

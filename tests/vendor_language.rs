@@ -838,3 +838,131 @@ fn variables_that_are_made_once_in_a_later_frame() {
     let text = "template<typename T> T t(T x) { return x; } int f(double x) { static int8_t n = 0; n++; return n + x; }\nint main() { int a = 3, b = 0, c = 3; while (1) { vs_frame_loop_control();\nc = c * 3 % 7; if (t(c)) { a = 1; } else { a = 2; }\nb = a || f(c); scamp5_in(A, 1); } }";
     assert_eq!(loaded(&expand(text).unwrap().code.frame), [1.0]);
 }
+
+/// The limits of types, by the language's template and by its constants.
+#[test]
+fn limits_of_types() {
+    numbers(
+        "template<typename T> int top(T x) { return (int)std::numeric_limits<T>::max(); } template<typename T> T least() { return std::numeric_limits<T>::lowest(); }",
+        "scamp5_in(A, std::numeric_limits<uint8_t>::max() - 200); scamp5_in(A, std::numeric_limits<int8_t>::min()); scamp5_in(A, std::numeric_limits<int16_t>::max() - 32700); scamp5_in(A, std::numeric_limits<int>::max() - 2147483600); scamp5_in(A, std::numeric_limits<int>::min() + 2147483600);
+auto m = std::numeric_limits<uint8_t>::max(); m++; scamp5_in(B, m); scamp5_in(B, std::numeric_limits<unsigned>::max() == 4294967295u); scamp5_in(B, std::numeric_limits<float>::max() == FLT_MAX); scamp5_in(B, std::numeric_limits<float>::lowest() < -1e38f); scamp5_in(B, std::numeric_limits<float>::infinity() > FLT_MAX); scamp5_in(B, std::numeric_limits<double>::epsilon() < 1e-15); scamp5_in(B, sizeof(std::numeric_limits<uint16_t>::max())); scamp5_in(B, std::numeric_limits<uint8_t>::is_signed); scamp5_in(B, std::numeric_limits<int8_t>::digits);
+uint8_t u = 3; int8_t s = 3; scamp5_in(C, top(u) - 200); scamp5_in(C, top(s)); scamp5_in(C, least<int8_t>()); scamp5_in(C, CHAR_BIT); scamp5_in(C, UINT64_MAX == 18446744073709551615u); scamp5_in(C, FLT_MIN > 0 && FLT_MIN < 1e-30); scamp5_in(C, INFINITY > FLT_MAX);",
+        &[
+            55, -128, 67, 47, -48, 0, 1, 1, 1, 1, 1, 2, 0, 7, 55, 127, -128, 8, 1, 1, 1,
+        ],
+    );
+}
+
+/// Of a reference to an array in several dimensions, without a name too, and of `std::array`.
+#[test]
+fn templates_take_the_lengths_of_arrays() {
+    numbers(
+        "template <typename T, size_t N> int total(const std::array<T, N>& a) { int s = 0; for (size_t i = 0; i < N; i++) s += a[i]; return s + N; } template <typename T, size_t N> constexpr size_t len(T (&)[N]) { return N; }
+template <typename T, size_t R, size_t C> int sum(const T (&a)[R][C]) { int s = 0; for (size_t i = 0; i < R; i++) for (size_t j = 0; j < C; j++) s += a[i][j] * (int)(i + 1); return s; }
+template <typename T> int bytes(const std::vector<T>& v) { return sizeof(T) * 10 + v.size(); } template <typename T> T whole(std::vector<T> v) { T s = 0; for (auto x : v) s += x; return s; }",
+        "std::array<int, 4> a = {1, 2, 3, 4}; scamp5_in(A, total(a)); int c[5] = {1}; scamp5_in(A, len(c)); int d[2][3] = {{1, 2, 3}, {4, 5, 6}}; scamp5_in(A, sum(d));
+scamp5_in(B, bytes(std::vector<uint8_t>(4))); scamp5_in(B, bytes(std::vector<uint16_t>{1, 2})); scamp5_in(B, whole(std::vector<uint8_t>{200, 100})); scamp5_in(B, (int)(2 * whole(std::vector<float>{1, .5}))); auto v = std::vector<uint8_t>{250, 1}; v[0] += 10; scamp5_in(B, v[0]);
+std::vector<int> w = {4, 5, 6}; std::vector<int> x(w); x[0] = 9; scamp5_in(C, w[0]); scamp5_in(C, x[0]); std::vector<int> y(w.begin() + 1, w.end()); scamp5_in(C, (int)y.size()); scamp5_in(C, y[0]); int (*row)[3]; row = d; scamp5_in(C, row[1][2]);",
+        &[14, 5, 36, 14, 22, 44, 3, 4, 4, 9, 2, 5, 6],
+    );
+}
+
+/// What moves, finds and sums by what a function says, and by order.
+#[test]
+fn algorithms_go_by_functions_and_order() {
+    numbers(
+        "struct Box { int x; int w; }; bool odd(int x) { return x & 1; } bool wide(const Box& p, const Box& q) { return p.w > q.w; }",
+        "std::vector<int> v = {5, 3, 8, 3, 1, 9, 3}; v.erase(std::remove_if(v.begin(), v.end(), [](int x) { return x > 7; }), v.end()); scamp5_in(A, (int)v.size()); v.erase(std::remove(v.begin(), v.end(), 3), v.end()); for (int x : v) scamp5_in(A, x);
+v = {5, 3, 8, 3, 1, 9, 3}; std::sort(v.begin(), v.end()); v.erase(std::unique(v.begin(), v.end()), v.end()); for (int x : v) scamp5_in(A, x);
+scamp5_in(B, std::lower_bound(v.begin(), v.end(), 5) - v.begin()); scamp5_in(B, std::upper_bound(v.begin(), v.end(), 5) - v.begin()); scamp5_in(B, std::lower_bound(v.begin(), v.end(), 100) == v.end()); scamp5_in(B, std::binary_search(v.begin(), v.end(), 8)); scamp5_in(B, std::count_if(v.begin(), v.end(), odd)); scamp5_in(B, std::any_of(v.begin(), v.end(), [](int x) { return x > 8; })); scamp5_in(B, std::all_of(v.begin(), v.end(), odd)); auto it = std::find_if(v.begin(), v.end(), [](int x) { return x > 5; }); scamp5_in(B, *it); scamp5_in(B, std::distance(v.begin(), it)); scamp5_in(B, *std::next(v.begin(), 2)); scamp5_in(B, *std::prev(v.end()));
+Box b[3] = {{1, 4}, {2, 9}, {3, 2}}; scamp5_in(C, std::max_element(b, b + 3, [](const Box& p, const Box& q) { return p.w < q.w; })->x); scamp5_in(C, std::min_element(b, b + 3, [](const Box& p, const Box& q) { return p.w < q.w; }) - b); scamp5_in(C, std::accumulate(b, b + 3, 1, [](int s, const Box& p) { return s + p.w; })); int p[3] = {1, 2, 3}, q[3] = {4, 5, 6}; scamp5_in(C, std::inner_product(p, p + 3, q, 1)); std::replace(p, p + 3, 2, 50); scamp5_in(C, p[1]); scamp5_in(C, std::equal(p, p + 3, q)); int n = 7; std::generate(q, q + 3, [&n] { return n++; }); scamp5_in(C, q[2]);
+std::sort(b, b + 3, wide); scamp5_in(D, b[0].x); std::vector<int> w = {1, 2}; w.insert(w.end(), {8, 9}); w.insert(w.begin(), p, p + 2); scamp5_in(D, (int)w.size()); scamp5_in(D, w[1]); scamp5_in(D, w[5]); int calls = 0; std::any_of(w.begin(), w.end(), [&](int x) { calls++; return x == 50; }); scamp5_in(D, calls);",
+        &[
+            5, 5, 1, 1, 3, 5, 8, 9, 2, 3, 1, 1, 4, 1, 0, 8, 3, 5, 9, 2, 2, 16, 33, 50, 0, 9, 2, 6,
+            50, 9, 2,
+        ],
+    );
+}
+
+/// Pointers to characters go over a text; characters are added to a `std::string`.
+#[test]
+fn pointers_go_over_texts() {
+    numbers(
+        "int length(const char* s) { const char* p = s; while (*p) p++; return p - s; } int number(const char* s) { int v = 0; while (*s >= '0' && *s <= '9') v = v * 10 + (*s++ - '0'); return v; } int count(const char* s, char c) { int n = 0; for (; *s; ++s) if (*s == c) n++; return n; }",
+        r#"scamp5_in(A, length("hello")); scamp5_in(A, number("42x")); scamp5_in(A, count("banana", 'a')); const char* c = "abc"; const char* d = c + 1; scamp5_in(A, *d); scamp5_in(A, d[1]); scamp5_in(A, d - c); scamp5_in(A, c - d); scamp5_in(A, *(c + 3)); int8_t one = 1; scamp5_in(A, *(c + one)); scamp5_in(A, sizeof(*c)); if (*d == 'b') scamp5_in(A, 5);
+scamp5_in(B, strcmp("a", "b") < 0); scamp5_in(B, strcmp("ab", "ab")); scamp5_in(B, strncmp("abc", "abd", 2)); scamp5_in(B, strchr("hello", 'l') - "hello" >= 0); scamp5_in(B, strchr("hello", 'z') == nullptr); scamp5_in(B, toupper('b')); scamp5_in(B, isdigit('5') != 0); scamp5_in(B, atoi("42")); scamp5_in(B, __builtin_popcount(0xF0F)); scamp5_in(B, __builtin_ctz(8));
+std::string s = "x"; s += 'y'; s += "z"; s = '<' + s + '!'; scamp5_in(C, s == "<xyz!"); scamp5_in(C, (int)s.size()); s.push_back('q'); scamp5_in(C, s.back()); scamp5_in(C, s.substr(1, 3) == "xyz"); scamp5_in(C, (int)s.find("yz")); scamp5_in(C, s.find('w') == std::string::npos);"#,
+        &[
+            5, 42, 3, 98, 99, 1, -1, 0, 98, 1, 5, 1, 0, 0, 1, 1, 66, 1, 42, 8, 3, 1, 5, 113, 1, 2,
+            1,
+        ],
+    );
+}
+
+/// Arrays of characters end with a 0, and hold what is written into them.
+#[test]
+fn arrays_of_characters_hold_texts() {
+    numbers(
+        "",
+        r#"char line[16]; int n = sprintf(line, "v=%d", 42); scamp5_in(A, n); scamp5_in(A, (int)strlen(line)); scamp5_in(A, line[2]); scamp5_in(A, line[4]); scamp5_in(A, snprintf(line, 4, "%d", 123456)); scamp5_in(A, (int)strlen(line)); strcpy(line, "abc"); strcat(line, "de"); scamp5_in(A, strcmp(line, "abcde")); strncpy(line, "zz", 2); scamp5_in(A, line[1] == 'z' && line[2] == 'c'); scamp5_in(A, atoi(line + 5));
+char lit[] = "xyz"; scamp5_in(B, sizeof(lit)); scamp5_in(B, lit[3]); for (char* p = lit; *p; p++) *p = *p - 32; scamp5_in(B, lit[0]); std::string s = lit; scamp5_in(B, s == "XYZ");"#,
+        &[4, 4, '4' as i32, 0, 6, 3, 0, 1, 0, 4, 0, 88, 1],
+    );
+    told(
+        "int main() { char line[4];\nsprintf(line, \"%d\", 12345); scamp5_in(A, 1); }",
+        2,
+        "`sprintf` writes 6 characters with the 0 at the end, and there is room for 4",
+        "a larger array",
+    );
+    told(
+        "int main() { const char* p = \"ab\";\np += 3; scamp5_in(A, *p); }",
+        2,
+        "no text goes on",
+        "",
+    );
+}
+
+/// What is not followed is told by its name.
+#[test]
+fn ends_that_are_seen_and_decltype_are_refused() {
+    told(
+        "struct G { int id;\n~G() { vs_post_text(\"%d\\n\", id); } };\nint main() { G g{1}; scamp5_in(A, 1); }",
+        2,
+        "the destructor of `G` shows or posts something",
+        "where the object ends",
+    );
+    told(
+        "int main() { int x = 1;\nconst decltype(x) y = 2; scamp5_in(A, y); }",
+        2,
+        "`decltype` is not followed",
+        "`auto`",
+    );
+    numbers(
+        "enum class Mode { OFF, LOW = 5 }; using M = Mode;",
+        "Mode m = M::LOW; scamp5_in(A, m == Mode::LOW);",
+        &[1],
+    );
+}
+
+/// With data of its own, declared at once or by its name; an enumeration has the size of its type.
+#[test]
+fn classes_inside_of_classes() {
+    numbers(
+        "struct T { struct In { int k = 3; int twice() const { return 2 * k; } }; In in; int n = 1; struct { int x; int y; } at = {4, 5}; struct Q { uint8_t b = 250; } q; }; enum Flags : uint8_t { NONE, ONE }; enum Plain { P }; template <typename T, typename U> auto sum(T a, U b) -> decltype(a + b) { return a + b; }",
+        "T t; scamp5_in(A, t.in.twice()); scamp5_in(A, t.n); scamp5_in(A, t.at.y); t.q.b += 10; scamp5_in(A, t.q.b); T::In z; z.k = 8; t.in = z; scamp5_in(A, t.in.k); std::vector<T> all(2); all[1].in.k = 6; scamp5_in(A, all[0].in.k + all[1].in.k);
+Flags f = ONE; Plain p = P; scamp5_in(B, sizeof(f)); scamp5_in(B, sizeof(p)); scamp5_in(B, (int)(2 * sum(1, 2.5)));",
+        &[6, 1, 5, 4, 8, 9, 1, 4, 7],
+    );
+}
+
+/// Once for each place, not for each value.
+#[test]
+fn what_is_cut_off_is_told_once() {
+    let text =
+        "int main() { for (int i = 0; i < 3; i++) scamp5_in(A, i + 0.5);\nscamp5_in(B, 1.5); }";
+    let all = expand(text).unwrap().warnings;
+    let cut = all
+        .iter()
+        .filter(|it| it.message.contains("makes the whole number"));
+    assert_eq!(cut.count(), 2, "{all:#?}");
+}

@@ -4,6 +4,7 @@ use std::{rc::Rc, sync::Arc};
 
 use super::{
     call::{Argument, Named},
+    elementwise::{ELEMENTWISE, by_function},
     look,
     machine::{Location, Machine},
     operator::COMPARED,
@@ -17,20 +18,20 @@ use crate::{config::Place, order::Order};
 
 /// Some elements of an array, one behind the other.
 #[derive(Clone, PartialEq)]
-struct Range {
+pub(super) struct Range {
     slot: Slot,
     array: Vec<usize>,
     first: usize,
-    length: usize,
+    pub(super) length: usize,
 }
 
 impl Range {
-    fn at(&self, index: usize) -> Location {
+    pub(super) fn at(&self, index: usize) -> Location {
         let path = [&self.array[..], &[self.first + index]].concat();
         (self.slot, path)
     }
 
-    fn pointer(&self, index: usize) -> Value {
+    pub(super) fn pointer(&self, index: usize) -> Value {
         let (slot, path) = self.at(index);
         Value::Pointer(slot, path, "data".into())
     }
@@ -50,6 +51,10 @@ impl Machine<'_> {
         let found = match name {
             "memset" | "memcpy" | "memmove" => self.memory(name, &values),
             "for_each" | "transform" => self.applied(name, &values, place),
+            "distance" | "next" | "prev" => self.iterated(name, &values, place),
+            _ if by_function(name, &values) || ELEMENTWISE.contains(&name) => {
+                self.elementwise(name, &values, place)
+            }
             "sort" | "stable_sort" if given.get(2).is_some_and(falls) => {
                 self.moved_about("fall", &values[..2])
             }
@@ -161,7 +166,7 @@ impl Machine<'_> {
     }
 
     /// The elements from one pointer up to another.
-    fn range(&self, from: &Value, to: &Value) -> Option<Range> {
+    pub(super) fn range(&self, from: &Value, to: &Value) -> Option<Range> {
         let start = self.start(from)?;
         let end = self.start(to)?;
         let length = end.first.checked_sub(start.first)?;
@@ -170,7 +175,7 @@ impl Machine<'_> {
     }
 
     /// So many elements from a pointer on.
-    fn counted(&self, from: &Value, count: usize) -> Option<Range> {
+    pub(super) fn counted(&self, from: &Value, count: usize) -> Option<Range> {
         let start = self.start(from)?;
         (count <= start.length).then_some(Range {
             length: count,
@@ -192,12 +197,12 @@ impl Machine<'_> {
         })
     }
 
-    fn values_of(&self, range: &Range) -> Vec<Value> {
+    pub(super) fn values_of(&self, range: &Range) -> Vec<Value> {
         let locations = (0..range.length).map(|i| range.at(i));
         locations.map(|(slot, path)| self.at(slot, &path)).collect()
     }
 
-    fn write(&mut self, range: &Range, values: Vec<Value>) {
+    pub(super) fn write(&mut self, range: &Range, values: Vec<Value>) {
         for (i, value) in values.into_iter().enumerate() {
             self.write_at(range.at(i), value);
         }
@@ -407,16 +412,19 @@ impl Machine<'_> {
 
     fn called_with(&mut self, function: &Rc<Function>, location: Location, place: Place) -> Value {
         self.work(place);
-        let value = self.at(location.0, &location.1);
-        let kind = self.kind_at(location.0, &location.1);
-        let argument = Argument {
-            value,
+        let argument = self.argument_of(location);
+        self.enter_with(function, vec![argument], None, place)
+    }
+
+    /// An element, as a function is given it.
+    pub(super) fn argument_of(&self, location: Location) -> Argument {
+        Argument {
+            value: self.at(location.0, &location.1),
+            kind: self.kind_at(location.0, &location.1),
             location: Some(location),
-            kind,
             named: Named::Unclear,
             lost: None,
-        };
-        self.enter_with(function, vec![argument], None, place)
+        }
     }
 }
 
@@ -435,7 +443,25 @@ fn forwards(values: &[Value]) -> Option<Vec<Value>> {
 fn looks(name: &str) -> bool {
     matches!(
         name,
-        "min_element" | "max_element" | "count" | "find" | "accumulate"
+        "min_element"
+            | "max_element"
+            | "count"
+            | "find"
+            | "accumulate"
+            | "lower_bound"
+            | "upper_bound"
+            | "binary_search"
+            | "count_if"
+            | "find_if"
+            | "find_if_not"
+            | "any_of"
+            | "all_of"
+            | "none_of"
+            | "inner_product"
+            | "equal"
+            | "distance"
+            | "next"
+            | "prev"
     )
 }
 

@@ -126,11 +126,15 @@ fn another_chip(machine: &mut Machine<'_>, name: &str, place: Place) {
 
 /// What the host takes are whole numbers.
 fn in_whole(machine: &mut Machine<'_>, value: &mut Value, at: Place) {
+    const MAKES: &str = "C++ makes the whole number";
     let (Value::Real(_) | Value::Single(_), Some(real)) = (&*value, value.decimal()) else {
         return;
     };
-    if real.fract() != 0.0 {
-        let message = format!("C++ makes the whole number {} of {real}", real.trunc());
+    // In a loop, once for all of its values.
+    let mut told = machine.faults.iter();
+    let told = told.any(|it| it.place.start == at.start && it.message.starts_with(MAKES));
+    if real.fract() != 0.0 && !told {
+        let message = format!("{MAKES} {} of {real}", real.trunc());
         machine.fault(
             Fault::warning(at, message, "a parameter that is a whole number")
                 .help("write a whole number"),

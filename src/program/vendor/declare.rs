@@ -95,7 +95,30 @@ impl Machine<'_> {
         }
     }
 
+    /// `std::vector<type> name(other);`: a copy, where one number would be a length.
+    fn copies(&self, it: &Declared) -> Option<Declared> {
+        let ([Some(of)], None) = (&it.lengths[..], &it.value) else {
+            return None;
+        };
+        let (slot, path) = self.lies(of)?;
+        let listed = matches!(self.peek(slot, &path), Some(Value::List(_)));
+        (it.library && listed && matches!(of.node, ExprNode::Name(_) | ExprNode::Member(..))).then(
+            || Declared {
+                lengths: vec![None],
+                value: Some(of.clone()),
+                ..it.clone()
+            },
+        )
+    }
+
     pub(super) fn declare(&mut self, it: &Declared) {
+        match self.copies(it) {
+            Some(copy) => self.declared(&copy),
+            None => self.declared(it),
+        }
+    }
+
+    fn declared(&mut self, it: &Declared) {
         if it.value.is_none() && !it.lasting && self.home(&it.name).is_some() {
             // `extern`: the variable is there.
             return;
@@ -232,6 +255,8 @@ impl Machine<'_> {
         let copied = copied && matches!(value, Value::List(_));
         let kind = match self.resolved(it.kind) {
             Kind::Any if value.number().is_some() => given,
+            // A temporary array says the type of its elements.
+            Kind::Any if matches!(value, Value::List(_)) && given != Kind::Any => given,
             Kind::Any => bound,
             kind => kind,
         };
@@ -299,7 +324,8 @@ impl Machine<'_> {
         }
     }
 
-    /// Refuses a destructor that changes what is not its object's: destructors are not run.
+    /// Refuses a destructor that changes what is not its object's, or that is seen outside:
+    /// destructors are not run.
     fn refuse_end(&mut self, it: &Struct) {
         let ends = |of: &&Rc<Function>| {
             let before = self.text.get(..of.place.start).unwrap_or_default();
@@ -314,6 +340,22 @@ impl Machine<'_> {
             let mut all = it.members.iter();
             all.any(|it| it.name == *name && (it.pointer || it.reference))
         };
+        let seen = it.functions.iter().filter(ends).find(|function| {
+            let mut all = function.body.iter();
+            all.any(|it| look::is_seen(self, it))
+        });
+        if let Some(place) = seen.map(|it| it.place) {
+            self.error(
+                place,
+                format!(
+                    "the destructor of `{}` shows or posts something, and destructors are not run",
+                    it.name
+                ),
+                "this destructor",
+                "do it in a function of the class, and call that where the object ends",
+            );
+            return;
+        }
         let found = it.functions.iter().filter(ends).find_map(|function| {
             let mut all = function.body.iter().flat_map(|it| look::assigns(self, it));
             let name = all.find(|(name, through)| {
@@ -479,7 +521,7 @@ impl Machine<'_> {
         let value = match value {
             // An array of the language's library is copied.
             Value::Pointer(slot, path, _) if it.library => self.at(slot, &path),
-            value => value,
+            value => self.spelled(it, value),
         };
         let layout = self.layouts.get(&it.of).filter(|_| !it.pointer).cloned();
         let leaf = Leaf {

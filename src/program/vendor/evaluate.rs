@@ -11,6 +11,8 @@ use super::{
     operator::COMPARED,
     reach::{Reach, base_name},
     scope::foreign,
+    shape,
+    text::character,
     tree::{Declared, Expr, ExprNode, Function, Kind, Width, last},
     value::{Slot, Value, unassigned},
     walk::tied,
@@ -72,7 +74,10 @@ impl Machine<'_> {
             },
             ExprNode::Convert(kind, of) => {
                 let kind = self.resolved(*kind);
-                self.value(of).converted(kind)
+                match self.value(of) {
+                    list @ Value::List(_) => shape::deep(list, kind),
+                    value => value.converted(kind),
+                }
             }
             ExprNode::Recast(kind, of) => self.recast(*kind, of),
             ExprNode::SizeOf(of) => self.size_of(of),
@@ -113,15 +118,21 @@ impl Machine<'_> {
             Reach::Location(slot, path) if self.copied.contains(&slot) && path.is_empty() => {
                 return unknown();
             }
-            Reach::Location(slot, path) => (self.at(slot, &path), self.kind_at(slot, &path)),
+            Reach::Location(slot, path) => {
+                let kind = match (self.kind_at(slot, &path), self.classes.get(&slot)) {
+                    (Kind::Any, Some(of)) => self.enumerations.get(of).copied(),
+                    (kind, _) => Some(kind),
+                };
+                (self.at(slot, &path), kind.unwrap_or(Kind::Any))
+            }
             Reach::Value(Value::Symbol(class)) if self.layouts.contains_key(&class) => {
                 let layout = &self.layouts[&class];
-                (super::shape::fresh(layout, &Value::Whole(0)), Kind::Any)
+                (shape::fresh(layout, &Value::Whole(0)), Kind::Any)
             }
             Reach::Value(value) => (value, Kind::Any),
             _ => (self.value(of), Kind::Any),
         };
-        super::shape::size(&value, kind).map_or_else(unknown, |(bytes, _)| {
+        shape::size(&value, kind).map_or_else(unknown, |(bytes, _)| {
             Value::Wide(bytes, Width::UnsignedLong)
         })
     }
@@ -140,7 +151,7 @@ impl Machine<'_> {
             .get(&it.of)
             .filter(|_| !it.pointer && it.lengths.is_empty());
         let empty = match layout {
-            Some(layout) => super::shape::fresh(layout, &Value::Unknown(unassigned("an object"))),
+            Some(layout) => shape::fresh(layout, &Value::Unknown(unassigned("an object"))),
             None => empty,
         };
         let value = self.shaped(it, value.unwrap_or(empty));
@@ -265,6 +276,9 @@ impl Machine<'_> {
         let mut value = argument.value;
         if let Some(operator) = operator {
             let before = self.load(&reached, to);
+            if self.appends(operator, (&before, to), argument.kind) {
+                value = character(&value);
+            }
             let after = self.arithmetic(operator, &before, &value);
             value = self.or_fault(after, place);
         }
@@ -298,6 +312,7 @@ impl Machine<'_> {
             }
         }
         let b = self.value(right);
+        let (a, b) = self.joined(operator, (a, left), (b, right));
         if let (Value::Unknown(why), "&&" | "||") = (&a, operator) {
             look::forget(self, &look::statement(right), why);
         }

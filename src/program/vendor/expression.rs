@@ -3,7 +3,7 @@
 use super::{
     parse::{Parsed, Parser},
     token::{Kind as TokenKind, Token, unescaped},
-    tree::{Expr, ExprNode, FILLED, Kind, TemplateArgument},
+    tree::{Expr, ExprNode, FILLED, Kind, LIMIT, TemplateArgument},
 };
 use crate::config::{Fault, Place};
 
@@ -327,6 +327,11 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
     if name.ends_with("_cast") && it.sees("<") {
         return named_cast(it, &name, place);
     }
+    if it.sees("::")
+        && let Some(own) = it.enumeration_named(&name)
+    {
+        name = own;
+    }
     let (mut std, mut full) = (false, name.to_string());
     while it.sees("::") && !it.word(1).is_empty() {
         std |= &*name == "std";
@@ -340,9 +345,15 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
     }
     let array = matches!(&*name, "vector" | "deque");
     let get = std && &*name == "get";
+    if &*name == "numeric_limits" && it.sees("<") {
+        return limit(it, place);
+    }
     if (std || array) && !get {
         if std && matches!(&*name, "min" | "max" | "clamp") && it.sees("<") {
             return chosen(it, &full, place);
+        }
+        if array && let Some(made) = temporary(it, &name, place)? {
+            return Ok(made);
         }
         let start = it.at;
         let angles = it.angles();
@@ -403,6 +414,66 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
         node,
         place: place.to(it.before()),
     })
+}
+
+/// `std::numeric_limits<type>::max()`, from the `<` on.
+fn limit(it: &mut Parser<'_>, place: Place) -> Parsed<Expr> {
+    const SHAPE: &str = "write `std::numeric_limits<int>::max()`";
+    let [TemplateArgument::Type(kind)] = template_arguments(it)?[..] else {
+        return Err(unexpected(
+            it.peek(0),
+            it.place(),
+            "a type of numbers",
+            SHAPE,
+        ));
+    };
+    it.expect("::", SHAPE)?;
+    let node = ExprNode::Text(it.name(SHAPE)?);
+    if it.sees("(") {
+        arguments(it, SHAPE)?;
+    }
+    let place = place.to(it.before());
+    let zero = Box::new(Expr {
+        node: ExprNode::Whole(0),
+        place,
+    });
+    let of = Expr {
+        node: ExprNode::Convert(kind, zero),
+        place,
+    };
+    Ok(Expr::made(LIMIT, vec![Expr { node, place }, of], place))
+}
+
+/// `std::vector<type>{…}`, `std::vector<type>(length)`, where the type is one of numbers, from the
+/// `<` on; nothing, and no step ahead, elsewhere.
+fn temporary(it: &mut Parser<'_>, name: &str, place: Place) -> Parsed<Option<Expr>> {
+    let (start, half) = (it.at, it.half);
+    let elements = if it.sees("<") {
+        it.elements(name)
+    } else {
+        None
+    };
+    if elements.is_none() && it.at != start {
+        (it.at, it.half) = (start, half);
+        return Ok(None);
+    }
+    let kind = match elements {
+        Some((kind, _, lengths)) if lengths.len() == 1 => kind,
+        _ => Kind::Any,
+    };
+    let made = if it.sees("{") {
+        braces(it)?
+    } else if it.sees("(") && kind != Kind::Any {
+        let given = arguments(it, "an array is `std::vector<int>(length, value)`")?;
+        Expr::made(FILLED, given, place.to(it.before()))
+    } else {
+        (it.at, it.half) = (start, half);
+        return Ok(None);
+    };
+    Ok(Some(Expr {
+        place: made.place,
+        node: ExprNode::Convert(kind, Box::new(made)),
+    }))
 }
 
 /// `type(value)`, `type{value}`: a number, from the parenthesis or the brace on.

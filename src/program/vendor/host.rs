@@ -1,7 +1,7 @@
 //! What the vendor's library offers the micro-controller, as far as a program can be told of it.
 
 use super::{
-    tree::{Width, qualifier},
+    tree::{FILLED, LIMIT, Width, qualifier},
     value::Value,
 };
 use crate::elementary;
@@ -62,9 +62,8 @@ pub(super) fn role(name: &str, given: usize) -> Role {
         | "scamp5_global_sum_fast"
         | "scamp5_global_sum_sparse" => Role::Read,
         _ if given > 0 && number(name, &NUMBERS[..given.min(3)]).is_some() => Role::Number,
-        "sizeof" | "dynamic_cast" | "back_inserter" | "front_inserter" | "inserter" => {
-            Role::Library
-        }
+        FILLED | LIMIT | "sizeof" | "dynamic_cast" | "back_inserter" | "front_inserter"
+        | "inserter" => Role::Library,
         // The GUI of the box, its memory, lights, pins and messages; the language's own library.
         _ if name.starts_with("vs_")
             || name.starts_with("VS_")
@@ -137,6 +136,12 @@ pub(super) fn constant(name: &str) -> Option<Value> {
         "M_E" => Value::Real(consts::E),
         "M_SQRT2" => Value::Real(consts::SQRT_2),
         "M_LN2" => Value::Real(consts::LN_2),
+        "INFINITY" => Value::Single(f32::INFINITY),
+        "NAN" => Value::Single(f32::NAN),
+        "HUGE_VAL" => Value::Real(f64::INFINITY),
+        "CHAR_BIT" => Value::Whole(8),
+        "FLT_MIN" => Value::Single(f32::MIN_POSITIVE),
+        "DBL_MIN" => Value::Real(f64::MIN_POSITIVE),
         "FLT_MAX" => Value::Single(f32::MAX),
         "FLT_EPSILON" => Value::Single(f32::EPSILON),
         "DBL_MAX" => Value::Real(f64::MAX),
@@ -150,8 +155,11 @@ pub(super) fn constant(name: &str) -> Option<Value> {
         "INT32_MIN" | "INT_MIN" => Value::Whole(i64::from(i32::MIN)),
         "INT32_MAX" | "INT_MAX" => Value::Whole(i64::from(i32::MAX)),
         "UINT32_MAX" | "UINT_MAX" => Value::Wide(i64::from(u32::MAX), Width::Unsigned),
-        "INT64_MIN" | "LONG_MIN" => Value::Wide(i64::MIN, Width::Long),
-        "INT64_MAX" | "LONG_MAX" => Value::Wide(i64::MAX, Width::Long),
+        "INT64_MIN" | "LONG_MIN" | "LLONG_MIN" => Value::Wide(i64::MIN, Width::Long),
+        "INT64_MAX" | "LONG_MAX" | "LLONG_MAX" => Value::Wide(i64::MAX, Width::Long),
+        "UINT64_MAX" | "ULONG_MAX" | "ULLONG_MAX" | "SIZE_MAX" | "npos" => {
+            Value::Wide(-1, Width::UnsignedLong)
+        }
         // Streams of text, and what sets how they write.
         "cout" | "cerr" | "clog" | "endl" | "flush" | "hex" | "dec" | "fixed" => {
             Value::Unknown("what a stream of text holds".into())
@@ -167,7 +175,7 @@ pub(super) fn simulates(name: &str) -> bool {
 }
 
 /// Algorithms of the language's library that are run: [`algorithm`](super::algorithm).
-pub(super) const ALGORITHMS: [&str; 21] = [
+pub(super) const ALGORITHMS: [&str; 40] = [
     "reverse",
     "rotate",
     "sort",
@@ -186,12 +194,31 @@ pub(super) const ALGORITHMS: [&str; 21] = [
     "find",
     "for_each",
     "transform",
+    "remove",
+    "remove_if",
+    "unique",
+    "replace",
+    "generate",
+    "lower_bound",
+    "upper_bound",
+    "binary_search",
+    "count_if",
+    "find_if",
+    "find_if_not",
+    "any_of",
+    "all_of",
+    "none_of",
+    "inner_product",
+    "equal",
+    "distance",
+    "next",
+    "prev",
     "memset",
     "memcpy",
     "memmove",
 ];
 
-const LIBRARY: [&str; 35] = [
+const LIBRARY: [&str; 50] = [
     "allow_highspeed",
     "move_to_heap",
     "scamp5_bind_io_agent",
@@ -227,6 +254,21 @@ const LIBRARY: [&str; 35] = [
     "exit",
     "puts",
     "scamp5_verbose_str",
+    "strchr",
+    "tolower",
+    "toupper",
+    "isdigit",
+    "isalpha",
+    "isspace",
+    "__builtin_popcount",
+    "__builtin_popcountl",
+    "__builtin_popcountll",
+    "__builtin_ctz",
+    "__builtin_ctzll",
+    "__builtin_clz",
+    "__builtin_clzll",
+    "stoi",
+    "stof",
 ];
 
 /// What an object of `<random>` draws.

@@ -42,6 +42,30 @@ pub(super) fn shows(machine: &Machine<'_>, it: &Stmt) -> bool {
     asks(machine, it, &|role| role == Role::Show)
 }
 
+/// Whether it writes something for people.
+pub(super) fn posts(machine: &Machine<'_>, it: &Stmt) -> bool {
+    let mut found = false;
+    reach(machine, it, &mut |_| {}, &mut |name, _| {
+        found |= name.starts_with("vs_post") || matches!(name, "printf" | "puts");
+    });
+    found
+}
+
+/// Whether it asks something of the box or the array that is seen outside of the program.
+pub(super) fn is_seen(machine: &Machine<'_>, it: &Stmt) -> bool {
+    let mut found = false;
+    reach(machine, it, &mut |_| {}, &mut |name, given| {
+        found |= match host::role(name, given) {
+            Role::Library => {
+                name.starts_with("vs_") || matches!(name, "printf" | "puts" | "display")
+            }
+            Role::Number | Role::Chip => false,
+            _ => true,
+        };
+    });
+    found
+}
+
 /// A value as a statement.
 pub(super) fn statement(it: &Expr) -> Stmt {
     Stmt {

@@ -109,6 +109,8 @@ impl Machine<'_> {
             self.unread(it.place, "how often this is read out", why);
         } else if each.iter().flatten().any(|it| look::shows(self, it)) {
             self.shown(it.place, "how often this is shown", why);
+        } else if self.companion.is_some() && look::posts(self, body) {
+            self.unread(it.place, "how often this is posted", why);
         }
         look::forget(self, body, why);
         if self.companion.is_some() {

@@ -89,6 +89,8 @@ pub(super) struct Machine<'a> {
     pub specials: BTreeMap<Word, Vec<Rc<Function>>>,
     /// Classes whose members are known.
     pub layouts: BTreeMap<Word, Rc<Layout>>,
+    /// Enumerations, with the type of their numbers.
+    pub enumerations: BTreeMap<Word, Kind>,
     /// Classes that are not followed: what they are, and where.
     pub unread: BTreeMap<Word, String>,
     /// Variables of types that are not followed: why nothing is known of them.
@@ -180,6 +182,7 @@ impl<'a> Machine<'a> {
             classes: BTreeMap::new(),
             specials: BTreeMap::new(),
             layouts: BTreeMap::new(),
+            enumerations: BTreeMap::new(),
             unread: BTreeMap::new(),
             not_followed: BTreeMap::new(),
             refers: false,

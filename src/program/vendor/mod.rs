@@ -27,6 +27,7 @@ mod call;
 mod chip;
 mod constant;
 mod declare;
+mod elementwise;
 mod entry;
 mod evaluate;
 mod expression;
@@ -50,6 +51,7 @@ mod reach;
 mod run;
 mod scope;
 mod shape;
+mod text;
 mod token;
 mod tree;
 mod value;
@@ -145,8 +147,8 @@ pub(super) fn looks_like_cpp(text: &str) -> bool {
 pub(super) fn parses(text: &str) -> bool {
     let mut files = Files::new(text.len());
     let read = preprocess::preprocess(text, &Includes::new(), &Overrides::new(), &mut files);
-    let (_, faults) = parse::parse(&read.tokens, text.len());
-    read.faults.is_empty() && faults.is_empty()
+    let said = parse::parse(&read.tokens, text.len());
+    read.faults.is_empty() && said.faults.is_empty()
 }
 
 /// Reads a text.
@@ -158,13 +160,14 @@ pub(super) fn read(
 ) -> Read {
     let mut files = Files::new(text.len());
     let first = preprocess::preprocess(text, includes, overrides, &mut files);
-    let (statements, faults) = parse::parse(&first.tokens, text.len());
+    let said = parse::parse(&first.tokens, text.len());
     let mut machine = Machine::new(text, &files, device, overrides);
     machine.constants = first.numbers;
+    machine.enumerations = said.enumerations;
     machine.faults = first.faults;
-    let broken = !faults.is_empty();
-    machine.faults.extend(faults);
-    run_file(&mut machine, &statements);
+    let broken = !said.faults.is_empty();
+    machine.faults.extend(said.faults);
+    run_file(&mut machine, &said.statements);
     let items = laid_out(&mut machine, broken);
     let placed = |all: Vec<Fault>| all.into_iter().map(|it| files.fault(it)).collect();
     Read {
@@ -187,8 +190,13 @@ pub(super) fn run(
 ) -> Vec<Fault> {
     let mut files = Files::new(text.len());
     let first = preprocess::preprocess(text, includes, overrides, &mut files);
-    let (statements, faults) = parse::parse(&first.tokens, text.len());
+    let parse::Said {
+        statements,
+        faults,
+        enumerations,
+    } = parse::parse(&first.tokens, text.len());
     let mut machine = Machine::new(text, &files, device, overrides);
+    machine.enumerations = enumerations;
     machine.faults = [first.faults, faults].concat();
     machine.companion = Some(Companion::new(array));
     run_file(&mut machine, &statements);

@@ -11,18 +11,32 @@ use super::{
 impl Machine<'_> {
     /// `printf(format, …)`, with what is known of its values.
     pub(super) fn post(&mut self, values: &[Value]) {
+        let values: Vec<Value> = values.iter().map(|it| self.as_text(it)).collect();
         let (Some(companion), Some((Value::Text(format), values))) =
             (self.companion.as_mut(), values.split_first())
         else {
             return;
         };
-        let (plain, values) = cut(format, values);
-        let given: Vec<Printed> = values.into_iter().map(Printed).collect();
-        let given: Vec<&dyn Printf> = given.iter().map(|it| it as &dyn Printf).collect();
-        // A format that does not fit its values is shown as it stands.
-        let text = sprintf::vsprintf(&plain, &given).unwrap_or_else(|_| format.to_string());
-        companion.array.post(text);
+        companion.array.post(written(format, values));
     }
+
+    /// A format with its values, where all of them are known.
+    pub(super) fn formatted(&self, values: &[Value]) -> Option<String> {
+        let values: Vec<Value> = values.iter().map(|it| self.as_text(it)).collect();
+        let (Value::Text(format), values) = values.split_first()? else {
+            return None;
+        };
+        let known = |it: &Value| it.number().is_some() || matches!(it, Value::Text(_));
+        values.iter().all(known).then(|| written(format, values))
+    }
+}
+
+/// A format with its values. One that does not fit them is shown as it stands.
+fn written(format: &str, values: &[Value]) -> String {
+    let (plain, values) = cut(format, values);
+    let given: Vec<Printed> = values.into_iter().map(Printed).collect();
+    let given: Vec<&dyn Printf> = given.iter().map(|it| it as &dyn Printf).collect();
+    sprintf::vsprintf(&plain, &given).unwrap_or_else(|_| format.to_owned())
 }
 
 /// A format without `*` and lengths, and its values as their lengths have them: `%hhu` has 8 bits.
@@ -40,19 +54,19 @@ fn cut(format: &str, values: &[Value]) -> (String, Vec<Value>) {
             continue;
         }
         let numeric = |it: char| it.is_ascii_digit() || "-+ #.*".contains(it);
-        let (size, rest) = part.split_at(part.find(|it| !numeric(it)).unwrap_or(part.len()));
-        for it in size.chars() {
+        let (given_size, rest) = part.split_at(part.find(|it| !numeric(it)).unwrap_or(part.len()));
+        let mut size = String::new();
+        for it in given_size.chars() {
             match it {
                 '*' => {
                     let number = values.next().and_then(Value::whole);
-                    plain.push_str(&number.map_or_else(String::new, |it| it.to_string()));
+                    size.push_str(&number.map_or_else(String::new, |it| it.to_string()));
                 }
-                it => plain.push(it),
+                it => size.push(it),
             }
         }
         let name = |it: char| !"hlqLjzZt".contains(it);
         let (length, rest) = rest.split_at(rest.find(name).unwrap_or(rest.len()));
-        plain.push_str(rest);
         let bits = match length {
             "hh" => 8,
             "h" => 16,
@@ -64,13 +78,67 @@ fn cut(format: &str, values: &[Value]) -> (String, Vec<Value>) {
             Some('u' | 'o' | 'x' | 'X') => Some(Kind::Bits(bits, false)),
             _ => None,
         };
-        given.extend(values.next().map(|it| match (it, kind) {
+        let value = values.next().map(|it| match (it, kind) {
             (Value::Whole(_) | Value::Wide(..), Some(kind)) => it.clone().converted(kind),
             _ => it.clone(),
-        }));
+        });
+        if let Some((size, text)) = value.as_ref().and_then(|it| at_least(&size, rest, it)) {
+            plain.push_str(&size);
+            plain.push('s');
+            plain.push_str(&rest[1..]);
+            given.push(Value::Text(text.into()));
+        } else {
+            plain.push_str(&size);
+            plain.push_str(rest);
+            given.extend(value);
+        }
     }
     given.extend(values.cloned());
     (plain, given)
+}
+
+/// A whole number with the digits that `%.3d` asks for at least, and the rest of its format as that
+/// of a text; nothing where no precision stands there.
+fn at_least(size: &str, rest: &str, value: &Value) -> Option<(String, String)> {
+    let (flags, digits) = size.split_once('.')?;
+    let least: usize = match digits {
+        "" => 0,
+        digits => digits.parse().ok().filter(|it| *it <= 1 << 16)?,
+    };
+    let (Value::Whole(number) | Value::Wide(number, _)) = value else {
+        return None;
+    };
+    let signed = rest.starts_with(['d', 'i']);
+    let size = if signed {
+        number.unsigned_abs()
+    } else {
+        *number as u64
+    };
+    let written = match rest.chars().next()? {
+        'd' | 'i' | 'u' => size.to_string(),
+        'o' => format!("{size:o}"),
+        'x' => format!("{size:x}"),
+        'X' => format!("{size:X}"),
+        _ => return None,
+    };
+    let written = if size == 0 && least == 0 {
+        String::new()
+    } else {
+        written
+    };
+    let written = format!("{written:0>least$}");
+    let before = match rest.chars().next()? {
+        'd' | 'i' if *number < 0 => "-",
+        'd' | 'i' if flags.contains('+') => "+",
+        'd' | 'i' if flags.contains(' ') => " ",
+        'x' if flags.contains('#') && size != 0 => "0x",
+        'X' if flags.contains('#') && size != 0 => "0X",
+        'o' if flags.contains('#') && !written.starts_with('0') => "0",
+        _ => "",
+    };
+    let width = flags.trim_start_matches(['-', '+', ' ', '#', '0']);
+    let left = if flags.contains('-') { "-" } else { "" };
+    Some((format!("{left}{width}"), format!("{before}{written}")))
 }
 
 /// A value as `printf` takes it, whatever its type is; `?` where it is not known.

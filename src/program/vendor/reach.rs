@@ -35,6 +35,7 @@ impl Machine<'_> {
                     let value = self.unary_operator("*", other.into(), it.place);
                     Reach::Value(value)
                 }
+                Value::Text(text) => character(&text, 0),
                 other => Reach::Value(other),
             },
             ExprNode::Index(of, at) => {

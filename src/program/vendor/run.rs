@@ -137,6 +137,8 @@ impl Machine<'_> {
             self.unread(on.place, "whether this is read out", why);
         } else if parts.iter().any(|part| look::shows(self, part)) {
             self.shown(on.place, "whether this is shown", why);
+        } else if self.companion.is_some() && parts.iter().any(|part| look::posts(self, part)) {
+            self.unread(on.place, "whether this is posted", why);
         }
         for part in parts {
             look::forget(self, part, why);

@@ -10,6 +10,9 @@ pub(super) type Word = Arc<str>;
 /// The call that makes an array of a length, filled with a value.
 pub(super) const FILLED: &str = "a filled vector";
 
+/// The call that gives a limit of the numbers of a type: its name, and a value of the type.
+pub(super) const LIMIT: &str = "a limit";
+
 /// A name without the namespaces and classes before it.
 pub(super) fn last(name: &str) -> &str {
     name.rsplit("::").next().unwrap_or(name)
@@ -353,7 +356,8 @@ pub(super) struct Parameter {
     pub alias: bool,
     /// Whether it is a pointer, or an array.
     pub pointer: bool,
-    /// The name in `(&name)[extent]`, which a template may be after.
-    pub extent: Option<Word>,
+    /// The names in `(&name)[extent]` and `array<type, extent>`, which a template may be after;
+    /// empty where there is none.
+    pub extents: Vec<Word>,
     pub default: Option<Expr>,
 }

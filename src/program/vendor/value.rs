@@ -241,9 +241,38 @@ impl Value {
         Some(Self::of_width(value, width))
     }
 
+    /// Texts under `+` and `-`: one behind the other, or as pointers to characters, each of which is
+    /// the rest of its text; nothing where they are none.
+    fn of_texts(operator: &str, left: &Self, right: &Self) -> Option<Result<Self, String>> {
+        let apart = |a: &Word, b: &Word| {
+            let inside = b.ends_with(&**a);
+            inside.then(|| Self::Wide((b.len() - a.len()) as i64, Width::Long))
+        };
+        match (operator, left, right) {
+            ("+", Self::Text(a), Self::Text(b)) if a.len() + b.len() > VENDOR_VALUES => Some(Err(
+                format!("a text of more than {VENDOR_VALUES} characters"),
+            )),
+            ("+", Self::Text(a), Self::Text(b)) => Some(Ok(Self::Text(format!("{a}{b}").into()))),
+            ("+", Self::Text(text), Self::Whole(by) | Self::Wide(by, _))
+            | ("+", Self::Whole(by) | Self::Wide(by, _), Self::Text(text)) => {
+                let rest = usize::try_from(*by).ok().and_then(|by| text.get(by..));
+                let rest = rest.map(|it| Self::Text(it.into()));
+                Some(rest.ok_or_else(|| format!("{by} characters from here no text goes on")))
+            }
+            ("-", Self::Text(a), Self::Text(b)) => {
+                let back = || apart(b, a).and_then(|it| it.signed("-"));
+                apart(a, b).or_else(back).map(Ok)
+            }
+            _ => None,
+        }
+    }
+
     /// Arithmetic of C++; `Err` says why there is none.
     pub(super) fn binary(operator: &str, left: &Self, right: &Self) -> Result<Self, String> {
         use Value::{Back, Pointer, Real, Single, Symbol, Symbols, Unknown, Whole, Wide};
+        if let Some(made) = Self::of_texts(operator, left, right) {
+            return made;
+        }
         let names = |value: &Self| match value {
             Symbol(name) => Some(vec![name.clone()]),
             Symbols(names) => Some(names.clone()),
@@ -306,12 +335,6 @@ impl Value {
             }
             (Whole(_) | Wide(..), Pointer(..)) if operator == "+" => {
                 Self::binary(operator, right, left)?
-            }
-            (Self::Text(a), Self::Text(b)) if operator == "+" => {
-                if a.len() + b.len() > VENDOR_VALUES {
-                    return Err(format!("a text of more than {VENDOR_VALUES} characters"));
-                }
-                Self::Text(format!("{a}{b}").into())
             }
             _ if matches!(operator, "==" | "!=") => {
                 Self::flag((left == right) == (operator == "=="))

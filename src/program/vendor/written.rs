@@ -3,7 +3,7 @@
 use super::{
     machine::{Location, Machine},
     scope::foreign,
-    tree::{Expr, ExprNode, Kind, Width, last},
+    tree::{Expr, ExprNode, Kind, LIMIT, Width, last},
     value::Value,
 };
 
@@ -63,6 +63,11 @@ impl Machine<'_> {
             ExprNode::Choose(_, a, b) => self.kind_of(a).common(self.kind_of(b)),
             ExprNode::Assign(_, to, _) | ExprNode::Step(to, ..) => self.kind_of(to),
             ExprNode::Call(callee, given) => match (&callee.node, &given[..]) {
+                (ExprNode::Name(name), [limit, of]) if &**name == LIMIT => match &limit.node {
+                    ExprNode::Text(limit) if limit.starts_with("is_") => Kind::Flag,
+                    ExprNode::Text(limit) if limit.starts_with("digits") => Kind::INT,
+                    _ => self.kind_of(of),
+                },
                 // Of the type that both have.
                 (ExprNode::Name(name), [a, b])
                     if foreign(name) && matches!(last(name), "max" | "min") =>
@@ -76,7 +81,9 @@ impl Machine<'_> {
                 }
                 _ => self.kind_given(callee, given.len()),
             },
-            ExprNode::Index(of, _) if self.is_text(of) => Kind::CHARACTER,
+            ExprNode::Index(of, _) | ExprNode::Unary("*", of) if self.is_text(of) => {
+                Kind::CHARACTER
+            }
             ExprNode::Name(_)
             | ExprNode::Member(..)
             | ExprNode::Index(..)

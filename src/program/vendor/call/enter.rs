@@ -447,11 +447,19 @@ impl Machine<'_> {
             };
             let length = || {
                 let mut all = given.iter().zip(function.parameters.iter());
-                let it = all
-                    .find(|(_, to)| to.extent.as_ref() == Some(&parameter.name))?
-                    .0;
+                let (it, depth) = all.find_map(|(it, to)| {
+                    let mut names = to.extents.iter();
+                    Some((it, names.position(|it| *it == parameter.name)?))
+                })?;
                 let (slot, path) = it.location.as_ref()?;
-                let Some(Value::List(all)) = self.peek(*slot, path) else {
+                let mut held = self.peek(*slot, path)?;
+                for _ in 0..depth {
+                    let Value::List(all) = held else {
+                        return None;
+                    };
+                    held = all.first()?;
+                }
+                let Value::List(all) = held else {
                     return None;
                 };
                 Some(Value::Whole(all.len() as i64))

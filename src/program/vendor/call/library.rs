@@ -5,7 +5,7 @@ use super::super::{
     host::{self},
     machine::{GAIN, Machine},
     reach::{Reach, base_name},
-    tree::{Expr, ExprNode, Kind, Width},
+    tree::{Expr, ExprNode, Kind},
     value::Value,
 };
 use crate::{
@@ -42,6 +42,14 @@ impl Machine<'_> {
     /// `std::vector name(length, value)`, `std::vector<type>(length)`
     pub(super) fn filled(&mut self, given: &[Expr], place: Place) -> Value {
         let all: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
+        match &all[..] {
+            [copied @ Value::List(_)] => return copied.clone(),
+            [from @ Value::Pointer(..), to @ Value::Pointer(..)] => {
+                let copied = self.copied_range(from, to);
+                return copied.unwrap_or_else(|| Value::Unknown("what an array copies".into()));
+            }
+            _ => {}
+        }
         let Some(length) = all.first().map_or(Some(0), Value::whole) else {
             return Value::Unknown("an array whose length only the run knows".into());
         };
@@ -229,6 +237,9 @@ impl Machine<'_> {
             }
         }
         self.no_picture(name, place);
+        if let Some(found) = self.of_text(name, &values, place) {
+            return found;
+        }
         if written(name) {
             self.written_by(name, &values);
         }
@@ -269,10 +280,6 @@ impl Machine<'_> {
             "rand" if self.companion.is_some() => {
                 Value::Whole(self.companion.as_mut().map_or(0, Companion::random))
             }
-            "strlen" => match values.into_iter().next() {
-                Some(Value::Text(text)) => Value::Wide(text.len() as i64, Width::UnsignedLong),
-                _ => Value::Unknown("the length of a text".into()),
-            },
             _ => Value::Unknown(format!("`{name}`").into()),
         }
     }

@@ -6,6 +6,7 @@ use super::super::{
     machine::{Location, Machine},
     reach::{Reach, base_name},
     shape,
+    text::character,
     tree::{Expr, Kind, Width, Word},
     value::Value,
     why::Why,
@@ -136,6 +137,31 @@ impl Machine<'_> {
                 Value::binary("+", &Value::Text(text.clone()), more).ok()?
             }
             ("clear", []) => Value::Text("".into()),
+            ("push_back", [code]) => {
+                Value::binary("+", &Value::Text(text.clone()), &character(code)).ok()?
+            }
+            ("back", []) if !text.is_empty() => {
+                let code = text.bytes().last().map(|it| i64::from(it as i8));
+                return code.map(Value::Whole);
+            }
+            ("find", [wanted]) => {
+                let Value::Text(wanted) = character(wanted) else {
+                    return None;
+                };
+                let at = text.find(&*wanted).map_or(-1, |it| it as i64);
+                return Some(Value::Wide(at, Width::UnsignedLong));
+            }
+            ("substr", [from]) => {
+                return Some(Value::Text(
+                    text.get(usize::try_from(from.whole()?).ok()?..)?.into(),
+                ));
+            }
+            ("substr", [from, length]) => {
+                let from = usize::try_from(from.whole()?).ok()?;
+                let length = usize::try_from(length.whole()?).ok()?;
+                let end = from.saturating_add(length).min(text.len());
+                return Some(Value::Text(text.get(from..end)?.into()));
+            }
             _ => return None,
         };
         let Reach::Location(slot, path) = reached else {
@@ -282,9 +308,29 @@ impl Machine<'_> {
             ("assign", [length, value]) if count(length, value).is_some() => {
                 *all = vec![of_kind(value); count(length, value)?];
             }
+            ("insert", [at, Value::List(more)]) if plain => {
+                let at = place(at).filter(|it| *it <= length)?;
+                if length + more.len() > VENDOR_VALUES {
+                    return None;
+                }
+                found = Value::Pointer(slot, [&path[..], &[at]].concat(), "data".into());
+                all.splice(at..at, more.iter().map(of_kind));
+            }
             ("insert", [at, value]) if place(at)? <= length => {
                 found = at.clone();
                 all.insert(place(at)?, of_kind(value));
+            }
+            ("insert", [at, from, to]) if place(at)? <= length => {
+                let (Value::Pointer(of, ..), Value::Pointer(..)) = (from, to) else {
+                    return None;
+                };
+                if *of == slot {
+                    return None;
+                }
+                let Value::List(more) = self.copied_range(from, to)? else {
+                    return None;
+                };
+                return self.of_array((slot, path), member, &[at.clone(), Value::List(more)]);
             }
             ("erase", [at]) if place(at)? < length => {
                 found = at.clone();

@@ -140,6 +140,7 @@ impl Machine<'_> {
             ("string", _) if standard || !self.layouts.contains_key(name) => {
                 return self.text(given);
             }
+            (super::tree::LIMIT, [name, of]) => return self.limit(name, of),
             ("static_assert", _) => return self.asserted(given, place),
             ("make_pair" | "make_tuple", _) => return self.tuple(name, given),
             ("max" | "min", [only]) => return self.extreme(name, only, place),

@@ -241,7 +241,8 @@ impl Machine<'_> {
             _ => (None, written),
         };
         let plain = value.number().is_some() || matches!(value, Value::Unknown(_));
-        let kind = if kind == Kind::Any || reached_value && !plain {
+        let listed = matches!(value, Value::List(_));
+        let kind = if kind == Kind::Any || reached_value && !plain && !listed {
             value.kind()
         } else {
             kind

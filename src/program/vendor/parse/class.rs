@@ -350,6 +350,25 @@ impl Parser<'_> {
         named.then_some(StmtNode::Nothing)
     }
 
+    /// A class inside of another, and the data that is declared with it.
+    fn inner_class(&mut self, named: bool) -> Option<StmtNode> {
+        let (place, told) = (self.place(), self.faults.len());
+        let shared = std::mem::take(&mut self.shared);
+        let node = self.class(false);
+        self.shared = shared;
+        let clean = self.faults.len() == told;
+        self.faults.truncate(told);
+        match node.ok().filter(|_| clean)? {
+            node @ StmtNode::Declare(_) => Some(node),
+            node if named => {
+                self.pending.push(Stmt { node, place });
+                Some(StmtNode::Nothing)
+            }
+            // Its members are those of the class around it.
+            _ => None,
+        }
+    }
+
     /// A member of a class that is data or a plain function; nothing where it is more than that.
     fn plain_member(&mut self, class: &str) -> Option<StmtNode> {
         if matches!(self.word(0), "public" | "private" | "protected") {
@@ -371,6 +390,12 @@ impl Parser<'_> {
         }
         if self.is_friend() {
             return self.befriended();
+        }
+        if matches!(self.word(0), "struct" | "class") {
+            let named = !self.word(1).is_empty();
+            if self.peek(1 + usize::from(named)).is_some_and(|t| t.is("{")) {
+                return self.inner_class(named);
+            }
         }
         let mut words = (0..).map(|ahead| self.word(ahead));
         // It says what its objects become.

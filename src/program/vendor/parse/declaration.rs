@@ -10,8 +10,9 @@ use super::super::{
 };
 use super::{
     Parsed, Parser,
-    types::{RESERVED, Type},
+    types::{QUALIFIERS, RESERVED, Type},
 };
+use crate::config::Fault;
 
 /// How members get names.
 const BINDING: &str = "members get names by `auto [a, b] = value;`";
@@ -20,6 +21,12 @@ impl Parser<'_> {
     /// A declaration, if one stands here.
     pub(super) fn declaration(&mut self) -> Parsed<Option<StmtNode>> {
         let start = self.at;
+        let ahead = (0..3).find(|at| !QUALIFIERS.contains(&self.word(*at)));
+        if ahead.is_some_and(|at| self.word(at) == "decltype") {
+            let message = "`decltype` is not followed";
+            let help = "write the type itself, or `auto`";
+            return Err(Fault::error(self.place(), message, "this type").help(help));
+        }
         if let Some(node) = self.function_pointer()? {
             return Ok(Some(node));
         }
@@ -237,8 +244,13 @@ impl Parser<'_> {
         let open = self.take("(");
         let reference = open && self.take("&");
         let open = reference || open && self.take("*");
-        let name = self.peek(0).and_then(Token::name).cloned();
-        self.at += 1;
+        let name = if reference && self.sees(")") {
+            Some("".into())
+        } else {
+            let found = self.peek(0).and_then(Token::name).cloned();
+            self.at += 1;
+            found
+        };
         let array = self.sees("[");
         if array {
             self.skip_group();
@@ -257,7 +269,7 @@ impl Parser<'_> {
             while self.sees("[") {
                 self.skip_group();
             }
-            let ends = ["=", ",", ")"]
+            let ends = ["=", ",", ")", ";"]
                 .iter()
                 .any(|punctuator| self.sees(punctuator));
             ends.then_some(Pointed::Array)

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::super::{
     expression::unexpected,
     token::{Kind as TokenKind, Token},
-    tree::{Function, Kind, Parameter, StmtNode, Word},
+    tree::{Expr, ExprNode, Function, Kind, Parameter, StmtNode, Word},
 };
 use super::{
     Parsed, Parser,
@@ -101,6 +101,11 @@ impl<'a> Parser<'a> {
         if !self.take("->") {
             return None;
         }
+        if self.take_word("decltype") {
+            // Of the type of what it gives back.
+            self.skip_group();
+            return Some(Type::default());
+        }
         self.read_cast()
     }
 
@@ -156,10 +161,20 @@ impl<'a> Parser<'a> {
                 }
                 (None, None) => "".into(),
             };
-            let extent = alias.then(|| self.word(1)).filter(|it| !it.is_empty());
+            let named = |it: &Option<Expr>| match it.as_ref().map(|it| &it.node) {
+                Some(ExprNode::Name(name)) => name.clone(),
+                _ => "".into(),
+            };
+            let mut extents: Vec<Word> = Vec::new();
+            if it.library {
+                extents.extend(it.lengths.iter().map(named));
+            }
             while self.take("[") {
                 written.push('*');
                 array = true;
+                if alias {
+                    extents.push(self.word(0).into());
+                }
                 while self.peek(0).is_some() && !self.take("]") {
                     self.at += 1;
                 }
@@ -189,7 +204,7 @@ impl<'a> Parser<'a> {
                     alias: it.reference,
                     reference: it.reference && !it.constant && !called || alias,
                     pointer: it.pointer && !called || array,
-                    extent: extent.map(Into::into),
+                    extents,
                     default,
                 });
             }

@@ -34,8 +34,16 @@ use crate::{
 /// ways to be read.
 const TRIES: usize = 64;
 
+/// What a text says.
+pub(super) struct Said {
+    pub statements: Vec<Stmt>,
+    pub faults: Vec<Fault>,
+    /// Enumerations, with the type of their numbers.
+    pub enumerations: BTreeMap<Word, Kind>,
+}
+
 /// Parses all of a text.
-pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
+pub(super) fn parse(tokens: &[Token], end: usize) -> Said {
     let mut parser = Parser {
         tokens,
         at: 0,
@@ -69,7 +77,11 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> (Vec<Stmt>, Vec<Fault>) {
         // What was tried may have been given up in silence.
         parser.faults = vec![too_many_ways(place)];
     }
-    (statements, parser.faults)
+    Said {
+        statements,
+        faults: parser.faults,
+        enumerations: parser.enumerations,
+    }
 }
 
 pub(super) struct Parser<'a> {
@@ -103,7 +115,7 @@ pub(super) struct Parser<'a> {
     /// How many kernels begin at a place: all those of a macro do at its call.
     begun: BTreeMap<usize, i64>,
     /// Whether the first half of a `>>` closed something.
-    half: bool,
+    pub half: bool,
     /// Whether what is read belongs to a class itself.
     in_class: bool,
     /// Classes whose constructors are run.

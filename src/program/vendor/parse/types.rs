@@ -145,6 +145,12 @@ impl Parser<'_> {
         self.enumerations.get(name).copied()
     }
 
+    /// The enumeration that a name is another name of.
+    pub(in crate::program::vendor) fn enumeration_named(&self, name: &str) -> Option<Word> {
+        let alias = self.aliases.get(name)?;
+        { self.enumerations.contains_key(&alias.name) }.then(|| alias.name.clone())
+    }
+
     /// A value that is converted to a type: of an enumeration, to the type of its numbers.
     pub(in crate::program::vendor) fn converted(&self, of: &Type, value: Box<Expr>) -> ExprNode {
         let place = value.place;
@@ -275,7 +281,10 @@ impl Parser<'_> {
     }
 
     /// The elements of `array<type, length>` or `vector<type>`.
-    fn elements(&mut self, of: &str) -> Option<(Kind, Word, Vec<Option<Expr>>)> {
+    pub(in crate::program::vendor) fn elements(
+        &mut self,
+        of: &str,
+    ) -> Option<(Kind, Word, Vec<Option<Expr>>)> {
         self.at += 1;
         let inner = self.deeper(|it| Ok(it.read_type())).ok()??;
         let mut lengths = vec![None];
