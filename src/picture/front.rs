@@ -55,14 +55,8 @@ const TOP: f64 = 78.0;
 /// Charts below each other, one for each group.
 #[must_use]
 pub fn fronts(shows: &[FrontShow<'_>]) -> Drawing {
-    let line = f64::from(LINE);
-    let height = |show: &FrontShow<'_>| {
-        let named = show.dots.iter().filter(|dot| !dot.dominated).count();
-        let notes = show.notes.len() as f64 * line;
-        (named as f64 + 3.0)
-            .mul_add(line, TOP)
-            .max(TOP + HEIGHT + 60.0 + notes)
-    };
+    let height =
+        |show: &FrontShow<'_>| (show.notes.len() as f64).mul_add(f64::from(LINE), above(show));
     let all: f64 = shows.iter().map(height).sum();
     let mut drawing = Drawing::new(WIDTH, all.max(60.0));
     let mut top = 0.0;
@@ -71,6 +65,14 @@ pub fn fronts(shows: &[FrontShow<'_>]) -> Drawing {
         top += height(show);
     }
     drawing
+}
+
+/// Height of a chart and of the names beside it; its notes are below.
+fn above(show: &FrontShow<'_>) -> f64 {
+    let named = show.dots.iter().filter(|dot| !dot.dominated).count();
+    (named as f64 + 3.0)
+        .mul_add(f64::from(LINE), TOP)
+        .max(TOP + HEIGHT + 60.0)
 }
 
 /// Where the dots of a chart lie on the page.
@@ -160,7 +162,7 @@ fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
     }
     let line = f64::from(LINE);
     for (row, note) in (0..).zip(&show.notes) {
-        let place = (24.0, top + TOP + HEIGHT + 56.0 + f64::from(row) * line);
+        let place = (24.0, f64::from(row).mul_add(line, top + above(show)));
         write(drawing, place, Weight::Plain, note);
     }
     let names = PLOT + 40.0;
