@@ -566,6 +566,11 @@ fn requests_that_cannot_be_name_their_field() {
     );
     refused(
         one,
+        &|it| (it.keep, it.into) = (vec![it.input], vec![Analog(1)]),
+        "keep: A is kept, and the input is in it",
+    );
+    refused(
+        one,
         &|it| it.range = Some((1.0, -1.0)),
         "range: from 1 to -1 LSB",
     );
