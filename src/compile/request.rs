@@ -200,14 +200,20 @@ impl<'a> Request<'a> {
             let what = format!("{} twice", name(register));
             return wrong("into", what, "give each result a register of its own");
         }
-        let free = all.iter().filter(|register| !self.keep.contains(register));
+        let kept = |register: &&Analog| self.keep.contains(register);
+        let free = all.iter().filter(|register| !kept(register));
         // Where there are too few, that is what is said.
-        if free.count() >= kernels
-            && let Some(register) = self.into.iter().find(|it| self.keep.contains(it))
-        {
-            let what = format!("{} is kept, and a result goes into it", name(register));
-            let help = "keep another register, or move the result: Request::into_free";
-            return wrong("keep", what, help);
+        if free.count() >= kernels {
+            if let Some(register) = self.into.iter().find(kept) {
+                let what = format!("{} is kept, and a result goes into it", name(register));
+                let help = "keep another register, or move the result: Request::into_free";
+                return wrong("keep", what, help);
+            }
+            if kept(&&self.input) {
+                let what = format!("{} is kept, and the input is in it", name(&self.input));
+                let help = "keep other registers; copy the input first where it is needed later";
+                return wrong("keep", what, help);
+            }
         }
         match self.range {
             Some((low, high)) if low.is_nan() || high.is_nan() || low > high => {

@@ -167,8 +167,7 @@ pub trait Sink {
     ///
     /// # Errors
     /// [`SensorError::Sink`] when it is for another.
-    fn check(&self, size: Size, channels: usize) -> Result<(), SensorError> {
-        let (_, _) = (size, channels);
+    fn check(&self, _size: Size, _channels: usize) -> Result<(), SensorError> {
         Ok(())
     }
 
