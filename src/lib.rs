@@ -79,6 +79,7 @@ pub mod rng;
 pub mod save;
 pub mod source;
 pub mod stop;
+pub mod told;
 pub mod unit;
 
 pub mod number;

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use amacrine::{
     array, bundled, catch_panic, compare, compile, config, elementary, event, isa, kernel, limit,
     memory, mesh, npy, number, photoreceptor, picture, plane, program, reference, rig, save, scene,
-    sensor, source, stop, study, unit,
+    sensor, source, stop, study, told, unit,
 };
 
 fn main() -> ExitCode {

@@ -168,7 +168,7 @@ pub fn main() -> ExitCode {
             hook(panic);
         }
     }));
-    print::wrap_at_spaces();
+    print::handle_errors();
     signals::watch();
     let matches = match command().try_get_matches() {
         Ok(matches) if matches.subcommand().is_some() => Ok(matches),

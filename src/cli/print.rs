@@ -1,16 +1,17 @@
 //! All that is printed, and what becomes of the program when nobody takes it.
 
 use std::{
+    fmt,
     io::{self, Write},
     panic,
     process::ExitCode,
     sync::atomic::{AtomicBool, Ordering},
 };
 
-use miette::{MietteHandlerOpts, miette};
+use miette::{Diagnostic, MietteHandlerOpts, ReportHandler, miette};
 use textwrap::{WordSeparator, WordSplitter};
 
-use crate::save;
+use crate::{save, told::Told};
 
 /// Whether an output goes to standard output, and what is said beside it.
 static ASIDE: AtomicBool = AtomicBool::new(false);
@@ -49,24 +50,24 @@ pub(super) fn until_ended(run: impl FnOnce() -> miette::Result<()>) -> miette::R
     })
 }
 
-/// From now on lines of messages break at spaces only: a name such as `rgc-on-chip` can be copied.
-/// A cause that the message has in it is not told again.
-pub(super) fn wrap_at_spaces() {
-    // It can only fail where there is one already.
-    let _ = miette::set_hook(Box::new(|diagnostic| {
+/// How errors are printed: lines break at spaces only, so that a name such as `rgc-on-chip` can be
+/// copied, and a cause that a message has in it is not told again.
+struct Handler;
+
+impl ReportHandler for Handler {
+    fn debug(&self, error: &dyn Diagnostic, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let options = MietteHandlerOpts::new()
             .word_separator(WordSeparator::AsciiSpace)
             .word_splitter(WordSplitter::NoHyphenation)
             .break_words(false);
-        let told =
-            |cause: &dyn std::error::Error| diagnostic.to_string().contains(&cause.to_string());
-        let options = if diagnostic.source().is_some_and(told) {
-            options.without_cause_chain()
-        } else {
-            options
-        };
-        Box::new(options.build())
-    }));
+        options.build().debug(&Told::new(error), f)
+    }
+}
+
+/// From now on errors are printed so.
+pub(super) fn handle_errors() {
+    // It can only fail where there is a handler already.
+    let _ = miette::set_hook(Box::new(|_| Box::new(Handler)));
 }
 
 /// Prints to standard error. There is nobody to tell when that fails.

@@ -433,6 +433,9 @@ mod tests {
         assert_eq!(rate(&[0, 0, 50]).unwrap(), None);
         assert_eq!(rate(&[10, 10, 900]).unwrap(), Some(10.0));
         let message = rate(&[10, 10, 30, 10]).unwrap_err().to_string();
-        assert!(message.contains("frame 1 is at 0.100000 s"), "{message}");
+        assert!(
+            message.contains("frame 3, at 0.500000 s, comes 0.300000 s"),
+            "{message}"
+        );
     }
 }

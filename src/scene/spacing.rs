@@ -64,7 +64,7 @@ fn usual_rate(times: &[f64], step: f64, unit: f64) -> f64 {
     let usual = [found.round(), (found * 1.001).round() / 1.001];
     let near = |fps: f64| off(times, fps.recip()) <= ROUNDED + unit;
     let fits = usual.into_iter().filter(|fps| *fps >= 1.0 && near(*fps));
-    fits.min_by(|a, b| (a - found).abs().total_cmp(&(b - found).abs()))
+    fits.min_by(|a, b| off(times, a.recip()).total_cmp(&off(times, b.recip())))
         .unwrap_or(found)
 }
 

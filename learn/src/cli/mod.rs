@@ -94,7 +94,7 @@ struct RunArguments {
 /// # Errors
 /// What went wrong, as it is to be told.
 pub fn run(arguments: Arguments) -> Result<()> {
-    print::tell_causes_once();
+    print::handle_errors();
     match (arguments.verb, arguments.run) {
         (Some(Verb::Report { run }), _) => report(&run),
         (Some(Verb::New { name }), _) => begin::task(&name),

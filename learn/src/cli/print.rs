@@ -1,11 +1,13 @@
 //! All that is printed, and what becomes of the program when nobody takes it.
 
 use std::{
+    fmt,
     io::{self, Write},
     process::ExitCode,
 };
 
-use miette::{MietteHandlerOpts, Report, Result, miette};
+use amacrine::told::Told;
+use miette::{Diagnostic, MietteHandlerOpts, Report, ReportHandler, Result, miette};
 
 /// The program ends with this code; all that is to be said of it has been said.
 #[derive(Clone, Copy, Debug, thiserror::Error, miette::Diagnostic)]
@@ -27,12 +29,20 @@ pub(super) fn complain(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// From now on a cause is not told again behind the message that has it in it, as all have.
-pub(super) fn tell_causes_once() {
-    // It can only fail where there is one already.
-    let _ = miette::set_hook(Box::new(|_| {
-        Box::new(MietteHandlerOpts::new().without_cause_chain().build())
-    }));
+/// How errors are printed: a cause that a message has in it is not told again.
+struct Handler;
+
+impl ReportHandler for Handler {
+    fn debug(&self, error: &dyn Diagnostic, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let handler = MietteHandlerOpts::new().build();
+        handler.debug(&Told::new(error), f)
+    }
+}
+
+/// From now on errors are printed so.
+pub(super) fn handle_errors() {
+    // It can only fail where there is a handler already.
+    let _ = miette::set_hook(Box::new(|_| Box::new(Handler)));
 }
 
 /// Prints what went wrong; the exit code.
