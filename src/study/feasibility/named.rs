@@ -24,9 +24,8 @@ const NO_RESULT: [Figure; 11] = [
 /// How much room a chip has.
 const ROOM: [Figure; 3] = [Figure::Height, Figure::Width, Figure::Store];
 
-/// The instructions that compiled sensors are made of.
-const OF_SENSORS: [Kind; 7] = [
-    Kind::Nop,
+/// The instructions that compiled sensors are made of, but for those that only wait.
+const OF_SENSORS: [Kind; 6] = [
     Kind::ResetPix,
     Kind::Bus,
     Kind::Where,
