@@ -309,11 +309,8 @@ fn whole_programs_are_made_of_the_registers_that_there_are() {
     chip(folder, "mesh", analogue);
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("isa/scamp5");
     let macros = fs::read_to_string(shipped.join("macros.scamp")).unwrap();
-    fs::write(
-        folder.join("mesh/macros.scamp"),
-        macros.replace("NEWS", "MESH"),
-    )
-    .unwrap();
+    let macros = macros.replace("NEWS", "MESH").replace("DMESH", "DNEWS");
+    fs::write(folder.join("mesh/macros.scamp"), macros).unwrap();
     let asked = [
         "compile",
         "csdvs-3",
@@ -442,7 +439,7 @@ fn rows_and_ranges_that_leave_something_out_are_refused() {
         "--image",
         "pattern:disc?width=8&height=8",
     ];
-    let set = ["--silicon", "range.low=10"];
+    let set = ["--set", "range.low=10"];
     refused(
         folder,
         &[&asked[..], &set].concat(),

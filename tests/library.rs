@@ -162,7 +162,10 @@ fn event(t: u64, x: u16, y: u16) -> Event {
 #[test]
 fn a_frame_that_is_refused_leaves_the_sensor_as_it_was() {
     let size = Size::new(256, 64);
-    let [dark, bright] = [1.0, 101.0].map(|light| Plane::from_elem(size.shape(), light));
+    let dark = Plane::from_elem(size.shape(), 1.0);
+    // Patches, which a surround sees too.
+    let patch = |(y, x): (usize, usize)| [1.0, 101.0][(y / 4 + x / 4) % 2];
+    let bright = Plane::from_shape_fn(size.shape(), patch);
     let mut damaged = bright.clone();
     damaged[(255, 63)] = f64::NAN;
     let noise = "\n[noise]\nshot-hz = 100\ncutoff-hz = 300\n[[channel]]";

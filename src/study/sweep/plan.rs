@@ -418,7 +418,7 @@ mod tests {
                 "14b44a7fcb510f78aa67b4062f9d5a84",
             ],
             [
-                "71789dcd46a3321a44c55a88d24434a6",
+                "2eec2c8853f8ae33c86572dec0ca38b3",
                 "6f5b159e2db5cb3f25ade67583a62e83",
             ],
         ];
