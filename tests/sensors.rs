@@ -159,7 +159,7 @@ fn still(frames: u64) -> impl Iterator<Item = Frame> {
 
 fn silent(description: Description, what: &str) {
     let mut reference = Reference::new(description, Size::new(19, 23), 1).unwrap();
-    let mut packet = Packet::new(Size::new(19, 23), 16);
+    let mut packet = Packet::new(Size::new(19, 23), reference.channels());
     for frame in still(5) {
         reference.watch(&frame, &mut packet).unwrap();
         assert_eq!(

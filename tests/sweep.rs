@@ -1038,7 +1038,7 @@ fn the_cluster_examples_run() {
 #[test]
 fn points_that_say_nothing_are_told() {
     let text = format!(
-        "scene = \"{SCENE}\"\nkernel = \"csdvs-5\"\nthreshold = [20, 2000]\n[[side]]\nside = \"reference\"\nformat = \"f32\"\n\
+        "scene = \"{SCENE}\"\nkernel = \"csdvs-5\"\nthreshold = [2000, 20]\n[[side]]\nside = \"reference\"\nformat = \"f32\"\n\
          [[side]]\nside = \"array\"\nquantise = \"ternary\"\n"
     );
     let folder = folder(&text);

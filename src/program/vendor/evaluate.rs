@@ -111,6 +111,13 @@ impl Machine<'_> {
                 | ExprNode::Index(..)
                 | ExprNode::Unary("*", _)
         );
+        // A character of a text, which lies in no array.
+        if let ExprNode::Unary("*", text) = &of.node
+            && matches!(text.node, ExprNode::Name(_))
+            && matches!(self.value(text), Value::Text(_))
+        {
+            return Value::Wide(1, Width::UnsignedLong);
+        }
         if let (false, Some(bytes)) = (named, self.kind_of(of).bytes()) {
             return Value::Wide(bytes, Width::UnsignedLong);
         }
