@@ -7,6 +7,7 @@ use amacrine::{
     plane::Size,
     reference::Description,
     rig::guard::Warning,
+    scene::Samples,
     source,
     study::{
         pilot::{Effect, UnknownPart, left_out},
@@ -125,7 +126,9 @@ impl Sensor {
     /// What there is to warn of in numbers of light from `low` to `high` that this sensor is shown, in
     /// the words of a run.
     fn warning_of_light(&self, subject: &str, low: f64, high: f64) -> Option<String> {
-        let mut warning = Warning::scale(Some((low, high)), self.description.response)?;
+        let extent = Some((low, high));
+        let response = self.description.response;
+        let mut warning = Warning::scale(Samples::Floats, extent, response)?;
         warning.subjects = vec![subject.to_owned()];
         Some(in_python(&warning.to_string()))
     }

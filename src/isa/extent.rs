@@ -5,22 +5,29 @@ use super::{
     text::{Expression, Term},
 };
 
-/// The words, and what each is of a side of so many pixels.
-const WORDS: [(&str, Figure, fn(u32) -> u32); 4] = [
-    ("last_row", Figure::Height, last),
-    ("last_column", Figure::Width, last),
-    ("row_bits", Figure::Height, bits),
-    ("column_bits", Figure::Width, bits),
-];
-
-/// The last address of a side.
-const fn last(side: u32) -> u32 {
-    side - 1
+/// What a word is of a side of so many pixels.
+#[derive(Clone, Copy)]
+enum Of {
+    /// The last address.
+    Last,
+    /// All bits that its addresses have.
+    Bits,
 }
 
-/// All bits that its addresses have.
-const fn bits(side: u32) -> u32 {
-    side.next_power_of_two() - 1
+const WORDS: [(&str, Figure, Of); 4] = [
+    ("last_row", Figure::Height, Of::Last),
+    ("last_column", Figure::Width, Of::Last),
+    ("row_bits", Figure::Height, Of::Bits),
+    ("column_bits", Figure::Width, Of::Bits),
+];
+
+impl Of {
+    const fn side(self, pixels: u32) -> u32 {
+        match self {
+            Self::Last => pixels - 1,
+            Self::Bits => pixels.next_power_of_two() - 1,
+        }
+    }
 }
 
 impl Device {
@@ -30,7 +37,7 @@ impl Device {
         let inner = |inner: &Expression| Box::new(self.filled_in(inner));
         let term = match &default.term {
             Term::Name(name) => match WORDS.iter().find(|(word, ..)| word == name) {
-                Some((_, side, of)) => Term::Number(f64::from(of(self.value(*side) as u32))),
+                Some((_, side, of)) => Term::Number(f64::from(of.side(self.value(*side) as u32))),
                 None => Term::Name(name.clone()),
             },
             Term::Negate(it) => Term::Negate(inner(it)),

@@ -266,13 +266,8 @@ impl Compiled {
         for on_chip in &self.on_chip {
             line("chip", on_chip.line(device));
         }
-        if let Some(decided) = self.decided() {
-            let told = if self.is_captured(device) {
-                decided
-            } else {
-                "not predicted: the light itself is cut off (range)".to_owned()
-            };
-            line("events", told);
+        if let Some(decided) = self.decided(device) {
+            line("events", decided);
         }
         for added in &self.noises {
             line("noise", noise(added, device));
@@ -406,7 +401,10 @@ impl Compiled {
     }
 
     /// How well each filter decides.
-    fn decided(&self) -> Option<String> {
+    fn decided(&self, device: &Device) -> Option<String> {
+        if !self.is_captured(device) {
+            return Some("not predicted: the light itself is cut off (range)".to_owned());
+        }
         let f1 = |of: fn(Decided) -> f64| {
             self.each(|filter| {
                 filter

@@ -83,8 +83,8 @@ fn wrong_range(low: f64, high: f64, top: &Layer) -> Option<Fault> {
         return None;
     };
     // Of both, that which is new here.
-    let own = { top.device.figures.iter() }.filter(|(section, ..)| section == "range");
-    let place = own.map(|(_, _, stated)| stated.place).last();
+    let mut own = { top.device.figures.iter().rev() }.filter(|(section, ..)| section == "range");
+    let place = own.next().map(|(_, _, stated)| stated.place);
     let place = place.unwrap_or(top.device.name.place);
     Some(Fault::error(place, what, "this figure").help(help))
 }

@@ -201,7 +201,7 @@ fn widen(item: &mut Quantity, [before, now]: [f64; 2]) {
         interval.high *= times;
     }
     let now = crate::unit::counted(now as u64, "byte");
-    item.source += &format!("; here {now} a row");
+    item.source = format!("{}; here {now} a row", item.source);
 }
 
 /// The macros of all layers, and the layer that each is from; one of the same heading

@@ -80,13 +80,15 @@ fn entries(list: &[u8]) -> Option<Vec<Entry>> {
     let table = list.get(8..)?.get(..count.checked_mul(width)?)?;
     let entry = |bytes: &[u8]| {
         Some(Entry {
-            length: match is_wide {
-                true => u64_at(bytes, 0)?,
-                false => u32_at(bytes, 0)?.into(),
+            length: if is_wide {
+                u64_at(bytes, 0)?
+            } else {
+                u32_at(bytes, 0)?.into()
             },
-            start: match is_wide {
-                true => u64_at(bytes, 8)?.cast_signed(),
-                false => u32_at(bytes, 4)?.cast_signed().into(),
+            start: if is_wide {
+                u64_at(bytes, 8)?.cast_signed()
+            } else {
+                u32_at(bytes, 4)?.cast_signed().into()
             },
             is_plain: u32_at(bytes, width - 4)? == 1 << 16,
         })

@@ -386,7 +386,7 @@ impl FigureSummary {
     fn is_of_events(&self) -> bool {
         let costs = ["clock.", "scan_", "global_", "store."];
         let is_cost = |cost: &&str| self.figure.starts_with(cost);
-        !costs.iter().any(is_cost) && !self.figure.ends_with(".words")
+        !costs.iter().any(is_cost) && !self.figure.contains(".words")
     }
 }
 
