@@ -55,6 +55,8 @@ def test_a_new_interpreter_watches_the_same(frames: Frames) -> None:
 def test_a_chip_in_a_folder_travels(tmp_path: Path, frames: Frames) -> None:
     folder = tmp_path / "mine"
     shutil.copytree(ROOT / "isa/scamp5", folder)
+    data = folder / "device.toml"
+    data.write_text(data.read_text().replace('name = "scamp5"', 'name = "mine"', 1))
     chip = _chip(chip=str(folder))
     assert _watched(pickle.loads(pickle.dumps(chip)), frames) == _watched(chip, frames)
     assert chip.program.words == chip.words
