@@ -481,14 +481,16 @@ impl Warning {
     #[must_use]
     pub fn repeats(repeated: Repeated) -> Option<Self> {
         let Repeated { frames, of } = repeated;
-        let share = 100.0 * (of - frames) as f64 / of as f64;
+        let percent = |new: u64, of: u64| 100.0 * new as f64 / of as f64;
         let change = match repeated.cycle() {
             Some(cycle) => format!(
-                "leave out one of {cycle} and show the others at {share:.0} % of the rate; of a video file: ffmpeg -i CLIP -vf decimate=cycle={cycle} -pix_fmt gray clip.y4m"
+                "leave out one of {cycle} and show the others at {:.0} % of the rate; of a video file: ffmpeg -i CLIP -vf decimate=cycle={cycle} -pix_fmt gray clip.y4m",
+                percent(cycle - 1, cycle)
             ),
             None => format!(
-                "leave them out and show the {} others at {share:.0} % of the rate; of a video file: mkdir FRAMES; ffmpeg -i CLIP -vf mpdecimate -fps_mode passthrough FRAMES/%06d.png, then --fps",
-                of - frames
+                "leave them out and show the {} others at {:.0} % of the rate; of a video file: mkdir FRAMES; ffmpeg -i CLIP -vf mpdecimate -fps_mode passthrough FRAMES/%06d.png, then --fps",
+                of - frames,
+                percent(of - frames, of)
             ),
         };
         (10 * frames >= of).then(|| {
