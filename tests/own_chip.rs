@@ -114,6 +114,34 @@ fn a_capture_that_saturates_is_named() {
     assert!(told["notes"].to_string().contains("light.reset"), "{told}");
 }
 
+/// A cell between two levels of its memory is as far from what is remembered as half a step.
+#[test]
+fn thresholds_clear_of_a_memory_in_bits_by_noise() {
+    let folder = TempDir::new().unwrap();
+    let asked = |threshold| {
+        let told = json(
+            folder.path(),
+            &[
+                "compile",
+                "csdvs-3",
+                "--threshold",
+                threshold,
+                "--memory",
+                "bits:4",
+                "--effort",
+                "0.1",
+            ],
+        );
+        told["notes"].to_string()
+    };
+    let near = asked("16");
+    assert!(near.contains("fires again and again"), "{near}");
+    let from = near.split("thresholds from ").nth(1).unwrap();
+    let from: f64 = from.split(' ').next().unwrap().parse().unwrap();
+    assert!((16.1..40.0).contains(&from), "{near}");
+    assert_eq!(asked(&format!("{:.1}", from + 0.2)), "[]");
+}
+
 #[test]
 fn a_wide_range_is_used() {
     let folder = TempDir::new().unwrap();

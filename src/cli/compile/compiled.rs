@@ -112,7 +112,29 @@ impl Compiled {
             Some(format!("threshold of kind {kind}: {note}"))
         };
         let cut_off = { self.memory.is_some() }.then(|| capture_cut_off(device));
-        kinds.filter_map(any).chain(cut_off.flatten()).collect()
+        let units = self.scales.iter().zip(&asked.scales).enumerate();
+        let chatters = units.filter_map(|(kind, (own, few))| {
+            let note = self.chatters(kind, few / own)?;
+            Some(format!("threshold of kind {kind}: {note}"))
+        });
+        { kinds.filter_map(any).chain(chatters) }
+            .chain(cut_off.flatten())
+            .collect()
+    }
+
+    /// That noise makes a cell fire again and again whose drive stays between two levels of its
+    /// memory in bits; `unit`: kernel times light for each LSB.
+    fn chatters(&self, kind: usize, unit: f64) -> Option<String> {
+        let [on, off] = *self.thresholds.get(kind)?;
+        let (half, noise) = (self.steps.get(kind)? / 2.0, self.noises.get(kind)?.temporal);
+        // What is remembered is up to half a step from what stays.
+        let needed = half + CLEAR * noise;
+        (on.min(off) < needed).then(|| {
+            format!(
+                "half a step of its memory is {half:.2} LSB, and the filter's noise {noise:.2} LSB from frame to frame: on the chip a cell between two levels fires again and again; take more bits, or thresholds from {:.1} on",
+                needed * unit
+            )
+        })
     }
 
     /// Whether registers hold what the program takes of the photodiode, so that its events are as
@@ -251,8 +273,13 @@ impl Compiled {
             );
         }
         let scales = self.scales.iter().zip(&asked.scales);
-        for (thresholds, (own, few)) in self.thresholds.iter().zip(scales) {
-            line("threshold", threshold(*thresholds, few / own, device));
+        for (kind, (thresholds, (own, few))) in self.thresholds.iter().zip(scales).enumerate() {
+            let note = self.chatters(kind, few / own);
+            let note = note.map_or_else(String::new, |note| format!(": {note}"));
+            line(
+                "threshold",
+                threshold(*thresholds, few / own, device) + &note,
+            );
         }
         line("range", self.range(device));
         let offsets = self.filter.offsets.iter().map(|o| format!("{o}"));
@@ -444,6 +471,9 @@ impl Compiled {
         text
     }
 }
+
+/// Standard deviations of noise by which a threshold is clear of what stays.
+const CLEAR: f64 = 3.0;
 
 /// That no register holds the reset level of the photodiode, negated, as a capture stores it.
 fn capture_cut_off(device: &Device) -> Option<String> {

@@ -416,6 +416,8 @@ struct Compiled {
     filters: Vec<Filter>,
     /// What a whole program remembers.
     memory: Option<DriveMemory>,
+    /// Of a memory in bits, how far apart the levels of each kind are, LSB.
+    steps: Vec<f64>,
     /// The ways to read its events; of the filter alone none.
     readouts: Option<readout::Readouts>,
 }
@@ -586,6 +588,7 @@ fn apart(
     let text = program.text_with(kinds, &asked.title, device, readout);
     let mut compiled = proof.compiled(text, program.filter, false)?;
     compiled.readouts = Some(readouts);
+    compiled.steps = program.steps.iter().map(|memory| memory.step).collect();
     let light = Signal::from_range((0.0, brightest(device) * device.value(Figure::LightScale)));
     compiled.on_chip = OnChip::run(&compiled.filter, device, &compiled.results_in, light)?;
     compiled.ranged = true;
