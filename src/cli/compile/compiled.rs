@@ -107,17 +107,15 @@ impl Compiled {
     fn notes(&self, asked: &Asked, device: &Device) -> Vec<String> {
         let units = self.scales.iter().zip(&asked.scales);
         let kinds = self.thresholds.iter().zip(units).enumerate();
-        let any = |(kind, (lsb, (own, few))): (usize, (&[f64; 2], (&f64, &f64)))| {
-            let note = any_fires(*lsb, few / own, device)?;
-            Some(format!("threshold of kind {kind}: {note}"))
+        let of_kind = |(kind, (lsb, (own, few))): (usize, (&[f64; 2], (&f64, &f64)))| {
+            let unit = few / own;
+            let notes = [any_fires(*lsb, unit, device), self.chatters(kind, unit)];
+            { notes.into_iter().flatten() }
+                .map(|note| format!("threshold of kind {kind}: {note}"))
+                .collect::<Vec<_>>()
         };
         let cut_off = { self.memory.is_some() }.then(|| capture_cut_off(device));
-        let units = self.scales.iter().zip(&asked.scales).enumerate();
-        let chatters = units.filter_map(|(kind, (own, few))| {
-            let note = self.chatters(kind, few / own)?;
-            Some(format!("threshold of kind {kind}: {note}"))
-        });
-        { kinds.filter_map(any).chain(chatters) }
+        { kinds.flat_map(of_kind) }
             .chain(cut_off.flatten())
             .collect()
     }
@@ -135,6 +133,18 @@ impl Compiled {
                 needed * unit
             )
         })
+    }
+
+    /// What the chip makes of the thresholds of each kind.
+    fn threshold_lines(&self, asked: &Asked, device: &Device) -> Vec<String> {
+        let units = self.scales.iter().zip(&asked.scales);
+        let kinds = self.thresholds.iter().zip(units).enumerate();
+        let line = |(kind, (lsb, (own, few))): (usize, (&[f64; 2], (&f64, &f64)))| {
+            let note = self.chatters(kind, few / own);
+            let note = note.map_or_else(String::new, |note| format!(": {note}"));
+            threshold(*lsb, few / own, device) + &note
+        };
+        kinds.map(line).collect()
     }
 
     /// Whether registers hold what the program takes of the photodiode, so that its events are as
@@ -272,14 +282,8 @@ impl Compiled {
                 ),
             );
         }
-        let scales = self.scales.iter().zip(&asked.scales);
-        for (kind, (thresholds, (own, few))) in self.thresholds.iter().zip(scales).enumerate() {
-            let note = self.chatters(kind, few / own);
-            let note = note.map_or_else(String::new, |note| format!(": {note}"));
-            line(
-                "threshold",
-                threshold(*thresholds, few / own, device) + &note,
-            );
+        for thresholds in self.threshold_lines(asked, device) {
+            line("threshold", thresholds);
         }
         line("range", self.range(device));
         let offsets = self.filter.offsets.iter().map(|o| format!("{o}"));
