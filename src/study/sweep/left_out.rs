@@ -16,7 +16,7 @@ pub struct LeftOut {
     pub what: BTreeSet<String>,
     /// Points with the figures of a plainer model.
     pub points: usize,
-    /// The largest share of a point's events that this hardly changes more of.
+    /// The largest upper limit, over the points, of the share of events that this changes.
     pub limit: f64,
     /// By how much the mean error may be off: limits as parts of what accident leaves.
     pub error_off: f64,
