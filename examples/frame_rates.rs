@@ -28,7 +28,7 @@ use amacrine::{
         design::Design,
         equivalent::{self, Ladder, Likeness, RUNGS},
     },
-    unit::Micros,
+    unit::{Micros, frame_rate},
 };
 use miette::{IntoDiagnostic, miette};
 
@@ -65,7 +65,7 @@ fn main() -> miette::Result<()> {
         let clip = bundled()?;
         let fps = clip.fps() * times;
         let mut scene = Resampled::new(clip, fps)?;
-        let rate = equivalent::rate(scene.fps());
+        let rate = frame_rate(scene.fps());
         let rows = judged(&float, &designs, &mut scene)?;
         let cells: Vec<String> = { rows.iter() }
             .map(|(f1, judged)| {

@@ -265,6 +265,13 @@ pub fn counted(number: impl Copy + fmt::Display + PartialEq + From<u8>, thing: &
     format!("{number} {thing}{plural}")
 }
 
+/// Frames a second with at most three decimals.
+#[must_use]
+pub fn frame_rate(fps: f64) -> String {
+    let text = format!("{fps:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,20 +7,13 @@ mod common;
 
 use std::{fs, path::Path};
 
-use common::{good, json, refused};
+use common::{chip, good, json, refused};
 use serde_json::Value;
 use tempfile::TempDir;
 
 /// A line of `device.toml`.
 fn figure(key: &str, value: f64, unit: &str, rest: &str) -> String {
     format!("{key} = {{ value = {value:?}, unit = \"{unit}\", source = \"test\", {rest} }}\n")
-}
-
-/// A chip that extends SCAMP-5 by these lines, in a folder of its name.
-fn chip(folder: &Path, name: &str, lines: &str) {
-    fs::create_dir(folder.join(name)).unwrap();
-    let text = format!("name = \"{name}\"\ntitle = \"{name}\"\nextends = \"scamp5\"\n{lines}");
-    fs::write(folder.join(name).join("device.toml"), text).unwrap();
 }
 
 /// A chip whose row of the bus has these forms, words and evidence.

@@ -6,7 +6,7 @@ mod common;
 
 use std::{fs, path::Path};
 
-use common::{amacrine, good, json, line, refused};
+use common::{amacrine, chip, good, json, line, refused};
 use tempfile::TempDir;
 
 /// A line of `device.toml`.
@@ -14,13 +14,6 @@ fn figure(key: &str, value: f64, unit: &str, evidence: &str) -> String {
     format!(
         "{key} = {{ value = {value:?}, unit = \"{unit}\", source = \"test\", evidence = \"{evidence}\" }}\n"
     )
-}
-
-/// A chip that extends SCAMP-5 by these lines, in a folder of its name.
-fn chip(folder: &Path, name: &str, lines: &str) {
-    fs::create_dir(folder.join(name)).unwrap();
-    let text = format!("name = \"{name}\"\ntitle = \"{name}\"\nextends = \"scamp5\"\n{lines}");
-    fs::write(folder.join(name).join("device.toml"), text).unwrap();
 }
 
 /// Chips whose registers hold from `low` to `high` LSB, without headroom, their photodiodes within

@@ -17,14 +17,14 @@ use crate::{
     study::{
         self,
         design::Design,
-        equivalent::{self, RUNGS, rate},
+        equivalent::{self, RUNGS},
         feasibility::{
             self, Feasibility, Fit, Question, Several, Snapshot, Stream, chips::OverChips,
             readout::ReadoutOrder,
         },
         report,
     },
-    unit::Micros,
+    unit::{Micros, frame_rate},
 };
 
 use super::{
@@ -459,7 +459,11 @@ fn summary(all: &Feasibility) -> String {
         "threshold",
         judged.map_or(String::new(), |judged| {
             let (window, fps) = (judged.headline.window_us, judged.headline.fps);
-            format!("   (within {}, {} frames/s)", Short(window), rate(fps))
+            format!(
+                "   (within {}, {} frames/s)",
+                Short(window),
+                frame_rate(fps)
+            )
         })
     );
     let rows = [
@@ -511,7 +515,7 @@ fn summary(all: &Feasibility) -> String {
             text,
             "{} known at {} frames/s ({}), {} a frame; not known: {}",
             power.known,
-            rate(all.scene.fps),
+            frame_rate(all.scene.fps),
             power.known.evidence.word(),
             power.frame,
             unknown.join(", ")

@@ -25,6 +25,7 @@ use crate::{
             WaterfallError, check_crossings, steps_together,
         },
     },
+    unit::frame_rate,
 };
 
 use super::{
@@ -353,7 +354,7 @@ fn rate_table(steps: &Waterfall, rates: &Rates) -> String {
         format!("{}{text}", " ".repeat(6_usize.saturating_sub(number)))
     };
     let all = || rates.rates.iter();
-    let head = |rate: &Rate| format!("{:>6} frames/s", equivalent::rate(rate.headline.fps));
+    let head = |rate: &Rate| format!("{:>6} frames/s", frame_rate(rate.headline.fps));
     row(&mut text, "%", &mut all().map(head));
     let kept = |rate: &Rate| cell(rate.headline.kept, rate.kept_10_90);
     row(&mut text, "kept", &mut all().map(kept));

@@ -9,7 +9,7 @@ use rayon::{
 
 use super::trains::{Cell, Trains, sorted};
 use crate::{
-    event::{Event, Packet, Polarity},
+    event::{Outside, Packet, Polarity},
     plane::Size,
     unit::{Micros, counted},
 };
@@ -38,16 +38,9 @@ pub enum CompareError {
         judged: u8,
     },
     /// An event that its own packet has no cell for.
-    #[error("an event at x {}, y {} of channel {} in a packet of {size} and {}", event.x, event.y, event.channel, counted(*channels, "channel"))]
-    #[diagnostic(help("the packet is inconsistent: correct its size, its channels or the event"))]
-    Outside {
-        /// The event.
-        event: Event,
-        /// Size of its packet.
-        size: Size,
-        /// Channels of its packet.
-        channels: u8,
-    },
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Outside(#[from] Outside),
 }
 
 /// A cell with events, and the indices of its events, [reference, judged].
@@ -87,7 +80,7 @@ impl Sorted {
     /// When it holds events outside of its own size and channels.
     pub fn new(packet: &Packet) -> Result<Self, CompareError> {
         let (size, channels) = (packet.size, packet.channels);
-        let trains = sorted(packet).map_err(|event| CompareError::Outside {
+        let trains = sorted(packet).map_err(|event| Outside {
             event: *event,
             size,
             channels,

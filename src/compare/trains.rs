@@ -114,7 +114,11 @@ pub(super) fn sorted(packet: &Packet) -> Result<Trains, &Event> {
     if cells <= FEW_CELLS.max(packet.events.len()) && u32::try_from(packet.events.len()).is_ok() {
         return by_cell(packet, cells);
     }
-    if let Some(event) = packet.events.iter().find(|event| !is_inside(packet, event)) {
+    if let Some(event) = packet
+        .events
+        .iter()
+        .find(|event| !event.is_inside(packet.size, packet.channels))
+    {
         return Err(event);
     }
     let events = packet.events.iter();
@@ -128,12 +132,6 @@ pub(super) fn sorted(packet: &Packet) -> Result<Trains, &Event> {
         }
     }
     Ok(trains)
-}
-
-fn is_inside(packet: &Packet, event: &Event) -> bool {
-    usize::from(event.x) < packet.size.width
-        && usize::from(event.y) < packet.size.height
-        && event.channel < packet.channels
 }
 
 /// Counting sort by cell, which keeps the order of time in a packet that has it.
@@ -150,7 +148,7 @@ fn by_cell(packet: &Packet, cells: usize) -> Result<Trains, &Event> {
     let mut in_order = true;
     let mut last = Micros(0);
     for event in &packet.events {
-        if !is_inside(packet, event) {
+        if !event.is_inside(packet.size, packet.channels) {
             return Err(event);
         }
         next[index(event)] += 1;

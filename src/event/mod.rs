@@ -3,10 +3,13 @@
 pub mod address;
 pub mod codec;
 pub mod file;
+mod outside;
 pub mod readout;
 pub mod tensor;
 
 use std::ops;
+
+pub use outside::Outside;
 
 use crate::{plane::Size, unit::Micros};
 
@@ -99,23 +102,6 @@ impl ops::AddAssign for Dropped {
     }
 }
 
-/// The first event that a sensor of this size with so many kinds of cells has no cell for.
-pub(crate) fn outside(events: &[Event], size: Size, channels: u8) -> Option<&Event> {
-    let is_inside = |event: &Event| {
-        usize::from(event.x) < size.width
-            && usize::from(event.y) < size.height
-            && event.channel < channels
-    };
-    // All of them at once first: this runs in vectors.
-    let all = events
-        .iter()
-        .fold(true, |all, event| all & is_inside(event));
-    if all {
-        return None;
-    }
-    events.iter().find(|event| !is_inside(event))
-}
-
 /// What kinds of cells are called in packets and files: of several, of which one has a name, the
 /// others by their number; none otherwise.
 #[must_use]
@@ -185,7 +171,7 @@ impl Packet {
     /// The first event that lies outside of its size and its channels.
     #[must_use]
     pub fn outside(&self) -> Option<&Event> {
-        outside(&self.events, self.size, self.channels)
+        outside::first(&self.events, self.size, self.channels)
     }
 
     /// The events in an order that does not depend on the readout:

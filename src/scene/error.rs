@@ -6,7 +6,11 @@ use std::{
 };
 
 use super::rate::{MOST_FPS, Shown};
-use crate::{memory::TooMuch, plane::Size, unit::counted};
+use crate::{
+    memory::TooMuch,
+    plane::Size,
+    unit::{counted, frame_rate},
+};
 
 /// Why a scene cannot be read.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -251,7 +255,7 @@ pub enum SceneError {
     )]
     #[diagnostic(help(
         "frames must be evenly spaced: ffmpeg -i FILE -vf fps={0} -pix_fmt gray clip.y4m spaces them; --fps {0} shows each for as long as any other, so that what moves changes its speed",
-        short_rate(usual.recip())
+        frame_rate(usual.recip())
     ))]
     Uneven {
         /// The file or folder of the scene.
@@ -591,12 +595,6 @@ fn three_axes(shape: &[u64]) -> &'static str {
         }
         _ => "one picture is a[None, :, :]; a clip of colour needs gray first",
     }
-}
-
-/// A frame rate in a few digits.
-fn short_rate(fps: f64) -> String {
-    let text = format!("{fps:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// The ending of a file name, as the user would say it.

@@ -42,18 +42,20 @@ impl Codes {
     /// The mean size of the change from these to others; infinite where they are of another kind or
     /// number.
     pub(super) fn mean_change(&self, others: &Self) -> f64 {
-        let (sum, count): (u64, usize) = match (self, others) {
+        fn mean<T: Copy>(a: &[T], b: &[T], apart: fn(T, T) -> u64) -> f64 {
+            let each = a.iter().zip(b);
+            let sum: u64 = each.map(|(a, b)| apart(*a, *b)).sum();
+            sum as f64 / a.len().max(1) as f64
+        }
+        match (self, others) {
             (Self::Bytes(a), Self::Bytes(b)) if a.len() == b.len() => {
-                let each = a.iter().zip(b.iter());
-                (each.map(|(a, b)| u64::from(a.abs_diff(*b))).sum(), a.len())
+                mean(a, b, |a, b| a.abs_diff(b).into())
             }
             (Self::Words(a), Self::Words(b)) if a.len() == b.len() => {
-                let each = a.iter().zip(b.iter());
-                (each.map(|(a, b)| u64::from(a.abs_diff(*b))).sum(), a.len())
+                mean(a, b, |a, b| a.abs_diff(b).into())
             }
-            _ => return f64::INFINITY,
-        };
-        sum as f64 / count.max(1) as f64
+            _ => f64::INFINITY,
+        }
     }
 }
 

@@ -27,7 +27,7 @@ use crate::{
     rig::{self, RigError, guard::Warning},
     scene::{Frame, Scene},
     sensor::Sensor,
-    unit::Micros,
+    unit::{Micros, frame_rate},
 };
 
 /// Thresholds of the ladder, as parts of the reference's; those below it are for tuning alone.
@@ -443,7 +443,7 @@ impl std::fmt::Display for Likeness {
             f,
             "kept {kept} ({}, {} frames/s)",
             Short(self.window_us),
-            rate(self.fps)
+            frame_rate(self.fps)
         )?;
         match self.event_ratio {
             Some(_) => write!(f, ", as a threshold {} higher", self.equivalent()),
@@ -496,11 +496,4 @@ pub fn kept(kept: impl Into<Option<f64>>, decimals: usize) -> String {
         Some(kept) if kept < LEAST => format!("<{LEAST}"),
         Some(kept) => format!("{kept:.decimals$}"),
     }
-}
-
-/// Frames a second with at most three decimals.
-#[must_use]
-pub fn rate(fps: f64) -> String {
-    let text = format!("{fps:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

@@ -4,6 +4,7 @@
 #![allow(dead_code)] // Each test takes what it needs.
 
 use std::{
+    fs,
     path::Path,
     process::{self, Output},
 };
@@ -115,4 +116,11 @@ pub fn chromium(folder: &Path, arguments: &[&str]) -> (String, String) {
         .collect();
     assert_eq!(said, Vec::<&str>::new());
     (out, log)
+}
+
+/// A chip that extends SCAMP-5 by these lines, in a folder of its name.
+pub fn chip(folder: &Path, name: &str, lines: &str) {
+    fs::create_dir(folder.join(name)).unwrap();
+    let text = format!("name = \"{name}\"\ntitle = \"{name}\"\nextends = \"scamp5\"\n{lines}");
+    fs::write(folder.join(name).join("device.toml"), text).unwrap();
 }

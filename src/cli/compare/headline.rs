@@ -15,7 +15,7 @@ use crate::{
     rig::guard::Warning,
     scene::SceneError,
     study::equivalent::{self, Tuned},
-    unit::Micros,
+    unit::{Micros, frame_rate},
 };
 
 /// What a comparison begins with.
@@ -126,7 +126,7 @@ impl Headline {
             Short(window_us)
         );
         let _ = match (self.fps, self.frame_interval_us) {
-            (Some(fps), Some(_)) => write!(text, "; {} frames/s", equivalent::rate(fps)),
+            (Some(fps), Some(_)) => write!(text, "; {} frames/s", frame_rate(fps)),
             (None, Some(interval)) => write!(
                 text,
                 "; frame rate not said: by the events' times a frame every {} or a whole part of it (--fps says it)",

@@ -1,9 +1,7 @@
 //! The demo for people: two tables, and how to read them.
 
 use crate::{
-    compare::metric::Short,
-    event::readout::scan::SLOTS,
-    study::equivalent::{self, rate},
+    compare::metric::Short, event::readout::scan::SLOTS, study::equivalent, unit::frame_rate,
 };
 
 use super::{
@@ -41,14 +39,14 @@ impl Demo<'_> {
         lines.push(String::new());
         lines.push(format!(
             "at {} frames/s, the clip's own: {} frames",
-            rate(own.fps),
+            frame_rate(own.fps),
             own.frames
         ));
         lines.extend(rows(own));
         lines.push(String::new());
         lines.push(format!(
             "at {} frames/s, which the chip can run: the same light, {} frames put in between each two",
-            rate(faster.fps),
+            frame_rate(faster.fps),
             TIMES - 1
         ));
         lines.extend(rows(faster));

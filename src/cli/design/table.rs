@@ -6,10 +6,10 @@ use super::{Arguments, Exploration};
 use crate::{
     compare::metric::Short,
     study::{
-        equivalent::{kept, rate},
+        equivalent::kept,
         exploration::{NEARLY, Refused},
     },
-    unit::counted,
+    unit::{counted, frame_rate},
 };
 
 /// All of it.
@@ -23,7 +23,7 @@ pub(super) fn text(
         "scene    {}, {} at {} frames/s\n{light}",
         arguments.clip.name(),
         counted(found.frames, "frame"),
-        rate(found.fps)
+        frame_rate(found.fps)
     );
     for rated in &found.rated {
         let thresholds: Vec<String> = rated.thresholds.iter().map(f64::to_string).collect();

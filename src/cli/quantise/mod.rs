@@ -26,6 +26,7 @@ use crate::{
         equivalent::{self, Likeness},
         quantisation::{self, Answer, Outcome, Question},
     },
+    unit::frame_rate,
 };
 
 use super::{
@@ -303,7 +304,7 @@ fn chip_table(arguments: &Arguments, answer: &Answer) -> String {
         arguments.chip(),
         answer.reference_events,
         arguments.clip.name(),
-        equivalent::rate(answer.fps),
+        frame_rate(answer.fps),
         Short(answer.window_us),
         "quantiser",
         "filter",

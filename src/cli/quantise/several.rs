@@ -16,6 +16,7 @@ use crate::{
         equivalent::{self, Likeness, RUNGS},
         joint::{Joint, Outcome},
     },
+    unit::frame_rate,
 };
 
 /// One kernel in few values.
@@ -223,7 +224,7 @@ fn program_table(arguments: &Arguments, programs: &[Joint], kinds: usize) -> Str
             text,
             "\nmatched within {} at {} frames/s. kept: what of F1 is more than accident. us: on the array; frames/s with all slots of the\nreadout, computed: without it. carries: kinds like these that the chip has registers and words for.",
             crate::compare::metric::Short(score.window_us),
-            equivalent::rate(score.fps)
+            frame_rate(score.fps)
         );
     }
     text

@@ -1,10 +1,8 @@
 //! What no tensor can be made of.
 
 use crate::{
-    event::{Event, outside},
+    event::Outside,
     memory::{Budget, Bytes},
-    plane::Size,
-    unit::counted,
 };
 
 /// The most bins of a window.
@@ -30,16 +28,9 @@ pub enum TensorError {
         seconds: f64,
     },
     /// An event that its own packet has no cell for.
-    #[error("an event at x {}, y {} of channel {} in a packet of {size} and {}", event.x, event.y, event.channel, counted(*channels, "channel"))]
-    #[diagnostic(help("the packet is inconsistent: correct its size, its channels or the event"))]
-    Outside {
-        /// The event.
-        event: Event,
-        /// Size of its packet.
-        size: Size,
-        /// Channels of its packet.
-        channels: u8,
-    },
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Outside(#[from] Outside),
     /// More values than this machine's memory holds.
     #[error("{parts} {what} take {}, more than the {} that may be held here", Bytes(*bytes), Bytes((*most).into()))]
     #[diagnostic(help(
@@ -82,17 +73,6 @@ pub(super) fn named<T: Copy>(
             what,
             known: names.join(", "),
         }
-    })
-}
-
-/// Refuses events that a packet of this size has no cell for.
-pub(super) fn inside(events: &[Event], size: Size, channels: u8) -> Result<(), TensorError> {
-    outside(events, size, channels).map_or(Ok(()), |event| {
-        Err(TensorError::Outside {
-            event: *event,
-            size,
-            channels,
-        })
     })
 }
 

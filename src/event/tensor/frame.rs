@@ -3,11 +3,11 @@
 use std::str::FromStr;
 
 use super::{
-    error::{TensorError, inside, named, room},
+    error::{TensorError, named, room},
     sides::Sides,
     sorted,
 };
-use crate::event::Packet;
+use crate::event::{Packet, outside};
 
 /// What a pixel of an event frame holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,7 +40,7 @@ pub fn frames(
     sides: Sides,
     fill: Fill,
 ) -> Result<Vec<i32>, TensorError> {
-    inside(&packet.events, packet.size, packet.channels)?;
+    outside::check(&packet.events, packet.size, packet.channels)?;
     let pixels = packet.size.pixels();
     let cells = usize::from(packet.channels) * sides.count() * pixels;
     let events = sorted(&packet.events);

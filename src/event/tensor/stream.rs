@@ -3,10 +3,14 @@
 use std::collections::VecDeque;
 
 use super::{
-    error::{TensorError, inside, room},
+    error::{TensorError, room},
     voxels::Voxels,
 };
-use crate::{event::Event, plane::Size, unit::Micros};
+use crate::{
+    event::{Event, outside},
+    plane::Size,
+    unit::Micros,
+};
 
 /// The voxels of events that come part by part.
 #[derive(Clone, Debug)]
@@ -56,7 +60,7 @@ impl VoxelStream {
             return Ok(());
         };
         let place = (self.size, self.channels);
-        inside(events, self.size, self.channels)?;
+        outside::check(events, self.size, self.channels)?;
         let windows = self.how.windows;
         let open = windows.count(last.t).saturating_sub(self.next);
         room(open, "windows of voxels", self.how.len(place.0, place.1))?;

@@ -3,11 +3,15 @@
 use std::str::FromStr;
 
 use super::{
-    error::{TensorError, inside, named, room, time},
+    error::{TensorError, named, room, time},
     sides::Sides,
     sorted,
 };
-use crate::{elementary, event::Packet, unit::Micros};
+use crate::{
+    elementary,
+    event::{Packet, outside},
+    unit::Micros,
+};
 
 /// How a cell forgets its last event.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -65,7 +69,7 @@ impl TimeSurface {
     /// # Errors
     /// When an event lies outside of the packet, or the surfaces are more than this machine holds.
     pub fn of(&self, packet: &Packet, times: &[Micros]) -> Result<Vec<f32>, TensorError> {
-        inside(&packet.events, packet.size, packet.channels)?;
+        outside::check(&packet.events, packet.size, packet.channels)?;
         let pixels = packet.size.pixels();
         let each = usize::from(packet.channels) * self.sides.count() * pixels;
         let events = sorted(&packet.events);

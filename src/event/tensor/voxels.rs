@@ -10,14 +10,14 @@ use std::str::FromStr;
 use rayon::prelude::*;
 
 use super::{
-    error::{MOST_BINS, TensorError, inside, named, room},
+    error::{MOST_BINS, TensorError, named, room},
     normalise::Normalise,
     sides::Sides,
     sorted,
     windows::Windows,
 };
 use crate::{
-    event::{Event, Packet},
+    event::{Event, Packet, outside},
     plane::Size,
 };
 
@@ -111,7 +111,7 @@ impl Voxels {
     /// # Errors
     /// When an event lies outside of the packet.
     pub fn fill(&self, packet: &Packet, out: &mut [f32]) -> Result<(), TensorError> {
-        inside(&packet.events, packet.size, packet.channels)?;
+        outside::check(&packet.events, packet.size, packet.channels)?;
         let events = sorted(&packet.events);
         let place = (packet.size, packet.channels);
         let each = self.len(place.0, place.1).max(1);

@@ -111,16 +111,11 @@ impl Machine<'_> {
                 | ExprNode::Index(..)
                 | ExprNode::Unary("*", _)
         );
-        // A character of a text, which lies in no array.
-        if let ExprNode::Unary("*", text) = &of.node
-            && matches!(text.node, ExprNode::Name(_))
-            && matches!(self.value(text), Value::Text(_))
-        {
-            return Value::Wide(1, Width::UnsignedLong);
-        }
         if let (false, Some(bytes)) = (named, self.kind_of(of).bytes()) {
             return Value::Wide(bytes, Width::UnsignedLong);
         }
+        // What lies in no variable is as wide as it is written: a character of a text.
+        let written = self.kind_of(of);
         let (value, kind) = match self.reach(of) {
             Reach::Location(slot, path) if self.copied.contains(&slot) && path.is_empty() => {
                 return unknown();
@@ -136,8 +131,8 @@ impl Machine<'_> {
                 let layout = &self.layouts[&class];
                 (shape::fresh(layout, &Value::Whole(0)), Kind::Any)
             }
-            Reach::Value(value) => (value, Kind::Any),
-            _ => (self.value(of), Kind::Any),
+            Reach::Value(value) => (value, written),
+            _ => (self.value(of), written),
         };
         shape::size(&value, kind).map_or_else(unknown, |(bytes, _)| {
             Value::Wide(bytes, Width::UnsignedLong)

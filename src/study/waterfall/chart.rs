@@ -7,8 +7,7 @@ use crate::{
         Classes, Drawing, RatesCause, RatesShow, WaterfallShow, WaterfallStep, ink, rates,
         waterfall,
     },
-    study::equivalent,
-    unit::{Micros, counted},
+    unit::{Micros, counted, frame_rate},
 };
 
 impl Waterfall {
@@ -172,7 +171,7 @@ impl Rates {
             Some(format!(
                 "{} at {}",
                 few(noise.events_per_second),
-                equivalent::rate(rate.headline.fps)
+                frame_rate(rate.headline.fps)
             ))
         };
         let rates: Vec<String> = self.rates.iter().filter_map(told).collect();
@@ -183,7 +182,7 @@ impl Rates {
         ));
         let limit = 100.0 * noise.limit;
         let fastest = self.rates.last().map_or(0.0, |rate| rate.headline.fps);
-        let fastest = equivalent::rate(fastest);
+        let fastest = frame_rate(fastest);
         lines.push(match (noise.fps_below, noise.threshold_for_fastest) {
             (None, _) => format!("that is below {limit:.0} % of the float sensor's up to {fastest} frames/s"),
             (Some(fps), None) => {
