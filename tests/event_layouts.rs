@@ -118,6 +118,9 @@ fn every_verb_reads_one_of_two_cameras() {
 
 /// A file with these groups, and what is put in.
 fn hdf5(path: &Path, groups: &[&str], put: impl Fn(&Group)) {
+    // A new file each time: a program that another test is starting may still hold the lock of
+    // the one before.
+    let _ = std::fs::remove_file(path);
     let file = File::create(path).unwrap();
     for group in groups {
         file.root().create_group(group).unwrap();

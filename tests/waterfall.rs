@@ -682,6 +682,40 @@ fn tiles_stand_for_the_whole_sensor() {
     }
 }
 
+/// Where few blocks are active, a few tiles are off by much: there are a dozen at least, and the
+/// ranges say how far off they may be.
+#[test]
+fn tiles_of_an_uneven_scene_say_how_far_off_they_may_be() {
+    let (kernel, device) = (ternary(), Device::scamp5());
+    let plain = question(design(&kernel, &device, 32.0));
+    for scene in [
+        "pattern:disc?width=176&height=112&frames=40&speed=100",
+        "pattern:bar?width=176&height=112&frames=40&speed=100",
+    ] {
+        let told = |tiles| {
+            let choice = Choice {
+                tiles,
+                ..choice(&[30.0], 1)
+            };
+            over_scene(&plain, &choice, scene)
+        };
+        let (some, whole) = (told(None), told(Some(1000)));
+        let tiles = some.sample.tiles.len();
+        assert!((12..=48).contains(&tiles), "{tiles}");
+        let [some, whole] = [some, whole].map(|all| all.rates[0].clone());
+        let (kept, truth) = (some.headline.kept.unwrap(), whole.headline.kept.unwrap());
+        let [low, high] = some.kept_10_90.unwrap();
+        assert!(high - low > 0.01, "one chip, many tiles: {low} to {high}");
+        // Twice as far as 80 % lie: 2.6 deviations.
+        let [below, above] = [2.0 * (kept - low), 2.0 * (high - kept)];
+        let near = kept - below <= truth && truth <= kept + above;
+        assert!(near, "{scene}: {kept} ({low} to {high}), in truth {truth}");
+        // The parts add up in the middle of the ranges as well.
+        let sum: f64 = some.causes.iter().map(|share| share.share.unwrap()).sum();
+        assert!((sum + kept - 1.0).abs() < 1e-9);
+    }
+}
+
 #[test]
 fn rates_do_not_depend_on_threads_and_chips_differ() {
     let (kernel, device) = (ternary(), Device::scamp5());

@@ -64,7 +64,7 @@ class Sensor:
         sum: str,
         memory: str | None,
         chip: str,
-        objective: str,
+        aim: tuple[str, bool],
         events: int | None,
         effort: float,
         seed: int,

@@ -630,6 +630,7 @@ class Sensor(EventSensor):
         memory: str | None = None,
         readout: str = "all",
         objective: str = "silicon",
+        border: bool = False,
         events_per_frame: int | None = None,
         effort: float = 1.0,
         seed: int | None = None,
@@ -655,17 +656,22 @@ class Sensor(EventSensor):
                 the chip and nearly all of them without its errors too; ``"events"``, whatever
                 saturates; ``"exact"``, event for event what the float model of the same levels says
                 where the array is exact; ``"words"``, the fewest where no light saturates.
+            border: Whether the program must be right up to the border of the array, zeros beyond it,
+                however little comes out of it, or is refused; else one that is not is told of.
             events_per_frame: How many events the busiest frame is expected to have, all signs and
                 kinds together: the program reads them in the cheapest way that loses none of so
                 many; all slots where it is left out.
-            effort: How long to search for the program, in seconds of two cores of 2024.
+            effort: How long to search for the program, in seconds of two cores of 2024 for one
+                kernel of 3x3: it counts states, of which larger kernels and several kinds take
+                longer.
             seed: Which chip and which noise, and the seed of the search; the sensor's own where it
                 is left out.
 
         The program takes one decision a frame, stores what was seen (``filtered-snap``) and sees 0
-        off the array: where the sensor is another, a :class:`Caution` says so.
+        off the array: where the sensor is another, or the program is wrong at the border, a
+        :class:`Caution` says so.
         """
-        how = (sum, memory, readout, objective, events_per_frame)
+        how = (sum, memory, readout, objective, border, events_per_frame)
         return _cautioned(self._found(to, domain, chip, how, effort, seed))
 
     def _found(
@@ -673,11 +679,11 @@ class Sensor(EventSensor):
         to: str,
         domain: str,
         chip: str | Path,
-        how: tuple[str, str | None, str, str, int | None],
+        how: tuple[str, str | None, str, str, bool, int | None],
         effort: float,
         seed: int | None,
     ) -> ChipSensor:
-        sum, memory, readout, objective, busiest = how
+        sum, memory, readout, objective, border, busiest = how
         if busiest is not None:
             busiest = arguments.whole("events_per_frame", busiest, 1)
         arguments.one_of("readout", readout, ("all", "slots"))
@@ -687,7 +693,8 @@ class Sensor(EventSensor):
         sum, memory = arguments.word("sum", sum, "kept"), arguments.word_or_none("memory", memory, "shared")
         objective = arguments.word("objective", objective, "silicon")
         on = str(arguments.file("chip", chip, "the name of a chip, or its folder"))
-        native = self._native.on_chip(to, sum, memory, on, objective, busiest, effort, seed)
+        aim = (objective, arguments.flag("border", border))
+        native = self._native.on_chip(to, sum, memory, on, aim, busiest, effort, seed)
         watched = (seed, domain, readout == "slots", self._max_events)
         return ChipSensor(native, self.channels, watched)
 
@@ -795,6 +802,7 @@ def compile(
     memory: str = "analogue",
     readout: str = "all",
     objective: str = "silicon",
+    border: bool = False,
     events_per_frame: int | None = None,
     effort: float = 1.0,
     seed: int = 0,
@@ -819,7 +827,7 @@ def compile(
         name="compiled",
         seed=seed,
     )
-    how = (sum, memory, readout, objective, events_per_frame)
+    how = (sum, memory, readout, objective, border, events_per_frame)
     return _cautioned(sensor._found(to, domain, chip, how, effort, None))
 
 

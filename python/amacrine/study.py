@@ -302,7 +302,7 @@ def waterfall(
     fps: float | None = None,
     scale: float | None = None,
     chip: str | Path = "scamp5",
-    chips: int = 10,
+    chips: int = 4,
     tiles: int | None = None,
     within: float | None = None,
     effort: float = 1.0,

@@ -2,7 +2,7 @@
 
 use amacrine::{
     array::{Arithmetic, ArithmeticError},
-    compile::{DriveMemory, Effort, EventReadout, Objective, Request, SensorProgram},
+    compile::{Border, DriveMemory, Effort, EventReadout, Objective, Request, SensorProgram},
     isa::{Device, Figure},
     kernel::{
         Kernel,
@@ -47,6 +47,8 @@ pub struct Asked<'a> {
     pub chip: &'a str,
     /// What the program is to be best at.
     pub objective: &'a str,
+    /// Whether it must be right up to the border.
+    pub border: bool,
     /// Events that the busiest frame is expected to have, for which the readout is chosen.
     pub events: Option<u64>,
     /// Seconds.
@@ -205,8 +207,24 @@ impl Chip {
         let mut request = Request::new(&first, &device).map_err(raised)?;
         (request.effort, request.seed) = (effort, asked.seed);
         request.objective = objective(asked.objective)?;
+        if asked.border {
+            request.border = Border::Right;
+        }
         let name = &description.name;
         let mut program = SensorProgram::new(&kinds, memory, name, &request).map_err(raised)?;
+        let wrong = program.wrong_from_border();
+        if wrong > 0 {
+            let within = format!("within {} of the border", counted(wrong, "pixel"));
+            if asked.border {
+                return Err(refused(
+                    format!("{name}: no program was found that is right {within}"),
+                    "search longer (effort=…), ask for fewer kinds, take a chip with more registers (chip=\"scamp5-wide\"), or leave border=True out",
+                ));
+            }
+            notes.push(format!(
+                "{name}: {within} events differ from those of a sensor that sees 0 beyond it, in exact arithmetic too; border=True asks for a program that is right there"
+            ));
+        }
         if let Some(events) = asked.events {
             let readout = readout(&program, kinds.len(), events, &device)?;
             program.text = program.text_with(&kinds, name, &device, readout);

@@ -172,11 +172,12 @@ impl Sensor {
         sum: &str,
         memory: Option<&str>,
         chip: &str,
-        objective: &str,
+        aim: (&str, bool),
         events: Option<u64>,
         effort: f64,
         seed: u64,
     ) -> PyResult<Chip> {
+        let (objective, border) = aim;
         let stop = Flag::new();
         let asked = chip::Asked {
             to,
@@ -184,6 +185,7 @@ impl Sensor {
             memory,
             chip,
             objective,
+            border,
             events,
             effort,
             seed,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import warnings
 from pathlib import Path
 from typing import Any, Callable
 
@@ -226,6 +227,26 @@ def test_what_the_chip_cannot_follow_is_said() -> None:
         amacrine.Sensor("csdvs-3", 0.1, refractory=500).on_chip("ternary", effort=0.05)
     text = " ".join(str(one.message) for one in said)
     assert "filtered-snap" in text and "replicates the border" in text and "refractory" in text
+
+
+def test_a_program_that_is_wrong_at_the_border_says_so(frames: Frames) -> None:
+    made = np.random.default_rng(0).normal(size=(2, 5, 5))
+    made -= made.mean((1, 2), keepdims=True)
+    made /= np.abs(made).sum((1, 2), keepdims=True)
+    options: dict[str, Any] = {"memory": "filtered-snap", "border": "zero"}
+    sensor = amacrine.Sensor(made, 0.03, **options)
+    with pytest.warns(amacrine.Caution, match="within 2 pixels of the border events differ"):
+        chip = sensor.on_chip("int-5", domain="exact", effort=0.2)
+    assert any("border=True" in note for note in chip.notes)
+    same = amacrine.Sensor(np.stack([a * b for a, b in chip.levels]), 0.03, **options)
+    wrong = same.counts(frames, FPS) != chip.counts(frames, FPS)
+    inside = wrong[..., 2:-2, 2:-2]
+    assert wrong.sum() > 20 * inside.sum(), (wrong.sum(), inside.sum())
+    with pytest.raises(amacrine.Error, match="no program was found that is right within 2 pixels"):
+        sensor.on_chip("int-5", border=True, effort=0.2)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", amacrine.Caution)
+        amacrine.compile("sobel-x", 40, border=True, effort=0.05)
 
 
 def test_three_kinds_share_a_memory(frames: Frames) -> None:

@@ -8,6 +8,7 @@ use crate::{
     kernel::Kernel,
     number::Format,
     reference::{Channel, Description},
+    rig::guard::Warning,
     scene::{Scene, SceneError},
     study::rate::{self, ThresholdFactor},
 };
@@ -131,6 +132,11 @@ impl Found {
             self.rated.factor,
             self.rated.rate
         )
+    }
+
+    /// Where no threshold gives what was asked for.
+    pub fn warning(&self, sensor: &str) -> Option<Warning> {
+        Warning::rate(sensor, self.asked, self.rated.rate)
     }
 
     pub fn json(&self) -> serde_json::Value {

@@ -97,7 +97,7 @@ pub struct Arguments {
     /// Chips that are drawn from what the public data allow
     #[arg(long, default_value_t = 32, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_CHIPS))]
     chips: u64,
-    /// How long to search for each program, in seconds of two cores of 2024; it counts states, so that a slower computer takes longer and finds the same
+    /// How long to search for each program, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same
     #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
     effort: f64,
     /// Seed of the searches, of stochastic rounding and of the silicon
@@ -181,7 +181,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let command = arguments.command();
     let Energy(least, most) = arguments.link_energy;
     let mut questions = Vec::new();
-    let thresholds = arguments.thresholds(&kinds, &device)?;
+    let mut missed = Vec::new();
+    let thresholds = arguments.thresholds(&kinds, &device, &mut missed)?;
     if arguments.rate.is_some() && !arguments.json {
         super::say(&format!("threshold {}\n\n", list(&thresholds)));
     }
@@ -218,7 +219,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let progress = Progress::new("watching", frames.map(|frames| shows * frames));
     let answer = ask(&questions, &open, &progress);
     progress.finish();
-    let warnings = Warning::of_scene(&observation, Response::IDENTITY);
+    let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
+    warnings.extend(missed);
     light::warn(&warnings);
     let answer = answer?.with(&warnings);
     let explain = |what: &String| answer.explain(what, arguments.json);
@@ -334,23 +336,37 @@ impl Answer {
 }
 
 impl Arguments {
-    /// A threshold for each kernel.
-    fn thresholds(&self, kinds: &Kinds, device: &Device) -> miette::Result<Vec<f64>> {
-        let kernels = kinds.kernels.len();
+    /// A threshold for each kernel; `missed` gets the kernels whose events no threshold brings to the
+    /// rate.
+    fn thresholds(
+        &self,
+        kinds: &Kinds,
+        device: &Device,
+        missed: &mut Vec<Warning>,
+    ) -> miette::Result<Vec<f64>> {
         if let Some(asked) = self.rate {
-            let own = kinds.kernels.iter();
-            return own
-                .map(|kernel| self.rated(kernel, asked / kernels as f64, device))
-                .collect();
+            let each = asked / kinds.kernels.len() as f64;
+            let mut thresholds = Vec::new();
+            for (name, kernel) in kinds.names.iter().zip(&kinds.kernels) {
+                let found = self.rated(kernel, each, device)?;
+                missed.extend(Warning::rate(name, each, found.rate));
+                thresholds.push(study::rate::four_digits(START * found.factor));
+            }
+            return Ok(thresholds);
         }
         kinds.thresholds_or_rate("feasibility", &self.threshold)
     }
 
-    /// The threshold at which the float sensor has so many events, to four digits.
-    fn rated(&self, kernel: &Kernel, asked: f64, device: &Device) -> miette::Result<f64> {
+    /// By what to multiply a threshold of [`START`] for so many events of the float sensor.
+    fn rated(
+        &self,
+        kernel: &Kernel,
+        asked: f64,
+        device: &Device,
+    ) -> miette::Result<ThresholdFactor> {
         let design = Design {
             kernel,
-            threshold: 64.0,
+            threshold: START,
             device,
             effort: Effort::seconds(self.effort),
             seed: self.seed,
@@ -358,9 +374,7 @@ impl Arguments {
         let description = design.description(MemoryRule::FilteredSnap)?;
         // What is seen of the scene is noted when the questions are asked.
         let open = || self.clip.open(&Observation::new());
-        let found = study::rate::factor(&description, asked, self.seed, &open);
-        let threshold = 64.0 * found.wrap_err("--rate")?.factor;
-        Ok(study::rate::four_digits(threshold))
+        study::rate::factor(&description, asked, self.seed, &open).wrap_err("--rate")
     }
 
     /// The command that gives the same page again, every default written out.

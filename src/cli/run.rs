@@ -254,6 +254,7 @@ fn watched(
         shown,
     });
     let mut warnings = Warning::of_scene(observation, description.response);
+    warnings.extend(found.and_then(|found| found.warning(&description.name)));
     light::warn(&warnings);
     let mut watched = watched
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;

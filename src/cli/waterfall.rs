@@ -80,7 +80,7 @@ pub struct Arguments {
     /// Seed of the search, of stochastic rounding and of the silicon
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// How long to search for the program, in seconds of two cores of 2024; it counts states, so that a slower computer takes longer and finds the same
+    /// How long to search for the program, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same
     #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
     effort: f64,
     /// Frames a second at which the same light is shown, with commas between [default: four from
@@ -88,7 +88,7 @@ pub struct Arguments {
     #[arg(long, value_delimiter = ',', value_name = "FPS", value_parser = fps, conflicts_with = "steps")]
     rates: Vec<f64>,
     /// How many chips: seeds from --seed on
-    #[arg(long, default_value_t = 10, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000), conflicts_with = "steps")]
+    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000), conflicts_with = "steps")]
     chips: u64,
     /// Tiles of the scene on which they are run [default: as many as take some seconds]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000), conflicts_with = "steps")]

@@ -209,7 +209,7 @@ fn part(matched: u64, own: u64, other: u64) -> Option<f64> {
 }
 
 /// A part of a whole; all of nothing is 1.
-pub(super) fn share(part: u64, whole: u64) -> f64 {
+pub(crate) fn share(part: u64, whole: u64) -> f64 {
     if whole == 0 {
         1.0
     } else {

@@ -58,6 +58,13 @@ impl Filter {
         self.words.iter().map(|word| device.words(word)).sum()
     }
 
+    /// How many pixels in from the border of the array the results may be wrong, where zeros lie
+    /// beyond it.
+    #[must_use]
+    pub const fn wrong_from_border(&self) -> usize {
+        if self.border { 0 } else { self.from_border }
+    }
+
     /// From kernel times input to the result: what the halvings leave of it.
     #[must_use]
     pub fn scale(&self) -> f64 {

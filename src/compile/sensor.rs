@@ -72,6 +72,14 @@ pub(super) enum Registers {
 }
 
 impl SensorProgram {
+    /// How many pixels in from the border of the array events may differ from those of a sensor
+    /// that sees zeros beyond it, in exact arithmetic too; 0 where the program is right there.
+    #[must_use]
+    pub fn wrong_from_border(&self) -> usize {
+        let own = self.filters.iter().chain([&self.filter]);
+        own.map(Filter::wrong_from_border).max().unwrap_or(0)
+    }
+
     /// Searches for the filters and writes the program around them: one decision a frame, memory
     /// `filtered-snap`, or shared `raw-snap`. `request` gives the chip, the objective, the effort
     /// and the seed; kernels and registers are chosen here.

@@ -153,6 +153,29 @@ impl Survival<'_> {
         }
     }
 
+    /// The filter that decides best on the chip, whatever saturates, where its threshold can be set; of
+    /// a request for events on silicon.
+    fn whatever_saturates(&self) -> Result<Option<Filter>, CompileError> {
+        let (Some(range), Some(decision), [_], Objective::Silicon) = (
+            self.request.range,
+            self.request.decision,
+            self.goals,
+            self.request.objective,
+        ) else {
+            return Ok(None);
+        };
+        let request = Request {
+            objective: Objective::Events,
+            ..self.request.clone()
+        };
+        let anyhow = Survival {
+            request: &request,
+            ..*self
+        };
+        let found = anyhow.deciding(range, decision)?;
+        Ok(found.filter(|it| request.sets_threshold(it.prescale)))
+    }
+
     /// The filter of which most comes out.
     pub(super) fn filter(&self) -> Result<Filter, CompileError> {
         if let (Some(range), Some(decision), [_]) =
@@ -193,6 +216,9 @@ impl Survival<'_> {
             let other = self.request.shortest(self.goals, self.unit, file)?;
             if self.request.sets_threshold(other.prescale) {
                 return Ok(other);
+            }
+            if let Some(filter) = self.whatever_saturates()? {
+                return Ok(filter);
             }
         }
         if best.correlation() < Forecast::NOTHING && self.goals.iter().any(|goal| !goal.is_zero()) {

@@ -64,6 +64,8 @@ pub enum About {
     Larger,
     /// Kinds of cells that are compared have other names.
     Names,
+    /// No threshold gives the rate of events that was asked for.
+    Rate,
 }
 
 impl About {
@@ -87,6 +89,7 @@ impl About {
             Self::Clipped => "clipped",
             Self::Larger => "larger",
             Self::Names => "names",
+            Self::Rate => "rate",
         }
     }
 
@@ -226,6 +229,23 @@ impl Warning {
             "no light was given, and the program names none of its own",
             "give --image SCENE, a clip or a pattern such as pattern:disc",
         )
+    }
+
+    /// Events per pixel and second that were asked for, and those of the nearest threshold, where
+    /// these are more than a tenth off.
+    #[must_use]
+    pub fn rate(subject: &str, asked: f64, nearest: f64) -> Option<Self> {
+        ((nearest / asked - 1.0).abs() > 0.1).then(|| {
+            Self::new(
+                About::Rate,
+                subject,
+                format!(
+                    "no threshold gives {asked} events per pixel and second: {nearest:.4} is the nearest"
+                ),
+                "many cells change by the same amount (few levels of light), and fire together or not at all",
+                "take a rate that there is, give the threshold itself (--threshold), or show a scene of more levels",
+            )
+        })
     }
 
     /// A program on an array that is larger than its chip's.

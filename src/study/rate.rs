@@ -290,7 +290,19 @@ fn search(
     let octaves: Vec<f64> = within.iter().map(line).collect();
     let counted = count(std::slice::from_ref(&octaves))?;
     let counted = counted.first().map_or(&[][..], Vec::as_slice);
-    Ok(rated(&octaves, counted))
+    // Where many cells change by the same amount the rate jumps, and an end may be nearer.
+    let far = |(_, own): &Point| elementary::ln(own / rate).abs();
+    let nearest = |((ends, octave), own): ((&[Point; 2], &f64), &f64)| {
+        let line = (*octave, *own);
+        let end = ends
+            .iter()
+            .copied()
+            .min_by(|a, b| far(a).total_cmp(&far(b)));
+        end.filter(|end| far(end) < far(&line)).unwrap_or(line)
+    };
+    let found = within.iter().zip(&octaves).zip(counted).map(nearest);
+    let (octaves, rates): (Vec<f64>, Vec<f64>) = found.unzip();
+    Ok(rated(&octaves, &rates))
 }
 
 /// The same sensor without events that no light causes.

@@ -119,6 +119,9 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         if len(ends) != 2 or not 0.0 < ends[0] <= ends[1] < math.inf:
             raise Error(f"thresholds = {thresholds!r}\nhelp: {help}")
         for name, list in {"kernels": kernels, "quantisers": quantisers, "chips": chips}.items():
+            if hasattr(list, "shape"):
+                # An array of kernels are the kinds of one sensor elsewhere.
+                raise Error(f"{name} to draw from are an array\nhelp: give a list: {name}=[array]")
             if isinstance(list, str) or len(list) == 0:
                 raise Error(f"{name} to draw from are no list\nhelp: give a list of one or more")
         self._mismatch = arguments.share("mismatch", mismatch)

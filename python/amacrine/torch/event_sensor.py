@@ -15,7 +15,7 @@ from .._amacrine import Error
 from ..frames import shaped
 from ..gradient import Rule, Slope, seconds
 from ..kernels import Kernels
-from ..sensor import Sensor, Thresholds
+from ..sensor import Sensor, Thresholds, stacked
 
 RULES = ("through", "reset", "authors", "mean")
 
@@ -71,7 +71,8 @@ class EventSensor(torch.nn.Module):
             ``"filtered-snap"``), ``border``, ``refractory``, ``names``, ``name``.
 
     Attributes:
-        kernels: The parameter (K,k,k), row 0 to the north.
+        kernels: The parameter (K,k,k), row 0 to the north; kernels of several sizes have zeros round
+            them up to the largest.
         log_thresholds: The parameter (K,2): the logarithms of the ON and the OFF threshold.
     """
 
@@ -133,12 +134,12 @@ class EventSensor(torch.nn.Module):
     def _begin(self, sensor: Sensor, dtype: torch.dtype) -> None:
         _check_dtype(dtype)
         kernels = sensor.kernels
-        if not sensor._native.plain or len({kernel.shape for kernel in kernels}) != 1:
+        if not sensor._native.plain:
             raise Error(
-                f"{sensor.name}: its kinds of cells are more than kernels of one size\n"
+                f"{sensor.name}: its kinds of cells are more than kernels\n"
                 "help: give every kind one kernel (k,k), without a pattern, a mesh or log-temporal"
             )
-        weights = torch.stack([torch.from_numpy(kernel) for kernel in kernels])
+        weights = torch.from_numpy(stacked(kernels))
         limits = [limit[:2].tolist() for limit in sensor.thresholds]
         logarithms = torch.tensor(limits, dtype=torch.float64).log()
         self.kernels = torch.nn.Parameter(weights.to(dtype))

@@ -320,8 +320,8 @@ impl Compiled {
 
     /// How many pixels in from the border the results may be wrong.
     fn wrong_within(&self) -> usize {
-        let far = |filter: &Filter| if filter.border { 0 } else { filter.from_border };
-        self.filters.iter().map(far).max().unwrap_or(0)
+        let own = self.filters.iter().map(Filter::wrong_from_border);
+        own.max().unwrap_or(0)
     }
 
     /// Whether the results are right at the border, and what follows where they are not.

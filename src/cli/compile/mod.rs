@@ -125,7 +125,7 @@ pub struct Arguments {
     /// and a better correlation than another
     #[arg(long, requires = "filter_only", conflicts_with_all = ["output", "objective", "sensor", "threshold"])]
     front: bool,
-    /// How long to search, in seconds of two cores of 2024; it counts states, so that a slower computer takes longer and finds the same
+    /// How long to search, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same
     #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
     effort: f64,
     /// Another seed may find another program

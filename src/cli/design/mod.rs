@@ -33,7 +33,7 @@ use crate::{
     scene::Observation,
     study::{
         equivalent::RUNGS,
-        exploration::{Aim, Candidate, Exploration, Question, explore},
+        exploration::{Aim, Candidate, Exploration, Question, RatedThresholds, explore},
         feasibility,
         together::memories,
     },
@@ -80,7 +80,7 @@ pub struct Arguments {
     /// Chips that are drawn for the report, from what the public data allow
     #[arg(long, default_value_t = 8, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
     chips: u64,
-    /// How long to search for each program, in seconds of two cores of 2024; it counts states, so that a slower computer takes longer and finds the same
+    /// How long to search for each program, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same
     #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
     effort: f64,
     /// Seed of the searches, of stochastic rounding and of the silicon
@@ -231,7 +231,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     progress.finish();
     let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
+    warnings.extend(missed(arguments.rate, &found));
     warnings.extend(by_accident(&found));
+    warnings.extend(erased(&question, candidate)?);
     light::warn(&warnings);
     let commands = written
         .as_ref()
@@ -249,7 +251,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = table::text(arguments, &found, picked, &light::line(&observation));
+    let mut text = light::of_kernels(&warnings);
+    text += &table::text(arguments, &found, picked, &light::line(&observation));
     if let (Some(written), Some(commands)) = (&written, &commands) {
         for path in written.all() {
             text += "wrote    ";
@@ -264,6 +267,31 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     super::say(&text);
     Ok(())
+}
+
+/// What no threshold gives: with either memory.
+fn missed(asked: Option<f64>, found: &Exploration) -> Vec<Warning> {
+    let of = |asked| {
+        let subject = |it: &RatedThresholds| format!("a memory of the {}", it.memory);
+        let rated = found.rated.iter();
+        rated.filter_map(move |it| Warning::rate(&subject(it), asked, it.rate))
+    };
+    asked.into_iter().flat_map(of).collect()
+}
+
+/// What the few values of the picked design have taken from its kernels.
+fn erased(question: &Question<'_>, picked: &Candidate) -> miette::Result<Vec<Warning>> {
+    let mut guard = Guard::new();
+    for (name, kernel) in question.names.iter().zip(question.kernels) {
+        let levels = picked.to.quantise(kernel, question.sum, question.seed)?;
+        for erasure in levels.erasures(kernel) {
+            guard.warn(Warning::erased(
+                &format!("{name} in {}", picked.to),
+                erasure,
+            ));
+        }
+    }
+    Ok(guard.warnings())
 }
 
 /// Kinds of which accident scores as much as any program.

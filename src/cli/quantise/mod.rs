@@ -75,7 +75,7 @@ pub struct Arguments {
     /// A shipped chip by name, or the folder of another, with a threshold [default: scamp5]
     #[arg(long)]
     chip: Option<Named>,
-    /// How long to search for each program, in seconds of two cores of 2024; it counts states, so that a slower computer takes longer and finds the same, with a threshold
+    /// How long to search for each program, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same, with a threshold
     /// [default: 1]
     #[arg(long, value_parser = super::effort::seconds)]
     effort: Option<f64>,

@@ -97,8 +97,12 @@ impl Machine<'_> {
         }
     }
 
-    /// Whether an expression is a text.
+    /// Whether an expression is a text, or a place in one.
     fn is_text(&self, it: &Expr) -> bool {
+        if let ExprNode::Binary("+" | "-", a, b) = &it.node {
+            // A difference of two places is a number.
+            return self.is_text(a) != self.is_text(b);
+        }
         let held = || {
             let (slot, path) = self.led_to(it)?;
             Some(matches!(self.peek(slot, &path)?, Value::Text(_)))

@@ -135,6 +135,14 @@ impl Candidate {
     }
 }
 
+impl Candidate {
+    /// Whether any kind has something to keep; else what is kept is no number.
+    #[must_use]
+    pub fn is_judged(&self) -> bool {
+        self.kinds.iter().any(|kind| kind.silicon.kept.is_some())
+    }
+}
+
 impl Exploration {
     /// The candidates that nothing beats, the best first.
     pub fn front(&self) -> impl Iterator<Item = &Candidate> {
@@ -148,7 +156,7 @@ impl Exploration {
             .map(|one| self.candidates.iter().any(|other| other.beats(one)))
             .collect();
         for (candidate, beaten) in self.candidates.iter_mut().zip(beaten) {
-            candidate.on_front = !beaten;
+            candidate.on_front = !beaten && candidate.is_judged();
         }
         // What cannot follow the scene is taken only where nothing can.
         let follows = |it: &Candidate| it.frames_s[0] >= self.fps;

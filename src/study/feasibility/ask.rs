@@ -37,9 +37,6 @@ use crate::{
 /// The ridge of the mesh fits: added to the squared relative error for each squared gain.
 const RIDGE: f64 = 1e-4;
 
-/// Chips over which the waterfall over frame rate is taken, at most.
-const RATE_CHIPS: u64 = 10;
-
 /// Asks the question of a scene that can be opened again: it is watched once for the number of
 /// crossings, twice for the table and twice for the sensors, for the waterfall, by the drawn chips
 /// some at a time, and up to the moment of the pictures. `seen` is called after each frame of all but the last.
@@ -234,10 +231,11 @@ impl Question<'_> {
         let is_usual = self.within == window::headline(scene.fps());
         let steps = heard(fall.steps(&mut *scene, seen))?;
         drop(scene);
+        let usual = waterfall::Choice::default();
         let choice = waterfall::Choice {
-            chips: self.chips.min(RATE_CHIPS),
+            chips: self.chips.min(usual.chips),
             within: (!is_usual).then_some(self.within),
-            ..waterfall::Choice::default()
+            ..usual
         };
         let rates = heard(fall.rates(&choice, open, &|| ()))?;
         Ok((steps, rates))

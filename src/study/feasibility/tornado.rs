@@ -52,6 +52,22 @@ impl Turn {
     }
 }
 
+/// Below which loss nothing is to be blamed for it.
+pub(super) const LITTLE: f64 = 0.05;
+
+/// Which part of the most is nearly as much.
+const NEARLY: f64 = 0.8;
+
+/// Of the rows of a tornado the first and those that change nearly as much of what is kept; none
+/// where the first changes little.
+#[must_use]
+pub fn decisive(tornado: &[Turn]) -> &[Turn] {
+    let most = tornado.first().map_or(0.0, Turn::swing);
+    let is = |turn: &Turn| turn.swing() >= LITTLE.max(NEARLY * most);
+    let last = tornado.iter().position(|turn| !is(turn));
+    tornado.get(..last.unwrap_or(tornado.len())).unwrap_or(&[])
+}
+
 /// One number at one end of its interval, which another run than the chip of the seed has to
 /// show.
 pub(super) struct End {

@@ -11,6 +11,7 @@ use super::{
     named::Named,
     stream::Judged,
     time::Binds,
+    tornado::{LITTLE, Turn, decisive},
 };
 use crate::{
     compare::{
@@ -60,8 +61,6 @@ const CLEAR: [f64; 2] = [3.0, 5.0];
 const CARRIED: [f64; 2] = [0.05, 0.20];
 /// The word on fidelity where there is nothing to keep.
 const SILENT: &str = "nothing to keep";
-/// Below which loss nothing is to be blamed for it.
-const LITTLE: f64 = 0.05;
 /// From which share of the chips it is one of nearly all of them, and up to which one of hardly
 /// any.
 const SHARES: [f64; 2] = [0.9, 0.1];
@@ -171,6 +170,30 @@ const FEASIBLE: &str = "nearly all";
 const WITH_LOSS: &str = "nearly all, with loss";
 const IN_SOME: &str = "some";
 
+/// The number that changes most of what is kept, and those that change nearly as much.
+fn decides(tornado: &[Turn]) -> String {
+    let Some((first, others)) = decisive(tornado).split_first() else {
+        return String::new();
+    };
+    let told = |turn: &Turn| {
+        format!(
+            "{}: {} to {} {} keep {:.2} to {:.2}",
+            turn.figure,
+            short(turn.low),
+            short(turn.high),
+            turn.unit,
+            turn.kept_at_low,
+            turn.kept_at_high
+        )
+    };
+    let mut text = format!(" What decides is {}, all else as stated.", told(first));
+    let alike: Vec<String> = others.iter().map(told).collect();
+    if !alike.is_empty() {
+        text += &format!(" Nearly as much does {}.", alike.join("; "));
+    }
+    text
+}
+
 /// On how many of the chips that the public data allow it is feasible, and what decides.
 fn over_chips(all: &Feasibility) -> Option<Finding> {
     let over = &all.over_chips;
@@ -186,19 +209,7 @@ fn over_chips(all: &Feasibility) -> Option<Finding> {
     } else {
         "hardly any"
     };
-    let decides = { over.tornado.first() }
-        .filter(|turn| turn.swing() >= LITTLE)
-        .map_or(String::new(), |turn| {
-            format!(
-                " What decides is {}: {} to {} {} keep {:.2} to {:.2}, all else as stated.",
-                turn.figure,
-                short(turn.low),
-                short(turn.high),
-                turn.unit,
-                turn.kept_at_low,
-                turn.kept_at_high
-            )
-        });
+    let decides = decides(&over.tornado);
     let stretch = { over.stretch.as_ref() }
         .filter(|stretch| stretch.frames < stretch.of_frames)
         .map_or(String::new(), |stretch| {

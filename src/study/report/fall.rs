@@ -98,7 +98,7 @@ fn over_rates(all: &Feasibility, rates: &Rates) -> Markup {
         (wide("Picture of the waterfall over frame rate", &image::drawing(&rates.drawing(&title), &alt)))
         (wide("Waterfall over frame rate", &html! {
             table {
-                caption { "What is kept, and what each cause takes; below each the least and the most of 80 % of the chips" }
+                caption { "What is kept, and what each cause takes; below each between what 80 % of chips and of choices of tiles lie" }
                 thead { tr {
                     th scope="col" { "Part" }
                     @for (i, rate) in all_rates() {

@@ -12,7 +12,10 @@ use super::{
 use crate::{
     isa::Evidence,
     study::{
-        feasibility::{Feasibility, Fit, tornado::Turn},
+        feasibility::{
+            Feasibility, Fit,
+            tornado::{Turn, decisive},
+        },
         quantisation::{Outcome, Row},
         waterfall::{Rates, Share},
     },
@@ -306,7 +309,13 @@ fn decides(all: &Feasibility) -> Line {
                 );
             }
             if let Some((_, turn)) = turn {
-                let _ = write!(answer, "; of what nobody states exactly {}", turn.figure);
+                let alike = decisive(&all.over_chips.tornado).iter();
+                let names: Vec<&str> = alike.map(|turn| turn.figure.as_str()).collect();
+                let names = match &names[..] {
+                    [] => turn.figure.clone(),
+                    names => names.join(" and "),
+                };
+                let _ = write!(answer, "; of what nobody states exactly {names}");
             }
             answer
         }

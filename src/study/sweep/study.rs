@@ -273,7 +273,7 @@ pub const SETTINGS: [config::Key; 12] = [
         "effort",
         Kind::Number(Range::between(0.0, 3600.0)),
         "1",
-        "how long to search for each program of an array, in seconds of two cores of 2024; counted in states, so the result does not depend on the machine; 1 when left out",
+        "how long to search for each program of an array, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); counted in states, so the result does not depend on the machine; 1 when left out",
     ),
     config::Key::with_default(
         "fidelity",

@@ -145,12 +145,22 @@ impl Rates {
                 self.ceiling_fps
             ),
             format!(
-                "{} on {place}, from {:.2} to {:.2} s of the scene; the same light at each rate, in brackets 10 to 90 % of the chips",
+                "{} on {place}, from {:.2} to {:.2} s of the scene; the same light at each rate, in brackets {}",
                 some(self.chips as usize, "chip"),
                 from_seconds,
-                from_seconds + seconds
+                from_seconds + seconds,
+                self.brackets()
             ),
         ]
+    }
+
+    /// What lies between the ends of the ranges.
+    fn brackets(&self) -> &'static str {
+        if self.sample.part() < 1.0 {
+            "80 % of chips and of choices of tiles"
+        } else {
+            "80 % of the chips"
+        }
     }
 
     /// What a designer can do about noise; nothing where there is none.

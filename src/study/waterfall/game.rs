@@ -4,49 +4,86 @@ use rayon::prelude::*;
 
 use super::{
     Cause, Fall, Question, WaterfallError,
+    estimate::Estimate,
     sample::Sample,
     sensor::{Setup, Switches},
     shapley,
 };
 use crate::{
     array::Arithmetic,
-    compare::{
-        CompareError, Pair,
-        window::{self, Redraws},
-    },
+    compare::{CompareError, Pair, matching, window::Redraws},
     event::Packet,
     rig,
     scene::{Frame, Scene as _, held::Held},
     unit::Micros,
 };
 
-/// What is kept of the float sensor's events.
+/// What is kept of the float sensor's events: on all tiles, then without each of them.
+type Kept = Vec<f64>;
+
+/// Judges what the tiles of a sample say.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Judge<'a> {
     reference: &'a Packet,
+    /// None for the whole sensor.
+    sample: Option<&'a Sample>,
     /// F1 of a redraw of the reference, below 1.
     floor: f64,
     window: Micros,
+}
+
+/// Events of a part of the cells.
+#[derive(Clone, Copy, Default)]
+struct Part {
+    matched: u64,
+    /// Of both packets.
+    events: u64,
 }
 
 impl<'a> Judge<'a> {
     /// None where accident scores 1: then nothing can be said of what is kept.
     pub(super) fn new(
         reference: &'a Packet,
+        sample: Option<&'a Sample>,
         window: Micros,
         seed: u64,
     ) -> Result<Option<Self>, CompareError> {
         let floor = Redraws::new(&Pair::new(reference, reference)?, seed).floor(window);
         Ok((floor < 1.0).then_some(Self {
             reference,
+            sample,
             floor,
             window,
         }))
     }
 
-    pub(super) fn kept(self, said: &Packet) -> Result<f64, CompareError> {
-        let f1 = window::f1(&Pair::new(self.reference, said)?, self.window);
-        Ok((f1 - self.floor) / (1.0 - self.floor))
+    /// F1 within the window, above accident (which is taken for that of all tiles).
+    pub(super) fn kept(self, said: &Packet) -> Result<Kept, CompareError> {
+        let mut parts = vec![Part::default(); self.sample.map_or(1, Sample::parts)];
+        for (cell, reference, judged) in Pair::new(self.reference, said)?.cells() {
+            let part = (self.sample)
+                .and_then(|sample| sample.part_of(cell.x(), cell.y()))
+                .unwrap_or(0);
+            if let Some(part) = parts.get_mut(part) {
+                part.matched += matching::matched_of_cell(reference, judged, self.window);
+                part.events += (reference.len() + judged.len()) as u64;
+            }
+        }
+        let all = parts.iter().fold(Part::default(), |all, part| Part {
+            matched: all.matched + part.matched,
+            events: all.events + part.events,
+        });
+        let above = |Part { matched, events }| {
+            let f1 = matching::share(2 * matched, events);
+            (f1 - self.floor) / (1.0 - self.floor)
+        };
+        let less = |part: &Part| Part {
+            matched: all.matched - part.matched,
+            events: all.events - part.events,
+        };
+        let without = parts.iter().filter(|_| parts.len() > 1);
+        let all = std::iter::once(above(all));
+        Ok(all.chain(without.map(|part| above(less(part)))).collect())
     }
 }
 
@@ -59,11 +96,12 @@ pub(super) struct Game<'a> {
     pub seen: &'a (dyn Fn() + Sync),
 }
 
-/// What each cause takes, for each chip, in the order of [`causes`].
+/// What each cause takes.
 pub(super) struct Attribution {
-    pub taken: Vec<Vec<f64>>,
-    /// What each chip keeps.
-    pub kept: Vec<f64>,
+    /// In the order of [`causes`].
+    pub taken: Vec<Estimate>,
+    /// What the chips keep.
+    pub kept: Estimate,
 }
 
 /// The causes of an arithmetic: those that come in order, since not every set of them is a
@@ -108,7 +146,7 @@ impl Game<'_> {
         judge: Judge<'_>,
         question: &Question<'_>,
         on: &Switches,
-    ) -> Result<f64, WaterfallError> {
+    ) -> Result<Kept, WaterfallError> {
         Ok(judge.kept(&self.said(question, on)?)?)
     }
 
@@ -124,7 +162,7 @@ impl Game<'_> {
         let base: Switches = ordered.iter().copied().collect();
         // The float sensors: 1, 2 and 3 of the steps on.
         let floats = ordered.iter().take_while(|cause| cause.is_float()).count();
-        let in_order: Vec<f64> = (1..=floats)
+        let in_order: Vec<Kept> = (1..=floats)
             .into_par_iter()
             .map(|n| self.kept(judge, &question, &ordered.iter().take(n).copied().collect()))
             .collect::<Result<_, _>>()?;
@@ -136,20 +174,21 @@ impl Game<'_> {
         let dead = { switches.iter() }.filter(|cause| !alive.contains(cause));
         let base: Switches = base.iter().chain(dead).copied().collect();
         let values = self.values(judge, seeds, &base, &alive)?;
-        let chip = |values: &Vec<f64>| -> Vec<f64> {
+        // What the causes take of one chip: on all tiles, or without the one of this number.
+        let chip = |values: &[Kept], tile: usize| -> Vec<f64> {
             let mut before = 1.0;
             let mut taken = Vec::new();
             for kept in in_order
                 .iter()
                 .chain(values.first().filter(|_| ordered.len() > floats))
             {
-                taken.push(before - kept);
-                before = *kept;
+                taken.push(before - kept[tile]);
+                before = kept[tile];
             }
             let shares = shapley(alive.len(), |set| {
                 // Where numbers have no format of their own, the game begins at the float model.
                 let float = set == 0 && ordered.len() == floats;
-                if float { before } else { values[set] }
+                if float { before } else { values[set][tile] }
             });
             taken.extend({ switches.iter() }.map(|cause| {
                 let place = alive.iter().position(|other| other == cause);
@@ -157,9 +196,18 @@ impl Game<'_> {
             }));
             taken
         };
+        let replicates = in_order.first().map_or(1, Vec::len);
+        let taken: Vec<Vec<Vec<f64>>> = { values.iter() }
+            .map(|values| (0..replicates).map(|tile| chip(values, tile)).collect())
+            .collect();
+        let of_cause = |i: usize| {
+            let own = |tiles: &Vec<Vec<f64>>| tiles.iter().map(|taken| taken[i]).collect();
+            Estimate::new(&taken.iter().map(own).collect::<Vec<_>>())
+        };
+        let kept: Vec<Kept> = values.iter().filter_map(|v| v.last().cloned()).collect();
         Ok(Attribution {
-            taken: values.iter().map(chip).collect(),
-            kept: values.iter().filter_map(|v| v.last().copied()).collect(),
+            taken: (0..ordered.len() + switches.len()).map(of_cause).collect(),
+            kept: Estimate::new(&kept),
         })
     }
 
@@ -203,7 +251,7 @@ impl Game<'_> {
         seeds: &[u64],
         base: &Switches,
         alive: &[Cause],
-    ) -> Result<Vec<Vec<f64>>, WaterfallError> {
+    ) -> Result<Vec<Vec<Kept>>, WaterfallError> {
         let question = self.fall.question;
         let on = |set: usize| -> Switches {
             let own = alive.iter().enumerate().filter(|(i, _)| set >> i & 1 == 1);
@@ -221,11 +269,11 @@ impl Game<'_> {
             .flat_map(|chip| (0..sets).map(move |set| (chip, set)))
             .filter(|(chip, set)| *chip == 0 || is_chance(*set))
             .collect();
-        let found: Vec<f64> = jobs
+        let found: Vec<Kept> = jobs
             .par_iter()
             .map(|(chip, set)| self.kept(judge, &question.of_chip(seeds[*chip]), &on(*set)))
             .collect::<Result<_, _>>()?;
-        let mut values = vec![vec![0.0; sets]; seeds.len()];
+        let mut values = vec![vec![Kept::new(); sets]; seeds.len()];
         for ((chip, set), kept) in jobs.into_iter().zip(found) {
             let chips = if is_chance(set) {
                 chip..chip + 1
@@ -233,7 +281,7 @@ impl Game<'_> {
                 0..seeds.len()
             };
             for values in values.iter_mut().take(chips.end).skip(chips.start) {
-                values[set] = kept;
+                values[set].clone_from(&kept);
             }
         }
         Ok(values)

@@ -21,6 +21,7 @@
 mod cause;
 mod chart;
 mod crossings;
+mod estimate;
 mod game;
 mod noise;
 mod program;

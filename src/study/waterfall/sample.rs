@@ -122,6 +122,16 @@ impl Sample {
         packet
     }
 
+    /// How many parts the sample has: tiles, or the whole sensor.
+    pub(super) fn parts(&self) -> usize {
+        self.tiles.len()
+    }
+
+    /// The tile of which a cell of the mosaic is a cell; none for a halo.
+    pub(super) fn part_of(&self, x: u16, y: u16) -> Option<usize> {
+        self.mosaic.tile(y.into(), x.into())
+    }
+
     /// What of the sensor is looked at.
     pub(super) fn part(&self) -> f64 {
         self.pixels as f64 / self.pixels_of as f64
