@@ -111,6 +111,72 @@ fn a_rate_is_reached() {
     assert_eq!(long, short);
 }
 
+/// ON and OFF each have their threshold; the file's sigma stays and is told, `--sigma` takes its
+/// place, and what `--rate` finds is found again by the options that it prints.
+#[test]
+fn thresholds_for_on_and_off_and_their_spread() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let file = |on: f64, off: f64, sigma: f64| {
+        let text = sensor("\"dvs\"", "1");
+        let own = format!("threshold = {{ on = {on}, off = {off}, sigma = {sigma} }}");
+        text.replace("threshold = { on = 1, off = 1 }", &own)
+    };
+    let events = |sensor: &str, more: &[&str]| {
+        let asked = ["run", "--scene", SCENE, "--sensor", sensor, "-o", "e.npy"];
+        let said = good(folder, &[&asked[..], more].concat());
+        (said, fs::read(folder.join("e.npy")).unwrap())
+    };
+    fs::write(folder.join("a.toml"), file(0.2, 0.2, 0.02)).unwrap();
+    fs::write(folder.join("b.toml"), file(0.3, 0.1, 0.02)).unwrap();
+    fs::write(folder.join("c.toml"), file(0.3, 0.1, 0.01)).unwrap();
+    let (said, both) = events("a.toml", &["--threshold", "0.3,0.1"]);
+    assert_eq!(both, events("b.toml", &[]).1);
+    assert!(
+        said.starts_with("sigma    0.02, the file's, 20 % of the"),
+        "{said}"
+    );
+    let (said, narrow) = events("a.toml", &["--threshold", "0.3,0.1", "--sigma", "0.01"]);
+    assert_eq!(narrow, events("c.toml", &[]).1);
+    assert!(!said.starts_with("sigma") && narrow != both, "{said}");
+    let (said, _) = events("a.toml", &["--threshold", "0.3", "--without", "mismatch"]);
+    assert!(!said.starts_with("sigma"), "{said}");
+    // What a rate finds.
+    let (said, rated) = events("b.toml", &["--rate", "9"]);
+    let (_, options) = said.split_once("the same without a search: ").unwrap();
+    let options: Vec<&str> = options.lines().next().unwrap().split(' ').collect();
+    assert_eq!(options.len(), 4, "{options:?}");
+    assert_eq!(events("b.toml", &options).1, rated);
+    // A spread that decides.
+    let run = [
+        "run",
+        "--scene",
+        SCENE,
+        "--sensor",
+        "a.toml",
+        "--threshold",
+        "0.05",
+    ];
+    let about = |sigma: &str| {
+        let said = json(folder, &[&run[..], &["--sigma", sigma]].concat());
+        let all = said["warnings"].as_array().unwrap().iter();
+        all.filter(|one| one["about"] == "spread").count()
+    };
+    assert_eq!((about("0.016"), about("0.017")), (0, 1));
+    for wrong in ["-1", "NaN", "inf"] {
+        let sigma = format!("--sigma={wrong}");
+        refused(
+            folder,
+            &[&run[..], &[&*sigma]].concat(),
+            &["is no spread", "0 or more"],
+        );
+    }
+    let odd = [&run[..5], &["--threshold", "0.1,two"]].concat();
+    refused(folder, &odd, &["invalid float", "ON,OFF"]);
+    let odd = [&run[..5], &["--threshold", "0.1,0"]].concat();
+    refused(folder, &odd, &["--threshold 0", "above 0"]);
+}
+
 #[test]
 fn what_cannot_be_is_said() {
     let folder = tempfile::tempdir().unwrap();

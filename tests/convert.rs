@@ -114,6 +114,89 @@ fn events_in_no_order_are_sorted_where_that_is_asked_for() {
     assert!(!folder.path("d.npy").exists());
 }
 
+/// `--flip` counts columns, rows or both from the other side of a sensor whose size is known; files
+/// of jAER and v2e say that they need it.
+#[test]
+fn pixels_are_counted_from_the_other_side() {
+    let folder = Folder::new();
+    let at = folder.0.path();
+    let xy = |name: &str| -> Vec<(u16, u16)> {
+        let read = file::read(&folder.path(name)).unwrap().packet;
+        read.events.iter().map(|event| (event.x, event.y)).collect()
+    };
+    fs::write(
+        folder.path("a.csv"),
+        "t,x,y,p\n1,0,0,1\n2,345,1,0\n3,100,259,1\n",
+    )
+    .unwrap();
+    let size = ["--size", "346x260"];
+    for (flip, wanted) in [
+        ("x", [(345, 0), (0, 1), (245, 259)]),
+        ("y", [(0, 259), (345, 258), (100, 0)]),
+        ("xy", [(345, 259), (0, 258), (245, 0)]),
+    ] {
+        good(
+            at,
+            &[&["convert", "a.csv", "b.npy", "--flip", flip], &size[..]].concat(),
+        );
+        assert_eq!(xy("b.npy"), wanted, "{flip}");
+        good(at, &["convert", "b.npy", "c.npy", "--flip", flip]);
+        assert_eq!(xy("c.npy"), xy("a.csv"), "{flip}");
+    }
+    refused(
+        at,
+        &["convert", "a.csv", "d.npy", "--flip", "xy"],
+        &["--flip", "a.csv does not say how large", "--size WxH"],
+    );
+    refused(
+        at,
+        &["convert", "a.csv", "d.npy", "--flip", "yx"],
+        &["x (columns), y (rows) or xy"],
+    );
+    // The words of v2e's AEDat2Output: (0, 0) of the picture is (345, 259).
+    let event = |t: u32, x: u32, y: u32, p: u32| {
+        let address = (259 - y) << 22 | (345 - x) << 12 | p << 11;
+        (u64::from(address) << 32 | u64::from(t)).to_be_bytes()
+    };
+    let events = [
+        event(1, 0, 0, 1),
+        event(2, 345, 1, 0),
+        event(3, 100, 259, 1),
+    ]
+    .concat();
+    for (line, says) in [
+        (
+            "# created by AEDat2Output in v2e (see URL)",
+            "written by v2e",
+        ),
+        (
+            "# AEChip: eu.seebetter.ini.chips.davis.DAVIS346B",
+            "not written by amacrine",
+        ),
+    ] {
+        let head = format!("#!AER-DAT2.0\r\n{line}\r\n");
+        fs::write(folder.path("v.aedat"), [head.as_bytes(), &events].concat()).unwrap();
+        let said = folder.said(&["v.aedat", "v.npy", "--size", "346x260"]);
+        assert!(said.contains(says) && said.contains("--flip xy"), "{said}");
+        let turned = ["v.aedat", "v.npy", "--size", "346x260", "--flip", "xy"];
+        let said = folder.said(&turned);
+        assert!(!said.contains("note"), "{said}");
+        assert_eq!(xy("v.npy"), xy("a.csv"));
+    }
+    // Our own are as they are.
+    good(
+        at,
+        &[
+            &["convert", "a.csv", "o.aedat", "--format", "aedat2"],
+            &size[..],
+        ]
+        .concat(),
+    );
+    let said = folder.said(&["o.aedat", "o.npy"]);
+    assert!(!said.contains("note"), "{said}");
+    assert_eq!(xy("o.npy"), xy("a.csv"));
+}
+
 #[test]
 fn round_and_round() {
     let folder = Folder::new();

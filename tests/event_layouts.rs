@@ -5,7 +5,10 @@
 
 mod common;
 
-use std::path::{Path, PathBuf};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 use amacrine::{
     event::{
@@ -309,6 +312,39 @@ fn damage_of_mvsec() {
     refused(folder.path(), &["convert", "a.h5", "a.npy"], &[says]);
 }
 
+/// `v2e --dvs_h5`: rows of time, x, y and sign; pictures, where there are some, say the size.
+#[test]
+fn rows_of_v2e_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.h5");
+    let write = |width: u64, values: &[u32], pictures: bool| {
+        hdf5(&path, &[], |root| {
+            column(root, "events", |rows| {
+                let count = values.len() as u64 / width;
+                rows.with_u32_data(values).with_shape(&[count, width]);
+            });
+            if pictures {
+                column(root, "frame", |frames| {
+                    frames.with_u8_data(&[0; 24]).with_shape(&[2, 3, 4]);
+                });
+            }
+        });
+        file::read(&path)
+    };
+    let values = [15, 3, 2, 0, 4_000_000_000, 0, 1, 1];
+    let wanted = [(15, 3, 2, false), (4_000_000_000, 0, 1, true)];
+    let loaded = write(4, &values, false).unwrap();
+    assert_eq!((rows(&loaded), loaded.size_known), (wanted.to_vec(), false));
+    let loaded = write(4, &values, true).unwrap();
+    assert_eq!((rows(&loaded), loaded.size_known), (wanted.to_vec(), true));
+    assert_eq!((loaded.packet.size, loaded.skipped), (Size::new(3, 4), 2));
+    let error = write(2, &values, false).unwrap_err().to_string();
+    assert!(
+        error.contains("has `events` of the shape (4, 2), not (N, 4)"),
+        "{error}"
+    );
+}
+
 /// The layout of DSEC is in whole microseconds: a fraction of one, which was cut off, is refused.
 #[test]
 fn times_of_dsec_are_whole() {
@@ -330,6 +366,42 @@ fn times_of_dsec_are_whole() {
     );
     let loaded = write(&[250_000.0, 1_500_000.0]).unwrap();
     assert_eq!(rows(&loaded)[1].0, 1_500_000);
+}
+
+/// Of what begins in the first ten minutes times are absolute, as readers take them that add no
+/// offset; later they count from the millisecond of the first event.
+#[test]
+fn what_begins_early_has_no_offset() {
+    let folder = tempfile::tempdir().unwrap();
+    let (csv, path) = (folder.path().join("a.csv"), folder.path().join("a.h5"));
+    for (first, offset) in [
+        (0, 0),
+        (5_012_345, 0),
+        (599_999_999, 0),
+        (600_000_000, 600_000_000),
+        (1_700_000_000_012_345, 1_700_000_000_012_000),
+    ] {
+        fs::write(
+            &csv,
+            format!("t,x,y,p\n{first},1,2,0\n{},3,4,1\n", first + 2100),
+        )
+        .unwrap();
+        good(folder.path(), &["convert", "a.csv", "a.h5"]);
+        let times: Vec<u64> = rows(&file::read(&path).unwrap())
+            .iter()
+            .map(|row| row.0)
+            .collect();
+        assert_eq!(times, [first, first + 2100]);
+        let file = File::open(&path).unwrap();
+        let numbers = |name: &str| file.dataset(name).unwrap().read_i64().unwrap();
+        assert_eq!(numbers("t_offset"), [offset]);
+        assert_eq!(numbers("events/t")[0], first as i64 - offset);
+        let index = numbers("ms_to_idx");
+        let since = first - offset as u64;
+        let wanted = |ms: usize| i64::from(ms as u64 * 1000 > since);
+        assert!((0..index.len()).all(|ms| index[ms] == wanted(ms)));
+        assert_eq!(index.len() as u64, (since + 2100) / 1000 + 1);
+    }
 }
 
 /// Times that need the bit of the sign are neither cut off nor negative; other columns are told.

@@ -481,6 +481,32 @@ fn every_bad_scene_gets_its_message() {
     }
 }
 
+/// Times that other simulators put beside pictures are not read: the message has the way to say
+/// the rate.
+#[test]
+fn times_beside_pictures_are_told() {
+    for (name, text, helps) in [
+        ("fps.txt", "24.5\n", "--fps 24.5"),
+        ("fps.txt", "fast\n", "--fps FPS"),
+        ("timestamps.txt", "0.0\n0.1\n", "evenly spaced"),
+        ("images.csv", "0,frames/a.png\n", "evenly spaced"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join(name), text).unwrap();
+        let scene = open(
+            &folder.path().display().to_string(),
+            &OpenOptions::default(),
+        );
+        let error = scene.err().expect(name);
+        assert!(error.to_string().contains(name), "{error}");
+        let help = error.help().unwrap().to_string();
+        assert!(
+            help.contains("move it out") && help.contains(helps),
+            "{help}"
+        );
+    }
+}
+
 #[test]
 fn every_bad_file_is_in_the_table() {
     let there: BTreeSet<String> = fs::read_dir(bad(""))

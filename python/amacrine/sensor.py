@@ -191,15 +191,17 @@ class EventSensor(ABC):
             every: From one window to the next, in seconds; as ``window`` where it is left out, so
                 that they tile the clip.
             causal: Window n ends at (n + 1) every, so that nothing in it comes from later; else it
-                has its middle at n every. It has the events after its start and up to its end, the
-                first one those at its start, too.
+                has its middle at n every, each end to the nearest microsecond. It has the events
+                after its start and up to its end, the first one those at its start, too.
             polarity: ``"signed"``: ON less OFF; ``"split"``: OFF and ON each have bins of their
                 own.
             share: ``"bilinear"``: an event is shared between the two nearest bins, the first of
                 which has its middle at the window's start and the last at its end (Zhu et al., CVPR
-                2019); ``"whole"``: it counts in the part of the window in which it falls.
+                2019); ``"whole"``: each bin is a ``bins``-th of the window, and an event counts where
+                it falls, at the end of a bin in that bin.
             normalise: Kind by kind in each window: ``"std"``: what is not 0 has a mean of 0 and a
-                deviation of 1, as E2VID takes it; ``"max"``: the largest is 1 in size.
+                deviation of 1, as E2VID takes it (where all of that are equal, or one, they become
+                0); ``"max"``: the largest is 1 in size.
             dtype: float32, float16 or float64; of single precision each.
             scale: What floats are multiplied by to be light from 0 to 255.
             upsample: As for :meth:`events`, with ``bins``.
@@ -405,7 +407,8 @@ class Sensor(EventSensor):
         noise: A table of what disturbs the cells, such as ``{"shot-hz": 5, "leak-hz": 0.1}``.
         names: What the kinds of cells are called.
         name: What the sensor is called.
-        seed: Chooses mismatch and noise, the same in every clip of a batch.
+        seed: Chooses mismatch and noise, both together and the same in every clip, of a batch or
+            not; 0 is a seed as any other. Give each clip of training data its own.
         format: The number format of signals, weights and memory: ``f64``, ``f32``, ``f16``,
             ``bf16``, ``q8.8``, …
         max_events: More events of a clip than this are an error, where events are listed:

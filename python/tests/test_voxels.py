@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any
 
 import amacrine
@@ -128,6 +129,27 @@ def test_ranges_and_types(frames: Frames) -> None:
     batch = np.stack([frames, frames[::-1]])[:, :, None]
     several = sensor.voxels(batch, FPS, bins=5)
     assert np.array_equal(several[0], plain) and several.shape == (2, *plain.shape)
+
+
+def test_what_cancels_is_zero() -> None:
+    """Events on the times of frames, against exact fractions; and brought to one range."""
+    random = np.random.default_rng(4)
+    events = np.zeros(4000, [("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "i1")])
+    events["t"] = np.sort(random.integers(1, 11, 4000)) * 10_000
+    events["x"], events["y"] = random.integers(0, 4, 4000), random.integers(0, 3, 4000)
+    events["p"] = random.integers(0, 2, 4000)
+    want = np.full((5, 3, 4), Fraction(0))
+    for t, x, y, p in events.tolist():
+        at = Fraction(4 * t, 100_000)
+        for b in range(5):
+            want[b, y, x] += (2 * p - 1) * max(Fraction(0), 1 - abs(at - b))
+    how: dict[str, Any] = dict(bins=5, window=0.1, size=(3, 4))
+    got = amacrine.events.voxels(events, **how)[0, 0]
+    assert np.array_equal(got, want.astype(np.float32)) and not got.all()
+    even = amacrine.events.voxels(events, normalise="std", **how)[0, 0]
+    there = want.astype(float)[want != 0]
+    assert np.array_equal(even != 0, want != 0)
+    assert even[want != 0] == pytest.approx((there - there.mean()) / there.std(), abs=1e-6)
 
 
 def test_time_surfaces(frames: Frames) -> None:

@@ -1,5 +1,5 @@
-//! `--kernel`, `--threshold` and `--rate`: a sensor file with other receptive fields, thresholds,
-//! or with thresholds for a rate of events.
+//! `--kernel`, `--threshold`, `--sigma` and `--rate`: a sensor file with other receptive fields,
+//! thresholds, or with thresholds for a rate of events.
 
 use miette::{WrapErr, miette};
 
@@ -7,7 +7,7 @@ use super::{event_rate::event_rate, files::Named, kernels};
 use crate::{
     kernel::Kernel,
     number::Format,
-    reference::{Channel, Description},
+    reference::{Channel, Description, Threshold},
     rig::guard::Warning,
     scene::{Scene, SceneError},
     study::rate::{self, ThresholdFactor},
@@ -20,11 +20,16 @@ pub struct Changes {
     /// (k,k), (K,k,k) or (K,1,k,k)) or built-in ones
     #[arg(long, value_delimiter = ',', value_name = "KERNELS")]
     kernel: Vec<Named>,
-    /// This threshold in place of the file's, for ON and OFF
-    #[arg(long, value_name = "THRESHOLD", conflicts_with = "rate")]
-    threshold: Option<f64>,
-    /// Thresholds for so many events per pixel and second, all kinds together: the file's, all
-    /// times the same number
+    /// This threshold in place of the file's, for ON and OFF, or one for each. The spread from cell
+    /// to cell (`sigma`) stays that of the file, in the threshold's unit: --sigma says another
+    #[arg(long, value_name = "ON[,OFF]", conflicts_with = "rate", value_parser = on_and_off)]
+    threshold: Option<[f64; 2]>,
+    /// The spread of thresholds from cell to cell, their standard deviation, in place of the file's;
+    /// 0: all cells alike
+    #[arg(long, value_name = "SIGMA", conflicts_with = "rate")]
+    sigma: Option<f64>,
+    /// Thresholds for so many events per pixel and second, all kinds together: the file's and their
+    /// spreads, all times the same number
     #[arg(long, value_name = "EVENTS", value_parser = event_rate)]
     rate: Option<f64>,
 }
@@ -61,35 +66,58 @@ impl Changes {
             });
             sensor.channels = kinds.collect();
         }
-        if let Some(threshold) = self.threshold {
-            if !(threshold > 0.0 && threshold.is_finite()) {
-                return Err(miette!(
-                    help = "give a finite number above 0, in units of the response",
-                    "--threshold {threshold} is no threshold"
-                ));
-            }
-            for own in sensor
-                .channels
-                .iter_mut()
-                .flat_map(|kind| &mut kind.thresholds)
-            {
-                (own.on, own.off) = (threshold, threshold);
-            }
-        }
+        self.set_thresholds(&mut sensor)?;
         let Some(asked) = self.rate else {
             return Ok((sensor, None));
         };
         let rated = rate::factor(&sensor, asked, seed, open).wrap_err("--rate")?;
         let sensor = rate::times(&sensor, rated.factor);
-        let all = || sensor.channels.iter().flat_map(|kind| &kind.thresholds);
+        let all = sensor.channels.iter().flat_map(|kind| &kind.thresholds);
         let found = Found {
             asked,
             rated,
             format,
-            thresholds: all().map(|own| own.on).collect(),
-            spreads: all().any(|own| own.sigma > 0.0),
+            thresholds: all.copied().collect(),
         };
         Ok((sensor, Some(found)))
+    }
+
+    /// Sets the thresholds and spreads that are asked for.
+    fn set_thresholds(&self, sensor: &mut Description) -> miette::Result<()> {
+        let is_bad = |threshold: &&f64| !(**threshold > 0.0 && threshold.is_finite());
+        if let Some(threshold) = self.threshold.iter().flatten().find(is_bad) {
+            return Err(miette!(
+                help = "give a finite number above 0, in units of the response",
+                "--threshold {threshold} is no threshold"
+            ));
+        }
+        if let Some(sigma) = self.sigma.filter(|it| !(*it >= 0.0 && it.is_finite())) {
+            return Err(miette!(
+                help = "give a finite number of 0 or more, in units of the response",
+                "--sigma {sigma} is no spread of thresholds"
+            ));
+        }
+        let kinds = sensor.channels.iter_mut();
+        for own in kinds.flat_map(|kind| &mut kind.thresholds) {
+            if let Some([on, off]) = self.threshold {
+                (own.on, own.off) = (on, off);
+            }
+            own.sigma = self.sigma.unwrap_or(own.sigma);
+        }
+        Ok(())
+    }
+
+    /// What `--threshold` leaves of the file, where that matters: of the sensor as it is asked for.
+    pub(super) fn line(&self, sensor: &Description) -> Option<String> {
+        let [on, off] = self.threshold.filter(|_| self.sigma.is_none())?;
+        let all = sensor.channels.iter().flat_map(|kind| &kind.thresholds);
+        let sigma = all.map(|own| own.sigma).fold(0.0, f64::max);
+        let share = 100.0 * sigma / on.min(off);
+        (sigma > 0.0).then(|| {
+            format!(
+                "sigma    {sigma}, the file's, {share:.0} % of the threshold: --sigma says another, and --rate scales it with the threshold\n"
+            )
+        })
     }
 
     /// The kernels of all files, one after the other, and what each is called.
@@ -110,23 +138,30 @@ pub struct Found {
     rated: ThresholdFactor,
     /// What the sensor runs in; the thresholds are found in f64.
     format: Format,
-    /// Those of ON events.
-    thresholds: Vec<f64>,
-    /// Whether any of them differs from cell to cell.
-    spreads: bool,
+    thresholds: Vec<Threshold>,
 }
 
 impl Found {
     pub fn line(&self) -> String {
-        let thresholds = self.thresholds.iter().map(|own| format!("{own:.5}"));
-        let thresholds: Vec<String> = thresholds.collect();
-        let sigma = if self.spreads { " (sigma too)" } else { "" };
+        let each = self.thresholds.iter().map(|own| {
+            if own.on == own.off {
+                format!("{:.5}", own.on)
+            } else {
+                format!("{:.5} ON and {:.5} OFF", own.on, own.off)
+            }
+        });
+        let thresholds: Vec<String> = each.collect();
+        let spreads = self.thresholds.iter().any(|own| own.sigma > 0.0);
+        let sigma = if spreads { " (sigma too)" } else { "" };
         let other = match self.format {
             Format::F64 => String::new(),
             format => format!(" in f64; {format} may give another"),
         };
+        let again = self.options().map_or(String::new(), |options| {
+            format!("         the same without a search: {options}\n")
+        });
         format!(
-            "rate     {} events per pixel and second asked for: threshold {}, the file's times {:.5}{sigma}, gives {:.4}{other}\n",
+            "rate     {} events per pixel and second asked for: threshold {}, the file's times {:.5}{sigma}, gives {:.4}{other}\n{again}",
             self.asked,
             thresholds.join(", "),
             self.rated.factor,
@@ -139,14 +174,37 @@ impl Found {
         Warning::rate(sensor, self.asked, self.rated.rate)
     }
 
+    /// The options that give these very thresholds, where all kinds have the same.
+    fn options(&self) -> Option<String> {
+        let (first, others) = self.thresholds.split_first()?;
+        let Threshold { on, off, sigma } = first;
+        let spread = if *sigma > 0.0 {
+            format!(" --sigma {sigma}")
+        } else {
+            String::new()
+        };
+        let same = others.iter().all(|own| own == first);
+        same.then(|| format!("--threshold {on},{off}{spread}"))
+    }
+
     pub fn json(&self) -> serde_json::Value {
+        let on: Vec<f64> = self.thresholds.iter().map(|own| own.on).collect();
         serde_json::json!({
             "asked": self.asked,
-            "thresholds": self.thresholds,
+            "thresholds": on,
             "factor": self.rated.factor,
             "in_f64": self.rated.rate,
+            "options": self.options(),
         })
     }
+}
+
+/// A threshold for both, or one for ON and one for OFF.
+fn on_and_off(text: &str) -> Result<[f64; 2], String> {
+    let number = |text: &str| text.trim().parse::<f64>().map_err(|e| e.to_string());
+    let (on, off) = text.split_once(',').unwrap_or((text, text));
+    let both = number(on).and_then(|on| Ok([on, number(off)?]));
+    both.map_err(|e| format!("{e}: give a number, or two for ON,OFF"))
 }
 
 /// As they were given.

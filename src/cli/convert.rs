@@ -12,6 +12,7 @@ use serde_json::json;
 use super::{
     content::Content,
     files::{self, Input, Output},
+    flip::Flip,
     in_order::Events,
     progress::Progress,
     recording::{self, Recording},
@@ -61,6 +62,11 @@ pub struct Arguments {
     /// One file for each kind of cell: B.kind0.EXT, B.kind1.EXT, …
     #[arg(long)]
     each_kind: bool,
+    /// Count columns (x), rows (y) or both (xy: half a turn) from the other side of the sensor, whose
+    /// size the file or --size says: files of jAER and v2e (.aedat) have rows from the bottom and
+    /// columns from the right
+    #[arg(long, value_name = "x|y|xy")]
+    flip: Option<Flip>,
     /// Sort the events by time, where they are in no order. All of them are held in memory at once
     #[arg(long)]
     sort: bool,
@@ -145,6 +151,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             "{}: there is no kind {kind}: it has {}",
             arguments.a.display(),
             counted(seen.channels, "kind")
+        ));
+    }
+    if arguments.flip.is_some() && !seen.size_known {
+        return Err(miette!(
+            help = "give --size WxH",
+            "--flip: {} does not say how large its sensor is",
+            arguments.a.display()
         ));
     }
     let targets = targets(arguments, &seen);
@@ -383,6 +396,11 @@ fn pass(
         if let (Some(first), Some(last)) = (events.first(), events.last()) {
             seen.ends = Some((seen.ends.map_or(first.t, |(first, _)| first), last.t));
         }
+        if let Some(flip) = arguments.flip {
+            for event in &mut events {
+                *event = flip.of(*event, seen.size);
+            }
+        }
         for (writer, kind, ends) in &mut writers {
             let part = choose(&events, &mut chosen, (from, to), zero, *kind);
             writer.put(part)?;
@@ -398,7 +416,10 @@ fn pass(
     progress.finish();
     seen.skipped = reader.skipped();
     let dropped = about.dropped.unwrap_or_default();
-    seen.note = note(arguments, format, reader.note(), dropped, seen.ends);
+    // That of aedat2 is of the sides from which pixels are counted.
+    let is_told = arguments.flip.is_none() || seen.format != Format::Aedat2;
+    let read = reader.note().filter(|_| is_told);
+    seen.note = note(arguments, format, read, dropped, seen.ends);
     let mut written = Vec::new();
     for ((writer, _, ends), (path, _)) in writers.into_iter().zip(targets) {
         written.push(Written {

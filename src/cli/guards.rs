@@ -21,6 +21,8 @@ pub struct RunGuard {
     crowd: Crowd,
     overflow: Overflow,
     response: Response,
+    /// The spread of thresholds and the least of them, of the kind where it is the largest part.
+    spread: Option<(f64, f64)>,
     /// The least threshold, and the most by which what is compared with it moves.
     reach: Option<[f64; 2]>,
 }
@@ -36,6 +38,7 @@ impl RunGuard {
             overflow: Overflow::new(format, description.response),
             response: description.response,
             reach: description.reach(),
+            spread: spread(description),
         }
     }
 
@@ -56,6 +59,11 @@ impl RunGuard {
                 self.reach,
             ));
         }
+        let spread = self.spread;
+        let spread = spread.and_then(|(sigma, least)| Warning::spread(&self.name, sigma, least));
+        if let Some(warning) = spread {
+            guard.warn(warning);
+        }
         if self.crowd.over > 0 {
             guard.warn(Warning::most_cells(&self.name, &self.crowd));
         }
@@ -69,4 +77,14 @@ impl RunGuard {
         }
         guard.warnings()
     }
+}
+
+/// The largest spread of thresholds as a part of them: it, and the threshold.
+fn spread(description: &Description) -> Option<(f64, f64)> {
+    let all = description
+        .channels
+        .iter()
+        .flat_map(|kind| &kind.thresholds);
+    all.map(|own| (own.sigma, own.on.min(own.off)))
+        .max_by(|a, b| (a.0 / a.1).total_cmp(&(b.0 / b.1)))
 }

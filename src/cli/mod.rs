@@ -20,6 +20,7 @@ pub mod feasibility;
 mod fidelity;
 mod figure;
 pub mod files;
+mod flip;
 mod guards;
 mod in_order;
 mod kernel_names;

@@ -62,7 +62,8 @@ pub struct Arguments {
     /// the next, in ln units
     #[arg(long, value_name = "CONTRAST", value_parser = light::contrast)]
     upsample: Option<f64>,
-    /// Chooses mismatch and noise
+    /// Chooses mismatch and noise, both together. 0 is a seed as any other: under one seed the noise
+    /// of every clip is the same, so give each clip of training data its own
     #[arg(long, default_value_t = 0)]
     seed: u64,
     #[arg(long, default_value = "f64", help = format!("The number format of signals, weights and memory: {}", Format::names()))]
@@ -136,6 +137,10 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             .of(description, (arguments.seed, arguments.format), &shown)?;
     if let Some(found) = found.as_ref().filter(|_| !arguments.json) {
         super::say(&found.line());
+    }
+    let kept = arguments.changes.line(&description);
+    if let Some(kept) = kept.filter(|_| !arguments.json) {
+        super::say(&kept);
     }
     let found = found.as_ref();
     if !arguments.fidelity.is_auto() {

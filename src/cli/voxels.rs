@@ -20,6 +20,7 @@ use crate::{
         },
     },
     memory::{Bytes, Need},
+    plane::Size,
     unit::{Micros, counted, exact_seconds},
 };
 
@@ -50,17 +51,20 @@ pub struct Arguments {
     /// From one window to the next [default: the window's length]
     #[arg(long, value_name = "TIME")]
     every: Option<Micros>,
-    /// Where a window lies about its time: `causal` ends there, `centred` has its middle there
+    /// Where a window lies about its time: `causal` ends there, `centred` has its middle there, half
+    /// of --window before and after it, each end to the nearest microsecond
     #[arg(long, default_value = "causal", value_name = "WHERE", value_parser = parsed::<Alignment>)]
     align: Alignment,
     /// `signed`: ON adds, OFF takes away; `split`: a plane for each
     #[arg(long, default_value = "signed", value_name = "HOW", value_parser = parsed::<Sides>)]
     polarity: Sides,
-    /// `bilinear`: an event is shared between the two nearest bins; `whole`: it counts where it falls
+    /// `bilinear`: an event is shared between the two nearest bins, of which the first has its middle
+    /// at the window's start and the last at its end; `whole`: each bin is an N-th of the window, and
+    /// an event counts where it falls, at the end of a bin in that bin
     #[arg(long, default_value = "bilinear", value_name = "HOW", value_parser = parsed::<Share>)]
     share: Share,
     /// What a window's voxels of each kind are brought to: `none`, `std` (as E2VID: mean 0, deviation
-    /// 1 of those that are not 0), `max`
+    /// 1 of those that are not 0; where these are all equal, or one, they become 0), `max`
     #[arg(long, default_value = "none", value_name = "HOW", value_parser = parsed::<Normalise>)]
     normalise: Normalise,
     /// Numbers of 16 bits in place of 32
@@ -122,15 +126,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     how.share = arguments.share;
     how.sides = arguments.polarity;
     how.normalise = arguments.normalise;
-    let each = how.len(size, channels) as u128 * 4;
-    let overlap = u128::from(arguments.window.0.div_ceil(every.0.max(1)) + 1);
-    // One more as it is written.
-    let need = Need::new().and("windows that overlap", each * (overlap + 1));
-    budget::check(
-        &need,
-        &format!("voxels of {size}"),
-        "take fewer bins, or windows that overlap less",
-    )?;
+    arguments.check_memory(&how, size, channels)?;
     let shape = how.shape(size, channels);
     arguments.check_disk(&how, &about, container, precision)?;
     let layers = Layers {
@@ -195,7 +191,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 
 /// What is to be known of the file before its voxels.
 struct Extent {
-    size: crate::plane::Size,
+    size: Size,
     channels: u8,
     names: Vec<String>,
     start: Micros,
@@ -239,6 +235,25 @@ impl Extent {
 }
 
 impl Arguments {
+    /// Refuses windows for which there is no room in memory.
+    fn check_memory(&self, how: &Voxels, size: Size, channels: u8) -> miette::Result<()> {
+        let every = self.every.unwrap_or(self.window);
+        let overlap = u128::from(self.window.0.div_ceil(every.0.max(1)) + 1);
+        // Sums of shares may need 64 bits.
+        let sum = match self.share {
+            Share::Bilinear if self.bins > 1 => 8,
+            _ => 4,
+        };
+        let each = how.len(size, channels) as u128;
+        // One more as it is written.
+        let need = Need::new().and("windows that overlap", each * (sum * overlap + 4));
+        budget::check(
+            &need,
+            &format!("voxels of {size}"),
+            "take fewer bins, or windows that overlap less",
+        )
+    }
+
     /// Refuses an array for which there is no room on its disk.
     fn check_disk(
         &self,

@@ -199,10 +199,10 @@ pub fn f1(pair: &Pair, within: Micros) -> f64 {
     matching::share(2 * matching::matched(pair, within), a + b)
 }
 
-/// The time from frame to frame by the times of the events: the longest of which all of them are
-/// whole multiples. Frames are that far apart or a whole part of it, where events skip the same
-/// frames. None where times are not those of frames. Of two packets with frames, the longer
-/// interval.
+/// The time from frame to frame by the times of the events: the longest of which the distances of
+/// all of them from the first are whole multiples, to the rounding of a microsecond. Frames are
+/// that far apart or a whole part of it, where events skip the same frames. None where times are
+/// not those of frames. Of two packets with frames, the longer interval.
 #[must_use]
 pub fn frame_interval(pair: &Pair) -> Option<Micros> {
     pair.times()

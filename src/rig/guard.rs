@@ -38,6 +38,8 @@ pub enum About {
     MostCells,
     /// Events found no slot of the readout.
     Slots,
+    /// Thresholds that differ so much from cell to cell that their floor decides.
+    Spread,
     /// Values at the end of the range of what holds them.
     Saturation,
     /// Light on another scale than the sensor's.
@@ -76,6 +78,7 @@ impl About {
             Self::NoEvents => "no-events",
             Self::MostCells => "most-cells",
             Self::Slots => "slots",
+            Self::Spread => "spread",
             Self::Saturation => "saturation",
             Self::Scale => "scale",
             Self::Cut => "cut",
@@ -284,6 +287,21 @@ impl Warning {
             "the threshold is below what changes everywhere: noise, flicker, a cut, or a memory that fires again",
             "raise the threshold, give light on the scale of the sensor, use a memory that steps rather than snaps, or leave out the frames at which the whole picture changes",
         )
+    }
+
+    /// Thresholds whose standard deviation from cell to cell, `sigma`, is more than a third of the
+    /// least threshold: some cells in a thousand are then at the floor of a threshold.
+    #[must_use]
+    pub fn spread(subject: &str, sigma: f64, threshold: f64) -> Option<Self> {
+        (3.0 * sigma > threshold).then(|| {
+            Self::new(
+                About::Spread,
+                subject,
+                format!("the spread of its thresholds (sigma {sigma}) is more than a third of a threshold ({threshold})"),
+                "a cell whose threshold would fall below a twentieth of that has a twentieth, and fires twenty times as often: such cells decide how many events there are",
+                "give a smaller sigma (in the sensor file, or run --sigma), or leave it out (--without mismatch)",
+            )
+        })
     }
 
     /// A window within which accident scores this much; none where a score still says something

@@ -316,11 +316,13 @@ pub enum SceneError {
     )]
     #[diagnostic(help(
         "a folder may hold .png, .pgm, .ppm and .pnm pictures and hidden files: {}",
-        way_out(path)
+        way_out(path, *fps)
     ))]
     NotAPicture {
         /// The file or folder of the scene.
         path: PathBuf,
+        /// Frames per second, where the file is one that says so (`fps.txt`).
+        fps: Option<f64>,
     },
 
     /// A picture or animation that cannot be decoded.
@@ -564,8 +566,18 @@ fn way_in(path: &Path) -> String {
     text.to_owned()
 }
 
+/// What other simulators put beside pictures: vid2e the first two, ESIM the last.
+const TIMES: [&str; 3] = ["fps.txt", "timestamps.txt", "images.csv"];
+
 /// What to do about a file in a folder of pictures that is none of those that are read.
-fn way_out(path: &Path) -> String {
+fn way_out(path: &Path, fps: Option<f64>) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    if TIMES.iter().any(|times| name.eq_ignore_ascii_case(times)) {
+        let fps = fps.map_or("FPS".to_owned(), frame_rate);
+        return format!(
+            "times and rates are not read from it, and pictures of a folder are evenly spaced: move it out, and give --fps {fps}"
+        );
+    }
     let ending = path.extension().unwrap_or_default();
     let known = [
         "jpg", "jpeg", "bmp", "tif", "tiff", "webp", "exr", "jp2", "heic", "avif",

@@ -12,10 +12,10 @@ use super::{
     Frame, Gap, OpenOptions, Outline, Scene, SceneError,
     decoded::Source,
     light::{self, MemoryLimit},
-    rate::Rate,
+    rate::{Rate, check_rate},
     still,
 };
-use crate::{limit::PICTURES, order::Order, plane::Size};
+use crate::{limit::PICTURES, order::Order, plane::Size, source};
 
 /// Extensions of the pictures that are read.
 pub(super) const ENDINGS: [&str; 4] = ["png", "pgm", "ppm", "pnm"];
@@ -50,7 +50,8 @@ pub(super) fn open(
         }
         let ending = entry.extension().unwrap_or_default().to_ascii_lowercase();
         if entry.is_dir() || !ENDINGS.iter().any(|known| ending == *known) {
-            return Err(SceneError::NotAPicture { path: entry });
+            let fps = stated_rate(&entry);
+            return Err(SceneError::NotAPicture { path: entry, fps });
         }
         if pictures.len() == PICTURES {
             return Err(SceneError::TooManyFrames {
@@ -132,6 +133,16 @@ impl Scene for Folder {
             light,
         }))
     }
+}
+
+/// The frames per second that vid2e's `fps.txt` says; none of any other file.
+fn stated_rate(path: &Path) -> Option<f64> {
+    if path.file_name() != Some(OsStr::new("fps.txt")) {
+        return None;
+    }
+    let text = source::text(path, "").ok()?;
+    let fps = text.split_whitespace().next()?.parse().ok()?;
+    check_rate(fps).is_ok().then_some(fps)
 }
 
 /// The number of a picture: the last digits of its name before its ending.

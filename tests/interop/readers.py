@@ -102,10 +102,10 @@ def by_h5py(path):
 
     with h5py.File(path) as file:
         events = {name: file["events"][name][:] for name in "txyp"}
-        t = events["t"].astype(np.int64) + int(file["t_offset"][()])
+        relative = events["t"].astype(np.int64)
+        t = relative + int(file["t_offset"][()])
         index = file["ms_to_idx"][:]
     # The definition of the index: the first event at or after each millisecond.
-    relative = t - int(t[0] // 1000 * 1000) if len(t) else t
     wanted = np.searchsorted(relative, np.arange(len(index)) * 1000)
     assert (index == wanted).all(), "ms_to_idx"
     return t, events["x"], events["y"], events["p"]
@@ -116,6 +116,47 @@ def by_pyarrow(path):
 
     table = pyarrow.parquet.read_table(path)
     return [table[name].to_numpy() for name in "txyp"]
+
+
+def by_polars(path):
+    table = polars.read_parquet(path)
+    return [table[name].to_numpy() for name in "txyp"]
+
+
+def by_pandas(path):
+    import pandas
+
+    read = pandas.read_parquet if path.suffix == ".parquet" else pandas.read_csv
+    table = read(path)
+    return [table[name].to_numpy() for name in "txyp"]
+
+
+def by_pandas_of_seconds(path):
+    import pandas
+
+    table = pandas.read_csv(path, sep=" ", header=None, names=["t", "x", "y", "p"])
+    return np.rint(table["t"].to_numpy(float) * 1e6), table["x"], table["y"], table["p"]
+
+
+def by_numpy_of_seconds(skiprows):
+    def read(path):
+        t, x, y, p = np.loadtxt(path, skiprows=skiprows, ndmin=2).reshape(-1, 4).T
+        return np.rint(t * 1e6), x, y, p
+
+    return read
+
+
+def by_numpy_of_csv(path):
+    table = np.loadtxt(path, dtype=np.int64, delimiter=",", skiprows=1, ndmin=2)
+    return table.reshape(-1, 4).T
+
+
+def by_csv(path):
+    import csv
+
+    with open(path, newline="") as file:
+        rows = [[int(row[name]) for name in "txyp"] for row in csv.DictReader(file)]
+    return np.array(rows, dtype=np.int64).reshape(-1, 4).T
 
 
 def by_e2vid(path):
@@ -132,7 +173,14 @@ def by_e2vid(path):
 
 #                 the readers of a format, and the cases that each cannot read
 READERS = {
-    "e2vid": [(by_e2vid, ())],
+    "csv": [(by_pandas, ()), (by_numpy_of_csv, ()), (by_csv, ()), (by_faery, ())],
+    "txt": [
+        (by_numpy_of_seconds(0), ()),
+        (by_pandas_of_seconds, ()),
+        (by_eventcv, ("one", "empty")),
+    ],
+    "npy": [(by_numpy, ())],
+    "e2vid": [(by_e2vid, ()), (by_numpy_of_seconds(1), ())],
     "zip": [(by_e2vid, ())],
     "npz": [(by_numpy, ()), (by_eventcv, ("empty",))],
     "evt2": [
@@ -156,8 +204,13 @@ READERS = {
     "aedat4-zstd": [(by_aedat, ()), (by_faery, ()), (by_dv_processing, ()), (by_dv, ())],
     "aedat4-none": [(by_aedat, ()), (by_faery, ()), (by_dv_processing, ()), (by_dv, ())],
     "es": [(by_event_stream, ()), (by_faery_upside_down, ())],
-    "hdf5": [(by_h5py, ())],
-    "parquet": [(by_pyarrow, ())],
+    "hdf5": [
+        (by_h5py, ()),
+        # These add no `t_offset`.
+        (by_evlib, ("late", "one", "empty")),
+        (by_eventcv, ("late", "one", "empty")),
+    ],
+    "parquet": [(by_pyarrow, ()), (by_polars, ()), (by_pandas, ())],
 }
 
 

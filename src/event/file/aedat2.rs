@@ -4,7 +4,8 @@
 //! `#!AER-DAT2.0` and comments, then for each event an address (bit 31 set for frames and
 //! motion; y in 30 to 22, x in 21 to 12, the sign in 11, bit 10 set for what comes from
 //! outside) and the time in 32 bits, which readers take with a sign: 35 minutes. Coordinates
-//! are written as they are; jAER itself shows rows from the bottom and mirrors columns.
+//! are written and read as they are; jAER itself counts rows from the bottom and columns from the
+//! right, and so does v2e, which writes for it.
 //! Readers take every line that starts with `#` for a comment, so a first event whose bytes
 //! start like that is led by an empty frame sample. Source:
 //! <https://docs.inivation.com/software/software-advanced-usage/file-formats/aedat-2.0.html>.
@@ -43,7 +44,7 @@ pub(super) const ENTRY: Entry = Entry {
         channels: false,
         ..Limits::WIDE
     },
-    readers: "dv, tonic (mirrored, as jAER shows it)",
+    readers: "dv",
     module: "dv",
     python: "[(e.timestamp, e.x, e.y, e.polarity) for e in dv.LegacyAedatFile(path)]",
     sign: Sign::Bytes(MAGIC),
@@ -109,6 +110,24 @@ pub(super) struct Aedat2 {
     /// Whether a record was read already.
     begun: bool,
     skipped: u64,
+    /// What is to be known of whose it is.
+    note: Option<&'static str>,
+}
+
+/// Of a file of v2e.
+const OF_V2E: &str = "written by v2e for jAER, whose rows run up and whose columns are mirrored: --flip xy, with --size WxH, turns it";
+
+/// Of a file of somebody else.
+const OF_OTHERS: &str = "not written by amacrine: rows run up and columns are mirrored where jAER wrote it, and --flip xy, with --size WxH, turns it";
+
+/// What a header says of who counted rows and columns.
+fn note(header: &Header) -> Option<&'static str> {
+    let names_v2e = |(key, value): &(String, String)| key == "v2e" || value.contains("v2e");
+    match header.ours {
+        true => None,
+        false if header.lines.iter().any(names_v2e) => Some(OF_V2E),
+        false => Some(OF_OTHERS),
+    }
 }
 
 /// Opens a file's stream of events.
@@ -121,6 +140,7 @@ pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Aedat2>, Stop> {
     }
     let words = Aedat2 {
         chip,
+        note: note(&header),
         ..Aedat2::default()
     };
     Ok(Stream::new(chunks, words, header.about))
@@ -148,6 +168,10 @@ impl Words for Aedat2 {
 
     fn skipped(&self) -> u64 {
         self.skipped
+    }
+
+    fn note(&self) -> Option<&'static str> {
+        self.note
     }
 }
 

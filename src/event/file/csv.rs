@@ -26,7 +26,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "csv",
     extension: "csv",
     limits: Limits::WIDE,
-    readers: "pandas, numpy, Python's csv",
+    readers: "pandas, numpy, Python's csv, faery",
     module: "pandas",
     python: "pandas.read_csv(path)",
     sign: Sign::Nothing,

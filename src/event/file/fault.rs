@@ -448,7 +448,7 @@ impl Fault {
                 "choose one by its number: --stream N, in Python read(path, stream=N)"
             }
             Self::Column { .. } => {
-                "read are the layouts of DSEC (events/{t,x,y,p}, in microseconds), event_utils (events/{xs,ys,ts,ps}) and MVSEC (davis/{left,right}/events); docs/formats.md has a line of Python for that of Prophesee"
+                "read are the layouts of DSEC (events/{t,x,y,p}, in microseconds), event_utils (events/{xs,ys,ts,ps}), MVSEC (davis/{left,right}/events) and v2e (events, (N, 4)); docs/formats.md has a line of Python for that of Prophesee"
             }
             Self::Compressed { .. } => "unpack it first: `h5repack -f NONE IN.h5 OUT.h5`",
             Self::Header { way, .. } => way,

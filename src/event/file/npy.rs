@@ -36,7 +36,7 @@ pub(super) const ENTRY: Entry = Entry {
         y: i16::MAX.unsigned_abs(),
         ..Limits::WIDE
     },
-    readers: "numpy, tonic",
+    readers: "numpy",
     module: "numpy",
     python: "numpy.load(path)",
     sign: Sign::Bytes(MAGIC),

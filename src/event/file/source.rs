@@ -74,6 +74,11 @@ pub trait Words: Clone + Send {
     fn skipped(&self) -> u64 {
         0
     }
+
+    /// See [`Source::note`].
+    fn note(&self) -> Option<&'static str> {
+        None
+    }
 }
 
 /// A file that is a stream of words behind a header.
@@ -150,5 +155,8 @@ impl<W: Words> Source for Stream<W> {
 
     fn skipped(&self) -> u64 {
         self.words.skipped()
+    }
+    fn note(&self) -> Option<&'static str> {
+        self.words.note()
     }
 }

@@ -26,7 +26,7 @@ pub(super) const ENTRY: Entry = Entry {
         channels: false,
         ..Limits::WIDE
     },
-    readers: "numpy, faery, evlib (1 us low in 1 % of events: it truncates)",
+    readers: "numpy, pandas, eventcv",
     module: "numpy",
     python: "numpy.loadtxt(path)",
     sign: Sign::Nothing,

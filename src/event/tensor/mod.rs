@@ -11,6 +11,7 @@ mod normalise;
 mod period;
 mod sides;
 mod stream;
+mod sums;
 mod surface;
 mod voxels;
 mod windows;

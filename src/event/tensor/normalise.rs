@@ -11,7 +11,8 @@ pub enum Normalise {
     #[default]
     None,
     /// Those that are not 0 have a mean of 0 and a standard deviation of 1, as E2VID takes them
-    /// (Rebecq et al., TPAMI 2019); where all are equal, only the mean is taken away.
+    /// (Rebecq et al., TPAMI 2019); where all are equal, or there is one, only the mean is taken
+    /// away, so that they become 0.
     Deviation,
     /// The largest in size is 1.
     Largest,

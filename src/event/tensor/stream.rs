@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use super::{
     error::{TensorError, room},
+    sums::Sums,
     voxels::Voxels,
 };
 use crate::{
@@ -21,7 +22,7 @@ pub struct VoxelStream {
     /// The number of the first window that is not over.
     next: u64,
     /// Windows from there on that have begun.
-    begun: VecDeque<Vec<f32>>,
+    begun: VecDeque<Sums>,
     /// Events so far that lie between windows.
     between: u64,
     /// Events so far that came when a window of theirs was over.
@@ -168,17 +169,17 @@ impl VoxelStream {
     fn begin(&mut self, at: usize) {
         let each = self.how.len(self.size, self.channels);
         while self.begun.len() <= at {
-            self.begun.push_back(vec![0.0; each]);
+            self.begun.push_back(Sums::new(each));
         }
     }
 
     /// The next window, which is over.
     fn end(&mut self) -> Vec<f32> {
         let place = (self.size, self.channels);
-        let silent = || vec![0.0; self.how.len(place.0, place.1)];
-        let mut window = self.begun.pop_front().unwrap_or_else(silent);
+        let silent = || Sums::new(self.how.len(place.0, place.1));
+        let sums = self.begun.pop_front().unwrap_or_else(silent);
+        let n = self.next;
         self.next += 1;
-        self.how.finish(place, &mut window);
-        window
+        self.how.finish(place, n, sums)
     }
 }

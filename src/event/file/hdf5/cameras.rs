@@ -1,6 +1,6 @@
 //! Events as rows of x, y, t and p, of one camera or of several.
 
-use hdf5_pure::Dataset;
+use hdf5_pure::{Dataset, File};
 
 use super::{
     super::{
@@ -10,16 +10,45 @@ use super::{
         gate::Raw,
         source::{BLOCK, Source},
     },
-    numbers::Numbers,
+    numbers::{Numbers, is_real},
+    open::{column, unreadable, wrong},
 };
 use crate::{event::Event, plane::Size};
+
+/// Four columns that are x, y, t and p.
+pub const XYTP: [usize; 4] = [0, 1, 2, 3];
 
 /// Where the rows are.
 pub enum Table {
     /// x, y, t and p, each a data set.
     Columns(Vec<(Dataset, &'static str)>),
-    /// One data set of four columns.
-    Rows(Dataset),
+    /// One data set of four columns, and which of them x, y, t and p are.
+    Rows(Dataset, [usize; 4]),
+}
+
+impl Table {
+    /// One data set of four columns, and how many events it has.
+    pub fn rows(file: &File, path: &str, order: [usize; 4]) -> Result<(Self, u64), Stop> {
+        let rows = column(file, path)?;
+        let shape = rows.shape().map_err(unreadable)?;
+        let [events, 4] = shape[..] else {
+            let shape: Vec<_> = shape.iter().map(u64::to_string).collect();
+            let why = format!(
+                "has `{path}` of the shape ({}), not (N, 4)",
+                shape.join(", ")
+            );
+            return Err(wrong(why));
+        };
+        Ok((Self::Rows(rows, order), events))
+    }
+
+    /// Whether its times are real numbers.
+    pub fn has_real_times(&self) -> Result<bool, Stop> {
+        match self {
+            Self::Columns(columns) => is_real(&columns[2].0),
+            Self::Rows(rows, _) => is_real(rows),
+        }
+    }
 }
 
 /// A camera.
@@ -40,16 +69,33 @@ pub struct Camera {
     pub others: u64,
 }
 
+impl Camera {
+    /// Counts what is no event; images also say the size.
+    pub fn leave_out(&mut self, file: &File, path: &str) -> Result<(), Stop> {
+        let Ok(other) = file.dataset(path) else {
+            return Ok(());
+        };
+        let shape = other.shape().map_err(unreadable)?;
+        self.others += shape.first().copied().unwrap_or(0);
+        if let [_, height, width] | [_, height, width, _] = shape[..] {
+            self.size = Some(Size::new(height as usize, width as usize));
+        }
+        Ok(())
+    }
+}
+
 /// Four numbers of each event of a block.
 struct Block {
     columns: Vec<Numbers>,
+    /// Which of the four x, y, t and p are.
+    order: [usize; 4],
 }
 
 impl Block {
     /// Where number `column` of an event is.
     const fn at(&self, event: usize, column: usize) -> (usize, usize) {
         if self.columns.len() == 1 {
-            (0, 4 * event + column)
+            (0, 4 * event + self.order[column])
         } else {
             (column, event)
         }
@@ -80,17 +126,22 @@ impl Block {
 
 impl Table {
     fn read(&self, path: &str, from: u64, count: u64) -> Result<Block, Stop> {
-        let columns = match self {
+        match self {
             Self::Columns(columns) => {
                 let mut all = Vec::with_capacity(4);
                 for (column, name) in columns {
                     all.push(Numbers::read(column, name, (from, count), 1)?);
                 }
-                all
+                Ok(Block {
+                    columns: all,
+                    order: XYTP,
+                })
             }
-            Self::Rows(rows) => vec![Numbers::read(rows, path, (from, count), 4)?],
-        };
-        Ok(Block { columns })
+            Self::Rows(rows, order) => Ok(Block {
+                columns: vec![Numbers::read(rows, path, (from, count), 4)?],
+                order: *order,
+            }),
+        }
     }
 }
 

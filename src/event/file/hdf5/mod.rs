@@ -1,11 +1,11 @@
-//! HDF5 laid out as the DSEC data set (Gehrig et al. 2021): `h5py.File(path)['events']`.
+//! HDF5 laid out as the DSEC data set (Gehrig et al. 2021).
 //!
 //! `events/{t,x,y,p}` (and `channel`), `t_offset`, and `ms_to_idx`, the first event at or
-//! after each millisecond. `t` counts from `t_offset`, the whole millisecond of the first
-//! event, so `t + t_offset` is absolute. t is `<i8`, where DSEC has 32 bits without a sign;
+//! after each millisecond. `t` counts from `t_offset`, so `t + t_offset` is absolute: 0 where
+//! the first event comes in the first ten minutes, else its whole millisecond. t is `<i8`, where DSEC has 32 bits without a sign;
 //! columns are deflated in chunks. Size, channels, time watched and drops are an attribute.
 //! Read with integers of any width; what is compressed by other filters (blosc) is refused.
-//! The layouts of `event_utils` and MVSEC are read too: `event_utils.rs`, `mvsec.rs`.
+//! The layouts of `event_utils`, MVSEC and v2e are read too: a file of code each.
 //! While a file is written it waits as a temporary file. Source:
 //! <https://dsec.ifi.uzh.ch/data-format/>.
 
@@ -21,6 +21,8 @@ mod numbers;
 mod open;
 #[cfg(feature = "hdf5")]
 mod streams;
+#[cfg(feature = "hdf5")]
+mod v2e;
 
 use super::entry::{Entry, Limits, Sign, Streams};
 
@@ -42,9 +44,9 @@ pub(super) const ENTRY: Entry = Entry {
         silence: u32::MAX as u64,
         ..Limits::WIDE
     },
-    readers: "h5py, evlib, eventcv",
+    readers: "h5py, evlib, eventcv (the two without `t_offset`)",
     module: "h5py",
-    python: "h5py.File(path)['events']",
+    python: "(lambda f: [f['events/t'][:] + f['t_offset'][()], *(f['events/' + n][:] for n in 'xyp')])(h5py.File(path))",
     sign: Sign::Bytes(b"\x89HDF\r\n\x1a\n"),
     streams: STREAMS,
     also: &["hdf"],

@@ -9,11 +9,8 @@ use hdf5_pure::File;
 
 use super::{
     super::fault::Stop,
-    cameras::{Camera, Reading, Table},
-    numbers::is_real,
-    open::{column, unreadable, wrong},
+    cameras::{Camera, Reading, Table, XYTP},
 };
-use crate::plane::Size;
 
 /// The cameras: their numbers, their events, their images and motion.
 const CAMERAS: [(i32, &str, [&str; 2]); 2] = [
@@ -44,21 +41,12 @@ pub fn source(file: &File) -> Result<Reading, Stop> {
         if file.dataset(path).is_err() {
             continue;
         }
-        let rows = column(file, path)?;
-        let shape = rows.shape().map_err(unreadable)?;
-        let [events, 4] = shape[..] else {
-            let shape: Vec<_> = shape.iter().map(u64::to_string).collect();
-            let why = format!(
-                "has `{path}` of the shape ({}), not (N, 4)",
-                shape.join(", ")
-            );
-            return Err(wrong(why));
-        };
-        seconds &= is_real(&rows)?;
+        let (table, events) = Table::rows(file, path, XYTP)?;
+        seconds &= table.has_real_times()?;
         let mut camera = Camera {
             number,
             path,
-            table: Table::Rows(rows),
+            table,
             events,
             stated: None,
             size: None,
@@ -70,19 +58,4 @@ pub fn source(file: &File) -> Result<Reading, Stop> {
         cameras.push(camera);
     }
     Ok(Reading::new(cameras, seconds))
-}
-
-impl Camera {
-    /// Counts what is no event; images also say the size.
-    fn leave_out(&mut self, file: &File, path: &str) -> Result<(), Stop> {
-        let Ok(other) = file.dataset(path) else {
-            return Ok(());
-        };
-        let shape = other.shape().map_err(unreadable)?;
-        self.others += shape.first().copied().unwrap_or(0);
-        if let [_, height, width] | [_, height, width, _] = shape[..] {
-            self.size = Some(Size::new(height as usize, width as usize));
-        }
-        Ok(())
-    }
 }

@@ -22,11 +22,18 @@ use super::{
     event_utils, mvsec,
     numbers::Numbers,
     open::{column, length, open, unreadable, wrong},
+    v2e,
 };
 use crate::{event::Event, save::Spool};
 
 /// Values of a chunk; at 2^16 the C library refuses how hdf5-pure 0.47 writes the number.
 const CHUNK: u64 = 1 << 15;
+
+/// Recordings whose first event is before this, in microseconds, are written with their own times
+/// and an offset of 0, since readers that add no offset are many (evlib, eventcv). The index then
+/// begins at 0, too: the ten minutes before are at most 600 000 equal entries, 4.8 MB as they are
+/// read and a few KB as they are packed.
+const FROM_ZERO: u64 = 600_000_000;
 
 /// Opens a file's stream of events, in whichever layout they are.
 pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
@@ -37,6 +44,9 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
         }
         if mvsec::fits(&file) {
             return Ok(Box::new(mvsec::source(&file)?));
+        }
+        if file.dataset(v2e::EVENTS).is_ok() {
+            return Ok(Box::new(v2e::source(&file)?));
         }
     }
     Ok(Box::new(dsec(&file)?))
@@ -341,7 +351,10 @@ impl Sink for Writing {
             return Ok(());
         };
         if self.open.is_none() {
-            self.offset = Some(first.t.0 / 1000 * 1000);
+            self.offset = match first.t.0 {
+                ..FROM_ZERO => Some(0),
+                late => Some(late / 1000 * 1000),
+            };
             self.begin()?;
         }
         let offset = self.offset.unwrap_or(0);
