@@ -3,7 +3,6 @@
 use crate::{
     event::Packet,
     number::Format,
-    photoreceptor::Response,
     plane::Size,
     reference::{Description, Firing, Tally},
     rig::{
@@ -11,6 +10,7 @@ use crate::{
         guard::{Crowd, Guard, Warning},
     },
     scene::Frame,
+    sensor::Silence,
 };
 
 /// Looks at a run of the float model, frame by frame.
@@ -20,9 +20,8 @@ pub struct RunGuard {
     name: String,
     crowd: Crowd,
     overflow: Overflow,
-    response: Response,
-    /// The least threshold, and the most by which what is compared with it moves.
-    reach: Option<[f64; 2]>,
+    /// How far a still scene is from the memory, and the threshold that it reaches.
+    still: Option<[f64; 2]>,
 }
 
 impl RunGuard {
@@ -34,8 +33,7 @@ impl RunGuard {
             name: description.name.clone(),
             crowd: Crowd::new(cells as u64),
             overflow: Overflow::new(format, description.response),
-            response: description.response,
-            reach: description.reach(),
+            still: description.still(),
         }
     }
 
@@ -45,16 +43,16 @@ impl RunGuard {
         self.overflow.see(frame);
     }
 
-    /// What there is to warn of; the packet is what has left the readout.
-    pub fn warnings(&self, tally: &Tally, packet: &Packet) -> Vec<Warning> {
+    /// What there is to warn of; the packet is what has left the readout, and `silence` why no cell
+    /// fired, where none did.
+    pub fn warnings(&self, tally: &Tally, packet: &Packet, silence: &Silence) -> Vec<Warning> {
         let mut guard = Guard::new();
         if tally.total() == 0 {
-            guard.warn(Warning::no_events_of(
-                &self.name,
-                self.crowd.frames,
-                self.response,
-                self.reach,
-            ));
+            let frames = self.crowd.frames;
+            guard.warn(Warning::no_events_of(&self.name, frames, silence));
+        }
+        if let Some(reached) = self.still {
+            guard.warn(Warning::still(&self.name, reached));
         }
         if self.crowd.over > 0 {
             guard.warn(Warning::most_cells(&self.name, &self.crowd));
