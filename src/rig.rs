@@ -8,6 +8,7 @@
 pub mod guard;
 mod larger;
 mod overflow;
+mod silent;
 
 use std::ops::ControlFlow;
 

@@ -1,9 +1,13 @@
 //! What the reference and the device have in common: light in, events out.
 
+mod silence;
+
 use crate::{
     event::Packet, number::Format, photoreceptor::LightError, plane::Size, scene::Frame,
     unit::counted,
 };
+
+pub use silence::Silence;
 
 /// A sensor that watches a scene frame by frame.
 pub trait Sensor {
@@ -33,6 +37,11 @@ pub trait Sensor {
     /// as they were, so that it can be shown repaired; what else is left after an error they say
     /// themselves.
     fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError>;
+
+    /// Why it has been silent in all frames so far, as far as it knows; for whoever saw no event.
+    fn silence(&self) -> Silence {
+        Silence::default()
+    }
 }
 
 impl<S: Sensor + ?Sized> Sensor for Box<S> {
@@ -54,6 +63,10 @@ impl<S: Sensor + ?Sized> Sensor for Box<S> {
 
     fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
         (**self).watch(frame, packet)
+    }
+
+    fn silence(&self) -> Silence {
+        (**self).silence()
     }
 }
 

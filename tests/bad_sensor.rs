@@ -27,6 +27,7 @@ const MESSAGES: &[(&str, usize, usize, &str, &str)] = &[
     ("kernels_without_pattern", 5, 10, "several kernels in one channel", "add pattern = \"2x2\" for four kernels, or one [[channel]]"),
     ("leak_of_pixels", 5, 11, "noise.leak-hz counts thresholds of the filtered signal, and this memory holds pixels", "use memory = \"filtered-snap\" or \"filtered-step\", or leave"),
     ("leak_under_the_authors_rule", 6, 11, "noise.leak-hz moves the memory between frames, which the authors' refractory rule does", "use rule = \"dead-time\", or leave the leak out"),
+    ("log_temporal_of_pixels", 6, 16, "log-temporal is the logarithm of the filtered signal, and this memory holds pixels", "use memory = \"filtered-step\" or \"filtered-snap\", or leave"),
     ("log_without_offset", 1, 20, "missing key `offset`", "add it, such as offset = 1e-5"),
     ("low_knee", 1, 33, "`response.lin-log.knee` is 1", "give a number above 1: the light where the two parts meet"),
     ("memory_kernel_without_pixel_step", 6, 17, "memory-kernel is only for memory = \"authors-pixel-step\"", "leave it out: the memory of the other rules is seen through"),

@@ -278,6 +278,11 @@ fn what_a_file_cannot_say_code_cannot_either() {
         &|it| it.noise.leak_hz = 5.0,
         "this memory holds pixels",
     );
+    refused(
+        raw,
+        &|it| it.channels[0].log_temporal = true,
+        "log-temporal is the logarithm of the filtered signal",
+    );
     let authors = "\nrefractory = { us = 10, rule = \"authors\" }\n[[channel]]";
     let authors = &STEPS.replace("\n[[channel]]", authors);
     refused(

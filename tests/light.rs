@@ -18,7 +18,7 @@ use amacrine::{
         Coding, Frame, Observation, Observed, OpenOptions, Origin, Outline, Range, Samples, Scene,
         SceneError, Transfer, bundled, bundled_with, open,
     },
-    sensor::Sensor,
+    sensor::{Sensor, Silence},
     unit::Micros,
 };
 use miette::Diagnostic;
@@ -645,6 +645,80 @@ fn crowds_are_counted_by_frames_and_cells() {
     assert!(text.contains("6 of 8 events (75.0 %)"), "{text}");
 }
 
+fn silence(response: Response, reach: Option<[f64; 2]>) -> Silence {
+    Silence {
+        response,
+        reach,
+        ..Silence::default()
+    }
+}
+
+/// Under the authors' rule what is seen may be large, and come at no time at which a cell fires.
+#[test]
+fn the_guard_of_silence_knows_the_authors_rule() {
+    let said = |fps: f64, light: &[f64]| {
+        let text = "response = \"identity\"\nmemory = \"filtered-step\"\nrefractory = { us = 1000, rule = \"authors\" }\n[[channel]]\nkernel = [[1]]\nthreshold = { on = 10, off = 10 }\n";
+        let read = |_: &str| Err(io::ErrorKind::NotFound.into());
+        let description = Description::parse("s.toml", text, &read).unwrap();
+        let size = Size::new(1, 1);
+        let mut sensor = Reference::new(description, size, 0).unwrap();
+        let mut packet = Packet::new(size, 1);
+        let mut guard = Guard::new();
+        for (index, light) in (0..).zip(light) {
+            let frame = Frame {
+                index,
+                seconds: index as f64 / fps,
+                light: Plane::from_elem((1, 1), *light).into(),
+            };
+            sensor.watch(&frame, &mut packet).unwrap();
+            guard.frame(&frame);
+        }
+        guard.packet_of("s", &packet, &sensor.silence());
+        let warnings = guard.warnings();
+        let silent = warnings.iter().find(|it| it.about == About::NoEvents);
+        (sensor.report().muted_pairs, silent.map(ToString::to_string))
+    };
+    let moves = [0.0, 100.0, 0.0, 100.0, 50.0, 20.0, 90.0];
+    // Frames one period apart, whatever rounding makes of n / fps.
+    for fps in [1000.0, 1001.0, 3000.0] {
+        let (muted, text) = said(fps, &moves);
+        let text = text.unwrap();
+        assert_eq!(muted, 6, "{fps}");
+        assert!(
+            text.contains("no two frames are further apart than the refractory period"),
+            "{text}"
+        );
+        assert!(!text.contains("lower the threshold"), "{text}");
+    }
+    // Further apart they fire, if only just.
+    for fps in [999.0, 500.0] {
+        assert_eq!(said(fps, &moves), (0, None), "{fps}");
+    }
+    // Crossed once at 2/3 of a pair, and the period is 0.9 of it: the cell waits for a second crossing.
+    let (muted, text) = said(900.0, &[0.0, 15.0, 15.0, 15.0]);
+    let text = text.unwrap();
+    assert_eq!(muted, 0);
+    assert!(
+        text.contains("where under rule = \"authors\" events are; give a shorter"),
+        "{text}"
+    );
+}
+
+/// A cell that crosses a threshold without a sign is not one that sees too little.
+#[test]
+fn the_guard_of_silence_knows_crossings_without_a_sign() {
+    let unsigned = Silence {
+        without_sign: 8,
+        ..silence(Response::IDENTITY, Some([1.0, 255.0]))
+    };
+    let text = Warning::no_events_of("s", 4, &unsigned).to_string();
+    assert!(
+        text.contains("its cells cross thresholds (8 crossings), but none has a sign"),
+        "{text}"
+    );
+    assert!(!text.contains("never moves"), "{text}");
+}
+
 /// Thresholds beyond what the response makes of any light are told of as such.
 #[test]
 fn the_guard_of_silence_knows_what_light_reaches() {
@@ -655,7 +729,7 @@ fn the_guard_of_silence_knows_what_light_reaches() {
         let text = format!("response = {response}\nmemory = \"filtered-step\"\n{kinds}");
         let read = |_: &str| Err(io::ErrorKind::NotFound.into());
         let sensor = Description::parse("s.toml", &text, &read).unwrap();
-        Warning::no_events_of("s", 9, sensor.response, sensor.reach()).to_string()
+        Warning::no_events_of("s", 9, &silence(sensor.response, sensor.reach())).to_string()
     };
     let linear = said("{ linear = 255 }", &["1.5"]);
     assert!(
@@ -676,7 +750,8 @@ fn the_guard_of_silence_knows_what_light_reaches() {
             "{one}"
         );
     }
-    let still = Warning::no_events_of("s", 1, Response::IDENTITY, Some([9.0, 1.0])).to_string();
+    let one = silence(Response::IDENTITY, Some([9.0, 1.0]));
+    let still = Warning::no_events_of("s", 1, &one).to_string();
     assert!(still.contains("there are not two"), "{still}");
 }
 
@@ -977,6 +1052,44 @@ mod verbs {
             assert!(about(&json).contains(&"no-events".to_owned()), "{json}");
             assert!(beside.contains("no event at all in"), "{verb:?}: {beside}");
         }
+        // A clip of 1000 frames/s, of whose 71 pairs rounding puts some a little above the period of 1 ms.
+        let close = ["run", "--sensor", "authors/dvs", "--fps", "1000", "--scene"];
+        let (json, beside) = both(folder.path(), &[&close[..], &["bundled"]].concat());
+        assert_eq!(json["events"], 0);
+        assert_eq!(json["pairs_shorter_than_authors_refractory"], 71);
+        assert!(
+            beside.contains("further apart than the refractory period"),
+            "{beside}"
+        );
+        assert!(!beside.contains("the light is small"), "{beside}");
+        let said = good(folder.path(), &[&close[..], &["bundled"]].concat());
+        assert!(
+            said.contains("note     71 frame pairs are not further apart than"),
+            "{said}"
+        );
+        let unsigned = "response = \"identity\"\nmemory = \"raw-snap\"\npolarity = \"pixel\"\nborder = \"zero\"\n[[channel]]\nkernel = [[1, 0, 0]]\nthreshold = { on = 1, off = 1 }\n";
+        fs::write(folder.path().join("unsigned.toml"), unsigned).unwrap();
+        let mut edge = vec![0.0; SIZE.pixels()];
+        edge.iter_mut()
+            .step_by(SIZE.width)
+            .for_each(|light| *light = 100.0);
+        let dark = vec![0.0; SIZE.pixels()];
+        fs::write(folder.path().join("edge.npy"), doubles(SIZE, &[dark, edge])).unwrap();
+        let run = [
+            "run",
+            "--sensor",
+            "unsigned.toml",
+            "--scene",
+            "edge.npy",
+            "--fps",
+            "10",
+        ];
+        let (json, beside) = both(folder.path(), &run);
+        assert_eq!(json["without_sign"], SIZE.height);
+        assert!(
+            beside.contains("(24 crossings), but none has a sign"),
+            "{beside}"
+        );
         let still = [VERBS[3], &["still.npy"]].concat();
         refused(folder.path(), &still, &["no event", "0 to 255"]);
         fs::write(folder.path().join("none.csv"), "t,x,y,p\n").unwrap();
@@ -989,6 +1102,31 @@ mod verbs {
         );
         let (json, _) = both(folder.path(), &["compare", "some.csv", "some.csv"]);
         assert!(!about(&json).contains(&"no-events".to_owned()), "{json}");
+    }
+
+    /// Two kernels that differ: a still scene fires, and one warning says why.
+    #[test]
+    fn the_guard_of_still_scenes() {
+        let folder = folder();
+        let text = "response = { linear = 255 }\nmemory = \"authors-pixel-step\"\n[[channel]]\nkernel = [[1.0]]\nmemory-kernel = [[0.9]]\nthreshold = { on = 0.01, off = 0.01 }\n";
+        fs::write(folder.path().join("two.toml"), text).unwrap();
+        fs::write(folder.path().join("one.toml"), text.replace("0.9", "1.0")).unwrap();
+        let run = |sensor| {
+            both(
+                folder.path(),
+                &["run", "--sensor", sensor, "--scene", "still.npy"],
+            )
+        };
+        let (json, beside) = run("two.toml");
+        assert!(json["events"].as_u64().unwrap() > 0);
+        assert!(about(&json).contains(&"still".to_owned()), "{json}");
+        let words =
+            "(W - W_m) * u, which light from 0 to 255 brings to 0.1, and a threshold is 0.01";
+        assert!(beside.contains(words), "{beside}");
+        assert_eq!(beside.matches("a still scene fires").count(), 1);
+        let (json, _) = run("one.toml");
+        assert_eq!(json["events"], 0);
+        assert!(!about(&json).contains(&"still".to_owned()), "{json}");
     }
 
     #[test]

@@ -216,6 +216,67 @@ fn a_still_scene_without_noise_is_silent_from_its_first_frame() {
     }
 }
 
+/// A memory of pixels that is seen through another kernel than the light is off at first by
+/// `(W - W_m) * u`: a still scene fires where that reaches a threshold, which is told of.
+#[test]
+fn a_still_scene_fires_where_the_memorys_kernel_is_another() {
+    let size = Size::new(9, 9);
+    let sensor = |response: &str, border: &str, [kernel, memory]: [&str; 2], threshold: f64| {
+        let text = format!(
+            "response = {response}\nmemory = \"authors-pixel-step\"\nborder = \"{border}\"\n[[channel]]\nkernel = {kernel}\nmemory-kernel = {memory}\nthreshold = {{ on = {threshold}, off = {threshold} }}\n"
+        );
+        Description::parse("still.toml", &text, &|_| unreachable!()).unwrap()
+    };
+    let fires = |sensor: &Description, light: &Plane<f64>| {
+        let mut reference = Reference::new(sensor.clone(), size, 0).unwrap();
+        let mut packet = Packet::new(size, 1);
+        for index in 0..2 {
+            let light = light.clone().into();
+            let seconds = index as f64 / 100.0;
+            let frame = Frame {
+                index,
+                seconds,
+                light,
+            };
+            reference.watch(&frame, &mut packet).unwrap();
+        }
+        !packet.events.is_empty()
+    };
+    let uniform = |light: f64| Plane::from_elem(size.shape(), light);
+    // W - W_m is 0.1: 200 is 20 off, and 255 25.5.
+    let weaker = ["[[0.6]]", "[[0.5]]"];
+    let identity = |threshold| sensor("\"identity\"", "replicate", weaker, threshold);
+    assert!(fires(&identity(19.9), &uniform(200.0)));
+    assert!(!fires(&identity(20.1), &uniform(200.0)));
+    let [most, threshold] = identity(20.1).still().unwrap();
+    assert!((most - 25.5).abs() < 1e-9 && threshold == 20.1, "{most}");
+    assert_eq!(identity(25.6).still(), None);
+    assert!(!fires(&identity(25.6), &uniform(255.0)));
+    // The kernels may differ in where their weights are alone: uniform light is silent then.
+    let stripes = Plane::from_shape_fn(size.shape(), |(_, x)| 255.0 * (x % 2) as f64);
+    let moved = ["[[0.2]]", "[[0.1, 0, 0.1]]"];
+    let linear = |threshold| sensor("{ linear = 255 }", "replicate", moved, threshold);
+    assert!(!fires(&linear(0.15), &uniform(255.0)));
+    assert!(fires(&linear(0.15), &stripes));
+    assert!(linear(0.15).still().is_some());
+    assert!(!fires(&linear(0.25), &stripes));
+    assert_eq!(linear(0.25).still(), None);
+    // The signal of black is below 0 in a logarithm.
+    for border in ["replicate", "zero"] {
+        let log = "{ log = { white = 255, offset = 1e-3 } }";
+        let odd = sensor(log, border, ["[[0.6]]", "[[0, 0.6, 0.01]]"], 0.05);
+        assert!(fires(&odd, &uniform(0.0)), "{border}");
+        assert!(odd.still().is_some(), "{border}");
+    }
+    // The same kernel never does, whatever the threshold.
+    let same = sensor("\"identity\"", "zero", ["[[0.6]]", "[[0.6]]"], 1e-6);
+    assert!(!fires(&same, &stripes));
+    assert_eq!(same.still(), None);
+    for file in files() {
+        assert_eq!(read(&file).still(), None, "{}", file.display());
+    }
+}
+
 /// The stored modes that are built in: oracle file, sensor file.
 const MODES: [(&str, &str); 7] = [
     ("dvs_lin", "dvs"),

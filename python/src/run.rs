@@ -48,8 +48,8 @@ struct Watch {
     most: usize,
     crowd: Crowd,
     response: Response,
-    /// The least threshold, and the most by which what is compared with it moves.
-    reach: Option<[f64; 2]>,
+    /// How far a still scene is from the memory, and the threshold that it reaches.
+    still: Option<[f64; 2]>,
     /// The least and the most light so far.
     extent: Option<(f64, f64)>,
     /// Of the latest frames.
@@ -64,7 +64,7 @@ impl Run {
     pub fn new(
         watcher: Box<dyn Watcher>,
         (size, channels): (Size, u8),
-        (response, reach): (Response, Option<[f64; 2]>),
+        (response, still): (Response, Option<[f64; 2]>),
         fps: f64,
         scale: f64,
         most: Option<usize>,
@@ -91,7 +91,7 @@ impl Run {
             most: most.unwrap_or(Limit::default().events),
             crowd: Crowd::new(size.pixels() as u64 * u64::from(channels)),
             response,
-            reach,
+            still,
             extent: None,
             samples: Samples::Floats,
             fired: 0,
@@ -397,8 +397,11 @@ impl Watch {
         }
         let lost = self.packet.dropped.no_slot;
         if self.fired == 0 && lost == 0 {
-            let (response, reach) = (self.response, self.reach);
-            guard.warn(Warning::no_events_of(subject, self.seen, response, reach));
+            let silence = self.watcher.silence();
+            guard.warn(Warning::no_events_of(subject, self.seen, &silence));
+        }
+        if let Some(reached) = self.still {
+            guard.warn(Warning::still(subject, reached));
         }
         if self.crowd.over > 0 {
             guard.warn(Warning::most_cells(subject, &self.crowd));

@@ -117,7 +117,7 @@ impl Sensor {
         let size = Size::new(size.0, size.1);
         let description = self.description.clone();
         let channels = description.channels.len() as u8;
-        let seen = (description.response, description.reach());
+        let seen = (description.response, description.still());
         let watcher = pool::work(py, || watcher::float(description, size, seed, format))?;
         let watcher = watcher.map_err(raised)?;
         Run::new(watcher, (size, channels), seen, fps, scale, max_events)

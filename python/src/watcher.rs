@@ -6,7 +6,7 @@ use amacrine::{
     plane::{Plane, Size},
     reference::{AnyReference, Counts, Description, Firing, Reference, Sinks, VoxelGrid},
     scene::Frame,
-    sensor::{Sensor, SensorError},
+    sensor::{Sensor, SensorError, Silence},
 };
 
 /// What watches frames, and tells how many cells fired since the frame before. A clip is watched by
@@ -24,6 +24,9 @@ pub trait Watcher: Send {
 
     /// The bin of the last frame.
     fn last_voxels(&mut self, out: &mut [f32]);
+
+    /// Why no cell fired so far, where none did.
+    fn silence(&self) -> Silence;
 }
 
 /// The float model.
@@ -69,6 +72,10 @@ impl Watcher for Float {
 
     fn last_voxels(&mut self, out: &mut [f32]) {
         lay(self.grid.earlier(), out, |share| share as f32);
+    }
+
+    fn silence(&self) -> Silence {
+        self.reference.silence()
     }
 }
 
@@ -211,5 +218,9 @@ impl Watcher for Events {
 
     fn last_voxels(&mut self, out: &mut [f32]) {
         out.copy_from_slice(&self.later);
+    }
+
+    fn silence(&self) -> Silence {
+        self.sensor.silence()
     }
 }

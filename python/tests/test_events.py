@@ -260,6 +260,44 @@ def test_thresholds_that_no_light_reaches_are_told_of(
     assert not any("no event" in said for said in _said(lambda: identity.events(frames, FPS)))
 
 
+RULES = """response = "identity"
+memory = "{memory}"
+polarity = "{polarity}"
+border = "zero"
+{more}
+[[channel]]
+kernel = {kernel}
+threshold = {{ on = 1, off = 1 }}
+"""
+
+
+def test_silence_of_the_rules_is_told_as_such(frames: Frames) -> None:
+    """As `amacrine run` does: frames a refractory period apart, and crossings without a sign, are no
+    small light."""
+    rule = 'refractory = { us = 1000, rule = "authors" }'
+    close = RULES.format(memory="filtered-step", polarity="filtered", more=rule, kernel="[[1]]")
+    (said,) = _said(lambda: amacrine.Sensor.from_text(close).events(frames, 1000.0))
+    assert "no two frames are further apart than the refractory period" in said
+    unsigned = RULES.format(
+        memory="raw-snap", polarity="pixel", more="", kernel="[[1, 0, 0]]"
+    )
+    edge = np.zeros((2, 8, 8), np.uint8)
+    edge[1, :, 0] = 100
+    (said,) = _said(lambda: amacrine.Sensor.from_text(unsigned).counts(edge, 10.0))
+    assert "its cells cross thresholds (8 crossings), but none has a sign" in said
+
+
+def test_a_still_scene_that_fires_is_told_of(frames: Frames) -> None:
+    """Where the memory is seen through another kernel than the light."""
+    more = 'refractory = { us = 0, rule = "authors" }'
+    text = RULES.format(memory="authors-pixel-step", polarity="filtered", more=more, kernel="[[1]]")
+    still = np.repeat(frames[:1], 3, axis=0)
+    sensor = amacrine.Sensor.from_text(text + "memory-kernel = [[0.9]]\n")
+    assert any("a still scene fires" in said for said in _said(lambda: sensor.events(still, FPS)))
+    same = amacrine.Sensor.from_text(text + "memory-kernel = [[1]]\n")
+    assert not any("still scene" in said for said in _said(lambda: same.events(still, FPS)))
+
+
 def _said(watch: Callable[[], Any]) -> list[str]:
     """What a call warns of."""
     with warnings.catch_warnings(record=True) as said:

@@ -3,7 +3,6 @@
 use crate::{
     event::Packet,
     number::Format,
-    photoreceptor::Response,
     plane::Size,
     reference::{Description, Firing, Tally},
     rig::{
@@ -11,6 +10,7 @@ use crate::{
         guard::{Crowd, Guard, Warning},
     },
     scene::Frame,
+    sensor::Silence,
 };
 
 /// Looks at a run of the float model, frame by frame.
@@ -20,11 +20,10 @@ pub struct RunGuard {
     name: String,
     crowd: Crowd,
     overflow: Overflow,
-    response: Response,
     /// The spread of thresholds and the least of them, of the kind where it is the largest part.
     spread: Option<(f64, f64)>,
-    /// The least threshold, and the most by which what is compared with it moves.
-    reach: Option<[f64; 2]>,
+    /// How far a still scene is from the memory, and the threshold that it reaches.
+    still: Option<[f64; 2]>,
 }
 
 impl RunGuard {
@@ -36,9 +35,8 @@ impl RunGuard {
             name: description.name.clone(),
             crowd: Crowd::new(cells as u64),
             overflow: Overflow::new(format, description.response),
-            response: description.response,
-            reach: description.reach(),
             spread: spread(description),
+            still: description.still(),
         }
     }
 
@@ -48,16 +46,16 @@ impl RunGuard {
         self.overflow.see(frame);
     }
 
-    /// What there is to warn of; the packet is what has left the readout.
-    pub fn warnings(&self, tally: &Tally, packet: &Packet) -> Vec<Warning> {
+    /// What there is to warn of; the packet is what has left the readout, and `silence` why no cell
+    /// fired, where none did.
+    pub fn warnings(&self, tally: &Tally, packet: &Packet, silence: &Silence) -> Vec<Warning> {
         let mut guard = Guard::new();
         if tally.total() == 0 {
-            guard.warn(Warning::no_events_of(
-                &self.name,
-                self.crowd.frames,
-                self.response,
-                self.reach,
-            ));
+            let frames = self.crowd.frames;
+            guard.warn(Warning::no_events_of(&self.name, frames, silence));
+        }
+        if let Some(reached) = self.still {
+            guard.warn(Warning::still(&self.name, reached));
         }
         let spread = self.spread;
         let spread = spread.and_then(|(sigma, least)| Warning::spread(&self.name, sigma, least));

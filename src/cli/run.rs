@@ -14,8 +14,7 @@ use crate::{
     number::Format,
     plane::Size,
     reference::{
-        Counts, Description, EventList, Limit, Reference, RefractoryRule, Report, Sinks, Tally,
-        VoxelGrid, WhenFull,
+        Counts, Description, EventList, Limit, Reference, Report, Sinks, Tally, VoxelGrid, WhenFull,
     },
     rig::{self, guard::Warning},
     save::Stack,
@@ -316,8 +315,6 @@ struct Watched {
     seconds: f64,
     tally: Tally,
     report: Report,
-    /// Frame pairs in which the authors' refractory rule lets no cell fire.
-    too_short: u64,
     /// What is not in the file, by reason.
     dropped: Dropped,
     read_out: Option<(ReadoutDescription, Statistics)>,
@@ -353,7 +350,6 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     let size = scene.size();
     let channels = description.channels.len();
     let names = description.names();
-    let refractory = description.refractory;
     let mut guard = RunGuard::new(&description, size, arguments.format);
     let sensor = Reference::bytes_in(arguments.format, &description, size);
     let held = events(arguments, &*scene, sensor, channels)?;
@@ -378,7 +374,7 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     // Frames that are put in are not known before; those between which they are put are.
     let progress = Progress::new("watching", frames);
 
-    let (mut first, mut last, mut too_short) = (None, 0.0, 0);
+    let (mut first, mut last) = (None, 0.0);
     let mut list = arguments
         .events
         .as_ref()
@@ -401,9 +397,6 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
             if let Some(grid) = &mut grid {
                 finish_bin(grid, voxel_stack.as_mut(), &mut paper)?;
             }
-        }
-        if first.is_some() && refractory.rule == RefractoryRule::Authors {
-            too_short += u64::from(frame.seconds - last < refractory.us * 1e-6);
         }
         first.get_or_insert(frame.seconds);
         last = frame.seconds;
@@ -436,10 +429,9 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
         fps: scene.fps(),
         fps_is_assumed: scene.outline().fps_is_assumed,
         seconds: last - first,
-        warnings: guard.warnings(&tally, &packet),
+        warnings: guard.warnings(&tally, &packet, &reference.silence()),
         tally,
         report: reference.report(),
-        too_short,
         dropped: packet.dropped,
         read_out,
         paper_metric: grid.is_some().then(|| paper.value()),
@@ -567,7 +559,7 @@ impl Watched {
             "bits": total * u64::from(self.bits_per_event()),
             "paper_events_per_bin": self.paper_metric,
             "lost_to_refractory": self.report.lost_to_refractory,
-            "pairs_shorter_than_authors_refractory": self.too_short,
+            "pairs_shorter_than_authors_refractory": self.report.muted_pairs,
             "livelocked": self.report.livelocked,
             "without_sign": self.report.without_sign,
             "dropped": self.dropped,
@@ -629,8 +621,8 @@ impl Watched {
                 "crossings lost to the refractory period",
             ),
             (
-                self.too_short,
-                "frame pairs are shorter than the refractory period: under rule = \"authors\" no cell fires in them",
+                self.report.muted_pairs,
+                "frame pairs are not further apart than the refractory period: under rule = \"authors\" no cell fires in them",
             ),
             (
                 self.report.livelocked,

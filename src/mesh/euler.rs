@@ -2,7 +2,8 @@
 //! [`Flow`](super::Flow) is exact.
 //!
 //! Read from the behaviour of v2e 1.5.1 (`EventEmulator`, `cs_lambda_pixels`, `cs_tau_p_ms`):
-//! a frame is stepped `ceil(5 dt / min(τ, τ/λ²))` times towards the later frame,
+//! a frame is stepped `ceil(5 dt / min(τ, τ/λ²))` times towards the later frame (once more where
+//! rounding puts a whole quotient just above itself),
 //!
 //! ```text
 //! H += (t/τ) (P - H) + (t λ²/τ) Lap H

@@ -12,4 +12,7 @@ pub struct Report {
     pub livelocked: u64,
     /// Cells that fired without a sign of their own (`polarity = "pixel"`), and emitted nothing.
     pub without_sign: u64,
+    /// Pairs of frames that are not further apart than the refractory period of the authors' rule, in
+    /// which no cell fires.
+    pub muted_pairs: u64,
 }

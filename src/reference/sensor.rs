@@ -11,7 +11,7 @@ use crate::{
     parallel::{self, Job},
     plane::{Plane, Size},
     scene::Frame,
-    sensor::{Sensor, SensorError, check_time},
+    sensor::{Sensor, SensorError, Silence, check_time},
     unit::Micros,
 };
 
@@ -61,6 +61,8 @@ pub struct Reference<N: Number = F64> {
     /// Times of the first frame and of the last, in seconds.
     seen: Option<(f64, f64)>,
     intervals: u64,
+    /// Those in which no cell can fire.
+    muted: u64,
     /// Whether the last frame stopped half-way: some cells are past it, others are not.
     is_halfway: bool,
 }
@@ -165,6 +167,7 @@ impl<N: Number> Reference<N> {
             buffers: Buffers::default(),
             seen: None,
             intervals: 0,
+            muted: 0,
             is_halfway: false,
             plan: Plan::new(number, description, size, seed, mosaic),
         })
@@ -186,7 +189,10 @@ impl<N: Number> Reference<N> {
     /// Counters of the run so far.
     #[must_use]
     pub fn report(&self) -> Report {
-        let mut all = Report::default();
+        let mut all = Report {
+            muted_pairs: self.muted,
+            ..Report::default()
+        };
         for Band { report, .. } in &self.bands {
             all.events += report.events;
             all.lost_to_refractory += report.lost_to_refractory;
@@ -313,6 +319,8 @@ impl<N: Number> Reference<N> {
             to: seconds,
         };
         self.intervals += 1;
+        let refractory = &self.plan.description.refractory;
+        self.muted += u64::from(refractory.mutes(from, seconds));
         self.advance(frame, interval, seconds - start, sink)
     }
 
@@ -465,6 +473,17 @@ impl<N: Number> Sensor for Reference<N> {
         }
         packet.span.1 = t;
         Ok(())
+    }
+
+    fn silence(&self) -> Silence {
+        let (description, report) = (&self.plan.description, self.report());
+        Silence {
+            response: description.response,
+            reach: description.reach(),
+            waits: description.refractory.waits(),
+            muted_pairs: report.muted_pairs,
+            without_sign: report.without_sign,
+        }
     }
 }
 

@@ -16,6 +16,7 @@ use crate::{
     photoreceptor::{Curve, Response},
     plane::Size,
     scene::{Cut, Frame, Gap, Observation, Repeated, Samples},
+    sensor::Silence,
     unit::{Micros, counted},
 };
 
@@ -56,6 +57,8 @@ pub enum About {
     Short,
     /// Nearly everything matches by accident within the window.
     Window,
+    /// A still scene fires.
+    Still,
     /// A kernel in few values has lost its surround.
     Surround,
     /// A symmetric kernel is not symmetric in few values.
@@ -87,6 +90,7 @@ impl About {
             Self::AssumedRate => "assumed-rate",
             Self::Short => "short",
             Self::Window => "window",
+            Self::Still => "still",
             Self::Surround => "surround",
             Self::Lopsided => "lopsided",
             Self::Clipped => "clipped",
@@ -133,7 +137,7 @@ impl fmt::Display for Warning {
 }
 
 impl Warning {
-    fn new(
+    pub(super) fn new(
         about: About,
         subject: &str,
         seen: impl Into<String>,
@@ -187,36 +191,22 @@ impl Warning {
         ))
     }
 
-    /// A sensor of this response that never fired. `reach`: its least threshold, and the most by which
-    /// what it sees can move, where both are known.
+    /// A sensor whose memory is seen through another kernel than the light: how far off that first is,
+    /// and the threshold that it reaches.
     #[must_use]
-    pub fn no_events_of(
-        subject: &str,
-        frames: u64,
-        response: Response,
-        reach: Option<[f64; 2]>,
-    ) -> Self {
+    pub fn still(subject: &str, [most, threshold]: [f64; 2]) -> Self {
         let shown = |number: f64| (number * 1e4).round() / 1e4;
-        match reach {
-            Some([threshold, most]) if frames > 1 && most < threshold => {
-                let [dark, bright] = [0.0, 255.0].map(|light| response.apply(light).unwrap_or(0.0));
-                let seen = format!("no event at all in {}", counted(frames, "frame"));
-                let why = format!(
-                    "no light reaches its thresholds, of which the least is {}: its response makes {} to {} of light from 0 to 255, and what its cells see moves by {} at most",
-                    shown(threshold),
-                    shown(dark),
-                    shown(bright),
-                    shown(most)
-                );
-                let change = if response.curve == Curve::Identity {
-                    "give lower thresholds".to_owned()
-                } else {
-                    "give thresholds in that unit, or response = \"identity\" for thresholds in kernel times light (0 to 255)".to_owned()
-                };
-                Self::new(About::NoEvents, subject, seen, why, change)
-            }
-            _ => Self::no_events(subject, Some(frames)),
-        }
+        Self::new(
+            About::Still,
+            subject,
+            "a still scene fires: memory-kernel is not the kernel",
+            format!(
+                "the first distance is (W - W_m) * u, which light from 0 to 255 brings to {}, and a threshold is {}",
+                shown(most),
+                shown(threshold)
+            ),
+            "give memory-kernel the weights of kernel, or use memory = \"filtered-step\"; as it is, it does what the released code does",
+        )
     }
 
     /// A program that never fired, since nobody gave it light.
@@ -695,11 +685,16 @@ impl Guard {
 
     /// What a sensor said of all frames so far.
     pub fn packet(&mut self, subject: &str, packet: &Packet) {
+        self.packet_of(subject, packet, &Silence::default());
+    }
+
+    /// The same of a sensor that knows why it is silent, where it is.
+    pub fn packet_of(&mut self, subject: &str, packet: &Packet, silence: &Silence) {
         let lost = packet.dropped.no_slot;
         let kept = packet.events.len() as u64;
         if kept == 0 && lost == 0 {
             let frames = self.frames.len() as u64;
-            return self.warn(Warning::no_events(subject, Some(frames)));
+            return self.warn(Warning::no_events_of(subject, frames, silence));
         }
         let crowd = Crowd::from_packet(packet, &self.frames);
         if crowd.over > 0 {

@@ -45,7 +45,7 @@ pub enum RateError {
     /// Nothing changes for the sensor.
     #[error("{0} events per pixel and second: this scene gives no event at any threshold")]
     #[diagnostic(help(
-        "give a scene in which something moves, and a kernel whose weights are not all 0"
+        "give a scene in which something moves, and a kernel whose weights are not all 0; under rule = \"authors\" frames have to be further apart than the refractory period, and under polarity = \"pixel\" cells have to see their own pixel"
     ))]
     Silent(f64),
     /// Beyond what any threshold gives.

@@ -15,7 +15,8 @@ pub struct Channel {
     pub thresholds: Vec<Threshold>,
     /// The kernel that the memory is seen through; only for [`MemoryRule::AuthorsPixelStep`](super::MemoryRule).
     pub memory_kernel: Option<Kernel>,
-    /// `ln(max(W u, 1e-8) + 1)` in place of `W u`: the released simulator's `log_temporal`.
+    /// `ln(max(W u, 1e-8) + 1)` in place of `W u`: the released simulator's `log_temporal`. Only with a
+    /// memory of the filtered signal.
     pub log_temporal: bool,
 }
 

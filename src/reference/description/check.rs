@@ -65,6 +65,8 @@ impl Reader<'_> {
     fn channels(&self, memory: MemoryRule, section: &Section<'_>) -> Read<Vec<Channel>> {
         let four = section.get("pattern").is_some();
         let log_temporal = section.flag("log-temporal");
+        soundness::log_temporal(memory, log_temporal)
+            .map_err(|odd| odd.at(section.place_of("log-temporal")))?;
         let gain = section.number("gain")?;
         let surrounds = match section.get("mesh") {
             None => None,

@@ -177,7 +177,7 @@ const CHANNEL: Table = Table {
             "log-temporal",
             Kind::Flag,
             "false",
-            "ln(max(W u, 1e-8) + 1) in place of W u: the released simulator's `log_temporal`",
+            "ln(max(W u, 1e-8) + 1) in place of W u: the released simulator's `log_temporal`; with memory = \"filtered-step\" or \"filtered-snap\"",
         ),
     ],
 };

@@ -31,6 +31,7 @@ mod reader;
 mod rules;
 mod sensor;
 mod soundness;
+mod still;
 mod text;
 
 pub use self::{

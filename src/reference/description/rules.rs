@@ -60,6 +60,24 @@ pub struct Refractory {
     pub rule: RefractoryRule,
 }
 
+impl Refractory {
+    /// Whether each event, a cell's first too, comes more than a refractory period after the frame
+    /// before it: the authors' rule.
+    #[must_use]
+    pub fn waits(&self) -> bool {
+        self.rule == RefractoryRule::Authors && self.us > 0.0
+    }
+
+    /// Whether no cell can fire between frames at these times, in seconds, because it waits for longer.
+    /// Times of frames are rounded: frames a refractory period apart are not further apart than that.
+    #[must_use]
+    pub fn mutes(&self, from: f64, to: f64) -> bool {
+        // Half a unit in the last place for each of the two times, and as much for their difference.
+        let rounding = 2.0 * f64::EPSILON * from.abs().max(to.abs());
+        self.waits() && to - from <= self.us * 1e-6 + rounding
+    }
+}
+
 /// How the silence after an event works.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RefractoryRule {

@@ -130,6 +130,7 @@ impl Channel {
                 return Err(Odd::new(what, help));
             }
         }
+        log_temporal(memory, self.log_temporal)?;
         memory_kernel(memory, self.memory_kernel.as_ref())
     }
 }
@@ -207,6 +208,15 @@ pub(super) fn mesh(memory: MemoryRule, four: bool, log_temporal: bool) -> Result
         is_filtered && !four && !log_temporal,
         "a mesh stands in place of a kernel, before a memory of the filtered signal",
         "use memory = \"filtered-step\" or \"filtered-snap\", and no pattern or log-temporal in this channel",
+    )
+}
+
+/// Which memories can hold the logarithm of the drive.
+pub(super) fn log_temporal(memory: MemoryRule, log_temporal: bool) -> Result<(), Odd> {
+    unless(
+        !log_temporal || matches!(memory, MemoryRule::FilteredSnap | MemoryRule::FilteredStep),
+        "log-temporal is the logarithm of the filtered signal, and this memory holds pixels",
+        "use memory = \"filtered-step\" or \"filtered-snap\", or leave log-temporal out",
     )
 }
 

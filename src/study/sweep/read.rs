@@ -7,6 +7,7 @@ use super::{
 };
 use crate::{
     config::{self, Fault, Node, Range, Read, Section, Table},
+    mesh::Between,
     photoreceptor::{Curve, Response},
     reference::{Noise, keys::REFRACTORY},
 };
@@ -72,6 +73,7 @@ pub(super) fn value(key: &Key, node: Node<'_>) -> Read<Value> {
 /// The `[noise]` of `sensors/dvs-noisy.toml`; a test holds it to the file.
 const NOISY: Noise = Noise {
     cutoff_hz: 30.0,
+    cutoff_rule: Between::Step,
     leak_hz: 0.1,
     leak_spread: 0.1,
     shot_hz: 5.0,

@@ -95,7 +95,7 @@ pub(super) fn watch(
         Err(Stop::Exhausted(exhausted)) => return Err(exhausted.given_up()),
         played => played?,
     }
-    guard.packet(sensor.name(), &packet);
+    guard.packet_of(sensor.name(), &packet, &sensor.silence());
     if let Some(warning) = overflow.warning(sensor.name()) {
         guard.warn(warning);
     }

@@ -1,0 +1,78 @@
+//! Why a sensor that never fired was silent, and what to change.
+
+use super::guard::{About, Warning};
+use crate::{photoreceptor::Curve, sensor::Silence, unit::counted};
+
+impl Warning {
+    /// A sensor that never fired in so many frames, of which this is known.
+    #[must_use]
+    pub fn no_events_of(subject: &str, frames: u64, silence: &Silence) -> Self {
+        let pairs = frames.saturating_sub(1);
+        let Some([why, change]) = (pairs > 0).then(|| reason(pairs, silence)).flatten() else {
+            return Self::no_events(subject, Some(frames));
+        };
+        let seen = format!("no event at all in {}", counted(frames, "frame"));
+        Self::new(About::NoEvents, subject, seen, why, change)
+    }
+}
+
+/// Why it is silent, and what to change, where that is known.
+fn reason(pairs: u64, silence: &Silence) -> Option<[String; 2]> {
+    if silence.muted_pairs >= pairs {
+        return Some([
+            "no two frames are further apart than the refractory period, and under rule = \"authors\" no cell fires in such a pair".to_owned(),
+            "show fewer frames a second (--fps), give a shorter refractory.us, or rule = \"dead-time\"".to_owned(),
+        ]);
+    }
+    if silence.without_sign > 0 {
+        return Some([
+            format!(
+                "its cells cross thresholds ({}), but none has a sign: under polarity = \"pixel\" a cell whose own pixel has not changed emits nothing",
+                counted(silence.without_sign, "crossing")
+            ),
+            "use polarity = \"filtered\", or a kernel that weighs the cell's own pixel".to_owned(),
+        ]);
+    }
+    if let Some([threshold, most]) = silence.reach
+        && most < threshold
+    {
+        return Some(unreachable(silence, threshold, most));
+    }
+    silence.waits.then(|| waits(pairs, silence.muted_pairs))
+}
+
+/// No light makes so much signal.
+fn unreachable(silence: &Silence, threshold: f64, most: f64) -> [String; 2] {
+    let shown = |number: f64| (number * 1e4).round() / 1e4;
+    let response = silence.response;
+    let [dark, bright] = [0.0, 255.0].map(|light| response.apply(light).unwrap_or(0.0));
+    let why = format!(
+        "no light reaches its thresholds, of which the least is {}: its response makes {} to {} of light from 0 to 255, and what its cells see moves by {} at most",
+        shown(threshold),
+        shown(dark),
+        shown(bright),
+        shown(most)
+    );
+    let change = if response.curve == Curve::Identity {
+        "give lower thresholds"
+    } else {
+        "give thresholds in that unit, or response = \"identity\" for thresholds in kernel times light (0 to 255)"
+    };
+    [why, change.to_owned()]
+}
+
+/// Under the authors' rule what is too small is not told from what comes too early in its pair.
+fn waits(pairs: u64, muted: u64) -> [String; 2] {
+    let no_time = match muted {
+        0 => String::new(),
+        muted => format!(
+            " (in {muted} of {} of frames there is no time for it: they are not further apart than the period)",
+            counted(pairs, "pair")
+        ),
+    };
+    let why = format!(
+        "what its cells see never moves by a threshold, or not by so many that one is crossed between a refractory period after a frame and the next frame, where under rule = \"authors\" events are{no_time}"
+    );
+    let change = "give a shorter refractory.us, rule = \"dead-time\" or fewer frames a second (--fps), lower the threshold, or show a scene that moves";
+    [why, change.to_owned()]
+}
