@@ -621,7 +621,7 @@ fn a_format_that_does_not_hold_a_program_s_numbers_is_told() {
                 "q4.4-wrap holds -8 to 7.938 LSB, and not the -127 LSB",
                 ", nor the 10 LSB that line 4 loads",
                 "at the other end",
-                "q8.0",
+                "q8.8",
             ],
         ),
         (
@@ -631,7 +631,7 @@ fn a_format_that_does_not_hold_a_program_s_numbers_is_told() {
                 "q0.8 holds -0.5 to 0.496 LSB",
                 ", nor the 10 LSB that line 4 loads",
                 change,
-                "q8.0",
+                "q8.8",
             ],
         ),
         (
