@@ -583,6 +583,144 @@ fn what_was_written_is_listed_and_saturation_is_told() {
     assert!(bench.analog("A").iter().all(|v| *v == 7.0));
 }
 
+/// A format that does not hold where the photodiodes begin, or a constant of the program, is told
+/// once with the one thing that helps; what comes of it is not blamed on light or thresholds.
+#[test]
+fn a_format_that_does_not_hold_a_program_s_numbers_is_told() {
+    let warned = |program: &str, more: &[&str]| {
+        let bench = Bench::new(program);
+        let scene = "pattern:disc?width=16&height=12&frames=4";
+        let all = [&["--image", scene][..], more].concat();
+        let output = bench.command(&all).assert().success().get_output().clone();
+        line(&output.stderr)
+    };
+    let snap = "init { get_image(A); }\nframe {\nget_image(B); sub(C, B, A); mov(A, B);\nscamp5_in(D, 10);\nsub(E, C, D); where(E); MOV(R5, FLAG); all();\nscamp5_scan_events(R5, on, 100); }";
+    let light =
+        "-64 to 63.998 LSB, and not the -127 LSB at which the photodiodes begin (light.reset)";
+    let change = "take a format of 8 bits or more before the point, such as";
+    for (program, more, parts) in [
+        (
+            snap,
+            &["--domain", "q7.9"][..],
+            [light, "cut off", change, "q8.8"],
+        ),
+        (
+            snap,
+            &["--domain", "q7.9", "--clip", "on"],
+            [light, "cut off", change, "q8.8"],
+        ),
+        (
+            snap,
+            &["--domain", "q7.9", "--repeat", "2"],
+            [light, "cut off", change, "q8.8"],
+        ),
+        (
+            snap,
+            &["--domain", "q4.4-wrap"],
+            [
+                "q4.4-wrap holds -8 to 7.938 LSB, and not the -127 LSB",
+                ", nor the 10 LSB that line 4 loads",
+                "at the other end",
+                "q8.8",
+            ],
+        ),
+        (
+            snap,
+            &["--domain", "q0.8"],
+            [
+                "q0.8 holds -0.5 to 0.496 LSB",
+                ", nor the 10 LSB that line 4 loads",
+                change,
+                "q8.8",
+            ],
+        ),
+        (
+            "get_image(A);",
+            &["--domain", "q7.25"],
+            ["-64 to 64 LSB", "cut off", change, "q8.24"],
+        ),
+        (
+            "const t = 3;\nscamp5_in(A, t);",
+            &["--domain", "q7.9", "--set", "t=100"],
+            [
+                "q7.9 holds -64 to 63.998 LSB",
+                ", and not the 100 LSB that line 2 loads",
+                change,
+                "q8.8",
+            ],
+        ),
+    ] {
+        let text = warned(program, more);
+        for part in parts {
+            assert!(text.contains(part), "{more:?}: {part:?} in {text}");
+        }
+        assert_eq!(text.matches("warning: ").count(), 1, "{more:?}: {text}");
+        for wrong in ["lower the threshold", "make light", "is small against"] {
+            assert!(!text.contains(wrong), "{more:?}: {wrong} in {text}");
+        }
+    }
+    for domain in ["q8.8", "q8.0", "q9.7", "exact", "silicon"] {
+        let text = warned(snap, &["--domain", domain]);
+        assert!(!text.contains("LSB at which"), "{domain}: {text}");
+    }
+    // What reads no light needs no room for it.
+    let text = warned("scamp5_in(A, 60);\nmov(B, A);", &["--domain", "q7.9"]);
+    assert!(!text.contains("warning"), "{text}");
+}
+
+/// A number for a name of the chip is refused, and what the refusal says to write can be written.
+#[test]
+fn the_way_to_set_a_name_of_the_chip_can_be_gone() {
+    let said = |name: &str, value: &str| {
+        let set = format!("{name}={value}");
+        Bench::new("mov(B, A);").refused(&["--set", &set])
+    };
+    for (name, value) in [
+        ("A", "100"),
+        ("F", "-128"),
+        ("IN", "7"),
+        ("R5", "1"),
+        ("R12", "0"),
+        ("RP", "1"),
+    ] {
+        let text = said(name, value);
+        let (_, write) = text.split_once("write `").unwrap();
+        let (statement, _) = write.split_once('`').unwrap();
+        let program = format!("{statement}\nmov(B, A);");
+        Bench::new(&program).run(&["--image", "pattern:spot?width=4&height=4"]);
+    }
+    assert!(said("R12", "1").contains("where R0 is 1"));
+    // A value that no statement takes, or a name that none writes: files, where there are such.
+    let zero = Plane::zeros((3, 4));
+    for (name, value) in [("A", "500"), ("NEWS", "0"), ("FLAG", "0"), ("R5", "2")] {
+        let text = said(name, value);
+        let file = format!("exec --set {name}=FILE.npy");
+        assert!(text.contains(&file) && !text.contains("write"), "{text}");
+        let set = format!("{name}={name}.in.npy");
+        Bench::new("mov(B, A);")
+            .set(name, &zero)
+            .run(&["--set", &set]);
+    }
+    let light = said("PIX", "0");
+    assert!(
+        light.contains("exec --image SCENE") && !light.contains("FILE"),
+        "{light}"
+    );
+    for name in ["XE", "east"] {
+        let text = said(name, "0");
+        assert!(
+            !text.contains("FILE") && !text.contains("scamp5_in"),
+            "{text}"
+        );
+    }
+    let bench = Bench::new("mov(B, A);").set("A", &zero);
+    let unknown = bench.refused(&["--set", "XE=A.in.npy"]);
+    assert!(
+        unknown.contains("R12 and FLAG") && !unknown.contains("PIX"),
+        "{unknown}"
+    );
+}
+
 /// Over either grid, half of the array is half of the scale (the vendor's: 0 to 4095).
 #[test]
 fn both_grids_count_on_one_scale() {

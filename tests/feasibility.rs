@@ -638,7 +638,10 @@ fn the_words_follow_from_the_numbers() {
         let words = words(&all);
         let ceiling = |end| number(&all, &format!("/fit/on_chip/time/ceiling/{end}"));
         let fps = number(&all, "/scene/fps");
-        let speed = match (ceiling("low") / fps, ceiling("high") / fps) {
+        let drawn = all["drawn"].as_array().unwrap().iter();
+        let slowest = drawn.map(|chip| number(chip, "/frames_s"));
+        let least = slowest.fold(ceiling("low"), f64::min);
+        let speed = match (least / fps, ceiling("high") / fps) {
             (_, most) if most < 1.0 => "too slow",
             (least, _) if least < 1.0 => "in doubt",
             (least, _) if least < 2.0 => "just fast enough",
@@ -772,6 +775,42 @@ fn a_still_scene_gives_a_page_without_events() {
         "{summary}"
     );
     assert!(!summary.contains("what decides"), "{summary}");
+}
+
+/// In the dark the chip of the seed says nothing and is quick; a drawn chip of more noise has events
+/// to read out, and no drawn chip is below the least that is said.
+#[test]
+fn the_least_rate_is_that_of_the_slowest_drawn_chip() {
+    let folder = folder();
+    let dark = ndarray::Array3::<f64>::zeros((10, 48, 64));
+    ndarray_npy::write_npy(folder.path().join("dark.npy"), &dark).unwrap();
+    let ask = |fps: &str| {
+        let all = [
+            "feasibility rgc-5x5 --to int-5 --candidates int-5 --threshold 128 --scene dark.npy",
+            "--chips 8 --within 1ms --json --fps",
+            fps,
+        ];
+        let all = all.join(" ");
+        json(folder.path(), &all.split(' ').collect::<Vec<_>>())
+    };
+    let all = ask("7600");
+    let drawn = all["drawn"].as_array().unwrap().iter();
+    let slowest = drawn.map(|chip| number(chip, "/frames_s"));
+    let slowest = slowest.fold(f64::INFINITY, f64::min);
+    let stated = number(&all, "/fit/on_chip/time/ceiling/low");
+    assert!(
+        slowest < 7600.0 && stated > 2.0 * 7600.0,
+        "{slowest} {stated}"
+    );
+    assert_eq!(words(&all)["speed"], "in doubt");
+    let findings = all["verdict"]["findings"].as_array().unwrap();
+    let speed = findings.iter().find(|it| it["about"] == "speed").unwrap();
+    let says = speed["says"].as_str().unwrap();
+    let said = format!("It reaches {slowest:.0} to ");
+    assert!(
+        says.starts_with(&said) && says.contains("The lowest is that of a drawn chip"),
+        "{says}"
+    );
 }
 
 /// A window that is longer than the scene matches everything: nothing is to be said.

@@ -6,7 +6,7 @@ use std::{collections::BTreeSet, fs, path::Path};
 use amacrine::{
     array::{Array, Chip, Exact, Register, Settings},
     event::Packet,
-    isa::{Analog, Cell, Device, Digital, Figure},
+    isa::{Analog, Cell, Device, Digital, Figure, Operand, Signature, signature::Mode},
     picture::{StripCell, panel, strip, write_png},
     plane::{Plane, Size},
     program::{CellEffect, Sample, reference, samples},
@@ -26,6 +26,29 @@ fn the_page_is_what_the_files_say() {
         assert_eq!(a, b, "docs/scamp5.md:{number}: bless it");
     }
     assert_eq!(written, text, "docs/scamp5.md: bless it");
+}
+
+/// R12 is written only where R0 is 1, whatever writes it: each statement that can says so.
+#[test]
+fn what_can_write_r12_says_where() {
+    let device = Device::scamp5();
+    let words = { device.primitives().iter() }.map(|row| (&row.forms, &row.equation));
+    let hosts = device.hosts().iter().map(|row| (&row.forms, &row.meaning));
+    let bits = |form: &Signature| {
+        let mut written = form.parameters.iter().filter(|it| it.mode == Mode::Out);
+        written.any(|it| it.operand == Operand::Dreg)
+    };
+    let mut seen = 0;
+    for (forms, says) in words.chain(hosts) {
+        if forms.iter().any(bits) {
+            seen += 1;
+            assert!(says.contains("R12 is written only where R0 is 1"), "{says}");
+        }
+    }
+    assert_eq!(
+        seen, 6,
+        "SET, CLR, OR, NOR, DNEWS and the areas of the host"
+    );
 }
 
 const SIDE: usize = 32;

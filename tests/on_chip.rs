@@ -331,9 +331,17 @@ fn two_verbs_say_the_same_of_a_program() {
         let text = good(folder, &[&arguments[..], &["-o", "k.scamp"]].concat());
         let store = format!("store     {} words", asm["stored_words"]);
         assert!(text.contains(&store), "{store}: {text}");
+        if objective == "silicon" {
+            // Behind the filter, memory less drive may be twice as large.
+            assert!(
+                text.contains("no store of a filter but its result saturates for light of at most")
+                    && !text.contains("nothing saturates"),
+                "{text}"
+            );
+        }
         if objective == "exact" {
             assert!(
-                text.contains("nothing saturates for light up to 254 of 255"),
+                text.contains("nothing saturates for light up to 254 of 255, but what is compared behind a filter may"),
                 "{text}"
             );
             assert_eq!(said["saturating_stores"], 0);

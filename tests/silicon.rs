@@ -228,6 +228,46 @@ fn adding_the_halves_again_corrects_an_uneven_split() {
     assert!(corrected < 0.5, "5 % of 5 % of 100: {corrected}");
 }
 
+/// Of a bus to two, three or four registers each gets what the others do, as far off in every place,
+/// and all together get what there is.
+#[test]
+fn every_target_of_a_bus_is_as_uneven_and_all_get_what_there_is() {
+    let errors = Errors {
+        division_mismatch: 0.05,
+        gain_mismatch: 0.0,
+        offset_mismatch: 0.0,
+        noise: 0.0,
+        loss: 0.0,
+        transfer: 0.0,
+        division: 0.0,
+        ..self::errors()
+    };
+    let all: Vec<Analog> = (1..=5).map(Analog).collect();
+    for count in 2..=all.len() {
+        let targets = &all[..count];
+        let mut chip = chip(errors, 3, &[bus(targets, &[r(A)])], 0.0);
+        chip.set_analog(A, &Plane::from_elem(SIZE.shape(), 100.0))
+            .unwrap();
+        run(&mut chip);
+        let mut sum = Plane::zeros(SIZE.shape());
+        for target in targets {
+            let share = chip.analog(*target) / (-100.0 / count as f64);
+            let (mean, spread) = moments(&share);
+            assert!((mean - 1.0).abs() < 0.003, "{target:?} of {count}: {mean}");
+            assert!(
+                (spread - 0.05).abs() < 0.002,
+                "{target:?} of {count}: {spread}"
+            );
+            sum = sum + share / count as f64;
+        }
+        let (mean, spread) = moments(&sum);
+        assert!(
+            (mean - 1.0).abs() < 1e-5 && spread < 1e-5,
+            "all of {count}: {mean}, {spread}"
+        );
+    }
+}
+
 #[test]
 fn a_loaded_value_arrives_and_saturates_like_any_other() {
     let load = [bus(&[T], &[Source::In]), bus(&[A], &[r(T)])];

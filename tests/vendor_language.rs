@@ -937,6 +937,33 @@ fn ends_that_are_seen_and_decltype_are_refused() {
         "`decltype` is not followed",
         "`auto`",
     );
+    // A template of any number of types is told where it is called, and nowhere else.
+    let any = "template <typename... T> void log(T... all) { }\ntemplate <typename... T> int count(const T&... all) { return sizeof...(all); }\n";
+    told(
+        &format!("{any}int main() {{ scamp5_in(A, count(1, 2)); }}"),
+        3,
+        "`count` is a template of any number of types, which is not followed",
+        "write a function for each number of arguments",
+    );
+    numbers(any, "scamp5_in(A, 4);", &[4]);
+    told(
+        "int main() {\ntry { scamp5_in(A, 1); } catch (...) { }\nnop(); }",
+        2,
+        "`try` is not followed",
+        "without `try`",
+    );
+    told(
+        "int main() {\nthrow 3;\nnop(); }",
+        2,
+        "`throw` is not followed",
+        "leave it out",
+    );
+    told(
+        "struct B { unsigned a : 3; unsigned b : 5; };\nint main() { B b; b.a = 2; scamp5_in(A, b.a); }",
+        2,
+        "which `b`, a class with bit fields of line 1, which is not followed, decides",
+        "docs/vendor-code.md",
+    );
     numbers(
         "enum class Mode { OFF, LOW = 5 }; using M = Mode;",
         "Mode m = M::LOW; scamp5_in(A, m == Mode::LOW);",

@@ -834,7 +834,12 @@ mod verb {
     #[test]
     fn a_format_that_cannot_hold_the_light_is_told_of() {
         let folder = TempDir::new().unwrap();
-        for (format, told) in [("q4.12", true), ("q8.8", false), ("silicon", false)] {
+        for (format, told) in [
+            ("q4.12", true),
+            ("q7.9", true),
+            ("q8.8", false),
+            ("silicon", false),
+        ] {
             let more = ["--format", format, "--steps", "--json"];
             let said = amacrine(folder.path(), &asked(&more)).assert().success();
             let json: Value = serde_json::from_slice(&said.get_output().stdout).unwrap();
@@ -844,7 +849,14 @@ mod verb {
             assert_eq!(found.is_some(), told, "{format}: {warnings:?}");
             if let Some(found) = found {
                 let seen = found["seen"].as_str().unwrap();
-                assert!(seen.contains("held in q4.12"), "{seen}");
+                let holds = format!("{format} holds -");
+                assert!(
+                    seen.starts_with(&holds) && seen.contains("-127 LSB"),
+                    "{seen}"
+                );
+                let change = found["change"].as_str().unwrap();
+                let format = "take a format of 8 bits or more before the point, such as q8.8";
+                assert_eq!(change, format);
             }
         }
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use amacrine::{
     array::{Array, Register, answered},
     event::Packet,
-    program::{Answer, Beside, Step},
+    program::{Answer, Beside, Exposure, Step},
     unit::Micros,
 };
 use miette::Report;
@@ -29,6 +29,8 @@ pub struct Companion<'a> {
     /// Frames that have begun.
     pub begun: usize,
     pub t: Micros,
+    /// What is done with the photodiodes.
+    pub exposure: Exposure,
     /// Whether the light has ended.
     pub dark: bool,
     /// What the host wrote, and in which frame.
@@ -70,6 +72,7 @@ impl Beside for Companion<'_> {
     }
 
     fn run(&mut self, steps: &[Step]) -> Option<Answer> {
+        self.exposure.see(steps, self.chip.device());
         let (pool, t) = (Arc::clone(&self.pool), self.t);
         let answer = pool.install(|| answered(self.chip, steps, t, self.packet));
         let refused = |why| self.stopped = Some(raised(Report::new(why)));

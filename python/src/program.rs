@@ -6,16 +6,20 @@ use std::{
 };
 
 use amacrine::{
-    array::{Arithmetic, ArithmeticError, Array, Register, Settings},
+    array::{Arithmetic, ArithmeticError, Array, Register, Settings, Unheld},
     event::Packet,
     isa::Device,
     photoreceptor::Response,
     plane::{At, Plane, Size},
     program::{
-        Action, Cost, Expansion, Host, Overrides, Program as Text, Runnable, Step, included_files,
+        Action, Cost, Expansion, Exposure, Host, Overrides, Program as Text, Runnable, Step,
+        included_files,
     },
     rig::guard::{Guard, Warning},
-    study::pilot::{Chips, ErrorTerm, UnknownPart, left_out},
+    study::{
+        pilot::{Chips, ErrorTerm, UnknownPart, left_out},
+        saturation,
+    },
     unit::Micros,
 };
 use miette::{Report, miette};
@@ -195,10 +199,11 @@ impl Program {
         }
         let mut packet = Packet::new(size, amacrine::sensor::Sensor::channels(&*chip));
         let mut films: Vec<Vec<f64>> = vec![Vec::new(); kept.len()];
-        let (mut posts, mut shown) = (Vec::new(), count);
+        let (mut posts, mut shown, mut exposure) = (Vec::new(), count, Exposure::default());
         if self.decides {
             let seen = (&kept[..], &mut films[..]);
-            (posts, shown) = self.run_beside(py, &mut *chip, &light, &mut packet, seen)?;
+            (posts, shown, exposure) =
+                self.run_beside(py, &mut *chip, &light, &mut packet, seen)?;
         }
         let steady = if self.decides { 0 } else { count };
         for n in 0..steady {
@@ -239,7 +244,8 @@ impl Program {
             }
         }
         let records = PyArray1::from_vec(py, bytes);
-        let warned = self.warned(&*chip, &packet, &light);
+        let unheld = self.unheld(&*chip, exposure);
+        let warned = self.warned(&*chip, &packet, &light, unheld.as_ref());
         Ok((
             records,
             packet.channels,
@@ -361,7 +367,7 @@ impl Program {
 
     /// Sets a register before it runs.
     fn set(&self, chip: &mut dyn Array, name: &str, values: &Plane<f64>) -> PyResult<()> {
-        let register = Register::named(&self.device, name).map_err(raised)?;
+        let register = Register::named_to_set(&self.device, name).map_err(raised)?;
         let is_bit = register.is_bit();
         let wrong = |value: &f64| !value.is_finite() || (is_bit && *value != 0.0 && *value != 1.0);
         if let Some(((y, x), value)) = values.indexed_iter().find(|(_, value)| wrong(value)) {
@@ -391,7 +397,8 @@ impl Program {
         })
     }
 
-    /// Runs its host beside the array; what that wrote, with the frame, and the frames it saw.
+    /// Runs its host beside the array; what that wrote, with the frame, the frames it saw, and what
+    /// it did with the photodiodes.
     fn run_beside(
         &self,
         py: Python<'_>,
@@ -399,7 +406,7 @@ impl Program {
         light: &Light<'_>,
         packet: &mut Packet,
         (kept, films): (&[Register], &mut [Vec<f64>]),
-    ) -> PyResult<(Vec<(usize, String)>, usize)> {
+    ) -> PyResult<(Vec<(usize, String)>, usize, Exposure)> {
         let mut array = Companion {
             chip,
             light,
@@ -409,6 +416,7 @@ impl Program {
             pool: pool::pool()?,
             begun: 0,
             t: Micros(0),
+            exposure: Exposure::default(),
             dark: false,
             posts: Vec::new(),
             stopped: None,
@@ -423,20 +431,41 @@ impl Program {
         if !array.dark {
             array.end_frame();
         }
-        Ok((array.posts, array.begun))
+        Ok((array.posts, array.begun, array.exposure))
+    }
+
+    /// What of its numbers the cells of this chip do not hold.
+    fn unheld(&self, chip: &dyn Array, exposure: Exposure) -> Option<Unheld> {
+        let (cells, settings) = (chip.domain().parse().ok()?, self.settings());
+        if self.decides {
+            return { exposure.reads().then(|| Unheld::of_light(cells, &settings)) }.flatten();
+        }
+        let code = &self.expansion.code;
+        Unheld::of_program(cells, &[&code.init, &code.frame], &self.device, &settings)
     }
 
     /// What a run is to be warned of, as `amacrine exec` warns.
-    fn warned(&self, chip: &dyn Array, packet: &Packet, light: &Light<'_>) -> Vec<String> {
+    fn warned(
+        &self,
+        chip: &dyn Array,
+        packet: &Packet,
+        light: &Light<'_>,
+        unheld: Option<&Unheld>,
+    ) -> Vec<String> {
         let mut guard = Guard::new();
         let extent = light.frames.extent(light.scale);
         let scale = Warning::scale(light.frames.samples(), extent, Response::IDENTITY);
         if let Some(warning) = scale {
             guard.warn(warning);
         }
+        if let Some(unheld) = unheld {
+            saturation::warn_unheld(&mut guard, &self.source.file, unheld);
+        }
         // A program that reads no events out, and a single frame, have none to miss; a host that
-        // decides knows what it leaves.
-        if !self.decides && chip.ledger().slots > 0 && light.count > 1 {
+        // decides knows what it leaves, and one without its own numbers tells nothing of light.
+        let is_empty = packet.events.is_empty() && packet.dropped.no_slot == 0;
+        let tells = unheld.is_none() || !is_empty;
+        if tells && !self.decides && chip.ledger().slots > 0 && light.count > 1 {
             for n in 0..light.count {
                 guard.frame_at(Micros::from_seconds(n as f64 / light.fps));
             }

@@ -33,15 +33,20 @@ impl Arithmetic {
     /// The least and the most that a register holds, in LSB; none where it holds any number.
     #[must_use]
     pub fn ends(self, device: &Device, settings: &Settings) -> Option<[f64; 2]> {
-        let chip = device.register_range().into();
+        let chip: [f64; 2] = device.register_range().into();
         match self {
             // Headroom included: cells saturate there, wherever the converter does.
             Self::Silicon { .. } => Some(Errors::from_device(device).range.into()),
-            _ if settings.clip => Some(chip),
+            // Whichever comes first.
             Self::Number(Format::Fixed(format)) => {
-                let most = f64::from(1_u32 << (format.integer() - 1));
-                Some([-most, most])
+                let [low, high] = format.ends();
+                Some(if settings.clip {
+                    [f64::max(low, chip[0]), f64::min(high, chip[1])]
+                } else {
+                    [low, high]
+                })
             }
+            Self::Number(_) if settings.clip => Some(chip),
             Self::Number(_) => None,
         }
     }

@@ -38,6 +38,7 @@ mod silicon;
 mod state;
 pub mod survival;
 mod symbolic;
+mod unheld;
 
 pub use crate::isa::Errors;
 pub use answer::answered;
@@ -59,3 +60,4 @@ pub use settings::{Converters, Propagation, Settings};
 pub use silicon::Silicon;
 pub use state::State;
 pub use symbolic::{CaptureError, GenericError, Input, check_capture, effort, range, taps};
+pub use unheld::Unheld;

@@ -35,22 +35,35 @@ impl From<Cell> for Register {
 /// A name that is none of a chip's registers.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("{name}: no such register")]
-#[diagnostic(help("{device} has {known}, FLAG and PIX"))]
+#[diagnostic(help("{device} has {known}"))]
 pub struct UnknownRegister {
     /// What was given.
     pub name: String,
     /// The chip's name.
     pub device: String,
-    /// The registers that it has.
+    /// Those that can be meant.
     pub known: String,
 }
 
 impl Register {
-    /// The register of this name.
+    /// The register of this name, to be looked at.
     ///
     /// # Errors
     /// When the chip has none.
     pub fn named(device: &Device, name: &str) -> Result<Self, UnknownRegister> {
+        Self::among(device, name, ", FLAG and PIX")
+    }
+
+    /// The register of this name, to be set; [`Pix`](Self::Pix) takes light instead.
+    ///
+    /// # Errors
+    /// When the chip has none.
+    pub fn named_to_set(device: &Device, name: &str) -> Result<Self, UnknownRegister> {
+        Self::among(device, name, " and FLAG")
+    }
+
+    /// The register of this name; an error lists these beside the ones that the chip names.
+    fn among(device: &Device, name: &str, others: &str) -> Result<Self, UnknownRegister> {
         Ok(match device.value_of(name) {
             Some(Value::Source(Source::Register(register))) => Self::Analog(register),
             Some(Value::Bit(Bit::Register(register))) => Self::Digital(register),
@@ -63,7 +76,7 @@ impl Register {
                 return Err(UnknownRegister {
                     name: name.to_owned(),
                     device: device.name().to_owned(),
-                    known: names.join(" "),
+                    known: names.join(" ") + others,
                 });
             }
         })

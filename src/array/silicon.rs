@@ -23,6 +23,12 @@ const SPLIT: u64 = 2;
 const NOISE: u64 = 3;
 const RETENTION: u64 = 4;
 
+/// A split of a pixel's bus, of which it has many.
+fn split_of(errors: &Errors, seed: u64, number: u8, pixel: u64) -> f32 {
+    let drawn = normal(hash(seed, SPLIT, number, 0, pixel));
+    (errors.division_mismatch * f64::from(drawn)) as f32
+}
+
 /// Where the pixels of an array lie on the chip, which has as many columns or more.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Lies {
@@ -51,7 +57,8 @@ pub struct Silicon {
     /// `-(1 - loss + mismatch)` and `Δ + mismatch` of every cell, by register, row by row.
     gain: Vec<Vec<f32>>,
     offset: Vec<Vec<f32>>,
-    /// How much more than its share the first target of a splitting bus gets; then the second.
+    /// The first two splits of every pixel. Those of buses to more than three targets, which are
+    /// rare, are drawn where they are wanted.
     split: [Vec<f32>; 2],
 }
 
@@ -78,9 +85,9 @@ impl Silicon {
                 .map(|register| numbers().map(|p| value(register, p) as f32).collect())
                 .collect()
         };
-        let split = |part: u8| {
+        let split = |number: u8| {
             numbers()
-                .map(|pixel| (errors.division_mismatch * draw(SPLIT, part, pixel)) as f32)
+                .map(|pixel| split_of(&errors, seed, number, pixel))
                 .collect()
         };
         Self {
@@ -111,10 +118,22 @@ impl Silicon {
         place.y * self.lies.width + place.x
     }
 
+    /// What splits behind the first two, each so often, add in a cell of the array.
+    fn others(&self, splits: &[(u8, f32)], cell: usize) -> f32 {
+        let (y, x) = (cell / self.lies.width, cell % self.lies.width);
+        let pixel = self.lies.pixel(y, x) as u64;
+        let each = splits
+            .iter()
+            .map(|(number, times)| times * split_of(&self.errors, self.seed, *number, pixel));
+        each.sum()
+    }
+
     /// Cells beside each other, from `place` on.
     #[inline]
     fn run(&self, share: Share, place: Place, cells: usize) -> Run<'_> {
         let (first, register) = (self.pixel(place), usize::from(place.register.0));
+        let targets = share.by as usize;
+        let uneven = |part: u8, split| isa::uneven(part.into(), targets, split);
         Run {
             first,
             lies: self.lies,
@@ -122,7 +141,16 @@ impl Silicon {
             gain: &self.gain[register][first..][..cells],
             offset: &self.offset[register][first..][..cells],
             split: self.split.each_ref().map(|split| &split[first..][..cells]),
-            more: (share.part).map(|part| isa::uneven(part.into(), share.by as usize)),
+            more: (share.part).map(|part| [0, 1].map(|split| uneven(part, split))),
+            others: match share.part {
+                Some(part) if targets > 3 => {
+                    let splits = 2..targets - 1;
+                    let splits: Vec<_> = splits.map(|it| (it as u8, uneven(part, it))).collect();
+                    let cells = first..first + cells;
+                    cells.map(|cell| self.others(&splits, cell)).collect()
+                }
+                _ => Vec::new(),
+            },
             division: self.errors.division as f32,
             draws: Draws::new(self.seed, NOISE, place.register.0, place.step),
             noise: self.errors.noise as f32,
@@ -142,6 +170,8 @@ struct Run<'a> {
     split: [&'a [f32]; 2],
     /// How much more than its share a cell gets of a bus that splits: so often these two.
     more: Option<[f32; 2]>,
+    /// What further splits add to that in each cell; nothing where there are none.
+    others: Vec<f32>,
     division: f32,
     draws: Draws,
     noise: f32,
@@ -216,16 +246,28 @@ impl Run<'_> {
     fn store<const BLOCK: usize>(&self, sum: impl Fn(usize, f32) -> f32, cells: &mut [f32]) {
         if let Some([one, two]) = self.more {
             let [first, second] = self.split;
-            self.each::<BLOCK>(cells, |i, held, error| {
-                let more = one * first[i] + two * second[i];
-                let current = isa::split(sum(i, held) / self.by, more);
-                isa::stored(current, self.gain[i], error + self.division)
-            });
+            if self.others.is_empty() {
+                self.each::<BLOCK>(cells, |i, held, error| {
+                    self.parted(i, sum(i, held), error, one * first[i] + two * second[i])
+                });
+            } else {
+                self.each::<BLOCK>(cells, |i, held, error| {
+                    let more = one * first[i] + two * second[i] + self.others[i];
+                    self.parted(i, sum(i, held), error, more)
+                });
+            }
         } else {
             self.each::<BLOCK>(cells, |i, held, error| {
                 isa::stored(sum(i, held) / self.by, self.gain[i], error)
             });
         }
+    }
+
+    /// What a cell gets of a bus that splits: so much more than its share of the sum.
+    #[inline(always)]
+    fn parted(&self, i: usize, sum: f32, error: f32, more: f32) -> f32 {
+        let current = isa::split(sum / self.by, more);
+        isa::stored(current, self.gain[i], error + self.division)
     }
 
     /// Each cell, from its number, what it holds and its error; limited to the range.

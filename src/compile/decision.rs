@@ -445,7 +445,8 @@ impl Run<'_> {
             let (gain, offset) = (&self.array.gain[*cell], &self.array.offset[*cell]);
             let noise = &noise[self.at % (NOISES - CELLS)..];
             self.at += 1009;
-            let more = splits.then(|| isa::uneven(part, targets.len()));
+            // Words of filters have two targets at most.
+            let more = splits.then(|| [0, 1].map(|split| isa::uneven(part, targets.len(), split)));
             let [one, two] = &self.array.split;
             for (i, sum) in sum.iter().enumerate() {
                 let mut current = sum / count;

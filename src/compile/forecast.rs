@@ -340,13 +340,14 @@ impl Backwards<'_> {
         let (mut temporal, mut other) = (0.0, 0.0);
         let mut gains = vec![Field::new(self.wide); self.cells];
         let mut offsets = vec![Field::new(self.wide); self.cells];
-        let mut splits = vec![Field::new(self.wide); 2];
+        let targets = self.stores.iter().map(|stores| stores.len()).max();
+        let mut splits = vec![Field::new(self.wide); targets.unwrap_or(0).saturating_sub(1)];
         let (slope, apart) = (-errors.gain(0.0), errors.apart());
         for (word, stores) in self.words.iter().zip(self.stores).rev() {
             let mut bus = Field::new(self.wide);
             let count = stores.len() as f64;
             let mut moving = 0.0;
-            let mut uneven = vec![Field::new(self.wide); stores.len().saturating_sub(1).min(2)];
+            let mut uneven = vec![Field::new(self.wide); stores.len().saturating_sub(1)];
             let taken: Vec<_> = stores.iter().map(|s| adjoint[s.cell].take()).collect();
             let mut read = false;
             for (part, (stored, field)) in stores.iter().zip(taken).enumerate() {
@@ -365,7 +366,7 @@ impl Backwards<'_> {
                 bus.add(&field, back, -slope * kept / count);
                 moving = stored.variance;
                 for (k, uneven) in uneven.iter_mut().enumerate() {
-                    let more = f64::from(isa::uneven(part, stores.len())[k]);
+                    let more = f64::from(isa::uneven(part, stores.len(), k));
                     uneven.add(
                         &field,
                         back,

@@ -123,9 +123,8 @@ fn run(held: &mut BTreeMap<usize, ErrorForm>, errors: &Errors, at: usize, word: 
         cell.draw(Draw::Store(at, part), errors.noise);
         if count > 1 {
             cell.level += errors.division;
-            let uneven = isa::uneven(part, count).into_iter().take(count - 1);
-            for (k, more) in uneven.enumerate() {
-                let more = f64::from(more);
+            for k in 0..count - 1 {
+                let more = f64::from(isa::uneven(part, count, k));
                 cell.draw(
                     Draw::Split(k),
                     gain * current * errors.division_mismatch * more,

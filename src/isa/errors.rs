@@ -20,7 +20,10 @@
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
-use std::ops::{Add, Mul};
+use std::{
+    cmp::Ordering,
+    ops::{Add, Mul},
+};
 
 use super::{Device, Evidence, Figure};
 
@@ -142,16 +145,20 @@ impl Errors {
     }
 }
 
-/// How much more than its share a target of a bus that splits gets: so often each of the pixel's
-/// two splits. What the others get more the last gets less.
+/// How much more than its share a target of a bus that splits gets: so often the pixel's split of
+/// this number, of which a bus to so many targets has one fewer than targets. These are the corners
+/// of a regular simplex: each target has the same spread, and all together get what there is.
 #[must_use]
-pub const fn uneven(part: usize, targets: usize) -> [f32; 2] {
-    match (part, targets) {
-        (0, 2..) => [1.0, 0.0],
-        (1, 2) => [-1.0, 0.0],
-        (1, _) => [0.0, 1.0],
-        (2, 3) => [-1.0, -1.0],
-        _ => [0.0, 0.0],
+pub fn uneven(part: usize, targets: usize, split: usize) -> f32 {
+    // Targets behind the one that this split favours, which have less of it alike.
+    let Some(behind) = targets.checked_sub(split + 1).filter(|it| *it > 0) else {
+        return 0.0;
+    };
+    let favoured = (targets * behind) as f64 / ((targets - 1) * (behind + 1)) as f64;
+    match part.cmp(&split) {
+        Ordering::Less => 0.0,
+        Ordering::Equal => favoured.sqrt() as f32,
+        Ordering::Greater => -(favoured.sqrt() / behind as f64) as f32,
     }
 }
 
@@ -185,16 +192,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_the_others_get_more_the_last_gets_less() {
-        for targets in 1..=3 {
-            let mut sum = [0.0; 2];
+    fn targets_of_a_bus_are_alike_and_get_what_there_is() {
+        for targets in 2..=11 {
+            let splits = 0..targets - 1;
+            let more = |part| {
+                splits
+                    .clone()
+                    .map(move |split| uneven(part, targets, split))
+            };
             for part in 0..targets {
-                let more = uneven(part, targets);
-                sum = [sum[0] + more[0], sum[1] + more[1]];
+                let spread: f32 = more(part).map(|it| it * it).sum();
+                assert!((spread - 1.0).abs() < 1e-6, "{part} of {targets}: {spread}");
             }
-            let whole = if targets == 1 { [0.0; 2] } else { sum };
-            assert_eq!(whole, [0.0; 2], "{targets} targets");
+            for split in splits.clone() {
+                let sum: f32 = (0..targets).map(|it| uneven(it, targets, split)).sum();
+                assert!(sum.abs() < 1e-6, "{split} of {targets}: {sum}");
+            }
         }
+        assert_eq!([0, 1].map(|part| uneven(part, 2, 0)), [1.0, -1.0]);
+        // Nothing is split, and there is no such split.
+        assert_eq!([uneven(0, 1, 0), uneven(1, 2, 1)], [0.0; 2]);
     }
 
     /// `T = -x + Δ`, `y = -T + Δ = x` without loss.

@@ -63,6 +63,19 @@ impl FixedFormat {
         self.bits - self.fraction
     }
 
+    /// The distance from one number to the next.
+    #[must_use]
+    pub fn step(self) -> f64 {
+        1.0 / (1_u64 << self.fraction) as f64
+    }
+
+    /// The least number, and the first that is too large.
+    #[must_use]
+    pub fn ends(self) -> [f64; 2] {
+        let most = (1_u64 << (self.bits - 1)) as f64 * self.step();
+        [-most, most]
+    }
+
     /// What happens beyond the limits.
     #[must_use]
     pub const fn overflow(self) -> Overflow {

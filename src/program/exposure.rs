@@ -45,6 +45,12 @@ impl Exposure {
         self.now = false;
     }
 
+    /// Whether any step so far has read them.
+    #[must_use]
+    pub const fn reads(self) -> bool {
+        self.reads
+    }
+
     /// Whether light would add up on the chip, from frame to frame.
     #[must_use]
     pub const fn adds_up(self) -> bool {

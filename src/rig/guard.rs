@@ -377,6 +377,13 @@ impl Warning {
         )
     }
 
+    /// Numbers of a program that its format does not hold, whatever it is shown: what, what becomes
+    /// of them, and the format to take.
+    #[must_use]
+    pub fn unheld(subject: &str, seen: impl Into<String>, why: &str, change: String) -> Self {
+        Self::new(About::Saturation, subject, seen, why, change)
+    }
+
     /// Signals at the end of their number format's range, at so many of a study's points.
     #[must_use]
     pub fn saturated_points(points: usize, of: usize) -> Self {

@@ -19,10 +19,7 @@ impl Overflow {
     #[must_use]
     pub fn new(format: Format, response: Response) -> Self {
         let ends = match format {
-            Format::Fixed(fixed) => {
-                let most = f64::from(1_u32 << (fixed.integer() - 1));
-                Some([-most, most])
-            }
+            Format::Fixed(fixed) => Some(fixed.ends()),
             _ => None,
         };
         Self {

@@ -2,7 +2,7 @@
 //! cannot hold.
 
 use crate::{
-    array::{Arithmetic, Array, AtBorder, Settings},
+    array::{Arithmetic, Array, AtBorder, Settings, Unheld},
     number::Format,
     photoreceptor::{Curve, Response},
     rig::{
@@ -20,6 +20,13 @@ pub fn warn(guard: &mut Guard, subject: &str, chip: &dyn Array, ends: Option<[f6
         let counted = (at.pixels, at.of);
         guard.warn(Warning::saturation(subject, &place, counted, at.ends));
     }
+}
+
+/// Warns of numbers that a program's format does not hold; whatever else its registers and events
+/// say of range and threshold comes from that.
+pub fn warn_unheld(guard: &mut Guard, subject: &str, unheld: &Unheld) {
+    let (seen, why) = (unheld.to_string(), unheld.why());
+    guard.warn(Warning::unheld(subject, seen, why, unheld.change()));
 }
 
 /// Counts the light that cells cannot hold; analogue ones hold all that the chip's converters give.

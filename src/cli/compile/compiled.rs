@@ -383,7 +383,7 @@ impl Compiled {
         let range = match range.strip_prefix("nothing saturates") {
             Some(rest) if self.memory.is_some() => {
                 format!(
-                    "nothing saturates for light up to {} of 255{rest}",
+                    "nothing saturates for light up to {} of 255, but what is compared behind a filter may{rest}",
                     brightest(device)
                 )
             }
@@ -413,7 +413,7 @@ impl Compiled {
                 format!("a sum may saturate for any {where_}")
             }
             _ => format!(
-                "nothing saturates for {where_} of at most {} LSB, above that a sum may",
+                "no store of a filter but its result saturates for {where_} of at most {} LSB, above that a sum may",
                 self.each(|filter| format!("{:.0}", filter.exact_within.floor()))
             ),
         };

@@ -18,7 +18,9 @@ use super::{
     strip, trace,
 };
 use crate::{
-    array::{Arithmetic, Array, Register, Schedule, Settings, claim::MOST_EFFORT, effort, taps},
+    array::{
+        Arithmetic, Array, Register, Schedule, Settings, Unheld, claim::MOST_EFFORT, effort, taps,
+    },
     event::Packet,
     isa::{Device, Figure},
     limit::THREADS,
@@ -32,7 +34,10 @@ use crate::{
         guard::{Guard, Warning},
     },
     scene::{Observation, Scene, kept::Kept},
-    study::pilot::{Chips, Machine},
+    study::{
+        pilot::{Chips, Machine},
+        saturation,
+    },
 };
 
 /// A program and all that it needs to run, once or several times.
@@ -254,6 +259,10 @@ impl<'a> Bench<'a> {
         for warning in Warning::of_scene(&self.observation, Response::IDENTITY) {
             guard.warn(warning);
         }
+        let unheld = self.unheld();
+        if let Some(unheld) = &unheld {
+            saturation::warn_unheld(&mut guard, program, unheld);
+        }
         if let Err(larger) = Larger::check(program, self.size, &self.opened.device) {
             guard.warn(Warning::larger(program, &larger));
         }
@@ -264,9 +273,10 @@ impl<'a> Bench<'a> {
                 let is_dark =
                     self.arguments.image.is_none() && self.opened.program.settings.image.is_none();
                 let is_empty = packet.events.is_empty() && packet.dropped.no_slot == 0;
+                // Without its own numbers nothing that it says tells of light or thresholds.
                 if is_dark && is_empty {
                     guard.warn(Warning::in_the_dark(program, frames));
-                } else {
+                } else if unheld.is_none() || !is_empty {
                     guard.packet(program, packet);
                 }
             } else if packet.dropped.no_slot > 0 {
@@ -293,6 +303,17 @@ impl<'a> Bench<'a> {
             });
         }
         guard.warnings()
+    }
+
+    /// What of the program's numbers its cells do not hold.
+    pub fn unheld(&self) -> Option<Unheld> {
+        let (cells, device) = (self.arithmetic, &self.opened.device);
+        if self.opened.decides && self.recorded.is_empty() {
+            // What it did with light is known after the run, and no more.
+            let reads = self.said.exposure.get().reads();
+            return { reads.then(|| Unheld::of_light(cells, &self.settings)) }.flatten();
+        }
+        Unheld::of_program(cells, &self.codes(), device, &self.settings)
     }
 
     /// Whether a register holds a constant that the program loads, whatever the light is.

@@ -25,7 +25,9 @@ use self::{
     statistics::Statistics, trace::Tracer,
 };
 use super::files;
-use crate::{picture::write_png, program::Cost, save::save, unit::counted};
+use crate::{
+    picture::write_png, program::Cost, rig::guard::Guard, save::save, study, unit::counted,
+};
 
 /// Runs the verb.
 ///
@@ -126,6 +128,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 fn repeat(bench: &Bench<'_>, runs: u64) -> miette::Result<()> {
     let arguments = bench.arguments;
     let statistics = Statistics::from_runs(bench, arguments.seed, runs)?;
+    if let Some(unheld) = bench.unheld() {
+        let mut guard = Guard::new();
+        study::saturation::warn_unheld(&mut guard, &bench.opened.program.file, &unheld);
+        super::light::warn(&guard.warnings());
+    }
     if arguments.json {
         super::say(&format!("{}\n", statistics.json()));
     } else {

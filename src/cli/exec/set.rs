@@ -21,7 +21,7 @@ pub struct Set {
 
 impl Set {
     pub fn read(device: &Device, name: &str, path: &Path) -> miette::Result<Self> {
-        let register = Register::named(device, name)?;
+        let register = Register::named_to_set(device, name)?;
         if register == Register::Pix {
             return Err(miette!(
                 help = "light is given with --image",

@@ -78,10 +78,7 @@ impl Lowering<'_> {
             self.constants.contains_key(name),
         ) {
             let message = format!("`{name}` is a name of the chip, no constant to set to {value}");
-            let help = format!(
-                "a register takes a file: `exec --set {name}=FILE.npy`; or write `scamp5_in({name}, {value});` in the program"
-            );
-            (message, help)
+            (message, self.in_place_of(name, value))
         } else if !self.constants.contains_key(name) {
             let known = || self.constants.keys().map(String::as_str);
             let help = suggestion(name, known()).unwrap_or_else(|| {
@@ -101,6 +98,69 @@ impl Lowering<'_> {
         };
         let fault = Fault::error(Place::default(), message, "this program");
         self.faults.push(fault.help(help));
+    }
+
+    /// How a name of the chip comes to hold a number that no constant can give it.
+    fn in_place_of(&self, name: &str, value: f64) -> String {
+        let file = format!("a register takes a file: `exec --set {name}=FILE.npy`");
+        match self.device.value_of(name) {
+            Some(Value::Source(Source::Register(register))) => {
+                let loads = self.takes("scamp5_in", &[name.into(), value.to_string()]);
+                // What comes in passes through NEWS.
+                match loads.filter(|_| register != self.device.news()) {
+                    Some(statement) => format!("{file}; or write `{statement}` in the program"),
+                    None => file,
+                }
+            }
+            Some(Value::Bit(Bit::Register(register))) => {
+                let roles = &self.device.registers().roles;
+                let mask = self.device.digital_name(roles.mask);
+                let only = if register == roles.propagated {
+                    format!(", which writes it where {mask} is 1")
+                } else {
+                    String::new()
+                };
+                let word = match value {
+                    0.0 => "CLR",
+                    1.0 => "SET",
+                    _ => return format!("{file}, of 0 and 1"),
+                };
+                format!("{file}; or write `{word}({name});` in the program{only}")
+            }
+            Some(Value::Bit(Bit::Flag)) => format!("{file}, of 0 and 1"),
+            Some(Value::Source(Source::Pix)) => {
+                "the photodiodes take light: `exec --image SCENE`".to_owned()
+            }
+            Some(Value::Source(Source::In)) => {
+                match self.takes("scamp5_in", &[value.to_string()]) {
+                    Some(statement) => format!("the host drives it: write `{statement}`"),
+                    None => "the host drives it, with -128 to 127 LSB".to_owned(),
+                }
+            }
+            _ => {
+                "it holds no number: give the constant of the program that is to be set".to_owned()
+            }
+        }
+    }
+
+    /// The statement with these arguments, where the chip has one.
+    fn takes(&self, name: &str, arguments: &[String]) -> Option<String> {
+        let given: Vec<Given> = { arguments.iter() }
+            .map(|argument| {
+                let number = argument.parse().ok().map(Value::Number);
+                Given {
+                    values: number
+                        .or_else(|| self.device.value_of(argument))
+                        .into_iter()
+                        .collect(),
+                    group: false,
+                    place: Place::default(),
+                }
+            })
+            .collect();
+        let all = self.device.callables(name);
+        let takes = all.iter().any(|it| it.signature().bind(&given).is_ok());
+        takes.then(|| format!("{name}({});", arguments.join(", ")))
     }
 
     /// The value of an expression in which every name must mean something.

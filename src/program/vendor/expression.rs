@@ -387,6 +387,12 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
         "new" => return allocation(it, place),
         _ => {}
     }
+    if it.variadic.contains(&name) && (it.sees("(") || it.sees("<")) {
+        let message =
+            format!("`{name}` is a template of any number of types, which is not followed");
+        let help = "write a function for each number of arguments that it is called with";
+        return Err(Fault::error(place, message, "this call").help(help));
+    }
     if (get || it.templates.contains(&name)) && it.sees("<") {
         let given = template_arguments(it)?;
         let callee = Expr {

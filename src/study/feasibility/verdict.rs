@@ -6,7 +6,7 @@
 use super::{
     Estimate, Feasibility, Fit, Stream,
     chip::OnChip,
-    chips::{HALF, MOSTLY},
+    chips::{HALF, MOSTLY, OverChips},
     estimate::short,
     named::Named,
     stream::Judged,
@@ -73,7 +73,7 @@ impl Verdict {
         let mut kept_word = "";
         let mut chips_word = "";
         if let Fit::OnChip(chip) = &all.fit {
-            let speed = speed(chip, all.scene.fps);
+            let speed = speed(chip, &all.over_chips, all.scene.fps);
             speed_word = speed.word;
             findings.push(speed);
         }
@@ -301,8 +301,14 @@ fn micros(time: &Estimate) -> String {
     time.to_string().replace(" us", " \u{b5}s")
 }
 
-fn speed(chip: &OnChip, fps: f64) -> Finding {
-    let [least, most] = chip.time.ceiling.ends();
+fn speed(chip: &OnChip, over: &OverChips, fps: f64) -> Finding {
+    // What a drawn chip says beside the chip of the seed, above all noise, is read out too.
+    let mut ceiling = chip.time.ceiling.clone();
+    let drawn = over.drawn.iter().map(|chip| chip.frames_s);
+    let slowest = drawn.fold(f64::INFINITY, f64::min);
+    let is_drawn = slowest < ceiling.low;
+    ceiling.low = ceiling.low.min(slowest);
+    let [least, most] = ceiling.ends();
     let (word, opinion) = if most < fps {
         ("too slow", "which is too slow")
     } else if least < fps {
@@ -321,13 +327,17 @@ fn speed(chip: &OnChip, fps: f64) -> Finding {
         about: "speed",
         word,
         says: format!(
-            "It reaches {} for the {fps} that the scene asks for, {opinion}; {binds} ({}, {}).",
-            chip.time.ceiling,
+            "It reaches {ceiling} for the {fps} that the scene asks for, {opinion}; {binds} ({}, {}).{}",
             chip.time.plan.words(),
-            chip.time.order.name()
+            chip.time.order.name(),
+            if is_drawn {
+                " The lowest is that of a drawn chip, which has more events to read out than the chip of the seed."
+            } else {
+                ""
+            }
         ),
         rule: format!(
-            "too slow: the highest ceiling that the public data allow is below the frame rate; in doubt: the lowest is; just fast enough: the lowest is below {ROOM} times it; else fast enough. What takes longest of array, exposure and readout binds."
+            "too slow: the highest ceiling that the public data allow is below the frame rate; in doubt: the lowest is, which is that of the slowest drawn chip where the events that it has make it slower than all that the times of the data allow; just fast enough: the lowest is below {ROOM} times it; else fast enough. What takes longest of array, exposure and readout binds."
         ),
     }
 }

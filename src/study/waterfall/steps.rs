@@ -9,7 +9,7 @@ use super::{
     sensor::{Setup, Switches},
 };
 use crate::{
-    array::Arithmetic,
+    array::{Arithmetic, Unheld},
     compare::{
         Pair,
         fate::{Fate, Windows},
@@ -206,7 +206,14 @@ pub fn steps_together(
         watching.push(sensor);
     }
     let mut guard = Guard::new();
-    let mut overflow = saturation::of_light(question.arithmetic, &kinds.compiled.settings());
+    let (program, settings) = (&kinds.compiled, kinds.compiled.settings());
+    let parts = [&program.code.init[..], &program.code.frame];
+    let cells = question.arithmetic;
+    let unheld = Unheld::of_program(cells, &parts, &program.device, &settings);
+    if let Some(unheld) = &unheld {
+        saturation::warn_unheld(&mut guard, "the chip", unheld);
+    }
+    let mut overflow = saturation::of_light(cells, &settings);
     let mut fired = rig::watch(scene, &mut watching, |frame| {
         guard.frame(frame);
         overflow.see(frame);

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::super::{
     expression::unexpected,
-    token::Token,
+    token::{Kind as TokenKind, Token},
     tree::{
         Bound, Declared, Expr, ExprNode, Function, Kind, Parameter, Stmt, StmtNode, Struct, Word,
     },
@@ -196,6 +196,7 @@ impl Parser<'_> {
         }
         // It is known inside of itself.
         let known = !plain || named_behind || !self.classes.insert(name.clone());
+        let body = self.at;
         let (data, functions, refers) = self.class_body(&name, plain);
         if !known && data.is_none() {
             self.classes.remove(&name);
@@ -210,6 +211,7 @@ impl Parser<'_> {
         if data.is_some() {
             self.classes.insert(name.clone());
         }
+        let bit_fields = self.has_bit_fields(body, self.at);
         let unread = unread.or_else(|| {
             let is_operator = |it: &Rc<Function>| &*it.name == "operator";
             let copies = |it: &Rc<Function>| it.name == name && copies(&name, &it.parameters);
@@ -219,6 +221,8 @@ impl Parser<'_> {
                 "a class with a copy constructor"
             } else if functions.iter().any(is_operator) {
                 "a class with operators that are not followed"
+            } else if bit_fields {
+                "a class with bit fields"
             } else {
                 "a class with members that are not understood"
             })
@@ -250,6 +254,16 @@ impl Parser<'_> {
         self.end_statement()?;
         self.pending.extend([functions, Stmt { node, place }]);
         Ok(StmtNode::Declare(all))
+    }
+
+    /// Whether a member of so many bits stands between two places: `name : 3;`.
+    fn has_bit_fields(&self, from: usize, to: usize) -> bool {
+        let tokens: Vec<&Token> = self.between(from, to).collect();
+        tokens.windows(4).any(|it| {
+            let is_first = |token: &Token| token.is(";") || token.is("{") || token.is(",");
+            let (bits, ends) = (matches!(it[2].kind, TokenKind::Whole(..)), is_first(it[3]));
+            it[0].name().is_some() && it[1].is(":") && bits && ends
+        })
     }
 
     /// What stands between the braces of a class: its data, where nothing else matters when an

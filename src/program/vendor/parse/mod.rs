@@ -59,6 +59,7 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> Said {
         aliases: BTreeMap::new(),
         enumerations: BTreeMap::new(),
         templates: BTreeSet::new(),
+        variadic: BTreeSet::new(),
         variables: BTreeSet::new(),
         template: Vec::new(),
         begun: BTreeMap::new(),
@@ -108,6 +109,8 @@ pub(super) struct Parser<'a> {
     enumerations: BTreeMap<Word, Kind>,
     /// Names of functions that are templates.
     pub templates: BTreeSet<Word>,
+    /// Those that take any number of types.
+    pub variadic: BTreeSet<Word>,
     /// Names of variables that are no constants.
     pub variables: BTreeSet<Word>,
     /// The parameters of the template that is read.
@@ -169,6 +172,11 @@ impl<'a> Parser<'a> {
     pub(super) fn before(&self) -> Place {
         let before = self.at.checked_sub(1).and_then(|at| self.tokens.get(at));
         before.map_or(Place::default(), |t| t.place)
+    }
+
+    /// What stands between two places.
+    pub(super) fn between(&self, from: usize, to: usize) -> std::slice::Iter<'a, Token> {
+        self.tokens.get(from..to).unwrap_or_default().iter()
     }
 
     /// How many kernels began here before this one, if any did.

@@ -88,6 +88,10 @@ impl Parser<'_> {
                 Fault::error(self.place(), "`goto` is not followed", "this jump")
                     .help("write a loop with `break` or `continue`, or an `if`, in its place"),
             ),
+            "try" | "throw" | "co_await" | "co_yield" | "co_return" => {
+                self.not_followed();
+                Ok(StmtNode::Nothing)
+            }
             "break" => self.jump(StmtNode::Break),
             "continue" => self.jump(StmtNode::Continue),
             "return" => {
@@ -122,6 +126,9 @@ impl Parser<'_> {
             }
             "template" => {
                 self.at += 1;
+                if self.variadic_function() {
+                    return Ok(StmtNode::Nothing);
+                }
                 let special = self.peek(1).is_some_and(|t| t.is(">"));
                 let template = self.template_parameters()?;
                 let outer = std::mem::replace(&mut self.template, template);
@@ -219,6 +226,31 @@ impl Parser<'_> {
         let value = self.expression()?;
         self.expect(")", "close the parenthesis")?;
         Ok(value)
+    }
+
+    /// Tells of a statement that is not followed, and passes it with its blocks.
+    fn not_followed(&mut self) {
+        let word = self.word(0).to_owned();
+        let (what, help) = match &*word {
+            "try" => (
+                "block",
+                "write what stands in it without `try`: nothing is thrown here",
+            ),
+            "throw" => ("statement", "leave it out, or `return`"),
+            _ => ("statement", "write a loop that waits for its frames"),
+        };
+        let message = format!("`{word}` is not followed");
+        let fault = Fault::error(self.place(), message, format!("this {what}"));
+        self.faults.push(fault.help(help));
+        if word != "try" {
+            return self.skip_past(";");
+        }
+        self.at += 1;
+        self.skip_group();
+        while self.take_word("catch") {
+            self.skip_group();
+            self.skip_group();
+        }
     }
 
     fn if_statement(&mut self) -> Parsed<StmtNode> {

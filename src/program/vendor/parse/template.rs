@@ -19,6 +19,41 @@ impl Parser<'_> {
         Ok(Vec::new())
     }
 
+    /// Passes a function whose template takes any number of types, if one stands here behind
+    /// `template`: a call of it is refused.
+    pub(super) fn variadic_function(&mut self) -> bool {
+        let start = self.at;
+        let closed = self.angles();
+        let mut parameters = self.between(start, self.at);
+        if !(closed && parameters.any(|token| token.is("..."))) {
+            self.at = start;
+            return false;
+        }
+        let behind = self.at;
+        let ends = |token: &Token| ["(", "{", ";", "="].iter().any(|it| token.is(it));
+        while self.peek(0).is_some_and(|token| !ends(token)) {
+            self.at += 1;
+        }
+        let name = self.between(behind, self.at).last().and_then(Token::name);
+        let (Some(name), true) = (name.cloned(), self.sees("(")) else {
+            self.at = start;
+            return false;
+        };
+        self.variadic.insert(name);
+        while self
+            .peek(0)
+            .is_some_and(|token| !token.is("{") && !token.is(";"))
+        {
+            self.at += 1;
+        }
+        if self.sees("{") {
+            self.skip_group();
+        } else {
+            self.at += 1;
+        }
+        true
+    }
+
     fn read_template(&mut self) -> Parsed<Option<Vec<TemplateParameter>>> {
         let mut all: Vec<TemplateParameter> = Vec::new();
         self.take("<");
