@@ -13,7 +13,7 @@
 //! set does before its double-precision simulator reads it.
 
 use crate::{
-    config::{Document, Key, Kind, Node, Range, Read, Section, Table},
+    config::{Document, Fault, Key, Kind, Node, Range, Read, Section, Table},
     elementary,
 };
 
@@ -243,29 +243,56 @@ impl Response {
         let curves = Section::new(node, &CURVES);
         let round =
             |section: &Section<'_>| Ok(section.word("round", &[false, true])? == Some(true));
-        if let Some(white) = curves.maybe_number("linear") {
-            return Ok(Self::new(Curve::Linear { white }));
-        }
-        if let Some(linear) = curves.table("linear") {
-            let white = linear.number("white")?;
-            return Ok(Self {
-                curve: Curve::Linear { white },
+        let mut keys = CURVES.keys.iter();
+        let Some(key) = keys.find(|key| curves.get(key.name).is_some()) else {
+            // The one that is no table.
+            return Ok(Self::IDENTITY);
+        };
+        match (key.name, curves.table(key.name)) {
+            ("linear", None) => Ok(Self::new(Curve::Linear {
+                white: curves.number("linear")?,
+            })),
+            ("linear", Some(linear)) => Ok(Self {
+                curve: Curve::Linear {
+                    white: linear.number("white")?,
+                },
                 round_f32: round(&linear)?,
-            });
-        }
-        if let Some(log) = curves.table("log") {
-            let (white, offset) = (log.number("white")?, log.number("offset")?);
-            return Ok(Self {
-                curve: Curve::Log { white, offset },
+            }),
+            ("log", Some(log)) => Ok(Self {
+                curve: Curve::Log {
+                    white: log.number("white")?,
+                    offset: log.number("offset")?,
+                },
                 round_f32: round(&log)?,
-            });
-        }
-        Ok(Self::new(match curves.table("lin-log") {
-            Some(lin_log) => Curve::LinLog {
+            }),
+            ("lin-log", Some(lin_log)) => Ok(Self::new(Curve::LinLog {
                 knee: lin_log.number("knee")?,
-            },
-            None => Curve::Identity,
-        }))
+            })),
+            (name, _) => {
+                let what = format!("the response `{name}` is listed and not read");
+                let fault = Fault::error(node.place(), what, "this response");
+                Err(fault.help("read it in src/photoreceptor.rs"))
+            }
+        }
+    }
+
+    /// As a file states it, but for rounding that no file can state.
+    #[must_use]
+    pub fn text(self) -> String {
+        let round = if self.round_f32 {
+            ", round = \"f32\""
+        } else {
+            ""
+        };
+        match self.curve {
+            Curve::Identity => "\"identity\"".to_owned(),
+            Curve::Linear { white } if round.is_empty() => format!("{{ linear = {white:?} }}"),
+            Curve::Linear { white } => format!("{{ linear = {{ white = {white:?}{round} }} }}"),
+            Curve::Log { white, offset } => {
+                format!("{{ log = {{ white = {white:?}, offset = {offset:?}{round} }} }}")
+            }
+            Curve::LinLog { knee } => format!("{{ lin-log = {{ knee = {knee:?} }} }}"),
+        }
     }
 }
 
@@ -299,6 +326,20 @@ mod tests {
             parse("{ lin-log = { knee = 20 } }").unwrap().curve,
             Curve::LinLog { knee: 20.0 }
         );
+    }
+
+    /// A key of the table that nobody reads would be a fault.
+    #[test]
+    fn every_listed_curve_is_read_and_written_back() {
+        for key in CURVES.keys {
+            let text = format!("{{ {} }}", key.example);
+            let read = parse(&text).unwrap();
+            assert_ne!(read.curve, Curve::Identity, "{text}");
+            assert_eq!(parse(&read.text()).unwrap(), read, "{text}");
+        }
+        let rounded = "{ linear = { white = 255.0, round = \"f32\" } }";
+        assert_eq!(parse(rounded).unwrap().text(), rounded);
+        assert_eq!(parse("\"identity\"").unwrap().text(), "\"identity\"");
     }
 
     #[test]

@@ -250,6 +250,12 @@ fn no_program_is_called_optimal_where_the_bus_takes_more() {
         let asked = [&filter[..], &["--chip", chip]].concat();
         let told = good(folder, &asked);
         assert!(
+            told.contains("whether fewer make this kernel was not asked (--objective words)"),
+            "{told}"
+        );
+        let asked = [&asked[..], &["--objective", "words"]].concat();
+        let told = good(folder, &asked);
+        assert!(
             told.contains("whether fewer make this kernel is not known"),
             "{told}"
         );

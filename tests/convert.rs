@@ -476,6 +476,7 @@ fn refusals() {
         &["/dev/null", "a.npy", "--from", "npy"],
         "reads what it converts twice",
     );
+    folder.refused(&["one.npy", "a.foo"], "--format NAME of what it writes");
     folder.refused(
         &["one.npy", "a.raw"],
         "`.raw` files come in several formats: evt2, evt2.1, evt3",

@@ -208,7 +208,8 @@ fn sensor(chance: &mut Chance) -> Description {
 /// A random model that leaves something out.
 fn plainer(chance: &mut Chance, description: &Description, inserts: bool) -> Choice {
     let there: Vec<Effect> = Effect::ALL
-        .into_iter()
+        .iter()
+        .copied()
         .filter(|effect| effect.is_in(description, inserts))
         .collect();
     let format = |name: &str| -> Format { name.parse().unwrap() };
@@ -977,7 +978,18 @@ mod command {
                 "run {} --fidelity auto --without leak",
                 "without leak: it chooses what is left out",
             ),
-            ("plan {} --formats f31", "unknown number format"),
+            (
+                "plan {} --formats f31",
+                "unknown number format `f31`; known are exact (f64)",
+            ),
+            (
+                "run {} --format q88",
+                "unknown number format `q88`; known are exact (f64)",
+            ),
+            (
+                "run --image pattern:disc --sensor missing.toml",
+                "missing.toml",
+            ),
             ("plan {} --within 3", "not a duration"),
             (
                 "plan --scene missing.mp4 --sensor sensors/dvs.toml",

@@ -183,7 +183,7 @@ fn limits_hold_on_the_array() {
         let plain = if full.format.is_none() && chance(4) < 0.7 {
             Machine {
                 format: None,
-                without: vec![ErrorTerm::ALL[below(5, 6)]],
+                without: vec![ErrorTerm::ALL[below(5, ErrorTerm::ALL.len())]],
             }
         } else {
             let formats = ["q8.8", "f16", "q8.0", "bf16"];

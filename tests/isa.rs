@@ -750,3 +750,79 @@ fn a_chip_of_fewer_words_does_without_what_is_made_of_them() {
     );
     assert_eq!(blind.left_out().len(), 1);
 }
+
+/// A chip of these macros, on SCAMP-5.
+fn with_macros(macros: &str) -> Device {
+    let parent = tempfile::tempdir().unwrap();
+    let folder = parent.path().join("x");
+    fs::create_dir(&folder).unwrap();
+    let text = "name = \"x\"\ntitle = \"x\"\nextends = \"scamp5\"\n";
+    fs::write(folder.join("device.toml"), text).unwrap();
+    fs::write(folder.join("macros.scamp"), macros).unwrap();
+    Device::load(&folder).unwrap()
+}
+
+/// Instruction words and host operations of a program.
+fn steps(device: &Device, text: &str) -> usize {
+    let program = Program::parse("test", text).unwrap();
+    let expanded = program.expand(device, &BTreeMap::new());
+    expanded.unwrap().code.frame.len()
+}
+
+/// In whichever order they stand, and whichever chip has the general one.
+#[test]
+fn a_form_for_a_number_is_meant_before_one_for_any() {
+    let any = "/// waits\nmacro z(n: int[0..5]) { repeat n { nop(); nop(); } nop(); }\n";
+    let none = "/// waits not\nmacro z(0) { }\n";
+    for text in [format!("{any}{none}"), format!("{none}{any}")] {
+        let device = with_macros(&text);
+        assert_eq!(steps(&device, "z(0);"), 0, "{text}");
+        assert_eq!(steps(&device, "z(2);"), 5, "{text}");
+    }
+    let zero = "/// a := 0\nmacro scamp5_in(out a: areg, 0)\n    gives NEWS\n{\n    bus(NEWS);\n    bus(a, NEWS);\n}\n";
+    let device = with_macros(zero);
+    assert_eq!(steps(&device, "scamp5_in(B, 0);"), 2);
+    assert_eq!(
+        steps(&device, "scamp5_in(B, 3);"),
+        steps(&Device::scamp5(), "scamp5_in(B, 3);")
+    );
+}
+
+/// A chip's own form is tried before those from below, which its macros may call.
+#[test]
+fn a_form_of_the_chip_s_own_comes_first() {
+    let device = with_macros("/// y := x\nmacro mov(out y: areg, x: areg) { nop(); bus(y, x); }\n");
+    assert_eq!(steps(&device, "mov(A, B);"), 2);
+    assert_eq!(steps(&device, "mov(A, XE);"), 2);
+    let first = device.macros().first().unwrap();
+    assert!(first.origin.ends_with("/x/macros.scamp:2"), "{first:?}");
+    let shipped = Device::scamp5();
+    assert_eq!(device.macros()[1..], *shipped.macros());
+}
+
+/// What only some calls make impossible is told with the macro that says it.
+#[test]
+fn what_a_macro_makes_impossible_names_it() {
+    let device =
+        with_macros("/// y := F - x\nmacro less(out y: areg, x: areg) { sub(y, F, x); }\n");
+    let told = wrong(&device, "less(A, A);");
+    assert!(
+        told.starts_with("`less` (") && told.contains("/x/macros.scamp:2)"),
+        "{told}"
+    );
+    assert!(
+        told.ends_with("says `sub(y, F, x);`: `sub` cannot have A as both y and x1 | give `less` other registers; it is written less(y, x)"),
+        "{told}"
+    );
+}
+
+/// A role that is not stated is that of the chip below.
+#[test]
+fn roles_are_stated_one_by_one() {
+    let shipped = Device::scamp5();
+    let [own, other] = [extended("[registers.roles]\nmask = \"R5\"\n", ""), shipped];
+    let (own, other) = (own.registers(), other.registers());
+    assert_eq!(own.roles.mask, amacrine::isa::Digital(5));
+    assert_eq!(own.roles.propagated, other.roles.propagated);
+    assert_eq!(own.roles.enable, other.roles.enable);
+}

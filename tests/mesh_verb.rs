@@ -407,3 +407,39 @@ fn step_takes_any_signal() {
     assert!(out.status.success() && out.stderr.is_empty(), "{out:?}");
     refused(&[&all[..], &["--frames", "0"]].concat(), here);
 }
+
+#[test]
+fn solve_says_what_it_wrote_and_what_it_takes() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    let said = refused(
+        &[
+            "solve", "--lambda", "3", "--input", "bundled", "--output", "H.npy",
+        ],
+        here,
+    );
+    let flat = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        flat.contains("give a picture or a .npy of shape (H,W)")
+            && !flat.contains("clip that comes"),
+        "{said}"
+    );
+    write_npy(here.join("P.npy"), &scene(7, 9)).unwrap();
+    let solve = |show: &str, output: &str| {
+        let asked = [
+            "solve", "--lambda", "3", "--input", "P.npy", "--show", show, "--output", output,
+        ];
+        let out = mesh(&asked, here);
+        assert!(out.status.success());
+        String::from_utf8(out.stdout).unwrap()
+    };
+    // The sheet keeps the mean: what is left of the difference is rounding, and no minus zero.
+    let line = solve("difference", "D.npy");
+    assert!(line.contains("mean 0.0"), "{line}");
+    assert!(line.len() < 80 && !line.contains("black"), "{line}");
+    let line = solve("surround", "H.png");
+    assert!(
+        line.contains("; black is ") && line.contains(", white "),
+        "{line}"
+    );
+}

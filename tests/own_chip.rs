@@ -687,3 +687,53 @@ fn ranges_are_told_in_few_digits() {
     assert!(told.contains("  D    from -0.05 to 50.062 LSB"), "{told}");
     assert!(told.contains("B from -50.062 to 0.05 LSB"), "{told}");
 }
+
+/// A chip of another scale of light runs what is written for SCAMP-5, and the other way round; what
+/// is false stays false.
+#[test]
+fn a_kernel_is_true_of_a_chip_of_another_scale_of_light() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let scale = figure("scale", 0.495, "LSB/level", "quoted");
+    chip(folder, "dim", &format!("[figure.light]\n{scale}"));
+    let on = |program: &str, chip: &str| good(folder, &["asm", program, "--chip", chip]);
+    let told = on("convolve/sobel", "dim");
+    let says = "times 0.495/0.5: that is said for scamp5, where light.scale is 0.5 LSB/level; here it is 0.495";
+    assert!(told.contains(says), "{told}");
+    assert!(!on("convolve/sobel", "scamp5").contains("that is said for"));
+    let compile = [
+        "compile",
+        "csdvs-3",
+        "--threshold",
+        "16",
+        "--chip",
+        "dim",
+        "--effort",
+        "0.1",
+        "-o",
+        "p.scamp",
+    ];
+    good(folder, &compile);
+    assert!(!on("p.scamp", "dim").contains("that is said for"));
+    let told = on("p.scamp", "scamp5");
+    let says = "times 0.5/0.495: that is said for dim, where light.scale is 0.495 LSB/level; here it is 0.5";
+    assert!(told.contains(says), "{told}");
+    let whole = json(folder, &["asm", "p.scamp", "--chip", "scamp5"]);
+    assert_eq!(whole["proof"]["stated_for"]["chip"], "dim");
+    // Any other factor is a fault.
+    let text = fs::read_to_string(folder.join("p.scamp")).unwrap();
+    let line = text
+        .lines()
+        .find(|line| line.starts_with("//! scale = "))
+        .unwrap();
+    let value: f64 = line.trim_start_matches("//! scale = ").parse().unwrap();
+    let text = text.replace(line, &format!("//! scale = {:?}", 1.01 * value));
+    fs::write(folder.join("q.scamp"), text).unwrap();
+    for chip in ["dim", "scamp5"] {
+        refused(
+            folder,
+            &["asm", "q.scamp", "--chip", chip],
+            &["[computes] is false"],
+        );
+    }
+}

@@ -611,6 +611,38 @@ fn a_link_that_cannot_keep_up_is_said_however_slow_it_is() {
     assert!(!says(&["link=1us"]));
 }
 
+/// A packet of crossing times is late for its stamps, not for the scan.
+#[test]
+fn crossing_times_need_a_period() {
+    let folder = TempDir::new().unwrap();
+    let here = folder.path();
+    let text = "# amacrine size=16x8 span=0..20000 dropped=0,0\nt,x,y,p\n";
+    let packet = |name: &str, each: usize| {
+        let events = (0..2000).map(|i| format!("{},{},{},1\n", 10 * (i / each), 7 * i % 16, i % 8));
+        fs::write(
+            here.join(name),
+            events.fold(text.to_owned(), |all, e| all + &e),
+        )
+        .unwrap();
+    };
+    packet("crossings.csv", 1);
+    packet("frames.csv", 4);
+    let note = |file: &str, with: &[&str]| {
+        good(
+            here,
+            &[&["packets", file, "--readout", "scan"][..], with].concat(),
+        )
+    };
+    let told = note("crossings.csv", &[]);
+    assert!(
+        told.contains("give --with period=TIME") && !told.contains("cannot keep up"),
+        "{told}"
+    );
+    assert!(note("frames.csv", &[]).contains("the scan cannot keep up"));
+    let told = note("crossings.csv", &["--with", "period=10us"]);
+    assert!(told.contains("the scan cannot keep up"), "{told}");
+}
+
 #[test]
 fn counts_of_a_readout_need_no_quotes() {
     let folder = folder();

@@ -99,6 +99,19 @@ fn what_nobody_says_is_not_guessed() {
         &compile(&["--readout", "region"]),
         &["rows", "--scene"],
     );
+    // The scene is opened before the search, and so before any fault of the program.
+    refused(
+        folder.path(),
+        &[
+            "compile",
+            "csdvs-3",
+            "--threshold",
+            "1e9",
+            "--scene",
+            "missing.mp4",
+        ],
+        &["missing.mp4"],
+    );
     refused(
         folder.path(),
         &["compile", "csdvs-3", "--filter-only", "--readout", "planes"],

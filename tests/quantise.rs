@@ -329,6 +329,10 @@ fn bad_input_is_named() {
         &["quantise", "k.toml", "--to", "ternery"],
         &["ternery", "po2-N"],
     );
+    for verb in [&["compile"][..], &["quantise", "--to", "ternary"]] {
+        let asked = [verb, &["k.toml", "--rate", "2"]].concat();
+        refused(at, &asked, &["--rate", "`amacrine design`", "feasibility"]);
+    }
     refused(
         at,
         &["quantise", "none.toml", "--to", "binary"],

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     event::Packet,
-    isa::{Analog, Device},
+    isa::{Analog, Device, Figure},
     order::Order,
     plane::{Plane, Size},
     program::{Code, Computes},
@@ -34,6 +34,45 @@ pub enum Proof {
     /// By what one bright pixel leaves behind in exact arithmetic: the words reach too far, or
     /// are too many, for the other.
     Impulse,
+}
+
+/// A statement that is true, and of which chip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Claim {
+    /// How that was found.
+    pub proof: Proof,
+    /// The scale of the light for which it is stated, where that is another than this chip's.
+    pub scaled: Option<Scaled>,
+}
+
+/// A statement that holds for the light of another chip: here the kernel comes times one factor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scaled {
+    /// The other chip.
+    pub chip: String,
+    /// Its scale, in LSB a level.
+    pub there: f64,
+    /// This chip's, in LSB a level.
+    pub here: f64,
+}
+
+impl Scaled {
+    /// Whether light comes to this chip as to another, but for its scale.
+    fn new(other: &Device, device: &Device) -> Option<Self> {
+        let scale = |of: &Device| of.value(Figure::LightScale);
+        let (there, here) = (scale(other), scale(device));
+        (there != here).then(|| Self {
+            chip: other.name().to_owned(),
+            there,
+            here,
+        })
+    }
+
+    /// How many times what is stated it is here.
+    #[must_use]
+    pub fn factor(&self) -> f64 {
+        self.here / self.there
+    }
 }
 
 /// A statement that is not true.
@@ -116,7 +155,9 @@ pub enum ClaimError {
 }
 
 /// Holds what a program says of itself to what its words compute: its kernel in every case, its
-/// threshold and what cells remember on some random pictures. `constants` are those of the program.
+/// threshold and what cells remember on some random pictures. `constants` are those of the program,
+/// and `others` the chips that it may be written for: what it states may be so with their scale of
+/// the light.
 ///
 /// # Errors
 /// When it computes something else, with what it computes.
@@ -126,7 +167,8 @@ pub fn check(
     device: &Device,
     settings: Settings,
     constants: &BTreeMap<String, f64>,
-) -> Result<Proof, ClaimError> {
+    others: &[&Device],
+) -> Result<Claim, ClaimError> {
     let name = computes.register.as_deref().unwrap_or("A");
     let names = &device.registers().analog;
     let register = names.iter().position(|known| known == name);
@@ -176,10 +218,17 @@ pub fn check(
     };
     let stated = plane(&computes.kernel);
     let found = found.mapv(|weight| weight / computes.scale + 0.0);
-    if same(&stated, &found) {
-        let kernel = stated * computes.scale;
-        fires(computes, &kernel, code, device, settings, constants)?;
-        return Ok(proof);
+    let scaled = { others.iter() }
+        .filter_map(|other| Scaled::new(other, device))
+        .map(Some);
+    for scaled in std::iter::once(None).chain(scaled) {
+        let factor = scaled.as_ref().map_or(1.0, Scaled::factor);
+        let kernel = &stated * factor;
+        if same(&kernel, &found) {
+            let kernel = kernel * computes.scale;
+            fires(computes, &kernel, code, device, settings, constants)?;
+            return Ok(Claim { proof, scaled });
+        }
     }
     Err(ClaimError::Kernel {
         register: name.to_owned(),

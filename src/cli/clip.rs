@@ -15,7 +15,7 @@ const BUNDLED: &str = "the bundled clip";
 #[derive(Clone, Debug, clap::Args)]
 pub(super) struct Clip {
     /// What they watch: a clip, image folder, .npy or pattern [default: the bundled clip]
-    #[arg(long)]
+    #[arg(long, alias = "image")]
     scene: Option<Named>,
     /// Frames per second, instead of what the scene says
     #[arg(long)]

@@ -24,6 +24,7 @@ use super::{
     files::{Input, Named},
     light::{self, Samples},
     progress::Progress,
+    quantiser::number_format,
     readout,
     run::read_sensor,
 };
@@ -35,7 +36,7 @@ use super::{
 )]
 pub struct Arguments {
     /// The scene, as for `amacrine run`
-    #[arg(long)]
+    #[arg(long, alias = "image")]
     scene: Named,
     /// The sensor file
     #[arg(long)]
@@ -83,7 +84,8 @@ struct Asked {
         long,
         default_value = "f32",
         value_delimiter = ',',
-        value_name = "FORMATS"
+        value_name = "FORMATS",
+        value_parser = number_format
     )]
     formats: Vec<Format>,
 }

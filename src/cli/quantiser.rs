@@ -1,8 +1,11 @@
-//! Quantisers and what a kernel's sum must be, on the command line.
+//! Quantisers, what a kernel's sum must be, and number formats, on the command line.
 
-use miette::Diagnostic as _;
+use miette::Diagnostic;
 
-use crate::kernel::quantise::{Quantiser, QuantiserNameError, Sum};
+use crate::{
+    kernel::quantise::{Quantiser, QuantiserNameError, Sum},
+    number::{Format, FormatError},
+};
 
 /// [`Sum`], as it is written. All verbs that quantise have the same default.
 #[derive(Clone, Copy, Debug, Default, clap::ValueEnum)]
@@ -40,10 +43,18 @@ impl From<Total> for Sum {
 
 /// A quantiser, for the command line, which shows no help beside a message.
 pub(super) fn quantiser(name: &str) -> Result<Quantiser, String> {
-    name.parse().map_err(|error: QuantiserNameError| {
-        let known = error
-            .help()
-            .map_or(String::new(), |help| format!("; {help}"));
-        format!("{error}{known}")
-    })
+    name.parse()
+        .map_err(|error: QuantiserNameError| with_help(&error))
+}
+
+/// A number format, for the command line.
+pub(super) fn number_format(name: &str) -> Result<Format, String> {
+    name.parse().map_err(|error: FormatError| with_help(&error))
+}
+
+/// What was wrong, and what to do.
+fn with_help(error: &dyn Diagnostic) -> String {
+    let help = error.help();
+    let help = help.map_or(String::new(), |help| format!("; {help}"));
+    format!("{error}{help}")
 }

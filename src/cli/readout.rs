@@ -111,6 +111,10 @@ pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> 
             time(l.max),
         ));
     }
+    let mut settings = description.settings();
+    let frames_of_stamps = settings.any(|(key, setting)| {
+        key == "period" && setting.value.trim_end_matches(char::is_alphabetic).trim() == "0"
+    });
     for stage in &statistics.stages {
         lines.push(format!(
             "busy     {:<8} {:.3} % of the time, at most {} waiting",
@@ -118,7 +122,12 @@ pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> 
             100.0 * stage.busy,
             stage.most
         ));
-        if stage.falls_behind {
+        if stage.falls_behind && frames_of_stamps && statistics.lone {
+            lines.push(format!(
+                "note     the {} is late because each time stamp is a frame of its own (period=0us), and these are crossing times: give --with period=TIME, from one frame to the next",
+                stage.name
+            ));
+        } else if stage.falls_behind {
             lines.push(format!(
                 "note     the {} cannot keep up: it is busy all the time, and events are lost or wait longer and longer",
                 stage.name

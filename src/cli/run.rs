@@ -34,6 +34,7 @@ use super::{
     guards::RunGuard,
     light::{self, Samples},
     progress::Progress,
+    quantiser::number_format,
     readout,
     without::Effects,
 };
@@ -45,7 +46,7 @@ use super::{
 )]
 pub struct Arguments {
     /// A clip (.y4m, .mp4, .gif, .apng, a folder of .png), a .npy of shape (T,H,W), pattern:NAME?key=value, or bundled
-    #[arg(long)]
+    #[arg(long, alias = "image")]
     scene: Named,
     /// The sensor file, or a name that `amacrine list sensors` prints
     #[arg(long)]
@@ -65,7 +66,7 @@ pub struct Arguments {
     /// of every clip is the same, so give each clip of training data its own
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    #[arg(long, default_value = "f64", help = format!("The number format of signals, weights and memory: {}", Format::names()))]
+    #[arg(long, default_value = "f64", value_parser = number_format, help = format!("The number format of signals, weights and memory: {}", Format::names()))]
     format: Format,
     #[arg(short = 'o', long, help = format!("Write the events; the extension names the format ({})", crate::event::file::Format::names()), value_parser = Content::Events)]
     events: Option<Output>,

@@ -12,7 +12,7 @@ use crate::{
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Effects {
     #[arg(long, value_name = "EFFECTS", value_delimiter = ',', value_parser = named::<Effect>,
-        help = format!("Leave effects of the sensor out: {}", keys(Effect::of_sensors().map(Effect::key))))]
+        help = format!("Leave effects of the sensor out: {}", keys(Effect::of_sensors().map(Effect::word))))]
     without: Vec<Effect>,
 }
 
@@ -20,7 +20,7 @@ pub struct Effects {
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct Terms {
     #[arg(long, value_name = "ERRORS", value_delimiter = ',', value_parser = named::<ErrorTerm>,
-        help = format!("Leave errors of analogue cells out: {}", keys(ErrorTerm::ALL.into_iter().map(ErrorTerm::key))))]
+        help = format!("Leave errors of analogue cells out: {}", keys(ErrorTerm::ALL.iter().copied().map(ErrorTerm::word))))]
     without: Vec<ErrorTerm>,
 }
 

@@ -321,6 +321,10 @@ mod tests {
                 "t:2:17: `way.other` is -1 | give a number above 0: a number",
             ),
             (
+                "kind = \"round\"\nway = { other = 1e400 }",
+                "t:2:17: `way.other` takes a number above 0, this is infinite: beyond the largest number of 64 bits | look it up",
+            ),
+            (
                 "kind = \"round\"\nway = []",
                 "t:2:7: `way` takes a number or a table | look it up",
             ),

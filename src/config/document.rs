@@ -74,6 +74,9 @@ impl<'a> Node<'a> {
     pub fn found(self) -> &'static str {
         match self.value.get_ref() {
             DeValue::String(_) => "a text",
+            DeValue::Float(_) if self.as_number().is_none() => {
+                "infinite: beyond the largest number of 64 bits"
+            }
             DeValue::Integer(_) | DeValue::Float(_) => "a number",
             DeValue::Boolean(_) => "true or false",
             DeValue::Datetime(_) => "a date",

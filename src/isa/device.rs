@@ -1,6 +1,8 @@
 //! A chip as data: its registers, figures and instructions.
 
-use std::sync::Arc;
+use std::{cmp::Reverse, sync::Arc};
+
+use crate::order::Order as _;
 
 use super::{
     Analog, Evidence, Figure, HostKind, HostRow, Interval, Kind, LeftOut, Macro, Operands,
@@ -157,7 +159,7 @@ impl Device {
         &self.hosts
     }
 
-    /// The macros, in the order of the file.
+    /// The macros: those of the chip's own file first, each file in its order.
     #[must_use]
     pub fn macros(&self) -> &[Macro] {
         &self.macros
@@ -188,12 +190,16 @@ impl Device {
         self.registers.news
     }
 
-    /// All that a statement of this name can be.
+    /// All that a statement of this name can be; the first that takes its arguments is meant. A
+    /// form for a number comes before those for any.
     #[must_use]
     pub fn callables(&self, name: &str) -> Vec<Callable<'_>> {
-        self.all_callables()
+        let mut all: Vec<Callable<'_>> = self
+            .all_callables()
             .filter(|c| c.signature().name == name)
-            .collect()
+            .collect();
+        all.order_by_key(|it| Reverse(it.signature().literals()));
+        all
     }
 
     /// All that a statement can be.

@@ -174,6 +174,35 @@ impl Signature {
             .is_some_and(|parts| parts.len() == self.parameters.len())
     }
 
+    /// How many of its parameters are one number and no other.
+    #[must_use]
+    pub fn literals(&self) -> usize {
+        let operands = self.parameters.iter().map(|it| it.operand);
+        operands
+            .filter(|it| matches!(it, Operand::Literal(_)))
+            .count()
+    }
+
+    /// Whether it takes whatever another form takes.
+    #[must_use]
+    pub fn covers(&self, other: &Self) -> bool {
+        let (own, others) = (self.counts(), other.counts());
+        if own.start() > others.start() || own.end() < others.end() {
+            return false;
+        }
+        let longest = self.parameters.len().max(other.parameters.len());
+        (0..longest.min(*others.end())).all(|place| match (self.at(place), other.at(place)) {
+            (Some(wide), Some(narrow)) => wide.covers(narrow),
+            _ => false,
+        })
+    }
+
+    /// The parameter of an argument; only the last can take several.
+    #[must_use]
+    pub fn at(&self, argument: usize) -> Option<&Parameter> {
+        self.parameters.get(argument).or(self.parameters.last())
+    }
+
     /// How many arguments it takes.
     #[must_use]
     pub fn counts(&self) -> std::ops::RangeInclusive<usize> {
@@ -254,7 +283,21 @@ impl Signature {
 }
 
 impl Operand {
-    fn accepts(self, value: &Value) -> Result<(), String> {
+    /// Whether it takes whatever another takes.
+    fn covers(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Number(low, high), Self::Number(from, to) | Self::Integer(from, to))
+            | (Self::Integer(low, high), Self::Integer(from, to)) => low <= from && to <= high,
+            (_, Self::Literal(number)) => self.accepts(&Value::Number(number)).is_ok(),
+            (Self::Target | Self::Source, Self::Areg)
+            | (Self::Source, Self::Target)
+            | (Self::Bit, Self::Dreg)
+            | (Self::Directions, Self::Direction) => true,
+            _ => self == other,
+        }
+    }
+
+    pub(super) fn accepts(self, value: &Value) -> Result<(), String> {
         let fits = match (self, value) {
             (Self::Areg, Value::Source(Source::Register(_)))
             | (Self::Target, Value::Source(Source::Register(_) | Source::Neighbour(_)))
@@ -316,6 +359,13 @@ impl Operand {
 const OPEN: f64 = 1e6;
 
 impl Parameter {
+    /// Whether it takes whatever another takes in its place.
+    fn covers(&self, other: &Self) -> bool {
+        let group = self.group == other.group;
+        let count = !self.group || self.count.0 <= other.count.0 && other.count.1 <= self.count.1;
+        group && count && self.operand.covers(other.operand)
+    }
+
     /// Whether it takes arguments up to the last.
     fn is_open(&self) -> bool {
         !self.group && self.count != (1, 1)

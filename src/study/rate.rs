@@ -125,7 +125,7 @@ impl fmt::Display for Bound {
             } => {
                 let effects = [(fires, Effect::NoiseEvents), (leaks, Effect::Leak)];
                 let keys = effects.into_iter().filter(|(is, _)| *is);
-                let keys: Vec<_> = keys.map(|(_, effect)| effect.key()).collect();
+                let keys: Vec<_> = keys.map(|(_, effect)| effect.word()).collect();
                 write!(
                     f,
                     "noise alone makes {}, whatever the thresholds: give a higher rate, or leave it out (--without {})",
@@ -136,7 +136,7 @@ impl fmt::Display for Bound {
             Self::DeadTime(us) => write!(
                 f,
                 "a cell is silent for {us} us after each event (refractory): give a lower rate, or leave the dead time out (--without {})",
-                Effect::DeadTime.key()
+                Effect::DeadTime.word()
             ),
             Self::Snap => f.write_str(
                 "with this memory a cell fires once a frame at most: give a lower rate, show more frames, or take memory = \"filtered-step\"",

@@ -101,9 +101,9 @@ pub fn trade_program(
 /// What makes the events of a model, of the `sensor` that was asked about.
 fn of_sensor(choice: &Choice, upsample: Option<f64>) -> String {
     let mut text = format!("sensor.in_format(\"{}\")", choice.format);
-    let without = choice.without.iter().map(|effect| effect.key());
+    let without = choice.without.iter().map(|effect| effect.word());
     let without: Vec<_> = { without }
-        .filter(|key| *key != Effect::InsertedFrames.key())
+        .filter(|key| *key != Effect::InsertedFrames.word())
         .map(|key| format!("\"{key}\""))
         .collect();
     if !without.is_empty() {
@@ -121,7 +121,7 @@ fn of_program(setup: &Setup, seed: u64) -> String {
         None => Arithmetic::Silicon { seed: 0 },
     };
     let without: Vec<_> = { setup.without().iter() }
-        .map(|term| format!("\"{}\"", term.key()))
+        .map(|term| format!("\"{}\"", term.word()))
         .collect();
     let without = match without.len() {
         0 => String::new(),
@@ -294,7 +294,7 @@ fn traded(
         base: &full,
     };
     let inserts = survey.upsample.is_some();
-    let effects = Effect::ALL.into_iter();
+    let effects = Effect::ALL.iter().copied();
     let effects = effects.filter(|effect| effect.is_in(description, inserts));
     let mut models: Vec<Choice> = effects.map(|it| Choice::full().and_without(it)).collect();
     models.extend(formats.into_iter().map(|format| Choice {

@@ -1,6 +1,6 @@
 //! What a program computes, within which range, and what of it survives on silicon.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::Path};
 
 use miette::WrapErr;
 use serde_json::{Value, json};
@@ -9,7 +9,7 @@ use super::super::opened::Opened;
 use crate::{
     array::{
         GenericError, Input, Settings,
-        claim::{self, MOST_EFFORT},
+        claim::{self, Claim, MOST_EFFORT, Scaled},
         effort,
         range::{self, Inputs, Interval, Ranges},
         survival::{Analogue, RUNS, SIDE, Survival, survival},
@@ -24,7 +24,7 @@ use crate::{
 /// What can be said of a program before it sees a scene.
 pub struct Proof {
     /// Whether its settings say what it computes, and how that was found to be true.
-    claim: Option<claim::Proof>,
+    claim: Option<Claim>,
     /// The registers that its frame gives, in the order of the chip, with their kernels.
     kernels: Kernels,
     results: Vec<Cell>,
@@ -62,8 +62,12 @@ impl Proof {
             ..
         } = opened;
         let (code, settings) = (&expansion.code, Settings::from_device(device));
+        let written_for = written_for(opened);
+        let mut others: Vec<&Device> = written_for.iter().collect();
+        others.extend(std::iter::successors(device.base(), |chip| chip.base()));
         let claim = program.settings.computes.as_ref();
-        let claim = claim.map(|it| claim::check(it, code, device, settings, &expansion.constants));
+        let claim =
+            claim.map(|it| claim::check(it, code, device, settings, &expansion.constants, &others));
         let claim = claim.transpose().wrap_err_with(|| program.file.clone())?;
         let short = effort(&code.frame, device).map(|effort| effort <= MOST_EFFORT);
         let kernels = match short {
@@ -106,14 +110,17 @@ impl Proof {
     /// For people.
     pub fn text(&self, device: &Device) -> String {
         let mut lines = vec![String::new(), "computes".to_owned()];
-        match self.claim {
-            Some(claim::Proof::Words) => lines.push(
-                "  what its [computes] says: its words were read back as linear forms".to_owned(),
-            ),
-            Some(claim::Proof::Impulse) => lines.push(
-                "  what its [computes] says, by what one bright pixel leaves behind".to_owned(),
-            ),
-            None => {}
+        if let Some(Claim { proof, scaled }) = &self.claim {
+            let how = match proof {
+                claim::Proof::Words => ": its words were read back as linear forms",
+                claim::Proof::Impulse => ", by what one bright pixel leaves behind",
+            };
+            lines.push(format!("  what its [computes] says{how}"));
+            if let Some(Scaled { chip, there, here }) = scaled {
+                lines.push(format!(
+                    "  times {here}/{there}: that is said for {chip}, where light.scale is {there} LSB/level; here it is {here}"
+                ));
+            }
         }
         match &self.kernels {
             Kernels::Place(why) => lines.push(format!("  no kernel: {why}")),
@@ -260,11 +267,17 @@ impl Proof {
             });
             all.collect::<Vec<_>>()
         });
+        let scaled = self.claim.as_ref().and_then(|it| it.scaled.as_ref());
         json!({
-            "stated": self.claim.map(|claim| match claim {
+            "stated": self.claim.as_ref().map(|claim| match claim.proof {
                 claim::Proof::Words => "proved from the words",
                 claim::Proof::Impulse => "proved by an impulse",
             }),
+            "stated_for": scaled.map(|it| json!({
+                "chip": it.chip,
+                "light_scale": it.there,
+                "here": it.here,
+            })),
             "no_kernels": none,
             "registers": registers.collect::<Vec<_>>(),
             "input": self.given.as_ref().map(|it| [it.input.low, it.input.high]),
@@ -272,6 +285,16 @@ impl Proof {
             "seed": self.given.as_ref().map(|it| it.seed),
             "saturations": saturations,
         })
+    }
+}
+
+/// The chip that a program is written for, where that can be found.
+fn written_for(opened: &Opened) -> Option<Device> {
+    let file = &opened.program.file;
+    let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+    match opened.program.settings.chip.as_deref() {
+        Some(chip) => Device::find_for(chip, file, folder).ok(),
+        None => Some(Device::scamp5()),
     }
 }
 

@@ -9,7 +9,7 @@ use super::{
         complain,
         kernels::{self, check_number},
     },
-    Arguments, Asked, Total,
+    Aim, Arguments, Asked, Total,
 };
 use crate::{
     kernel::quantise::Quantiser,
@@ -19,7 +19,11 @@ use crate::{
 
 impl Asked {
     pub(super) fn read(arguments: &Arguments) -> miette::Result<Self> {
-        Self::as_given(arguments)?.prepared(arguments.to.0, arguments)
+        let asked = Self::as_given(arguments)?.prepared(arguments.to.0, arguments)?;
+        Ok(Self {
+            objective: arguments.objective,
+            ..asked
+        })
     }
 
     /// The kernels and thresholds as they are, before they are brought to few values.
@@ -54,6 +58,7 @@ impl Asked {
             warnings: Vec::new(),
             stacked,
             memory: None,
+            objective: Aim::default(),
             title: format!(
                 "events of {}",
                 arguments
@@ -87,6 +92,7 @@ impl Asked {
             warnings: Vec::new(),
             stacked: true,
             memory: Some(memory),
+            objective: Aim::default(),
             title: description.name,
         })
     }

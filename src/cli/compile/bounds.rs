@@ -14,6 +14,8 @@ pub(super) struct Bounds {
     pub(super) each: u64,
     /// How many kernels the filter has.
     pub(super) kernels: usize,
+    /// Whether the fewest words were searched for.
+    pub(super) searched: bool,
 }
 
 impl Bounds {
@@ -38,18 +40,23 @@ impl Bounds {
             Proof::Exhaustive => "every one was tried, with any number of registers",
             Proof::Reach => "its weights lie too far away, or are too large",
         };
+        let open = if self.searched {
+            "is not known"
+        } else {
+            "was not asked (--objective words)"
+        };
         if upper == 0 {
             "optimal: no word is needed".to_owned()
         } else if lower == 0 {
             format!(
-                "at most {}; whether fewer make {of} is not known",
+                "at most {}; whether fewer make {of} {open}",
                 crate::unit::counted(upper, "word")
             )
         } else if self.is_optimal() {
             format!("optimal: no program of fewer words makes {of} ({why})")
         } else {
             format!(
-                "between {lower} and {upper} words: no program of fewer than {lower} makes {of} ({why}); whether one of fewer than {upper} does is not known"
+                "between {lower} and {upper} words: no program of fewer than {lower} makes {of} ({why}); whether one of fewer than {upper} does {open}"
             )
         }
     }

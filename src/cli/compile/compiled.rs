@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::json;
 
 use super::{
-    super::readout_table::between, Added, Asked, Compiled, MIDDLE, bounds::Bounds,
+    super::readout_table::between, Added, Aim, Asked, Compiled, MIDDLE, bounds::Bounds,
     readout::Readouts,
 };
 use crate::{
@@ -198,6 +198,7 @@ impl Compiled {
             stores: self.filter.words.len(),
             each: device.row(Kind::Bus).words(),
             kernels: asked.kernels.len(),
+            searched: asked.objective == Aim::Words,
         })
     }
 

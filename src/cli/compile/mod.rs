@@ -18,6 +18,7 @@ use on_chip::OnChip;
 
 use super::{
     content::Content,
+    event_rate::NoRate,
     files::{self, Named, Output},
     light::{self, Samples},
     progress::Progress,
@@ -53,6 +54,8 @@ pub struct Arguments {
     /// names of built-in ones
     #[arg(required_unless_present = "sensor", value_delimiter = ',')]
     kernels: Vec<Named>,
+    #[command(flatten)]
+    no_rate: NoRate,
     /// Write the program here; else it is printed
     #[arg(short, long, value_name = "FILE.scamp|FILE.cpp", value_parser = Content::Program)]
     output: Option<Output>,
@@ -101,7 +104,7 @@ pub struct Arguments {
     )]
     events_per_frame: Option<u64>,
     /// A clip, image folder, .npy or pattern, on which the events are counted instead
-    #[arg(long, conflicts_with = "filter_only")]
+    #[arg(long, conflicts_with = "filter_only", alias = "image")]
     scene: Option<Named>,
     /// Frames per second, instead of what the scene says
     #[arg(long, requires = "scene")]
@@ -235,6 +238,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.front {
         return front::print(arguments, &asked, &device);
     }
+    readout::check_scene(arguments, &device)?;
     let progress = Progress::spinner("searching");
     let mut compiled = compiled(arguments, &asked, &device)
         .map_err(|refused| nearest::named(refused, arguments, &device))?;
@@ -306,6 +310,8 @@ struct Asked {
     input: Option<(f64, f64)>,
     /// What the sensor file remembers.
     memory: Option<DriveMemory>,
+    /// What the program is to be best at.
+    objective: Aim,
 }
 
 impl Asked {

@@ -137,6 +137,29 @@ pub(super) fn planned(
     Ok((readout, readouts))
 }
 
+/// Opens the scene on which events will be counted and drops it again: what is wrong with it is said
+/// before the search.
+///
+/// # Errors
+/// When it cannot be opened, or is larger than the chip's array.
+pub(super) fn check_scene(arguments: &Arguments, device: &Device) -> miette::Result<()> {
+    let Some(name) = arguments.scene.as_deref() else {
+        return Ok(());
+    };
+    // A pipe can be read once.
+    let about = std::fs::metadata(name);
+    if about.is_ok_and(|about| !about.is_file() && !about.is_dir()) {
+        return Ok(());
+    }
+    let unseen = Observation::new();
+    let scene = arguments.samples.open(Some(name), arguments.fps, &unseen)?;
+    Ok(Larger::check(
+        &format!("--scene {name}"),
+        scene.size(),
+        device,
+    )?)
+}
+
 /// The events of the program on a scene, every one of them, with the chip's errors.
 fn watched(
     (arguments, observation): (&Arguments, &Observation),

@@ -18,7 +18,7 @@ use crate::{
     memory::Need,
     mesh::Steady,
     plane::{Plane, Size},
-    scene::open,
+    scene::{SceneError, open},
 };
 
 /// What `mesh solve` is asked to do.
@@ -91,11 +91,33 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         };
         return say_json(&json);
     }
+    let scale = least.abs().max(most.abs());
+    let [mean, least, most] = [mean, least, most].map(|value| brief(value, scale));
+    let grays = if arguments.output.ending() == "png" {
+        format!("; black is {least}, white {most}")
+    } else {
+        String::new()
+    };
     say(&format!(
-        "{}  {size}, mean {mean}, from {least} to {most}\n",
+        "{}  {size}, mean {mean}, from {least} to {most}{grays}\n",
         arguments.output.display()
     ));
     Ok(())
+}
+
+/// A value of a plane whose largest in size is `scale`: five digits of that.
+fn brief(value: f64, scale: f64) -> String {
+    let (mut decimals, mut step) = (0_usize, scale);
+    while step > 0.0 && step < 1e4 && decimals < 300 {
+        step *= 10.0;
+        decimals += 1;
+    }
+    let text = format!("{value:.decimals$}");
+    // No rounding leaves minus zero.
+    match text.strip_prefix('-') {
+        Some(plain) if !plain.contains(|digit| ('1'..='9').contains(&digit)) => plain.to_owned(),
+        _ => text,
+    }
 }
 
 /// A plane of numbers, or the light of one picture.
@@ -107,7 +129,14 @@ pub(super) fn read(name: &str) -> miette::Result<Plane<f64>> {
     {
         return npy::read(path);
     }
-    let mut scene = open(name, &budget::opening(None))?;
+    let mut scene = open(name, &budget::opening(None)).map_err(|error| match error {
+        SceneError::Unreadable { path, cause } => miette!(
+            help = "give a picture or a .npy of shape (H,W) that exists and can be read, or `pattern:NAME`, whose first frame is taken",
+            "{}: {cause}",
+            path.display()
+        ),
+        other => other.into(),
+    })?;
     let frame = scene.next_frame()?;
     let frame = frame.ok_or_else(|| miette!("{name} holds no picture"))?;
     Ok(frame.light.into_plane())

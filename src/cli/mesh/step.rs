@@ -39,7 +39,7 @@ pub struct Arguments {
     #[arg(long, value_name = "TIME")]
     tau: Picos,
     /// A clip, a .npy of shape (T,H,W), a folder of pictures, or pattern:NAME
-    #[arg(short, long)]
+    #[arg(short, long, alias = "image")]
     scene: Named,
     #[command(flatten)]
     samples: Samples,

@@ -33,6 +33,7 @@ use super::{
     budget,
     clip::Clip,
     content::Content,
+    event_rate::NoRate,
     files::{Named, Output},
     kernel_names::KernelNames,
     light,
@@ -50,6 +51,8 @@ use super::{
 pub struct Arguments {
     #[command(flatten)]
     kernels: KernelNames,
+    #[command(flatten)]
+    no_rate: NoRate,
     /// One quantiser, or several with commas between
     #[arg(long, required = true, value_delimiter = ',', value_name = "QUANTISER", value_parser = quantiser)]
     to: Vec<Quantiser>,

@@ -16,6 +16,7 @@ use super::{
     files::{Input, Named, Output},
     light::{self, Samples},
     progress::Progress,
+    quantiser::number_format,
 };
 use crate::{
     array::Arithmetic,
@@ -40,7 +41,7 @@ use crate::{
 )]
 pub struct Arguments {
     /// The scene, as for `amacrine run`
-    #[arg(long)]
+    #[arg(long, alias = "image")]
     scene: Named,
     /// The sensor file; the full model has all its effects, in f64
     #[arg(long)]
@@ -72,7 +73,7 @@ pub struct Arguments {
     seed: u64,
     /// Number formats in place of the full model's [default: f32,f16,bf16,q16.16,q8.8 of a sensor,
     /// exact,f32,f16,q8.8 of a program]
-    #[arg(long, value_delimiter = ',', value_name = "FORMATS")]
+    #[arg(long, value_delimiter = ',', value_name = "FORMATS", value_parser = number_format)]
     formats: Option<Vec<Format>>,
     /// An event that is moved by more than this is changed
     #[arg(long, default_value = "100us", value_name = "TIME")]

@@ -106,7 +106,7 @@ fn command(arguments: &Arguments, path: &Input, frames: usize, setup: &Setup) ->
         .without()
         .iter()
         .copied()
-        .map(ErrorTerm::key)
+        .map(ErrorTerm::word)
         .collect();
     if !without.is_empty() {
         add("without", &without.join(","));

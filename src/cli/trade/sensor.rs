@@ -32,7 +32,7 @@ pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
             .collect(),
     };
     let inserts = arguments.upsample.is_some();
-    let effects = Effect::ALL.into_iter();
+    let effects = Effect::ALL.iter().copied();
     let effects = effects.filter(|effect| effect.is_in(&description, inserts));
     let mut models: Vec<Choice> = effects.map(|it| Choice::full().and_without(it)).collect();
     models.extend(formats.into_iter().map(|format| Choice {
@@ -87,9 +87,9 @@ fn command(arguments: &Arguments, sensor: &Input, choice: &Choice) -> String {
     if choice.format != Format::F64 {
         add("format", &choice.format.to_string());
     }
-    let without = choice.without.iter().map(|effect| effect.key());
+    let without = choice.without.iter().map(|effect| effect.word());
     let without: Vec<_> = { without }
-        .filter(|key| *key != Effect::InsertedFrames.key())
+        .filter(|key| *key != Effect::InsertedFrames.word())
         .collect();
     if !without.is_empty() {
         add("without", &without.join(","));

@@ -17,7 +17,7 @@ pub enum FileError {
         } else if extension.eq_ignore_ascii_case("mcap") {
             "recordings for viewers are written by `amacrine show EVENTS -o NAME.mcap --window 20ms`, and none is read"
         } else {
-            "rename the file so that its extension says what is in it, or tell `amacrine convert` what it is"
+            "rename the file so that its extension says what is in it, or tell `amacrine convert`: --from NAME of what it reads, --format NAME of what it writes"
         }
     ))]
     Extension {

@@ -21,6 +21,10 @@ pub struct Statistics {
     pub stages: Vec<Stage>,
     /// Events at SCAMP-5's address (0,0), which a host may take for the end of its list.
     pub ambiguous: u64,
+    /// Whether most time stamps of the packet have one event, as crossing times do: they are no
+    /// frames.
+    #[serde(skip)]
+    pub lone: bool,
 }
 
 /// Latencies, from firing to arrival. A quantile is the smallest latency that this part of the
@@ -161,8 +165,19 @@ impl Statistics {
             latency: Latency::from_latencies(&latencies.0),
             stages,
             ambiguous: 0,
+            lone: are_lone(packet),
         }
     }
+}
+
+/// Whether most time stamps have one event.
+fn are_lone(packet: &Packet) -> bool {
+    let (mut stamps, mut lone) = (0_u64, 0_u64);
+    for events in packet.events.chunk_by(|a, b| a.t == b.t) {
+        stamps += 1;
+        lone += u64::from(events.len() == 1);
+    }
+    2 * lone > stamps
 }
 
 #[cfg(test)]

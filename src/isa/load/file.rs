@@ -34,16 +34,14 @@ pub(super) struct RegistersFile {
     pub digital: Option<Placed<Vec<Placed<String>>>>,
     /// In alphabetical order.
     pub aliases: Vec<(Placed<String>, Placed<String>)>,
-    pub roles: Option<RolesFile>,
+    pub roles: RolesFile,
 }
 
-#[derive(Debug)]
-pub(super) struct RolesFile {
-    pub mask: Placed<String>,
-    pub propagated: Placed<String>,
-    /// North, east, south, west.
-    pub enable: [Placed<String>; 4],
-}
+/// In the order of [`ROLE_KEYS`].
+pub(super) type RolesFile = [Option<Placed<String>>; 6];
+
+/// The parts that the hardware itself gives one-bit registers.
+pub(super) const ROLE_KEYS: [&str; 6] = ["mask", "propagated", "north", "east", "south", "west"];
 
 #[derive(Debug)]
 pub(super) struct HostFile {
@@ -152,16 +150,7 @@ fn registers(part: &Section<'_>) -> Read<RegistersFile> {
         news: part.get("news").map(placed),
         digital: names("digital"),
         aliases,
-        roles: part.table("roles").map(|it| roles(&it)).transpose()?,
-    })
-}
-
-fn roles(roles: &Section<'_>) -> Read<RolesFile> {
-    let role = |key: &str| roles.need(key).map(placed);
-    Ok(RolesFile {
-        mask: role("mask")?,
-        propagated: role("propagated")?,
-        enable: [role("north")?, role("east")?, role("south")?, role("west")?],
+        roles: ROLE_KEYS.map(|key| Some(placed(part.table("roles")?.get(key)?))),
     })
 }
 

@@ -85,28 +85,28 @@ const REGISTERS: Table = Table::new(&[
 ]);
 
 const ROLES: Table = Table::new(&[
-    Key::required(
+    Key::optional(
         "mask",
         Kind::Text,
         "propagation passes only where this is 1",
     ),
-    Key::required("propagated", Kind::Text, "the one that propagation spreads"),
-    Key::required(
+    Key::optional("propagated", Kind::Text, "the one that propagation spreads"),
+    Key::optional(
         "north",
         Kind::Text,
         "where this is 1, the northern neighbour is read",
     ),
-    Key::required(
+    Key::optional(
         "east",
         Kind::Text,
         "where this is 1, the eastern neighbour is read",
     ),
-    Key::required(
+    Key::optional(
         "south",
         Kind::Text,
         "where this is 1, the southern neighbour is read",
     ),
-    Key::required(
+    Key::optional(
         "west",
         Kind::Text,
         "where this is 1, the western neighbour is read",

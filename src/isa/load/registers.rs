@@ -7,7 +7,7 @@ use crate::order::Order;
 
 use super::{
     super::{Analog, Digital, LeftOut, Registers, Roles},
-    file::{Placed, RegistersFile, RolesFile},
+    file::{Placed, ROLE_KEYS, RegistersFile},
     keys::NAME,
     layers::Layer,
 };
@@ -66,7 +66,11 @@ pub(super) fn registers(layers: &[Layer]) -> Result<(Registers, Vec<LeftOut>), F
     let analog = last(layers, "analogue", |it| it.analogue.as_ref())?;
     let digital = last(layers, "digital", |it| it.digital.as_ref())?;
     let news = last(layers, "news", |it| it.news.as_ref())?;
-    let roles = last(layers, "roles", |it| it.roles.as_ref())?;
+    let mut roles = Vec::new();
+    for (at, key) in ROLE_KEYS.iter().enumerate() {
+        let key = format!("roles.{key}");
+        roles.push(last(layers, &key, |it| it.roles[at].as_ref())?);
+    }
     let mut faults = wrong_lists(&analog, &digital, top.device.name.place);
     let news = Analog(news_of(&analog, &news, &mut faults));
     let roles = roles_of(&digital, &roles, &mut faults);
@@ -106,30 +110,32 @@ fn none(name: &Placed<String>, what: &str, list: &List<'_>) -> Fault {
     Fault::error(name.place, what, "this name").help(help)
 }
 
-/// The registers with a role, each its own.
-fn roles_of(digital: &List<'_>, roles: &Stated<'_, RolesFile>, faults: &mut Vec<Fault>) -> Roles {
-    const KEYS: [&str; 6] = ["mask", "propagated", "north", "east", "south", "west"];
-    let RolesFile {
-        mask,
-        propagated,
-        enable: [north, east, south, west],
-    } = roles.value;
-    let all = [mask, propagated, north, east, south, west];
+/// The registers with a role, each its own; `roles`: in the order of the keys.
+fn roles_of(
+    digital: &List<'_>,
+    roles: &[Stated<'_, Placed<String>>],
+    faults: &mut Vec<Fault>,
+) -> Roles {
     let mut lost: Vec<String> = Vec::new();
-    for (at, (key, name)) in KEYS.iter().zip(all).enumerate() {
+    for (at, (key, role)) in ROLE_KEYS.iter().zip(roles).enumerate() {
+        let name = role.value;
         if digital.position(&name.value).is_none() {
-            if roles.own {
+            if role.own {
                 faults.push(none(name, "a one-bit", digital));
             } else {
                 lost.push(format!("{} ({key})", name.value));
             }
         }
-        let same = all[..at].iter().position(|other| other.value == name.value);
-        if let (Some(same), true) = (same, roles.own) {
-            let what = format!("`{}` is both `{}` and `{key}`", name.value, KEYS[same]);
-            let help =
-                "each of the six has a register of its own: macros set one and leave the others";
-            faults.push(Fault::error(name.place, what, "the second").help(help));
+        let mut before = ROLE_KEYS.iter().zip(&roles[..at]);
+        let same = before.find(|(_, other)| other.value.value == name.value);
+        // What comes from below stands in another file: the one that is new here is at fault.
+        if let Some((other, first)) = same
+            && (role.own || first.own)
+        {
+            let place = if role.own { name } else { first.value }.place;
+            let what = format!("`{}` is both `{other}` and `{key}`", name.value);
+            let help = "each of the six has a register of its own: macros set one and leave the others; what is not stated is as on the chip below";
+            faults.push(Fault::error(place, what, "the second").help(help));
         }
     }
     if !lost.is_empty() {
@@ -140,11 +146,15 @@ fn roles_of(digital: &List<'_>, roles: &Stated<'_, RolesFile>, faults: &mut Vec<
         let help = "add it, or say which has that part: [registers.roles]";
         faults.push(Fault::error(digital.value.place, what, "this list").help(help));
     }
-    let bit = |name: &Placed<String>| Digital(digital.position(&name.value).unwrap_or(0));
+    let bit = |at: usize| {
+        let name = roles.get(at).map(|role| role.value.value.as_str());
+        let number = name.and_then(|name| digital.position(name));
+        Digital(number.unwrap_or(0))
+    };
     Roles {
-        mask: bit(mask),
-        propagated: bit(propagated),
-        enable: [north, east, south, west].map(bit),
+        mask: bit(0),
+        propagated: bit(1),
+        enable: [bit(2), bit(3), bit(4), bit(5)],
     }
 }
 

@@ -1,9 +1,10 @@
 //! The rows of primitives, of host operations, and the macros.
 
-use std::collections::BTreeMap;
+use std::{cmp::Reverse, collections::BTreeMap};
 
-use crate::config::{Fault, Faults, Place};
+use crate::config::{Fault, Faults, Lines, Place};
 use crate::limit::FORMS;
+use crate::order::Order as _;
 
 use super::{
     super::{
@@ -204,8 +205,8 @@ fn widen(item: &mut Quantity, [before, now]: [f64; 2]) {
     item.source = format!("{}; here {now} a row", item.source);
 }
 
-/// The macros of all layers, and the layer that each is from; one of the same heading
-/// replaces the one before.
+/// The macros of all layers, those of the last layer first, and the layer that each is from; one of
+/// the same heading replaces the one before.
 pub(super) fn all_macros(layers: &[Layer]) -> Result<(Vec<Macro>, Vec<usize>), Faults> {
     let (mut all, mut owners): (Vec<Macro>, Vec<usize>) = (Vec::new(), Vec::new());
     for (at, layer) in layers.iter().enumerate() {
@@ -220,7 +221,10 @@ pub(super) fn all_macros(layers: &[Layer]) -> Result<(Vec<Macro>, Vec<usize>), F
             }
         };
         let mut faults = Vec::new();
-        for it in list {
+        let lines = Lines::new(text);
+        for mut it in list {
+            let line = lines.line(it.signature.place.start);
+            it.origin = format!("{}/macros.scamp:{line}", layer.folder.name);
             if let Some(old) = all.iter().position(|m| m.replaces(&it)) {
                 if owners[old] == at {
                     let what = format!("two macros are `{}`", it.signature);
@@ -238,7 +242,10 @@ pub(super) fn all_macros(layers: &[Layer]) -> Result<(Vec<Macro>, Vec<usize>), F
         }
         layer.wrong("macros.scamp", faults)?;
     }
-    Ok((all, owners))
+    // A chip's own forms are tried before those from below.
+    let mut both: Vec<(Macro, usize)> = all.into_iter().zip(owners).collect();
+    both.order_by_key(|(_, owner)| Reverse(*owner));
+    Ok(both.into_iter().unzip())
 }
 
 /// Tries a form once, with values that fit.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::{
     config::{Fault, Place, suggestion_or},
     isa::{
-        Device, Signature, Value,
+        Callable, Device, Signature, Value,
         signature::{Given, Mode},
         text::{Argument, Expression, Statement, Term},
     },
@@ -16,7 +16,7 @@ use crate::{
 use super::{
     calls::{fits_literals, may_mean, may_write, statements},
     definition::{Item, Macro},
-    roles,
+    possible, reach, roles,
 };
 
 /// What is wrong with a macro, and what of that is for want of something on the chip.
@@ -46,10 +46,13 @@ impl Found {
     }
 }
 
-/// Checks a macro of a device against the others, its rows and its registers.
+/// Checks a macro of a device against the others, its rows and its registers; `it` is one of the
+/// device's own.
 #[must_use]
 pub fn check(device: &Device, it: &Macro) -> Vec<Fault> {
-    Found::new(device, it).faults
+    let mut faults = Found::new(device, it).faults;
+    faults.extend(reach::unreachable(device, it));
+    faults
 }
 
 /// What a macro of the chip `home`, which is below, needs that the device does not have, as a message
@@ -326,8 +329,18 @@ fn check_statement(device: &Device, it: &Macro, statement: &Statement, found: &m
             place: a.place(),
         })
         .collect();
+    if spread {
+        return;
+    }
     let fits = |form: &Signature| form.takes(&given) && fits_literals(statement, form);
-    if !spread && !callables.iter().any(|c| fits(c.signature())) {
+    let fitting: Vec<Callable<'_>> = { callables.iter().copied() }
+        .filter(|c| fits(c.signature()))
+        .collect();
+    if !fitting.is_empty() {
+        found
+            .faults
+            .extend(possible::impossible(device, it, statement, &fitting));
+    } else {
         let forms: Vec<String> = callables
             .iter()
             .map(|c| c.signature().to_string())

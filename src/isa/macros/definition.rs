@@ -13,6 +13,8 @@ pub struct Macro {
     pub doc: String,
     /// What it is called and takes.
     pub signature: Signature,
+    /// Where it is written, `file:line`; empty in a text that is no file of a chip.
+    pub origin: String,
     /// Run by the host as kernels of its own: its loops do not fill the kernel store.
     pub host: bool,
     /// Registers, besides parameters, that hold a result.

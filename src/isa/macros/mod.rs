@@ -17,6 +17,8 @@ mod calls;
 mod check;
 mod definition;
 mod parse;
+mod possible;
+mod reach;
 mod roles;
 mod scratch;
 

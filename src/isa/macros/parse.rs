@@ -112,6 +112,7 @@ fn read(cursor: &mut Cursor<'_>) -> Result<Macro, Fault> {
     let mut it = Macro {
         doc: String::new(),
         signature,
+        origin: String::new(),
         host,
         gives: Vec::new(),
         whole_flag: false,

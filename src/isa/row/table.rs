@@ -12,7 +12,7 @@ macro_rules! listed {
             /// All of them, in order.
             pub const ALL: &'static [Self] = &[$(Self::$variant),*];
 
-            /// How they are written in a chip's files, in the same order.
+            /// How they are written, in the same order.
             pub const WORDS: &'static [&'static str] = &[$($word),*];
 
             /// How it is written.
@@ -23,6 +23,8 @@ macro_rules! listed {
         }
     };
 }
+
+pub(crate) use listed;
 
 listed! {
 /// The name of a primitive in `primitives.toml`; one for every variant of [`Primitive`].

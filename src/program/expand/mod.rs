@@ -109,7 +109,7 @@ fn steps_of(entries: &[Entry]) -> Vec<Step> {
 struct Lowering<'a> {
     device: &'a Device,
     lines: Lines,
-    /// Scratch registers of macros, by name and place of their heading (a cache).
+    /// Scratch registers of macros, by file and place of their heading (a cache).
     scratch: BTreeMap<(&'a str, usize), Vec<Cell>>,
     /// Words, host operations and calls that may still be expanded (a limit on the work).
     left: usize,
@@ -251,7 +251,7 @@ impl<'d> Lowering<'d> {
         };
         let (callable, bound) = self.call(statement, &[])?;
         self.warn_of_scratch(statement, callable, &bound);
-        self.lower(statement, callable, &bound, &mut sink, 0)?;
+        self.lower(statement, callable, &bound, &mut sink, None)?;
         if steps_run(&sink.steps).is_none() {
             return Err(runs_too_long("this statement", statement.place));
         }
@@ -294,15 +294,15 @@ impl<'d> Lowering<'d> {
         cells
     }
 
-    /// Adds the words of a call. Faults inside a macro are shown at the statement that a
-    /// person wrote.
+    /// Adds the words of a call, of the program itself or in the body of a macro (`outer`). Faults
+    /// inside a macro are shown at the statement that a person wrote.
     fn lower(
         &mut self,
         statement: &Statement,
         callable: Callable<'d>,
         bound: &[Bound],
         sink: &mut Sink,
-        depth: usize,
+        outer: Option<&'d Macro>,
     ) -> Result<(), Fault> {
         match callable {
             Callable::Primitive(kind, form) => {
@@ -315,8 +315,10 @@ impl<'d> Lowering<'d> {
                     )
                     .help(format!("it is written {form}")));
                 };
-                self.reject_twice(&word, statement, sink, depth)?;
-                self.warn_in_place(&word, sink, depth);
+                self.reject_twice(&word, statement, sink, outer)?;
+                if outer.is_none() {
+                    self.warn_in_place(&word, sink);
+                }
                 self.push(sink, Action::Word(word), 1)
             }
             Callable::Host(kind, form) => {
@@ -334,7 +336,7 @@ impl<'d> Lowering<'d> {
             }
             Callable::Macro(it) => {
                 self.spend(sink)?;
-                self.reject_aliases(it, bound, sink)?;
+                self.reject_aliases((statement, it), bound, sink, outer)?;
                 let scope: Vec<(&str, Value)> = it
                     .signature
                     .parameters
@@ -342,7 +344,7 @@ impl<'d> Lowering<'d> {
                     .zip(bound)
                     .filter_map(|(p, values)| Some((p.name.as_str(), values.first()?.clone())))
                     .collect();
-                self.body(it, &it.body, &scope, sink, depth + 1)
+                self.body(it, &it.body, &scope, sink)
             }
         }
     }
@@ -353,11 +355,10 @@ impl<'d> Lowering<'d> {
         body: &'d [macros::Item],
         scope: Scope<'_>,
         sink: &mut Sink,
-        depth: usize,
     ) -> Result<(), Fault> {
         let outside = |fault: Fault, place: Place| Fault {
             place,
-            label: format!("`{}`, in its body: {}", it.signature.name, fault.label),
+            label: format!("{}, in its body: {}", named(it), fault.label),
             also: None,
             ..fault
         };
@@ -369,7 +370,7 @@ impl<'d> Lowering<'d> {
                         .call(inner, scope)
                         .map_err(|fault| outside(fault, sink.place))?;
                     let from = sink.steps.len();
-                    self.lower(inner, callable, &bound, sink, depth)?;
+                    self.lower(inner, callable, &bound, sink, Some(it))?;
                     if let Some(order) = &mut order {
                         let lost = order.see(inner, (sink, from), self.device);
                         self.faults.extend(lost);
@@ -389,7 +390,7 @@ impl<'d> Lowering<'d> {
                         ..*sink
                     };
                     if times > 0 {
-                        self.body(it, body, scope, &mut inner, depth)?;
+                        self.body(it, body, scope, &mut inner)?;
                     }
                     if it.host && times > 1 {
                         sink.length = inner.length;
@@ -456,6 +457,11 @@ impl<'d> Lowering<'d> {
             }
         }
     }
+}
+
+/// A macro by its name and where it is written.
+fn named(it: &Macro) -> String {
+    format!("`{}` ({})", it.signature.name, it.origin)
 }
 
 /// How many steps run: words, host operations, iterations of `repeat`; `None` beyond the limit.

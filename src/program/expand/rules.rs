@@ -1,6 +1,6 @@
 //! Rules of the chip: operands that it does not allow, and warnings about values that are lost.
 
-use super::{Lowering, Sink, cell};
+use super::{Lowering, Sink, cell, named};
 use crate::config::Fault;
 use crate::isa::{
     Callable, Cell, Digital, Macro, Operand, Primitive,
@@ -12,9 +12,10 @@ use crate::isa::{
 impl<'d> Lowering<'d> {
     pub(super) fn reject_aliases(
         &self,
-        it: &Macro,
+        (statement, it): (&Statement, &Macro),
         bound: &[Bound],
         sink: &Sink,
+        outer: Option<&Macro>,
     ) -> Result<(), Fault> {
         let value = |name: &str| {
             let at = it
@@ -34,18 +35,28 @@ impl<'d> Lowering<'d> {
                     || "the same source".to_owned(),
                     |cell| cell.name(self.device),
                 );
-                return Err(Fault::error(
-                    sink.place,
-                    format!(
-                        "`{}` cannot have {name} as both {} and {}",
-                        it.signature.name, distinct.first, distinct.second
+                let what = format!(
+                    "`{}` cannot have {name} as both {} and {}",
+                    it.signature.name, distinct.first, distinct.second
+                );
+                let (what, help) = match outer {
+                    None => (
+                        what,
+                        format!(
+                            "use another register for one of them, or copy it first; it is written {}",
+                            it.signature
+                        ),
                     ),
-                    distinct.reason.clone(),
-                )
-                .help(format!(
-                    "use another register for one of them, or copy it first; it is written {}",
-                    it.signature
-                )));
+                    Some(outer) => (
+                        format!("{} says `{statement}`: {what}", named(outer)),
+                        format!(
+                            "give `{}` other registers; it is written {}",
+                            outer.signature.name, outer.signature
+                        ),
+                    ),
+                };
+                let fault = Fault::error(sink.place, what, distinct.reason.clone());
+                return Err(fault.help(help));
             }
         }
         Ok(())
@@ -57,14 +68,14 @@ impl<'d> Lowering<'d> {
         word: &Primitive,
         statement: &Statement,
         sink: &Sink,
-        depth: usize,
+        outer: Option<&Macro>,
     ) -> Result<(), Fault> {
         let operands = self.device.operands(word);
         match operands.twice() {
             None => Ok(()),
             Some(access) => {
                 let name = access.name(self.device);
-                Err(self.twice(&name, word, statement, sink, depth))
+                Err(self.twice(&name, word, statement, sink, outer))
             }
         }
     }
@@ -75,22 +86,24 @@ impl<'d> Lowering<'d> {
         word: &Primitive,
         statement: &Statement,
         sink: &Sink,
-        depth: usize,
+        outer: Option<&Macro>,
     ) -> Fault {
         let word = word.text(self.device);
-        let (message, help) = if depth == 0 {
-            (
+        let (message, help) = match outer {
+            None => (
                 format!("{register} is twice on one bus"),
                 format!(
                     "`{}` needs registers that differ; copy one first: `mov(y, {register});`",
                     statement.name
                 ),
-            )
-        } else {
-            (
-                format!("{register} is twice on one bus: this becomes `{word}`"),
+            ),
+            Some(outer) => (
+                format!(
+                    "{register} is twice on one bus: {} makes this `{word}`",
+                    named(outer)
+                ),
                 format!("use another register; `{register}` may be scratch of the macro itself"),
-            )
+            ),
         };
         Fault::error(
             sink.place,
@@ -101,10 +114,7 @@ impl<'d> Lowering<'d> {
     }
 
     /// Warns of a word that reads and writes the same one-bit register.
-    pub(super) fn warn_in_place(&mut self, word: &Primitive, sink: &Sink, depth: usize) {
-        if depth > 0 {
-            return;
-        }
+    pub(super) fn warn_in_place(&mut self, word: &Primitive, sink: &Sink) {
         let operands = self.device.operands(word);
         // The networks over neighbours copy the register themselves.
         if operands.unit != Unit::Logic {
@@ -139,9 +149,9 @@ impl<'d> Lowering<'d> {
         let Callable::Macro(it) = callable else {
             return;
         };
-        // Looked up once for each macro: its heading stands in one place.
+        // Looked up once for each macro: its heading stands in one place of one file.
         let (device, signature) = (self.device, &it.signature);
-        let key = (signature.name.as_str(), signature.place.start);
+        let key = (it.origin.as_str(), signature.place.start);
         let scratch = self.scratch.entry(key).or_insert_with(|| {
             let names = it.scratch(device).into_iter();
             names

@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 
 use crate::{
     kernel::Kernel,
-    photoreceptor::{Curve, Response},
     reference::{
         noise::Noise,
         surround::{self, Surrounds},
@@ -25,7 +24,7 @@ impl Description {
     pub fn to_toml(&self) -> String {
         let mut text = format!("name = {}\n", quoted(&self.name));
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "response = {}", response(self.response));
+        let _ = writeln!(text, "response = {}", self.response.text());
         let memory = MemoryRule::ALL.iter().zip(keys::MEMORY);
         for (_, word) in memory.filter(|(rule, _)| **rule == self.memory) {
             let _ = writeln!(text, "memory = \"{word}\"");
@@ -53,23 +52,6 @@ impl Description {
             text += &channel.to_toml();
         }
         text
-    }
-}
-
-fn response(response: Response) -> String {
-    let round = if response.round_f32 {
-        ", round = \"f32\""
-    } else {
-        ""
-    };
-    match response.curve {
-        Curve::Identity => "\"identity\"".to_owned(),
-        Curve::Linear { white } if round.is_empty() => format!("{{ linear = {white:?} }}"),
-        Curve::Linear { white } => format!("{{ linear = {{ white = {white:?}{round} }} }}"),
-        Curve::Log { white, offset } => {
-            format!("{{ log = {{ white = {white:?}, offset = {offset:?}{round} }} }}")
-        }
-        Curve::LinLog { knee } => format!("{{ lin-log = {{ knee = {knee:?}{round} }} }}"),
     }
 }
 
@@ -171,7 +153,10 @@ fn quoted(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bundled::{self, Kind};
+    use crate::{
+        bundled::{self, Kind},
+        photoreceptor::{Curve, Response},
+    };
 
     fn read(text: &str) -> Description {
         let none = |_: &str| Err(std::io::ErrorKind::NotFound.into());

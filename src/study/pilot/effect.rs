@@ -2,46 +2,35 @@
 
 use std::fmt;
 
-use crate::{number::Format, reference::Description};
+use crate::{isa::row::listed, number::Format, reference::Description};
 
+listed! {
 /// What can be left out, besides the digits of a number format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Effect {
     /// The rows and columns in which nothing ever changes.
-    Surroundings,
+    Surroundings = "surroundings",
     /// The frames inserted between those of the scene.
-    InsertedFrames,
+    InsertedFrames = "inserted-frames",
     /// The dead time after an event.
-    DeadTime,
+    DeadTime = "dead-time",
     /// Shot noise and hot pixels.
-    NoiseEvents,
+    NoiseEvents = "noise-events",
     /// The jitter of event times.
-    Jitter,
+    Jitter = "jitter",
     /// The photoreceptors' bandwidth.
-    Bandwidth,
+    Bandwidth = "bandwidth",
     /// The leak of the memories.
-    Leak,
+    Leak = "leak",
     /// The mismatch of the thresholds.
-    Mismatch,
+    Mismatch = "mismatch",
     /// The noise of the resistor sheets.
-    MeshNoise,
+    MeshNoise = "mesh-noise",
+}
 }
 
 impl Effect {
-    /// All of them.
-    pub const ALL: [Self; 9] = [
-        Self::Surroundings,
-        Self::InsertedFrames,
-        Self::DeadTime,
-        Self::NoiseEvents,
-        Self::Jitter,
-        Self::Bandwidth,
-        Self::Leak,
-        Self::Mismatch,
-        Self::MeshNoise,
-    ];
-
     /// What it is called.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -58,27 +47,12 @@ impl Effect {
         }
     }
 
-    /// How it is written on a command line.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Surroundings => "surroundings",
-            Self::InsertedFrames => "inserted-frames",
-            Self::DeadTime => "dead-time",
-            Self::NoiseEvents => "noise-events",
-            Self::Jitter => "jitter",
-            Self::Bandwidth => "bandwidth",
-            Self::Leak => "leak",
-            Self::Mismatch => "mismatch",
-            Self::MeshNoise => "mesh-noise",
-        }
-    }
-
     /// Those of the sensor alone, which any run can do without.
     pub fn of_sensors() -> impl Iterator<Item = Self> + Clone {
         let others = [Self::Surroundings, Self::InsertedFrames];
         Self::ALL
-            .into_iter()
+            .iter()
+            .copied()
             .filter(move |effect| !others.contains(effect))
     }
 

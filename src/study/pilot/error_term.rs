@@ -2,37 +2,29 @@
 
 use std::fmt;
 
-use crate::array::Errors;
+use crate::{array::Errors, isa::row::listed};
 
+listed! {
 /// A kind of error of analogue cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ErrorTerm {
     /// The host sets values in steps of its converter.
-    Converter,
+    Converter = "converter",
     /// Registers have a range.
-    Saturation,
+    Saturation = "saturation",
     /// Every store errs and loses a part, and a bus that splits errs more.
-    Transfer,
+    Transfer = "transfer",
     /// No two cells are alike.
-    Mismatch,
+    Mismatch = "mismatch",
     /// Every store is noisy.
-    Noise,
+    Noise = "noise",
     /// Registers forget.
-    Decay,
+    Decay = "decay",
+}
 }
 
 impl ErrorTerm {
-    /// All of them.
-    pub const ALL: [Self; 6] = [
-        Self::Converter,
-        Self::Saturation,
-        Self::Transfer,
-        Self::Mismatch,
-        Self::Noise,
-        Self::Decay,
-    ];
-
     /// The errors without it.
     pub const fn leave_out(self, errors: &mut Errors) {
         match self {
@@ -47,19 +39,6 @@ impl ErrorTerm {
             }
             Self::Noise => errors.noise = 0.0,
             Self::Decay => (errors.decay, errors.retention) = (0.0, f64::INFINITY),
-        }
-    }
-
-    /// How it is written on a command line.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Converter => "converter",
-            Self::Saturation => "saturation",
-            Self::Transfer => "transfer",
-            Self::Mismatch => "mismatch",
-            Self::Noise => "noise",
-            Self::Decay => "decay",
         }
     }
 

@@ -57,7 +57,7 @@ impl FromStr for Effect {
             name,
             what,
             &Self::of_sensors().collect::<Vec<_>>(),
-            Self::key,
+            Self::word,
         )
     }
 }
@@ -67,7 +67,7 @@ impl FromStr for ErrorTerm {
 
     /// One of [`ErrorTerm::ALL`], by its key.
     fn from_str(name: &str) -> Result<Self, UnknownPart> {
-        named(name, "error of analogue cells", &Self::ALL, Self::key)
+        named(name, "error of analogue cells", Self::ALL, Self::word)
     }
 }
 
@@ -100,7 +100,7 @@ pub fn sensor_without(
 ) -> Result<Description, Absent> {
     let has = |effect: &Effect| effect.is_in(description, false);
     if let Some(effect) = effects.iter().find(|effect| !has(effect)) {
-        let there: Vec<_> = Effect::of_sensors().filter(has).map(Effect::key).collect();
+        let there: Vec<_> = Effect::of_sensors().filter(has).map(Effect::word).collect();
         return Err(Absent::Effect {
             sensor: sensor.to_owned(),
             effect: *effect,
@@ -128,7 +128,7 @@ pub fn cells_without(
     match arithmetic {
         _ if terms.is_empty() => Ok(None),
         Arithmetic::Number(_) => {
-            let terms: Vec<_> = terms.iter().map(|term| term.key()).collect();
+            let terms: Vec<_> = terms.iter().map(|term| term.word()).collect();
             Err(Absent::Terms {
                 terms: terms.join(", "),
                 arithmetic,

@@ -312,7 +312,7 @@ impl Plan {
 fn candidates(question: &Question<'_>, base: &Choice) -> Vec<(String, Choice)> {
     let inserts = question.upsample.is_some();
     let is_there = |effect: &Effect| effect.is_in(question.description, inserts);
-    let effects = Effect::ALL.into_iter().filter(is_there);
+    let effects = Effect::ALL.iter().copied().filter(is_there);
     let effects = effects.filter(|effect| !base.leaves_out(*effect));
     let effects = effects.map(|effect| (effect.to_string(), base.clone().and_without(effect)));
     let formats = question

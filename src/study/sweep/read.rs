@@ -8,7 +8,7 @@ use super::{
 use crate::{
     config::{self, Fault, Node, Range, Read, Section, Table},
     mesh::Between,
-    photoreceptor::{Curve, Response},
+    photoreceptor::Response,
     reference::{Noise, keys::REFRACTORY},
 };
 
@@ -66,7 +66,7 @@ pub(super) fn value(key: &Key, node: Node<'_>) -> Read<Value> {
             };
             Ok(Value::Word(noise_text(&noise)))
         }
-        Kind::Response => Ok(Value::Word(response_text(Response::read(node)?))),
+        Kind::Response => Ok(Value::Word(Response::read(node)?.text())),
     }
 }
 
@@ -106,22 +106,6 @@ fn noise_text(noise: &Noise) -> String {
         return "none".to_owned();
     }
     format!("{{ {} }}", pairs.join(", "))
-}
-
-fn response_text(response: Response) -> String {
-    let Response { curve, round_f32 } = response;
-    let round = if round_f32 { ", round = \"f32\"" } else { "" };
-    match curve {
-        Curve::Identity => "\"identity\"".to_owned(),
-        Curve::Linear { white } if round_f32 => {
-            format!("{{ linear = {{ white = {white:?}{round} }} }}")
-        }
-        Curve::Linear { white } => format!("{{ linear = {white:?} }}"),
-        Curve::Log { white, offset } => {
-            format!("{{ log = {{ white = {white:?}, offset = {offset:?}{round} }} }}")
-        }
-        Curve::LinLog { knee } => format!("{{ lin-log = {{ knee = {knee:?} }} }}"),
-    }
 }
 
 /// The keys of a range.

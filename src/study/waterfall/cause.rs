@@ -2,49 +2,41 @@
 
 use serde::Serialize;
 
+use crate::{isa::row::listed, study::pilot::ErrorTerm};
+
+listed! {
 /// One step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cause {
     /// A cell says one event a frame at most, at the frame's time.
-    Frames,
+    Frames = "frames",
     /// The memory snaps to the drive, where it moved by whole thresholds.
-    Memory,
+    Memory = "memory",
     /// The kernel in few values.
-    Kernel,
+    Kernel = "kernel",
     /// The compiled program on the array, in the cells' number format.
-    Format,
+    Format = "format",
     /// The host sets thresholds in steps of its converter.
-    Converter,
+    Converter = "converter",
     /// Registers have a range.
-    Saturation,
+    Saturation = "saturation",
     /// Every store errs and loses a part, and a bus that splits errs more.
-    Transfer,
+    Transfer = "transfer",
     /// No two cells are alike.
-    Mismatch,
+    Mismatch = "mismatch",
     /// Every store is noisy.
-    Noise,
+    Noise = "noise",
     /// Registers forget.
-    Decay,
+    Decay = "decay",
     /// What the readout loses, and when events arrive.
-    Readout,
+    Readout = "readout",
+}
 }
 
 impl Cause {
-    /// Those of an array of analogue cells.
-    pub const SILICON: [Self; 11] = [
-        Self::Frames,
-        Self::Memory,
-        Self::Kernel,
-        Self::Format,
-        Self::Converter,
-        Self::Saturation,
-        Self::Transfer,
-        Self::Mismatch,
-        Self::Noise,
-        Self::Decay,
-        Self::Readout,
-    ];
+    /// Those of an array of analogue cells: all.
+    pub const SILICON: &'static [Self] = Self::ALL;
 
     /// Those of an array whose cells hold numbers.
     pub const NUMBERS: [Self; 6] = [
@@ -55,6 +47,19 @@ impl Cause {
         Self::Saturation,
         Self::Readout,
     ];
+
+    /// The step that an error of analogue cells is.
+    #[must_use]
+    pub const fn of(term: ErrorTerm) -> Self {
+        match term {
+            ErrorTerm::Converter => Self::Converter,
+            ErrorTerm::Saturation => Self::Saturation,
+            ErrorTerm::Transfer => Self::Transfer,
+            ErrorTerm::Mismatch => Self::Mismatch,
+            ErrorTerm::Noise => Self::Noise,
+            ErrorTerm::Decay => Self::Decay,
+        }
+    }
 
     /// A few words.
     #[must_use]

@@ -109,7 +109,7 @@ pub(super) struct Attribution {
 pub(super) fn causes(arithmetic: Arithmetic) -> (Vec<Cause>, Vec<Cause>) {
     let (all, ordered): (&[Cause], usize) = match arithmetic {
         // Without its format analogue silicon is no sensor.
-        Arithmetic::Silicon { .. } => (&Cause::SILICON, 4),
+        Arithmetic::Silicon { .. } => (Cause::SILICON, 4),
         Arithmetic::Number(_) => (&Cause::NUMBERS, 3),
     };
     let switches = all.iter().skip(ordered);

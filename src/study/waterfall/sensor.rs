@@ -137,15 +137,8 @@ impl Setup {
 /// The chip's errors, those that are switched off as if it had none.
 fn errors(question: &Question<'_>, on: &Switches) -> Errors {
     let mut errors = Errors::from_device(question.design.device);
-    for (cause, term) in [
-        (Cause::Converter, ErrorTerm::Converter),
-        (Cause::Saturation, ErrorTerm::Saturation),
-        (Cause::Transfer, ErrorTerm::Transfer),
-        (Cause::Mismatch, ErrorTerm::Mismatch),
-        (Cause::Noise, ErrorTerm::Noise),
-        (Cause::Decay, ErrorTerm::Decay),
-    ] {
-        if !on.contains(&cause) {
+    for term in ErrorTerm::ALL {
+        if !on.contains(&Cause::of(*term)) {
             term.leave_out(&mut errors);
         }
     }

@@ -322,7 +322,7 @@ impl Plan {
     fn new(question: &Question<'_>) -> Option<Self> {
         let causes: &[Cause] = match question.arithmetic {
             Arithmetic::Number(_) => &Cause::NUMBERS,
-            Arithmetic::Silicon { .. } => &Cause::SILICON,
+            Arithmetic::Silicon { .. } => Cause::SILICON,
         };
         let mut setups = Vec::new();
         let mut place = |on: &Switches| -> Option<Place> {
