@@ -190,14 +190,19 @@ impl Device {
         self.registers.news
     }
 
-    /// All that a statement of this name can be; the first that takes its arguments is meant. A
-    /// form for a number comes before those for any.
+    /// All that a statement of this name can be.
     #[must_use]
     pub fn callables(&self, name: &str) -> Vec<Callable<'_>> {
-        let mut all: Vec<Callable<'_>> = self
-            .all_callables()
+        self.all_callables()
             .filter(|c| c.signature().name == name)
-            .collect();
+            .collect()
+    }
+
+    /// The same, in the order in which they are tried: the first that takes a statement's arguments
+    /// is meant. A form for a number comes before those for any.
+    #[must_use]
+    pub fn tried(&self, name: &str) -> Vec<Callable<'_>> {
+        let mut all = self.callables(name);
         all.order_by_key(|it| Reverse(it.signature().literals()));
         all
     }

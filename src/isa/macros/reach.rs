@@ -9,7 +9,7 @@ use super::definition::Macro;
 
 /// The fault of a macro that no statement can mean.
 pub(super) fn unreachable(device: &Device, it: &Macro) -> Option<Fault> {
-    let forms = device.callables(&it.signature.name);
+    let forms = device.tried(&it.signature.name);
     let earlier = forms
         .iter()
         .take_while(|form| !matches!(form, Callable::Macro(own) if std::ptr::eq(*own, it)));

@@ -40,7 +40,7 @@ impl<'d> Lowering<'d> {
         }
         let given = self.given(&statement.arguments, scope)?;
         let mut furthest = None;
-        for callable in &callables {
+        for callable in &device.tried(&statement.name) {
             match callable.signature().bind(&given) {
                 Ok(bound) => {
                     let bound = self.with_defaults(callable.signature(), bound);
