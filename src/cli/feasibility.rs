@@ -22,6 +22,7 @@ use crate::{
             self, Feasibility, Fit, Question, Several, Snapshot, Stream, chips::OverChips,
             readout::ReadoutOrder,
         },
+        rate::ThresholdFactor,
         report,
     },
     unit::{Micros, frame_rate},
@@ -44,6 +45,9 @@ use super::{
     readout_table, waterfall,
     window::Window,
 };
+
+/// The threshold from which one for a rate is looked for.
+const START: f64 = 64.0;
 
 /// What `feasibility` is asked to do.
 #[derive(Debug, clap::Args)]

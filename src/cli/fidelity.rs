@@ -53,7 +53,7 @@ pub fn percent(text: &str) -> Result<f64, String> {
         // 3 may mean 3 % or 300 %: it is asked for, not guessed.
         None if text
             .trim()
-            .parse()
+            .parse::<f64>()
             .is_ok_and(|n| (0.0..=100.0).contains(&n)) =>
         {
             Err(format!(
