@@ -172,7 +172,7 @@ fn thresholds_for_on_and_off_and_their_spread() {
         );
     }
     let odd = [&run[..5], &["--threshold", "0.1,two"]].concat();
-    refused(folder, &odd, &["invalid float", "ON,OFF"]);
+    refused(folder, &odd, &["two for ON,OFF, such as"]);
     let odd = [&run[..5], &["--threshold", "0.1,0"]].concat();
     refused(folder, &odd, &["--threshold 0", "above 0"]);
 }

@@ -201,10 +201,10 @@ impl Found {
 
 /// A threshold for both, or one for ON and one for OFF.
 fn on_and_off(text: &str) -> Result<[f64; 2], String> {
-    let number = |text: &str| text.trim().parse::<f64>().map_err(|e| e.to_string());
+    let number = |text: &str| text.trim().parse::<f64>();
     let (on, off) = text.split_once(',').unwrap_or((text, text));
     let both = number(on).and_then(|on| Ok([on, number(off)?]));
-    both.map_err(|e| format!("{e}: give a number, or two for ON,OFF"))
+    both.map_err(|_| "give a number, or two for ON,OFF, such as 0.3,0.2".to_owned())
 }
 
 /// As they were given.

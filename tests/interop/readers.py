@@ -206,9 +206,8 @@ READERS = {
     "es": [(by_event_stream, ()), (by_faery_upside_down, ())],
     "hdf5": [
         (by_h5py, ()),
-        # These add no `t_offset`.
+        # It adds no `t_offset`.
         (by_evlib, ("late", "one", "empty")),
-        (by_eventcv, ("late", "one", "empty")),
     ],
     "parquet": [(by_pyarrow, ()), (by_polars, ()), (by_pandas, ())],
 }

@@ -44,7 +44,7 @@ pub(super) const ENTRY: Entry = Entry {
         silence: u32::MAX as u64,
         ..Limits::WIDE
     },
-    readers: "h5py, evlib, eventcv (the two without `t_offset`)",
+    readers: "h5py, evlib (without `t_offset`)",
     module: "h5py",
     python: "(lambda f: [f['events/t'][:] + f['t_offset'][()], *(f['events/' + n][:] for n in 'xyp')])(h5py.File(path))",
     sign: Sign::Bytes(b"\x89HDF\r\n\x1a\n"),
