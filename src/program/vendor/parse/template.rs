@@ -23,9 +23,17 @@ impl Parser<'_> {
     /// `template`: a call of it is refused.
     pub(super) fn variadic_function(&mut self) -> bool {
         let start = self.at;
-        let closed = self.angles();
+        let mut depth = 0_i32;
+        while let Some(token) = self.peek(0) {
+            self.at += 1;
+            depth += i32::from(token.is("<")) - i32::from(token.is(">"));
+            depth -= 2 * i32::from(token.is(">>"));
+            if depth <= 0 || token.is("{") || token.is(";") {
+                break;
+            }
+        }
         let mut parameters = self.between(start, self.at);
-        if !(closed && parameters.any(|token| token.is("..."))) {
+        if depth > 0 || !parameters.any(|token| token.is("...")) {
             self.at = start;
             return false;
         }
