@@ -463,9 +463,7 @@ impl Program {
         }
         // A program that reads no events out, and a single frame, have none to miss; a host that
         // decides knows what it leaves, and one without its own numbers tells nothing of light.
-        let is_empty = packet.events.is_empty() && packet.dropped.no_slot == 0;
-        let tells = unheld.is_none() || !is_empty;
-        if tells && !self.decides && chip.ledger().slots > 0 && light.count > 1 {
+        if unheld.is_none() && !self.decides && chip.ledger().slots > 0 && light.count > 1 {
             for n in 0..light.count {
                 guard.frame_at(Micros::from_seconds(n as f64 / light.fps));
             }

@@ -276,7 +276,7 @@ impl<'a> Bench<'a> {
                 // Without its own numbers nothing that it says tells of light or thresholds.
                 if is_dark && is_empty {
                     guard.warn(Warning::in_the_dark(program, frames));
-                } else if unheld.is_none() || !is_empty {
+                } else if unheld.is_none() {
                     guard.packet(program, packet);
                 }
             } else if packet.dropped.no_slot > 0 {
