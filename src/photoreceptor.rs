@@ -276,7 +276,7 @@ impl Response {
         }
     }
 
-    /// As a file states it, but for rounding that no file can state.
+    /// As a file states it; a rounding that no file may have is refused when it is read.
     #[must_use]
     pub fn text(self) -> String {
         let round = if self.round_f32 {
@@ -291,7 +291,7 @@ impl Response {
             Curve::Log { white, offset } => {
                 format!("{{ log = {{ white = {white:?}, offset = {offset:?}{round} }} }}")
             }
-            Curve::LinLog { knee } => format!("{{ lin-log = {{ knee = {knee:?} }} }}"),
+            Curve::LinLog { knee } => format!("{{ lin-log = {{ knee = {knee:?}{round} }} }}"),
         }
     }
 }

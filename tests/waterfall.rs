@@ -506,7 +506,7 @@ fn what_is_kept_and_what_the_causes_take_is_all() {
             ..*question
         };
         for (question, causes, chips) in [
-            (question, &Cause::SILICON[..], 3),
+            (question, Cause::SILICON, 3),
             (&numbers, &Cause::NUMBERS[..], 1),
         ] {
             let all = over(question, &choice(&[240.0, 480.0], 3));

@@ -36,6 +36,10 @@ use crate::{
     run::by_reason,
 };
 
+/// What a host has written, with the frame, how many frames it saw, and what it did with the
+/// photodiodes.
+type Beside = (Vec<(usize, String)>, usize, Exposure);
+
 /// A program, expanded on its chip.
 #[pyclass(frozen, module = "amacrine._amacrine")]
 pub struct Program {
@@ -397,8 +401,7 @@ impl Program {
         })
     }
 
-    /// Runs its host beside the array; what that wrote, with the frame, the frames it saw, and what
-    /// it did with the photodiodes.
+    /// Runs its host beside the array.
     fn run_beside(
         &self,
         py: Python<'_>,
@@ -406,7 +409,7 @@ impl Program {
         light: &Light<'_>,
         packet: &mut Packet,
         (kept, films): (&[Register], &mut [Vec<f64>]),
-    ) -> PyResult<(Vec<(usize, String)>, usize, Exposure)> {
+    ) -> PyResult<Beside> {
         let mut array = Companion {
             chip,
             light,

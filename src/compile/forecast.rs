@@ -340,7 +340,7 @@ impl Backwards<'_> {
         let (mut temporal, mut other) = (0.0, 0.0);
         let mut gains = vec![Field::new(self.wide); self.cells];
         let mut offsets = vec![Field::new(self.wide); self.cells];
-        let targets = self.stores.iter().map(|stores| stores.len()).max();
+        let targets = self.stores.iter().map(Vec::len).max();
         let mut splits = vec![Field::new(self.wide); targets.unwrap_or(0).saturating_sub(1)];
         let (slope, apart) = (-errors.gain(0.0), errors.apart());
         for (word, stores) in self.words.iter().zip(self.stores).rev() {

@@ -82,10 +82,7 @@ pub(super) fn device(name: &str, text: &str) -> Result<DeviceFile, Faults> {
             name: placed(top.need("name")?),
             title: top.text("title")?.to_owned(),
             extends: top.get("extends").map(placed),
-            registers: top
-                .table("registers")
-                .map(|it| registers(&it))
-                .transpose()?,
+            registers: top.table("registers").map(|it| registers(&it)),
             figures,
             host: top.tables("host").iter().map(host).collect::<Read<_>>()?,
         })
@@ -128,7 +125,7 @@ fn host(row: &Section<'_>) -> Read<HostFile> {
     })
 }
 
-fn registers(part: &Section<'_>) -> Read<RegistersFile> {
+fn registers(part: &Section<'_>) -> RegistersFile {
     let names = |key: &str| {
         let list = part.get(key)?;
         Some(Placed {
@@ -145,13 +142,13 @@ fn registers(part: &Section<'_>) -> Read<RegistersFile> {
         .map(|(name, of)| (alias(name), placed(of)))
         .collect();
     aliases.order_by(|a, b| a.0.value.cmp(&b.0.value));
-    Ok(RegistersFile {
+    RegistersFile {
         analogue: names("analogue"),
         news: part.get("news").map(placed),
         digital: names("digital"),
         aliases,
         roles: ROLE_KEYS.map(|key| Some(placed(part.table("roles")?.get(key)?))),
-    })
+    }
 }
 
 fn quantity(stated: &Section<'_>) -> Read<Placed<Quantity>> {

@@ -336,11 +336,7 @@ fn check_statement(device: &Device, it: &Macro, statement: &Statement, found: &m
     let fitting: Vec<Callable<'_>> = { callables.iter().copied() }
         .filter(|c| fits(c.signature()))
         .collect();
-    if !fitting.is_empty() {
-        found
-            .faults
-            .extend(possible::impossible(device, it, statement, &fitting));
-    } else {
+    if fitting.is_empty() {
         let forms: Vec<String> = callables
             .iter()
             .map(|c| c.signature().to_string())
@@ -354,6 +350,10 @@ fn check_statement(device: &Device, it: &Macro, statement: &Statement, found: &m
             )
             .help(format!("its forms are {}", forms.join(", "))),
         );
+    } else {
+        found
+            .faults
+            .extend(possible::impossible(device, it, statement, &fitting));
     }
 }
 

@@ -99,9 +99,8 @@ impl Machine<'_> {
 
     /// Whether an expression is a text, or a place in one.
     fn is_text(&self, it: &Expr) -> bool {
-        if let ExprNode::Binary("+" | "-", a, b) = &it.node {
-            // A difference of two places is a number.
-            return self.is_text(a) != self.is_text(b);
+        if let ExprNode::Binary("+", a, b) = &it.node {
+            return self.is_text(a) || self.is_text(b);
         }
         let held = || {
             let (slot, path) = self.led_to(it)?;

@@ -186,12 +186,14 @@ fn decides(tornado: &[Turn]) -> String {
             turn.kept_at_high
         )
     };
-    let mut text = format!(" What decides is {}, all else as stated.", told(first));
     let alike: Vec<String> = others.iter().map(told).collect();
-    if !alike.is_empty() {
-        text += &format!(" Nearly as much does {}.", alike.join("; "));
-    }
-    text
+    let alike = if alike.is_empty() {
+        String::new()
+    } else {
+        format!(" Nearly as much does {}.", alike.join("; "))
+    };
+    let first = told(first);
+    format!(" What decides is {first}, all else as stated.{alike}")
 }
 
 /// On how many of the chips that the public data allow it is feasible, and what decides.

@@ -418,7 +418,7 @@ mod tests {
                 "14b44a7fcb510f78aa67b4062f9d5a84",
             ],
             [
-                "2eec2c8853f8ae33c86572dec0ca38b3",
+                "360097945f2368cbddd0e60c94019aa7",
                 "6f5b159e2db5cb3f25ade67583a62e83",
             ],
         ];
