@@ -14,7 +14,10 @@ const PHRASES: [(&str, &str); 18] = [
         "the limit (max_events), or take counts, or voxels without bins, which need no list",
     ),
     ("`amacrine convert` also takes --format", "or give format"),
-    ("or tell `amacrine convert` what it is", "or give format"),
+    (
+        "or tell `amacrine convert`: --from NAME of what it reads, --format NAME of what it writes",
+        "or give format",
+    ),
     (
         "or one channel with `convert --kind N`, or one file a channel with `convert --each-kind`",
         "or one kind: events[events['channel'] == 0][['t', 'x', 'y', 'p']]",

@@ -365,7 +365,7 @@ def test_mistakes_of_data_sets(videos: Path, tmp_path: Path) -> None:
         (lambda: _dataset(videos, frames=99)[0], "where 99 of 32x24"),
         (lambda: _dataset(videos, kernels="dvs"), "kernels to draw from"),
         (lambda: _dataset(videos, kernels=["dvs", ["dvs", "dvs"]]), "as many kinds each"),
-        (lambda: _dataset(videos, kernels=kernels(2, 3)), "kernels=[array]"),
+        (lambda: _dataset(videos, kernels=kernels(2, 3)), "are an array"),
         (lambda: _dataset(videos, quantisers=["int-99"]), "int-99"),
         (lambda: _dataset(videos, chips=["scamp9"]), "no chip scamp9"),
         (lambda: _dataset(videos, voxels={"bins": -1}), "bins"),
