@@ -113,6 +113,40 @@ fn a_rate_is_reached() {
 
 /// ON and OFF each have their threshold; the file's sigma stays and is told, `--sigma` takes its
 /// place, and what `--rate` finds is found again by the options that it prints.
+/// All cells that change do so by the same amount: they fire together, or not at all.
+#[test]
+fn a_rate_that_no_threshold_gives_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let light = Array3::from_shape_fn((20, 30, 40), |(n, y, x)| {
+        let lit = n % 2 == 1 && (10..20).contains(&y) && (10..30).contains(&x);
+        if lit { 200_u8 } else { 40 }
+    });
+    ndarray_npy::write_npy(folder.join("blink.npy"), &light).unwrap();
+    let text = sensor("[[1]]", "0.3").replace("filtered-step", "filtered-snap");
+    fs::write(folder.join("a.toml"), text).unwrap();
+    let rate = |asked: &str| {
+        let arguments = [
+            "run",
+            "--scene",
+            "blink.npy",
+            "--fps",
+            "30",
+            "--sensor",
+            "a.toml",
+        ];
+        let said = json(folder, &[&arguments[..], &["--rate", asked]].concat());
+        let all = said["warnings"].as_array().unwrap().clone();
+        let told = all.iter().any(|warning| warning["about"] == "rate");
+        (said["rate"]["in_f64"].as_f64().unwrap(), told)
+    };
+    // A sixth of the cells in each of 30 intervals a second.
+    let (found, told) = rate("2");
+    assert!((found - 5.0).abs() < 1e-9 && told, "{found}");
+    let (found, told) = rate("4.9");
+    assert!((found - 5.0).abs() < 1e-9 && !told, "{found}");
+}
+
 #[test]
 fn thresholds_for_on_and_off_and_their_spread() {
     let folder = tempfile::tempdir().unwrap();

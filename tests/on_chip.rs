@@ -240,6 +240,31 @@ fn a_program_without_light_is_told_so() {
     assert!(ran.status.success() && said.contains("--image"), "{said}");
 }
 
+/// Where no plan keeps enough events in exact arithmetic, and the one in range is halved until its
+/// threshold is 0, the one that decides best on the chip is taken.
+#[test]
+fn a_threshold_is_set_where_any_plan_has_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let asked = [
+        "compile",
+        "rgc-5x5",
+        "--to",
+        "int-3",
+        "--threshold",
+        "13.13",
+    ];
+    let words = |objective: &[&str]| {
+        let said = json(
+            folder.path(),
+            &[&asked[..], objective, &["--json"]].concat(),
+        );
+        said["words"].clone()
+    };
+    assert_eq!(words(&[]), words(&["--objective", "events"]));
+    let said = good(folder.path(), &asked);
+    assert!(!said.contains("any change fires"), "{said}");
+}
+
 /// A threshold that no light reaches is told, one within reach is not; an input that is its own result
 /// is not taken for nothing.
 #[test]
