@@ -15,6 +15,7 @@ pub mod quantisation;
 pub mod rate;
 pub mod report;
 pub mod saturation;
+pub mod spread;
 pub mod sweep;
 pub mod together;
 pub mod trade;

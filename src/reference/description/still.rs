@@ -1,14 +1,11 @@
 //! Whether a scene that is still from its first frame on fires.
 
-use crate::kernel::Kernel;
+use crate::{kernel::Kernel, reference::thresholds};
 
 use super::{Border, Channel, Description};
 
 /// What the released code adds to a distance before it divides by the threshold.
 const TIE: f64 = 1e-9;
-
-/// The least share of its threshold that a mismatch leaves of it.
-const LEAST: f64 = 1.0 / 20.0;
 
 impl Description {
     /// Where a still scene fires without noise: how far what a cell sees may be from its memory at
@@ -35,8 +32,14 @@ impl Channel {
         let cells = self.kernels.iter().zip(&self.thresholds);
         let mut reached = cells.flat_map(|(kernel, threshold)| {
             let [least, most] = first_distance([kernel, memory], signal);
-            let held = if threshold.sigma > 0.0 { LEAST } else { 1.0 };
-            [[most, held * threshold.on], [-least, held * threshold.off]]
+            let held = |nominal| {
+                if threshold.sigma > 0.0 {
+                    thresholds::least(nominal)
+                } else {
+                    nominal
+                }
+            };
+            [[most, held(threshold.on)], [-least, held(threshold.off)]]
         });
         reached.find(|[distance, threshold]| distance + TIE >= *threshold)
     }

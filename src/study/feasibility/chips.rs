@@ -9,8 +9,8 @@
 //! at the high end of its interval, all others at their values.
 
 use super::{
-    FeasibilityError, Question, draw::Drawn, named::Named, power::worked, spread::Spread,
-    time::Words, tornado::Turn,
+    FeasibilityError, Question, draw::Drawn, named::Named, power::worked, time::Words,
+    tornado::Turn,
 };
 use crate::{
     array::{Arithmetic, Array},
@@ -25,6 +25,7 @@ use crate::{
         design::Compiled,
         equivalent::{Ladder, Likeness},
         expanded::{Expanded, WORK},
+        spread::Spread,
     },
     unit::Micros,
 };

@@ -27,7 +27,6 @@ mod runs;
 mod several;
 mod shared;
 mod snapshot;
-pub mod spread;
 pub mod stream;
 pub mod time;
 pub mod tornado;

@@ -8,7 +8,10 @@ use super::{
 };
 use crate::{
     isa::Evidence,
-    study::feasibility::{Feasibility, chips::OverChips, named::FigureSummary, spread::Spread},
+    study::{
+        feasibility::{Feasibility, chips::OverChips, named::FigureSummary},
+        spread::Spread,
+    },
 };
 
 /// The headlines over the chips, and the numbers that were drawn; nothing where none were.

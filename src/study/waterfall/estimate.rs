@@ -1,6 +1,6 @@
 //! A share that some chips on some tiles give, and between what it lies.
 
-use crate::elementary;
+use crate::{elementary, study::spread::Spread};
 
 /// How many standard deviations of a normal distribution 10 and 90 % are from its middle.
 const SIGMAS_OF_80_PERCENT: f64 = 1.281_551_565_545;
@@ -65,7 +65,8 @@ impl Estimate {
             0.0
         };
         let tiles = SIGMAS_OF_80_PERCENT * variance.sqrt();
-        let [low, high] = spread(&self.chips);
+        let chips = Spread::new(&self.chips);
+        let [low, high] = chips.map_or([middle; 2], |chips| [chips.p10, chips.p90]);
         [
             middle - elementary::hypot(middle - low, tiles),
             middle + elementary::hypot(high - middle, tiles),
@@ -75,18 +76,6 @@ impl Estimate {
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// What 10 and 90 % of the values are below, on straight lines between them.
-fn spread(values: &[f64]) -> [f64; 2] {
-    let mut values = values.to_vec();
-    values.sort_by(f64::total_cmp);
-    [0.1, 0.9].map(|part| {
-        let at = part * values.len().saturating_sub(1) as f64;
-        let below = values.get(at.floor() as usize).copied().unwrap_or(0.0);
-        let above = values.get(at.ceil() as usize).copied().unwrap_or(below);
-        below + (above - below) * at.fract()
-    })
 }
 
 #[cfg(test)]
@@ -106,14 +95,5 @@ mod tests {
         let [low, high] = tiles.range();
         assert!((3.0 - low - half).abs() < 1e-12 && (high - 3.0 - half).abs() < 1e-12);
         assert_eq!(Estimate::whole(0.25).less(0.125).range(), [0.125; 2]);
-    }
-
-    #[test]
-    fn spreads_lie_on_lines_between_the_values() {
-        let ten: Vec<f64> = (0..11).rev().map(f64::from).collect();
-        assert_eq!(spread(&ten), [1.0, 9.0]);
-        assert_eq!(spread(&[2.0]), [2.0, 2.0]);
-        let [low, high] = spread(&[0.0, 1.0]);
-        assert!((low - 0.1).abs() < 1e-12 && (high - 0.9).abs() < 1e-12);
     }
 }

@@ -43,6 +43,8 @@ mod tests {
         assert_eq!((spread.p10, spread.median, spread.p90), (1.0, 5.0, 9.0));
         let one = Spread::new(&[3.0]).unwrap();
         assert_eq!((one.p10, one.p90), (3.0, 3.0));
+        let two = Spread::new(&[0.0, 1.0]).unwrap();
+        assert!((two.p10 - 0.1).abs() < 1e-12 && (two.p90 - 0.9).abs() < 1e-12);
         assert!(Spread::new(&[]).is_none());
     }
 }
