@@ -1088,21 +1088,22 @@ fn keys_that_are_known_are_listed_once() {
     assert_eq!(list.matches("`memory`").count(), 1, "{said}");
 }
 
-/// What a table of errors against bits must say: numbers that cannot hold the light, and events
-/// that found no slot.
+/// What a table of errors against bits must say: numbers that cannot hold the light, or what a
+/// program puts into cells, and events that found no slot.
 #[test]
 fn saturated_formats_and_full_slots_are_told() {
     let text = "scene = \"bundled\"\nframes = 3\nkernel = \"rgc-5x5\"\nthreshold = 8\nsum = \"free\"\n\
                 [[side]]\nside = \"reference\"\nformat = [\"f64\", \"q4.4\"]\n\
-                [[side]]\nside = \"array\"\nquantise = \"ternary\"\ndomain = \"exact\"\nreadout = [\"chip\", \"all\"]\n";
+                [[side]]\nside = \"array\"\nquantise = \"ternary\"\ndomain = \"exact\"\nreadout = [\"chip\", \"all\"]\n\
+                [[side]]\nside = \"array\"\nquantise = \"ternary\"\ndomain = \"q7.9\"\nreadout = \"all\"\n";
     let folder = folder(text);
     let run = ["sweep", "study.toml", "-o", "out"];
     let out = amacrine(folder.path(), &run).output().unwrap();
     assert!(out.status.success(), "{out:?}");
     let said = common::line(&out.stderr);
     for words in [
-        "1 of 4 points (here the worst): the readout's slots were full",
-        "1 of 4 points: signals lie at the end of the range of their number format",
+        "1 of 5 points (here the worst): the readout's slots were full",
+        "2 of 5 points: signals lie at the end of the range of their number format",
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }

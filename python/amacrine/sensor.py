@@ -613,7 +613,8 @@ class Sensor(EventSensor):
             rate: Events per pixel and second, all kinds together.
             scale: What makes light from 0 to 255 of the numbers.
 
-        The thresholds are found in ``f64``, whatever the format.
+        The thresholds are found in ``f64``, whatever the format. Warns (:class:`Caution`) where no
+        threshold gives that rate, and takes the nearest.
         """
         given, fps = clips(frames, scale), arguments.rate(fps)
         if given.batched:

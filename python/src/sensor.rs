@@ -20,7 +20,7 @@ use pyo3::prelude::*;
 use crate::{
     chip::{self, Chip, plane},
     error::raised,
-    options::in_python,
+    options::{caution, in_python},
     pool,
     run::Run,
     source::Source,
@@ -159,8 +159,11 @@ impl Sensor {
         let found = source.study(py, self.description.response, || {
             rate::factor(&self.description, rate, seed, &|| source.open())
         })?;
-        let factor = found.map_err(raised)?.factor;
-        Ok(rate::times(&self.description, factor).to_toml())
+        let found = found.map_err(raised)?;
+        if let Some(warning) = Warning::rate(&self.description.name, rate, found.rate) {
+            caution(py, &warning)?;
+        }
+        Ok(rate::times(&self.description, found.factor).to_toml())
     }
 
     /// Its cells as one program of a chip.

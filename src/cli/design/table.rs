@@ -49,7 +49,6 @@ pub(super) fn text(
         "", "to", "remembers", "kept", "least", "words", "store", "frames/s", "front"
     );
     for (i, candidate) in found.candidates.iter().enumerate() {
-        let judged = |kept: f64| candidate.is_judged().then_some(kept);
         let mark = match candidate.on_front {
             _ if found.knee == Some(i) => "knee",
             true => "front",
@@ -62,8 +61,8 @@ pub(super) fn text(
             if i == picked { ">" } else { " " },
             candidate.to.to_string(),
             candidate.memory,
-            kept(judged(candidate.kept), 3),
-            kept(judged(candidate.least_kept), 3),
+            kept(candidate.kept, 3),
+            kept(candidate.least_kept, 3),
             candidate.words,
             candidate.stored_words,
             candidate.frames_s[0],

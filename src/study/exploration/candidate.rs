@@ -27,7 +27,7 @@ pub struct Candidate {
     /// something to keep; 0 where none has.
     pub kept: f64,
     /// The same of that which keeps least.
-    pub least_kept: f64,
+    pub least_kept: Option<f64>,
     /// Instruction words of a frame.
     pub words: u64,
     /// Instruction words that the program takes of the store.
@@ -122,9 +122,14 @@ impl std::fmt::Display for Refused {
 }
 
 impl Candidate {
+    /// What it keeps; less than anything where there is nothing to keep.
+    fn worth(&self) -> f64 {
+        self.kept.unwrap_or(f64::NEG_INFINITY)
+    }
+
     /// What is to be high: kept, fewer words, frames a second at least.
     fn merits(&self) -> [f64; 3] {
-        [self.kept, -(self.words as f64), self.frames_s[0]]
+        [self.worth(), -(self.words as f64), self.frames_s[0]]
     }
 
     /// At least as good in everything, and better in something.
@@ -132,14 +137,6 @@ impl Candidate {
         let (own, theirs) = (self.merits(), other.merits());
         let pairs = || own.iter().zip(&theirs);
         pairs().all(|(own, theirs)| own >= theirs) && pairs().any(|(own, theirs)| own > theirs)
-    }
-}
-
-impl Candidate {
-    /// Whether any kind has something to keep; else what is kept is no number.
-    #[must_use]
-    pub fn is_judged(&self) -> bool {
-        self.kinds.iter().any(|kind| kind.silicon.kept.is_some())
     }
 }
 
@@ -151,12 +148,13 @@ impl Exploration {
 
     /// Finds the front and its knee.
     pub(super) fn choose(&mut self) {
-        self.candidates.order_by(|a, b| b.kept.total_cmp(&a.kept));
+        self.candidates
+            .order_by(|a, b| b.worth().total_cmp(&a.worth()));
         let beaten: Vec<bool> = { self.candidates.iter() }
             .map(|one| self.candidates.iter().any(|other| other.beats(one)))
             .collect();
         for (candidate, beaten) in self.candidates.iter_mut().zip(beaten) {
-            candidate.on_front = !beaten && candidate.is_judged();
+            candidate.on_front = !beaten && candidate.kept.is_some();
         }
         // What cannot follow the scene is taken only where nothing can.
         let follows = |it: &Candidate| it.frames_s[0] >= self.fps;
@@ -165,13 +163,13 @@ impl Exploration {
             let all = self.candidates.iter().enumerate();
             all.filter(move |(_, it)| it.on_front && (!any || follows(it)))
         };
-        let most = able().map(|(_, it)| it.kept).fold(f64::MIN, f64::max);
+        let most = able().map(|(_, it)| it.worth()).fold(f64::MIN, f64::max);
         // Where nothing is kept, the shortest program is no better than any other.
         if most <= 0.0 {
             return;
         }
         let enough = most * NEARLY;
-        let near = able().filter(|(_, it)| it.kept >= enough);
+        let near = able().filter(|(_, it)| it.worth() >= enough);
         self.knee = near.min_by_key(|(_, it)| it.words).map(|(at, _)| at);
     }
 }

@@ -414,10 +414,8 @@ impl Found {
             to: self.to,
             memory: together::name(self.memory),
             remembers: self.memory,
-            kept: kept.iter().sum::<f64>() / kept.len().max(1) as f64,
-            least_kept: { kept.iter().copied() }
-                .min_by(f64::total_cmp)
-                .unwrap_or_default(),
+            kept: (!kept.is_empty()).then(|| kept.iter().sum::<f64>() / kept.len() as f64),
+            least_kept: kept.iter().copied().min_by(f64::total_cmp),
             words: compiled.cost.words.0,
             stored_words,
             array_us,

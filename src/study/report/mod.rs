@@ -22,6 +22,7 @@ mod shared;
 mod snapshot;
 mod tornado;
 mod verdict;
+mod warnings;
 mod weights;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -92,6 +93,7 @@ pub fn page_of_several(all: &Several, snapshots: &[Snapshot]) -> String {
 fn parts(all: &Feasibility, snapshot: &Snapshot, place: &Place) -> Markup {
     let parts = [
         Some(verdict::section(all, place)),
+        warnings::section(all),
         Some(snapshot::section(all, snapshot)),
         Some(events::right(all)),
         Some(events::emitted(all)),

@@ -8,7 +8,7 @@ use super::{
     study::Settings, table::Row,
 };
 use crate::{
-    array::{self, Arithmetic},
+    array::{self, Arithmetic, Unheld},
     number::Format,
     plane::Size,
     reference::{Description, MemoryRule},
@@ -75,21 +75,6 @@ fn float_state(description: &Description, format: Format) -> u64 {
         + 8 * moving as u64
 }
 
-/// The chip of an array point.
-pub(super) fn array(
-    settings: &Settings,
-    entry: &Entry,
-    shared: &Shared,
-    row: &mut Row,
-) -> Result<Box<dyn Sensor + Send>, Refusal> {
-    let made = array_of(settings, entry, shared, row)?;
-    let point = &entry.point;
-    let arithmetic: Arithmetic = point.word("domain").unwrap_or_default().parse()?;
-    let seed = point.whole("seed").unwrap_or(0);
-    let all = point.word("readout") == Some("all");
-    made.sensor(arithmetic.with_seed(seed), entry.scene.size, all)
-}
-
 /// The program of an array point, and how its array is worked on.
 pub(super) struct Programmed {
     pub compiled: Compiled,
@@ -110,6 +95,13 @@ impl Programmed {
         } else {
             chip
         })
+    }
+
+    /// Which of the program's numbers cells of this arithmetic do not hold.
+    pub fn unheld(&self, arithmetic: Arithmetic) -> Option<Unheld> {
+        let code = &self.compiled.code;
+        let parts = [&code.init[..], &code.frame];
+        Unheld::of_program(arithmetic, &parts, &self.compiled.device, &self.settings)
     }
 }
 

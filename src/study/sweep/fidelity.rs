@@ -233,11 +233,7 @@ fn array(
         key: format!("{program} {stands} {seed}"),
         left_out: left.join(", "),
         limit,
-        seen: Seen::plain(
-            made.sensor(stands, entry.scene.size, all)?,
-            Arc::clone(&entry.scene),
-            0.0,
-        ),
+        seen: Seen::chip(&made, (stands, all), Arc::clone(&entry.scene))?,
     }))
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde_json::json;
 
 use super::{
-    build::{Float, array, float},
+    build::{Float, array_of, float},
     fidelity,
     key::Side,
     limits::Limits,
@@ -18,6 +18,7 @@ use super::{
     truth::Truth,
 };
 use crate::{
+    array::Arithmetic,
     compare::{metric::Measured, voxel::Bins, window::Point},
     event::{Polarity, address},
     number::Format,
@@ -114,8 +115,12 @@ fn run(
             Seen::float(entry, (&description, seed, format), shared, limits)?
         }
         Side::Array => {
-            let sensor = array(settings, entry, shared, row)?;
-            Seen::plain(sensor, Arc::clone(&entry.scene), 0.0)
+            let made = array_of(settings, entry, shared, row)?;
+            let (point, scene) = (&entry.point, Arc::clone(&entry.scene));
+            let arithmetic: Arithmetic = point.word("domain").unwrap_or_default().parse()?;
+            let arithmetic = arithmetic.with_seed(point.whole("seed").unwrap_or(0));
+            let all = point.word("readout") == Some("all");
+            Seen::chip(&made, (arithmetic, all), scene)?
         }
     };
     measured(settings, entry, shared, limits, (&mut seen, row))

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::{
+    build::Programmed,
     cached_scene::CachedScene,
     drive::driven,
     limits::{Limits, Stop},
@@ -11,6 +12,7 @@ use super::{
     shared::Shared,
 };
 use crate::{
+    array::{Arithmetic, Unheld},
     event::Packet,
     number::Format,
     photoreceptor::Response,
@@ -20,7 +22,7 @@ use crate::{
         guard::{Guard, Warning},
     },
     sensor::Sensor,
-    study::design,
+    study::{design, saturation},
 };
 
 /// A sensor, and what it is shown.
@@ -32,16 +34,19 @@ pub(super) struct Seen {
     pub seconds: f64,
     /// Signals that its numbers cannot hold.
     pub overflow: Overflow,
+    /// Numbers of its program that its cells do not hold.
+    pub unheld: Option<Unheld>,
 }
 
 impl Seen {
-    /// A sensor whose numbers hold all signals, or whose registers have the chip's range.
+    /// A sensor whose numbers hold all signals.
     pub fn plain(sensor: Box<dyn Sensor + Send>, scene: Arc<CachedScene>, seconds: f64) -> Self {
         Self {
             sensor,
             scene,
             seconds,
             overflow: Overflow::new(Format::F64, Response::IDENTITY),
+            unheld: None,
         }
     }
 
@@ -63,6 +68,20 @@ impl Seen {
             sensor: design::float(description, size, seed, format)?,
             scene,
             seconds,
+            unheld: None,
+        })
+    }
+
+    /// A chip with its program.
+    pub fn chip(
+        made: &Programmed,
+        (arithmetic, all): (Arithmetic, bool),
+        scene: Arc<CachedScene>,
+    ) -> Result<Self, Refusal> {
+        Ok(Self {
+            overflow: saturation::of_light(arithmetic, &made.settings),
+            unheld: made.unheld(arithmetic),
+            ..Self::plain(made.sensor(arithmetic, scene.size, all)?, scene, 0.0)
         })
     }
 }
@@ -74,6 +93,7 @@ pub(super) fn watch(
         scene,
         seconds,
         overflow,
+        unheld,
     }: &mut Seen,
     limits: Limits<'_>,
 ) -> Result<(Packet, f64, Vec<Warning>), Refusal> {
@@ -96,7 +116,9 @@ pub(super) fn watch(
         played => played?,
     }
     guard.packet_of(sensor.name(), &packet, &sensor.silence());
-    if let Some(warning) = overflow.warning(sensor.name()) {
+    if let Some(unheld) = unheld {
+        saturation::warn_unheld(&mut guard, sensor.name(), unheld);
+    } else if let Some(warning) = overflow.warning(sensor.name()) {
         guard.warn(warning);
     }
     // A clock may be too coarse for a small scene.
