@@ -381,10 +381,10 @@ pub enum SceneError {
         what: String,
     },
 
-    /// An mp4 that is damaged, or not H.264 in 8 bits.
+    /// An mp4 that is damaged, or not H.264 in 8 or 10 bits.
     #[error("{path}: {what}")]
     #[diagnostic(help(
-        "mp4 is read with H.264 video of whole frames, 8 bits and colour in 4:2:0 (yuv420p) only; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m (interlaced video with -vf yadif)"
+        "mp4 is read with H.264 video of whole frames, 8 or 10 bits and colour in 4:2:0 or 4:2:2 only; anything else: ffmpeg -i FILE -pix_fmt gray clip.y4m (interlaced video with -vf yadif)"
     ))]
     Mp4 {
         /// The file or folder of the scene.

@@ -90,6 +90,16 @@ impl Levels {
         Self::new((0..=u16::MAX).map(light))
     }
 
+    /// Codes of so many bits, 0 to the largest, that are light from 0 to 255.
+    #[must_use]
+    pub fn of_bits(bits: u32) -> Self {
+        if bits == 8 {
+            return Self::bytes();
+        }
+        let most = f64::from((1_u32 << bits) - 1);
+        Self::of_words(|code| f64::from(code) * 255.0 / most)
+    }
+
     fn new(light: impl Iterator<Item = f64>) -> Self {
         let light: Arc<[f64]> = light.collect();
         let codes = (0..=u8::MAX).map(|code| f64::from(code).to_bits());

@@ -124,7 +124,7 @@ impl<R: BufRead + Send> Y4m<R> {
             rate,
             frames,
             next: 0,
-            levels: levels(samples.bits),
+            levels: Levels::of_bits(samples.bits),
             others: Vec::new(),
         })
     }
@@ -198,15 +198,6 @@ impl<R: BufRead + Send> Scene for Y4m<R> {
 /// Bytes held for a frame: as it is coded, twice where that is light, and as light.
 fn held(samples: Samples, size: Size) -> u128 {
     u128::from(samples.frame + samples.luma) + light::PIXEL_BYTES_HELD * size.pixels() as u128
-}
-
-/// What samples of so many bits stand for.
-fn levels(bits: u32) -> Levels {
-    if bits == 8 {
-        return Levels::bytes();
-    }
-    let most = f64::from((1_u32 << bits) - 1);
-    Levels::of_words(|code| f64::from(code) * 255.0 / most)
 }
 
 /// The fields of the header that matter here.

@@ -8,9 +8,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use openh264::{
-    decoder::{DecodeOptions, DecodedYUV, Decoder, Flush},
-    formats::YUVSource,
+use rust_h264::{
+    decoder::{self, OrderedDecoder},
+    nal::parse_annex_b,
 };
 
 use super::{
@@ -21,6 +21,7 @@ use super::{
     turn::Turn,
 };
 use crate::{
+    catch_panic,
     limit::SAMPLE_BYTES,
     plane::Size,
     scene::{
@@ -35,11 +36,14 @@ use crate::{
     },
 };
 
+/// What is said where the decoder panics: such video is damaged.
+const PANIC: &str = "it is damaged";
+
 /// A clip being decoded.
 pub(super) struct H264 {
     path: PathBuf,
     file: BufReader<File>,
-    decoder: Decoder,
+    decoder: OrderedDecoder,
     /// Samples still to be read, in decoding order.
     samples: std::vec::IntoIter<Sample>,
     /// Number of samples read so far.
@@ -49,6 +53,8 @@ pub(super) struct H264 {
     held: u128,
     /// What the container says, and the first parameter set that says anything.
     colour: Colour,
+    /// Bits of a sample, once a picture was decoded, and what samples stand for.
+    depth: Option<(u8, Levels)>,
     turn: Turn,
     /// Length of the size field before each NAL unit, in bytes.
     length_bytes: usize,
@@ -109,7 +115,6 @@ impl H264 {
             1 => Rate::asked_or_assumed(asked),
             _ => Rate::asked_or_found(asked, found, path)?,
         };
-        let mut decoder = Decoder::new().map_err(|e| wrong(format!("no H.264 decoder: {e}")))?;
         let room = MemoryLimit::new(options);
         let mut parameters = Vec::new();
         let mut held = 0;
@@ -118,18 +123,16 @@ impl H264 {
             check_set(path, unit, room, &mut held, &mut colour)?;
             push_unit(&mut parameters, unit);
         }
-        decoder
-            .decode_with_options(&parameters, no_flush())
-            .map_err(|e| wrong(format!("its H.264 parameters cannot be used: {e}")))?;
         let mut clip = Self {
             path: path.into(),
             file,
-            decoder,
+            decoder: OrderedDecoder::new(),
             samples: samples.into_iter(),
             samples_read: 0,
             room,
             held,
             colour,
+            depth: None,
             turn: track.turn,
             length_bytes: track.length_bytes,
             ready: VecDeque::new(),
@@ -140,19 +143,22 @@ impl H264 {
             count,
             next: 0,
         };
+        clip.decode(&parameters)
+            .map_err(|e| wrong(format!("its H.264 parameters cannot be used: {e}")))?;
         // The size is that of the first decoded picture: the one in the container may be of a
         // scaled display.
         clip.fill()?;
         let Some(first) = clip.ready.front() else {
             return Err(clip.wrong("no picture could be decoded"));
         };
-        clip.size = Size::of(first);
+        clip.size = first.size();
         Ok(clip)
     }
 
     /// What its samples are.
     pub fn source(&self) -> Source {
-        self.colour.source()
+        let bits = self.depth.as_ref().map_or(8, |(bits, _)| *bits);
+        self.colour.source(bits.into())
     }
 
     /// How its pictures are turned when they are shown.
@@ -168,39 +174,46 @@ impl H264 {
     }
 
     /// Decodes samples until a picture is ready or the clip is over.
-    ///
-    /// The decoder reorders B-frames, which are shown before a picture that is decoded earlier. It
-    /// must not be flushed before the end, or pictures come out in decoding order.
     fn fill(&mut self) -> Result<(), SceneError> {
         while self.ready.is_empty() && !self.flushed {
             if let Some(sample) = self.samples.next() {
                 let coded = self.read(sample)?;
                 self.samples_read += 1;
-                let decoded = self.decoder.decode_with_options(&coded, no_flush());
-                match decoded {
-                    Ok(Some(picture)) => {
-                        let light = luma(&self.path, self.next, &picture)?;
-                        self.ready.push_back(light);
-                    }
-                    Ok(None) => {}
-                    Err(e) => {
-                        let id = self.samples_read - 1;
-                        return Err(self.wrong(format!("sample {id} cannot be decoded: {e}")));
-                    }
+                if let Err(e) = self.decode(&coded) {
+                    let id = self.samples_read - 1;
+                    return Err(self.wrong(format!("sample {id} cannot be decoded: {e}")));
                 }
             } else {
                 self.flushed = true;
-                match self.decoder.flush_remaining() {
-                    Ok(pictures) => {
-                        for picture in pictures {
-                            self.ready.push_back(luma(&self.path, self.next, &picture)?);
-                        }
-                    }
-                    Err(e) => {
-                        return Err(self.wrong(format!("its last frames cannot be decoded: {e}")));
-                    }
-                }
+                let last = catch_panic::catch_ok(|| self.decoder.flush());
+                let last = last.map_or(Err(PANIC.to_owned()), |pictures| self.keep(pictures));
+                last.map_err(|e| self.wrong(format!("its last frames cannot be decoded: {e}")))?;
             }
+        }
+        Ok(())
+    }
+
+    /// Gives units, each behind a start code, to the decoder, which puts pictures in the order in
+    /// which they are shown.
+    fn decode(&mut self, units: &[u8]) -> Result<(), String> {
+        for unit in &parse_annex_b(units) {
+            let decoded = catch_panic::catch_ok(|| self.decoder.decode_nal(unit));
+            let pictures = decoded.ok_or(PANIC)?.map_err(|e| e.to_string())?;
+            self.keep(pictures)?;
+        }
+        Ok(())
+    }
+
+    fn keep(&mut self, pictures: Vec<decoder::Frame>) -> Result<(), String> {
+        for picture in pictures {
+            let of_it = picture.bit_depth;
+            let depth = || (of_it, Levels::of_bits(of_it.into()));
+            let (bits, levels) = self.depth.get_or_insert_with(depth);
+            if *bits != of_it {
+                return Err(format!("its samples have {bits} bits, and then {of_it}"));
+            }
+            let light = luma(picture, levels);
+            self.ready.push_back(light.ok_or("too few pixels")?);
         }
         Ok(())
     }
@@ -307,10 +320,10 @@ fn check_set(
     let Some(pictures) = Pictures::from_unit(unit) else {
         return Ok(());
     };
-    if let Some(what) = pictures.beyond_decoder() {
+    if let Some(what) = pictures.refusal() {
         return Err(SceneError::Mp4 {
             path: path.into(),
-            what: format!("{what}, which the H.264 decoder does not read"),
+            what,
         });
     }
     *colour = colour.or(pictures.colour);
@@ -324,26 +337,21 @@ fn check_set(
     )
 }
 
-fn no_flush() -> DecodeOptions {
-    DecodeOptions::new().flush_after_decode(Flush::NoFlush)
-}
-
 fn push_unit(coded: &mut Vec<u8>, unit: &[u8]) {
     coded.extend([0, 0, 0, 1]);
     coded.extend(unit);
 }
 
 /// The luma plane of a decoded picture, as coded.
-fn luma(path: &Path, frame: u64, picture: &DecodedYUV<'_>) -> Result<Image, SceneError> {
-    let (width, height) = picture.dimensions();
-    let size = light::checked_size(path, height, width)?;
-    let rows = picture.y().chunks(picture.strides().0.max(1)).take(height);
-    let mut codes = Vec::with_capacity(size.pixels());
-    rows.for_each(|row| codes.extend_from_slice(&row[..width.min(row.len())]));
-    Image::of_bytes(size, codes, Levels::bytes()).ok_or_else(|| SceneError::Mp4 {
-        path: path.into(),
-        what: format!("frame {frame} was decoded to too few pixels"),
-    })
+fn luma(picture: decoder::Frame, levels: &Levels) -> Option<Image> {
+    let side = |n: u32| usize::try_from(n).ok();
+    let size = Size::new(side(picture.height)?, side(picture.width)?);
+    if picture.bytes_per_sample() == 1 {
+        return Image::of_bytes(size, picture.y, levels.clone());
+    }
+    let (pairs, _) = picture.y.as_chunks();
+    let codes = pairs.iter().map(|&pair| u16::from_le_bytes(pair)).collect();
+    Image::of_words(size, codes, levels.clone())
 }
 
 /// The frame rate, from the composition times in their order; an error where they are not evenly

@@ -40,9 +40,9 @@ impl Colour {
         }
     }
 
-    /// The samples of the clip. Where nothing is stated the range is limited, as `FFmpeg`
+    /// The samples of the clip, of so many bits. Where nothing is stated the range is limited, as `FFmpeg`
     /// and `OpenCV` take it.
-    pub fn source(self) -> Source {
+    pub fn source(self, bits: u32) -> Source {
         let range = |is_full| if is_full { Range::Full } else { Range::Limited };
         Source {
             range: self.is_full.map(range),
@@ -53,7 +53,7 @@ impl Colour {
                 Some(13) => Some(Transfer::Srgb),
                 _ => None,
             },
-            ..Source::video(8, Range::Limited)
+            ..Source::video(bits, Range::Limited)
         }
     }
 }

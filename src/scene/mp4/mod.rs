@@ -1,4 +1,4 @@
-//! H.264 in mp4: the boxes and tables are read here, the video by `openh264`; its luma.
+//! H.264 in mp4: the boxes and tables are read here, the video by `rust_h264`; its luma.
 //!
 //! Nothing that the file says about itself is believed before it is held against the bytes that
 //! are there: every box lies in its parent, every table in its box, and no loop is longer than

@@ -28,15 +28,6 @@ impl Chroma {
             _ => Self::Quarter,
         }
     }
-
-    /// Its name, where the decoder does not read it.
-    pub const fn beyond_decoder(self) -> Option<&'static str> {
-        match self {
-            Self::Quarter => None,
-            Self::Half => Some("4:2:2"),
-            Self::Full => Some("4:4:4"),
-        }
-    }
 }
 
 /// The pictures that a decoder must hold.
@@ -61,19 +52,22 @@ pub(super) struct Pictures {
 }
 
 impl Pictures {
-    /// What of them the decoder does not read, where there is such a thing.
-    pub fn beyond_decoder(self) -> Option<String> {
-        if let Some(chroma) = self.chroma.beyond_decoder() {
-            return Some(format!("its colour is coded in {chroma}"));
+    /// Why they are not read, where they are not.
+    pub fn refusal(self) -> Option<String> {
+        if self.chroma == Chroma::Full {
+            return Some("its colour is coded in 4:4:4, which is not read".to_owned());
         }
-        if self.bits != 8 {
-            return Some(format!("its samples have {} bits", self.bits));
+        if ![8, 10].contains(&self.bits) {
+            return Some(format!("its samples have {} bits, not 8 or 10", self.bits));
         }
         if self.has_fields {
-            return Some("it is coded as interlaced video".to_owned());
+            return Some(
+                "it is coded as interlaced video: the lines of a frame are from two moments"
+                    .to_owned(),
+            );
         }
         self.is_lossless
-            .then(|| "it is coded without loss (a high 4:4:4 profile)".to_owned())
+            .then(|| "it is coded without loss (a high 4:4:4 profile), which is not read".to_owned())
     }
 
     /// Reads a NAL unit that is a sequence parameter set; `None` for all other units, and for one
@@ -88,14 +82,20 @@ impl Pictures {
         Bits(BitReader::new(bytes.as_slice())).parameter_set()
     }
 
-    /// Upper bound on the decoder's memory in bytes: frames of 4:2:0 with borders, the reference
-    /// frames and four more that are in work.
+    /// Upper bound on the decoder's memory in bytes: frames with borders and their motion, the
+    /// reference frames, those that wait for their turn, and four more that are in work.
     pub fn bytes(self) -> u128 {
         let border = 64;
-        let frame = u128::from(self.height + border) * u128::from(self.width + border) * 3 / 2;
-        frame * u128::from(self.references + 4)
+        let pixels = u128::from(self.height + border) * u128::from(self.width + border);
+        let halves = if self.chroma == Chroma::Half { 4 } else { 3 };
+        let sample = self.bits.div_ceil(8);
+        let frame = pixels * u128::from(halves * sample + 2) / 2;
+        frame * u128::from(self.references + WAITING + 4)
     }
 }
+
+/// Frames that the decoder holds back at most, until those before them are decoded.
+const WAITING: u64 = 16;
 
 /// Bytes of a parameter set that are looked at; its largest scaling lists take fewer.
 const LONGEST: usize = 4096;
@@ -281,25 +281,24 @@ mod tests {
 
     /// Sets that x264 wrote of 10 bits, of interlaced video, and without loss.
     #[test]
-    fn what_the_decoder_does_not_read_is_named() {
+    fn what_is_not_read_is_named() {
         for (set, words) in [
-            ("676e000aa6cd9447a1000003000100000300140f122596", "10 bits"),
+            ("676e000aa6cd9447a1000003000100000300140f122596", None),
             (
                 "67640015acd9444fcb08000003000800000300a0f8a14cb0",
-                "interlaced",
+                Some("interlaced"),
             ),
             (
                 "67f4000aaeb208f4d9000003000100000300140f122648",
-                "without loss",
+                Some("without loss"),
             ),
         ] {
             let byte = |at| u8::from_str_radix(&set[at..at + 2], 16).unwrap();
             let set: Vec<u8> = (0..set.len()).step_by(2).map(byte).collect();
-            let told = Pictures::from_unit(&set).unwrap().beyond_decoder();
-            assert!(
-                told.clone().is_some_and(|it| it.contains(words)),
-                "{told:?}"
-            );
+            let told = Pictures::from_unit(&set).unwrap().refusal();
+            let as_told = told.clone().zip(words).map(|(told, it)| told.contains(it));
+            assert_eq!(as_told, words.map(|_| true), "{told:?}");
+            assert_eq!(told.is_some(), words.is_some(), "{told:?}");
         }
     }
 
