@@ -509,6 +509,7 @@ fn every_damaged_file_gets_its_message() {
     let mut tested: Vec<&str> = BAD.iter().map(|(name, _)| *name).collect();
     tested.extend([
         "blosc.h5",
+        "gzip.parquet",
         "layout_5.h5",
         "nanoseconds.parquet",
         "prophesee.h5",

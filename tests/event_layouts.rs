@@ -435,6 +435,17 @@ fn numbers_without_a_sign_keep_their_value() {
     );
 }
 
+/// A file of polars, with compression="gzip".
+#[cfg(feature = "parquet")]
+#[test]
+fn a_compression_that_is_not_read_is_named() {
+    let error = file::read(Path::new("tests/bad/event/gzip.parquet")).unwrap_err();
+    let says = "column `t` is stored in a way that is not read: its compression is GZIP";
+    assert!(error.to_string().contains(says), "{error}");
+    let help = error.help().unwrap().to_string();
+    assert_eq!(help, "write it again with compression=\"zstd\"");
+}
+
 #[test]
 fn nanoseconds_are_refused() {
     let error = file::read(Path::new("tests/bad/event/nanoseconds.parquet")).unwrap_err();

@@ -457,6 +457,13 @@ fn pictures_are_of_what_was_asked_for() {
         show(&["c.gif", "--window", "1ms"]),
         "wrote    c.gif: 5 events in 20 frames\n"
     );
+    // An animation has 2000 frames at most.
+    if cfg!(feature = "mcap") {
+        assert_eq!(
+            show(&["c.mcap", "--window", "5us"]),
+            "wrote    c.mcap: 5 events in 4000 frames\n"
+        );
+    }
     assert_eq!(
         show(&["d.apng", "--from", "1ms"]),
         "wrote    d.apng: 2 events in 1 frame\n"

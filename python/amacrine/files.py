@@ -142,7 +142,8 @@ def write(
         names: What the kinds of cells are called, one for each; those that :func:`read` found where
             they are left out. Formats without a place for them leave them out.
         span: From when to when the sensor watched, in seconds; where it is left out, that of the
-            sensor or the file whose events all of these are, else from the first to the last event.
+            sensor or the file whose events all of these are, if it holds them, else from the first
+            to the last event.
         format: Where the extension does not say it.
         compression: Of aedat4: lz4, zstd or none.
 
@@ -154,7 +155,8 @@ def write(
         # Without the field they are of one kind: of several, nobody knows which.
         if names is None and ("channel" in fields_of(given) or given.kinds in (kinds, 1)):
             names = given.names
-        span = given.span if span is None else span
+        # Times that were shifted are no longer of that span.
+        span = _holding(given) if span is None else span
     lost = getattr(given, "dropped", None) or {}
     called = [] if names is None else arguments.names("names", names)
     if called and channels is not None and kinds != len(called):
@@ -173,6 +175,15 @@ def write(
         arguments.word_or_none("format", format, "evt3"),
         arguments.word("compression", compression, "zstd"),
     )
+
+
+def _holding(events: NamedEvents) -> tuple[float, float] | None:
+    """The span that the events know, if all of them are in it."""
+    span = _micros(events.span)
+    if span is None or len(events) == 0:
+        return events.span
+    first, last = int(events["t"].min()), int(events["t"].max())
+    return events.span if span[0] <= first and last <= span[1] else None
 
 
 def _micros(span: Any) -> tuple[int, int] | None:

@@ -34,7 +34,7 @@ class Clips(NamedTuple):
 
     def clip(self, b: int) -> npt.NDArray[Any]:
         """Clip `b`, (T,H,W), row by row; copied only where it does not lie so."""
-        return np.ascontiguousarray(self.all[b])
+        return np.require(self.all[b], requirements=("C", "A"))
 
     @property
     def frames(self) -> int:

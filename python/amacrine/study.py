@@ -222,6 +222,7 @@ def design(
     return _told(Answer.parse(text, rows="candidates"))
 
 
+@arguments.renamed(threshold="thresholds")
 def feasibility(
     kernels: Kernels,
     thresholds: float | Sequence[float] | None = None,

@@ -26,11 +26,14 @@ mod sweep;
 mod tensor;
 mod watcher;
 
+use numpy::PyArray1;
 use pyo3::{prelude::*, wrap_pyfunction};
 
 #[pymodule]
 fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
+    // Numpy is looked up once, here: within a call that Ctrl-C has stopped that would fail.
+    drop(PyArray1::<u8>::zeros(py, 0, false));
     module.add("Error", py.get_type::<error::Error>())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<sensor::Sensor>()?;

@@ -150,6 +150,9 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "old name of a fall": (
         lambda: _any(amacrine.waterfall)("dvs", threshold=20), "it is called thresholds"
     ),
+    "old name of a page": (
+        lambda: _any(amacrine.feasibility)("dvs", threshold=20), "it is called thresholds"
+    ),
     "two thresholds": (
         lambda: amacrine.waterfall("dvs", [1, 2]), "2 thresholds for 1 kernels"
     ),

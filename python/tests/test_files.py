@@ -79,6 +79,10 @@ def test_events_know_their_sensor(tmp_path: Path) -> None:
     assert part.kinds == 2 and part.sensor_size == (20, 30) and part.span is None
     amacrine.write(path, part, span=(0.0, 2.0))
     assert amacrine.about(path).span_us == (0, 2_000_000)
+    later = events.copy()
+    later["t"] += 1_700_000_000_000_000
+    amacrine.write(path, later)
+    assert amacrine.about(path).span_us == (later["t"].min(), later["t"].max())
     with pytest.raises(amacrine.Error, match="two times in seconds"):
         amacrine.write(path, part, span=(2.0, 0.0))
     part["channel"][-1] = 1

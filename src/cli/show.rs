@@ -136,6 +136,9 @@ impl Shown {
 /// The most pages that an animation has.
 const PAGES: u64 = 2000;
 
+/// The most windows of a recording: 5 h at 20 ms.
+const WINDOWS: u64 = 1_000_000;
+
 /// Bytes of an event: as it was read, and by its cell.
 const EACH: u128 = 60;
 
@@ -282,10 +285,15 @@ fn animate(
     let (from, to) = packet.span;
     let window = arguments.window;
     let pages = to.0.saturating_sub(from.0).div_ceil(window.0);
-    if pages > PAGES {
+    let most = if output.ending() == "mcap" {
+        WINDOWS
+    } else {
+        PAGES
+    };
+    if pages > most {
         return Err(miette!(
             help = "make --window longer, or show a part with --from and --to",
-            "{pages} frames of {window}: at most {PAGES} are written"
+            "{pages} frames of {window}: at most {most} are written"
         ));
     }
     if pages == 0 {

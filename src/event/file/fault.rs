@@ -347,6 +347,8 @@ pub enum Fault {
         column: String,
         /// What the reader says.
         why: String,
+        /// What to do about it.
+        way: &'static str,
     },
     /// An HDF5 file without one of the columns.
     #[error("the hdf5 file has no column `{column}`: {why}")]
@@ -450,8 +452,7 @@ impl Fault {
             Self::Column { .. } => {
                 "read are the layouts of DSEC (events/{t,x,y,p}, in microseconds), event_utils (events/{xs,ys,ts,ps}), MVSEC (davis/{left,right}/events) and v2e (events, (N, 4)); docs/formats.md has a line of Python for that of Prophesee"
             }
-            Self::Compressed { .. } => "unpack it first: `h5repack -f NONE IN.h5 OUT.h5`",
-            Self::Header { way, .. } => way,
+            Self::Compressed { way, .. } | Self::Header { way, .. } => way,
             Self::Fields { .. } => {
                 "give one event a line, with as many fields as there are columns: between them commas in csv, blanks in txt and e2vid"
             }

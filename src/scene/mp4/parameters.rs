@@ -66,8 +66,9 @@ impl Pictures {
                     .to_owned(),
             );
         }
-        self.is_lossless
-            .then(|| "it is coded without loss (a high 4:4:4 profile), which is not read".to_owned())
+        self.is_lossless.then(|| {
+            "it is coded without loss (a high 4:4:4 profile), which is not read".to_owned()
+        })
     }
 
     /// Reads a NAL unit that is a sequence parameter set; `None` for all other units, and for one

@@ -4,6 +4,9 @@ use hdf5_pure::{AttrValue, Dataset, Error, File, FormatError};
 
 use super::super::{Fault, Format, Place, fault::Stop, origin::Origin};
 
+/// What to do about a filter that is not read.
+const UNPACK: &str = "unpack it first: `h5repack -f NONE IN.h5 OUT.h5`";
+
 /// Where the events of a layout that is not read are, and whose it is.
 const OTHERS: [(&str, &str); 1] = [("CD/events", "Prophesee")];
 
@@ -38,7 +41,8 @@ pub fn column(file: &File, path: &str) -> Result<Dataset, Stop> {
         ) = e
     {
         let (column, why) = (path.to_owned(), e.to_string());
-        let fault = Fault::Compressed { column, why };
+        let way = UNPACK;
+        let fault = Fault::Compressed { column, why, way };
         return Err(Stop::Fault(Place::Event(0), fault));
     }
     Ok(column)

@@ -16,7 +16,7 @@ use parquet::{
     },
     errors::{ParquetError, Result as ParquetResult},
     file::{
-        metadata::KeyValue,
+        metadata::{KeyValue, RowGroupMetaData},
         properties::WriterProperties,
         reader::{FileReader, SerializedFileReader},
         writer::SerializedFileWriter,
@@ -162,6 +162,7 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
     });
     let about = columns::about(comment.as_deref(), columns.len())?;
     hold_rows(&*file)?;
+    check_compression(&*file, &columns)?;
     Ok(Reading {
         others: schema.num_columns() > columns.len(),
         file,
@@ -173,6 +174,32 @@ pub(super) fn source(origin: &Origin) -> Result<Reading, Stop> {
         read: 0,
         first: 0,
     })
+}
+
+/// Refuses columns that are packed as this program cannot unpack.
+fn check_compression(file: &dyn FileReader, columns: &[(usize, bool)]) -> Result<(), Stop> {
+    let all = |group| columns.iter().map(move |(number, _)| (group, *number));
+    for (group, number) in file.metadata().row_groups().iter().flat_map(all) {
+        let group: &RowGroupMetaData = group;
+        let column = group.column(number);
+        let packed = column.compression();
+        let name = format!("{packed:?}");
+        if !matches!(
+            packed,
+            Compression::UNCOMPRESSED | Compression::SNAPPY | Compression::ZSTD(_)
+        ) {
+            let fault = Fault::Compressed {
+                column: column.column_path().string(),
+                why: format!(
+                    "its compression is {}; ZSTD, SNAPPY and none are read",
+                    name.split('(').next().unwrap_or_default()
+                ),
+                way: "write it again with compression=\"zstd\"",
+            };
+            return Err(Stop::Fault(Place::Event(0), fault));
+        }
+    }
+    Ok(())
 }
 
 /// Cross-checks the row counts of a file, of its row groups and of their columns.
