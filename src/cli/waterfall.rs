@@ -386,7 +386,7 @@ fn rate_table(steps: &Waterfall, rates: &Rates) -> String {
         }
     }
     if let Some(why) = rates.unjudged() {
-        let _ = writeln!(text, "\n{why}");
+        let _ = writeln!(text, "\n-: {why}");
     }
     text + "\nkept and what the causes take add up to 100. noise alone: events on a still picture, for each of the float sensor's.\n"
 }

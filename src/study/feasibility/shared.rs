@@ -312,7 +312,7 @@ fn loss(kinds: &[SharedKind]) -> String {
         }
         (_, []) => {
             let names = all.join(", ");
-            says.push(format!("No clearly less than {other} keeps: {names}."));
+            says.push(format!("These keep no clearly less than {other}: {names}."));
         }
         (_, losing) => says.push(format!(
             "Clearly less than in a program of their own keep: {}.",
@@ -320,4 +320,73 @@ fn loss(kinds: &[SharedKind]) -> String {
         )),
     }
     says.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::unit::Micros;
+
+    fn kind(name: &str, floor: f64, kept: f64, apart: Option<f64>) -> SharedKind {
+        let silicon = Likeness {
+            kept: Some(kept),
+            window_us: Micros(100),
+            fps: 10.0,
+            f1: 0.5,
+            floor,
+            threshold_equivalent_percent: None,
+            threshold_equivalent_is_least: false,
+            event_ratio: Some(1.0),
+            tuned: None,
+        };
+        SharedKind {
+            name: name.to_owned(),
+            to: "ternary".to_owned(),
+            headline: Some(silicon.into()),
+            kept_apart: apart,
+            exact: None,
+            silicon: Some(silicon),
+        }
+    }
+
+    #[test]
+    fn a_loss_is_told_only_of_what_can_be_judged_and_compared() {
+        let (fine, loses) = (
+            kind("fine", 0.1, 0.8, Some(0.8)),
+            kind("loses", 0.1, 0.2, Some(0.8)),
+        );
+        let (blind, lone) = (
+            kind("blind", 1.0, 1.0, Some(1.0)),
+            kind("lone", 0.1, 0.8, None),
+        );
+        for (kinds, told) in [
+            (
+                &[fine.clone(), fine.clone()][..],
+                "None of them keeps clearly less than in a program of its own.",
+            ),
+            (
+                &[fine.clone(), loses],
+                "Clearly less than in a program of their own keep: loses.",
+            ),
+            (
+                &[blind.clone(), fine.clone()],
+                "blind cannot be judged on this scene. These keep no clearly less than in a program of its own: fine.",
+            ),
+            (&[blind.clone()], "blind cannot be judged on this scene."),
+            (
+                &[lone.clone(), blind],
+                "blind cannot be judged on this scene. Without a program of their own to compare with: lone.",
+            ),
+            (
+                &[lone],
+                "There is no program with a memory in an analogue register to compare it with.",
+            ),
+            (
+                &[fine],
+                "It keeps no clearly less than with a memory in an analogue register.",
+            ),
+        ] {
+            assert_eq!(loss(kinds), told);
+        }
+    }
 }

@@ -143,7 +143,7 @@ fn over_rates(all: &Feasibility, rates: &Rates) -> Markup {
                 }
             }
         }))
-        @if let Some(why) = rates.unjudged() { p { (why) } }
+        @if let Some(why) = rates.unjudged() { p { "None: " (why) } }
         @for line in rates.captions() { p.note { (line) "." } }
         @if !rates.advice().is_empty() {
             ul { @for line in rates.advice() { li { (line) } } }

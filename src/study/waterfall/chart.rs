@@ -106,7 +106,7 @@ impl Rates {
             rates: &fps,
             kept,
             causes: &causes,
-            notes: &{ self.unjudged().map(str::to_owned).into_iter() }
+            notes: &{ self.unjudged().map(|why| format!("-: {why}")).into_iter() }
                 .chain(self.advice())
                 .collect::<Vec<_>>(),
         })
@@ -170,7 +170,7 @@ impl Rates {
     pub fn unjudged(&self) -> Option<&'static str> {
         let is_unknown = |rate: &Rate| rate.headline.kept.is_none();
         self.rates.iter().any(is_unknown).then_some(
-            "-: accident scores as much as anything there, so nothing can be said of what is kept.",
+            "accident scores as much as anything there, so nothing can be said of what is kept.",
         )
     }
 
