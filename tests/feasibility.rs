@@ -243,6 +243,21 @@ fn the_page_stands_alone_and_says_the_numbers() {
     }
     // Every number about hardware has an evidence beside it.
     assert!(all(&page, ".evidence").len() >= 15);
+    let evidence = |what: &str| {
+        let mut rows = all(&page, "tr").into_iter();
+        let row = rows.find(|row| text(*row).starts_with(what)).unwrap();
+        text(
+            row.select(&Selector::parse(".evidence").unwrap())
+                .next()
+                .unwrap(),
+        )
+    };
+    let noise = &numbers["fit"]["on_chip"]["noise"]["temporal"]["evidence"];
+    assert_eq!(evidence("Threshold over noise"), *noise);
+    assert_eq!(evidence("Threshold, where it is compared"), "modelled");
+    // Which end of a bar is which.
+    let legend = text(all(&page, "section[aria-labelledby=decides] .legend")[0]);
+    assert!(legend.contains("at its least") && legend.contains("at its most"));
     let command = numbers["command"].as_str().unwrap();
     assert_eq!(text(all(&page, "pre code")[0]), command);
 }
@@ -765,6 +780,11 @@ fn a_still_scene_gives_a_page_without_events() {
     let page = Html::parse_document(&source);
     is_readable(&page);
     says_the_numbers(&page, &numbers);
+    // Nothing is said of a busiest moment, of most events, or of bars that are not there.
+    assert!(source.contains("The first frame, at 0.000 s, since the float kernel has no event"));
+    for words in ["busiest moment", "keeps most", "The mark in each bar"] {
+        assert!(!source.contains(words), "{words}");
+    }
     // No figure of what is kept, neither on the page nor in the summary.
     assert!(source.contains("nothing to keep: the float kernel has no event"));
     let summary = good(folder.path(), &[&ask[..], &["--fps", "20"]].concat());
@@ -817,13 +837,103 @@ fn the_least_rate_is_that_of_the_slowest_drawn_chip() {
 #[test]
 fn a_window_beyond_the_scene_cannot_judge() {
     let folder = folder();
-    let (_, numbers) = asked(folder.path(), &["--within", "10s"]);
+    let (source, numbers) = asked(folder.path(), &["--within", "10s"]);
     assert_eq!(words(&numbers)["fidelity"], "nothing to keep");
     let headline = numbers["verdict"]["headline"].as_str().unwrap();
     assert!(headline.contains("cannot judge"), "{headline}");
     assert!(numbers["chips_feasible"].is_null());
     let verdict = numbers["verdict"].to_string();
     assert!(verdict.contains("--within"), "{verdict}");
+    // A chip that accident makes perfect is no chip that keeps all, and nothing decides.
+    assert_eq!(number(&numbers, "/stretch/floor"), 1.0);
+    assert!(numbers["ranges"]["kept"].is_null());
+    assert!(numbers["ranges"]["event_ratio"].is_object());
+    for chip in numbers["drawn"].as_array().unwrap() {
+        assert!(chip["kept"].is_null() && chip["is_feasible"] == false);
+    }
+    for turn in numbers["tornado"].as_array().unwrap() {
+        for key in ["kept_at_low", "kept_at_high", "kept_nominal"] {
+            assert!(turn[key].is_null(), "{turn}");
+        }
+        assert!(turn["frames_s_at_low"].is_number());
+    }
+    let page = Html::parse_document(&source);
+    is_readable(&page);
+    says_the_numbers(&page, &numbers);
+    assert!(all(&page, ".tornado").is_empty());
+    for words in [
+        "accident scores nearly as much as anything in what they watched",
+        "None: accident scores as much as anything there",
+        "since this scene cannot tell what they keep",
+        "This scene cannot tell what they keep",
+    ] {
+        assert!(source.contains(words), "{words}");
+    }
+    let kept: Vec<_> = { all(&page, "table.answers td.n").iter() }
+        .map(|cell| text(*cell))
+        .filter(|cell| cell.contains("kept"))
+        .collect();
+    assert!(kept.is_empty(), "{kept:?}");
+    let said = amacrine(folder.path(), &[&ASK[..], &["--within", "10s"]].concat());
+    let said = { said }.assert().success().get_output().clone();
+    let summary = String::from_utf8(said.stdout).unwrap();
+    assert!(summary.starts_with(headline), "{summary}");
+    assert!(!summary.contains("what decides") && !summary.contains("warning:"));
+    let told = String::from_utf8(said.stderr).unwrap();
+    assert!(told.contains("warning: "), "{told}");
+}
+
+/// What few values lose is told beside the output, by the kernel's name where there are several.
+#[test]
+fn warnings_stand_beside_the_verdict() {
+    let folder = folder();
+    let mut ask = ASK;
+    (ask[2], ask[8]) = ("csdvs-3,sobel-x", "ternary");
+    let more = ["--sum", "free", "--chips", "1"];
+    let ask = [&ask[..11], &more].concat();
+    let said = amacrine(folder.path(), &ask);
+    let said = { said }.assert().success().get_output().clone();
+    let (summary, told) = (common::line(&said.stdout), common::line(&said.stderr));
+    assert!(summary.starts_with("Fit together"), "{summary}");
+    assert!(!summary.contains("warning:"), "{summary}");
+    assert!(
+        told.contains("warning: csdvs-3: ") && told.contains("plain DVS"),
+        "{told}"
+    );
+}
+
+/// Numbers that nobody gave a scale, and in which nothing moves.
+#[test]
+fn the_page_says_how_light_was_read_and_what_is_warned_of() {
+    let folder = folder();
+    let still = ndarray::Array3::<f64>::from_elem((3, 32, 40), 0.5);
+    ndarray_npy::write_npy(folder.path().join("still.npy"), &still).unwrap();
+    let mut ask = ASK;
+    (ask[6], ask[12]) = ("still.npy", "1");
+    let more = ["--fps", "20", "-o", "report.html", "--json"];
+    let numbers = json(folder.path(), &[&ask[..], &more].concat());
+    let source = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    let page = Html::parse_document(&source);
+    is_readable(&page);
+    says_the_numbers(&page, &numbers);
+    let light =
+        "Light: numbers as given, transfer as coded; from 0.5 to 0.5 in the 3 frames shown.";
+    assert!(source.contains(light), "{source}");
+    assert!(!source.contains("is linear") && source.contains("was not undone (--transfer"));
+    let told: Vec<_> = { all(&page, "ul.warnings li").into_iter() }
+        .map(text)
+        .collect();
+    assert_eq!(told.len(), numbers["warnings"].as_array().unwrap().len());
+    assert!(told.iter().any(|told| told.contains("--scale")), "{told:?}");
+    let (_, drawn) = asked(folder.path(), &[]);
+    let drawn_page = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(drawn_page.contains("Light: drawn as light, nothing to undo."));
+    assert!(
+        drawn["assumptions"][0]["what"]
+            .as_str()
+            .unwrap()
+            .contains("is linear")
+    );
 }
 
 #[test]
@@ -1078,6 +1188,13 @@ fn a_number_is_explained_down_to_its_sources() {
     assert!(
         noise.contains("0 to 0.2500 LSB") && noise.contains("log-likelihood"),
         "{noise}"
+    );
+    let margin = said("noise.margin");
+    let of = |what: &str| margin.lines().find(|line| line.trim().starts_with(what));
+    assert!(of("noise.margin").unwrap().contains(" guess "), "{margin}");
+    assert!(
+        of("noise.temporal").unwrap().contains(" guess "),
+        "{margin}"
     );
     // A place in the JSON leads to the same chain as the name.
     assert_eq!(said("/power/busy/power/low"), said("power.busy"));

@@ -82,7 +82,10 @@ fn every_view_says_what_it_shows_and_in_which_unit() {
         &["0.00043 s to 0.00053 s: 3 ON, 1 OFF", "3+ ON"],
     );
     has(View::Surface, &["at 0.00053 s; fades by e in 100 us"]);
-    has(View::Cloud, &["t (s)", "x (px)", "all events"]);
+    has(
+        View::Cloud,
+        &["t (s)", "x (px)", "all events", "0.0000", "0.0010"],
+    );
     has(View::Rate, &["t (s)", "ev/s, in bins of 5 us"]);
     has(
         View::Intervals,

@@ -478,6 +478,8 @@ fn where_accident_scores_all_nothing_is_told() {
     let drawing = all.drawing("nothing");
     let dashes = drawing.texts().filter(|text| *text == "-").count();
     assert_eq!(dashes, 2, "one for each rate, beside `kept`");
+    let why = "-: accident scores as much as anything there";
+    assert!(drawing.texts().any(|text| text.starts_with(why)));
 }
 
 fn choice(rates: &[f64], chips: u64) -> Choice {
@@ -895,6 +897,7 @@ mod verb {
         }
         let drawn = fs::read_to_string(at.join("fall.svg")).unwrap();
         assert!(drawn.starts_with("<svg") && drawn.contains("120 frames/s"));
+        assert!(drawn.contains("Where the events of csdvs-3 in ternary went: scamp5"));
         let json: Value = serde_json::from_str(&asked(&["--json"])).unwrap();
         assert_eq!(json["steps"].as_array().unwrap().len(), 11);
         assert!(json["ceiling_fps"].as_f64().unwrap() > 120.0);

@@ -226,7 +226,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
     warnings.extend(missed);
     light::warn(&warnings);
-    let answer = answer?.with(&warnings);
+    let answer = answer?.with(&warnings, light::words(&observation));
     let explain = |what: &String| answer.explain(what, arguments.json);
     let explained = arguments.explain.as_ref().map(explain).transpose()?;
     if let Some(path) = &arguments.output {
@@ -273,16 +273,20 @@ fn ask(
 }
 
 impl Answer {
-    /// Says the warnings of each kernel beside the output, and puts those of the scene before
-    /// them.
-    fn with(mut self, of_scene: &[Warning]) -> Self {
+    /// Says the warnings of each kernel beside the output, puts those of the scene before them, and
+    /// says of the light what was seen.
+    fn with(mut self, of_scene: &[Warning], light: Option<String>) -> Self {
         let kernels = match &mut self {
             Self::One(answer) => std::slice::from_mut(&mut answer.0),
             Self::Several(several, _) => &mut several.kernels,
         };
+        let is_several = kernels.len() > 1;
         for all in kernels {
-            light::warn(&all.warnings);
+            light::warn_of(is_several.then_some(&all.kernel.name), &all.warnings);
             all.warnings.splice(0..0, of_scene.to_owned());
+            if let Some(light) = &light {
+                all.scene.light.clone_from(light);
+            }
         }
         self
     }
@@ -433,15 +437,17 @@ fn list(words: &[impl ToString]) -> String {
 fn summary_of_several(several: &Several) -> String {
     let together = &several.together;
     let mut text = format!("{}\n\n{}\n\n", together.headline, together.says);
+    let names = together.kinds.iter().map(|kind| kind.name.chars().count());
+    let width = names.max().unwrap_or(0).max(22);
     let _ = writeln!(
         text,
-        "{:<22} {:>10} {:>10} {:>14} {:>10}",
+        "{:<width$} {:>10} {:>10} {:>14} {:>10}",
         "in one program", "to", "kept", "as threshold", "alone"
     );
     for kind in &together.kinds {
         let _ = writeln!(
             text,
-            "{:<22} {:>10} {:>10} {:>14} {:>10}",
+            "{:<width$} {:>10} {:>10} {:>14} {:>10}",
             kind.name,
             kind.to,
             equivalent::kept(kind.headline.and_then(|headline| headline.kept), 3),
@@ -458,8 +464,7 @@ fn summary_of_several(several: &Several) -> String {
 
 /// The verdict, and the streams as a table.
 fn summary(all: &Feasibility) -> String {
-    let mut text = light::of_kernels(&all.warnings);
-    let _ = write!(text, "{}\n\n", all.verdict.headline);
+    let mut text = format!("{}\n\n", all.verdict.headline);
     for finding in &all.verdict.findings {
         let _ = writeln!(text, "{:<12} {}", finding.about, finding.says);
     }
@@ -561,8 +566,8 @@ fn over_chips(over: &OverChips) -> String {
         crate::unit::counted(over.chips, "chip"),
         evidence.word()
     );
-    if over.has_nothing_to_keep() {
-        let _ = writeln!(text, "{:<22} {}", "kept", OverChips::NOTHING_TO_KEEP);
+    if let Some(why) = over.unjudged() {
+        let _ = writeln!(text, "{:<22} {why}", "kept");
     }
     let threshold = ranges.threshold_equivalent_percent;
     let rows = [
@@ -581,7 +586,11 @@ fn over_chips(over: &OverChips) -> String {
             );
         }
     }
-    if over.has_nothing_to_keep() {
+    let mut turns = { over.tornado.iter() }
+        .filter_map(|turn| Some((turn, turn.kept()?)))
+        .take(DECIDING)
+        .peekable();
+    if turns.peek().is_none() {
         return text;
     }
     let _ = writeln!(
@@ -589,15 +598,13 @@ fn over_chips(over: &OverChips) -> String {
         "\n{:<26} {:>10} {:>10} {:>10} {:>10}   one number turned, all others as stated",
         "what decides", "low", "high", "kept", "kept"
     );
-    for turn in over.tornado.iter().take(DECIDING) {
+    for (turn, [at_low, at_high, _]) in turns {
         let _ = writeln!(
             text,
-            "{:<26} {:>10} {:>10} {:>10.3} {:>10.3}   {}, {}",
+            "{:<26} {:>10} {:>10} {at_low:>10.3} {at_high:>10.3}   {}, {}",
             turn.figure,
             turn.low,
             turn.high,
-            turn.kept_at_low,
-            turn.kept_at_high,
             turn.unit,
             turn.evidence.word()
         );

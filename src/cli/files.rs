@@ -28,7 +28,7 @@ use crate::{
         file::{self, Compression, FileError, Format, Head, Writer},
     },
     isa::Device,
-    picture::{Drawing, raster, unknown_letter, write_png, write_svg},
+    picture::{Drawing, raster, unknown_letters, write_png, write_svg},
     save::{self, OutputKind, SaveError},
     unit::counted,
 };
@@ -234,9 +234,7 @@ impl Output {
         if self.ending() == "svg" {
             write_svg(&self.path, drawing)
         } else {
-            if let Some(letter) = drawing.texts().find_map(unknown_letter) {
-                self.warn_of_letter(letter, "; an .svg has all");
-            }
+            self.warn_of(&unknown_letters(drawing.texts()), "; an .svg has all");
             write_png(&self.path, &raster(drawing, 2))
         }
     }
@@ -244,14 +242,22 @@ impl Output {
     /// Says that a picture of pixels has a question mark in place of a letter of its texts, where it
     /// has.
     pub(super) fn warn_of_letters<'a>(&self, texts: impl IntoIterator<Item = &'a str>) {
-        if let Some(letter) = texts.into_iter().find_map(unknown_letter) {
-            self.warn_of_letter(letter, "");
-        }
+        self.warn_of(&unknown_letters(texts), "");
     }
 
-    fn warn_of_letter(&self, letter: char, or: &str) {
+    fn warn_of(&self, letters: &[char], or: &str) {
+        /// Of more letters only the number is told.
+        const TOLD: usize = 8;
+        let (told, more) = letters.split_at(letters.len().min(TOLD));
+        let told: Vec<String> = told.iter().map(|letter| format!("`{letter}`")).collect();
+        let who = match (&told[..], more.len()) {
+            ([], _) => return,
+            ([one], 0) => format!("{one} is"),
+            (told, 0) => format!("{} are", told.join(", ")),
+            (told, more) => format!("{} and {more} more are", told.join(", ")),
+        };
         super::complain(&format!(
-            "warning: {}: `{letter}` is drawn as ?: the typeface of pictures has Latin letters{or}\n",
+            "warning: {}: {who} drawn as ?: the typeface of pictures has Latin letters{or}\n",
             self.path.display()
         ));
     }

@@ -150,25 +150,32 @@ pub fn contrast(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "give a number above 0, such as 0.1, which suits 8-bit video".to_owned())
 }
 
-/// What is said of the light in a line, and in another of a frame rate that nobody said; nothing
+/// How samples became light, and what there was of numbers without a scale of their own; none
 /// where there is no scene.
-pub fn line(observation: &Observation) -> String {
-    let Some(light) = observation.light() else {
-        return String::new();
-    };
-    let mut line = format!("light    {light}");
+pub fn words(observation: &Observation) -> Option<String> {
+    let light = observation.light()?;
+    let mut words = light.to_string();
     if light.has_free_scale()
         && let Some((least, most)) = observation.extent()
     {
         let _ = write!(
-            line,
+            words,
             "; from {} to {} in the {} shown",
             brief(least),
             brief(most),
             counted(observation.frames(), "frame")
         );
     }
-    line.push('\n');
+    Some(words)
+}
+
+/// What is said of the light in a line, and in another of a frame rate that nobody said; nothing
+/// where there is no scene.
+pub fn line(observation: &Observation) -> String {
+    let Some(words) = words(observation) else {
+        return String::new();
+    };
+    let mut line = format!("light    {words}\n");
     if let Some(fps) = observation.assumed_fps() {
         let _ = writeln!(
             line,
@@ -206,21 +213,17 @@ pub fn json(observation: &Observation) -> Value {
     json
 }
 
-/// Says each warning beside the output, but for those that are its first lines.
+/// Says each warning beside the output.
 pub fn warn(warnings: &[Warning]) {
-    for warning in warnings.iter().filter(|w| !w.about.is_of_kernel()) {
-        complain(&format!("warning: {warning}\n"));
-    }
+    warn_of(None, warnings);
 }
 
-/// What the output begins with: what few values have taken from a kernel.
-pub fn of_kernels(warnings: &[Warning]) -> String {
-    let of_kernels = warnings.iter().filter(|w| w.about.is_of_kernel());
-    let mut text = String::new();
-    for warning in of_kernels {
-        let _ = writeln!(text, "warning: {warning}");
+/// Says each warning beside the output, and of which of several kernels it is.
+pub fn warn_of(kernel: Option<&String>, warnings: &[Warning]) {
+    let of = kernel.map_or(String::new(), |name| format!("{name}: "));
+    for warning in warnings {
+        complain(&format!("warning: {of}{warning}\n"));
     }
-    text
 }
 
 /// An answer for machines, and what is said of its light.

@@ -192,8 +192,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let (Some(path), [told], [threshold]) = (&arguments.output, &all[..], &thresholds[..]) {
         let scene = arguments.clip.name();
         let title = format!(
-            "Where the events of {} went: {}, threshold {threshold}, {scene}",
-            arguments.kernels, arguments.chip
+            "Where the events of {} in {} went: {}, threshold {threshold}, {scene}",
+            arguments.kernels, arguments.to, arguments.chip
         );
         path.draw(&match &told.rates {
             Some(rates) => rates.drawing(&title),
@@ -223,7 +223,6 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         if all.len() > 1 {
             let _ = writeln!(text, "== {}", told.name);
         }
-        text += &light::of_kernels(&told.steps.warnings);
         let _ = writeln!(
             text,
             "{}\nthat is the chip against a float sensor that decides once a frame too, as quantise and feasibility say it",
@@ -322,8 +321,9 @@ impl Arguments {
             miette::Report::new(error).wrap_err(what)
         })?;
         let mut rates = rates.into_iter();
+        let is_several = names.len() > 1;
         let told = |(name, mut steps): (&String, Waterfall)| {
-            light::warn(&steps.warnings);
+            light::warn_of(is_several.then_some(name), &steps.warnings);
             let mut all = warnings.clone();
             all.append(&mut steps.warnings);
             steps.warnings = all;
@@ -385,8 +385,8 @@ fn rate_table(steps: &Waterfall, rates: &Rates) -> String {
             let _ = writeln!(text, "{line}");
         }
     }
-    if all().any(|rate| rate.headline.kept.is_none()) {
-        text += "\n-: accident scores as much as anything there, so nothing can be said of what is kept.\n";
+    if let Some(why) = rates.unjudged() {
+        let _ = writeln!(text, "\n-: {why}");
     }
     text + "\nkept and what the causes take add up to 100. noise alone: events on a still picture, for each of the float sensor's.\n"
 }

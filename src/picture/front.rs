@@ -6,7 +6,7 @@ use super::{
         axes::{Axis, Scale, axes},
     },
     ink::{self, Ink},
-    text::{LINE, Weight},
+    text::{Face, LINE, Weight},
 };
 use crate::{elementary, order::Order};
 
@@ -169,17 +169,60 @@ fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
     let heading = (names, top + TOP - line - 4.0);
     let what = "on the front, the cheapest first";
     write(drawing, heading, Weight::Heading, what);
-    for (number, dot) in (1..).zip(&front) {
-        let (x, y) = plot.at(dot);
-        drawing.square((x, y), 5.0, colour(dot.side));
-        let place = (x + 7.0, y - line);
-        write(drawing, place, Weight::Plain, &number.to_string());
-        let row = top + TOP + f64::from(number - 1) * line;
+    let places: Vec<Point> = front.iter().map(|dot| plot.at(dot)).collect();
+    for (i, (dot, place)) in front.iter().zip(&places).enumerate() {
+        drawing.square(*place, 5.0, colour(dot.side));
+        let number = i + 1;
+        let row = top + TOP + i as f64 * line;
         let mark = (names + 4.0, row + line / 2.0);
         drawing.square(mark, 4.0, colour(dot.side));
         let text = format!("{number} {} ({:.4})", dot.name, dot.error);
         write(drawing, (names + 14.0, row), Weight::Plain, &text);
     }
+    for (label, place) in labels(&places) {
+        write(drawing, place, Weight::Plain, &label);
+    }
+}
+
+/// Dots closer than this, in points, have one label.
+const NEAR: f64 = 4.0;
+
+/// The numbers of dots, from 1 on, and where they stand: of dots at one place together, as `1-6`,
+/// and above each other where they would cover each other.
+fn labels(dots: &[Point]) -> Vec<(String, Point)> {
+    let line = f64::from(LINE);
+    let is_near = |a: &Point, b: &Point| (a.0 - b.0).abs() < NEAR && (a.1 - b.1).abs() < NEAR;
+    let mut first = 1;
+    let mut taken: Vec<Area> = Vec::new();
+    let mut labels = Vec::new();
+    for together in dots.chunk_by(is_near) {
+        let last = first + together.len() - 1;
+        let label = if last > first {
+            format!("{first}-{last}")
+        } else {
+            first.to_string()
+        };
+        let (x, y) = together[0];
+        let mut place = Area {
+            x: x + 7.0,
+            y: y - line,
+            width: f64::from(Face::new(Weight::Plain, 1).width(&label)),
+            height: line,
+        };
+        while taken.iter().any(|other| covers(place, *other)) {
+            place.y -= line / 2.0;
+        }
+        labels.push((label, (place.x, place.y)));
+        taken.push(place);
+        first = last + 1;
+    }
+    labels
+}
+
+/// Whether two texts cover each other, or stand less than two points side by side.
+fn covers(a: Area, b: Area) -> bool {
+    let is_beside = a.x >= b.right() + 2.0 || b.x >= a.right() + 2.0;
+    !is_beside && a.y < b.bottom() && b.y < a.bottom()
 }
 
 /// The colours of the sides that have dots.
@@ -233,5 +276,16 @@ mod tests {
         assert!(named("1 fast") && named("2 slow") && !named("beaten"));
         assert!(named("a note"));
         assert!(named("reference") && !named("mesh"), "only sides with dots");
+    }
+
+    #[test]
+    fn labels_of_dots_at_one_place_are_one_and_none_covers_another() {
+        let told = labels(&[(10.0, 50.0), (10.0, 51.0), (16.0, 52.0), (300.0, 9.0)]);
+        let names: Vec<&str> = told.iter().map(|(label, _)| label.as_str()).collect();
+        assert_eq!(names, ["1-2", "3", "4"]);
+        let line = f64::from(LINE);
+        assert_eq!(told[0].1, (17.0, 50.0 - line));
+        assert!(told[1].1.1 <= told[0].1.1 - line, "{told:?}");
+        assert_eq!(told[2].1, (307.0, 9.0 - line));
     }
 }

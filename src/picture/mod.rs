@@ -35,7 +35,7 @@ pub use rates::{RatesCause, RatesShow, rates, share_text};
 pub use sheet::{Moment, Show, contact_sheet};
 pub use strip::{StripCell, strip};
 pub use surround::{SurroundShow, relief, surround};
-pub use text::unknown_letter;
+pub use text::unknown_letters;
 pub use trade::{TradeDot, TradeShow, trade};
 pub use waterfall::{Classes, WaterfallShow, WaterfallStep, waterfall};
 pub use write::{write_drawing, write_png, write_svg};

@@ -102,12 +102,17 @@ fn is_drawn(c: char) -> bool {
     get_raster(c, FontWeight::Regular, RasterHeight::Size16).is_some()
 }
 
-/// The first letter of a text of which pixels show a question mark: their typeface has none. An SVG
-/// has all letters.
+/// The letters of texts of which pixels show a question mark, each once: their typeface has none.
+/// An SVG has all letters.
 #[must_use]
-pub fn unknown_letter(text: &str) -> Option<char> {
-    text.chars()
-        .find(|c| !is_drawn(*c) && spelled(*c).is_none())
+pub fn unknown_letters<'a>(texts: impl IntoIterator<Item = &'a str>) -> Vec<char> {
+    let mut unknown = Vec::new();
+    for c in texts.into_iter().flat_map(str::chars) {
+        if !is_drawn(c) && spelled(c).is_none() && !unknown.contains(&c) {
+            unknown.push(c);
+        }
+    }
+    unknown
 }
 
 /// A text in the letters of the typeface.
@@ -180,10 +185,8 @@ mod tests {
         assert_eq!(in_letters("5 µm², 3×2, é"), "5 µm², 3×2, é");
         assert_eq!(in_letters("λ ≥ 1 − τ…"), "lambda >= 1 - tau...");
         assert_eq!(in_letters("眼 a"), "? a");
-        assert_eq!(
-            [unknown_letter("µ² × ≥ λ"), unknown_letter("a 眼")],
-            [None, Some('眼')]
-        );
+        assert!(unknown_letters(["µ² × ≥ λ"]).is_empty());
+        assert_eq!(unknown_letters(["a 眼", "網眼"]), ['眼', '網']);
         for (letter, text) in SPELLED {
             assert!(!is_drawn(letter) && text.chars().all(is_drawn), "{letter}");
         }

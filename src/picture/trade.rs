@@ -363,8 +363,14 @@ fn names(page: &mut Drawing, area: Area, show: &TradeShow<'_>) {
     }
 }
 
+/// With two figures at least, down to microseconds.
 fn seconds(seconds: f64) -> String {
-    let decimals = if seconds < 10.0 { 3 } else { 1 };
+    let decimals = match seconds {
+        s if s >= 10.0 => 1.0,
+        s if s > 0.0 => (1.0 - log10(s).floor()).clamp(3.0, 6.0),
+        _ => 3.0,
+    };
+    let decimals = decimals as usize;
     format!("{seconds:.decimals$}")
 }
 

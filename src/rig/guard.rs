@@ -99,12 +99,6 @@ impl About {
             Self::Rate => "rate",
         }
     }
-
-    /// Whether it is about a kernel, whatever the scene.
-    #[must_use]
-    pub const fn is_of_kernel(self) -> bool {
-        matches!(self, Self::Surround | Self::Lopsided | Self::Clipped)
-    }
 }
 
 /// A guard that has something to say.

@@ -197,6 +197,13 @@ impl Light {
     pub const fn has_free_scale(&self) -> bool {
         matches!(self.samples, Samples::Floats | Samples::Integers)
     }
+
+    /// Whether it is known to rise evenly with the light of the scene: it was drawn, its transfer
+    /// was undone, or whoever made or gave it says that there is none.
+    #[must_use]
+    pub fn is_linear(&self) -> bool {
+        self.transfer != Transfer::AsCoded || self.stated_transfer == Some(Transfer::Linear)
+    }
 }
 
 impl fmt::Display for Light {

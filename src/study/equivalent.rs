@@ -63,6 +63,13 @@ pub struct Likeness {
 }
 
 impl Likeness {
+    /// Whether the scene can judge: the reference has events, and accident scores not nearly as
+    /// much as anything ([`window::can_judge`]).
+    #[must_use]
+    pub fn is_judged(&self) -> bool {
+        self.event_ratio.is_some() && window::can_judge(self.floor)
+    }
+
     /// That accident scores as much as anything, where it does and there is something to keep;
     /// `name` is whose events these are.
     #[must_use]

@@ -258,11 +258,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     {
         super::complain(&warning);
     }
+    light::warn(&asked.warnings);
     if arguments.json {
         super::say(&format!("{}\n", compiled.json(&asked, &device, seconds)));
         return Ok(());
     }
-    let lost = light::of_kernels(&asked.warnings);
     let mut account = compiled.account(&asked, &device, seconds);
     if let Some(to) = arguments.to.0 {
         let scales: Vec<String> = asked.scales.iter().map(|s| format!("{s:.4}")).collect();
@@ -273,12 +273,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         );
     }
     if arguments.output.is_some() {
-        super::say(&format!("{lost}{account}"));
+        super::say(&account);
         return Ok(());
     }
     // What is printed is a program.
     let commented = |text: &str| text.lines().map(comment).collect::<String>();
-    super::say(&commented(&lost));
     super::say(&compiled.text);
     super::say("\n");
     super::say(&commented(&account));

@@ -251,8 +251,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = light::of_kernels(&warnings);
-    text += &table::text(arguments, &found, picked, &light::line(&observation));
+    let mut text = table::text(arguments, &found, picked, &light::line(&observation));
     if let (Some(written), Some(commands)) = (&written, &commands) {
         for path in written.all() {
             text += "wrote    ";

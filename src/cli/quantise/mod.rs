@@ -148,7 +148,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     };
     let warnings = match &answer {
         Some(answer) => answer.warnings.clone(),
-        None => erased(None, kernel, &all),
+        None => {
+            let erased = erased(None, kernel, &all);
+            light::warn(&erased);
+            erased
+        }
     };
     let good: Vec<&Quantised> = { all.iter() }
         .filter_map(|(_, quantised)| quantised.as_ref().ok())
@@ -172,8 +176,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = light::of_kernels(&warnings);
-    let _ = writeln!(text, "{}, sum {}", arguments.kernels, short(sum_of(kernel)));
+    let mut text = format!("{}, sum {}\n", arguments.kernels, short(sum_of(kernel)));
     text += &drawn(kernel.weights());
     if let ([quantised], [row]) = (&good[..], &rows[..]) {
         let _ = writeln!(text, "\n{} x {}", row.to, short(quantised.scale));

@@ -68,6 +68,7 @@ pub(super) fn run(
             quantised: rows.collect(),
         });
     }
+    light::warn(&warnings);
     let observation = Observation::new();
     let mut programs = Vec::new();
     if let Some(thresholds) = thresholds {
@@ -84,7 +85,7 @@ pub(super) fn run(
         crate::cli::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = light::of_kernels(&warnings);
+    let mut text = String::new();
     for (kind, kernel) in all.iter().zip(&kinds.kernels) {
         let _ = writeln!(text, "{}, sum {}", kind.name, short(sum_of(kernel)));
         text += &drawn(kernel.weights());

@@ -4,12 +4,14 @@ use image::RgbImage;
 
 use super::{layout::caption, time::Clock};
 use crate::{
+    elementary,
     event::{Event, Packet, Polarity},
     picture::{
         chart::{Anchor, Area, Drawing, Point, mixed},
         ink,
         text::{LINE, Weight},
     },
+    unit::Micros,
 };
 
 /// At most this many dots are drawn, as more hide each other: beyond, every n-th event is shown,
@@ -107,6 +109,9 @@ fn labels(drawing: &mut Drawing, space: &Box3, packet: &Packet) {
     let line = f64::from(LINE);
     let clock = Clock::of(packet);
     let (from, to) = packet.span;
+    // Two digits at least of how long it lasts.
+    let lasts = Micros(to.0.saturating_sub(from.0)).seconds().max(1e-6);
+    let decimals = (1.0 - elementary::log10(lasts).floor()).clamp(2.0, 6.0) as usize;
     let mut word = |at: Point, anchor, ink, text: String| {
         drawing.text(at, anchor, Weight::Plain, ink, text);
     };
@@ -117,14 +122,14 @@ fn labels(drawing: &mut Drawing, space: &Box3, packet: &Packet) {
         (left.0, below),
         Anchor::Start,
         ink::CAPTION,
-        format!("{:.2}", clock.seconds(from)),
+        format!("{:.decimals$}", clock.seconds(from)),
     );
     word((middle, below), Anchor::Middle, ink::TEXT, "t (s)".into());
     word(
         (right.0, below),
         Anchor::End,
         ink::CAPTION,
-        format!("{:.2}", clock.seconds(to)),
+        format!("{:.decimals$}", clock.seconds(to)),
     );
     let far = space.corner((1, 1, 1));
     let along = (

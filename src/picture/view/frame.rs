@@ -3,7 +3,7 @@
 use image::{Rgb, RgbImage};
 
 use super::{
-    layout::{caption, fitted},
+    layout::{caption, fitted, shortened},
     time::Clock,
     window::{Window, signs},
 };
@@ -64,29 +64,31 @@ pub(super) fn picture<T>(plane: &Plane<T>, ink: impl Fn(&T) -> Ink) -> RgbImage 
     })
 }
 
-/// An event frame with its caption and legend.
+/// An event frame with its caption and legend; of one kind with as many letters of its name as have
+/// room.
 pub(super) fn draw(
     drawing: &mut Drawing,
     area: Area,
     packet: &Packet,
     window: &Window,
-    kind: Option<u8>,
+    kind: Option<(u8, usize)>,
 ) {
     let area = fitted(area, packet);
     let events = window.events(packet);
-    drawing.pixels(area, pixels(events, packet.size, kind));
+    let only = kind.map(|(kind, _)| kind);
+    drawing.pixels(area, pixels(events, packet.size, only));
     drawing.frame(area, 1.0, ink::MATCHED);
     let own: Vec<Event> = events
         .iter()
-        .filter(|e| kind.is_none_or(|k| k == e.channel))
+        .filter(|e| only.is_none_or(|k| k == e.channel))
         .copied()
         .collect();
     let [on, off] = signs(&own);
     let counts = format!("{on} ON, {off} OFF");
-    if let Some(kind) = kind {
+    if let Some((kind, room)) = kind {
         let name = packet.names.get(usize::from(kind)).cloned();
         let name = name.unwrap_or_else(|| format!("kind {kind}"));
-        caption(drawing, area, &name, &[&counts]);
+        caption(drawing, area, &shortened(&name, room), &[&counts]);
         return;
     }
     let when = format!("{}: {counts}", window.text(Clock::of(packet)));

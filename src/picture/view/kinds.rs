@@ -11,13 +11,15 @@ use crate::{
     picture::{
         chart::{Anchor, Area, Drawing},
         ink,
-        text::{LINE, Weight},
+        text::{LINE, Weight, fits},
     },
 };
 
 /// The longer side of a small panel.
 const SMALL: f64 = 170.0;
 const APART: f64 = 14.0;
+/// Letters of a name, which ends before that of its neighbour begins.
+const NAME: usize = fits((SMALL + APART) as u32, Weight::Heading) - 1;
 /// Kinds side by side.
 const ROW: usize = 6;
 
@@ -49,7 +51,7 @@ pub(super) fn height(packet: &Packet) -> f64 {
 pub(super) fn draw(drawing: &mut Drawing, left: f64, top: f64, packet: &Packet, window: &Window) {
     for kind in 0..packet.channels {
         let area = area(packet, left, top, kind.into());
-        frame::draw(drawing, area, packet, window, Some(kind));
+        frame::draw(drawing, area, packet, window, Some((kind, NAME)));
     }
 }
 

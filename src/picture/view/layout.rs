@@ -92,6 +92,21 @@ pub(super) fn fitted(area: Area, packet: &Packet) -> Area {
     }
 }
 
+/// A name in so many letters: of a longer one the middle is left out, since names of kinds begin
+/// alike.
+pub(super) fn shortened(name: &str, room: usize) -> String {
+    const LEFT_OUT: &str = "...";
+    let letters: Vec<char> = name.chars().collect();
+    if letters.len() <= room {
+        return name.to_owned();
+    }
+    let kept = room.saturating_sub(LEFT_OUT.len());
+    let (begin, end) = (kept.div_ceil(2), kept / 2);
+    let begin = letters.iter().take(begin).copied();
+    let end = letters.iter().skip(letters.len() - end).copied();
+    begin.chain(LEFT_OUT.chars()).chain(end).collect()
+}
+
 /// Heading above an area, captions below it.
 pub(super) fn caption(drawing: &mut Drawing, area: Area, heading: &str, below: &[&str]) {
     let line = f64::from(LINE);
@@ -100,5 +115,18 @@ pub(super) fn caption(drawing: &mut Drawing, area: Area, heading: &str, below: &
     for (i, text) in (0..).zip(below) {
         let at = (area.x, area.bottom() + 4.0 + f64::from(i) * line);
         drawing.text(at, Anchor::Start, Weight::Plain, ink::CAPTION, *text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_names_lose_their_middle() {
+        assert_eq!(shortened("centre-on", 9), "centre-on");
+        let east = shortened("brighter to the north-east", 22);
+        assert_eq!(east, "brighter t...orth-east");
+        assert_eq!(shortened("eyes", 3), "...");
     }
 }

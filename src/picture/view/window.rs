@@ -17,7 +17,14 @@ pub(super) struct Window {
 impl Window {
     pub fn new(packet: &Packet, look: &Look<'_>) -> Self {
         let window = Micros(look.window.0.max(1));
-        let to = look.at.unwrap_or_else(|| busiest(&packet.events, window));
+        // Without an event the first window that there is.
+        let (begin, end) = packet.span;
+        let first = Micros(begin.0.saturating_add(window.0)).min(end);
+        let found = || match &packet.events[..] {
+            [] => first,
+            events => busiest(events, window),
+        };
+        let to = look.at.unwrap_or_else(found);
         Self {
             from: Micros(to.0.saturating_sub(window.0)),
             to,
@@ -36,8 +43,11 @@ impl Window {
         packet.events.get(first..until(self.to)).unwrap_or(&[])
     }
 
-    /// `0.120 s to 0.130 s`.
+    /// `0.120 s to 0.130 s`; `at 0 s` where no time has passed.
     pub fn text(&self, clock: Clock) -> String {
+        if self.from == self.to {
+            return format!("at {}", clock.text(self.to));
+        }
         format!("{} to {}", clock.text(self.from), clock.text(self.to))
     }
 }
@@ -78,6 +88,22 @@ mod tests {
         assert_eq!(busiest(&packet.events, Micros(3)), Micros(12));
         assert_eq!(busiest(&packet.events, Micros(11)), Micros(20));
         assert_eq!(busiest(&[], Micros(10)), Micros(0));
+    }
+
+    #[test]
+    fn without_events_it_is_the_first_of_the_packet() {
+        let look = Look {
+            title: "",
+            view: View::Frame,
+            window: Micros(10),
+            at: None,
+        };
+        let mut silent = packet(&[]);
+        let text = |packet: &Packet| Window::new(packet, &look).text(Clock::of(packet));
+        silent.span = (Micros(30), Micros(1000));
+        assert_eq!(text(&silent), "0.00003 s to 0.00004 s");
+        silent.span = (Micros(0), Micros(0));
+        assert_eq!(text(&silent), "at 0 s");
     }
 
     #[test]

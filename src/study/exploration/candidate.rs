@@ -24,8 +24,8 @@ pub struct Candidate {
     #[serde(skip)]
     pub remembers: DriveMemory,
     /// What of F1 is more than accident with the chip's errors, the mean of its kinds that have
-    /// something to keep; 0 where none has.
-    pub kept: f64,
+    /// something to keep; none where none has.
+    pub kept: Option<f64>,
     /// The same of that which keeps least.
     pub least_kept: Option<f64>,
     /// Instruction words of a frame.

@@ -19,7 +19,14 @@ impl Assumption {
         let mut assume = |evidence, what: String| all.push(Self { what, evidence });
         assume(
             Evidence::Modelled,
-            "Light is linear, 0 to 255, and one frame is one shot: both sensors decide once a frame (memory filtered-snap), with zeros beyond the border.".to_owned(),
+            format!(
+                "Light, 0 to 255, {}; one frame is one shot: both sensors decide once a frame (memory filtered-snap), with zeros beyond the border.",
+                if scene.is_linear {
+                    "is linear"
+                } else {
+                    "is what the samples say, and linear only if they are: what codes them, such as the gamma of video, was not undone (--transfer undoes it)"
+                }
+            ),
         );
         if scene.fps_is_assumed {
             assume(

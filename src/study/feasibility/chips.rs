@@ -76,10 +76,17 @@ pub struct Stretch {
     pub floor: f64,
 }
 
+impl Stretch {
+    /// Whether it can tell what chips keep.
+    fn can_judge(&self) -> bool {
+        self.reference_events > 0 && can_judge(self.floor)
+    }
+}
+
 /// The headlines over the chips.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Ranges {
-    /// What of F1 is more than accident; none where nothing can be kept.
+    /// What of F1 is more than accident; none where the scene cannot judge it.
     pub kept: Option<Spread>,
     /// The change of the float sensor's threshold that costs as much, in per cent; none where the
     /// float sensor has no event.
@@ -101,7 +108,7 @@ pub struct DrawnChip {
     pub seed: u64,
     /// Whether it keeps enough and is fast enough.
     pub is_feasible: bool,
-    /// What of F1 is more than accident; none where nothing can be kept.
+    /// What of F1 is more than accident; none where the scene cannot judge it.
     pub kept: Option<f64>,
     /// The window of the matches, in microseconds.
     pub window_us: Micros,
@@ -271,14 +278,15 @@ impl Trial<'_> {
         frames: u64,
     ) -> Result<DrawnChip, CompareError> {
         let device = self.question.device;
+        let likeness = ladder.judge(packet)?;
         let Likeness {
-            kept,
             window_us,
             fps,
             threshold_equivalent_percent,
             event_ratio,
             ..
-        } = ladder.judge(packet)?;
+        } = likeness;
+        let kept = likeness.kept.filter(|_| likeness.is_judged());
         let value = |named| chip.value(named, device);
         let frames_s = self.frames_s(&value, &Demand::new(packet, frames));
         let watts = value(Named::Figure(Figure::Power));
@@ -311,14 +319,17 @@ fn stretch(runs: usize, pixels: usize, words: f64, frames: u64) -> u64 {
 }
 
 impl OverChips {
-    /// What stands in place of what is kept, where it [has nothing to keep](Self::has_nothing_to_keep).
-    pub const NOTHING_TO_KEEP: &str =
-        "nothing to keep: the float kernel has no event in what they watched";
-
-    /// Whether the float kernel has no event in what the chips watched: nothing can be kept.
+    /// What stands in place of what is kept, where what the chips watched cannot judge it.
     #[must_use]
-    pub fn has_nothing_to_keep(&self) -> bool {
-        self.stretch.is_some_and(|it| it.reference_events == 0)
+    pub fn unjudged(&self) -> Option<&'static str> {
+        let stretch = self.stretch?;
+        if stretch.reference_events == 0 {
+            Some("nothing to keep: the float kernel has no event in what they watched")
+        } else if stretch.can_judge() {
+            None
+        } else {
+            Some("accident scores nearly as much as anything in what they watched")
+        }
     }
 
     /// Of all chips that were drawn.
@@ -333,7 +344,7 @@ impl OverChips {
             (!drawn.is_empty()).then(|| count as f64 / drawn.len() as f64)
         };
         let is_fast = |chip: &DrawnChip| chip.frames_s >= chip.fps;
-        let can_judge = stretch.reference_events > 0 && can_judge(stretch.floor);
+        let can_judge = stretch.can_judge();
         let judged = |of: &dyn Fn(&DrawnChip) -> bool| share(of).filter(|_| can_judge);
         let spread = |of: &dyn Fn(&DrawnChip) -> f64| {
             let values: Vec<f64> = drawn.iter().map(of).collect();
@@ -345,7 +356,7 @@ impl OverChips {
         };
         let ranges = || {
             Some(Ranges {
-                kept: known(&|chip| chip.kept),
+                kept: known(&|chip| chip.kept).filter(|_| can_judge),
                 threshold_equivalent_percent: known(&|chip| chip.threshold_equivalent_percent),
                 event_ratio: known(&|chip| chip.event_ratio),
                 frames_s: spread(&|chip| chip.frames_s)?,
@@ -439,6 +450,10 @@ mod tests {
                 (cannot.chips_feasible, cannot.chips_fast_enough),
                 (None, Some(0.75))
             );
+            let ranges = cannot.ranges.unwrap();
+            assert!(ranges.kept.is_none() && ranges.event_ratio.is_some());
+            assert!(cannot.unjudged().is_some());
         }
+        assert!(all.ranges.unwrap().kept.is_some() && all.unjudged().is_none());
     }
 }

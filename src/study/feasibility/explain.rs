@@ -57,6 +57,8 @@ struct Link {
     of: &'static [&'static str],
     /// Whether it depends on all that is drawn.
     is_of_errors: bool,
+    /// Whether it is as well known as the weakest of what it is made of.
+    is_of_inputs: bool,
 }
 
 impl Link {
@@ -73,12 +75,21 @@ impl Link {
             formula,
             of,
             is_of_errors: false,
+            is_of_inputs: false,
         }
     }
 
     /// In a unit.
     const fn unit(self, unit: &'static str) -> Self {
         Self { unit, ..self }
+    }
+
+    /// Worked out from what it is made of alone.
+    const fn of_inputs(self) -> Self {
+        Self {
+            is_of_inputs: true,
+            ..self
+        }
     }
 
     /// Found by running the program with the chip's errors.
@@ -239,7 +250,8 @@ const LINKS: &[Link] = &[
         "/fit/on_chip/noise/margin",
         "threshold / (sqrt(2) x noise of a result): a decision compares two frames",
         &["noise.temporal"],
-    ),
+    )
+    .of_inputs(),
     Link::new(
         "fps",
         "/scene/fps",
@@ -334,6 +346,11 @@ impl Chain<'_> {
         if link.is_of_errors {
             let weakest = figures.iter().map(|figure| figure.interval_evidence);
             evidence = Some(Evidence::weakest(weakest));
+        }
+        if link.is_of_inputs {
+            evidence = Some(Evidence::weakest(
+                inputs.iter().filter_map(|it| it.evidence),
+            ));
         }
         for figure in figures {
             if !named(&inputs, &figure.figure) {

@@ -36,7 +36,7 @@ mod watched;
 pub use answer::{ChipSummary, Chosen, Feasibility, Fit, KernelSummary, Streams};
 pub use ask::ask;
 pub use assumption::Assumption;
-pub use choice::CANDIDATES;
+pub use choice::{ALIKE, CANDIDATES};
 pub use error::FeasibilityError;
 pub use estimate::Estimate;
 pub use explain::explain;

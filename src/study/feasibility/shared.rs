@@ -243,30 +243,7 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
         (_, true, _) => "Fit together, but may be too slow",
         _ => "Fit together",
     };
-    let loses = |kind: &&SharedKind| {
-        let together = kind.headline.and_then(|headline| headline.kept);
-        together
-            .zip(kind.kept_apart)
-            .is_some_and(|(together, apart)| together < apart - LOSS)
-    };
-    let losing: Vec<&str> = kinds
-        .iter()
-        .filter(loses)
-        .map(|kind| kind.name.as_str())
-        .collect();
-    // The other program of a kernel alone is one with another memory.
-    let loss = if losing.is_empty() && count == 1 {
-        "It keeps no clearly less than with a memory in an analogue register.".to_owned()
-    } else if count == 1 {
-        "It keeps clearly less than with a memory in an analogue register.".to_owned()
-    } else if losing.is_empty() {
-        "None of them keeps clearly less than in a program of its own.".to_owned()
-    } else {
-        format!(
-            "Clearly less than in a program of their own keep: {}.",
-            losing.join(", ")
-        )
-    };
+    let loss = loss(kinds);
     (
         headline.to_owned(),
         format!(
@@ -291,4 +268,125 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
             program.against,
         ),
     )
+}
+
+/// Which kernels one program costs something, as far as the scene and programs of their own tell.
+fn loss(kinds: &[SharedKind]) -> String {
+    let is_judged = |kind: &SharedKind| kind.silicon.is_some_and(|it| it.is_judged());
+    let compared = |kind: &SharedKind| {
+        let together = kind.headline?.kept.filter(|_| is_judged(kind))?;
+        Some((together, kind.kept_apart?))
+    };
+    let loses =
+        |kind: &SharedKind| compared(kind).is_some_and(|(together, apart)| together < apart - LOSS);
+    let named = |is: &dyn Fn(&SharedKind) -> bool| -> Vec<&str> {
+        let those = kinds.iter().filter(|kind| is(kind));
+        those.map(|kind| kind.name.as_str()).collect()
+    };
+    // The other program of a kernel alone is one with another memory.
+    let other = match kinds {
+        [_] => "with a memory in an analogue register",
+        _ => "in a program of its own",
+    };
+    let mut says = Vec::new();
+    let unjudged = named(&|kind| !is_judged(kind));
+    if !unjudged.is_empty() {
+        let names = unjudged.join(", ");
+        says.push(format!("{names} cannot be judged on this scene."));
+    }
+    let lone = named(&|kind| is_judged(kind) && kind.kept_apart.is_none());
+    if !lone.is_empty() {
+        let names = lone.join(", ");
+        says.push(match kinds {
+            [_] => format!("There is no program {other} to compare it with."),
+            _ => format!("Without a program of their own to compare with: {names}."),
+        });
+    }
+    let (losing, all) = (named(&loses), named(&|kind| compared(kind).is_some()));
+    match (kinds, &losing[..]) {
+        _ if all.is_empty() => {}
+        ([_], []) => says.push(format!("It keeps no clearly less than {other}.")),
+        ([_], _) => says.push(format!("It keeps clearly less than {other}.")),
+        (_, []) if all.len() == kinds.len() => {
+            says.push(format!("None of them keeps clearly less than {other}."));
+        }
+        (_, []) => {
+            let names = all.join(", ");
+            says.push(format!("These keep no clearly less than {other}: {names}."));
+        }
+        (_, losing) => says.push(format!(
+            "Clearly less than in a program of their own keep: {}.",
+            losing.join(", ")
+        )),
+    }
+    says.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::unit::Micros;
+
+    fn kind(name: &str, floor: f64, kept: f64, apart: Option<f64>) -> SharedKind {
+        let silicon = Likeness {
+            kept: Some(kept),
+            window_us: Micros(100),
+            fps: 10.0,
+            f1: 0.5,
+            floor,
+            threshold_equivalent_percent: None,
+            threshold_equivalent_is_least: false,
+            event_ratio: Some(1.0),
+            tuned: None,
+        };
+        SharedKind {
+            name: name.to_owned(),
+            to: "ternary".to_owned(),
+            headline: Some(silicon.into()),
+            kept_apart: apart,
+            exact: None,
+            silicon: Some(silicon),
+        }
+    }
+
+    #[test]
+    fn a_loss_is_told_only_of_what_can_be_judged_and_compared() {
+        let (fine, loses) = (
+            kind("fine", 0.1, 0.8, Some(0.8)),
+            kind("loses", 0.1, 0.2, Some(0.8)),
+        );
+        let (blind, lone) = (
+            kind("blind", 1.0, 1.0, Some(1.0)),
+            kind("lone", 0.1, 0.8, None),
+        );
+        for (kinds, told) in [
+            (
+                &[fine.clone(), fine.clone()][..],
+                "None of them keeps clearly less than in a program of its own.",
+            ),
+            (
+                &[fine.clone(), loses],
+                "Clearly less than in a program of their own keep: loses.",
+            ),
+            (
+                &[blind.clone(), fine.clone()],
+                "blind cannot be judged on this scene. These keep no clearly less than in a program of its own: fine.",
+            ),
+            (&[blind.clone()], "blind cannot be judged on this scene."),
+            (
+                &[lone.clone(), blind],
+                "blind cannot be judged on this scene. Without a program of their own to compare with: lone.",
+            ),
+            (
+                &[lone],
+                "There is no program with a memory in an analogue register to compare it with.",
+            ),
+            (
+                &[fine],
+                "It keeps no clearly less than with a memory in an analogue register.",
+            ),
+        ] {
+            assert_eq!(loss(kinds), told);
+        }
+    }
 }

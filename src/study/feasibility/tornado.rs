@@ -24,12 +24,13 @@ pub struct Turn {
     pub high: f64,
     /// How well the interval is known.
     pub evidence: Evidence,
-    /// What is kept at the low end.
-    pub kept_at_low: f64,
-    /// What is kept at the high end.
-    pub kept_at_high: f64,
-    /// What is kept with all numbers at their values, on the same stretch.
-    pub kept_nominal: f64,
+    /// What is kept at the low end; none where the scene cannot judge it.
+    pub kept_at_low: Option<f64>,
+    /// What is kept at the high end; none where the scene cannot judge it.
+    pub kept_at_high: Option<f64>,
+    /// What is kept with all numbers at their values, on the same stretch; none where the scene
+    /// cannot judge it.
+    pub kept_nominal: Option<f64>,
     /// Frames a second at most, at the low end.
     pub frames_s_at_low: f64,
     /// Frames a second at most, at the high end.
@@ -37,10 +38,17 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// How much is kept at one end more than at the other, or than between.
+    /// What is kept at the low end, at the high end, and with all numbers at their values.
+    #[must_use]
+    pub fn kept(&self) -> Option<[f64; 3]> {
+        Some([self.kept_at_low?, self.kept_at_high?, self.kept_nominal?])
+    }
+
+    /// How much is kept at one end more than at the other, or than between; 0 where that cannot be
+    /// told.
     #[must_use]
     pub fn swing(&self) -> f64 {
-        let ends = [self.kept_at_low, self.kept_at_high, self.kept_nominal];
+        let Some(ends) = self.kept() else { return 0.0 };
         let most = ends.into_iter().fold(f64::NEG_INFINITY, f64::max);
         most - ends.into_iter().fold(f64::INFINITY, f64::min)
     }
@@ -117,8 +125,10 @@ impl Trial<'_> {
         ladder: &Ladder,
     ) -> Result<Vec<Turn>, CompareError> {
         let device = self.question.device;
-        // Where nothing can be kept, nothing changes it.
-        let kept_of = |packet| Ok::<_, CompareError>(ladder.judge(packet)?.kept.unwrap_or(0.0));
+        let kept_of = |packet| {
+            let likeness = ladder.judge(packet)?;
+            Ok::<_, CompareError>(likeness.kept.filter(|_| likeness.is_judged()))
+        };
         let kept_nominal = kept_of(nominal)?;
         let busy = Demand::new(nominal, self.frames);
         let mut turns = Vec::new();

@@ -14,10 +14,7 @@ use super::{
     tornado::{LITTLE, Turn, decisive},
 };
 use crate::{
-    compare::{
-        metric::Short,
-        window::{CLEAR_FLOOR, can_judge},
-    },
+    compare::{metric::Short, window::CLEAR_FLOOR},
     study::{
         quantisation::Outcome,
         waterfall::{Cause, Rates, Share},
@@ -176,23 +173,22 @@ fn decides(tornado: &[Turn]) -> String {
         return String::new();
     };
     let told = |turn: &Turn| {
-        format!(
-            "{}: {} to {} {} keep {:.2} to {:.2}",
-            turn.figure,
-            short(turn.low),
-            short(turn.high),
-            turn.unit,
-            turn.kept_at_low,
-            turn.kept_at_high
-        )
+        let [at_low, at_high, _] = turn.kept()?;
+        let [low, high] = [turn.low, turn.high].map(short);
+        Some(format!(
+            "{}: {low} to {high} {} keep {at_low:.2} to {at_high:.2}",
+            turn.figure, turn.unit,
+        ))
     };
-    let alike: Vec<String> = others.iter().map(told).collect();
+    let alike: Vec<String> = others.iter().filter_map(told).collect();
     let alike = if alike.is_empty() {
         String::new()
     } else {
         format!(" Nearly as much does {}.", alike.join("; "))
     };
-    let first = told(first);
+    let Some(first) = told(first) else {
+        return String::new();
+    };
     format!(" What decides is {first}, all else as stated.{alike}")
 }
 
@@ -348,7 +344,7 @@ fn kept(judged: &Judged, float_events: u64) -> Finding {
     let [all, most, half] = KEPT;
     let likeness = &judged.likeness;
     let kept = likeness.kept.unwrap_or(0.0);
-    let word = if float_events == 0 || !can_judge(likeness.floor) {
+    let word = if !likeness.is_judged() {
         SILENT
     } else if kept >= all {
         "kept"

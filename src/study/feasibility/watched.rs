@@ -1,6 +1,11 @@
 //! The scene that was watched, in numbers.
 
-use crate::{event::Packet, plane::Size, scene::Scene, unit::Micros};
+use crate::{
+    event::Packet,
+    plane::Size,
+    scene::{Outline, Scene},
+    unit::Micros,
+};
 
 /// The scene.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -19,12 +24,23 @@ pub struct SceneSummary {
     pub fps: f64,
     /// Whether neither the scene nor the caller said so.
     pub fps_is_assumed: bool,
+    /// How its samples became light, in words; the JSON of the program has `light` of its own.
+    #[serde(skip)]
+    pub light: String,
+    /// Whether that is linear.
+    #[serde(skip)]
+    pub is_linear: bool,
 }
 
 impl SceneSummary {
     pub(super) fn new(name: &str, scene: &dyn Scene, frames: u64, packet: &Packet) -> Self {
         let Size { height, width } = scene.size();
         let (from, to) = packet.span;
+        let Outline {
+            coding,
+            fps_is_assumed,
+            ..
+        } = scene.outline();
         Self {
             name: name.to_owned(),
             width,
@@ -32,7 +48,9 @@ impl SceneSummary {
             frames,
             seconds: Micros(to.0.saturating_sub(from.0)).seconds(),
             fps: scene.fps(),
-            fps_is_assumed: scene.outline().fps_is_assumed,
+            fps_is_assumed,
+            light: coding.to_string(),
+            is_linear: coding.is_linear(),
         }
     }
 }

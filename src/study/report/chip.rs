@@ -6,7 +6,10 @@ use super::{
     number,
     part::{Part, cards, part},
 };
-use crate::study::feasibility::{Feasibility, Fit, chip::OnChip, time::Binds};
+use crate::{
+    isa::Evidence,
+    study::feasibility::{Feasibility, Fit, chip::OnChip, time::Binds},
+};
 
 /// Words, registers, time, noise; or why there is no program.
 pub(super) fn section(all: &Feasibility) -> Part {
@@ -21,7 +24,7 @@ pub(super) fn section(all: &Feasibility) -> Part {
                 table {
                     caption { "The program on " (all.chip.title) }
                     (number::head())
-                    tbody { (room(chip)) (time(chip)) (noise(chip)) }
+                    tbody { (room(chip)) (time(chip)) (noise(all, chip)) }
                 }
             }))
             p.note { "Sources go by the short names of the chip's data (isa/" (all.chip.name) "/device.toml, or that of the chip that it extends), which explains them." }
@@ -73,16 +76,24 @@ fn time(chip: &OnChip) -> Markup {
     }
 }
 
-fn noise(chip: &OnChip) -> Markup {
+fn noise(all: &Feasibility, chip: &OnChip) -> Markup {
     let at = |key: &str| format!("/fit/on_chip/noise/{key}");
     let noise = &chip.noise;
+    // The threshold is one of light, which the chip scales.
+    let scale = all.figures.iter().find(|it| it.figure == "light.scale");
+    let scale = scale.map_or(Evidence::Modelled, |scale| scale.interval_evidence);
     html! {
         (number::row("Noise of a result, frame to frame", &at("temporal"), &noise.temporal))
         (number::row("Mismatch of a result, pixel to pixel", &at("fixed"), &noise.fixed))
-        (number::counted("Threshold, where it is compared", "the threshold in LSB of the chip", &html! {
+        (number::worked_out("Threshold, where it is compared", "the threshold in LSB of the chip", &html! {
             (number::plain(&at("threshold_lsb"), noise.threshold_lsb)) " LSB"
-        }))
-        (number::counted("Threshold over noise", "in standard deviations of a difference of two frames", &number::maybe(&at("margin"), noise.margin)))
+        }, scale))
+        (number::worked_out(
+            "Threshold over noise",
+            "in standard deviations of a difference of two frames",
+            &number::maybe(&at("margin"), noise.margin),
+            Evidence::weakest([scale, noise.temporal.evidence]),
+        ))
     }
 }
 

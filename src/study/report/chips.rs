@@ -9,7 +9,7 @@ use super::{
 use crate::{
     isa::Evidence,
     study::{
-        feasibility::{Feasibility, chips::OverChips, named::FigureSummary},
+        feasibility::{Feasibility, named::FigureSummary},
         spread::Spread,
     },
 };
@@ -106,10 +106,10 @@ fn ranges(all: &Feasibility, evidence: Evidence) -> Markup {
         ),
     ];
     html! {
-        @if all.over_chips.has_nothing_to_keep() {
+        @if let Some(why) = all.over_chips.unjudged() {
             tr {
                 th scope="row" { "Kept" }
-                td { (OverChips::NOTHING_TO_KEEP) }
+                td { (why) }
                 td {}
             }
         }

@@ -123,8 +123,8 @@ pub(super) fn right(all: &Feasibility) -> Part {
                     }
                 }
             })) }
-            p.note { "The mark in each bar is the floor. A frame apart, an event may be a frame early or late: what it has more than F1 was there, but not then. "
-                "Kept is what of F1 is more than a redraw of the float kernel\u{2019}s events scores; the threshold is the change of the float sensor\u{2019}s that costs as much; at equal events its threshold was set such that it says as many events, so that what is left is shape and not gain." }
+            @if all.streams.float.events > 0 { p.note { "The mark in each bar is the floor. A frame apart, an event may be a frame early or late: what it has more than F1 was there, but not then. "
+                "Kept is what of F1 is more than a redraw of the float kernel\u{2019}s events scores; the threshold is the change of the float sensor\u{2019}s that costs as much; at equal events its threshold was set such that it says as many events, so that what is left is shape and not gain." } }
         },
     )
 }

@@ -36,14 +36,13 @@ pub(super) fn section(all: &Feasibility) -> Option<Part> {
 /// The numbers that move what is kept, the strongest first, with their places; none where the
 /// scene cannot judge.
 pub(super) fn deciding(all: &Feasibility) -> impl Iterator<Item = (usize, &Turn)> {
-    let over = &all.over_chips;
-    let can_judge = over.chips_feasible.is_some();
-    let turns = over.tornado.iter().enumerate();
-    turns.filter(move |(_, turn)| can_judge && turn.swing() > 0.0)
+    let turns = all.over_chips.tornado.iter().enumerate();
+    turns.filter(|(_, turn)| turn.swing() > 0.0)
 }
 
 fn turned(all: &Feasibility) -> Markup {
-    let Some((first, nominal)) = deciding(all).next() else {
+    let first = deciding(all).next();
+    let Some((first, [.., nominal])) = first.and_then(|(i, turn)| Some((i, turn.kept()?))) else {
         return html! {};
     };
     let between: Vec<String> = deciding(all)
@@ -56,17 +55,22 @@ fn turned(all: &Feasibility) -> Markup {
             format!("{} to {}{unit}, {}", ends[0], ends[1], turn.evidence.word())
         })
         .collect();
-    let bars = deciding(all).zip(&between).map(|((i, turn), between)| Bar {
-        name: &turn.figure,
-        between: between.as_str(),
-        ends: [turn.kept_at_low, turn.kept_at_high],
-        at: ["kept_at_low", "kept_at_high"].map(|end| format!("/tornado/{i}/{end}")),
-    });
+    let bars = deciding(all)
+        .zip(&between)
+        .filter_map(|((i, turn), between)| {
+            let [at_low, at_high, _] = turn.kept()?;
+            Some(Bar {
+                name: &turn.figure,
+                between: between.as_str(),
+                ends: [at_low, at_high],
+                at: ["kept_at_low", "kept_at_high"].map(|end| format!("/tornado/{i}/{end}")),
+            })
+        });
     html! {
         p { "Not all numbers of the chip are public. One of them at a time goes from the least to the most that the public data allow, with all others as stated:" }
         (tornado::chart(&Tornado {
             headline: "what is kept",
-            nominal: nominal.kept_nominal,
+            nominal,
             at: &format!("/tornado/{first}/kept_nominal"),
             bars: bars.collect(),
         }))
@@ -139,6 +143,7 @@ fn over_rates(all: &Feasibility, rates: &Rates) -> Markup {
                 }
             }
         }))
+        @if let Some(why) = rates.unjudged() { p { "None: " (why) } }
         @for line in rates.captions() { p.note { (line) "." } }
         @if !rates.advice().is_empty() {
             ul { @for line in rates.advice() { li { (line) } } }

@@ -156,5 +156,6 @@ fn asked(all: &Feasibility) -> Markup {
             "), with an event where kernel times light, 0 to 255, has moved by more than "
             (number::plain("/threshold", all.threshold)) "."
         }
+        p.note { "Light: " (scene.light) "." }
     }
 }

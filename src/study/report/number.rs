@@ -80,11 +80,20 @@ pub(super) fn row(what: &str, at: &str, value: &Estimate) -> Markup {
 
 /// A row for a number that is counted, not known from elsewhere.
 pub(super) fn counted(what: &str, from: &str, value: &Markup) -> Markup {
+    told(what, from, value, &html! { "counted" })
+}
+
+/// A row for a number that is worked out from others, of which this is the weakest evidence.
+pub(super) fn worked_out(what: &str, from: &str, value: &Markup, weakest: Evidence) -> Markup {
+    told(what, from, value, &evidence(weakest))
+}
+
+fn told(what: &str, from: &str, value: &Markup, how_well: &Markup) -> Markup {
     html! {
         tr {
             th scope="row" { (what) span.source { (from) } }
             td.n { (value) }
-            td { "counted" }
+            td { (how_well) }
         }
     }
 }

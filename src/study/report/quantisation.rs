@@ -9,7 +9,7 @@ use super::{
 };
 use crate::study::{
     equivalent::Likeness,
-    feasibility::Feasibility,
+    feasibility::{ALIKE, Feasibility},
     quantisation::{OnChip, Outcome, Row},
 };
 
@@ -34,8 +34,7 @@ pub(super) fn section(all: &Feasibility) -> Part {
         html! {
             p {
                 "The chip adds, subtracts, halves and shifts; it does not multiply. The kernel became " strong { (chosen.to) }
-                @if chosen.asked_for { ", as asked for" } @else { ", which keeps most events on this scene of those in the table" }
-                ": levels and one scale, " (number::plain("/chosen/scale", chosen.scale))
+                ", " (why(all)) ": levels and one scale, " (number::plain("/chosen/scale", chosen.scale))
                 ", by which the threshold is divided. None of these levels is above 1: they are those of " code { "amacrine quantise" } " divided by a power of two, and the scale is that one's times the same power, so a threshold is divided by one of the two scales, with its own levels. Its relative error is " (number::fixed("/chosen/relative_error", chosen.relative_error, 4)) "."
             }
             div.panels.kernels {
@@ -80,6 +79,36 @@ pub(super) fn section(all: &Feasibility) -> Part {
             p.note { "Events are for each of the float kernel's. Microseconds are those of the array, without readout; registers those of the filter that are live at a time. Words, times and scores are emulated (modelled)." }
         },
     )
+}
+
+/// Why the kernel has these few values.
+fn why(all: &Feasibility) -> String {
+    if all.chosen.asked_for {
+        return "as asked for".to_owned();
+    }
+    let programs = || {
+        all.quantisation
+            .iter()
+            .filter_map(|row| match &row.outcome {
+                Outcome::OnChip(chip) => Some((&row.to, chip)),
+                Outcome::Refused(_) => None,
+            })
+    };
+    let Some((_, own)) = programs().find(|(to, _)| **to == all.chosen.to) else {
+        return "the first of the table that it is to be had in, since none of them has a program"
+            .to_owned();
+    };
+    let f1 = programs().map(|(_, chip)| chip.silicon.f1);
+    let is_best = own.silicon.f1 >= f1.fold(0.0, f64::max);
+    match (own.silicon.is_judged(), is_best) {
+        (true, true) => "which keeps most events on this scene of those in the table".to_owned(),
+        (true, false) => format!(
+            "the shortest program of those in the table whose F1 on this scene is within {ALIKE} of the highest"
+        ),
+        (false, _) => format!(
+            "the shortest program of those in the table whose F1 is within {ALIKE} of the highest, since this scene cannot tell what they keep"
+        ),
+    }
 }
 
 fn row(i: usize, row: &Row, chosen: bool) -> Markup {

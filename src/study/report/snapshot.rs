@@ -26,11 +26,22 @@ pub(super) fn section(all: &Feasibility, snapshot: &Snapshot) -> Part {
     let pale = panel::pale(&frame);
     let seconds = snapshot.at.seconds();
     let when = format!("{seconds:.3} s");
+    let is_silent = all.streams.float.events == 0;
     part(
         "sight",
-        "The busiest moment",
+        if is_silent {
+            "A moment of the scene"
+        } else {
+            "The busiest moment"
+        },
         html! {
-            p { "The frame at " (when) ", at which the float kernel has most events, and what each sensor says of it." }
+            p {
+                @if is_silent {
+                    "The first frame, at " (when) ", since the float kernel has no event on this scene; and what each sensor says of it."
+                } @else {
+                    "The frame at " (when) ", at which the float kernel has most events, and what each sensor says of it."
+                }
+            }
             div.panels {
                 (figure(&frame, &format!("The scene at {when}."), "The scene"))
                 (event_figure(&pale, &snapshot.float, "float kernel", "The float kernel"))

@@ -62,6 +62,20 @@ pub(super) fn chart(tornado: &Tornado<'_>) -> Markup {
         return html! {};
     }
     html! {
+        ul.legend aria-label="Colours" {
+            @for (class, what) in [
+                ("floor", "where the number is at its least"),
+                ("value", "where it is at its most"),
+                ("nominal", "as stated"),
+            ] {
+                li {
+                    svg.patch viewBox="0 0 10 10" aria-hidden="true" focusable="false" {
+                        rect class=(class) width="10" height="10" {}
+                    }
+                    (what)
+                }
+            }
+        }
         (wide("What decides", &html! {
             table.tornado {
                 caption {

@@ -105,8 +105,8 @@ fn task(all: &Feasibility) -> Line {
         None => format!("Not {}: there is no program", all.kernel.name),
     };
     let kept = chosen(all).and_then(|(i, row)| match &row.outcome {
-        Outcome::OnChip(chip) => Some((i, row.headline?, chip.silicon)),
-        Outcome::Refused(_) => None,
+        Outcome::OnChip(chip) if chip.silicon.is_judged() => Some((i, row.headline?, chip.silicon)),
+        Outcome::OnChip(_) | Outcome::Refused(_) => None,
     });
     Line {
         question: "Which task belongs on the sensor?",
@@ -184,7 +184,12 @@ fn emit(all: &Feasibility) -> Line {
 fn trade_offs(all: &Feasibility) -> Line {
     let rows = || {
         let rows = all.quantisation.iter().enumerate();
-        rows.filter_map(|(i, row)| Some((i, row, row.headline?.kept?, words(row)?)))
+        rows.filter_map(|(i, row)| match &row.outcome {
+            Outcome::OnChip(chip) if chip.silicon.is_judged() => {
+                Some((i, row, row.headline?.kept?, chip.words))
+            }
+            Outcome::OnChip(_) | Outcome::Refused(_) => None,
+        })
     };
     let fewest = rows().min_by_key(|(.., words)| *words);
     let most = rows().max_by(|a, b| a.2.total_cmp(&b.2));
@@ -193,7 +198,7 @@ fn trade_offs(all: &Feasibility) -> Line {
         part: "trade-offs",
         answer: match fewest.zip(most) {
             None if all.quantisation.iter().any(|row| words(row).is_some()) => {
-                "Nothing can be kept on this scene".to_owned()
+                "This scene cannot tell what they keep".to_owned()
             }
             None => "No candidate has a program".to_owned(),
             Some((a, b)) if a.0 == b.0 => {
@@ -321,7 +326,7 @@ fn decides(all: &Feasibility) -> Line {
         }
         None => "Nothing: there is no program, or nothing to keep".to_owned(),
     };
-    let number = turn.map(|(i, turn)| moved(i, turn));
+    let number = turn.and_then(|(i, turn)| moved(i, turn));
     Line {
         question: "What decides?",
         part: if fall::is_there(all) {
@@ -339,17 +344,18 @@ fn decides(all: &Feasibility) -> Line {
 }
 
 /// From what to what one number moves what is kept.
-fn moved(i: usize, turn: &Turn) -> Markup {
+fn moved(i: usize, turn: &Turn) -> Option<Markup> {
     let at = |key: &str| format!("/tornado/{i}/{key}");
-    html! {
-        "kept " (number::fixed(&at("kept_at_low"), turn.kept_at_low, 3)) " to "
-        (number::fixed(&at("kept_at_high"), turn.kept_at_high, 3))
+    let [at_low, at_high, _] = turn.kept()?;
+    Some(html! {
+        "kept " (number::fixed(&at("kept_at_low"), at_low, 3)) " to "
+        (number::fixed(&at("kept_at_high"), at_high, 3))
         span.of {
             (turn.figure) " from " (number::plain(&at("low"), turn.low)) " to "
             (number::plain(&at("high"), turn.high))
             @if turn.unit != "1" { " " (number::unit(turn.unit)) }
         }
-    }
+    })
 }
 
 /// What one step takes at the clip's own frame rate.

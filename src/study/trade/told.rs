@@ -149,7 +149,7 @@ impl<M> Told<'_, M> {
     }
 }
 
-/// Less is told as no time at all.
+/// Less is too quick to compare.
 const LEAST: f64 = 0.000_5;
 
 /// How much faster a run is than the full one, where both take a time that can be told, and are not
@@ -180,11 +180,16 @@ pub fn percent(of: Spread) -> String {
     format!("{:.0} %", (100.0 * of.part()).min(999.0))
 }
 
-/// Seconds with three figures or so.
+/// A time with two figures at least, in the unit that suits it.
 #[must_use]
 pub fn seconds(seconds: f64) -> String {
-    if seconds < LEAST {
+    let two = |number: f64| format!("{number:.*}", usize::from(number < 9.95));
+    if seconds < 0.5e-7 {
         "0 s".to_owned()
+    } else if seconds < 0.9995e-3 {
+        format!("{} us", two(1e6 * seconds))
+    } else if seconds < 0.09995 {
+        format!("{} ms", two(1e3 * seconds))
     } else if seconds < 10.0 {
         format!("{seconds:.3} s")
     } else {
@@ -206,5 +211,7 @@ mod tests {
         let near = as_fast(full, of(0.2, 0.3));
         assert_eq!(near, "1.2 times as fast, within what was measured of both");
         assert_eq!(measured(full), "0.300 s ± 7 %");
+        let told = [0.0, 0.000_02, 0.0072, 0.042, 12.34].map(seconds);
+        assert_eq!(told, ["0 s", "20 us", "7.2 ms", "42 ms", "12.3 s"]);
     }
 }

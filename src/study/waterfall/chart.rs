@@ -106,7 +106,9 @@ impl Rates {
             rates: &fps,
             kept,
             causes: &causes,
-            notes: &self.advice(),
+            notes: &{ self.unjudged().map(|why| format!("-: {why}")).into_iter() }
+                .chain(self.advice())
+                .collect::<Vec<_>>(),
         })
     }
 
@@ -161,6 +163,15 @@ impl Rates {
         } else {
             "80 % of the chips"
         }
+    }
+
+    /// What stands in place of what is kept, where accident scores 1 at some rate.
+    #[must_use]
+    pub fn unjudged(&self) -> Option<&'static str> {
+        let is_unknown = |rate: &Rate| rate.headline.kept.is_none();
+        self.rates.iter().any(is_unknown).then_some(
+            "accident scores as much as anything there, so nothing can be said of what is kept.",
+        )
     }
 
     /// What a designer can do about noise; nothing where there is none.
