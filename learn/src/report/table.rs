@@ -12,8 +12,9 @@ impl Report {
         let _ = writeln!(text, "{}", self.summary());
         let width = self.arms.iter().map(String::len).max().unwrap_or(0).max(12);
         let _ = write!(text, "\n{:width$} {:>12} {:>12}", "arm", "events", "bits");
+        let wide = |metric: &Metric| metric.label().len().max(12);
         for metric in &metrics {
-            let _ = write!(text, " {:>12}", metric.label());
+            let _ = write!(text, " {:>1$}", metric.label(), wide(metric));
         }
         text.push_str("      (events and bits: a pixel and pair)\n");
         for arm in &self.arms {
@@ -32,7 +33,8 @@ impl Report {
                 );
                 for (metric, curve) in metrics.iter().zip(&curves) {
                     let quality = curve.points.get(n).map_or(f64::NAN, |point| point.quality);
-                    let _ = write!(text, " {quality:12.0$}", metric.digits());
+                    let (digits, wide) = (metric.digits(), wide(metric));
+                    let _ = write!(text, " {quality:wide$.digits$}");
                 }
                 text.push('\n');
             }
@@ -88,6 +90,13 @@ impl Report {
                 if let Some(verdict) = arm.verdict(headline) {
                     let _ = writeln!(text, "{verdict}");
                 }
+            }
+        }
+        let remarks = self.remarks();
+        if !remarks.is_empty() {
+            text.push_str("\nto be known of arms:\n");
+            for remark in remarks {
+                let _ = writeln!(text, "{remark}");
             }
         }
         if let Some(line) = self.surround_line() {
@@ -153,15 +162,15 @@ impl Report {
         let found = self.surround()?;
         let [low, high] = found.interval;
         Some(format!(
-            "fs-dvs: does a delta before a logarithmic response become centre and surround? {}; its surround weighs {:+.3} of its centre, {} (95 % over {} seeds)",
+            "fs-dvs: does a delta before a logarithmic response become centre and surround? {}; its surround weighs {:+.3} of its centre, {}",
             found.answer(),
             found.mean,
             if low.is_finite() {
-                format!("from {low:+.3} to {high:+.3}")
+                let seeds = found.seeds.len();
+                format!("from {low:+.3} to {high:+.3} (95 % over {seeds} seeds)")
             } else {
-                "one seed tells no interval".to_owned()
+                "and one seed tells no interval".to_owned()
             },
-            found.seeds.len(),
         ))
     }
 }
@@ -174,7 +183,7 @@ pub(super) fn told(difference: Option<&Difference>, metric: Metric) -> String {
     let digits = metric.digits();
     let [low, high] = own.interval;
     if !(low.is_finite() && high.is_finite()) {
-        return format!("{:+.digits$}  no interval  not shown", own.mean);
+        return format!("{:+.digits$}, no interval: not shown", own.mean);
     }
     let over = match (own.photographs, own.seeds) {
         (1, _) => " over seeds alone",
@@ -187,7 +196,7 @@ pub(super) fn told(difference: Option<&Difference>, metric: Metric) -> String {
         (true, false) => "worse",
     };
     format!(
-        "{:+.digits$}  from {low:+.digits$} to {high:+.digits$}{over}  {verdict}",
+        "{:+.digits$}, from {low:+.digits$} to {high:+.digits$}{over}: {verdict}",
         own.mean
     )
 }

@@ -8,6 +8,7 @@ use std::{
 };
 
 use amacrine::{
+    memory::Budget,
     plane::Size,
     save::{self, make_folder},
 };
@@ -16,7 +17,7 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     arm::Arm,
-    record::{self, KernelAt, Record, Row},
+    record::{self, KernelAt, Record, Remark, Row},
     scene::{Clips, Photographs, Video},
     task::{Goal, Origin, Task},
 };
@@ -25,7 +26,7 @@ use super::{
     checkpoint,
     error::TrainError,
     export, lock,
-    on_chip::Sources,
+    on_chip::{Judged, Sources},
     trainee::{State, Trainee},
 };
 
@@ -51,6 +52,29 @@ pub struct Run<'a> {
     held_out: Clips,
 }
 
+/// What is trained of a task, in order.
+#[must_use]
+pub fn jobs(task: &Task) -> Vec<Job<'_>> {
+    let mut jobs = Vec::new();
+    // All arms from one seed come before the next: a run that is stopped has all arms.
+    for seed in &task.seeds {
+        for arm in &task.arms {
+            let targets = if arm.cells().is_some() {
+                &task.targets[..]
+            } else {
+                &[0.0]
+            };
+            let job = |target: &f64| Job {
+                arm,
+                target: *target,
+                seed: *seed,
+            };
+            jobs.extend(targets.iter().map(job));
+        }
+    }
+    jobs
+}
+
 /// How far a job is.
 #[derive(Debug)]
 pub enum Progress<'a> {
@@ -68,6 +92,8 @@ struct Finished {
     identity: String,
     rows: Vec<Row>,
     kernels: Vec<KernelAt>,
+    #[serde(default)]
+    remarks: Vec<String>,
 }
 
 /// Raised where the same task trains to other numbers: runs begun before are then refused.
@@ -84,7 +110,19 @@ impl<'a> Run<'a> {
     /// When there are no photographs, or the folder cannot be made, or holds something and `resume` is
     /// not said.
     pub fn new(task: &'a Task, folder: &Path, resume: bool) -> Result<Self, TrainError> {
-        let (training, held_out, seen) = clips(task)?;
+        Self::within(task, (folder, resume), Budget::from_machine())
+    }
+
+    /// The same with a video that is held within what there may be.
+    ///
+    /// # Errors
+    /// As [`Run::new`].
+    pub fn within(
+        task: &'a Task,
+        (folder, resume): (&Path, bool),
+        memory: Budget,
+    ) -> Result<Self, TrainError> {
+        let (training, held_out, seen) = clips(task, memory)?;
         let begun =
             checkpoint::exists(&folder.join(ARMS)).map_err(|cause| TrainError::Unreadable {
                 path: folder.to_owned(),
@@ -105,6 +143,8 @@ impl<'a> Run<'a> {
         rest.origin = Origin::default();
         rest.scenes.photographs = None;
         rest.scenes.video = None;
+        // How often a checkpoint is written changes nothing; it stands here as it is when left out.
+        rest.checkpoint = 500;
         let mut sum = Sha256::new();
         sum.update(env!("CARGO_PKG_VERSION"));
         sum.update(NUMERICS.to_le_bytes());
@@ -126,24 +166,7 @@ impl<'a> Run<'a> {
     /// What is trained, in order.
     #[must_use]
     pub fn jobs(&self) -> Vec<Job<'a>> {
-        let mut jobs = Vec::new();
-        // All arms from one seed come before the next: a run that is stopped has all arms.
-        for seed in &self.task.seeds {
-            for arm in &self.task.arms {
-                let targets = if arm.cells().is_some() {
-                    &self.task.targets[..]
-                } else {
-                    &[0.0]
-                };
-                let job = |target: &f64| Job {
-                    arm,
-                    target: *target,
-                    seed: *seed,
-                };
-                jobs.extend(targets.iter().map(job));
-            }
-        }
-        jobs
+        jobs(self.task)
     }
 
     /// The clips that are trained on.
@@ -177,6 +200,39 @@ impl<'a> Run<'a> {
         lock::take(&self.folder)
     }
 
+    /// Leaves the task beside what is trained by it, as its file has it; `told` goes behind it as
+    /// comments.
+    ///
+    /// # Errors
+    /// When the folder's run is one of another task, or the file cannot be written.
+    pub fn keep_task(&self, text: &str, told: &[String]) -> Result<(), TrainError> {
+        let path = self.folder.join(KEPT_TASK);
+        let begun = self.folder.join(ARMS).exists();
+        if let (true, Some(changed)) = (begun, self.changed()) {
+            return Err(TrainError::Checkpoint {
+                path,
+                what: checkpoint::another_task(&changed),
+            });
+        }
+        let comments: String = told.iter().map(|line| format!("# {line}\n")).collect();
+        save::save(&path, |out| {
+            writeln!(out, "{}\n", text.trim_end())?;
+            out.write_all(comments.as_bytes())
+        })?;
+        Ok(())
+    }
+
+    /// The first key of the task that is not as in the folder's run, where it keeps its task.
+    fn changed(&self) -> Option<String> {
+        let was = std::fs::read_to_string(self.folder.join(KEPT_TASK)).ok()?;
+        self.task.changed(&Task::parse(KEPT_TASK, &was).ok()?)
+    }
+
+    /// What tells a checkpoint from what it is to be.
+    fn other(&self, theirs: &str, job: &Job<'_>) -> String {
+        checkpoint::other(theirs, &self.identity(job), self.changed().as_deref())
+    }
+
     /// Whether a job was trained and judged.
     ///
     /// # Errors
@@ -193,16 +249,16 @@ impl<'a> Run<'a> {
             Err(cause) => return Err(TrainError::Unreadable { path, cause }),
         };
         let finished: Finished =
-            serde_json::from_slice(&text).map_err(|e| TrainError::Checkpoint {
+            serde_json::from_slice(&text).map_err(|cause| TrainError::Finished {
                 path: path.clone(),
-                what: format!("not what a finished arm leaves: {e}"),
+                cause,
             })?;
         if finished.identity == self.identity(job) {
             return Ok(Some(finished));
         }
         Err(TrainError::Checkpoint {
             path,
-            what: checkpoint::other(&finished.identity, &self.identity(job)),
+            what: self.other(&finished.identity, job),
         })
     }
 
@@ -282,7 +338,8 @@ impl<'a> Run<'a> {
         let mut trainee = if checkpoint::exists(&path).map_err(unreadable)? {
             let mut trainee = Trainee::blank(of, at);
             let counts = [trainee.state.network.0.len(), trainee.state.kernel.0.len()];
-            trainee.state = State::open(&path, &identity, counts)?;
+            let other = |theirs: &str| self.other(theirs, job);
+            trainee.state = State::open(&path, (&identity, &other), counts)?;
             trainee
         } else {
             Trainee::new(of, at, &self.training)?
@@ -303,18 +360,19 @@ impl<'a> Run<'a> {
                 return Ok(());
             }
         }
-        let rows = self.judge(&trainee, Some((&place, &identity)))?;
+        let Judged { rows, remarks } = self.judge(&trainee, Some((&place, &identity)))?;
         let finished = Finished {
             identity,
             rows,
             kernels: trainee.state.history.clone(),
+            remarks,
         };
         let text = serde_json::to_vec(&finished).unwrap_or_default();
         save::save_durably(&place.join(FINISHED), |out| out.write_all(&text))?;
         Ok(())
     }
 
-    /// The rows of an arm as it is; kernels, sensor and program go into the folder that is given, with
+    /// What is measured of an arm as it is; kernels, sensor and program go into the folder that is given, with
     /// what they are of.
     ///
     /// # Errors
@@ -323,12 +381,15 @@ impl<'a> Run<'a> {
         &self,
         trainee: &Trainee<'a>,
         into: Option<(&Path, &str)>,
-    ) -> Result<Vec<Row>, TrainError> {
+    ) -> Result<Judged, TrainError> {
         let rated = trainee.rated(&self.held_out)?;
         let sensor = rated.as_ref().map(|rated| &rated.description);
         let mut rows = trainee.judged(sensor, &self.held_out)?;
         let (Some(rated), Some(applied)) = (&rated, trainee.applied()?) else {
-            return Ok(rows);
+            return Ok(Judged {
+                rows,
+                remarks: Vec::new(),
+            });
         };
         let (name, steps) = (&self.task.name, trainee.state.step);
         let into = into.map(|(place, identity)| {
@@ -346,15 +407,21 @@ impl<'a> Run<'a> {
                 export::kernel(&place.join(format!("kernel-{k}.npy")), weights)?;
             }
             let sensor = trainee.as_built(&rated.description);
-            export::sensor(&place.join("sensor.toml"), &sensor, source)?;
+            let told: Vec<String> = { export::light_noise(self.task.sensor.light_noise) }
+                .into_iter()
+                .collect();
+            export::sensor(&place.join("sensor.toml"), &sensor, (source, &told))?;
         }
         let sources = Sources {
             held_out: &self.held_out,
             training: &self.training,
         };
         let into = { into.as_ref() }.map(|(place, source)| (*place, &**source));
-        rows.extend(trainee.on_chip(&applied, rated, (sources, into))?);
-        Ok(rows)
+        let chip = trainee.on_chip(&applied, rated, (sources, into))?;
+        rows.extend(chip.rows);
+        let mut remarks = chip.remarks;
+        remarks.extend(trainee.far(&rows));
+        Ok(Judged { rows, remarks })
     }
 
     /// What has been measured so far, written to `learn.json`.
@@ -363,11 +430,18 @@ impl<'a> Run<'a> {
     /// When a file cannot be read or written.
     pub fn record(&self) -> Result<Record, TrainError> {
         let mut rows = Vec::new();
-        let mut kernels = Vec::new();
+        let (mut kernels, mut remarks) = (Vec::new(), Vec::new());
         for job in self.jobs() {
             if let Some(finished) = self.finished(&job)? {
                 rows.extend(finished.rows);
                 kernels.extend(finished.kernels);
+                let told = finished.remarks.into_iter().map(|what| Remark {
+                    of: super::name(job.arm, job.target, job.seed),
+                    arm: job.arm.name.clone(),
+                    seed: job.seed,
+                    what,
+                });
+                remarks.extend(told);
             }
         }
         let one = self.task.arms.iter().find(|arm| arm.kinds() == 1);
@@ -385,6 +459,7 @@ impl<'a> Run<'a> {
             parameters: network.map_or(0, |network| network.parameters()),
             rows,
             kernels,
+            remarks,
         };
         let text = serde_json::to_vec(&record).unwrap_or_default();
         save::save(&self.folder.join("learn.json"), |out| out.write_all(&text))?;
@@ -395,16 +470,17 @@ impl<'a> Run<'a> {
 const ARMS: &str = "arms";
 const CHECKPOINT: &str = "checkpoint";
 const FINISHED: &str = "finished.json";
+const KEPT_TASK: &str = "task.toml";
 
 /// Clips to train on, held-out clips, and what tells these sources from others.
-fn clips(task: &Task) -> Result<(Clips, Clips, String), TrainError> {
+fn clips(task: &Task, memory: Budget) -> Result<(Clips, Clips, String), TrainError> {
     let scenes = &task.scenes;
     let crop = Size::new(task.crop, task.crop);
     let large = Size::new(task.test.1, task.test.1);
     let flow = task.goal == Goal::Flow;
     let kept = |clips: Clips| clips.kept(scenes.clips, flow);
     if let Some(video) = &scenes.video {
-        let video = Video::open(video)?;
+        let video = Video::open(video, memory)?;
         let (training, held_out) = video.split();
         return Ok((
             kept(Clips::of_video(&training, crop, scenes.frames, TRAINING)?),
