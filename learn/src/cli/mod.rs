@@ -33,11 +33,7 @@ pub use print::failed;
 
 /// Learns kernels and thresholds of event sensors for a task, and judges them at equal bits.
 #[derive(Debug, Parser)]
-#[command(
-    name = "amacrine-learn",
-    version,
-    subcommand_negates_reqs = true
-)]
+#[command(name = "amacrine-learn", version, subcommand_negates_reqs = true)]
 pub struct Arguments {
     #[command(subcommand)]
     verb: Option<Verb>,
@@ -107,7 +103,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     let budget = arguments.max_memory.unwrap_or_else(Budget::from_machine);
     match (arguments.verb, arguments.run) {
         (Some(_), Some(run)) => Err(miette!(
-            help = "give a task with -o RUN, or one of report, new, schema: `amacrine-learn --help`",
+            help =
+                "give a task with -o RUN, or one of report, new, schema: `amacrine-learn --help`",
             "{} is no option of this verb",
             run.task.display()
         )),

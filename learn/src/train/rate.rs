@@ -3,6 +3,7 @@
 use amacrine::{
     elementary,
     gradient::{Clips as Light, GradientError, Model, Rated, rate_threshold},
+    plane::Size,
     reference::Description,
 };
 
@@ -23,6 +24,10 @@ const FAR: f64 = 0.1;
 /// The first step away from a threshold, of its logarithm, in the search for where its rate ends; and
 /// the last: beyond it rates are those of a still scene.
 const STEPS: [f64; 2] = [1e-5, 1.0];
+
+/// Where thresholds are looked for around the one that meets the target, by their logarithms: those
+/// that are nearest are between steps that single precision alone has.
+const AROUND: [f64; 5] = [0.0, -1e-4, 1e-4, -1e-3, 1e-3];
 
 /// Halvings between a threshold of the same rate and one of another.
 const HALVINGS: u32 = 10;
@@ -59,7 +64,7 @@ impl Trainee<'_> {
             Ok(rated)
                 if self.task.sensor.mismatch == 0.0 && self.task.sensor.light_noise == 0.0 =>
             {
-                self.between_jumps(rated, lit, least)
+                self.between_jumps(rated, (&light, batch.size()), least)
             }
             other => other,
         };
@@ -81,44 +86,72 @@ impl Trainee<'_> {
         })
     }
 
-    /// The same rate in the middle of the thresholds that have it.
+    /// A threshold as near to the target that is the middle of those with its rate, and has this rate
+    /// in double precision too; the one that is given where none is.
     fn between_jumps(
         &self,
         rated: Rated,
-        lit: Light<'_, f32>,
+        (light, size): (&[f32], Size),
         least: f64,
     ) -> Result<Rated, GradientError> {
-        let at = |log: f64| {
-            let mut description = rated.description.clone();
-            for channel in &mut description.channels {
-                for threshold in &mut channel.thresholds {
-                    threshold.on *= elementary::exp(log);
-                    threshold.off *= elementary::exp(log);
-                }
+        let lit = Light::new(light, self.times(), size)?;
+        let double: Vec<f64> = light.iter().copied().map(f64::from).collect();
+        let double = Light::new(&double, self.times(), size)?;
+        let miss = |rated: &Rated| (rated.rate / self.target - 1.0).abs();
+        let mut best: Option<Rated> = None;
+        for log in AROUND {
+            let own = self.middle(&self.scaled(&rated.description, log), lit)?;
+            if own.description.channels[0].thresholds[0].on < least {
+                continue;
             }
-            self.as_it_is(&description, lit)
+            let model = Model::<f64>::new(own.description.clone(), size, self.mismatch())?;
+            let is_nearer = best.as_ref().is_none_or(|best| miss(&own) < miss(best));
+            if is_nearer && model.forward(double)?.rate() == own.rate {
+                best = Some(own);
+            }
+        }
+        Ok(best.unwrap_or(rated))
+    }
+
+    /// The middle of the thresholds that have the rate of a sensor.
+    fn middle(&self, sensor: &Description, lit: Light<'_, f32>) -> Result<Rated, GradientError> {
+        let own = self.as_it_is(sensor, lit)?;
+        let is_same = |log: f64| {
+            self.as_it_is(&self.scaled(sensor, log), lit)
+                .map(|at| at.rate == own.rate)
         };
         let mut ends = [0.0; 2];
         for (end, way) in ends.iter_mut().zip([-1.0, 1.0]) {
             let [mut step, last] = STEPS;
-            while step < last && at(way * step)?.rate == rated.rate {
+            while step < last && is_same(way * step)? {
                 *end = way * step;
                 step *= 4.0;
             }
             let mut beyond = way * step;
             for _ in 0..HALVINGS {
                 let middle = f64::midpoint(*end, beyond);
-                if at(middle)?.rate == rated.rate {
+                if is_same(middle)? {
                     *end = middle;
                 } else {
                     beyond = middle;
                 }
             }
         }
-        let middle = at(f64::midpoint(ends[0], ends[1]))?;
-        let holds =
-            middle.rate == rated.rate && middle.description.channels[0].thresholds[0].on >= least;
-        Ok(if holds { middle } else { rated })
+        let middle = self.scaled(sensor, f64::midpoint(ends[0], ends[1]));
+        let middle = self.as_it_is(&middle, lit)?;
+        Ok(if middle.rate == own.rate { middle } else { own })
+    }
+
+    /// A sensor with thresholds whose logarithms are larger by so much.
+    fn scaled(&self, sensor: &Description, log: f64) -> Description {
+        let mut sensor = sensor.clone();
+        for channel in &mut sensor.channels {
+            for threshold in &mut channel.thresholds {
+                threshold.on *= elementary::exp(log);
+                threshold.off *= elementary::exp(log);
+            }
+        }
+        sensor
     }
 
     /// Which mismatch the arm is judged with.
