@@ -5,7 +5,10 @@ use std::{
     time::{Duration, Instant},
 };
 
-use amacrine::memory::{self, Need};
+use amacrine::{
+    memory::{self, Need},
+    unit::counted,
+};
 use miette::{IntoDiagnostic, Result};
 
 use super::print::say;
@@ -28,11 +31,11 @@ pub(super) fn together(jobs: &[Job<'_>]) -> usize {
 /// An arm that cannot be trained is told of and passed over: the run says what is wrong with it.
 pub(super) fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>], done: usize) -> Result<()> {
     let mut text = format!(
-        "{}: {} arms of {} steps, {} clips of {}x{} in each",
+        "{}: {} of {}, {} of {}x{} in each",
         task.name,
-        jobs.len(),
-        task.steps,
-        task.batch,
+        counted(jobs.len(), "arm"),
+        counted(task.steps, "step"),
+        counted(task.batch, "clip"),
         task.crop,
         task.crop
     );

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use amacrine::unit::counted;
+
 use super::{Report, difference::Difference, metric::Metric};
 
 impl Report {
@@ -127,17 +129,17 @@ impl Report {
             }
         };
         format!(
-            "{}, {}: {} arms, {} seeds, {} steps of {} clips of {}x{}; judged on {} clips of {} held-out photographs{left_out}",
+            "{}, {}: {}, {}, {} of {} of {}x{}; judged on {} of {}{left_out}",
             record.task,
             record.goal,
-            self.arms.len(),
-            count(&|row| row.seed.to_string()),
-            record.steps,
-            record.batch,
+            counted(self.arms.len(), "arm"),
+            counted(count(&|row| row.seed.to_string()), "seed"),
+            counted(record.steps, "step"),
+            counted(record.batch, "clip"),
             record.crop,
             record.crop,
-            count(&|row| row.clip.to_string()),
-            count(&|row| row.photograph.clone()),
+            counted(count(&|row| row.clip.to_string()), "clip"),
+            counted(count(&|row| row.photograph.clone()), "held-out photograph"),
         )
     }
 

@@ -5,7 +5,7 @@
 //! nearest to the target, as it would be set on a chip: in the float model of the chip's sensor (memory
 //! `filtered-snap`), which the exact program shares, and on silicon.
 
-use std::{fmt::Display, path::Path, sync::Arc};
+use std::{path::Path, sync::Arc};
 
 use amacrine::{
     array::Arithmetic,
@@ -31,7 +31,7 @@ use rayon::prelude::*;
 use crate::{
     arm::Applied,
     levels::{Chip, LevelsError, OnChip, Projected},
-    record::{Decoder, Form, Row},
+    record::{Decoder, Form},
     scene::Clips,
 };
 
@@ -41,6 +41,7 @@ use super::{
     evaluate::Told,
     export,
     fit::no_program,
+    judged::Judged,
     trainee::{Reason, Trainee},
 };
 
@@ -55,30 +56,6 @@ const HIGHEST: u32 = 127;
 pub(super) struct Sources<'a> {
     pub held_out: &'a Clips,
     pub training: &'a Clips,
-}
-
-/// What is measured of an arm, and what is to be said of it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Judged {
-    /// A row for each form, decoder and held-out clip.
-    pub rows: Vec<Row>,
-    /// Why it has no program, what few values have taken from it, rates that are not the target.
-    pub remarks: Vec<String>,
-}
-
-impl Judged {
-    /// Nothing but a remark.
-    fn without(why: String) -> Self {
-        Self {
-            rows: Vec::new(),
-            remarks: vec![why],
-        }
-    }
-
-    /// What the compiler says of what it refuses.
-    fn refused(why: &dyn Display) -> Self {
-        Self::without(format!("no program: {why}"))
-    }
 }
 
 /// A kernel as it is built.

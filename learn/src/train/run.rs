@@ -18,15 +18,18 @@ use sha2::{Digest, Sha256};
 use crate::{
     arm::Arm,
     record::{self, KernelAt, Record, Remark, Row},
-    scene::{Clips, Photographs, Video},
-    task::{Goal, Origin, Task},
+    scene::Clips,
+    task::{Origin, Task},
 };
 
 use super::{
     checkpoint,
     error::TrainError,
-    export, lock,
-    on_chip::{Judged, Sources},
+    export,
+    judged::Judged,
+    lock,
+    on_chip::Sources,
+    sources::clips,
     trainee::{State, Trainee},
 };
 
@@ -44,10 +47,10 @@ pub struct Job<'a> {
 /// All arms of a task at all targets from all seeds.
 #[derive(Debug)]
 pub struct Run<'a> {
-    task: &'a Task,
+    pub(super) task: &'a Task,
     /// What tasks and photographs are told apart by.
     identity: String,
-    folder: PathBuf,
+    pub(super) folder: PathBuf,
     training: Clips,
     held_out: Clips,
 }
@@ -98,10 +101,6 @@ struct Finished {
 
 /// Raised where the same task trains to other numbers: runs begun before are then refused.
 const NUMERICS: u32 = 2;
-
-/// Which clips are trained on, and which are held out.
-const TRAINING: u64 = 1;
-const HELD_OUT: u64 = 2;
 
 impl<'a> Run<'a> {
     /// A run of a task in a folder, which is made.
@@ -186,7 +185,7 @@ impl<'a> Run<'a> {
         self.folder.join(ARMS).join(name)
     }
 
-    fn identity(&self, job: &Job<'_>) -> String {
+    pub(super) fn identity(&self, job: &Job<'_>) -> String {
         let name = super::name(job.arm, job.target, job.seed);
         format!("{}, {name}", self.identity)
     }
@@ -198,39 +197,6 @@ impl<'a> Run<'a> {
     /// When another one does, or the folder cannot be made.
     pub fn lock(&self) -> Result<File, TrainError> {
         lock::take(&self.folder)
-    }
-
-    /// Leaves the task beside what is trained by it, as its file has it; `told` goes behind it as
-    /// comments.
-    ///
-    /// # Errors
-    /// When the folder's run is one of another task, or the file cannot be written.
-    pub fn keep_task(&self, text: &str, told: &[String]) -> Result<(), TrainError> {
-        let path = self.folder.join(KEPT_TASK);
-        let begun = self.folder.join(ARMS).exists();
-        if let (true, Some(changed)) = (begun, self.changed()) {
-            return Err(TrainError::Checkpoint {
-                path,
-                what: checkpoint::another_task(&changed),
-            });
-        }
-        let comments: String = told.iter().map(|line| format!("# {line}\n")).collect();
-        save::save(&path, |out| {
-            writeln!(out, "{}\n", text.trim_end())?;
-            out.write_all(comments.as_bytes())
-        })?;
-        Ok(())
-    }
-
-    /// The first key of the task that is not as in the folder's run, where it keeps its task.
-    fn changed(&self) -> Option<String> {
-        let was = std::fs::read_to_string(self.folder.join(KEPT_TASK)).ok()?;
-        self.task.changed(&Task::parse(KEPT_TASK, &was).ok()?)
-    }
-
-    /// What tells a checkpoint from what it is to be.
-    fn other(&self, theirs: &str, job: &Job<'_>) -> String {
-        checkpoint::other(theirs, &self.identity(job), self.changed().as_deref())
     }
 
     /// Whether a job was trained and judged.
@@ -467,41 +433,6 @@ impl<'a> Run<'a> {
     }
 }
 
-const ARMS: &str = "arms";
+pub(super) const ARMS: &str = "arms";
 const CHECKPOINT: &str = "checkpoint";
 const FINISHED: &str = "finished.json";
-const KEPT_TASK: &str = "task.toml";
-
-/// Clips to train on, held-out clips, and what tells these sources from others.
-fn clips(task: &Task, memory: Budget) -> Result<(Clips, Clips, String), TrainError> {
-    let scenes = &task.scenes;
-    let crop = Size::new(task.crop, task.crop);
-    let large = Size::new(task.test.1, task.test.1);
-    let flow = task.goal == Goal::Flow;
-    let kept = |clips: Clips| clips.kept(scenes.clips, flow);
-    if let Some(video) = &scenes.video {
-        let video = Video::open(video, memory)?;
-        let (training, held_out) = video.split();
-        return Ok((
-            kept(Clips::of_video(&training, crop, scenes.frames, TRAINING)?),
-            Clips::of_video(&held_out, large, scenes.frames, HELD_OUT)?,
-            video.checksum(),
-        ));
-    }
-    let photographs = match &scenes.photographs {
-        Some(folder) => Photographs::folder(folder)?,
-        None => Photographs::bundled()?,
-    };
-    let (training, held_out) = photographs.split();
-    Ok((
-        kept(Clips::new(
-            &training,
-            &scenes.motion,
-            crop,
-            scenes.frames,
-            TRAINING,
-        )?),
-        Clips::new(&held_out, &scenes.motion, large, scenes.frames, HELD_OUT)?,
-        photographs.checksum(),
-    ))
-}
