@@ -242,9 +242,11 @@ fn warn_of_shared(run: &Run<'_>) {
 
 /// What is said when an arm is done.
 fn of_done(name: &str, record: &Record) -> String {
-    let own = record.remarks.iter().filter(|remark| remark.of == name);
-    let told = own.map(|remark| format!("  {}\n", remark.what));
-    format!("{name}: done\n{}", told.collect::<String>())
+    let mut told = format!("{name}: done\n");
+    for remark in record.remarks.iter().filter(|remark| remark.of == name) {
+        told.extend(["  ", &remark.what, "\n"]);
+    }
+    told
 }
 
 /// Whether the arms that are asked for take part.

@@ -73,13 +73,13 @@ impl Levels {
     /// As [`Levels::project`].
     pub(super) fn chosen(
         &self,
-        levels: Plane<f64>,
+        levels: &Plane<f64>,
         latent: &Plane<f64>,
     ) -> Result<Projected, LevelsError> {
         let orbits = Orbits::new(self.symmetry, latent.dim())?;
         let even = orbits.plane(&orbits.means(latent), latent.dim());
-        let scale = (&levels * &even).sum() / (&levels * &levels).sum();
-        Ok(Projected::new(&levels, scale.max(f64::MIN_POSITIVE)))
+        let scale = (levels * &even).sum() / (levels * levels).sum();
+        Ok(Projected::new(levels, scale.max(f64::MIN_POSITIVE)))
     }
 }
 

@@ -62,8 +62,9 @@ pub fn light_noise(noise: f64) -> Option<String> {
 /// there is where no line does.
 fn beside(text: &str, line: &str, (comment, remarks): (&str, &[String])) -> String {
     let at = text.find(line).unwrap_or(text.len());
-    let told: String = { remarks.iter() }
-        .map(|remark| format!("{comment}{remark}\n"))
-        .collect();
-    format!("{}{told}{}", &text[..at], &text[at..])
+    let mut told = text[..at].to_owned();
+    for remark in remarks {
+        told.extend([comment, remark, "\n"]);
+    }
+    told + &text[at..]
 }

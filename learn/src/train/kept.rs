@@ -28,10 +28,9 @@ impl Run<'_> {
                 what: checkpoint::another_task(&changed),
             });
         }
-        let comments: String = told.iter().map(|line| format!("# {line}\n")).collect();
         save::save(&path, |out| {
             writeln!(out, "{}\n", text.trim_end())?;
-            out.write_all(comments.as_bytes())
+            told.iter().try_for_each(|line| writeln!(out, "# {line}"))
         })?;
         Ok(())
     }

@@ -100,7 +100,7 @@ impl Trainee<'_> {
         let miss = |rated: &Rated| (rated.rate / self.target - 1.0).abs();
         let mut best: Option<Rated> = None;
         for log in AROUND {
-            let own = self.middle(&self.scaled(&rated.description, log), lit)?;
+            let own = self.middle(&scaled(&rated.description, log), lit)?;
             if own.description.channels[0].thresholds[0].on < least {
                 continue;
             }
@@ -117,7 +117,7 @@ impl Trainee<'_> {
     fn middle(&self, sensor: &Description, lit: Light<'_, f32>) -> Result<Rated, GradientError> {
         let own = self.as_it_is(sensor, lit)?;
         let is_same = |log: f64| {
-            self.as_it_is(&self.scaled(sensor, log), lit)
+            self.as_it_is(&scaled(sensor, log), lit)
                 .map(|at| at.rate == own.rate)
         };
         let mut ends = [0.0; 2];
@@ -137,21 +137,9 @@ impl Trainee<'_> {
                 }
             }
         }
-        let middle = self.scaled(sensor, f64::midpoint(ends[0], ends[1]));
+        let middle = scaled(sensor, f64::midpoint(ends[0], ends[1]));
         let middle = self.as_it_is(&middle, lit)?;
         Ok(if middle.rate == own.rate { middle } else { own })
-    }
-
-    /// A sensor with thresholds whose logarithms are larger by so much.
-    fn scaled(&self, sensor: &Description, log: f64) -> Description {
-        let mut sensor = sensor.clone();
-        for channel in &mut sensor.channels {
-            for threshold in &mut channel.thresholds {
-                threshold.on *= elementary::exp(log);
-                threshold.off *= elementary::exp(log);
-            }
-        }
-        sensor
     }
 
     /// Which mismatch the arm is judged with.
@@ -192,4 +180,16 @@ impl Trainee<'_> {
             far.join(", ")
         ))
     }
+}
+
+/// A sensor with thresholds whose logarithms are larger by so much.
+fn scaled(sensor: &Description, log: f64) -> Description {
+    let mut sensor = sensor.clone();
+    for channel in &mut sensor.channels {
+        for threshold in &mut channel.thresholds {
+            threshold.on *= elementary::exp(log);
+            threshold.off *= elementary::exp(log);
+        }
+    }
+    sensor
 }
