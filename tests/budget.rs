@@ -597,3 +597,38 @@ fn arrays_beyond_the_disk_are_refused_before_the_work() {
         );
     }
 }
+
+/// What `learn` may hold is handed over, wherever it is said; `amacrine-learn` obeys it.
+#[test]
+fn learning_is_handed_what_it_may_hold() {
+    let built = Path::new(env!("CARGO_BIN_EXE_amacrine"));
+    let folder = tempfile::tempdir_in(built.parent().unwrap()).unwrap();
+    let program = folder.path().join("amacrine");
+    fs::hard_link(built, &program).unwrap();
+    // It tells what it is given. Written by another process: this one would hold it open for others.
+    let script = "printf '#!/bin/sh\\necho \"$@\"\\n' > amacrine-learn && chmod +x amacrine-learn";
+    let mut shell = Command::new("sh");
+    shell.current_dir(&folder).args(["-c", script]);
+    assert!(shell.status().unwrap().success());
+    for (arguments, given) in [
+        (
+            "--max-memory 2G learn t.toml -o r",
+            "--max-memory=2147483648 t.toml -o r\n",
+        ),
+        (
+            "learn --max-memory 2G report r",
+            "--max-memory=2147483648 report r\n",
+        ),
+        ("learn t.toml -o r", "t.toml -o r\n"),
+    ] {
+        let output = Command::new(&program)
+            .args(arguments.split(' '))
+            .output()
+            .unwrap();
+        assert_eq!(
+            String::from_utf8_lossy(&output.stdout),
+            given,
+            "{arguments}"
+        );
+    }
+}

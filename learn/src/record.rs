@@ -26,6 +26,23 @@ pub struct Record {
     pub rows: Vec<Row>,
     /// What was learned on the way, in order of steps.
     pub kernels: Vec<KernelAt>,
+    /// What is to be said of arms, in their order.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub remarks: Vec<Remark>,
+}
+
+/// What is to be said of an arm: why the chip has no program of it, what few values have taken from
+/// its kernel, a rate that is not the one that was asked for.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Remark {
+    /// What the arm, its target and its seed are called in files.
+    pub of: String,
+    /// The arm.
+    pub arm: String,
+    /// The seed.
+    pub seed: u64,
+    /// What is to be said, without a full stop.
+    pub what: String,
 }
 
 /// How good one held-out clip became.
@@ -116,4 +133,28 @@ pub struct KernelAt {
     pub on: Vec<f64>,
     /// OFF thresholds.
     pub off: Vec<f64>,
+}
+
+impl Form {
+    /// How it is called.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Trained => "float model",
+            Self::Quantised => "few levels",
+            Self::Exact => "program, exact",
+            Self::Silicon => "program, silicon",
+        }
+    }
+}
+
+impl Decoder {
+    /// How it is called.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Own => "frozen",
+            Self::Retrained => "retrained",
+        }
+    }
 }

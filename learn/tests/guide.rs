@@ -126,6 +126,9 @@ fn what_is_wrong_is_told_in_a_sentence() {
     let text = fs::read_to_string(at.join("task.toml")).unwrap();
     let inside = format!("{text}[scenes]\nphotographs = \"empty\"\n");
     fs::write(at.join("inside.toml"), inside).unwrap();
+    let film = format!("{text}[scenes]\nvideo = \"pattern:noise?width=16&height=16&frames=60\"\n");
+    fs::write(at.join("film.toml"), film).unwrap();
+    fs::write(at.join("far.toml"), format!("{text}[scenes]\npan = 1e9\n")).unwrap();
     for (arguments, says) in [
         ("inside.toml -o r", "inside.toml:7: `photographs`"),
         ("inside.toml -o r", "no photographs"),
@@ -138,6 +141,12 @@ fn what_is_wrong_is_told_in_a_sentence() {
         ("task.toml -o r --photos nowhere", "nowhere"),
         ("report nowhere", "nowhere"),
         ("task.toml -o task.toml --resume --threads 1", "task.toml"),
+        ("task.toml -o task.toml", "a file is in the way"),
+        ("film.toml -o r", "a larger video"),
+        (
+            "far.toml -o r",
+            "far.toml:7:7: a picture that moves by 1000000000 px",
+        ),
     ] {
         let output = amacrine_learn(at)
             .args(arguments.split_whitespace())

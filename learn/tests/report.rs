@@ -5,7 +5,7 @@ use amacrine::{
     rng::{self, Hash},
 };
 use amacrine_learn::{
-    record::{Decoder, Form, KernelAt, Record, Row, VERSION},
+    record::{Decoder, Form, KernelAt, Record, Remark, Row, VERSION},
     report::{FILE, Metric, Report},
 };
 
@@ -113,6 +113,7 @@ fn record() -> Record {
         parameters: 1234,
         rows: all,
         kernels: steps(&[0.0, -0.02, -0.05]).collect(),
+        remarks: Vec::new(),
     }
 }
 
@@ -241,6 +242,81 @@ fn the_chip_keeps_a_part() {
     assert!(verdict.contains("is not shown"), "{verdict}");
 }
 
+/// What has not taken part is named, and what silicon makes is told all the same.
+#[test]
+fn who_did_not_take_part_is_named() {
+    let verdict = |without: &str| {
+        let mut record = record();
+        let silicon: Vec<Row> = { record.rows.iter() }
+            .filter(|row| row.arm == "same")
+            .map(|row| Row {
+                form: Form::Silicon,
+                ..row.clone()
+            })
+            .collect();
+        record.rows.extend(silicon);
+        record.rows.retain(|row| row.arm != without);
+        let kept = Report::new(record).kept();
+        let same = kept.iter().find(|kept| kept.arm == "same").unwrap();
+        same.verdict(Metric::Psnr).unwrap()
+    };
+    let told = verdict("rgc");
+    assert!(
+        told.starts_with("same: `rgc` did not take part") && told.ends_with("on silicon, in PSNR dB against `dvs`, -0.02 (-0.07 to +0.06) with the decoder frozen"),
+        "{told}"
+    );
+    let told = verdict("dvs");
+    assert_eq!(
+        told,
+        "same: `dvs` did not take part, so there is nothing to compare it with"
+    );
+    let told = verdict("nobody");
+    assert!(
+        told.contains("that the float kernel `rgc` wins over `dvs`"),
+        "{told}"
+    );
+}
+
+/// Of a flow, what is counted over the clip is called so; and a remark of all targets is said once.
+#[test]
+fn what_is_over_the_clip_is_called_so() {
+    let mut flow = record();
+    for row in &mut flow.rows {
+        row.epe = row.psnr.take();
+        row.ssim = None;
+        (row.off_by_1, row.off_by_3) = (Some(0.5), Some(0.25));
+    }
+    let remark = |target: f64, seed: u64, arm: &str, what: &str| Remark {
+        of: format!("{arm}-{target}-{seed}"),
+        arm: arm.to_owned(),
+        seed,
+        what: what.to_owned(),
+    };
+    for (target, seed) in TARGETS.iter().flat_map(|t| (0..3).map(move |s| (*t, s))) {
+        flow.remarks
+            .push(remark(target, seed, "same", "no program: it is made up"));
+    }
+    flow.remarks
+        .push(remark(0.02, 1, "rgc", "its surround is lost"));
+    let report = Report::new(flow);
+    let (table, page) = (report.table(), report.page());
+    for label in ["1PE % over the clip", "3PE % over the clip", "EPE px/frame"] {
+        assert!(table.contains(label) && page.contains(label), "{table}");
+    }
+    // A column is as wide as its label.
+    let lines: Vec<&str> = table.lines().filter(|line| line.contains("25.0")).collect();
+    let head = table.lines().find(|line| line.starts_with("arm")).unwrap();
+    let end = head.find("3PE % over the clip").unwrap() + "3PE % over the clip".len();
+    assert!(lines.iter().all(|line| line.len() == end), "{table}");
+    assert_eq!(
+        report.remarks(),
+        [
+            "same: no program: it is made up",
+            "rgc-0.02-1: its surround is lost"
+        ]
+    );
+}
+
 /// The chip is shown a part of the clips: what is kept is a part of what is won on these.
 #[test]
 fn what_is_kept_and_what_is_won_are_of_the_same_clips() {
@@ -277,7 +353,7 @@ fn one_of_a_kind_shows_nothing() {
     let says = [
         (one_photograph, "over seeds alone", "only one photograph"),
         (one_seed, "over photographs alone", "only one seed"),
-        (one_of_both, "no interval", "only one seed"),
+        (one_of_both, ", no interval: not shown", "only one seed"),
     ];
     for (record, interval, note) in says {
         let report = Report::new(record);
@@ -339,6 +415,11 @@ fn the_surround_has_an_interval_over_seeds() {
     record.kernels.retain(|one| one.seed == 0);
     let one = Report::new(record.clone()).surround().unwrap();
     assert_eq!(one.answer(), "not shown");
+    let table = Report::new(record.clone()).table();
+    assert!(
+        table.contains("of its centre, and one seed tells no interval\n"),
+        "{table}"
+    );
     record.kernels.clear();
     assert_eq!(Report::new(record).surround(), None);
 }

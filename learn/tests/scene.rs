@@ -2,6 +2,7 @@
 
 use amacrine::{
     elementary::{cos, hypot, sin},
+    memory::Budget,
     plane::Size,
 };
 use amacrine_learn::scene::{Clip, Clips, FEWEST, Motion, Photographs, SceneError, Video};
@@ -249,7 +250,11 @@ fn folders_that_make_no_clips() {
 
 #[test]
 fn video_is_a_scene_too() {
-    let video = Video::open("pattern:noise?width=64&height=56&frames=60&fps=240").unwrap();
+    let video = Video::open(
+        "pattern:noise?width=64&height=56&frames=60&fps=240",
+        Budget::from_machine(),
+    )
+    .unwrap();
     let (train, held_out) = video.split();
     let clips = Clips::of_video(&train, SIZE, FRAMES, 2).unwrap();
     let clip = clips.clip(3);
@@ -271,5 +276,5 @@ fn video_is_a_scene_too() {
         large.contains("64x56, smaller than a crop of 8x57"),
         "{large}"
     );
-    assert!(Video::open("gone.y4m").is_err());
+    assert!(Video::open("gone.y4m", Budget::from_machine()).is_err());
 }

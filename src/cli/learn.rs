@@ -9,7 +9,8 @@ use std::{
 
 use miette::{IntoDiagnostic, WrapErr, miette};
 
-use super::{print::Ended, threads};
+use super::{budget::budget, print::Ended, threads};
+use crate::memory::Origin;
 
 /// What `learn` is asked to do.
 #[derive(Debug, clap::Args)]
@@ -41,9 +42,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         )
     })?;
     let mut command = Command::new(&program);
+    // Given before what is handed over they are options of every verb.
     if let Some(threads) = threads::asked() {
-        // Given before what is handed over it is an option of every verb.
         command.arg(format!("--threads={threads}"));
+    }
+    let budget = budget();
+    if budget.by == Origin::Asked {
+        command.arg(format!("--max-memory={}", budget.bytes));
     }
     let status = command
         .args(&arguments.handed_over)

@@ -5,15 +5,17 @@ use std::{
     time::{Duration, Instant},
 };
 
-use amacrine::memory;
+use amacrine::{
+    memory::{self, Need},
+    unit::counted,
+};
 use miette::{IntoDiagnostic, Result};
 
 use super::print::say;
 use crate::{
     arm::Sight,
-    network::Network,
     task::Task,
-    train::{Job, Run, TrainError, Trainee},
+    train::{Job, Run, TrainError, Trainee, need, no_program},
 };
 
 /// Steps that an arm's time is taken from.
@@ -29,11 +31,11 @@ pub(super) fn together(jobs: &[Job<'_>]) -> usize {
 /// An arm that cannot be trained is told of and passed over: the run says what is wrong with it.
 pub(super) fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>], done: usize) -> Result<()> {
     let mut text = format!(
-        "{}: {} arms of {} steps, {} clips of {}x{} in each",
+        "{}: {} of {}, {} of {}x{} in each",
         task.name,
-        jobs.len(),
-        task.steps,
-        task.batch,
+        counted(jobs.len(), "arm"),
+        counted(task.steps, "step"),
+        counted(task.batch, "clip"),
         task.crop,
         task.crop
     );
@@ -53,9 +55,8 @@ pub(super) fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>], done: usize
         rayon::current_num_threads()
     });
     let pool = pool.build().into_diagnostic()?;
-    let peak = || memory::peak().and_then(|bytes| usize::try_from(bytes).ok());
-    let before = peak();
-    let (mut total, mut judge, mut most) = (Duration::ZERO, Duration::ZERO, 0);
+    let before = memory::peak();
+    let (mut total, mut judge) = (Duration::ZERO, Duration::ZERO);
     // What has most levels is judged longest: its program is sought longest.
     let levels = |job: &&Job<'_>| {
         let cells = job.arm.cells();
@@ -72,7 +73,6 @@ pub(super) fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>], done: usize
             Ok(pilot) => {
                 judge = judge.max(pilot.judge);
                 total += pilot.whole() * own.len() as u32;
-                most = most.max(pilot.bytes);
                 say(&pilot.line(&arm.name, own.len()))?;
             }
             Err(error) => say(&format!(
@@ -81,22 +81,36 @@ pub(super) fn announce(task: &Task, run: &Run<'_>, jobs: &[Job<'_>], done: usize
                 own.len()
             ))?,
         }
+        if let Some(why) = no_program(task, arm) {
+            say(&format!("  {:<12} {why}\n", ""))?;
+        }
     }
     let told = jobs.iter().filter(|job| job.arm.cells().is_some()).count();
     total += judge * told as u32;
-    // What the pilots have held is the first of what is held side by side.
-    let held = peak().map_or(most * together, |peak| {
-        let own = peak.saturating_sub(before.unwrap_or(peak));
-        peak + own.max(most) * (together - 1)
-    });
-    let drawn = usize::try_from(task.steps).unwrap_or(usize::MAX);
-    let clips = run.training().bytes_of(drawn.saturating_mul(task.batch));
+    let held = held(task, jobs, before);
     say(&format!(
         "  {told} x {:.0} s to judge on the chip at most\nabout {:.0} min in all, {together} at a time, {:.0} MB\n",
         judge.as_secs_f64(),
         total.as_secs_f64() / 60.0 / together as f64,
-        (held + clips) as f64 * 1e-6
+        held as f64 * 1e-6
     ))
+}
+
+/// Bytes that all jobs hold: what was worked out, or what the pilots have held where that is more. Each
+/// of those side by side then holds as much as they did.
+fn held(task: &Task, jobs: &[Job<'_>], before: Option<u64>) -> u128 {
+    let (need, together) = (need(task, jobs).total(), together(jobs));
+    let (Some(peak), Some(before)) = (memory::peak(), before) else {
+        return need;
+    };
+    let own = peak.saturating_sub(before);
+    need.max(u128::from(peak) + u128::from(own) * (together as u128 - 1))
+}
+
+/// What these jobs will hold.
+pub(super) fn need(task: &Task, jobs: &[Job<'_>]) -> Need {
+    let arms: Vec<_> = jobs.iter().map(|job| job.arm).collect();
+    need::of_run(task, &arms, together(jobs))
 }
 
 /// What a few steps of a job tell.
@@ -173,8 +187,11 @@ impl Pilot {
             searches,
             judge: start.elapsed(),
             steps,
-            weights: trainee.network().parameters(),
-            bytes: bytes(task, trainee.network()),
+            weights: match job.arm.sight {
+                Sight::Blend => 0,
+                _ => trainee.network().parameters(),
+            },
+            bytes: need::of_arm(task, job.arm),
         })
     }
 
@@ -198,13 +215,4 @@ impl Pilot {
         line.push('\n');
         line
     }
-}
-
-/// What a step holds: maps there and back of all clips, weights and their moments for each clip.
-fn bytes(task: &Task, network: &Network<f32>) -> usize {
-    let light = task.batch * task.scenes.frames * task.crop * task.crop * 12;
-    let groups = task.batch.div_ceil(network.shape().pictures());
-    groups * (network.map_bytes() * 2 + network.parameters() * 4)
-        + network.parameters() * 20
-        + light
 }

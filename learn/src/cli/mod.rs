@@ -10,15 +10,17 @@ use std::{
     sync::{Mutex, PoisonError},
 };
 
-use amacrine::save::save;
+use amacrine::{memory::Budget, save::save};
 use clap::{Parser, Subcommand};
 use miette::{IntoDiagnostic, Result, miette};
 
 use crate::{
     arm,
+    record::Record,
     report::Report,
+    scene::Clips,
     task::Task,
-    train::{Progress, Run, TrainError},
+    train::{Job, Progress, Run, TrainError, jobs},
 };
 
 use self::{
@@ -31,16 +33,18 @@ pub use print::failed;
 
 /// Learns kernels and thresholds of event sensors for a task, and judges them at equal bits.
 #[derive(Debug, Parser)]
-#[command(
-    name = "amacrine-learn",
-    version,
-    args_conflicts_with_subcommands = true
-)]
+#[command(name = "amacrine-learn", version, subcommand_negates_reqs = true)]
 pub struct Arguments {
     #[command(subcommand)]
     verb: Option<Verb>,
     #[command(flatten)]
     run: Option<RunArguments>,
+    /// Threads; one for each core when left out. Results do not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// The most memory to hold, such as 500M or 4G (powers of 1024); more is refused before the work [default: three quarters of the machine's]
+    #[arg(long, global = true, value_name = "SIZE")]
+    max_memory: Option<Budget>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -78,9 +82,6 @@ struct RunArguments {
     /// A folder of photographs in place of the task's
     #[arg(long, value_name = "DIR")]
     photos: Option<PathBuf>,
-    /// Threads; one for each core when left out. Results do not depend on it
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    threads: Option<u16>,
     /// Go on where a run in this folder has stopped
     #[arg(long)]
     resume: bool,
@@ -95,11 +96,22 @@ struct RunArguments {
 /// What went wrong, as it is to be told.
 pub fn run(arguments: Arguments) -> Result<()> {
     print::handle_errors();
+    if let Some(threads) = arguments.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
+        pool.build_global().into_diagnostic()?;
+    }
+    let budget = arguments.max_memory.unwrap_or_else(Budget::from_machine);
     match (arguments.verb, arguments.run) {
-        (Some(Verb::Report { run }), _) => report(&run),
-        (Some(Verb::New { name }), _) => begin::task(&name),
-        (Some(Verb::Schema { output }), _) => begin::schema(output.as_deref()),
-        (None, Some(run)) => train(&run),
+        (Some(_), Some(run)) => Err(miette!(
+            help =
+                "give a task with -o RUN, or one of report, new, schema: `amacrine-learn --help`",
+            "{} is no option of this verb",
+            run.task.display()
+        )),
+        (Some(Verb::Report { run }), None) => report(&run),
+        (Some(Verb::New { name }), None) => begin::task(&name),
+        (Some(Verb::Schema { output }), None) => begin::schema(output.as_deref()),
+        (None, Some(run)) => train(&run, budget),
         (None, None) => Err(miette!(
             help = "amacrine-learn tasks/interpolation.toml -o RUN; `amacrine-learn new NAME` writes a task to start from",
             "no task was given"
@@ -115,27 +127,27 @@ fn report(run: &Path) -> Result<()> {
     say(&format!("{}{}\n", report.table(), page.display()))
 }
 
-fn train(asked: &RunArguments) -> Result<()> {
-    if let Some(threads) = asked.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.into());
-        pool.build_global().into_diagnostic()?;
-    }
-    let mut task = Task::open(&asked.task)?;
+fn train(asked: &RunArguments, budget: Budget) -> Result<()> {
+    let (mut task, text) = Task::open_with_text(&asked.task)?;
     if let Some(photos) = &asked.photos {
         task.scenes.photographs = Some(photos.clone());
         task.scenes.video = None;
     }
     check_arms(&task, asked)?;
     let told = |error| of_task(error, &task, asked);
-    let run = Run::new(&task, &asked.output, asked.resume || asked.dry_run).map_err(told)?;
+    // Before anything of it is there.
+    check_memory((&task, asked), &wanted(jobs(&task), asked), budget)?;
+    let place = (&*asked.output, asked.resume || asked.dry_run);
+    let run = Run::within(&task, place, budget).map_err(told)?;
     // Held until all is done: two would write over each other.
     let lock = (!asked.dry_run).then(|| run.lock());
     let _lock = lock.transpose()?;
+    if !asked.dry_run {
+        run.keep_task(&text, &of_copy(asked))?;
+    }
+    warn_of_shared(&run);
     let (mut jobs, mut finished) = (Vec::new(), 0);
-    for job in run.jobs() {
-        if !asked.arm.is_empty() && !asked.arm.contains(&job.arm.name) {
-            continue;
-        }
+    for job in wanted(run.jobs(), asked) {
         if asked.resume && run.is_done(&job)? {
             finished += 1;
         } else {
@@ -157,10 +169,10 @@ fn train(asked: &RunArguments) -> Result<()> {
             Progress::Ended(done) => {
                 bars.end(n);
                 let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
-                let done = done.and_then(|()| run.record().map(|_| ()));
+                let done = done.and_then(|()| run.record());
                 match done {
                     // Nobody has to hear it: what has begun goes on, and the report tells in the end.
-                    Ok(()) => drop(say(&format!("{name}: done\n"))),
+                    Ok(record) => drop(say(&of_done(&name, &record))),
                     // Others may well reach their targets.
                     Err(error) if error.is_of_the_arm() => {
                         ended.0 += 1;
@@ -182,6 +194,59 @@ fn train(asked: &RunArguments) -> Result<()> {
         ));
     }
     Ok(())
+}
+
+/// The jobs that are asked for.
+fn wanted<'a>(jobs: Vec<Job<'a>>, asked: &RunArguments) -> Vec<Job<'a>> {
+    let wanted = |job: &Job<'_>| asked.arm.is_empty() || asked.arm.contains(&job.arm.name);
+    jobs.into_iter().filter(wanted).collect()
+}
+
+/// Refuses what would hold more than may be held.
+fn check_memory(
+    (task, asked): (&Task, &RunArguments),
+    jobs: &[Job<'_>],
+    budget: Budget,
+) -> Result<()> {
+    let what = format!("{}: training", asked.task.display());
+    let help =
+        "lower `batch`, `crop`, `widths` in [network], `clips` in [scenes] or [test], or --threads";
+    let need = forecast::need(task, jobs).within(budget, &what, help);
+    need.map_err(TrainError::from).map_err(Into::into)
+}
+
+/// What the copy of the task in a run's folder says of itself.
+fn of_copy(asked: &RunArguments) -> Vec<String> {
+    let file = asked.task.display();
+    let mut told = vec![format!(
+        "The task of this run, as in {file}: folders and videos are from that file on."
+    )];
+    if let Some(photos) = &asked.photos {
+        told.push(format!("Its photographs: --photos {}", photos.display()));
+    }
+    told
+}
+
+/// Says where a photograph is trained with and held out.
+fn warn_of_shared(run: &Run<'_>) {
+    let [training, held_out] = [run.training(), run.held_out()].map(Clips::photographs);
+    let (Some(training), Some(held_out)) = (training, held_out) else {
+        return;
+    };
+    if let Some((own, other)) = held_out.shared(training) {
+        complain(&format!(
+            "Warning: the photographs {own}, which is held out, and {other}, which is trained with, are the same: what is learned of one by heart is judged on the other; remove one\n"
+        ));
+    }
+}
+
+/// What is said when an arm is done.
+fn of_done(name: &str, record: &Record) -> String {
+    let mut told = format!("{name}: done\n");
+    for remark in record.remarks.iter().filter(|remark| remark.of == name) {
+        told.extend(["  ", &remark.what, "\n"]);
+    }
+    told
 }
 
 /// Whether the arms that are asked for take part.

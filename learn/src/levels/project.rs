@@ -64,7 +64,7 @@ impl Levels {
             let levels: Vec<f64> = levels.iter().map(|l| f64::from(*l)).collect();
             (orbits.plane(&levels, shape), scale)
         };
-        Ok(Projected { levels, scale })
+        Ok(Projected::new(&levels, scale))
     }
 
     /// Levels that were chosen elsewhere, as near to `latent` as their scale makes them.
@@ -73,20 +73,26 @@ impl Levels {
     /// As [`Levels::project`].
     pub(super) fn chosen(
         &self,
-        levels: Plane<f64>,
+        levels: &Plane<f64>,
         latent: &Plane<f64>,
     ) -> Result<Projected, LevelsError> {
         let orbits = Orbits::new(self.symmetry, latent.dim())?;
         let even = orbits.plane(&orbits.means(latent), latent.dim());
-        let scale = (&levels * &even).sum() / (&levels * &levels).sum();
-        Ok(Projected {
-            levels,
-            scale: scale.max(f64::MIN_POSITIVE),
-        })
+        let scale = (levels * &even).sum() / (levels * levels).sum();
+        Ok(Projected::new(levels, scale.max(f64::MIN_POSITIVE)))
     }
 }
 
 impl Projected {
+    /// Whole levels and their scale; what is 0 has no sign.
+    #[must_use]
+    pub fn new(levels: &Plane<f64>, scale: f64) -> Self {
+        Self {
+            levels: levels.mapv(|level| level + 0.0),
+            scale,
+        }
+    }
+
     /// The levels at a norm of 1: what the forward pass correlates with.
     #[must_use]
     pub fn unit(&self) -> Plane<f64> {

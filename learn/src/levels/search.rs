@@ -123,7 +123,7 @@ fn neighbours(
             values[*i] = f64::from(*to);
         }
         if values.iter().any(|level| *level != 0.0) {
-            let chosen = levels.chosen(orbits.plane(&values, shape), latent)?;
+            let chosen = levels.chosen(&orbits.plane(&values, shape), latent)?;
             let off = (&(&chosen.levels * chosen.scale) - latent)
                 .mapv(|v| v * v)
                 .sum();

@@ -18,8 +18,10 @@ pub struct Kept {
     pub stages: Vec<Stage>,
     /// On silicon over [`BASE`] as trained, with each decoder that there is; empty without such bits.
     pub won: Vec<(Decoder, Difference)>,
-    /// What the float kernel wins over [`BASE`], on the clips that the chip was shown.
+    /// What [`FLOAT`] wins over [`BASE`], on the clips that the chip was shown.
     pub float: Option<Difference>,
+    /// Whether [`BASE`] and [`FLOAT`] took part.
+    took_part: [bool; 2],
 }
 
 /// An arm in one form with one decoder.
@@ -80,6 +82,7 @@ impl Kept {
                 .filter_map(|decoder| Some((decoder, against((arm, Form::Silicon, decoder))?)))
                 .collect(),
             float: against((FLOAT, Form::Trained, Decoder::Own)),
+            took_part: [BASE, FLOAT].map(|arm| report.arms.iter().any(|own| own == arm)),
             stages,
         })
     }
@@ -91,15 +94,22 @@ impl Kept {
         (self.arm != BASE).then(|| self.sentence(metric))
     }
 
+    /// Why nothing can be said of it.
+    fn silent(&self) -> Option<String> {
+        if !self.took_part[0] {
+            return Some(format!(
+                "`{BASE}` did not take part, so there is nothing to compare it with"
+            ));
+        }
+        { self.won.is_empty() }
+            .then(|| format!("on silicon it has no bits in common with `{BASE}` as it was trained"))
+    }
+
     fn sentence(&self, metric: Metric) -> String {
-        let Some(float) = self.float.as_ref().filter(|_| !self.won.is_empty()) else {
-            return format!(
-                "{}: nothing to be said without bits in common with `{BASE}`, of it on silicon and of `{FLOAT}` as it was trained",
-                self.arm
-            );
-        };
+        if let Some(why) = self.silent() {
+            return format!("{}: {why}", self.arm);
+        }
         let (sign, digits) = (metric.sign(), metric.digits());
-        let all = float.mean * sign;
         let label = metric.label();
         let on_silicon = |(decoder, won): &(Decoder, Difference)| {
             let mut ends = won.interval.map(|end| end * sign);
@@ -113,16 +123,28 @@ impl Kept {
             (decoder.name(), own, ends)
         };
         let parts: Vec<_> = self.won.iter().map(on_silicon).collect();
-        if !float.shown() || all <= 0.0 {
-            let told: Vec<_> = { parts.iter() }
-                .map(|(decoder, own, ends)| {
-                    format!("{own:+.digits$} ({ends}) with the decoder {decoder}")
-                })
-                .collect();
+        let told: Vec<_> = { parts.iter() }
+            .map(|(decoder, own, ends)| {
+                format!("{own:+.digits$} ({ends}) with the decoder {decoder}")
+            })
+            .collect();
+        let on_silicon = told.join(", ");
+        let Some(float) = &self.float else {
+            let why = if self.took_part[1] {
+                format!("`{FLOAT}` as it was trained has no bits in common with `{BASE}`")
+            } else {
+                format!("`{FLOAT}` did not take part")
+            };
             return format!(
-                "{}: the float kernel's win over `{BASE}` is not shown ({all:+.digits$} {label}), so there is none to keep; on silicon {}",
+                "{}: {why}, so there is no win of a float kernel to keep; on silicon, in {label} against `{BASE}`, {on_silicon}",
+                self.arm
+            );
+        };
+        let all = float.mean * sign;
+        if !float.shown() || all <= 0.0 {
+            return format!(
+                "{}: the win of the float kernel `{FLOAT}` over `{BASE}` is not shown ({all:+.digits$} {label}), so there is none to keep; on silicon {on_silicon}",
                 self.arm,
-                told.join(", ")
             );
         }
         let told: Vec<_> = { parts.iter() }
@@ -137,33 +159,9 @@ impl Kept {
             })
             .collect();
         format!(
-            "{}: of the {all:+.digits$} {label} that the float kernel wins over `{BASE}` silicon keeps {}",
+            "{}: of the {all:+.digits$} {label} that the float kernel `{FLOAT}` wins over `{BASE}` silicon keeps {}",
             self.arm,
             told.join("; ")
         )
-    }
-}
-
-impl Form {
-    /// How it is called.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Trained => "float model",
-            Self::Quantised => "few levels",
-            Self::Exact => "program, exact",
-            Self::Silicon => "program, silicon",
-        }
-    }
-}
-
-impl Decoder {
-    /// How it is called.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Own => "frozen",
-            Self::Retrained => "retrained",
-        }
     }
 }

@@ -46,7 +46,18 @@ impl Metric {
             Self::Psnr => "dB",
             Self::Epe => "px/frame",
             Self::Ssim => "",
-            Self::OffBy1 | Self::OffBy3 => "%",
+            Self::OffBy1 | Self::OffBy3 => "% over the clip",
+        }
+    }
+
+    /// What it is, where its name alone does not say it: what stands above a plot.
+    #[must_use]
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Psnr | Self::Ssim => self.name(),
+            Self::Epe => "EPE, px a frame",
+            Self::OffBy1 => "1PE, more than 1 px off over the clip",
+            Self::OffBy3 => "3PE, more than 3 px off over the clip",
         }
     }
 

@@ -78,6 +78,7 @@ impl Report {
         let left_out = incomplete(&record.rows);
         record.rows.retain(|row| !left_out.contains(&row.seed));
         record.kernels.retain(|at| !left_out.contains(&at.seed));
+        record.remarks.retain(|of| !left_out.contains(&of.seed));
         let mut arms: Vec<String> = Vec::new();
         for row in &record.rows {
             if !arms.contains(&row.arm) {

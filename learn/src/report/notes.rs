@@ -3,8 +3,30 @@
 use std::collections::BTreeSet;
 
 use super::{Report, metric::Metric};
+use crate::record::Remark;
 
 impl Report {
+    /// What is to be said of arms, a line for each thing: of all of an arm's targets and seeds where it
+    /// is the same of all, else of each by its name.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        let mut lines: Vec<String> = Vec::new();
+        for one in &self.record.remarks {
+            let own = |of: &&Remark| of.arm == one.arm;
+            let alike = |of: &&Remark| own(of) && of.what == one.what;
+            let all: BTreeSet<(u64, u64)> = { self.record.rows.iter() }
+                .filter(|row| row.arm == one.arm)
+                .map(|row| (row.target.to_bits(), row.seed))
+                .collect();
+            let same = self.record.remarks.iter().filter(alike).count() == all.len();
+            let line = format!("{}: {}", if same { &one.arm } else { &one.of }, one.what);
+            if !lines.contains(&line) {
+                lines.push(line);
+            }
+        }
+        lines
+    }
+
     /// Why intervals, a metric or events are missing; empty where nothing is.
     pub(super) fn notes(&self) -> Vec<String> {
         let (rows, mut notes) = (&self.record.rows, Vec::new());

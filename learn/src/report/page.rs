@@ -26,7 +26,7 @@ impl Report {
     pub fn drawing(&self, metric: Metric) -> Drawing {
         let label = metric.label();
         let mut show = LinesShow {
-            title: &format!("{} over bits", metric.name()),
+            title: &format!("{} over bits", metric.title()),
             captions: &["a line an arm: means over seeds; a dot: one seed".to_owned()],
             across: "bits a pixel and pair of frames",
             up: &label,
@@ -109,6 +109,7 @@ impl Report {
                         (self.quality_section())
                         (self.difference_section(headline))
                         (self.chip_section(headline))
+                        (self.remark_section())
                         (self.kernel_section())
                         @for note in self.notes() { p.verdict { (note) "." } }
                     }
@@ -194,6 +195,19 @@ impl Report {
                         }
                     } } } }
                 } }
+            }
+        }
+    }
+
+    fn remark_section(&self) -> Markup {
+        let remarks = self.remarks();
+        if remarks.is_empty() {
+            return html! {};
+        }
+        html! {
+            section {
+                h2 { "To be known of arms" }
+                @for remark in remarks { p { (remark) "." } }
             }
         }
     }

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use amacrine::unit::counted;
+
 use super::{Report, difference::Difference, metric::Metric};
 
 impl Report {
@@ -12,8 +14,9 @@ impl Report {
         let _ = writeln!(text, "{}", self.summary());
         let width = self.arms.iter().map(String::len).max().unwrap_or(0).max(12);
         let _ = write!(text, "\n{:width$} {:>12} {:>12}", "arm", "events", "bits");
+        let wide = |metric: &Metric| metric.label().len().max(12);
         for metric in &metrics {
-            let _ = write!(text, " {:>12}", metric.label());
+            let _ = write!(text, " {:>1$}", metric.label(), wide(metric));
         }
         text.push_str("      (events and bits: a pixel and pair)\n");
         for arm in &self.arms {
@@ -32,7 +35,8 @@ impl Report {
                 );
                 for (metric, curve) in metrics.iter().zip(&curves) {
                     let quality = curve.points.get(n).map_or(f64::NAN, |point| point.quality);
-                    let _ = write!(text, " {quality:12.0$}", metric.digits());
+                    let (digits, wide) = (metric.digits(), wide(metric));
+                    let _ = write!(text, " {quality:wide$.digits$}");
                 }
                 text.push('\n');
             }
@@ -90,6 +94,13 @@ impl Report {
                 }
             }
         }
+        let remarks = self.remarks();
+        if !remarks.is_empty() {
+            text.push_str("\nto be known of arms:\n");
+            for remark in remarks {
+                let _ = writeln!(text, "{remark}");
+            }
+        }
         if let Some(line) = self.surround_line() {
             let _ = writeln!(text, "\n{line}");
         }
@@ -118,17 +129,17 @@ impl Report {
             }
         };
         format!(
-            "{}, {}: {} arms, {} seeds, {} steps of {} clips of {}x{}; judged on {} clips of {} held-out photographs{left_out}",
+            "{}, {}: {}, {}, {} of {} of {}x{}; judged on {} of {}{left_out}",
             record.task,
             record.goal,
-            self.arms.len(),
-            count(&|row| row.seed.to_string()),
-            record.steps,
-            record.batch,
+            counted(self.arms.len(), "arm"),
+            counted(count(&|row| row.seed.to_string()), "seed"),
+            counted(record.steps, "step"),
+            counted(record.batch, "clip"),
             record.crop,
             record.crop,
-            count(&|row| row.clip.to_string()),
-            count(&|row| row.photograph.clone()),
+            counted(count(&|row| row.clip.to_string()), "clip"),
+            counted(count(&|row| row.photograph.clone()), "held-out photograph"),
         )
     }
 
@@ -153,15 +164,15 @@ impl Report {
         let found = self.surround()?;
         let [low, high] = found.interval;
         Some(format!(
-            "fs-dvs: does a delta before a logarithmic response become centre and surround? {}; its surround weighs {:+.3} of its centre, {} (95 % over {} seeds)",
+            "fs-dvs: does a delta before a logarithmic response become centre and surround? {}; its surround weighs {:+.3} of its centre, {}",
             found.answer(),
             found.mean,
             if low.is_finite() {
-                format!("from {low:+.3} to {high:+.3}")
+                let seeds = found.seeds.len();
+                format!("from {low:+.3} to {high:+.3} (95 % over {seeds} seeds)")
             } else {
-                "one seed tells no interval".to_owned()
+                "and one seed tells no interval".to_owned()
             },
-            found.seeds.len(),
         ))
     }
 }
@@ -174,7 +185,7 @@ pub(super) fn told(difference: Option<&Difference>, metric: Metric) -> String {
     let digits = metric.digits();
     let [low, high] = own.interval;
     if !(low.is_finite() && high.is_finite()) {
-        return format!("{:+.digits$}  no interval  not shown", own.mean);
+        return format!("{:+.digits$}, no interval: not shown", own.mean);
     }
     let over = match (own.photographs, own.seeds) {
         (1, _) => " over seeds alone",
@@ -187,7 +198,7 @@ pub(super) fn told(difference: Option<&Difference>, metric: Metric) -> String {
         (true, false) => "worse",
     };
     format!(
-        "{:+.digits$}  from {low:+.digits$} to {high:+.digits$}{over}  {verdict}",
+        "{:+.digits$}, from {low:+.digits$} to {high:+.digits$}{over}: {verdict}",
         own.mean
     )
 }

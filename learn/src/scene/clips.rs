@@ -125,6 +125,15 @@ impl Clips {
         self.kept.as_ref().map_or(0, each)
     }
 
+    /// The photographs that they are of; none of a video's.
+    #[must_use]
+    pub const fn photographs(&self) -> Option<&Photographs> {
+        match &self.source {
+            Source::Photographs(photographs, _) => Some(photographs),
+            Source::Video(_) => None,
+        }
+    }
+
     /// One clip.
     #[must_use]
     pub fn clip(&self, index: u64) -> Clip {

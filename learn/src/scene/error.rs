@@ -57,6 +57,17 @@ pub enum SceneError {
         /// That of a crop.
         crop: Size,
     },
+    /// A video without room for a crop.
+    #[error("{}: frames of {own}, smaller than a crop of {crop}", path.display())]
+    #[diagnostic(help("take a larger video, or a smaller `crop`; [test] has one of its own"))]
+    SmallVideo {
+        /// The video.
+        path: PathBuf,
+        /// The size of its frames.
+        own: Size,
+        /// That of a crop.
+        crop: Size,
+    },
     /// Too few frames for a middle one between two others.
     #[error("a clip of {frames} frames has no frame between two others; at least 3 are needed")]
     Frames {

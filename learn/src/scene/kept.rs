@@ -23,6 +23,9 @@ pub(super) struct Whole {
     name: Arc<str>,
 }
 
+/// Bytes of the place of a clip that is kept, before it is made.
+pub const PLACE: usize = size_of::<OnceLock<Whole>>();
+
 impl Kept {
     pub(super) fn new(different: u64, flow: bool) -> Self {
         Self {

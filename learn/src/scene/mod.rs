@@ -18,6 +18,7 @@ mod video;
 pub use clip::{Clip, Flow};
 pub use clips::Clips;
 pub use error::SceneError;
+pub use kept::PLACE;
 pub use motion::Motion;
 pub use photographs::{FEWEST, Photograph, Photographs};
 pub use video::Video;

@@ -144,6 +144,16 @@ impl Photographs {
         (Self(part(false).into()), Self(part(true).into()))
     }
 
+    /// The first of these that is one of the others too, and the other's name: pixel for pixel, whatever
+    /// they are called.
+    #[must_use]
+    pub fn shared<'a>(&'a self, others: &'a Self) -> Option<(&'a str, &'a str)> {
+        self.0.iter().find_map(|own| {
+            let other = others.0.iter().find(|other| other.light == own.light)?;
+            Some((&*own.name, &*other.name))
+        })
+    }
+
     /// In the order of their names.
     #[must_use]
     pub fn all(&self) -> &[Photograph] {

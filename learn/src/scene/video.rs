@@ -3,6 +3,7 @@
 use std::{fmt::Write as _, path::PathBuf, sync::Arc};
 
 use amacrine::{
+    memory::Budget,
     plane::{Plane, Size},
     scene::{OpenOptions, open},
 };
@@ -28,12 +29,17 @@ pub struct Video {
 }
 
 impl Video {
-    /// All frames of whatever the library opens as a scene: a file, a folder of frames, a pattern.
+    /// All frames of whatever the library opens as a scene: a file, a folder of frames, a pattern; within
+    /// what may be held.
     ///
     /// # Errors
     /// As those of [`amacrine::scene::open`].
-    pub fn open(spec: &str) -> Result<Self, SceneError> {
-        let mut scene = open(spec, &OpenOptions::default())?;
+    pub fn open(spec: &str, memory: Budget) -> Result<Self, SceneError> {
+        let options = OpenOptions {
+            memory: Some(memory),
+            ..OpenOptions::default()
+        };
+        let mut scene = open(spec, &options)?;
         let mut frames = Vec::new();
         while let Some(frame) = scene.next_frame()? {
             frames.push(frame.light.mapv(|v| v.round().clamp(0.0, 255.0) as u8));
@@ -88,7 +94,7 @@ impl Video {
         }
         let own = Size::of(&self.frames[0]);
         if own.height < crop.height || own.width < crop.width {
-            return Err(SceneError::Small {
+            return Err(SceneError::SmallVideo {
                 path: self.path.clone(),
                 own,
                 crop,

@@ -211,7 +211,7 @@ pub(super) const SCENES: Table = Table::new(&[
         "pan",
         Kind::Number(Range::POSITIVE),
         "2.5",
-        "the most that a picture moves",
+        "the most that a picture moves, `crop` at most",
     )
     .unit("px/frame"),
     Key::with_default(

@@ -15,6 +15,7 @@
 //! photographs = "a/folder"      # those that come with the program when left out
 //! ```
 
+mod change;
 mod keys;
 mod origin;
 mod read;

@@ -57,6 +57,14 @@ impl Task {
     /// # Errors
     /// When it cannot be read, or is not a task.
     pub fn open(path: &Path) -> Result<Self, TaskError> {
+        Self::open_with_text(path).map(|(task, _)| task)
+    }
+
+    /// The same, and its text as it stands in the file.
+    ///
+    /// # Errors
+    /// As [`Task::open`].
+    pub fn open_with_text(path: &Path) -> Result<(Self, String), TaskError> {
         let file = path.display().to_string();
         let text = std::fs::read_to_string(path);
         let text = text.map_err(|cause| TaskError::Unreadable {
@@ -73,7 +81,7 @@ impl Task {
         {
             *video = beside.join(&*video).to_string_lossy().into_owned();
         }
-        Ok(task)
+        Ok((task, text))
     }
 
     /// The task of a text; `file` is told in messages.
@@ -316,14 +324,22 @@ fn scenes_of(task: &Section<'_>, scenes: Option<Section<'_>>, goal: Goal) -> Rea
         clips: whole(scenes, "clips", 8192)?,
         frames,
         fps: number(scenes, "fps", 240.0)?,
-        motion: motion_of(scenes)?,
+        motion: motion_of(task, scenes)?,
     })
 }
 
-fn motion_of(scenes: Option<Section<'_>>) -> Read<Motion> {
+fn motion_of(task: &Section<'_>, scenes: Option<Section<'_>>) -> Read<Motion> {
     let usual = Motion::default();
+    let (pan, crop) = (number(scenes, "pan", usual.pan[1])?, task.whole("crop")?);
+    if pan > crop as f64 {
+        let place = scenes.map_or_else(|| task.place(), |scenes| scenes.place_of("pan"));
+        let message = format!(
+            "a picture that moves by {pan} px in a frame leaves a crop of {crop} px between two frames"
+        );
+        return Err(Fault::error(place, message, "here").help(format!("give at most {crop}")));
+    }
     Ok(Motion {
-        pan: [usual.pan[0], number(scenes, "pan", usual.pan[1])?],
+        pan: [usual.pan[0], pan],
         turn: number(scenes, "turn", usual.turn)?,
         zoom: number(scenes, "zoom", usual.zoom)?,
         shear: number(scenes, "shear", usual.shear)?,

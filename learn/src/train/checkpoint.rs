@@ -75,11 +75,16 @@ impl State {
         bytes
     }
 
-    /// Reads a checkpoint of the same identity and sizes.
+    /// Reads a checkpoint of the same identity and sizes; what is said of another identity is given with
+    /// it.
     ///
     /// # Errors
     /// When it cannot be read, is damaged, or is one of something else.
-    pub fn open(path: &Path, identity: &str, counts: [usize; 2]) -> Result<Self, TrainError> {
+    pub fn open(
+        path: &Path,
+        identity: (&str, &dyn Fn(&str) -> String),
+        counts: [usize; 2],
+    ) -> Result<Self, TrainError> {
         let bytes = std::fs::read(path).map_err(|cause| TrainError::Unreadable {
             path: path.to_owned(),
             cause,
@@ -90,7 +95,11 @@ impl State {
         })
     }
 
-    fn from_bytes(bytes: &[u8], identity: &str, counts: [usize; 2]) -> Result<Self, String> {
+    fn from_bytes(
+        bytes: &[u8],
+        (identity, other): (&str, &dyn Fn(&str) -> String),
+        counts: [usize; 2],
+    ) -> Result<Self, String> {
         let damaged = || "a damaged checkpoint; without it this arm begins anew".to_owned();
         let rest = bytes.strip_prefix(FIRST_LINE.as_bytes()).ok_or_else(|| {
             let line = bytes.split(|b| *b == b'\n').next().unwrap_or_default();
@@ -110,7 +119,7 @@ impl State {
         let end = rest.iter().position(|b| *b == b'\n').ok_or_else(damaged)?;
         let header: Header = serde_json::from_slice(&rest[..end]).map_err(|_| damaged())?;
         if header.identity != identity {
-            return Err(other(&header.identity, identity));
+            return Err(other(&header.identity));
         }
         if header.counts != counts {
             return Err(damaged());
@@ -157,16 +166,25 @@ impl State {
     }
 }
 
-/// What tells a checkpoint from what it is to be: both are `task digest, arm-target-seed`.
-pub(super) fn other(theirs: &str, own: &str) -> String {
+/// What tells a checkpoint from what it is to be: both are `task digest, arm-target-seed`; `changed` is
+/// the first key of the task that is another, where it is known.
+pub(super) fn other(theirs: &str, own: &str, changed: Option<&str>) -> String {
     let [(their_task, their_arm), (task, arm)] =
         [theirs, own].map(|identity| identity.split_once(", ").unwrap_or((identity, "")));
     if their_task == task {
         return format!("made for {their_arm} (arm, target, seed), and this is {arm}");
     }
-    format!(
-        "made with another task file, other photographs, another video or another version: its digest is {their_task}, and that of this run {task}"
-    )
+    match changed {
+        Some(changed) => another_task(changed),
+        None => format!(
+            "made with another task file, other photographs, another video or another version: its digest is {their_task}, and that of this run {task}"
+        ),
+    }
+}
+
+/// What is said of a task that has changed.
+pub(super) fn another_task(changed: &str) -> String {
+    format!("made with another task file: {changed}")
 }
 
 /// The next so many numbers of so many bytes each.

@@ -1,8 +1,10 @@
 //! Why training stops.
 
-use std::path::PathBuf;
+use std::{io::ErrorKind, path::PathBuf};
 
-use amacrine::{gradient::GradientError, save::SaveError, study::design::DesignError};
+use amacrine::{
+    gradient::GradientError, memory::TooMuch, save::SaveError, study::design::DesignError,
+};
 
 use crate::{levels::LevelsError, scene::SceneError};
 
@@ -72,7 +74,7 @@ pub enum TrainError {
     Save(#[from] SaveError),
     /// A file that cannot be read.
     #[error("{}: {cause}", path.display())]
-    #[diagnostic(help("without --resume, in another folder, everything begins anew"))]
+    #[diagnostic(help("{}", unreadable(cause)))]
     Unreadable {
         /// Which.
         path: PathBuf,
@@ -90,6 +92,22 @@ pub enum TrainError {
         /// What is wrong with it.
         what: String,
     },
+    /// What a finished arm has left, damaged.
+    #[error("{}: not what a finished arm leaves: {cause}", path.display())]
+    #[diagnostic(help(
+        "remove {}: this arm then begins anew with --resume",
+        path.parent().unwrap_or(path).display()
+    ))]
+    Finished {
+        /// Which.
+        path: PathBuf,
+        /// What is wrong with it.
+        cause: serde_json::Error,
+    },
+    /// A run that would hold too much.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Memory(#[from] TooMuch),
     /// A folder with a run in it.
     #[error("{}: a run has begun there", path.display())]
     #[diagnostic(help("go on with it by --resume, or give another folder"))]
@@ -116,6 +134,16 @@ pub enum TrainError {
     },
 }
 
+/// What is to be done about a file that cannot be read.
+fn unreadable(cause: &std::io::Error) -> &'static str {
+    match cause.kind() {
+        ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {
+            "a file is in the way: -o names a folder, which is made where there is none"
+        }
+        _ => "see that it may be read and written, or give another folder",
+    }
+}
+
 /// Steps that an arm may be far from its target.
 pub const PINNED: u64 = 200;
 
@@ -131,6 +159,8 @@ impl TrainError {
             Self::Save(_)
             | Self::Unreadable { .. }
             | Self::Checkpoint { .. }
+            | Self::Finished { .. }
+            | Self::Memory(_)
             | Self::Begun { .. }
             | Self::Busy { .. } => &[],
         }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use amacrine::{
     event::address::AddressWord,
-    gradient::{Forward, Model, Rated, rate_threshold},
+    gradient::{Forward, Model},
     plane::{Plane, Size},
     reference::Description,
 };
@@ -37,39 +37,6 @@ pub(super) struct Told {
 }
 
 impl Trainee<'_> {
-    /// The sensor as it is judged: thresholds meet the target on the held-out clips themselves, so
-    /// that all arms are judged at the same bits. Where events have a price, thresholds are those that
-    /// were learned.
-    ///
-    /// # Errors
-    /// When no thresholds meet the target.
-    pub fn rated(&self, clips: &Clips) -> Result<Option<Rated>, TrainError> {
-        let Some(applied) = self.applied()? else {
-            return Ok(None);
-        };
-        let batch = Batch::new(clips, 0..self.task.test.0);
-        let light = batch.light(self.task.sensor.light_noise, self.draw(Reason::Test, 1));
-        let description = self.sensor(&applied.kernels, self.state.threshold);
-        let (lit, seed) = (self.light(&light, &batch)?, self.mismatch());
-        let wrong = |cause| self.gradient_error(cause);
-        if self.task.sparsity.is_none() {
-            let rated = rate_threshold(&description, lit, seed, self.target);
-            return rated.map(Some).map_err(wrong);
-        }
-        let model = Model::<f32>::new(description, batch.size(), seed).map_err(wrong)?;
-        let rate = model.forward(lit).map_err(wrong)?.rate();
-        Ok(Some(Rated {
-            description: model.description().clone(),
-            scale: 1.0,
-            rate,
-        }))
-    }
-
-    /// Which mismatch the arm is judged with.
-    fn mismatch(&self) -> u64 {
-        self.draw(Reason::Mismatch, u64::MAX).bits()
-    }
-
     /// A row for each held-out clip.
     ///
     /// # Errors

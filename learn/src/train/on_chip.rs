@@ -11,11 +11,11 @@ use amacrine::{
     array::Arithmetic,
     compile::Effort,
     event::{Packet, Polarity},
-    gradient::{Clips as Light, Rated, rate_threshold},
+    gradient::{Clips as Light, GradientError, Rated, rate_threshold},
     isa::Device,
     kernel::{
         Kernel,
-        quantise::{Quantiser, Sum},
+        quantise::{Erasure, Quantiser, Sum},
     },
     number::Format,
     plane::{Plane, Size},
@@ -29,9 +29,9 @@ use amacrine::{
 use rayon::prelude::*;
 
 use crate::{
-    arm::{Applied, Start},
+    arm::Applied,
     levels::{Chip, LevelsError, OnChip, Projected},
-    record::{Decoder, Form, Row},
+    record::{Decoder, Form},
     scene::Clips,
 };
 
@@ -40,11 +40,10 @@ use super::{
     error::TrainError,
     evaluate::Told,
     export,
+    fit::no_program,
+    judged::Judged,
     trainee::{Reason, Trainee},
 };
-
-/// What programs are called.
-const TITLE: &str = "learned";
 
 /// Held-out clips that are shown to the chip.
 const CLIPS: u64 = 32;
@@ -63,6 +62,8 @@ pub(super) struct Sources<'a> {
 struct Built<'a> {
     chip: &'a Chip,
     made: Arc<OnChip>,
+    /// What its program is called.
+    title: String,
     seed: u64,
 }
 
@@ -75,7 +76,7 @@ impl Built<'_> {
     /// The text of the program with a threshold of so many LSB.
     fn text(&self, lsb: u32) -> String {
         let both = [self.threshold(lsb); 2];
-        self.made.program(&[both], TITLE, self.chip)
+        self.made.program(&[both], &self.title, self.chip)
     }
 
     /// What a form of it makes of some clips, each seen by a chip of its own, with a threshold of so
@@ -88,7 +89,7 @@ impl Built<'_> {
     ) -> Result<Vec<Packet>, DesignError> {
         let sensor = self.made.sensor().clone();
         let device = self.chip.device();
-        let program = Compiled::from_text(TITLE, sensor, &self.text(lsb), device)?;
+        let program = Compiled::from_text(&self.title, sensor, &self.text(lsb), device)?;
         let design = self.design(self.threshold(lsb));
         let chip = |arithmetic| {
             let chip = program.chip(arithmetic, size, program.settings())?;
@@ -172,8 +173,8 @@ impl Built<'_> {
 
 impl Trainee<'_> {
     /// Rows of the compiled kernel; its program, and the sensor that the program is, go into a folder
-    /// where one is given, with what they are of. None where a chip has no such sensor: several kinds,
-    /// patterns, a logarithm, a refractory period.
+    /// where one is given, with what they are of. None where a chip has no such sensor
+    /// ([`no_program`]), or its compiler refuses it: then a remark says why.
     ///
     /// # Errors
     /// When a sensor fails, or a file cannot be written; not where the chip refuses a kernel.
@@ -182,21 +183,39 @@ impl Trainee<'_> {
         applied: &Applied,
         rated: &Rated,
         (clips, into): (Sources<'_>, Option<(&Path, &str)>),
-    ) -> Result<Vec<Row>, TrainError> {
-        let cells = self.arm.cells();
-        // Resistors are not a program.
-        let other = cells.is_some_and(|cells| cells.log || matches!(cells.start, Start::Mesh(_)));
+    ) -> Result<Judged, TrainError> {
+        if let Some(why) = no_program(self.task, self.arm) {
+            return Ok(Judged::without(why));
+        }
         let [unit] = &applied.kernels[..] else {
-            return Ok(Vec::new());
+            return Ok(Judged::default());
         };
-        if other || self.task.sensor.refractory_us > 0.0 {
-            return Ok(Vec::new());
-        }
         match self.compiled(applied, unit, rated, (clips, into)) {
-            Ok(rows) => Ok(rows),
-            Err(TrainError::Design { cause, .. }) if cause.is_refusal() => Ok(Vec::new()),
-            Err(other) => Err(other),
+            Err(TrainError::Design { cause, .. }) if cause.is_refusal() => {
+                Ok(Judged::refused(&cause))
+            }
+            other => other,
         }
+    }
+
+    /// The kernel in the few values of its program, and what they have taken from it.
+    fn in_few(
+        &self,
+        applied: &Applied,
+        unit: &Kernel,
+    ) -> Result<(Projected, Vec<String>), TrainError> {
+        if let [few] = applied.few() {
+            return Ok((few.clone(), Vec::new()));
+        }
+        let quantised = Quantiser::TERNARY.quantise(unit, Sum::Free, self.seed);
+        let quantised = quantised.map_err(|cause| TrainError::Design {
+            arm: self.arm.name.clone(),
+            cause: cause.into(),
+        })?;
+        let told = |erasure: &Erasure| format!("rounded to ternary for the program: {erasure}");
+        let erasures = quantised.erasures(unit);
+        let few = Projected::new(quantised.levels.weights(), quantised.scale);
+        Ok((few, erasures.iter().map(told).collect()))
     }
 
     fn compiled(
@@ -205,7 +224,7 @@ impl Trainee<'_> {
         unit: &Kernel,
         rated: &Rated,
         (clips, into): (Sources<'_>, Option<(&Path, &str)>),
-    ) -> Result<Vec<Row>, TrainError> {
+    ) -> Result<Judged, TrainError> {
         let wrong = |cause: DesignError| TrainError::Design {
             arm: self.arm.name.clone(),
             cause,
@@ -215,17 +234,8 @@ impl Trainee<'_> {
             step: self.state.step,
             cause,
         };
-        let own = rated.description.channels[0].thresholds[0].on * 255.0;
-        let few = if let [few] = applied.few() {
-            few.clone()
-        } else {
-            let quantised = Quantiser::TERNARY.quantise(unit, Sum::Free, self.seed);
-            let quantised = quantised.map_err(|cause| wrong(cause.into()))?;
-            Projected {
-                levels: quantised.levels.weights().clone(),
-                scale: quantised.scale,
-            }
-        };
+        let own = rated.description.channels[0].thresholds[0].on * self.white();
+        let (few, mut remarks) = self.in_few(applied, unit)?;
         let (kernel, power) = few.kernel().map_err(levels)?;
         let count = CLIPS.min(self.task.test.0);
         let batch = Batch::new(clips.held_out, 0..count);
@@ -238,14 +248,21 @@ impl Trainee<'_> {
         let made = match chip.compile(&[few], threshold / unit) {
             Ok(made) => made,
             // What the chip refuses has no rows of it.
-            Err(LevelsError::Compile(_)) => return Ok(Vec::new()),
+            Err(LevelsError::Compile(cause)) => return Ok(Judged::refused(&cause)),
             Err(cause) => return Err(levels(cause)),
         };
         let built = Built {
             chip: &chip,
             made,
+            title: self.name(),
             seed: self.seed,
         };
+        if self.held() && self.task.chip.is_some() && !self.snaps() {
+            remarks.push(
+                "trained without the chip in the loop: its compiler found no program then"
+                    .to_owned(),
+            );
+        }
         let first = ((threshold * built.made.scale).round() as u32).clamp(1, HIGHEST);
         let mut rows = Vec::new();
         let shown = self.task.retrain.map(|(steps, count)| {
@@ -260,7 +277,7 @@ impl Trainee<'_> {
         for form in [Form::Quantised, Form::Exact, Form::Silicon] {
             // In exact arithmetic it is the threshold of the float model.
             if let (Form::Exact, Some(into)) = (form, into) {
-                self.export(&built, lsb, into)?;
+                self.export((&built, lsb), &remarks, into)?;
             }
             // Where events have a price it is the learned one, whatever its rate.
             let packets = if form == Form::Exact || self.task.sparsity.is_some() {
@@ -291,7 +308,7 @@ impl Trainee<'_> {
             rows.extend(other.rows((&batch, 0), Some(&told), (form, Decoder::Retrained)));
             learned = Some((emitted, other));
         }
-        Ok(rows)
+        Ok(Judged { rows, remarks })
     }
 
     /// The threshold that meets the target with the chip's memory, in units of kernel times light; the
@@ -319,19 +336,23 @@ impl Trainee<'_> {
         })?;
         let lit = Light::new(light, self.times(), size);
         let rating = lit.and_then(|lit| rate_threshold(&description, lit, 0, self.target));
-        let rating = rating.map_err(|cause| self.gradient_error(cause))?;
-        Ok(rating.description.channels[0].thresholds[0].on)
+        match rating {
+            Ok(rating) => Ok(rating.description.channels[0].thresholds[0].on),
+            // A memory that snaps makes one event a pair at most: the least threshold is the nearest.
+            Err(GradientError::Rate { .. }) => Ok(0.0),
+            Err(cause) => Err(self.gradient_error(cause)),
+        }
     }
 
     /// Writes the program with a threshold of so many LSB, and the sensor that it is in exact
     /// arithmetic: its levels, its whole threshold, its memory.
     fn export(
         &self,
-        built: &Built<'_>,
-        lsb: u32,
+        (built, lsb): (&Built<'_>, u32),
+        remarks: &[String],
         (place, source): (&Path, &str),
     ) -> Result<(), TrainError> {
-        let text = built.text(lsb);
+        let text = export::program_text(&built.text(lsb), remarks);
         save::save(&place.join("program.scamp"), |out| {
             out.write_all(text.as_bytes())
         })?;
@@ -345,7 +366,10 @@ impl Trainee<'_> {
             name: format!("{}-chip", self.name()),
             ..sensor
         };
-        export::sensor(&place.join("sensor-chip.toml"), &sensor, source)
+        let told = { remarks.iter().cloned() }
+            .chain(export::light_noise(self.task.sensor.light_noise))
+            .collect::<Vec<_>>();
+        export::sensor(&place.join("sensor-chip.toml"), &sensor, (source, &told))
     }
 
     fn frames(&self, light: &[f32], size: Size) -> Vec<Vec<Frame>> {

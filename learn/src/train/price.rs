@@ -60,13 +60,14 @@ impl Trainee<'_> {
         let batch = Batch::new(clips, 0..JUDGED * self.task.batch as u64);
         let light = batch.light(self.task.sensor.light_noise, self.draw(Reason::Test, 0));
         let [word, lost] = self.task.price;
-        let threshold = self.state.threshold * 255.0;
+        let white = self.white();
+        let threshold = self.state.threshold * white;
         // Each at the threshold that it is trained on with: its program hangs on that.
         let score = |kernel: &Projected, _: &OnChip| {
             let Some((own, loss)) = self.worth(kernel, (&batch, &light)) else {
                 return f64::INFINITY;
             };
-            let made = chip.compile(std::slice::from_ref(kernel), own * 255.0);
+            let made = chip.compile(std::slice::from_ref(kernel), own * white);
             made.map_or(f64::INFINITY, |made| {
                 loss + word * made.words as f64 + lost * (1.0 - made.correlation)
             })

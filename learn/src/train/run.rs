@@ -8,6 +8,7 @@ use std::{
 };
 
 use amacrine::{
+    memory::Budget,
     plane::Size,
     save::{self, make_folder},
 };
@@ -16,16 +17,19 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     arm::Arm,
-    record::{self, KernelAt, Record, Row},
-    scene::{Clips, Photographs, Video},
-    task::{Goal, Origin, Task},
+    record::{self, KernelAt, Record, Remark, Row},
+    scene::Clips,
+    task::{Origin, Task},
 };
 
 use super::{
     checkpoint,
     error::TrainError,
-    export, lock,
+    export,
+    judged::Judged,
+    lock,
     on_chip::Sources,
+    sources::clips,
     trainee::{State, Trainee},
 };
 
@@ -43,12 +47,35 @@ pub struct Job<'a> {
 /// All arms of a task at all targets from all seeds.
 #[derive(Debug)]
 pub struct Run<'a> {
-    task: &'a Task,
+    pub(super) task: &'a Task,
     /// What tasks and photographs are told apart by.
     identity: String,
-    folder: PathBuf,
+    pub(super) folder: PathBuf,
     training: Clips,
     held_out: Clips,
+}
+
+/// What is trained of a task, in order.
+#[must_use]
+pub fn jobs(task: &Task) -> Vec<Job<'_>> {
+    let mut jobs = Vec::new();
+    // All arms from one seed come before the next: a run that is stopped has all arms.
+    for seed in &task.seeds {
+        for arm in &task.arms {
+            let targets = if arm.cells().is_some() {
+                &task.targets[..]
+            } else {
+                &[0.0]
+            };
+            let job = |target: &f64| Job {
+                arm,
+                target: *target,
+                seed: *seed,
+            };
+            jobs.extend(targets.iter().map(job));
+        }
+    }
+    jobs
 }
 
 /// How far a job is.
@@ -68,14 +95,12 @@ struct Finished {
     identity: String,
     rows: Vec<Row>,
     kernels: Vec<KernelAt>,
+    #[serde(default)]
+    remarks: Vec<String>,
 }
 
 /// Raised where the same task trains to other numbers: runs begun before are then refused.
 const NUMERICS: u32 = 2;
-
-/// Which clips are trained on, and which are held out.
-const TRAINING: u64 = 1;
-const HELD_OUT: u64 = 2;
 
 impl<'a> Run<'a> {
     /// A run of a task in a folder, which is made.
@@ -84,7 +109,19 @@ impl<'a> Run<'a> {
     /// When there are no photographs, or the folder cannot be made, or holds something and `resume` is
     /// not said.
     pub fn new(task: &'a Task, folder: &Path, resume: bool) -> Result<Self, TrainError> {
-        let (training, held_out, seen) = clips(task)?;
+        Self::within(task, (folder, resume), Budget::from_machine())
+    }
+
+    /// The same with a video that is held within what there may be.
+    ///
+    /// # Errors
+    /// As [`Run::new`].
+    pub fn within(
+        task: &'a Task,
+        (folder, resume): (&Path, bool),
+        memory: Budget,
+    ) -> Result<Self, TrainError> {
+        let (training, held_out, seen) = clips(task, memory)?;
         let begun =
             checkpoint::exists(&folder.join(ARMS)).map_err(|cause| TrainError::Unreadable {
                 path: folder.to_owned(),
@@ -105,6 +142,8 @@ impl<'a> Run<'a> {
         rest.origin = Origin::default();
         rest.scenes.photographs = None;
         rest.scenes.video = None;
+        // How often a checkpoint is written changes nothing; it stands here as it is when left out.
+        rest.checkpoint = 500;
         let mut sum = Sha256::new();
         sum.update(env!("CARGO_PKG_VERSION"));
         sum.update(NUMERICS.to_le_bytes());
@@ -126,24 +165,7 @@ impl<'a> Run<'a> {
     /// What is trained, in order.
     #[must_use]
     pub fn jobs(&self) -> Vec<Job<'a>> {
-        let mut jobs = Vec::new();
-        // All arms from one seed come before the next: a run that is stopped has all arms.
-        for seed in &self.task.seeds {
-            for arm in &self.task.arms {
-                let targets = if arm.cells().is_some() {
-                    &self.task.targets[..]
-                } else {
-                    &[0.0]
-                };
-                let job = |target: &f64| Job {
-                    arm,
-                    target: *target,
-                    seed: *seed,
-                };
-                jobs.extend(targets.iter().map(job));
-            }
-        }
-        jobs
+        jobs(self.task)
     }
 
     /// The clips that are trained on.
@@ -163,7 +185,7 @@ impl<'a> Run<'a> {
         self.folder.join(ARMS).join(name)
     }
 
-    fn identity(&self, job: &Job<'_>) -> String {
+    pub(super) fn identity(&self, job: &Job<'_>) -> String {
         let name = super::name(job.arm, job.target, job.seed);
         format!("{}, {name}", self.identity)
     }
@@ -193,16 +215,16 @@ impl<'a> Run<'a> {
             Err(cause) => return Err(TrainError::Unreadable { path, cause }),
         };
         let finished: Finished =
-            serde_json::from_slice(&text).map_err(|e| TrainError::Checkpoint {
+            serde_json::from_slice(&text).map_err(|cause| TrainError::Finished {
                 path: path.clone(),
-                what: format!("not what a finished arm leaves: {e}"),
+                cause,
             })?;
         if finished.identity == self.identity(job) {
             return Ok(Some(finished));
         }
         Err(TrainError::Checkpoint {
             path,
-            what: checkpoint::other(&finished.identity, &self.identity(job)),
+            what: self.other(&finished.identity, job),
         })
     }
 
@@ -282,7 +304,8 @@ impl<'a> Run<'a> {
         let mut trainee = if checkpoint::exists(&path).map_err(unreadable)? {
             let mut trainee = Trainee::blank(of, at);
             let counts = [trainee.state.network.0.len(), trainee.state.kernel.0.len()];
-            trainee.state = State::open(&path, &identity, counts)?;
+            let other = |theirs: &str| self.other(theirs, job);
+            trainee.state = State::open(&path, (&identity, &other), counts)?;
             trainee
         } else {
             Trainee::new(of, at, &self.training)?
@@ -303,18 +326,19 @@ impl<'a> Run<'a> {
                 return Ok(());
             }
         }
-        let rows = self.judge(&trainee, Some((&place, &identity)))?;
+        let Judged { rows, remarks } = self.judge(&trainee, Some((&place, &identity)))?;
         let finished = Finished {
             identity,
             rows,
             kernels: trainee.state.history.clone(),
+            remarks,
         };
         let text = serde_json::to_vec(&finished).unwrap_or_default();
         save::save_durably(&place.join(FINISHED), |out| out.write_all(&text))?;
         Ok(())
     }
 
-    /// The rows of an arm as it is; kernels, sensor and program go into the folder that is given, with
+    /// What is measured of an arm as it is; kernels, sensor and program go into the folder that is given, with
     /// what they are of.
     ///
     /// # Errors
@@ -323,12 +347,15 @@ impl<'a> Run<'a> {
         &self,
         trainee: &Trainee<'a>,
         into: Option<(&Path, &str)>,
-    ) -> Result<Vec<Row>, TrainError> {
+    ) -> Result<Judged, TrainError> {
         let rated = trainee.rated(&self.held_out)?;
         let sensor = rated.as_ref().map(|rated| &rated.description);
         let mut rows = trainee.judged(sensor, &self.held_out)?;
         let (Some(rated), Some(applied)) = (&rated, trainee.applied()?) else {
-            return Ok(rows);
+            return Ok(Judged {
+                rows,
+                remarks: Vec::new(),
+            });
         };
         let (name, steps) = (&self.task.name, trainee.state.step);
         let into = into.map(|(place, identity)| {
@@ -346,15 +373,21 @@ impl<'a> Run<'a> {
                 export::kernel(&place.join(format!("kernel-{k}.npy")), weights)?;
             }
             let sensor = trainee.as_built(&rated.description);
-            export::sensor(&place.join("sensor.toml"), &sensor, source)?;
+            let told: Vec<String> = { export::light_noise(self.task.sensor.light_noise) }
+                .into_iter()
+                .collect();
+            export::sensor(&place.join("sensor.toml"), &sensor, (source, &told))?;
         }
         let sources = Sources {
             held_out: &self.held_out,
             training: &self.training,
         };
         let into = { into.as_ref() }.map(|(place, source)| (*place, &**source));
-        rows.extend(trainee.on_chip(&applied, rated, (sources, into))?);
-        Ok(rows)
+        let chip = trainee.on_chip(&applied, rated, (sources, into))?;
+        rows.extend(chip.rows);
+        let mut remarks = chip.remarks;
+        remarks.extend(trainee.far(&rows));
+        Ok(Judged { rows, remarks })
     }
 
     /// What has been measured so far, written to `learn.json`.
@@ -363,11 +396,18 @@ impl<'a> Run<'a> {
     /// When a file cannot be read or written.
     pub fn record(&self) -> Result<Record, TrainError> {
         let mut rows = Vec::new();
-        let mut kernels = Vec::new();
+        let (mut kernels, mut remarks) = (Vec::new(), Vec::new());
         for job in self.jobs() {
             if let Some(finished) = self.finished(&job)? {
                 rows.extend(finished.rows);
                 kernels.extend(finished.kernels);
+                let told = finished.remarks.into_iter().map(|what| Remark {
+                    of: super::name(job.arm, job.target, job.seed),
+                    arm: job.arm.name.clone(),
+                    seed: job.seed,
+                    what,
+                });
+                remarks.extend(told);
             }
         }
         let one = self.task.arms.iter().find(|arm| arm.kinds() == 1);
@@ -385,6 +425,7 @@ impl<'a> Run<'a> {
             parameters: network.map_or(0, |network| network.parameters()),
             rows,
             kernels,
+            remarks,
         };
         let text = serde_json::to_vec(&record).unwrap_or_default();
         save::save(&self.folder.join("learn.json"), |out| out.write_all(&text))?;
@@ -392,40 +433,6 @@ impl<'a> Run<'a> {
     }
 }
 
-const ARMS: &str = "arms";
+pub(super) const ARMS: &str = "arms";
 const CHECKPOINT: &str = "checkpoint";
 const FINISHED: &str = "finished.json";
-
-/// Clips to train on, held-out clips, and what tells these sources from others.
-fn clips(task: &Task) -> Result<(Clips, Clips, String), TrainError> {
-    let scenes = &task.scenes;
-    let crop = Size::new(task.crop, task.crop);
-    let large = Size::new(task.test.1, task.test.1);
-    let flow = task.goal == Goal::Flow;
-    let kept = |clips: Clips| clips.kept(scenes.clips, flow);
-    if let Some(video) = &scenes.video {
-        let video = Video::open(video)?;
-        let (training, held_out) = video.split();
-        return Ok((
-            kept(Clips::of_video(&training, crop, scenes.frames, TRAINING)?),
-            Clips::of_video(&held_out, large, scenes.frames, HELD_OUT)?,
-            video.checksum(),
-        ));
-    }
-    let photographs = match &scenes.photographs {
-        Some(folder) => Photographs::folder(folder)?,
-        None => Photographs::bundled()?,
-    };
-    let (training, held_out) = photographs.split();
-    Ok((
-        kept(Clips::new(
-            &training,
-            &scenes.motion,
-            crop,
-            scenes.frames,
-            TRAINING,
-        )?),
-        Clips::new(&held_out, &scenes.motion, large, scenes.frames, HELD_OUT)?,
-        photographs.checksum(),
-    ))
-}

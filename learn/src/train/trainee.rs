@@ -25,7 +25,11 @@ use crate::{
     task::Task,
 };
 
-use super::{batch::Batch, error::TrainError};
+use super::{
+    batch::Batch,
+    error::TrainError,
+    fit::{self, no_program},
+};
 
 /// What randomness is for.
 #[derive(Clone, Copy)]
@@ -236,6 +240,11 @@ impl<'a> Trainee<'a> {
         }
     }
 
+    /// The light that makes a signal of 1, where the chip has a program: 255 of others.
+    pub(super) fn white(&self) -> f64 {
+        fit::white(self.task.sensor.response).unwrap_or(255.0)
+    }
+
     /// Whether memories snap, as the chip's do: once it is in the loop.
     pub(super) fn snaps(&self) -> bool {
         self.state.chip[1] > 0.0
@@ -377,27 +386,27 @@ impl<'a> Trainee<'a> {
 
     /// Takes the chip into the loop, where weights have few values and hold still.
     ///
-    /// What the chip refuses is trained on without it; the report then has no rows of the chip.
+    /// What the chip refuses is trained on without it; the report then has no rows of the chip, and says
+    /// why.
     pub(super) fn compile(&mut self, applied: &Applied) {
-        let cells = self.arm.cells();
-        let alone = cells.is_some_and(|cells| cells.kinds == 1 && !cells.pattern && !cells.log);
-        if !alone || self.task.chip.is_none() || self.task.sensor.refractory_us > 0.0 {
+        if self.task.chip.is_none() || no_program(self.task, self.arm).is_some() {
             return;
         }
         let [kernel] = applied.few() else { return };
+        let white = self.white();
         let most = Effort::default().states;
         let states = (STATES_A_STEP * self.task.steps).clamp(FEWEST_STATES, most);
         let chip = self.chip.get_or_insert_with(|| {
             let effort = Effort::states(states);
             Arc::new(Chip::new(Device::scamp5(), effort, self.seed))
         });
-        let threshold = self.state.threshold * 255.0;
+        let threshold = self.state.threshold * white;
         let made = kernel.kernel().and_then(|(_, power)| {
             let kernel = std::slice::from_ref(kernel);
             Ok((chip.compile(kernel, threshold)?, power))
         });
         if let Ok((made, power)) = made {
-            let unit = kernel.norm() / power * 255.0;
+            let unit = kernel.norm() / power * white;
             self.state.chip = [made.light_noise(0), 1.0 / (made.scale * unit)];
             self.state.words = Some(made.words as u64);
         }
@@ -407,7 +416,9 @@ impl<'a> Trainee<'a> {
     #[must_use]
     pub fn kernel_at(&self, applied: &Applied) -> KernelAt {
         let rows = |kernel: &Kernel| kernel.weights().outer_iter().map(|r| r.to_vec()).collect();
-        let thresholds = vec![self.state.threshold; applied.kernels.len()];
+        // With the chip in the loop it is one LSB at least.
+        let threshold = self.state.threshold.max(self.state.chip[1]);
+        let thresholds = vec![threshold; applied.kernels.len()];
         KernelAt {
             arm: self.arm.name.clone(),
             target: self.target,
