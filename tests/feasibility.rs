@@ -869,8 +869,8 @@ fn a_window_beyond_the_scene_cannot_judge() {
     ] {
         assert!(source.contains(words), "{words}");
     }
-    let kept: Vec<_> = { all(&page, "table.answers td.n").iter() }
-        .map(|cell| text(*cell))
+    let kept: Vec<_> = { all(&page, "table.answers td.n").into_iter() }
+        .map(text)
         .filter(|cell| cell.contains("kept"))
         .collect();
     assert!(kept.is_empty(), "{kept:?}");

@@ -226,7 +226,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
     warnings.extend(missed);
     light::warn(&warnings);
-    let answer = answer?.with(&warnings, light::words(&observation));
+    let answer = answer?.with(&warnings, light::words(&observation).as_deref());
     let explain = |what: &String| answer.explain(what, arguments.json);
     let explained = arguments.explain.as_ref().map(explain).transpose()?;
     if let Some(path) = &arguments.output {
@@ -275,7 +275,7 @@ fn ask(
 impl Answer {
     /// Says the warnings of each kernel beside the output, puts those of the scene before them, and
     /// says of the light what was seen.
-    fn with(mut self, of_scene: &[Warning], light: Option<String>) -> Self {
+    fn with(mut self, of_scene: &[Warning], light: Option<&str>) -> Self {
         let kernels = match &mut self {
             Self::One(answer) => std::slice::from_mut(&mut answer.0),
             Self::Several(several, _) => &mut several.kernels,
@@ -283,10 +283,7 @@ impl Answer {
         let is_several = kernels.len() > 1;
         for all in kernels {
             light::warn_of(is_several.then_some(&all.kernel.name), &all.warnings);
-            all.warnings.splice(0..0, of_scene.to_owned());
-            if let Some(light) = &light {
-                all.scene.light.clone_from(light);
-            }
+            all.saw(of_scene, light);
         }
         self
     }

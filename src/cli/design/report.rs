@@ -3,11 +3,13 @@
 use std::{fmt::Write as _, path::Path};
 
 use super::{
-    super::{compile::Remembered, quoted::quoted, readout::Choice},
+    super::{compile::Remembered, light, quoted::quoted, readout::Choice},
     Arguments, Candidate, Question,
 };
 use crate::{
     compare::window,
+    photoreceptor::Response,
+    rig::guard::Warning,
     scene::Observation,
     study::{
         feasibility::{self, readout::ReadoutOrder},
@@ -52,14 +54,20 @@ pub(super) fn page(
             command: &command,
         })
         .collect();
-    let unseen = Observation::new();
-    let open = || arguments.clip.open(&unseen);
+    let observation = Observation::new();
+    let open = || arguments.clip.open(&observation);
+    let saw = |answer: &mut feasibility::Feasibility| {
+        let warnings = Warning::of_scene(&observation, Response::IDENTITY);
+        answer.saw(&warnings, light::words(&observation).as_deref());
+    };
     if let Some(question) = feasibility::alone(&questions) {
-        let (answer, snapshot) = feasibility::ask(question, &open, |_| ())?;
+        let (mut answer, snapshot) = feasibility::ask(question, &open, |_| ())?;
+        saw(&mut answer);
         return Ok(report::page(&answer, &snapshot));
     }
     let answer = feasibility::ask_several(&questions, &open, |_| ())?;
-    Ok(answer.map_or_else(String::new, |(several, snapshots)| {
+    Ok(answer.map_or_else(String::new, |(mut several, snapshots)| {
+        several.kernels.iter_mut().for_each(saw);
         report::page_of_several(&several, &snapshots)
     }))
 }

@@ -139,6 +139,17 @@ pub struct Streams {
     pub silicon: Option<Stream>,
 }
 
+impl Feasibility {
+    /// Puts the warnings of the scene before its own, and takes what was seen of the light in place
+    /// of what the scene says beforehand.
+    pub fn saw(&mut self, of_scene: &[Warning], light: Option<&str>) {
+        self.warnings.splice(0..0, of_scene.to_owned());
+        if let Some(light) = light {
+            light.clone_into(&mut self.scene.light);
+        }
+    }
+}
+
 impl KernelSummary {
     pub(super) fn new(name: &str, kernel: &Kernel) -> Self {
         let rows = kernel.weights().rows();
