@@ -228,7 +228,7 @@ pub enum SensorError {
     /// A frame at a time that events cannot have.
     #[error("frame {index} is at {seconds:e} s, further from 0 than microseconds are counted")]
     #[diagnostic(help(
-        "let the scene begin near time 0: events tell microseconds apart for 71 years, 2^51 us"
+        "let the scene begin near time 0, and its frames follow each other sooner (--fps): events tell microseconds apart for 71 years, 2^51 us"
     ))]
     Epoch {
         /// Which frame.
@@ -239,7 +239,7 @@ pub enum SensorError {
     /// The event list has reached its bound.
     #[error("the event list is full: more than {limit} events")]
     #[diagnostic(help(
-        "raise the thresholds or the limit (--max-events, and --max-memory where there is no room for more), ask for --counts or --voxels instead of --events, or choose to drop (--when-full drop)"
+        "raise the thresholds or the limit (--max-events, and --max-memory where there is no room for more); `amacrine run` also has --counts and --voxels instead of --events, and --when-full drop"
     ))]
     ListFull {
         /// How many events it may hold.
@@ -248,7 +248,7 @@ pub enum SensorError {
     /// The events of a pair of frames have no room, before they are passed on.
     #[error("a pair of frames has more events than there is memory for: more than {room}")]
     #[diagnostic(help(
-        "allow more with --max-memory SIZE, raise the thresholds, put frames in (--upsample), ask for --counts or --voxels instead of --events, or choose to drop (--when-full drop)"
+        "allow more with --max-memory SIZE, raise the thresholds, or put frames in (--upsample); `amacrine run` also has --counts and --voxels instead of --events, and --when-full drop"
     ))]
     PairFull {
         /// How many events there is room for.

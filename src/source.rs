@@ -15,6 +15,9 @@ use crate::{
     npy::MAGIC,
 };
 
+/// What some editors begin a text with.
+const MARK: char = '\u{feff}';
+
 /// A file that cannot be read.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("cannot read {}: {cause}", path.display())]
@@ -132,7 +135,12 @@ impl From<SourceError> for io::Error {
 pub fn text(path: &Path, help: &str) -> Result<String, SourceError> {
     let read = || {
         let bytes = rest(open(path)?, Vec::new(), TEXT_BYTES, "text")?;
-        checked(bytes)
+        let mut text = checked(bytes)?;
+        // The byte order mark of some editors takes no column.
+        if text.starts_with(MARK) {
+            text.drain(..MARK.len_utf8());
+        }
+        Ok(text)
     };
     read().map_err(|cause| SourceError::new(path, cause, help))
 }

@@ -161,6 +161,8 @@ pub struct ShortTimeError {
 
 /// A decimal number with one of `units`, as a whole number of the smallest.
 fn decimal(text: &str, units: &[(&str, usize)]) -> Option<u64> {
+    // Two letters look alike: the sign for micro, U+00B5, and the Greek mu, U+03BC.
+    let text = &text.replace('\u{3bc}', "\u{b5}");
     let (number, decimals) = units
         .iter()
         .find_map(|(unit, decimals)| Some((text.strip_suffix(unit)?, *decimals)))?;
@@ -288,6 +290,7 @@ mod tests {
             ("1us", 1),
             ("100us", 100),
             ("7µs", 7),
+            ("7\u{3bc}s", 7),
             ("1ms", 1_000),
             ("0.25 ms", 250),
             ("10ms", 10_000),
@@ -327,6 +330,7 @@ mod tests {
             ("36ns", 36_000, "36 ns"),
             ("35.97 ns", 35_970, "35.97 ns"),
             ("0.91us", 910_000, "910 ns"),
+            ("0.91\u{3bc}s", 910_000, "910 ns"),
             ("1.5ms", 1_500_000_000, "1.5 ms"),
             ("2s", 2_000_000_000_000, "2 s"),
             ("7ps", 7, "7 ps"),

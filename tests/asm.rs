@@ -64,6 +64,10 @@ fn a_program_that_cannot_be_read_has_one_message() {
         assert_eq!(of(verb, "none.scamp"), missing);
     }
     let folder = tempfile::tempdir().unwrap();
+    // The byte order mark of an editor takes no column.
+    let marked = kept(&folder, "m.scamp", "\u{feff}add(A B);\n");
+    let marked = of("asm", &marked);
+    assert_eq!(marked.matches(":1:7").count(), 2, "{marked}");
     let wrong = kept(&folder, "p.scamp", "mov(A B);\nadd(A, Q, C);\n");
     let both = of("asm", &wrong);
     assert!(

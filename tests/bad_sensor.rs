@@ -13,10 +13,12 @@ use amacrine::reference::Description;
 #[rustfmt::skip]
 const MESSAGES: &[(&str, usize, usize, &str, &str)] = &[
     ("authors_refractory_that_snaps", 3, 14, "the authors' refractory rule counts the steps of a memory, and this memory snaps", "use rule = \"dead-time\", or memory = \"filtered-step\""),
+    ("channel_is_a_table", 4, 1, "`channel` takes a list, this is a table", "write [[channel]], in two brackets, once for each of them"),
     ("damaged_array", 5, 10, "kernel file truncated.npy: missing 20 bytes of data specified in header", "give an array of shape (k,k), (K,k,k) or (K,1,k,k)"),
     ("damaged_kernel_file", 5, 10, "kernel file kernel_without_weights.txt:1:1: missing key `weights`, `centre-surround`", "a kernel file is TOML with one of `weights`,"),
     ("dead_time_for_pixel_step", 3, 14, "memory = \"authors-pixel-step\" exists to agree with the released code, whose refractory", "use rule = \"authors\""),
     ("deep_array", 5, 10, "kernel file four_axes.npy: it has shape (", "give an array of shape (k,k), (K,k,k) or (K,1,k,k)"),
+    ("duplicate_key", 3, 1, "not TOML: duplicate key", "leave one of the two out: a table has a key once"),
     ("empty_channels", 3, 11, "`channel` has 0 entries", "give 1 to 16"),
     ("empty_kernel", 5, 10, "the kernel is empty; give an odd number of rows, each with the same odd number of weights", "kernels are 1x1, 3x3, 5x5, …: rows of numbers, row 0 to the"),
     ("even_kernel", 5, 10, "the kernel is 2 rows by 2 columns; both must be odd, so that it has a centre", "kernels are 1x1, 3x3, 5x5, …: rows of numbers, row 0 to the"),

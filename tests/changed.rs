@@ -147,6 +147,49 @@ fn a_rate_that_no_threshold_gives_is_told() {
     assert!((found - 5.0).abs() < 1e-9 && !told, "{found}");
 }
 
+/// No other option puts back what is left out, and a share of any size is one short number.
+#[test]
+fn what_is_left_out_stays_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("a.toml"), sensor("[[1]]", "0.3")).unwrap();
+    let events = |more: &[&str]| {
+        let asked = ["run", "--scene", SCENE, "--sensor", "a.toml", "-o", "e.npy"];
+        good(folder, &[&asked[..], more].concat());
+        fs::read(folder.join("e.npy")).unwrap()
+    };
+    let plain = events(&[]);
+    assert_ne!(plain, events(&["--sigma", "0.09"]));
+    let without = ["--without", "mismatch"];
+    assert_eq!(
+        plain,
+        events(&[&["--sigma", "0.09"], &without[..]].concat())
+    );
+    let twice = [
+        "run",
+        "--scene",
+        SCENE,
+        "--sensor",
+        "dvs-v2e",
+        "--without",
+        "leak,leak",
+    ];
+    let said = good(folder, &twice);
+    assert!(said.contains("(1 channel, f64, without leak)"), "{said}");
+    let tiny = [
+        "run",
+        "--scene",
+        SCENE,
+        "--sensor",
+        "rgc",
+        "--threshold",
+        "1e-300",
+    ];
+    let said = common::amacrine(folder, &tiny).output().unwrap();
+    let said = common::line(&said.stdout);
+    assert!(said.contains("3.0e300 % of the threshold"), "{said}");
+}
+
 #[test]
 fn thresholds_for_on_and_off_and_their_spread() {
     let folder = tempfile::tempdir().unwrap();

@@ -476,7 +476,9 @@ fn refusals() {
         &["/dev/null", "a.npy", "--from", "npy"],
         "reads what it converts twice",
     );
-    folder.refused(&["one.npy", "a.foo"], "--format NAME of what it writes");
+    folder.refused(&["one.npy", "a.foo"], "what it writes: --format NAME");
+    fs::write(folder.path("b.foo"), "1 2 3\n").unwrap();
+    folder.refused(&["b.foo", "a.npy"], "what it reads: --from NAME");
     folder.refused(
         &["one.npy", "a.raw"],
         "`.raw` files come in several formats: evt2, evt2.1, evt3",
@@ -588,6 +590,7 @@ fn csv_of_spreadsheets() {
         ),
         (",t,x,y,p", "to_csv(path, index=False)"),
         ("t;x;y;p", "let commas stand between the columns"),
+        ("t,x,y,p\r1,2,3,1\r", "a lone \\r"),
         (
             "t,x,y,colour",
             "let the first line name the columns: t,x,y,p",

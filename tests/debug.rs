@@ -154,3 +154,26 @@ fn what_is_no_command_is_told_and_the_end_of_input_quits() {
         assert!(text.contains(message), "{message:?} in {text}");
     }
 }
+
+/// What the debugger did not run was not run.
+#[test]
+fn a_clip_that_is_left_is_not_run_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "//! frames = 2\n\ninit { get_image(C); }\nframe { get_image(D); }\n";
+    fs::write(folder.path().join("p.scamp"), text).unwrap();
+    let clip = ndarray::Array3::<f64>::zeros((5, 4, 5));
+    write_npy(folder.path().join("clip.npy"), &clip).unwrap();
+    let exec = ["exec", "p.scamp", "--image", "clip.npy", "--debug"];
+    let said = |commands: &str| {
+        let mut command = amacrine(folder.path(), &exec);
+        let output = command.write_stdin(commands).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let left = said("");
+    assert!(left.contains("the debugger was left in frame 0"), "{left}");
+    assert!(!left.contains("the whole clip was run"), "{left}");
+    let whole = said("continue\n");
+    assert!(whole.contains("the whole clip was run"), "{whole}");
+    assert!(!whole.contains("was left"), "{whole}");
+}

@@ -14,7 +14,10 @@ use amacrine::{
     unit::Micros,
 };
 use miette::Diagnostic;
+use ndarray::arr1;
+use ndarray_npy::WriteNpyExt as _;
 use proptest::prelude::*;
+use zip::{ZipWriter, write::SimpleFileOptions};
 
 /// A packet of any size, clock and number of channels that all formats can hold.
 fn packets(channels: impl Strategy<Value = u8>) -> impl Strategy<Value = Packet> {
@@ -274,7 +277,15 @@ fn what_a_format_cannot_hold_is_refused_and_nothing_is_written() {
 }
 
 /// Each damaged file, and what is said about it.
-const BAD: [(&str, &str); 36] = [
+const BAD: [(&str, &str); 38] = [
+    (
+        "no_size.e2vid",
+        ":1:1: expected `width height`, the size of the sensor, found 4 fields",
+    ),
+    (
+        "lone_cr.csv",
+        ":1:7: expected the header `t,x,y,p` (in any order, and perhaps `channel`), found `p\\r1`",
+    ),
     (
         "empty.csv",
         ":1:1: expected the header `t,x,y,p` (in any order, and perhaps `channel`), found no line at all",
@@ -521,6 +532,41 @@ fn every_damaged_file_gets_its_message() {
         .collect();
     there.sort_unstable();
     assert_eq!(tested, there, "one file a message");
+}
+
+/// What is wrong with an archive's arrays is said of the array, and the help of arrays.
+#[test]
+fn arrays_that_are_no_events_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("e.npz");
+    let said = |names: [&str; 4], float: bool| {
+        let mut archive = ZipWriter::new(fs::File::create(&path).unwrap());
+        for name in names {
+            let how = SimpleFileOptions::default();
+            archive.start_file(format!("{name}.npy"), how).unwrap();
+            if float && name == "t" {
+                arr1(&[0.001, 0.002]).write_npy(&mut archive).unwrap();
+            } else {
+                arr1(&[1_u16, 1]).write_npy(&mut archive).unwrap();
+            }
+        }
+        archive.finish().unwrap();
+        let error = file::read(&path).unwrap_err();
+        (error.to_string(), error.help().unwrap().to_string())
+    };
+    for (names, float, words) in [
+        (["ts", "x", "y", "p"], false, "the npz file holds `ts.npy`"),
+        (["t", "x", "y", "channel"], false, "has no array `p`"),
+        (["t", "x", "y", "p"], true, "an array `t` whose NPY header"),
+    ] {
+        let (text, help) = said(names, float);
+        assert!(text.contains(words), "{text}");
+        let save = "np.savez('e.npz', t=t, x=x, y=y, p=p)";
+        assert!(
+            help.contains(save) && help.contains("whole micro"),
+            "{help}"
+        );
+    }
 }
 
 #[test]

@@ -199,7 +199,10 @@ fn bad_input_has_its_message() {
     );
     says(&["--set", "A=p.scamp"], &["p.scamp", "numpy.save"]);
     says(&["--domain", "f128"], &["f128", "exact", "silicon", "q8.8"]);
-    says(&["--frames", "0"], &["--frames 0"]);
+    says(
+        &["--frames", "0"],
+        &["--frames", "a whole number from 1 on"],
+    );
     says(&["--scale", "2"], &["--scale 2", "no scene"]);
     says(&["--edge", "NaN"], &["--edge is NaN"]);
     says(&["--set", "R3=A.in.npy"], &["-10 at [0, 0]", "0 or 1"]);
@@ -384,7 +387,7 @@ fn many_runs_are_summed_up() {
     assert!(
         bench
             .refused_alone(&["--repeat", "0"])
-            .contains("--repeat 0")
+            .contains("a whole number from 1 on")
     );
     let output = bench
         .command(&["--set", "A=A.in.npy", "--repeat", "2"])
@@ -520,8 +523,12 @@ fn an_error_that_is_set_where_none_is_made_is_told() {
     };
     let note = "note error.noise changes nothing in the domain exact";
     assert!(said(&[]).contains(note), "{}", said(&[]));
-    let silicon = said(&["--domain", "silicon"]);
+    let silicon = said(&["--domain", "silicon", "--seed", "3"]);
     assert!(!silicon.contains("changes nothing"), "{silicon}");
+    let seed = bench.command(&["--set", "A=A.in.npy", "--seed", "3"]);
+    let seed = line(&{ seed }.assert().success().get_output().stdout);
+    let note = "note --seed changes nothing in the domain exact";
+    assert!(seed.contains(note), "{seed}");
 }
 
 #[test]
@@ -746,4 +753,16 @@ fn nothing_shown_is_no_folder() {
         notes.contains("--displays shown: nothing was written"),
         "{notes}"
     );
+}
+
+/// A program of no statement runs, and is told.
+#[test]
+fn a_program_of_nothing_is_told() {
+    let bench = Bench::new("// nothing yet\n").set("A", &ramp());
+    let output = bench.command(&["--set", "A=A.in.npy", "--json"]);
+    let output = { output }.assert().success().get_output().clone();
+    let told = "no statement is in it, and no word runs";
+    assert!(line(&output.stderr).contains(told), "{output:?}");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(json["source_warnings"].to_string().contains(told), "{json}");
 }

@@ -967,7 +967,7 @@ fn bad_input_is_one_message_and_no_page() {
         (more(&["--fps", "0"]), &["frames"]),
         (more(&["--link-energy", "9..1"]), &["9..1", "1..20"]),
         (more(&["--exposure", "soon"]), &["soon", "1ms"]),
-        (with(12, "0"), &["--chips", "1.."]),
+        (with(12, "0"), &["--chips", "whole number from 1 to"]),
         (more(&["--readout", "beside"]), &["beside", "overlapped"]),
         (
             more(&["--explain", "powr.busy"]),

@@ -548,6 +548,23 @@ fn gaps_and_scales_are_told() {
     };
     let ten = scaled(Samples::Integers, (3.0, 987.0)).unwrap();
     assert!(ten.contains("(0.249267 for 10 bits"), "{ten}");
+    // A logarithm does not make changes larger.
+    let log = Curve::Log {
+        white: 255.0,
+        offset: 1e-3,
+    };
+    let sixteen = Some((256.0, 65_280.0));
+    for (curve, grows) in [
+        (Curve::Identity, true),
+        (Curve::Linear { white: 255.0 }, true),
+        (log, false),
+        (Curve::LinLog { knee: 20.0 }, false),
+    ] {
+        let warning = Warning::scale(Samples::Integers, sixteen, Response::new(curve));
+        let text = warning.unwrap().to_string();
+        assert_eq!(text.contains("as much larger"), grows, "{text}");
+        assert!(text.contains("more than 8 bits"), "{text}");
+    }
     for (samples, extent) in [
         (Samples::Integers, (0.0, 255.0)),
         // What shines, and night.

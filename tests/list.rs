@@ -104,6 +104,42 @@ fn a_slip_of_the_pen_is_understood() {
             &[&format!("did you mean `{meant}`?")],
         );
     }
+    for scene in ["bundeld", "bundle", "Bundled"] {
+        let words = ["run", "--scene", scene, "--sensor", "dvs"];
+        refused(folder.path(), &words, &["did you mean `bundled`?"]);
+    }
+    refused(folder.path(), &["rn"], &["'rn'", "exists: 'run'"]);
     let names = std::fs::read_dir(folder.path()).unwrap();
     assert_eq!(names.count(), 0);
+}
+
+/// A name of another kind of thing is told, and how that is given.
+#[test]
+fn names_of_another_kind_are_known() {
+    let folder = tempfile::tempdir().unwrap();
+    for (line, told) in [
+        (
+            "compile rgc-4 --threshold 9",
+            "rgc-4 is a sensor, given as --sensor rgc-4",
+        ),
+        (
+            "run --scene bundled --sensor rgc-5x5",
+            "rgc-5x5 is a kernel, given as --kernel rgc-5x5",
+        ),
+        (
+            "run --scene bundled --sensor dvs/snap",
+            "dvs/snap is a program, run by `amacrine exec dvs/snap`",
+        ),
+        (
+            "exec formats",
+            "formats is a study, computed by `amacrine sweep formats`",
+        ),
+        (
+            "exec scamp5-wide",
+            "scamp5-wide is a chip, given as --chip scamp5-wide",
+        ),
+    ] {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        refused(folder.path(), &words, &[told]);
+    }
 }

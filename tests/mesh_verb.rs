@@ -341,6 +341,39 @@ fn numbers_that_are_none_are_told_what_is_expected() {
             &["exec", "x.scamp", "--frames", "99999999999999999999"],
             "give a smaller number",
         ),
+        // Where 0 is refused, nobody is told to give it.
+        (
+            &["exec", "x.scamp", "--frames", "-1"],
+            "give a whole number from 1 on",
+        ),
+        (
+            &["mesh", "step", "--frames", "0"],
+            "give a whole number from 1 on",
+        ),
+        (
+            &["compile", "sobel-x", "--events-per-frame", "-1"],
+            "give a whole number from 1 to 1000000000000",
+        ),
+        (
+            &["compile", "sobel-x", "--events-per-frame=x"],
+            "give a whole number from 1 to 1000000000000",
+        ),
+        (
+            &["compare", "a.npy", "b.npy", "--bins", "0"],
+            "give a whole number from 1 to 1000",
+        ),
+        (
+            &[
+                "voxels", "a.npy", "-o", "v.npy", "--window", "1s", "--bins", "0",
+            ],
+            "give a whole number from 1 to 1000",
+        ),
+        (
+            &[
+                "voxels", "a.npy", "-o", "v.npy", "--window", "1s", "--bins", "-1",
+            ],
+            "give a whole number from 1 to 1000",
+        ),
         (
             &["mesh", "show", "--output", "m.png"],
             "<--lambda <L>|--kernel <KERNEL>>",

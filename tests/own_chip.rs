@@ -388,7 +388,7 @@ fn a_scene_larger_than_the_array_is_refused() {
             &[verb, &more].concat(),
             &[
                 "is 33x24, and small has 32x24 processors",
-                "--crop 32x24, --resize 32x24",
+                "--crop 32x24, --resize 32x23",
             ],
         );
     }
@@ -735,5 +735,23 @@ fn a_kernel_is_true_of_a_chip_of_another_scale_of_light() {
             &["asm", "q.scamp", "--chip", chip],
             &["[computes] is false"],
         );
+    }
+}
+
+/// What is said of a scene that is larger than the array can be done, whichever side is too long.
+#[test]
+fn advice_for_a_larger_scene_can_be_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let scene = "pattern:disc?width=320&height=240&frames=2";
+    let exec = ["exec", "dvs/snap", "--image", scene];
+    let said = |more: &[&str]| json(folder, &[&exec[..], more].concat())["warnings"].to_string();
+    let advice = ["--crop 256x240", "--resize 256x192"];
+    let told = said(&[]);
+    assert!(told.contains(&advice.join(", ")), "{told}");
+    for way in advice {
+        let words: Vec<&str> = way.split(' ').collect();
+        let told = said(&words);
+        assert!(!told.contains("processors"), "{told}");
     }
 }

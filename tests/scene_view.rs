@@ -211,6 +211,13 @@ fn what_a_scene_does_not_have_is_refused() {
             ["--slice", "1s..2s"],
             vec!["no frame is in the slice", "12 frames at 100 frames/s"],
         ),
+        (
+            ["--slice", "10us..20us"],
+            vec![
+                "no frame is in the slice 10us..20us",
+                "the scene has frames before and after it, at 100 frames/s",
+            ],
+        ),
         (["--slice", "5..3"], vec!["FROM is not before TO"]),
         (["--slice", "3"], vec!["give FROM..TO"]),
         (["--slice", "a..3"], vec!["`a` is no time"]),

@@ -7,15 +7,19 @@ use pyo3::prelude::*;
 
 /// What the library says of options that have no argument of their own here, and what is said
 /// instead.
-const PHRASES: [(&str, &str); 18] = [
+const PHRASES: [(&str, &str); 19] = [
     (
-        "the limit (--max-events, and --max-memory where there is no room for more), ask for \
-         --counts or --voxels instead of --events, or choose to drop (--when-full drop)",
+        "the limit (--max-events, and --max-memory where there is no room for more); \
+         `amacrine run` also has --counts and --voxels instead of --events, and --when-full drop",
         "the limit (max_events), or take counts, or voxels without bins, which need no list",
     ),
     ("`amacrine convert` also takes --format", "or give format"),
     (
-        "or tell `amacrine convert`: --from NAME of what it reads, --format NAME of what it writes",
+        "or tell `amacrine convert` what it writes: --format NAME",
+        "or give format",
+    ),
+    (
+        "or tell `amacrine convert` what it reads: --from NAME",
         "or give format",
     ),
     (

@@ -35,20 +35,15 @@ pub struct Changes {
 }
 
 impl Changes {
-    /// The sensor as it is asked for, and which thresholds were found.
+    /// The sensor with the kernels, thresholds and spreads that are asked for.
     ///
     /// # Errors
-    /// When a kernel cannot be read, a threshold is not above 0, or no threshold gives the rate.
-    pub(super) fn of(
-        &self,
-        mut sensor: Description,
-        (seed, format): (u64, Format),
-        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-    ) -> miette::Result<(Description, Option<Found>)> {
+    /// When a kernel cannot be read, or a threshold is not above 0.
+    pub(super) fn set(&self, mut sensor: Description) -> miette::Result<Description> {
         if !self.kernel.is_empty() {
             let kernels = self.kernels()?;
             let Some(first) = sensor.channels.first().cloned() else {
-                return Ok((sensor, None));
+                return Ok(sensor);
             };
             if first.surrounds.is_some() || first.thresholds.len() != 1 {
                 return Err(miette!(
@@ -67,6 +62,20 @@ impl Changes {
             sensor.channels = kinds.collect();
         }
         self.set_thresholds(&mut sensor)?;
+        Ok(sensor)
+    }
+
+    /// The sensor with thresholds for the rate that is asked for, and which were found: of what
+    /// runs, with all that is set and without what is left out.
+    ///
+    /// # Errors
+    /// When no threshold gives the rate.
+    pub(super) fn rated(
+        &self,
+        sensor: Description,
+        (seed, format): (u64, Format),
+        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    ) -> miette::Result<(Description, Option<Found>)> {
         let Some(asked) = self.rate else {
             return Ok((sensor, None));
         };
@@ -113,9 +122,14 @@ impl Changes {
         let all = sensor.channels.iter().flat_map(|kind| &kind.thresholds);
         let sigma = all.map(|own| own.sigma).fold(0.0, f64::max);
         let share = 100.0 * sigma / on.min(off);
+        let share = if share < 1e6 {
+            format!("{share:.0}")
+        } else {
+            format!("{share:.1e}")
+        };
         (sigma > 0.0).then(|| {
             format!(
-                "sigma    {sigma}, the file's, {share:.0} % of the threshold: --sigma says another, and --rate scales it with the threshold\n"
+                "sigma    {sigma}, the file's, {share} % of the threshold: --sigma says another, and --rate scales it with the threshold\n"
             )
         })
     }

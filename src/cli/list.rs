@@ -70,12 +70,32 @@ pub(super) fn bundled(kind: Kind, path: &Path) -> Option<File> {
     bundled::find(kind, name)
 }
 
-/// What to give instead of a path that is not there: a name that is near, if any, and `otherwise`.
+/// What to give instead of a path that is not there: how what has this name is given, where it is of
+/// another kind; else a name that is near, if any; and `otherwise`.
 pub(super) fn meant(kind: Kind, path: &Path, otherwise: &str) -> String {
-    match path.to_str().filter(|_| !path.exists()) {
-        Some(name) => bundled::meant(kind, name, otherwise),
-        None => otherwise.to_owned(),
+    let Some(name) = path.to_str().filter(|_| !path.exists()) else {
+        return otherwise.to_owned();
+    };
+    match of_another_kind(name) {
+        Some(other) => format!("{other}; here {otherwise}"),
+        None => bundled::meant(kind, name, otherwise),
     }
+}
+
+/// What comes with the program under this name, and how it is given.
+pub(super) fn of_another_kind(name: &str) -> Option<String> {
+    let kind = kind_with(name)?;
+    let how = match &*kind {
+        "sensor" => format!("given as --sensor {name}"),
+        "program" => format!("run by `amacrine exec {name}`"),
+        "kernel" => {
+            format!("given as --kernel {name} beside a sensor, or to `amacrine compile {name}`")
+        }
+        "study" => format!("computed by `amacrine sweep {name}`"),
+        "readout" => format!("given as --readout {name}"),
+        _ => format!("given as --chip {name}"),
+    };
+    Some(format!("{name} is a {kind}, {how}"))
 }
 
 /// Nothing of this kind has this name.

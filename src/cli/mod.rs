@@ -182,7 +182,7 @@ pub fn main() -> ExitCode {
     });
     let (matches, arguments) = match parsed {
         Ok(parsed) => parsed,
-        Err(error) => return print::usage(&error),
+        Err(error) => return print::usage(error, command),
     };
     budget::allow(arguments.max_memory);
     let run = || {

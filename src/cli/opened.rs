@@ -42,8 +42,23 @@ pub struct Opened {
 }
 
 impl Opened {
+    /// That there is nothing in a program, where there is not.
+    pub fn nothing(&self) -> Option<String> {
+        let code = &self.expansion.code;
+        let is_empty = !self.decides && code.init.is_empty() && code.frame.is_empty();
+        is_empty.then(|| {
+            format!(
+                "{}: no statement is in it, and no word runs",
+                self.program.file
+            )
+        })
+    }
+
     /// Shows the warnings of its expansion.
     fn warn(&self) {
+        if let Some(nothing) = self.nothing() {
+            complain(&format!("warning: {nothing}\n"));
+        }
         if let Some(warnings) = self.program.warnings(&self.expansion) {
             complain(&format!("{:?}\n", miette!(warnings)));
         }
@@ -95,6 +110,17 @@ impl Source {
     pub fn canonical(&self) -> miette::Result<Syntax> {
         let program = self.read()?;
         if !program.is_vendor() {
+            let unused = [
+                self.chip.as_ref().map(|_| "chip"),
+                self.constants.first().map(|_| "const"),
+            ];
+            if let Some(option) = unused.into_iter().flatten().next() {
+                return Err(miette!(
+                    help = format!("leave --{option} out"),
+                    "--{option} is of no use with --format: {} is printed as it is written",
+                    program.file
+                ));
+            }
             return Ok(Program::parse(&program.file, &program.text)?.syntax);
         }
         let opened = self.open(&[])?;

@@ -62,7 +62,8 @@ pub struct Arguments {
     /// Run it and the full model, and show what everything really changes beside its limit
     #[arg(long)]
     verify: bool,
-    /// The most events a list may hold [default: 100000000, or what there is memory for]
+    /// The most events a list may hold, with --run or --verify [default: 100000000, or what there
+    /// is memory for]
     #[arg(long)]
     max_events: Option<usize>,
     /// Print one JSON object instead of the table
@@ -90,6 +91,19 @@ struct Asked {
     formats: Vec<Format>,
 }
 
+impl Arguments {
+    /// Refuses a bound of lists where none is made.
+    fn check_list(&self) -> miette::Result<()> {
+        match self.max_events {
+            Some(most) if !self.run && !self.verify => Err(miette!(
+                help = "add --run or --verify, or leave --max-events out",
+                "--max-events {most} is of no use without --run or --verify: it bounds the lists of events, and there is none"
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
 /// A model that was run.
 struct Ran {
     packet: Packet,
@@ -108,6 +122,7 @@ struct Verified {
 /// # Errors
 /// When the scene or the sensor file is not what it should be.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
+    arguments.check_list()?;
     let description = read_sensor(&arguments.sensor)?;
     let readout = arguments.readout.open()?.map(|d| d.readout()).transpose()?;
     let mut formats = Vec::new();

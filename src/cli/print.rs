@@ -8,10 +8,11 @@ use std::{
     sync::atomic::{AtomicBool, Ordering},
 };
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use miette::{Diagnostic, MietteHandlerOpts, ReportHandler, miette};
 use textwrap::{WordSeparator, WordSplitter};
 
-use crate::{save, told::Told};
+use crate::{config::nearest, save, told::Told};
 
 /// Whether an output goes to standard output, and what is said beside it.
 static ASIDE: AtomicBool = AtomicBool::new(false);
@@ -89,8 +90,9 @@ pub(super) fn failed(report: &miette::Report) -> ExitCode {
 }
 
 /// Prints help, a version, or what is wrong with the command line; the exit code.
-pub(super) fn usage(error: &clap::Error) -> ExitCode {
-    if let Some(plain) = unread_number(error) {
+pub(super) fn usage(mut error: clap::Error, command: fn() -> clap::Command) -> ExitCode {
+    suggest_verb(&mut error, &command());
+    if let Some(plain) = unread_number(&error, command) {
         complain(&plain);
         return ExitCode::from(2);
     }
@@ -104,17 +106,31 @@ pub(super) fn usage(error: &clap::Error) -> ExitCode {
     }
 }
 
-/// What is said of a number that is none, in words that say what is expected.
-fn unread_number(error: &clap::Error) -> Option<String> {
-    const WORDS: [(&str, &str); 4] = [
-        (
-            "invalid digit found in string",
-            "give a whole number, from 0 on",
-        ),
-        (
-            "cannot parse integer from empty string",
-            "give a whole number, from 0 on",
-        ),
+/// Adds the verb that was meant to the message of one that is none, where only we find one near.
+fn suggest_verb(error: &mut clap::Error, command: &clap::Command) {
+    if error.kind() != ErrorKind::InvalidSubcommand
+        || error.get(ContextKind::SuggestedSubcommand).is_some()
+    {
+        return;
+    }
+    let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidSubcommand) else {
+        return;
+    };
+    let verbs = command.get_subcommands().map(clap::Command::get_name);
+    if let Some(near) = nearest(given, verbs) {
+        let near = ContextValue::Strings(vec![near.to_owned()]);
+        error.insert(ContextKind::SuggestedSubcommand, near);
+    }
+}
+
+/// What is said of a number that is none, or beyond what an option takes, in words that say what is
+/// expected.
+fn unread_number(error: &clap::Error, command: fn() -> clap::Command) -> Option<String> {
+    const NO_NUMBER: [&str; 2] = [
+        "invalid digit found in string",
+        "cannot parse integer from empty string",
+    ];
+    const WORDS: [(&str, &str); 2] = [
         (
             "number too large to fit in target type",
             "give a smaller number",
@@ -122,8 +138,62 @@ fn unread_number(error: &clap::Error) -> Option<String> {
         ("invalid float literal", "give a number, such as 0.5"),
     ];
     let said = error.render().to_string();
-    let (cause, expected) = WORDS.iter().find(|(cause, _)| said.contains(cause))?;
-    Some(said.replace(cause, expected))
+    if let Some((cause, expected)) = WORDS.iter().find(|(cause, _)| said.contains(cause)) {
+        return Some(said.replace(cause, expected));
+    }
+    if let Some((cause, expected)) = beyond(&said) {
+        return Some(said.replace(&cause, &expected));
+    }
+    let cause = NO_NUMBER.iter().find(|cause| said.contains(**cause))?;
+    let expected = with_0(error, command)
+        .and_then(|zero| beyond(&zero))
+        .map_or_else(
+            || "give a whole number, from 0 on".to_owned(),
+            |(_, expected)| expected,
+        );
+    Some(said.replace(cause, &expected))
+}
+
+/// What clap says of a number beyond the range of an option, and the same in words.
+fn beyond(said: &str) -> Option<(String, String)> {
+    let (before, after) = said.split_once(" is not in ")?;
+    let number = before.rsplit(' ').next()?;
+    let range = after.split_whitespace().next()?;
+    let (least, most) = range.split_once("..").filter(|ends| !ends.0.is_empty())?;
+    let most = most.trim_start_matches('=');
+    // The ends of the types of numbers are no limits that anybody has set.
+    let ends = [u32::MAX.into(), i64::MAX as u64, u64::MAX];
+    let is_open = |most: &str| most.parse().map_or(true, |most| ends.contains(&most));
+    let words = if is_open(most) {
+        format!("give a whole number from {least} on")
+    } else {
+        format!("give a whole number from {least} to {most}")
+    };
+    Some((format!("{number} is not in {range}"), words))
+}
+
+/// What is said of the same command with 0 in the place of a number that cannot be read: clap names
+/// the range of an option only to a number beyond it.
+fn with_0(error: &clap::Error, command: fn() -> clap::Command) -> Option<String> {
+    let (Some(ContextValue::String(value)), Some(option)) = (
+        error.get(ContextKind::InvalidValue),
+        error.get(ContextKind::InvalidArg),
+    ) else {
+        return None;
+    };
+    let assigned = format!("={value}");
+    let arguments = std::env::args_os().map(|argument| {
+        let text = argument.to_string_lossy().into_owned();
+        if text == *value {
+            return "0".into();
+        }
+        match text.strip_suffix(&assigned) {
+            Some(option) => format!("{option}=0").into(),
+            None => argument,
+        }
+    });
+    let again = command().try_get_matches_from(arguments).err()?;
+    (again.get(ContextKind::InvalidArg) == Some(option)).then(|| again.render().to_string())
 }
 
 /// Standard output takes no more; the exit code.

@@ -6,6 +6,7 @@ use miette::{WrapErr, miette};
 use serde_json::json;
 
 use crate::{
+    bundled::Kind,
     event::{
         Dropped, Packet,
         address::AddressWord,
@@ -33,6 +34,7 @@ use super::{
     files::{self, Input, Named, Output},
     guards::RunGuard,
     light::{self, Samples},
+    list::{bundled, of_another_kind},
     progress::Progress,
     quantiser::number_format,
     readout,
@@ -128,13 +130,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         let scene = samples.open(Some(&arguments.scene), arguments.fps, &unseen)?;
         upsample::by_contrast(scene, arguments.upsample)
     };
-    // Thresholds for a rate are those of what runs.
+    // What is left out goes last, so that no change puts it back; thresholds for a rate are those of
+    // what runs.
     let name = arguments.sensor.display().to_string();
+    let description = arguments.changes.set(description)?;
     let description = arguments.without.leave_out(&name, &description)?;
     let (description, found) =
         arguments
             .changes
-            .of(description, (arguments.seed, arguments.format), &shown)?;
+            .rated(description, (arguments.seed, arguments.format), &shown)?;
     if let Some(found) = found.as_ref().filter(|_| !arguments.json) {
         super::say(&found.line());
     }
@@ -294,6 +298,17 @@ fn watched(
 /// # Errors
 /// When a file cannot be read, or is not what it should be.
 pub fn read_sensor(path: &Path) -> miette::Result<Description> {
+    if bundled(Kind::Sensor, path).is_none()
+        && let Some(other) = path.to_str().and_then(of_another_kind)
+    {
+        return Err(miette!(
+            help = format!(
+                "{other}; here give a sensor file, or a name that `amacrine list sensors` prints"
+            ),
+            "{} is no sensor",
+            path.display()
+        ));
+    }
     let named = RefCell::new(Vec::new());
     let read = |path: &Path| {
         named.borrow_mut().push(path.to_owned());

@@ -32,16 +32,16 @@ pub struct Arguments {
     /// readout, chip
     file: Input,
     /// The name of one that comes with the program (`amacrine list sensors`): its text
-    #[arg(conflicts_with_all = ["output", "view", "from", "to", "window", "at", "title", "hold", "json"])]
+    #[arg(conflicts_with_all = ["output", "view", "from", "to", "window", "at", "title", "hold", "json", "size", "stream"])]
     name: Option<String>,
     #[command(flatten)]
     recording: Recording,
     /// The picture: .png or .svg; .gif or .apng for an animation, window by window (frames; as .apng also surfaces and kinds); .mcap for a recording that Foxglove and rerun open, events and pictures window by window
     #[arg(short, long, value_name = "PICTURE", value_parser = Content::View)]
     output: Option<Output>,
-    /// Which view of it
-    #[arg(long, value_enum, default_value = "overview")]
-    view: Shown,
+    /// Which view of it [default: overview; of what moves, frame]
+    #[arg(long, value_enum)]
+    view: Option<Shown>,
     /// Leave out what is not later than this: as in a window, an event at the time of a frame
     /// belongs to what ends there (`convert --slice` keeps what is at its start)
     #[arg(long, value_name = "TIME")]
@@ -49,18 +49,18 @@ pub struct Arguments {
     /// Leave out what is later than this; what is at this time stays
     #[arg(long, value_name = "TIME")]
     to: Option<Micros>,
-    /// Length of a frame, and time constant of a time surface
-    #[arg(long, default_value = "20ms", value_name = "TIME")]
-    window: Micros,
+    /// Length of a frame, and time constant of a time surface [default: 20ms]
+    #[arg(long, value_name = "TIME")]
+    window: Option<Micros>,
     /// When the frame ends and the surface is taken; else at the end of the busiest window
     #[arg(long, value_name = "TIME")]
     at: Option<Micros>,
     /// What the picture is called; else the name of the file
     #[arg(long)]
     title: Option<String>,
-    /// How long each frame of an animation is shown
-    #[arg(long, default_value = "100ms", value_name = "TIME")]
-    hold: Micros,
+    /// How long each frame of an animation is shown [default: 100ms]
+    #[arg(long, value_name = "TIME")]
+    hold: Option<Micros>,
     /// Print one JSON object instead of the line
     #[arg(long)]
     json: bool,
@@ -85,33 +85,80 @@ enum Shown {
 }
 
 impl Arguments {
+    /// The view of a picture that does not move.
+    fn view(&self) -> Shown {
+        self.view.unwrap_or(Shown::Overview)
+    }
+
+    /// The length of a frame.
+    fn window(&self) -> Micros {
+        self.window.unwrap_or(Micros(20_000))
+    }
+
+    /// How long a frame is shown.
+    fn hold(&self) -> Micros {
+        self.hold.unwrap_or(Micros(100_000))
+    }
+
+    /// Refuses options that change nothing of this picture.
+    fn check_options(&self, to: &Output, moving: bool) -> miette::Result<()> {
+        let output = to.display();
+        let whole = matches!(self.view(), Shown::Cloud | Shown::Rate | Shown::Intervals);
+        let recorded = to.ending() == "mcap";
+        let (option, why, help) = if self.hold.is_some() && (recorded || !moving) {
+            let help = "leave --hold out, or give a name that ends in .gif or .apng";
+            ("hold", format!("for {output}, which is no animation"), help)
+        } else if self.at.is_some() && moving {
+            let help = "leave --at out, or give a name that ends in .png or .svg";
+            ("at", format!("for {output}, which has every window"), help)
+        } else if self.title.is_some() && recorded {
+            let help = "leave --title out";
+            ("title", format!("for {output}, which has none"), help)
+        } else if whole && (self.at.is_some() || self.window.is_some()) {
+            let option = if self.at.is_some() { "at" } else { "window" };
+            let help = "leave it out (--from and --to choose the time), or take a view of a window: overview, frame, surface or kinds";
+            (
+                option,
+                "for this view, which shows all of the packet at once".to_owned(),
+                help,
+            )
+        } else {
+            return Ok(());
+        };
+        Err(miette!(help = help, "--{option} is of no use {why}"))
+    }
+
     /// A picture of the whole packet does not move, and a GIF holds few colours.
     fn can_move(&self, to: &Output) -> miette::Result<()> {
         let output = to.display();
-        if to.ending() == "gif" && self.hold < Micros(10_000) {
+        if to.ending() == "gif" && self.hold() < Micros(10_000) {
             return Err(miette!(
                 help = "give --hold 10ms or more, or a name that ends in .apng",
                 "{output}: a GIF counts its time in hundredths of a second"
             ));
         }
-        if to.ending() == "gif" && self.hold > Micros(655_350_000) {
+        if to.ending() == "gif" && self.hold() > Micros(655_350_000) {
             return Err(miette!(
                 help = "give --hold 655s or less, or a name that ends in .apng",
                 "{output}: a frame of a GIF lasts 655.35 s at most"
             ));
         }
         match self.view {
-            Shown::Overview | Shown::Frame if to.ending() == "mcap" => Ok(()),
+            None | Some(Shown::Frame) if to.ending() == "mcap" => Ok(()),
             _ if to.ending() == "mcap" => Err(miette!(
                 help = "leave --view out",
                 "{output}: it holds events and frames of them, no other view"
             )),
-            Shown::Surface | Shown::Kinds if to.ending() == "gif" => Err(miette!(
+            Some(Shown::Surface | Shown::Kinds) if to.ending() == "gif" => Err(miette!(
                 help = "give a name that ends in .apng, or leave --view out",
                 "{output}: a GIF has too few colours for this view"
             )),
-            Shown::Overview | Shown::Frame | Shown::Surface | Shown::Kinds => Ok(()),
-            Shown::Cloud | Shown::Rate | Shown::Intervals => Err(miette!(
+            None | Some(Shown::Frame | Shown::Surface | Shown::Kinds) => Ok(()),
+            Some(Shown::Overview) => Err(miette!(
+                help = "leave --view out for frames, or give a name that ends in .png or .svg",
+                "{output}: an overview has all views on one page, it does not move"
+            )),
+            Some(Shown::Cloud | Shown::Rate | Shown::Intervals) => Err(miette!(
                 help = "give a name that ends in .png or .svg; frames, surfaces and kinds move",
                 "{output}: this view shows all of the packet at once, it does not move"
             )),
@@ -176,7 +223,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         ));
     }
     let moving = ["gif", "apng", "mcap"].contains(&output.ending());
-    if arguments.window.0 == 0 {
+    if arguments.window().0 == 0 {
         return Err(miette!(
             help = "give a time such as 20ms",
             "--window 0: a frame needs some time"
@@ -185,6 +232,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if moving {
         arguments.can_move(output)?;
     }
+    arguments.check_options(output, moving)?;
     let loaded = arguments.recording.read(&arguments.file, 0, EACH)?;
     let size_known = loaded.size_known;
     let mut packet = loaded.packet;
@@ -197,8 +245,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     } else {
         let look = Look {
             title,
-            view: arguments.view.view(),
-            window: arguments.window,
+            view: arguments.view().view(),
+            window: arguments.window(),
             at: arguments.at,
         };
         output.draw(&view::draw(&packet, &look)?)?;
@@ -233,7 +281,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 
 /// Refuses pictures for which there is no room: a file may say that its sensor is of any size.
 fn check(packet: &Packet, arguments: &Arguments) -> miette::Result<()> {
-    let kinds = match arguments.view {
+    let kinds = match arguments.view() {
         Shown::Kinds | Shown::Overview => u128::from(packet.channels),
         Shown::Frame | Shown::Surface | Shown::Cloud | Shown::Rate | Shown::Intervals => 1,
     };
@@ -283,7 +331,7 @@ fn animate(
     arguments: &Arguments,
 ) -> miette::Result<u64> {
     let (from, to) = packet.span;
-    let window = arguments.window;
+    let window = arguments.window();
     let pages = to.0.saturating_sub(from.0).div_ceil(window.0);
     let most = if output.ending() == "mcap" {
         WINDOWS
@@ -306,18 +354,18 @@ fn animate(
     if output.ending() == "mcap" {
         return Ok(view::mcap::write(output, packet, window)?);
     }
-    let hold = arguments.hold.seconds();
-    let names = match arguments.view {
+    let hold = arguments.hold().seconds();
+    let names = match arguments.view() {
         Shown::Kinds => &packet.names[..],
         _ => &[],
     };
     let names = names.iter().map(String::as_str);
     output.warn_of_letters([title].into_iter().chain(names));
-    match arguments.view {
+    match arguments.view() {
         Shown::Surface | Shown::Kinds => {
             let look = Look {
                 title,
-                view: arguments.view.view(),
+                view: arguments.view().view(),
                 window,
                 at: None,
             };

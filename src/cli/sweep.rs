@@ -79,7 +79,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["output", "shard", "verify", "parquet", "space", "points"])]
     tell: bool,
     /// Print the JSON Schema of study files, and do nothing else
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["study", "sets", "output", "shard", "jobs", "max_seconds_per_point", "verify", "parquet", "space", "points", "tell"])]
     schema: bool,
     /// Print one JSON object instead of the table
     #[arg(long)]

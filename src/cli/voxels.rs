@@ -1,5 +1,6 @@
 //! `amacrine voxels`: an event file as the tensors that networks take.
 
+use clap::builder::RangedU64ValueParser;
 use miette::{Diagnostic as _, miette};
 use serde_json::json;
 
@@ -15,8 +16,8 @@ use crate::{
         Event,
         file::{self, Reader},
         tensor::{
-            Alignment, Container, Layers, Normalise, Precision, Share, Sides, TensorFile,
-            VoxelStream, Voxels, Windows,
+            Alignment, Container, Layers, MOST_BINS, Normalise, Precision, Share, Sides,
+            TensorFile, VoxelStream, Voxels, Windows,
         },
     },
     memory::{Bytes, Need},
@@ -38,7 +39,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "VOXELS", value_parser = Content::Tensor)]
     output: Output,
     /// Bins of a window
-    #[arg(long, default_value_t = 5, value_name = "N")]
+    #[arg(long, default_value_t = 5, value_name = "N", value_parser = RangedU64ValueParser::<usize>::new().range(1..=MOST_BINS as u64))]
     bins: usize,
     /// How long a window is
     #[arg(long, value_name = "TIME")]

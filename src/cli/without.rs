@@ -74,8 +74,13 @@ impl Terms {
     }
 }
 
-fn told(names: impl Iterator<Item = &'static str>) -> String {
-    let names: Vec<_> = names.collect();
+fn told(all: impl Iterator<Item = &'static str>) -> String {
+    let mut names = Vec::new();
+    for name in all {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
     if names.is_empty() {
         String::new()
     } else {

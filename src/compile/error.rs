@@ -14,6 +14,13 @@ pub(super) fn most_threshold(device: &Device) -> f64 {
     -device.register_range().0
 }
 
+/// What part of a threshold of so many LSB can be set and passed: no more than `most` can be set,
+/// and no result changes by more than `reach`.
+fn part_to_take(lsb: f64, most: f64, reach: f64) -> String {
+    // A change that is as large as the threshold does not pass it.
+    part_that_fits(lsb, most.min(reach * (1.0 - 1e-9)))
+}
+
 /// What part of a threshold of so many LSB, more than can be set, can be: three digits, rounded
 /// down; a tiny one in two, with its power of ten, and a twentieth less.
 fn part_that_fits(lsb: f64, most: f64) -> String {
@@ -176,12 +183,14 @@ pub enum CompileError {
         "a threshold is {} LSB in the program, more than the {most} that the host can set",
         if *lsb < 1e6 { format!("{lsb:.0}") } else { format!("{lsb:.2e}") }
     )]
-    #[diagnostic(help("take a lower threshold: {} times this one, or less", part_that_fits(*lsb, *most)))]
+    #[diagnostic(help("take a lower threshold: {} times this one, or less", part_to_take(*lsb, *most, *reach)))]
     Threshold {
         /// The threshold, LSB.
         lsb: f64,
         /// The largest that can be set, LSB.
         most: f64,
+        /// By how much the result can change at most, LSB.
+        reach: f64,
     },
     /// A word that the chip does not have.
     #[error("no program for {chip}: {why}")]

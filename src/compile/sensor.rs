@@ -263,7 +263,9 @@ fn check_thresholds(
         let threshold = kind.on.max(kind.off);
         if threshold * scale > most {
             let lsb = threshold * scale;
-            return Err(CompileError::Threshold { lsb, most });
+            let weights: f64 = kind.kernel.weights().iter().map(|it| it.abs()).sum();
+            let reach = weights * brightest(device) * scale;
+            return Err(CompileError::Threshold { lsb, most, reach });
         }
     }
     Ok(())

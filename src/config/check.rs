@@ -93,7 +93,17 @@ impl Check<'_> {
             }
             _ => {
                 let message = format!("`{path}` takes {}, this is {}", kind.words(), node.found());
-                self.wrong(place, message, self.see);
+                match kind {
+                    Kind::List {
+                        of: Kind::Table(_) | Kind::Cases { .. },
+                        ..
+                    } if node.as_table().is_some() => {
+                        let help =
+                            format!("write [[{path}]], in two brackets, once for each of them");
+                        self.wrong(place, message, help);
+                    }
+                    _ => self.wrong(place, message, self.see),
+                }
             }
         }
     }

@@ -46,8 +46,12 @@ impl<'a> Document<'a> {
 fn not_toml(error: &toml::de::Error) -> Fault {
     let place = error.span().map_or(Place::new(0, 0), Place::from);
     let message = format!("not TOML: {}", error.message().trim());
-    Fault::error(place, message, "here")
-        .help("write key = value; words go in quotes, as in name = \"word\"")
+    let help = if message.contains("duplicate key") {
+        "leave one of the two out: a table has a key once"
+    } else {
+        "write key = value; words go in quotes, as in name = \"word\""
+    };
+    Fault::error(place, message, "here").help(help)
 }
 
 /// A value with its place.

@@ -215,6 +215,15 @@ impl Kernel {
             return None;
         }
         let planes = Self::planes_from_npy(bytes)?;
+        let shape = weights(bytes).map_or_else(|_| Vec::new(), |array| array.shape);
+        if planes.is_empty() && shape.first().is_some_and(|kernels| *kernels > 0) {
+            let sides: Vec<String> = shape.iter().map(ToString::to_string).collect();
+            let what = format!(
+                "{name}: an array of shape ({}) has no weights",
+                sides.join(",")
+            );
+            return Some(Err((what, SHAPES)));
+        }
         if planes.is_empty() || planes.len() > KERNELS {
             let what = format!("{name}: {}", wrong_number(planes.len()));
             return Some(Err((what, FEWER)));

@@ -424,7 +424,10 @@ impl Warning {
                 About::Scale,
                 "the scene",
                 format!("light goes up to {high:.4}, but the sensor takes 0 to {white}"),
-                "numbers of more than 8 bits are taken as they are, so that all changes are as much larger and their noise with them",
+                format!(
+                    "numbers of more than 8 bits are taken as they are{}",
+                    grown(response)
+                ),
                 format!(
                     "give --scale with {white} over what is white in the array ({:.6} for 10 bits, {:.6} for 12, {:.8} for 16), or multiply the array",
                     white / 1023.0,
@@ -593,6 +596,21 @@ impl Warning {
             .chain(repeats)
             .chain(gap)
             .collect()
+    }
+}
+
+/// What light far above white does to a sensor of this response.
+fn grown(response: Response) -> &'static str {
+    match response.curve {
+        Curve::Identity | Curve::Linear { .. } => {
+            ", so that all changes are as much larger and their noise with them"
+        }
+        Curve::Log { .. } => {
+            ": a logarithm feels the scale by its offset, and noise that depends on light does"
+        }
+        Curve::LinLog { .. } => {
+            ": a logarithm does not feel the scale, but what was dark lies above the knee, and noise that depends on light is another"
+        }
     }
 }
 

@@ -9,7 +9,9 @@ use crate::{
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("{scene} is {size}, and {chip} has {columns}x{rows} processors")]
 #[diagnostic(help(
-    "show a part of it or larger pixels (--crop {columns}x{rows}, --resize {columns}x{rows}), or take a chip with as many (--chip)"
+    "show a part of it or larger pixels (--crop {}, --resize {}), or take a chip with as many (--chip)",
+    self.part(),
+    self.shrunk()
 ))]
 pub struct Larger {
     /// What the scene is called.
@@ -25,6 +27,31 @@ pub struct Larger {
 }
 
 impl Larger {
+    /// The largest part of its pictures that the array takes.
+    fn part(&self) -> Size {
+        let least = |side: usize, most: u64| side.min(usize::try_from(most).unwrap_or(side));
+        Size::new(
+            least(self.size.height, self.rows),
+            least(self.size.width, self.columns),
+        )
+    }
+
+    /// The largest size of the same shape that the array takes, rounded to pixels.
+    fn shrunk(&self) -> Size {
+        let Size { height, width } = self.size;
+        let part = self.part();
+        // Whichever side is cut more says the scale.
+        let scaled = |side: usize, (to, of): (usize, usize)| {
+            let (side, to, of) = (side as u128, to as u128, of.max(1) as u128);
+            usize::try_from((side * to + of / 2) / of).map_or(1, |side| side.max(1))
+        };
+        if (part.height as u128) * (width as u128) < (part.width as u128) * (height as u128) {
+            Size::new(part.height, scaled(width, (part.height, height)))
+        } else {
+            Size::new(scaled(height, (part.width, width)), part.width)
+        }
+    }
+
     /// Refuses a scene of this size that is larger than the chip's array.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ use std::{
 
 use super::rate::{MOST_FPS, Shown};
 use crate::{
+    config::asked,
     memory::TooMuch,
     plane::Size,
     unit::{counted, frame_rate},
@@ -18,7 +19,8 @@ pub enum SceneError {
     /// The file cannot be opened or read.
     #[error("{path}: {cause}")]
     #[diagnostic(help(
-        "give a file or a folder that exists and can be read, `bundled` for the clip that comes with amacrine, or `pattern:NAME`"
+        "{}give a file or a folder that exists and can be read, `bundled` for the clip that comes with amacrine, or `pattern:NAME`",
+        asked(&path.to_string_lossy(), ["bundled"])
     ))]
     Unreadable {
         /// The file or folder of the scene.
@@ -502,15 +504,19 @@ pub enum SceneError {
     },
 
     /// A slice in which no frame is.
-    #[error("no frame is in the slice {slice}: the scene has {} at {fps} frames/s", counted(*frames, "frame"))]
+    #[error(
+        "no frame is in the slice {slice}: the scene has {} at {} frames/s",
+        frames.map_or_else(|| "frames before and after it,".to_owned(), |all| counted(all, "frame")),
+        frame_rate(*fps)
+    )]
     #[diagnostic(help(
         "give a slice of the scene: in times, such as 1s..2.5s, or in numbers of frames from 0, such as 10..50"
     ))]
     EmptySlice {
         /// The slice, as it is written.
         slice: String,
-        /// Frames of the scene, or up to the slice's end.
-        frames: u64,
+        /// Frames of the scene; none where it goes on behind the slice.
+        frames: Option<u64>,
         /// Frames per second of the scene.
         fps: f64,
     },

@@ -62,9 +62,12 @@ impl<S: Scene> Scene for Sliced<S> {
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
+        // Whether the source goes on behind the slice: how many frames it has is then not known.
+        let mut goes_on = false;
         while let Some(frame) = self.source.next_frame()? {
             self.seen += 1;
             if self.slice.to.is_some_and(|to| is_reached(to, &frame)) {
+                goes_on = true;
                 break;
             }
             if is_reached(self.slice.from, &frame) {
@@ -74,7 +77,7 @@ impl<S: Scene> Scene for Sliced<S> {
         if self.first.is_none() {
             return Err(SceneError::EmptySlice {
                 slice: self.slice.to_string(),
-                frames: self.seen,
+                frames: (!goes_on).then_some(self.seen),
                 fps: self.source.fps(),
             });
         }

@@ -67,7 +67,7 @@ pub fn refused_untouched(folder: &Path, arguments: &[&str], words: &[&str]) -> S
 }
 
 #[track_caller]
-fn refusal(said: &Output, words: &[&str]) -> String {
+pub fn refusal(said: &Output, words: &[&str]) -> String {
     let message = line(&said.stderr);
     assert_eq!(said.status.code(), Some(2), "{message}");
     assert!(!message.contains("panicked"), "{message}");

@@ -28,7 +28,7 @@ pub struct Arguments {
     /// What goes in: light (0 to 255) where the program takes it in, else what the registers hold
     /// that it reads, in LSB. Prints which values registers can have, stores that can saturate,
     /// and what of each register survives on the model of the real chip
-    #[arg(long, value_name = "LO..HI", value_parser = interval, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LO..HI", value_parser = interval, allow_hyphen_values = true, conflicts_with_all = ["format", "disasm"])]
     input: Option<Interval>,
     /// Which chip of the model, and which noise, with --input
     #[arg(long, default_value_t = 0, requires = "input")]

@@ -107,7 +107,7 @@ pub struct Arguments {
     #[arg(long, conflicts_with = "filter_only", alias = "image")]
     scene: Option<Named>,
     /// Frames per second, instead of what the scene says
-    #[arg(long, requires = "scene")]
+    #[arg(long, requires = "scene", conflicts_with = "filter_only")]
     fps: Option<f64>,
     #[command(flatten)]
     samples: Samples,
@@ -126,7 +126,7 @@ pub struct Arguments {
     objective: Aim,
     /// Print words against what comes out of the chip: no filter of the list has both fewer words
     /// and a better correlation than another
-    #[arg(long, requires = "filter_only", conflicts_with_all = ["output", "objective", "sensor", "threshold"])]
+    #[arg(long, requires = "filter_only", conflicts_with_all = ["output", "language", "objective", "sensor", "threshold"])]
     front: bool,
     /// How long to search, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same
     #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]

@@ -77,9 +77,9 @@ pub struct Arguments {
     /// shortest program that keeps nearly as much (`best` where none keeps anything)
     #[arg(long, default_value = "knee", value_name = "N|knee|best")]
     pick: Pick,
-    /// Chips that are drawn for the report, from what the public data allow
-    #[arg(long, default_value_t = 8, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1024))]
-    chips: u64,
+    /// Chips that are drawn for the report, from what the public data allow [default: 8]
+    #[arg(long, value_name = "N", requires = "output", value_parser = clap::value_parser!(u64).range(1..=1024))]
+    chips: Option<u64>,
     /// How long to search for each program, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same
     #[arg(long, default_value_t = Effort::SECONDS, value_parser = super::effort::seconds)]
     effort: f64,
@@ -165,6 +165,26 @@ impl Written {
     fn all(&self) -> [&Path; 3] {
         [&self.sensor, &self.program, &self.report]
     }
+
+    /// Writes them, in this order; where one cannot be, tells which of this design are there.
+    fn write(&self, texts: &[String; 3]) -> miette::Result<()> {
+        let mut there: Vec<String> = Vec::new();
+        for (path, text) in self.all().into_iter().zip(texts) {
+            if let Err(cause) = save(path, |out| out.write_all(text.as_bytes())) {
+                let cause = miette::Report::from(cause);
+                return Err(if there.is_empty() {
+                    cause
+                } else {
+                    cause.wrap_err(format!(
+                        "the design is not complete: of it there is {}, and no more",
+                        there.join(" and ")
+                    ))
+                });
+            }
+            there.push(path.display().to_string());
+        }
+        Ok(())
+    }
 }
 
 /// Runs the verb.
@@ -225,9 +245,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         progress.says("report");
         let page = report::page(arguments, candidate, &written.sensor, &question, found.fps)?;
         let texts = [candidate.sensor.to_toml(), candidate.program.clone(), page];
-        for (path, text) in written.all().into_iter().zip(texts) {
-            save(path, |out| out.write_all(text.as_bytes()))?;
-        }
+        written.write(&texts)?;
     }
     progress.finish();
     let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
@@ -309,7 +327,23 @@ impl Arguments {
         if self.rate.is_some() {
             return Ok(Vec::new());
         }
-        kinds.thresholds_or_rate("a design", &self.threshold)
+        let thresholds = kinds.thresholds_or_rate("a design", &self.threshold)?;
+        for ((name, kernel), threshold) in kinds.names.iter().zip(&kinds.kernels).zip(&thresholds) {
+            let weights = kernel.weights().iter();
+            let most = 255.0 * weights.map(|weight| weight.abs()).sum::<f64>();
+            if *threshold >= most {
+                return Err(miette!(
+                    help = "give a lower threshold, in kernel times light (0 to 255), or --rate EVENTS, per pixel and second",
+                    "{name}: no light gives an event: the threshold is {threshold:?}, and kernel times light (0 to 255) changes by {most} at most"
+                ));
+            }
+        }
+        Ok(thresholds)
+    }
+
+    /// Chips that are drawn for the report.
+    fn chips(&self) -> u64 {
+        self.chips.unwrap_or(8)
     }
 
     /// The commands that use what was written: the float sensor, the program, its proof.

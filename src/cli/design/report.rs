@@ -49,7 +49,7 @@ pub(super) fn page(
             seed: question.seed,
             readout,
             within: question.within.unwrap_or_else(|| window::headline(fps)),
-            chips: arguments.chips,
+            chips: arguments.chips(),
             scene: arguments.clip.name(),
             command: &command,
         })
@@ -93,7 +93,7 @@ fn command(arguments: &Arguments, candidate: &Candidate, sensor: &Path) -> Strin
     let [least, most] = LINK;
     add("link-energy", &format!("{least}..{most}"));
     add("readout", ReadoutOrder::Overlapped.name());
-    add("chips", &arguments.chips.to_string());
+    add("chips", &arguments.chips().to_string());
     if let Some(within) = arguments.window.within {
         add("within", &format!("{}us", within.0));
     }

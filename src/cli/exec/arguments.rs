@@ -32,7 +32,7 @@ pub struct Arguments {
     #[command(flatten)]
     pub(super) samples: Samples,
     /// How many frames to run; the first one runs `init`, the others `frame`
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     pub(super) frames: Option<u64>,
     /// Frames per second, instead of what the scene says
     #[arg(long)]
@@ -48,9 +48,9 @@ pub struct Arguments {
     /// LSB that PIX rises by for one level of light [default: what the chip's data say]
     #[arg(long)]
     pub(super) gain: Option<f64>,
-    /// Which chip of the silicon domain, and which noise
-    #[arg(long, default_value_t = 0)]
-    pub(super) seed: u64,
+    /// Which chip of the silicon domain, and which noise [default: 0]
+    #[arg(long)]
+    pub(super) seed: Option<u64>,
     /// In which order the array is worked on, which changes only the speed: plain, tiled
     #[arg(long)]
     pub(super) schedule: Option<String>,
@@ -77,7 +77,7 @@ pub struct Arguments {
     #[arg(long, value_name = "PAGE.html", value_parser = Content::Page)]
     pub(super) trace: Option<Output>,
     /// Run so many times, with this seed and those that follow; print mean and spread
-    #[arg(long, value_name = "N", conflicts_with_all = ["dump", "events", "strip", "debug", "displays", "trace"])]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..), conflicts_with_all = ["dump", "events", "strip", "debug", "displays", "trace"])]
     pub(super) repeat: Option<u64>,
     /// Run the host of vendor C++ beside the array, statement by statement, also where it asks the
     /// same of it in every frame: what it posts (`vs_post_text`, `printf`) is shown. A host that
@@ -93,6 +93,10 @@ pub struct Arguments {
 }
 
 impl Arguments {
+    pub(super) fn seed(&self) -> u64 {
+        self.seed.unwrap_or(0)
+    }
+
     /// Whether a frame is run step by step, and looked at.
     pub(super) fn looks(&self) -> bool {
         self.strip.is_some() || self.trace.is_some() || self.debug

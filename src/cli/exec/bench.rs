@@ -163,7 +163,7 @@ impl<'a> Bench<'a> {
         if !self.opened.decides || !self.arguments.looks() {
             return Ok(());
         }
-        let mut chip = self.chip(self.arguments.seed)?;
+        let mut chip = self.chip(self.arguments.seed())?;
         self.recorded = beside::record(self, &mut *chip)?;
         self.check_room()
     }
@@ -242,6 +242,7 @@ impl<'a> Bench<'a> {
         let of_host = self.said.source.borrow();
         let expanded = program.warnings(expansion);
         let mut all = expanded.map_or_else(Vec::new, |faults| faults.lines());
+        all.extend(self.opened.nothing());
         all.extend(of_host.iter().cloned());
         all
     }
@@ -378,18 +379,21 @@ impl<'a> Bench<'a> {
         notes
     }
 
-    /// What is to be said of numbers of the chip that were set and change nothing.
+    /// What is to be said of numbers of the chip, or a seed, that were set and change nothing.
     fn unused(&self) -> Option<String> {
         // A trace runs the chip's errors beside.
         if matches!(self.arithmetic, Arithmetic::Silicon { .. }) || self.arguments.trace.is_some() {
             return None;
         }
         let set = self.arguments.sets.iter().find_map(|set| match set {
-            Assignment::Figure(figure, _) if figure.key().0 == "error" => Some(figure.key().1),
+            Assignment::Figure(figure, _) if figure.key().0 == "error" => {
+                Some(format!("error.{}", figure.key().1))
+            }
             _ => None,
-        })?;
+        });
+        let set = set.or_else(|| self.arguments.seed.map(|_| "--seed".to_owned()))?;
         Some(format!(
-            "error.{set} changes nothing in the domain {}, whose cells do not err: --domain silicon has errors",
+            "{set} changes nothing in the domain {}, whose cells do not err: --domain silicon has errors",
             self.arithmetic
         ))
     }
@@ -521,7 +525,7 @@ fn arithmetic(arguments: &Arguments, program: &Program) -> miette::Result<Arithm
     let asked = arguments.domain.as_ref();
     let name = asked.or(program.settings.domain.as_ref());
     let arithmetic: Arithmetic = name.map_or("exact", String::as_str).parse()?;
-    Ok(arithmetic.with_seed(arguments.seed))
+    Ok(arithmetic.with_seed(arguments.seed()))
 }
 
 fn settings(arguments: &Arguments, program: &Program, device: &Device) -> miette::Result<Settings> {

@@ -40,6 +40,8 @@ pub struct Said {
     pub exposure: Cell<Exposure>,
     /// Whether the program ended before its light did.
     pub left: Cell<bool>,
+    /// Whether the debugger was left before the last frame's end.
+    pub stopped: Cell<bool>,
     /// What there is to warn of in the text of a program whose host decides.
     pub source: RefCell<Vec<String>>,
     /// What that host wrote, and in which frame.
@@ -56,7 +58,8 @@ impl Said {
     /// Whole sentences.
     pub fn notes(&self, frames: u64) -> Vec<String> {
         let (cut, ended) = (self.cut.get(), self.ended.get());
-        let cut = cut.filter(|says| *says != frames).map(|says| {
+        let stopped = self.stopped.get();
+        let cut = cut.filter(|says| *says != frames && !stopped).map(|says| {
             format!("the program says frames = {says}; the whole clip was run: --frames {says} runs as many")
         });
         let ended = ended.map(|(had, asked)| {
@@ -83,8 +86,15 @@ impl Said {
                 counted(frames, "frame")
             )
         });
+        let stopped = stopped.then(|| {
+            format!(
+                "the debugger was left in frame {}, before its end",
+                frames.saturating_sub(1)
+            )
+        });
         cut.into_iter()
             .chain(ended)
+            .chain(stopped)
             .chain(left)
             .chain(adds)
             .chain(words)

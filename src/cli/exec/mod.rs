@@ -127,7 +127,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 /// Runs it so often, and tells mean and spread.
 fn repeat(bench: &Bench<'_>, runs: u64) -> miette::Result<()> {
     let arguments = bench.arguments;
-    let statistics = Statistics::from_runs(bench, arguments.seed, runs)?;
+    let statistics = Statistics::from_runs(bench, arguments.seed(), runs)?;
     if let Some(unheld) = bench.unheld() {
         let mut guard = Guard::new();
         study::saturation::warn_unheld(&mut guard, &bench.opened.program.file, &unheld);

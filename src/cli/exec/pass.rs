@@ -28,7 +28,7 @@ impl<'a> Pass<'a> {
     /// When the light or the array cannot go on, or a file cannot be written.
     pub fn new(bench: &'a Bench<'_>, until_full: bool) -> miette::Result<Self> {
         let arguments = bench.arguments;
-        let mut chip = bench.chip(arguments.seed)?;
+        let mut chip = bench.chip(arguments.seed())?;
         let mut strip = Strip::new(bench.written());
         let traced = arguments.trace.as_ref();
         let mut tracer = traced.map(|_| Tracer::new(bench)).transpose()?;
@@ -40,6 +40,9 @@ impl<'a> Pass<'a> {
             let seen = bench.watch(&mut *chip, |chip, moment, packet| {
                 guard.frame_at(moment.t);
                 let flow = debugger.frame(chip, moment, packet)?;
+                if flow.is_break() {
+                    bench.said.stopped.set(true);
+                }
                 saturation.frame(chip);
                 shows.frame(chip, moment.index)?;
                 Ok(flow)

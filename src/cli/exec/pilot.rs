@@ -94,7 +94,7 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Planned> {
         upsample: None,
         tolerance: arguments.fidelity.tolerance(),
         within: WITHIN,
-        seed: arguments.seed,
+        seed: arguments.seed(),
         clock: &clock,
         budget: BUDGET,
         tiles: None,

@@ -34,12 +34,6 @@ struct Sums {
 impl Statistics {
     /// Runs the program with seed after seed.
     pub fn from_runs(bench: &Bench<'_>, first_seed: u64, runs: u64) -> miette::Result<Self> {
-        if runs == 0 {
-            return Err(miette!(
-                help = "give the number of runs, one at least",
-                "--repeat 0: nothing would run"
-            ));
-        }
         if runs > RUNS {
             return Err(miette!(
                 help = "some thousand runs tell mean and spread",

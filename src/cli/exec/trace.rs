@@ -57,7 +57,7 @@ impl<'a> Tracer<'a> {
         let device = &opened.device;
         let exact = Arithmetic::Number(Format::F64);
         let silicon = Arithmetic::Silicon {
-            seed: bench.arguments.seed,
+            seed: bench.arguments.seed(),
         };
         let arithmetic = if bench.arithmetic == exact {
             silicon
@@ -77,7 +77,7 @@ impl<'a> Tracer<'a> {
         };
         let mut machine = format!("{} in {arithmetic}{}", device.name(), without.told());
         if quiet.is_some() {
-            machine = format!("{machine} (chip {})", bench.arguments.seed);
+            machine = format!("{machine} (chip {})", bench.arguments.seed());
         }
         let codes = bench.codes();
         let registers = touched(&codes, device);

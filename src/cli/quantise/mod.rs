@@ -59,9 +59,10 @@ pub struct Arguments {
     /// What the quantised kernel must sum to
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
-    /// Seed of stochastic rounding
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
+    /// Seed of stochastic rounding, and with a threshold of the searches and of the silicon
+    /// [default: 0]
+    #[arg(long)]
+    seed: Option<u64>,
     /// Write the levels as a kernel file
     #[arg(short, long, value_name = "FILE.toml", value_parser = Content::Kernel)]
     output: Option<Output>,
@@ -198,6 +199,10 @@ impl Arguments {
         self.chip.as_deref().unwrap_or("scamp5")
     }
 
+    fn seed(&self) -> u64 {
+        self.seed.unwrap_or(0)
+    }
+
     fn effort(&self) -> Effort {
         Effort::seconds(self.effort.unwrap_or(Effort::SECONDS))
     }
@@ -213,6 +218,12 @@ impl Arguments {
         }
         if has_threshold {
             return Ok(());
+        }
+        if self.seed.is_some() && !self.to.iter().any(|to| to.is_random()) {
+            return Err(miette!(
+                help = "leave --seed out, round by chance (--to q3.4:stochastic), or give a threshold, too",
+                "--seed is of no use without stochastic rounding: these levels are the same under every seed"
+            ));
         }
         let own = [
             self.window.within.map(|_| "within"),
@@ -236,7 +247,7 @@ impl Arguments {
     fn quantised(&self, name: &str, kernel: &Kernel) -> miette::Result<Vec<Tried>> {
         let sum = self.sum.into();
         let mut all: Vec<Tried> = { self.to.iter() }
-            .map(|to| (*to, to.quantise(kernel, sum, self.seed)))
+            .map(|to| (*to, to.quantise(kernel, sum, self.seed())))
             .collect();
         if all.iter().all(|(_, quantised)| quantised.is_err())
             && let Some((to, Err(error))) = all.drain(..).next()
@@ -288,7 +299,7 @@ fn on_chip(
         sum: arguments.sum.into(),
         device: &device,
         effort: arguments.effort(),
-        seed: arguments.seed,
+        seed: arguments.seed(),
         within: arguments.window.at(fps),
     };
     // All of them at once, and then those of as many events.

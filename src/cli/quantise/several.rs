@@ -120,7 +120,7 @@ fn together(
             threshold: *threshold,
             device: &device,
             effort: arguments.effort(),
-            seed: arguments.seed,
+            seed: arguments.seed(),
         });
     }
     let shows = arguments.to.len() as u64;

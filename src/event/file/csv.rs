@@ -177,6 +177,9 @@ const NAMES: &str = "let the first line name the columns: t,x,y,p";
 /// What to do about a first line that is no header, by what it looks like.
 fn way(first: &[u8]) -> &'static str {
     let mut fields = first.split(|b| *b == b',').map(<[u8]>::trim_ascii);
+    if first.contains(&b'\r') {
+        return "end each line with \\n, or \\r\\n: a lone \\r, which some spreadsheets write, ends none (tr '\\r' '\\n' turns them)";
+    }
     if fields.clone().all(|field| integer(field).is_some()) {
         "put a line before it that names the columns in their order: t,x,y,p, or x,y,p,t as Metavision has them"
     } else if fields.next() == Some(b"") {

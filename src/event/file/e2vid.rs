@@ -89,7 +89,7 @@ impl Rows for SizedText {
             .collect();
         let [width, height] = fields[..] else {
             let got = fields.len();
-            return Err(line.stop(0, Fault::Fields { want: 2, got }));
+            return Err(line.stop(0, Fault::NoSize { got }));
         };
         let side = |name, field| {
             let side = integer(field).and_then(|side| usize::try_from(side).ok());

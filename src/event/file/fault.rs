@@ -1,6 +1,9 @@
 //! Errors of event files: what is wrong, and where.
 
-use std::{fmt, io, path::PathBuf};
+use std::{
+    fmt, io,
+    path::{Path, PathBuf},
+};
 
 use super::{Format, head::Compression};
 use crate::{plane::Size, save::SaveError};
@@ -16,8 +19,12 @@ pub enum FileError {
             "an event file is read by its name: write it to a file first"
         } else if extension.eq_ignore_ascii_case("mcap") {
             "recordings for viewers are written by `amacrine show EVENTS -o NAME.mcap --window 20ms`, and none is read"
+        } else if *written {
+            "give a name that ends in one of these, or tell `amacrine convert` what it writes: --format NAME"
+        } else if is_stream(path) {
+            "the first bytes of what comes through it do not say what it is: write it to a file first, whose name ends in one of these"
         } else {
-            "rename the file so that its extension says what is in it, or tell `amacrine convert`: --from NAME of what it reads, --format NAME of what it writes"
+            "rename the file so that its extension says what is in it, or tell `amacrine convert` what it reads: --from NAME"
         }
     ))]
     Extension {
@@ -25,6 +32,8 @@ pub enum FileError {
         path: PathBuf,
         /// What it ends in.
         extension: String,
+        /// Whether it is to be written.
+        written: bool,
     },
     /// Several formats share the extension.
     #[error("{}: `.{extension}` files come in several formats: {names}", path.display())]
@@ -146,6 +155,11 @@ fn known() -> String {
     names.join(", ")
 }
 
+/// Whether this is a pipe or a device, which has no name of its own.
+fn is_stream(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|it| !it.is_file() && !it.is_dir())
+}
+
 /// A place in an event file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
@@ -194,6 +208,12 @@ pub enum Fault {
     /// Text of events in seconds that begins with the size of the sensor.
     #[error("the first line has two numbers, as that of a file for E2VID, the size of the sensor")]
     Size,
+    /// The first line of a file for E2VID, which is not the size of the sensor.
+    #[error("expected `width height`, the size of the sensor, found {}", crate::unit::counted(*got as u64, "field"))]
+    NoSize {
+        /// Fields of the line.
+        got: usize,
+    },
     /// A line longer than any event.
     #[error("a line of more than {limit} bytes")]
     LongLine {
@@ -384,6 +404,12 @@ pub enum Fault {
         /// What is wrong.
         why: String,
     },
+    /// An NPZ file of other arrays than those of events.
+    #[error("the npz file {why}")]
+    Arrays {
+        /// What is wrong with them.
+        why: String,
+    },
     /// Not an NPY file.
     #[error("this is not an NPY file: expected the bytes \\x93NUMPY, then a version, 1 to 3")]
     Magic,
@@ -443,6 +469,12 @@ impl Fault {
                 "check that the extension (or `--from`) says what is in the file"
             }
             Self::Size => "read it with `amacrine convert --from e2vid`, or call it .e2vid",
+            Self::NoSize { .. } => {
+                "let the first line be the size, such as 346 260; or, without one, read it with `amacrine convert --from txt`, or call it .txt"
+            }
+            Self::Arrays { .. } => {
+                "save t (whole microseconds), x, y and p (1 for ON, 0 for OFF), each an array with one whole number an event: np.savez('e.npz', t=t, x=x, y=y, p=p)"
+            }
             Self::Encoding { .. } => {
                 "write it in one of these, as Metavision's `metavision_file_to_raw` does, or as hdf5"
             }

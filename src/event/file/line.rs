@@ -236,8 +236,16 @@ pub fn decimal(text: &mut Vec<u8>, mut value: u64) {
     text.extend_from_slice(&digits[first..]);
 }
 
-/// A field as it is shown in error messages: short, and valid text.
+/// A field as it is shown in error messages: short, and valid text that a terminal shows.
 pub fn shown(field: &[u8]) -> String {
     let end = field.len().min(40);
-    String::from_utf8_lossy(&field[..end]).into_owned()
+    let mut text = String::new();
+    for letter in String::from_utf8_lossy(&field[..end]).chars() {
+        if letter.is_control() {
+            text.extend(letter.escape_default());
+        } else {
+            text.push(letter);
+        }
+    }
+    text
 }

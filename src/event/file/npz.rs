@@ -19,7 +19,7 @@ use super::{
     about::About,
     chunks::Chunks,
     entry::{Entry, Limits, Sign, Streams},
-    fault::Stop,
+    fault::{Fault, Stop},
     gate::{Numbers, Raw, hold_kinds},
     head::Head,
     npy::{self, Column},
@@ -62,6 +62,21 @@ fn wrong_in(format: Format, why: impl Into<String>) -> Stop {
     Stop::layout(format, 0, why)
 }
 
+/// An archive whose arrays are not those of events.
+fn arrays(why: String) -> Stop {
+    Stop::Fault(Place::Byte(0), Fault::Arrays { why })
+}
+
+/// What is wrong with the header of one array, said of that array.
+fn of_array(name: &str, stop: Stop) -> Stop {
+    match stop {
+        Stop::Fault(_, Fault::Npy { why }) => {
+            arrays(format!("has an array `{name}` whose NPY header {why}"))
+        }
+        other => other,
+    }
+}
+
 /// Opens a file's stream of events.
 pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     let input = BufReader::new(origin.open()?);
@@ -87,7 +102,7 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
             .iter()
             .any(|(column, _)| name.strip_suffix(".npy") == Some(column));
         if !known {
-            return Err(wrong(format!(
+            return Err(arrays(format!(
                 "holds `{name}`; it should hold the arrays t, x, y, p, and perhaps channel"
             )));
         }
@@ -96,9 +111,12 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     for (name, _) in COLUMNS {
         if has(name) {
             let chunks = member(Format::Npz, origin, &mut archive, &format!("{name}.npy"))?;
-            columns.push((name, npy::column(chunks)?));
+            columns.push((
+                name,
+                npy::column(chunks).map_err(|stop| of_array(name, stop))?,
+            ));
         } else if name != "channel" {
-            return Err(wrong(format!("has no array `{name}`")));
+            return Err(arrays(format!("has no array `{name}`")));
         }
     }
     let events = columns.first().map_or(0, |(_, column)| column.events);

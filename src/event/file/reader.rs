@@ -82,7 +82,15 @@ impl Reader {
             (Ok(chunks), _) => chunks,
             // A name that says nothing is the first mistake.
             (Err(e), None) => match Format::from_path(path) {
-                Err(error @ FileError::Extension { .. }) => return Err(error),
+                Err(FileError::Extension {
+                    path, extension, ..
+                }) => {
+                    return Err(FileError::Extension {
+                        path,
+                        extension,
+                        written: false,
+                    });
+                }
                 _ => return Err(at_fault(e.into())),
             },
             (Err(e), Some(_)) => return Err(at_fault(e.into())),

@@ -19,7 +19,11 @@ impl Format {
         let (path, extension) = (path.to_owned(), extension(path));
         match Self::by_extension(&extension)[..] {
             [format] => Ok(format),
-            [] => Err(FileError::Extension { path, extension }),
+            [] => Err(FileError::Extension {
+                path,
+                extension,
+                written: true,
+            }),
             ref several => Err(FileError::Ambiguous {
                 path,
                 extension,
@@ -59,7 +63,11 @@ impl Format {
         let known = Self::by_extension(&extension(path));
         match known[..] {
             [format] => Ok(format),
-            [] => sniff(start).map_or_else(|| Self::from_path(path), Ok),
+            [] => sniff(start).ok_or_else(|| FileError::Extension {
+                path: path.to_owned(),
+                extension: extension(path),
+                written: false,
+            }),
             _ => sniff(start).ok_or_else(|| {
                 match lines(start).find_map(|it| Encoding::of_line(&it)) {
                     Some(Encoding { name, .. }) => FileError::Bad {

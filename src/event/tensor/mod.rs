@@ -16,7 +16,7 @@ mod surface;
 mod voxels;
 mod windows;
 
-pub use error::TensorError;
+pub use error::{MOST_BINS, TensorError};
 pub use file::{Container, Layers, Precision, TensorFile};
 pub use frame::{Fill, frames};
 pub use normalise::Normalise;

@@ -86,6 +86,14 @@ pub struct Quantiser {
     pub(super) rounding: Rounding,
 }
 
+impl Quantiser {
+    /// Whether its levels depend on a seed.
+    #[must_use]
+    pub fn is_random(&self) -> bool {
+        self.rounding == Rounding::Stochastic
+    }
+}
+
 impl PartialEq for Quantiser {
     fn eq(&self, other: &Self) -> bool {
         (self.entry.form, self.numbers, self.rounding)

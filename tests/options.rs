@@ -1,0 +1,206 @@
+//! Options that would change nothing are refused, and what is advised can be done. Against: the
+//! commands without them, and the commands with what is advised.
+
+#![cfg(feature = "cli")]
+
+mod common;
+
+use std::fs;
+
+use common::{good, line, refused};
+
+const EVENTS: &str = "t,x,y,p\n1000,3,5,1\n2000,9,2,0\n30000,4,4,1\n";
+
+const SCENE: &str = "pattern:bar?width=24&height=24&frames=5";
+
+#[test]
+fn options_without_effect_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::write(at.join("e.csv"), EVENTS).unwrap();
+    fs::write(at.join("p.scamp"), "mov(B, A);\n").unwrap();
+    let show = "show e.csv -o";
+    for (command, words) in [
+        (
+            "asm p.scamp --format --const x=3".to_owned(),
+            ["--const is of no use with --format", "leave --const out"],
+        ),
+        (
+            "asm p.scamp --format --chip scamp5".to_owned(),
+            ["--chip is of no use with --format", "leave --chip out"],
+        ),
+        (
+            "asm p.scamp --format --input 0..3".to_owned(),
+            ["'--format' cannot be used with", "--input <LO..HI>"],
+        ),
+        (
+            "asm p.scamp --disasm --input 0..3".to_owned(),
+            ["'--disasm' cannot be used with", "--input <LO..HI>"],
+        ),
+        (
+            format!("{show} a.png --hold 30ms"),
+            ["--hold is of no use for a.png", ".gif or .apng"],
+        ),
+        (
+            format!("{show} a.mcap --hold 30ms"),
+            ["--hold is of no use for a.mcap", ".gif or .apng"],
+        ),
+        (
+            format!("{show} a.gif --at 5ms"),
+            ["--at is of no use for a.gif", ".png or .svg"],
+        ),
+        (
+            format!("{show} a.mcap --title x"),
+            ["--title is of no use for a.mcap", "leave --title out"],
+        ),
+        (
+            format!("{show} a.gif --view overview"),
+            ["an overview has all views on one page", "leave --view out"],
+        ),
+        (
+            format!("{show} a.svg --view rate --at 5ms"),
+            ["--at is of no use for this view", "--from and --to"],
+        ),
+        (
+            format!("{show} a.svg --view cloud --window 5ms"),
+            ["--window is of no use for this view", "--from and --to"],
+        ),
+        (
+            "show sensor rgc --size 3x3".to_owned(),
+            ["cannot be used with", "--size <WxH>"],
+        ),
+        (
+            "show sensor rgc --stream 1".to_owned(),
+            ["cannot be used with", "--stream <N>"],
+        ),
+        (
+            "compile sobel-x --filter-only --fps 3".to_owned(),
+            ["cannot be used with", "--fps <FPS>"],
+        ),
+        (
+            "compile sobel-x --filter-only --front --as cpp".to_owned(),
+            ["cannot be used with", "--as <LANGUAGE>"],
+        ),
+        (
+            "quantise sobel-x --to int-3 --seed 4".to_owned(),
+            [
+                "--seed is of no use without stochastic rounding",
+                "leave --seed out",
+            ],
+        ),
+        (
+            "sweep --schema formats -o sw".to_owned(),
+            ["'--schema' cannot be used with", "sweep"],
+        ),
+        (
+            format!("plan --scene {SCENE} --sensor dvs --max-events 5"),
+            [
+                "--max-events 5 is of no use without --run or --verify",
+                "add --run",
+            ],
+        ),
+    ] {
+        let arguments: Vec<&str> = command.split(' ').collect();
+        common::refused_untouched(at, &arguments, &words);
+    }
+    // With effect they are taken.
+    for command in [
+        "asm p.scamp --format",
+        "show e.csv -o a.gif --hold 30ms --title x --window 5ms",
+        "show e.csv -o a.png --at 5ms --window 5ms --title x",
+        "show e.csv -o b.png --view rate --from 1ms",
+        "quantise sobel-x --to q3.4:stochastic --sum free --seed 4",
+        "quantise sobel-x --to int-3",
+    ] {
+        good(at, &command.split(' ').collect::<Vec<_>>());
+    }
+}
+
+/// The bound of a list is explained by options of the verb at hand.
+#[test]
+fn a_full_list_is_told_by_every_verb() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = ["plan", "--scene", SCENE, "--sensor", "dvs"];
+    let said = refused(
+        folder.path(),
+        &[&plan[..], &["--max-events", "5", "--run"]].concat(),
+        &["more than 5 events", "`amacrine run` also has --counts"],
+    );
+    assert!(!line(said.as_bytes()).contains("ask for"), "{said}");
+}
+
+/// A threshold that is advised is one that some light passes.
+#[test]
+fn a_threshold_that_is_advised_can_fire() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let compile = [
+        "compile",
+        "sobel-x",
+        "--effort",
+        "0.05",
+        "-o",
+        "p.scamp",
+        "--threshold",
+    ];
+    let told = refused(
+        at,
+        &[&compile[..], &["1e9"]].concat(),
+        &[
+            "more than the 128 that the host can set",
+            "take a lower threshold: 0.00000203 times",
+        ],
+    );
+    assert!(told.contains("LSB"), "{told}");
+    let asked = [&compile[..], &["2030"]].concat();
+    let said = common::amacrine(at, &asked).output().unwrap();
+    assert!(said.status.success(), "{said:?}");
+    let said = line(&said.stderr);
+    assert!(!said.contains("no light gives an event"), "{said}");
+}
+
+/// Where a file of a design cannot be written, it is told which are there.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_design_that_is_not_complete_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::create_dir(at.join("d")).unwrap();
+    std::os::unix::fs::symlink("/dev/full", at.join("d/report.html")).unwrap();
+    let design = [
+        "design",
+        "csdvs-3",
+        "--threshold",
+        "8",
+        "--effort",
+        "0.05",
+        "--to",
+        "ternary",
+        "--scene",
+        SCENE,
+        "--chips",
+        "1",
+        "-o",
+        "d",
+    ];
+    let words = ["the design is not complete: of it there is d/sensor.toml and d/program.scamp"];
+    refused(at, &design, &words);
+    assert!(at.join("d/program.scamp").exists());
+}
+
+/// What comes through a pipe has no name to rename, and what is not there yet neither.
+#[cfg(unix)]
+#[test]
+fn pipes_and_outputs_are_not_to_be_renamed() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let mut packets = common::amacrine(at, &["packets", "/dev/stdin"]);
+    let said = packets.write_stdin(EVENTS).output().unwrap();
+    let said = common::refusal(&said, &["write it to a file first"]);
+    assert!(!said.contains("rename"), "{said}");
+    let run = [
+        "run", "--scene", SCENE, "--sensor", "dvs", "--events", "o.foo",
+    ];
+    let said = refused(at, &run, &["give a name that ends in one of these"]);
+    assert!(!said.contains("rename"), "{said}");
+}
