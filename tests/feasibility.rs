@@ -255,9 +255,6 @@ fn the_page_stands_alone_and_says_the_numbers() {
     let noise = &numbers["fit"]["on_chip"]["noise"]["temporal"]["evidence"];
     assert_eq!(evidence("Threshold over noise"), *noise);
     assert_eq!(evidence("Threshold, where it is compared"), "modelled");
-    // Which end of a bar is which.
-    let legend = text(all(&page, "section[aria-labelledby=decides] .legend")[0]);
-    assert!(legend.contains("at its least") && legend.contains("at its most"));
     let command = numbers["command"].as_str().unwrap();
     assert_eq!(text(all(&page, "pre code")[0]), command);
 }

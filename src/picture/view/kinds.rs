@@ -18,8 +18,8 @@ use crate::{
 /// The longer side of a small panel.
 const SMALL: f64 = 170.0;
 const APART: f64 = 14.0;
-/// Letters of a name, which ends before that of its neighbour begins.
-const NAME: usize = fits((SMALL + APART) as u32, Weight::Heading) - 1;
+/// Letters of a name, which is no wider than a panel.
+const NAME: usize = fits(SMALL as u32, Weight::Heading);
 /// Kinds side by side.
 const ROW: usize = 6;
 
