@@ -377,7 +377,7 @@ mod tests {
                 "blind cannot be judged on this scene.",
             ),
             (
-                &[lone.clone(), blind],
+                &[lone.clone(), blind.clone()],
                 "blind cannot be judged on this scene. Without a program of their own to compare with: lone.",
             ),
             (
