@@ -147,13 +147,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         Some(&[threshold, ..]) => Some(on_chip(arguments, kernel, threshold, &observation)?),
         Some([]) | None => None,
     };
-    let warnings = match &answer {
-        Some(answer) => answer.warnings.clone(),
-        None => {
-            let erased = erased(None, kernel, &all);
-            light::warn(&erased);
-            erased
-        }
+    let warnings = if let Some(answer) = &answer {
+        answer.warnings.clone()
+    } else {
+        let erased = erased(None, kernel, &all);
+        light::warn(&erased);
+        erased
     };
     let good: Vec<&Quantised> = { all.iter() }
         .filter_map(|(_, quantised)| quantised.as_ref().ok())

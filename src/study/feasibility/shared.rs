@@ -372,9 +372,12 @@ mod tests {
                 &[blind.clone(), fine.clone()],
                 "blind cannot be judged on this scene. These keep no clearly less than in a program of its own: fine.",
             ),
-            (&[blind.clone()], "blind cannot be judged on this scene."),
             (
-                &[lone.clone(), blind],
+                std::slice::from_ref(&blind),
+                "blind cannot be judged on this scene.",
+            ),
+            (
+                &[lone.clone(), blind.clone()],
                 "blind cannot be judged on this scene. Without a program of their own to compare with: lone.",
             ),
             (

@@ -145,7 +145,10 @@ mod tests {
         for at in ["/tornado/noise/least", "/tornado/noise/most", "/kept"] {
             place(&format!("data-at=\"{at}\""));
         }
-        for end in ["where the number is at its least", "where it is at its most"] {
+        for end in [
+            "where the number is at its least",
+            "where it is at its most",
+        ] {
             place(end);
         }
         // From 0.4 to 0.9 is the whole width: 0.8 is at 80, the most of noise at 0.
