@@ -218,7 +218,7 @@ impl Arguments {
         if has_threshold {
             return Ok(());
         }
-        if self.seed.is_some() && !self.to.iter().any(|to| to.is_random()) {
+        if self.seed.is_some() && !self.to.iter().any(Quantiser::is_random) {
             return Err(miette!(
                 help = "leave --seed out, round by chance (--to q3.4:stochastic), or give a threshold, too",
                 "--seed is of no use without stochastic rounding: these levels are the same under every seed"
