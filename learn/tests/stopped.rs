@@ -172,7 +172,7 @@ fn what_cannot_be_trained_leaves_the_rest_whatever_the_order() {
             .output()
             .unwrap();
         let errors = told(&output);
-        assert_eq!(output.status.code(), Some(1), "{errors}");
+        assert_eq!(output.status.code(), Some(2), "{errors}");
         assert!(errors.contains("1of2armscouldnotbetrained"), "{errors}");
         assert!(errors.contains("task.toml:6:`targets`"), "{errors}");
         assert!(

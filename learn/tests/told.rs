@@ -248,6 +248,14 @@ fn a_run_keeps_its_task() {
     let text = text("\"dvs\"");
     let (folder, path) = with_task(&text);
     let at = folder.path();
+    // It is the only one in its folder.
+    let output = learn(at, "mine.toml -o .");
+    assert_eq!(output.status.code(), Some(2), "{}", flat(&output));
+    assert!(
+        flat(&output).contains("thereis`mine.toml`"),
+        "{}",
+        flat(&output)
+    );
     let output = learn(at, "mine.toml -o r");
     assert!(output.status.success(), "{}", flat(&output));
     let kept = at.join("r/task.toml");
@@ -301,7 +309,7 @@ fn what_does_not_fit_is_refused_before_it_is_there() {
         "--max-memory=2G mine.toml -o r",
     ] {
         let output = learn(at, arguments);
-        assert_eq!(output.status.code(), Some(1), "{}", flat(&output));
+        assert_eq!(output.status.code(), Some(2), "{}", flat(&output));
         let told = flat(&output);
         assert!(
             told.contains("mine.toml:trainingwouldhold")

@@ -70,7 +70,7 @@ enum Verb {
 /// What to train.
 #[derive(Debug, clap::Args)]
 struct RunArguments {
-    /// The task file, such as tasks/interpolation.toml
+    /// The task file; `amacrine-learn new NAME` writes one to start from
     #[arg(value_name = "TASK.toml")]
     task: PathBuf,
     /// The run's folder
@@ -113,7 +113,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         (Some(Verb::Schema { output }), None) => begin::schema(output.as_deref()),
         (None, Some(run)) => train(&run, budget),
         (None, None) => Err(miette!(
-            help = "amacrine-learn tasks/interpolation.toml -o RUN; `amacrine-learn new NAME` writes a task to start from",
+            help = "amacrine-learn TASK.toml -o RUN; `amacrine-learn new NAME` writes a task to start from",
             "no task was given"
         )),
     }

@@ -51,8 +51,8 @@ pub fn failed(report: &Report) -> ExitCode {
     if let Some(Ended(code)) = report.downcast_ref() {
         return ExitCode::from(*code);
     }
-    complain(&format!("Error: {report:?}\n"));
-    ExitCode::FAILURE
+    complain(&format!("{report:?}\n"));
+    ExitCode::from(2)
 }
 
 /// Standard output takes no more.
@@ -64,6 +64,6 @@ fn lost(cause: &io::Error) -> Ended {
         help = "files that were made are complete; give standard output a place with room",
         "cannot write to standard output: {cause}"
     );
-    complain(&format!("Error: {report:?}\n"));
+    complain(&format!("{report:?}\n"));
     Ended(1)
 }

@@ -21,7 +21,9 @@ use super::{
 pub enum TaskError {
     /// It cannot be read.
     #[error("{file}: {cause}")]
-    #[diagnostic(help("give the path of a task file, such as tasks/interpolation.toml"))]
+    #[diagnostic(help(
+        "give the path of a task file; `amacrine-learn new NAME` writes one to start from"
+    ))]
     Unreadable {
         /// Its path.
         file: String,

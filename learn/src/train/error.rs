@@ -115,6 +115,15 @@ pub enum TrainError {
         /// The folder.
         path: PathBuf,
     },
+    /// A folder in which there is something else.
+    #[error("{}: there is `{name}`, which is of no run", path.display())]
+    #[diagnostic(help("give a folder of the run's own"))]
+    Foreign {
+        /// The folder.
+        path: PathBuf,
+        /// What is in it.
+        name: String,
+    },
     /// A folder in which another process trains.
     #[error("{}: another amacrine-learn trains in it", path.display())]
     #[diagnostic(help("wait until it has ended, or give another folder"))]
@@ -162,6 +171,7 @@ impl TrainError {
             | Self::Finished { .. }
             | Self::Memory(_)
             | Self::Begun { .. }
+            | Self::Foreign { .. }
             | Self::Busy { .. } => &[],
         }
     }

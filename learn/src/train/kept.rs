@@ -11,7 +11,7 @@ use super::{
 };
 
 /// The file.
-const KEPT_TASK: &str = "task.toml";
+pub(super) const KEPT_TASK: &str = "task.toml";
 
 impl Run<'_> {
     /// Leaves the task beside what is trained by it, as its file has it; `told` goes behind it as

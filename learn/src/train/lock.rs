@@ -11,7 +11,7 @@ use amacrine::save::make_folder;
 use super::error::TrainError;
 
 /// The file that is locked; it stays, since another process may wait for it.
-const LOCK: &str = "lock";
+pub(super) const LOCK: &str = "lock";
 
 /// Makes the folder and locks it, as long as what is given lives and the process does.
 ///

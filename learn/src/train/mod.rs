@@ -14,6 +14,7 @@ mod error;
 mod evaluate;
 mod export;
 mod fit;
+mod folder;
 mod judged;
 mod kept;
 mod lock;

@@ -25,7 +25,7 @@ use crate::{
 use super::{
     checkpoint,
     error::TrainError,
-    export,
+    export, folder,
     judged::Judged,
     lock,
     on_chip::Sources,
@@ -131,6 +131,9 @@ impl<'a> Run<'a> {
             return Err(TrainError::Begun {
                 path: folder.to_owned(),
             });
+        }
+        if !begun {
+            folder::check(folder)?;
         }
         // Without comments and names, and without the arms, targets and seeds, which may be added to
         // later: a job's own are in its name. What photographs and videos show is in `seen`.
