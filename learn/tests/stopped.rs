@@ -237,5 +237,5 @@ fn a_full_disk_is_an_error() {
         "{text}"
     );
     let end = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(end.trim_end().ends_with("ended 1"), "{end}");
+    assert!(end.trim_end().ends_with("ended 2"), "{end}");
 }
