@@ -1,9 +1,10 @@
 //! How fast the float model is, and how far from what the machine could do.
 //!
-//! `cargo bench --bench reference` (a minute or two), or with `-- --quick` (seconds, rougher);
-//! `-- ratios` prints the ratios alone.
-//! Every figure is the median over repetitions, with half the distance of its quartiles. The scene is made beforehand: 17 frames of a
-//! moving texture of 8 bits, held as bytes, watched to and fro; about 0.8 events per cell and pair.
+//! `cargo bench --bench reference` (a quarter of an hour); with `-- --quick`, rougher and without
+//! the two larger sizes (a minute or two); `-- ratios` prints the ratios alone.
+//! Every figure is the median over repetitions, with half the distance of its quartiles. The scene
+//! is made beforehand: 17 frames of a moving texture of 8 bits, held as bytes, watched to and fro;
+//! about 0.8 events per cell and pair.
 //!
 //! The plain version, measured in the same run, is the obvious loop over pixels in double
 //! precision; both must make the same number of events. The machine's limits are measured too:
@@ -231,7 +232,8 @@ const REFRACTORY: [(&str, &str); 2] = [
 ];
 
 /// What rests and kinds cost, as multiples of what a plain list of one kind does.
-fn ratios(bench: &Bench, clip: &mut Clip, times: usize) {
+fn ratios(bench: &Bench, clip: &mut Clip, quick: bool) {
+    let times = if quick { 3 } else { 9 };
     println!(
         "\nRatios, f32, one thread, pairs of measurements\n\n{}",
         clip.size
@@ -255,8 +257,10 @@ fn ratios(bench: &Bench, clip: &mut Clip, times: usize) {
     }
     let clip = clip.into_inner();
     of_kinds(bench, clip, times);
-    // There one kind's state does not stay in the cache either.
-    of_kinds(bench, &mut Clip::new(SIZES[3]), times);
+    if !quick {
+        // There one kind's state does not stay in the cache either.
+        of_kinds(bench, &mut Clip::new(SIZES[3]), times);
+    }
 }
 
 /// What several kinds cost, as multiples of what one does.
@@ -294,7 +298,7 @@ fn main() {
     };
     println!("{}", timed::cpu());
     let mut clip = Clip::new(SIZES[0]);
-    ratios(&bench, &mut clip, if quick { 3 } else { 9 });
+    ratios(&bench, &mut clip, quick);
     if std::env::args().any(|arg| arg == "ratios") {
         return;
     }
@@ -367,7 +371,8 @@ fn main() {
 
     heading("Growth with size, kinds and threads, f32");
     let kinds: &[usize] = if quick { &[1, 4] } else { &[1, 2, 4, 16] };
-    for size in SIZES {
+    let sizes = if quick { &SIZES[..2] } else { &SIZES };
+    for &size in sizes {
         let mut clip = Clip::new(size);
         for &kinds in kinds {
             for threads in [1, 2] {

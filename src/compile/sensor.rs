@@ -263,8 +263,7 @@ fn check_thresholds(
         let threshold = kind.on.max(kind.off);
         if threshold * scale > most {
             let lsb = threshold * scale;
-            let weights: f64 = kind.kernel.weights().iter().map(|it| it.abs()).sum();
-            let reach = weights * brightest(device) * scale;
+            let reach = kind.kernel.magnitude() * brightest(device) * scale;
             return Err(CompileError::Threshold { lsb, most, reach });
         }
     }

@@ -230,11 +230,23 @@ impl Kernel {
         self.weights.sum()
     }
 
+    /// The sum of the weights' magnitudes: the most by which the response can move where the light
+    /// of every pixel moves by 1.
+    #[must_use]
+    pub fn magnitude(&self) -> f64 {
+        self.weights.iter().map(|weight| weight.abs()).sum()
+    }
+
     /// Whether what is left of the sum is rounding alone: 1e-12 of the weights' magnitudes.
     #[must_use]
     pub fn cancels(&self) -> bool {
-        let magnitude: f64 = self.weights.iter().map(|w| w.abs()).sum();
-        self.sum().abs() < 1e-12 * magnitude
+        self.sum().abs() < 1e-12 * self.magnitude()
+    }
+
+    /// The response to uniform light, 0 where only rounding is left of it.
+    #[must_use]
+    pub fn dc(&self) -> f64 {
+        if self.cancels() { 0.0 } else { self.sum() }
     }
 
     /// The same field with ON and OFF exchanged.

@@ -329,8 +329,7 @@ impl Arguments {
         }
         let thresholds = kinds.thresholds_or_rate("a design", &self.threshold)?;
         for ((name, kernel), threshold) in kinds.names.iter().zip(&kinds.kernels).zip(&thresholds) {
-            let weights = kernel.weights().iter();
-            let most = 255.0 * weights.map(|weight| weight.abs()).sum::<f64>();
+            let most = 255.0 * kernel.magnitude();
             if *threshold >= most {
                 return Err(miette!(
                     help = "give a lower threshold, in kernel times light (0 to 255), or --rate EVENTS, per pixel and second",

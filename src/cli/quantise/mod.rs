@@ -176,7 +176,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = format!("{}, sum {}\n", arguments.kernels, short(sum_of(kernel)));
+    let mut text = format!("{}, sum {}\n", arguments.kernels, short(kernel.dc()));
     text += &drawn(kernel.weights());
     if let ([quantised], [row]) = (&good[..], &rows[..]) {
         let _ = writeln!(text, "\n{} x {}", row.to, short(quantised.scale));
@@ -502,11 +502,6 @@ fn drawn(weights: &Plane<f64>) -> String {
         format!("  {}\n", cells.trim_end())
     };
     rows_of(weights).into_iter().map(row).collect()
-}
-
-/// The sum of a kernel's weights, 0 where only rounding is left.
-fn sum_of(kernel: &Kernel) -> f64 {
-    if kernel.cancels() { 0.0 } else { kernel.sum() }
 }
 
 /// Four digits after the point, or as many more as three digits of a small number need; no zeros at

@@ -98,7 +98,7 @@ fn reach(kernel: &Kernel) -> u8 {
     let taps = weights.indexed_iter().filter(|(_, weight)| **weight != 0.0);
     let far = taps.map(|((y, x), _)| y.abs_diff(rows) + x.abs_diff(columns));
     let far = 2 * far.max().unwrap_or(0).div_ceil(2);
-    let size: f64 = weights.iter().map(|weight| weight.abs()).sum();
+    let size = kernel.magnitude();
     let many = (0..64).find(|words| size <= 4f64.powi(*words));
     // Kernels have at most some hundred weights.
     far.max(many.unwrap_or(64) as usize).min(255) as u8

@@ -52,8 +52,7 @@ impl Description {
             }
             for (kernel, threshold) in kind.kernels.iter().zip(&kind.thresholds) {
                 let least = threshold.on.min(threshold.off);
-                let sum: f64 = kernel.weights().iter().map(|weight| weight.abs()).sum();
-                let most = sum * signal;
+                let most = kernel.magnitude() * signal;
                 if nearest.is_none_or(|[other, moves]| most * other > moves * least) {
                     nearest = Some([least, most]);
                 }

@@ -156,19 +156,8 @@ impl KernelSummary {
         Self {
             name: name.to_owned(),
             weights: rows.into_iter().map(|row| row.to_vec()).collect(),
-            sum: unrounded(kernel),
+            sum: kernel.dc(),
         }
-    }
-}
-
-/// The sum of a kernel; 0 where that is all it is but for its rounding.
-fn unrounded(kernel: &Kernel) -> f64 {
-    let sizes: f64 = kernel.weights().iter().map(|w| w.abs()).sum();
-    let sum = kernel.sum();
-    if sum.abs() <= sizes * kernel.weights().len() as f64 * f64::EPSILON {
-        0.0
-    } else {
-        sum
     }
 }
 

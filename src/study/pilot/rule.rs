@@ -126,9 +126,5 @@ pub fn may_saturate(format: Format, description: &Description, look: &Look) -> b
 
 /// The largest drive that a signal of 1 can make.
 fn gain(kernels: &[Kernel]) -> f64 {
-    let sums = kernels.iter().map(|kernel| {
-        let weights = kernel.weights().iter();
-        weights.map(|weight| weight.abs()).sum::<f64>()
-    });
-    sums.fold(0.0, f64::max)
+    kernels.iter().map(Kernel::magnitude).fold(0.0, f64::max)
 }
