@@ -288,4 +288,13 @@ mod tests {
             (1, 2)
         );
     }
+
+    #[test]
+    fn what_rounding_leaves_of_a_sum_is_no_response_to_uniform_light() {
+        let row = |weights: [f64; 3]| Kernel::from_rows(&[weights.to_vec()]).unwrap();
+        let rounded = row([0.1, 0.2, -0.3]);
+        assert!(rounded.sum() != 0.0 && rounded.dc() == 0.0);
+        let whole = row([1.0, -3.0, 1.5]);
+        assert_eq!((whole.dc(), whole.magnitude()), (-0.5, 5.5));
+    }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use miette::miette;
 
-use super::{Arguments, Row, drawn, erased, rows_of, short, sum_of, table};
+use super::{Arguments, Row, drawn, erased, rows_of, short, table};
 use crate::{
     cli::{budget, kernels::Kinds, light, progress::Progress},
     isa::Device,
@@ -87,7 +87,7 @@ pub(super) fn run(
     }
     let mut text = String::new();
     for (kind, kernel) in all.iter().zip(&kinds.kernels) {
-        let _ = writeln!(text, "{}, sum {}", kind.name, short(sum_of(kernel)));
+        let _ = writeln!(text, "{}, sum {}", kind.name, short(kernel.dc()));
         text += &drawn(kernel.weights());
         text += &table(&kind.quantised);
         text.push('\n');
