@@ -435,6 +435,32 @@ fn a_budget_below_the_program_itself_says_what_is_enough() {
     }
 }
 
+/// A pilot keeps a scene within a quarter of what may be held, and not twice; else it says that it
+/// measured nothing, and the full model runs.
+#[test]
+fn a_pilot_holds_no_more_of_a_scene_than_it_may() {
+    let snap = root("programs/dvs/snap.scamp");
+    let light = "pattern:disc?width=128&height=128&frames=300";
+    let case = ["exec", &snap, "--image", light, "--domain", "silicon"];
+    let auto = |most: &str| {
+        let more = ["--fidelity", "auto", "--max-memory", most];
+        let ran = amacrine(&[&case[..], &more].concat(), LONGEST);
+        assert_eq!(ran.code, Some(0), "{}", ran.errors);
+        ran
+    };
+    let ran = auto("60M");
+    let said = words(&ran.out);
+    assert!(
+        said.contains("too long to be kept, so nothing was measured"),
+        "{said}"
+    );
+    assert!(ran.peak < 60 << 10, "held {} KiB", ran.peak);
+    // Once, 8 bytes a pixel: 38 MiB.
+    let ran = auto("400M");
+    assert!(!words(&ran.out).contains("too long"));
+    assert!(ran.peak < 90 << 10, "held {} KiB", ran.peak);
+}
+
 /// A list that a readout wants is as long as there is room for, where nobody says how long it may
 /// be. Without a readout events go to the file as they come, however many there are.
 #[test]

@@ -8,7 +8,7 @@ mod common;
 use std::{fs, path::Path};
 
 use amacrine::study::{front::Cost, sweep::survivors::hypervolume};
-use common::{amacrine, good, json, refused, refused_untouched};
+use common::{amacrine, good, json, line, refused, refused_untouched};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -478,6 +478,15 @@ fn values_of_the_space_are_taken_again() {
         }
     }
     assert_eq!(ids.len(), 4);
+    let mut told = amacrine(
+        at.path(),
+        &["sweep", "study.toml", "--point", "{\"side\": 0}"],
+    );
+    let said = line(&told.output().unwrap().stderr);
+    assert!(
+        said.contains("a point that is told is computed in full"),
+        "{said}"
+    );
     // A point that is told is computed in full, and is another than the one of the sweep.
     good(at.path(), &["sweep", "study.toml", "-o", "out"]);
     let swept = rows(&at.path().join("out"));

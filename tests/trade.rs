@@ -272,6 +272,30 @@ fn what_has_no_tiles_is_run_whole() {
     assert!(good(at, &ask).contains("run on the whole scene, since there is no sample"));
 }
 
+/// A rule needs no tiles, so that they are no part of the price of what it allows.
+#[test]
+fn what_a_rule_allows_costs_no_tiles() {
+    let folder = tempfile::tempdir().unwrap();
+    let more = ["--sensor", "csdvs", "--upsample", "0.2"];
+    let trade = json(
+        folder.path(),
+        &[&["trade", "--scene", SCENE][..], &more].concat(),
+    );
+    let (free, measured): (Vec<_>, Vec<_>) = { points(&trade).iter() }
+        .filter(|point| point["planning_seconds"].is_number())
+        .partition(|point| point["free"].is_string());
+    assert!(!free.is_empty());
+    assert!(
+        free.iter()
+            .all(|point| number(&point["planning_seconds"]) == 0.0)
+    );
+    assert!(
+        measured
+            .iter()
+            .any(|point| number(&point["planning_seconds"]) > 0.0)
+    );
+}
+
 #[test]
 fn wrong_questions_are_refused() {
     let folder = tempfile::tempdir().unwrap();

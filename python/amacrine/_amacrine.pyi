@@ -351,6 +351,7 @@ def trade_program(
     formats: list[str],
     sample: tuple[int, float, int],
     how: tuple[bool, int],
+    called: tuple[str, str],
 ) -> tuple[str, str]: ...
 def trade(
     sensor: Sensor,
@@ -359,4 +360,5 @@ def trade(
     formats: list[str],
     sample: tuple[int, float, int],
     how: tuple[bool, int],
+    called: tuple[str, str],
 ) -> tuple[str, str]: ...

@@ -594,6 +594,10 @@ class Sensor(EventSensor):
         how = (self._seed, self._format, self._max_events)
         return Sensor._of_text(self._from[0], text, None, how)
 
+    def with_seed(self, seed: int) -> Sensor:
+        """The sensor with another mismatch and other noise: those of this seed."""
+        return self._reseeded(arguments.whole("seed", seed))
+
     def in_format(self, format: str) -> Sensor:
         """The sensor in another number format: ``f64``, ``f32``, ``f16``, ``bf16``, ``q8.8``, …"""
         other = Sensor.__new__(Sensor)

@@ -401,18 +401,22 @@ def trade(
     own = sensor._seed if isinstance(sensor, Sensor) else 0
     how = flag("verify", verify), own if seed is None else whole("seed", seed)
     light = shown(scene, fps, scale)
+    # As the caller writes it: the same frames, the same seed.
+    more = "" if scale is None else f", scale={float(scale)!r}"
     if isinstance(sensor, Program):
         if upsample is not None:
             raise Error("upsample of a program\nhelp: leave upsample out: a program sees frames")
         full = "silicon" if domain is None else word("domain", domain, "silicon")
         numbers = names("formats", OF_PROGRAM if formats is None else formats)
-        found = _amacrine.trade_program(sensor._native, full, light, numbers, asked, how)
+        called = "program", more
+        found = _amacrine.trade_program(sensor._native, full, light, numbers, asked, how, called)
         return Answer.parse(found[0], drawing=found[1], rows="points")
     if domain is not None:
         raise Error("domain of a float sensor\nhelp: leave domain out, or give a Program")
     contrast = arguments.contrast(upsample)
     numbers = names("formats", OF_SENSOR if formats is None else formats)
-    found = _amacrine.trade(sensor._native, light, contrast, numbers, asked, how)
+    called = ("sensor" if how[1] == own else f"sensor.with_seed({how[1]})"), more
+    found = _amacrine.trade(sensor._native, light, contrast, numbers, asked, how, called)
     return Answer.parse(found[0], drawing=found[1], rows="points")
 
 

@@ -205,6 +205,23 @@ def test_trade() -> None:
     assert answer.command == next(p.command for p in answer.points if p.is_knee)
 
 
+def test_a_trade_says_the_command_of_its_own_frames_and_seed() -> None:
+    frames = np.random.default_rng(1).random((12, 32, 32))
+    sensor = amacrine.Sensor.from_file("dvs-v2e")
+    answer = amacrine.trade(sensor, frames, fps=100, scale=255, seed=5, formats=["f32"], verify=True)
+    given = {"sensor": sensor, "frames": frames, "fps": 100}
+    command = next(point.command for point in answer.points if point.name == "f32")
+    of_f32 = amacrine.Sensor.from_file("dvs-v2e", seed=5, format="f32")
+    assert of_f32 == sensor.with_seed(5).in_format("f32")
+    assert (eval(command, given) == of_f32.events(frames, 100, scale=255)).all()
+    program = amacrine.Program.from_file("dvs/snap")
+    answer = amacrine.trade(program, frames, fps=100, scale=255, seed=5, formats=["f32"])
+    command = next(point.command for point in answer.points if point.name == "f32")
+    assert command == 'program.run(frames, fps, scale=255.0, domain="f32", seed=5)'
+    run = eval(command, {"program": program, "frames": frames, "fps": 100})
+    assert len(run.events) == len(program.run(frames, 100, scale=255, domain="f32").events)
+
+
 def test_trade_of_a_program(program: Callable[..., str]) -> None:
     scene = "pattern:grating?width=64&height=64&frames=20&fps=100"
     words = ("--scene", scene, "--program", "dvs/snap", "--formats", "f16", "--seed", 3)

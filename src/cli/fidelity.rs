@@ -166,6 +166,13 @@ impl Fidelity {
     }
 }
 
+/// The most bytes of a scene that is kept for a pilot: a quarter of what may be held.
+#[must_use]
+pub fn room() -> usize {
+    let most = budget::budget().bytes / 4;
+    usize::try_from(most).unwrap_or(KEPT).min(KEPT)
+}
+
 /// A scene that is kept, or still to be read.
 pub enum Source {
     /// It was read, and is in memory.
@@ -183,12 +190,8 @@ impl Source {
         looks: bool,
         open: impl Fn() -> Result<Box<dyn Scene>, SceneError>,
     ) -> Result<Self, SceneError> {
-        if looks {
-            let most = budget::budget().bytes / 4;
-            let most = usize::try_from(most).unwrap_or(KEPT).min(KEPT);
-            if let Some(kept) = Kept::new(&mut *open()?, most)? {
-                return Ok(Self::Kept(kept));
-            }
+        if looks && let Some(kept) = Kept::new(&mut *open()?, room())? {
+            return Ok(Self::Kept(kept));
         }
         Ok(Self::Unread(open()?))
     }

@@ -233,6 +233,11 @@ fn named(path: &Path, arguments: &Arguments, plan: &Plan) -> PathBuf {
 
 /// Answers points with their rows, one JSON object a line.
 fn tell(arguments: &Arguments, study: &Study, folder: &Path) -> miette::Result<()> {
+    if study.settings.tolerance.is_some() {
+        super::complain(
+            "warning: fidelity = \"auto\" is of whole sweeps: a point that is told is computed in full\n",
+        );
+    }
     let study = study.clone().in_full();
     let mut asked = Asked::new(&study, folder);
     let start = Instant::now();

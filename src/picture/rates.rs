@@ -248,7 +248,7 @@ fn spreads(page: &mut Drawing, area: Area, show: &RatesShow<'_>, seen: &[&RatesC
     let low = all().fold(0.0, f64::min);
     let high = all().fold(0.01, f64::max);
     let axis = Axis {
-        label: "% that the biggest causes take, and 80 % of chips and tiles",
+        label: "% that the biggest causes take, and where 80 % of further chips lie",
         from: 100.0 * low,
         to: 100.0 * (high + 0.04 * (high - low)),
         scale: Scale::Plain,

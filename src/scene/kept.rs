@@ -126,6 +126,12 @@ impl Kept {
         }))
     }
 
+    /// Bytes of the light of all frames.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.frames.iter().map(|one| one.pixels.bytes()).sum()
+    }
+
     /// How many frames.
     #[must_use]
     pub fn len(&self) -> usize {

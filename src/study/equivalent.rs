@@ -70,6 +70,13 @@ impl Likeness {
         self.event_ratio.is_some() && window::can_judge(self.floor)
     }
 
+    /// The change of threshold that costs as much; none where the scene cannot judge.
+    #[must_use]
+    pub fn judged_equivalent(&self) -> Option<f64> {
+        self.threshold_equivalent_percent
+            .filter(|_| self.is_judged())
+    }
+
     /// That accident scores as much as anything, where it does and there is something to keep;
     /// `name` is whose events these are.
     #[must_use]

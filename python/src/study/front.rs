@@ -39,6 +39,10 @@ type Sample = (u64, f64, u32);
 /// The contrast that frames are inserted for, the sample, and whether all is run whole, and the seed.
 type Asked = (Option<f64>, Sample, (bool, u64));
 
+/// What the caller writes for what was asked about, and `, scale=…` where the frames were given one.
+#[derive(FromPyObject)]
+pub struct Called(String, String);
+
 /// What was asked about, its full model, and what runs a model of it.
 type Telling<'a, M> = (&'a str, &'a str, &'a (dyn Fn(&M) -> String + Sync));
 
@@ -52,12 +56,13 @@ pub fn trade(
     formats: Vec<String>,
     sample: Sample,
     how: (bool, u64),
+    called: Called,
 ) -> PyResult<(String, String)> {
     let description = &sensor.get().description;
     let formats = numbers(&formats)?;
     let source = scene.source()?;
     let response = description.response;
-    let command = |choice: &Choice| of_sensor(choice, upsample);
+    let command = |choice: &Choice| of_sensor(choice, upsample, &called);
     let told = (
         &*description.name,
         "f64, with all its effects",
@@ -78,6 +83,7 @@ pub fn trade_program(
     formats: Vec<String>,
     sample: Sample,
     how: (bool, u64),
+    called: Called,
 ) -> PyResult<(String, String)> {
     let program = program.get();
     program.check_steady()?;
@@ -86,7 +92,7 @@ pub fn trade_program(
     let source = scene.source()?;
     let shown = (&source, Response::IDENTITY, Some(program.device()));
     let (verify, seed) = how;
-    let command = |setup: &Setup| of_program(setup, seed);
+    let command = |setup: &Setup| of_program(setup, seed, &called);
     let told = (program.file(), domain, &command as &_);
     let trade = |survey: Survey<'_>| {
         let mut settings = program.settings();
@@ -99,8 +105,8 @@ pub fn trade_program(
 }
 
 /// What makes the events of a model, of the `sensor` that was asked about.
-fn of_sensor(choice: &Choice, upsample: Option<f64>) -> String {
-    let mut text = format!("sensor.in_format(\"{}\")", choice.format);
+fn of_sensor(choice: &Choice, upsample: Option<f64>, called: &Called) -> String {
+    let mut text = format!("{}.in_format(\"{}\")", called.0, choice.format);
     let without = choice.without.iter().map(|effect| effect.word());
     let without: Vec<_> = { without }
         .filter(|key| *key != Effect::InsertedFrames.word())
@@ -111,11 +117,11 @@ fn of_sensor(choice: &Choice, upsample: Option<f64>) -> String {
     }
     let upsample = upsample.filter(|_| !choice.leaves_out(Effect::InsertedFrames));
     let upsample = upsample.map_or(String::new(), |contrast| format!(", upsample={contrast}"));
-    text + &format!(".events(frames, fps{upsample})")
+    text + &format!(".events(frames, fps{}{upsample})", called.1)
 }
 
 /// What runs a model, of the `program` that was asked about.
-fn of_program(setup: &Setup, seed: u64) -> String {
+fn of_program(setup: &Setup, seed: u64, called: &Called) -> String {
     let domain = match setup.machine.format {
         Some(format) => Arithmetic::Number(format),
         None => Arithmetic::Silicon { seed: 0 },
@@ -136,7 +142,8 @@ fn of_program(setup: &Setup, seed: u64) -> String {
     } else {
         String::new()
     };
-    format!("program.run(frames, fps, domain=\"{domain}\"{without}{seed}){order}")
+    let Called(program, scale) = called;
+    format!("{program}.run(frames, fps{scale}, domain=\"{domain}\"{without}{seed}){order}")
 }
 
 fn numbers(formats: &[String]) -> PyResult<Vec<Format>> {

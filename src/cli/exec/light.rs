@@ -199,6 +199,11 @@ impl Lasting {
             last: None,
         }
     }
+
+    /// Whether so many frames are enough: then nothing is shown again.
+    pub fn lasts(&self, frames: usize) -> bool {
+        frames as u64 >= self.enough
+    }
 }
 
 impl Scene for Lasting {

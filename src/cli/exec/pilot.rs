@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::{
     super::{
         complain,
-        fidelity::{WITHIN, line, told},
+        fidelity::{WITHIN, line, room, told},
     },
     arguments::Arguments,
     bench::Bench,
@@ -19,7 +19,7 @@ use crate::{
     scene::kept::Kept,
     study::pilot::{
         Answer, Chips, Machine, Measure, Quicker, order,
-        plan::{BUDGET, KEPT},
+        plan::{BUDGET, TOO_LONG},
     },
 };
 
@@ -65,7 +65,8 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Planned> {
         ));
     }
     let mut light = Light::open(arguments, &opened.program, &bench.observation)?;
-    let (lit, read) = (light.scene.is_some(), light.keep(KEPT)?);
+    let (lit, most) = (light.scene.is_some(), room());
+    let read = light.keep(most)?;
     let mut light = Lasting::new(light, bench.size, 2);
     let family = Chips {
         name: &opened.program.file,
@@ -74,16 +75,14 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Planned> {
         settings: bench.settings,
         arithmetic: bench.arithmetic,
     };
-    let kept = if lit && read.is_none() {
-        None
-    } else {
-        Kept::new(&mut light, KEPT)?
+    let kept = match &read {
+        None if lit => None,
+        // It is the light as it is: no second copy.
+        Some(read) if light.lasts(read.len()) => Some(read.clone()),
+        _ => Kept::new(&mut light, most - read.as_ref().map_or(0, Kept::bytes))?,
     };
     let Some(kept) = kept else {
-        return Err(miette!(
-            help = "run it without --fidelity, or show a shorter clip",
-            "the light is too long to be kept in memory, and a pilot looks at all of it"
-        ));
+        return Ok(Planned::unmeasured(family.machine()));
     };
     let formats = FORMATS.iter().filter_map(|name| name.parse().ok());
     let formats: Vec<Format> = formats.chain([Format::F64]).collect();
@@ -117,6 +116,24 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Planned> {
 }
 
 impl Planned {
+    /// The full model, since there is no room for the light.
+    fn unmeasured(full: Machine) -> Self {
+        let answer = Answer {
+            choice: full.clone(),
+            change: None,
+            offers: Vec::new(),
+            why: TOO_LONG.to_owned(),
+            seconds: 0.0,
+            expected: None,
+        };
+        Self {
+            answer,
+            full,
+            quicker: None,
+            read: None,
+        }
+    }
+
     /// Whether anything is left out that may change an event.
     pub fn leaves_out(&self) -> bool {
         self.answer.offers.iter().any(|offer| offer.left_out)

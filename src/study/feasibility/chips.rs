@@ -47,6 +47,8 @@ pub struct OverChips {
     pub chips: u64,
     /// The share of them that is feasible; none where the scene cannot judge them.
     pub chips_feasible: Option<f64>,
+    /// Between what the share of all chips lies that the data allow, with 95 % (Wilson 1927).
+    pub chips_feasible_95: Option<[f64; 2]>,
     /// The share that is feasible, with loss or without.
     pub chips_feasible_with_loss: Option<f64>,
     /// The share that reaches the frame rate; none without a program.
@@ -89,7 +91,7 @@ pub struct Ranges {
     /// What of F1 is more than accident; none where the scene cannot judge it.
     pub kept: Option<Spread>,
     /// The change of the float sensor's threshold that costs as much, in per cent; none where the
-    /// float sensor has no event.
+    /// scene cannot judge it.
     pub threshold_equivalent_percent: Option<Spread>,
     /// Events for each of the float sensor's; none where it has none.
     pub event_ratio: Option<Spread>,
@@ -115,7 +117,7 @@ pub struct DrawnChip {
     /// Frames a second that were shown.
     pub fps: f64,
     /// The change of the float sensor's threshold that costs as much, in per cent; none where the
-    /// float sensor has no event.
+    /// scene cannot judge it.
     pub threshold_equivalent_percent: Option<f64>,
     /// Events for each of the float sensor's; none where it has none.
     pub event_ratio: Option<f64>,
@@ -282,10 +284,10 @@ impl Trial<'_> {
         let Likeness {
             window_us,
             fps,
-            threshold_equivalent_percent,
             event_ratio,
             ..
         } = likeness;
+        let threshold_equivalent_percent = likeness.judged_equivalent();
         let kept = likeness.kept.filter(|_| likeness.is_judged());
         let value = |named| chip.value(named, device);
         let frames_s = self.frames_s(&value, &Demand::new(packet, frames));
@@ -318,6 +320,16 @@ fn stretch(runs: usize, pixels: usize, words: f64, frames: u64) -> u64 {
     ((WORK / one) as u64).max(2).min(frames)
 }
 
+/// Between what a share lies of which so many draws were that, with 95 %: the score interval
+/// (Wilson 1927).
+fn wilson(share: f64, draws: u64) -> [f64; 2] {
+    const SIGMAS: f64 = 1.959_963_984_540;
+    let (n, square) = (draws.max(1) as f64, SIGMAS * SIGMAS);
+    let middle = share + square / (2.0 * n);
+    let half = SIGMAS * (share * (1.0 - share) / n + square / (4.0 * n * n)).sqrt();
+    [middle - half, middle + half].map(|end| (end / (1.0 + square / n)).clamp(0.0, 1.0))
+}
+
 impl OverChips {
     /// What stands in place of what is kept, where what the chips watched cannot judge it.
     #[must_use]
@@ -345,6 +357,7 @@ impl OverChips {
         };
         let is_fast = |chip: &DrawnChip| chip.frames_s >= chip.fps;
         let can_judge = stretch.can_judge();
+        let chips = drawn.len() as u64;
         let judged = |of: &dyn Fn(&DrawnChip) -> bool| share(of).filter(|_| can_judge);
         let spread = |of: &dyn Fn(&DrawnChip) -> f64| {
             let values: Vec<f64> = drawn.iter().map(of).collect();
@@ -357,15 +370,18 @@ impl OverChips {
         let ranges = || {
             Some(Ranges {
                 kept: known(&|chip| chip.kept).filter(|_| can_judge),
-                threshold_equivalent_percent: known(&|chip| chip.threshold_equivalent_percent),
+                threshold_equivalent_percent: known(&|chip| chip.threshold_equivalent_percent)
+                    .filter(|_| can_judge),
                 event_ratio: known(&|chip| chip.event_ratio),
                 frames_s: spread(&|chip| chip.frames_s)?,
                 power_busy_mw: spread(&|chip| chip.power_busy_mw)?,
             })
         };
+        let feasible = judged(&|chip| chip.is_feasible);
         Self {
-            chips: drawn.len() as u64,
-            chips_feasible: judged(&|chip| chip.is_feasible),
+            chips,
+            chips_feasible: feasible,
+            chips_feasible_95: feasible.map(|share| wilson(share, chips)),
             chips_feasible_with_loss: judged(&|chip| chip.kept >= Some(HALF) && is_fast(chip)),
             chips_fast_enough: share(&is_fast),
             chips_evidence: Some(evidence),
@@ -440,6 +456,11 @@ mod tests {
         let of = |stretch| OverChips::new(drawn.clone(), Vec::new(), stretch, Evidence::Guess);
         let all = of(stretch(7, 0.1));
         assert_eq!((all.chips, all.chips_feasible), (4, Some(0.25)));
+        // Of one in four, by the tables of the score interval.
+        let [least, most] = all.chips_feasible_95.unwrap();
+        assert!((least - 0.0456).abs() < 1e-4 && (most - 0.6994).abs() < 1e-4);
+        let [none, most] = wilson(0.0, 32);
+        assert!(none == 0.0 && (most - 0.1072).abs() < 1e-4);
         assert_eq!(all.chips_feasible_with_loss, Some(0.5));
         assert_eq!(all.chips_fast_enough, Some(0.75));
         assert_eq!(all.count(0.5), 2);
@@ -452,6 +473,8 @@ mod tests {
             );
             let ranges = cannot.ranges.unwrap();
             assert!(ranges.kept.is_none() && ranges.event_ratio.is_some());
+            assert!(ranges.threshold_equivalent_percent.is_none());
+            assert!(cannot.chips_feasible_95.is_none());
             assert!(cannot.unjudged().is_some());
         }
         assert!(all.ranges.unwrap().kept.is_some() && all.unjudged().is_none());

@@ -142,7 +142,10 @@ impl Judged {
             )
         };
         Ok(Self {
-            headline: likeness.into(),
+            headline: Headline {
+                threshold_equivalent_percent: likeness.judged_equivalent(),
+                ..likeness.into()
+            },
             likeness,
             precision: scored(matching::PRECISION.at(window.within)),
             recall: scored(matching::RECALL.at(window.within)),

@@ -216,6 +216,15 @@ fn over_chips(all: &Feasibility) -> Option<Finding> {
                 stretch.frames, stretch.of_frames
             )
         });
+    let all = over
+        .chips_feasible_95
+        .map_or(String::new(), |[least, most]| {
+            format!(
+                " ({} to {} of all such, with 95 %)",
+                percent(least),
+                percent(most)
+            )
+        });
     let keep = ranges.kept.map_or(String::new(), |kept| {
         format!(
             "; they keep {:.2} to {:.2} (10 to 90 % of them)",
@@ -226,7 +235,7 @@ fn over_chips(all: &Feasibility) -> Option<Finding> {
         about: "chips",
         word,
         says: format!(
-            "It is feasible on {} of {} chips that the public data allow, with loss or without on {}{keep}.{decides}{stretch}",
+            "It is feasible on {} of {} chips that the public data allow{all}, with loss or without on {}{keep}.{decides}{stretch}",
             over.count(clean),
             over.chips,
             over.count(with_loss),

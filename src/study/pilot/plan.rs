@@ -56,6 +56,9 @@ pub const BUDGET: (f64, f64) = (0.04, 0.06);
 /// The most bytes of a scene that is kept for a pilot.
 pub const KEPT: usize = 1 << 30;
 
+/// Why nothing was measured of a scene that takes more.
+pub const TOO_LONG: &str = "the scene is too long to be kept, so nothing was measured";
+
 /// Rows and columns.
 pub type Crop = (Range<usize>, Range<usize>);
 
@@ -187,7 +190,7 @@ pub fn plan(
         };
         let why = match family.halo() {
             Err(why) => why,
-            Ok(_) => "the scene is too long to be kept, so nothing was measured",
+            Ok(_) => TOO_LONG,
         };
         why.clone_into(&mut plan.why);
         return Ok(plan);

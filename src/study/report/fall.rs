@@ -102,7 +102,7 @@ fn over_rates(all: &Feasibility, rates: &Rates) -> Markup {
         (wide("Picture of the waterfall over frame rate", &image::drawing(&rates.drawing(&title), &alt)))
         (wide("Waterfall over frame rate", &html! {
             table {
-                caption { "What is kept, and what each cause takes; below each between what 80 % of chips and of choices of tiles lie" }
+                caption { "What is kept, and what each cause takes; below each, where a further chip on other tiles lies with 80 %" }
                 thead { tr {
                     th scope="col" { "Part" }
                     @for (i, rate) in all_rates() {

@@ -147,6 +147,10 @@ fn over_chips(all: &Feasibility) -> Markup {
                     "on 10 to 90 % of " (number::plain("/chips", over.chips as f64))
                     " chips that the public data allow; feasible on "
                     (number::scaled("/chips_feasible", share, 100.0)) " %"
+                    @if let Some([least, most]) = over.chips_feasible_95 {
+                        " (" (number::scaled("/chips_feasible_95/0", least, 100.0)) " to "
+                        (number::scaled("/chips_feasible_95/1", most, 100.0)) " % of all such, with 95 %)"
+                    }
                 }
             }
         }

@@ -208,7 +208,12 @@ where
                     point.free = (ask.free)(&point.model, begun.look());
                     match known.next() {
                         Some(Ok(mut known)) => {
-                            known.planning = known.planning.map(|s| s / f64::from(ask.runs));
+                            // What a rule allows needs no tiles.
+                            let planning = match point.free {
+                                Some(_) => Some(0.0),
+                                None => known.planning.map(|s| s / f64::from(ask.runs)),
+                            };
+                            known.planning = planning;
                             point.sampled = Some(known);
                         }
                         Some(Err(why)) => point.why = Some(why),

@@ -147,7 +147,7 @@ impl Rates {
                 self.ceiling_fps
             ),
             format!(
-                "{} on {place}, from {:.2} to {:.2} s of the scene; the same light at each rate, in brackets {}",
+                "{} on {place}, from {:.2} to {:.2} s of the scene; the same light at each rate{}",
                 some(self.chips as usize, "chip"),
                 from_seconds,
                 from_seconds + seconds,
@@ -158,10 +158,11 @@ impl Rates {
 
     /// What lies between the ends of the ranges.
     fn brackets(&self) -> &'static str {
-        if self.sample.part() < 1.0 {
-            "80 % of chips and of choices of tiles"
-        } else {
-            "80 % of the chips"
+        match (self.chips, self.sample.part() < 1.0) {
+            (0 | 1, false) => "",
+            (0 | 1, true) => ", in brackets 80 % of choices of tiles",
+            (_, false) => ", in brackets where a further chip lies with 80 %",
+            (_, true) => ", in brackets where a further chip on other tiles lies with 80 %",
         }
     }
 

@@ -116,7 +116,8 @@ pub struct Rate {
     pub headline: Headline,
     /// Whether the threshold equivalent is at least that.
     pub threshold_equivalent_is_least: bool,
-    /// Between what 80 % of chips and of choices of tiles lie; none where what is kept is not known.
+    /// Where a further chip, on another choice of tiles, lies with 80 %; of one chip the tiles alone
+    /// count. None where what is kept is not known.
     pub kept_10_90: Option<[f64; 2]>,
     /// Frames that were shown.
     pub frames: u64,
@@ -136,7 +137,7 @@ pub struct Share {
     /// Of what there is to keep; the mean of the chips. Below 0 where it makes up for others; none
     /// where accident scores as much as anything.
     pub share: Option<f64>,
-    /// Between what 80 % of chips and of choices of tiles lie.
+    /// Where a further chip, on another choice of tiles, lies with 80 %.
     pub share_10_90: Option<[f64; 2]>,
     /// How it was told from the others.
     pub how: How,
@@ -452,7 +453,9 @@ impl OneRate<'_> {
                 threshold_equivalent_percent: equivalent.map(|(percent, _)| percent),
             },
             threshold_equivalent_is_least: equivalent.is_some_and(|(_, is_least)| is_least),
-            kept_10_90: kept.as_ref().map(Estimate::range),
+            // More than all is never kept.
+            kept_10_90: { kept.as_ref().map(Estimate::range) }
+                .map(|range| range.map(|end| end.min(1.0))),
             frames: game.light.all().len() as u64,
             causes,
             noise,
