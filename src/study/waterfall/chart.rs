@@ -161,8 +161,8 @@ impl Rates {
         match (self.chips, self.sample.part() < 1.0) {
             (0 | 1, false) => "",
             (0 | 1, true) => ", in brackets 80 % of choices of tiles",
-            (_, false) => ", in brackets where a further chip lies with 80 %",
-            (_, true) => ", in brackets where a further chip on other tiles lies with 80 %",
+            (_, false) => ", in brackets 80 % of further chips",
+            (_, true) => ", in brackets 80 % of further chips on other tiles",
         }
     }
 
