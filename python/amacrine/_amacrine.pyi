@@ -276,8 +276,8 @@ def write(
     compression: str,
 ) -> None: ...
 def compare(
-    a: tuple[_Path, bytes | None, tuple[int, int] | None, int],
-    b: tuple[_Path, bytes | None, tuple[int, int] | None, int],
+    a: tuple[_Path, bytes | None, tuple[int, int] | None, tuple[int | None, list[str]]],
+    b: tuple[_Path, bytes | None, tuple[int, int] | None, tuple[int | None, list[str]]],
     within_us: int | None,
     fps: float | None,
     bins: int,

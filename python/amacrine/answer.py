@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import importlib
 import json
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from typing import Any
 from . import _amacrine
 from ._amacrine import Error
 from .arguments import file
+from .caution import Caution
 
 
 class Answer:
@@ -186,3 +188,29 @@ def _cell(of: Any) -> str:
     if of is None:
         return ""
     return f"{of:.4g}" if isinstance(of, float) else str(of)
+
+
+def told(answer: Answer) -> Answer:
+    """Warns the caller of whoever asked of what the answer warns of, once of each thing."""
+    said: dict[str, str] = {}
+    for one in _warnings(answer.to_dict()):
+        first, *others = one["subjects"] or ["the run"]
+        alike = f" (alike: {', '.join(others)})" if others else ""
+        text = f"{first}: {one['seen']}{alike}: {one['why']}; {one['change']}"
+        said.setdefault(one["about"], text)
+    for text in said.values():
+        warnings.warn(text, Caution, stacklevel=3)
+    return answer
+
+
+def _warnings(of: Any) -> Iterator[dict[str, Any]]:
+    """All warnings of an answer, those of its parts too."""
+    if isinstance(of, list):
+        for part in of:
+            yield from _warnings(part)
+    elif isinstance(of, dict):
+        for name, part in of.items():
+            if name == "warnings":
+                yield from (one for one in part if isinstance(one, dict))
+            else:
+                yield from _warnings(part)

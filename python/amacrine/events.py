@@ -314,7 +314,8 @@ def voxels(
         channels: Kinds of cells, where some said nothing; where it is left out, those of that sensor
             (``.kinds``), else those that said something.
         start: Where windows begin, in seconds; what is before is left out. By default where the
-            recording begins (``.span``), or at 0 where the events do not know that.
+            recording begins (``.span``), or at 0 where the events do not know that. The windows of
+            ``amacrine voxels`` count from 0 in steps of ``--every``, whenever a recording begins.
         end: Up to where there are windows, in seconds; the last event where it is left out.
 
     The rest is that of :meth:`amacrine.Sensor.voxels`.

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from . import _amacrine, arguments
 from ._amacrine import Error
-from .answer import Answer
+from .answer import Answer, told
 from .events import (
     NamedEvents,
     Parts,
@@ -221,7 +221,9 @@ def compare(
     Returns:
         ``headline`` (kept, f1, floor, window_us), ``curve`` over all windows, ``f1``,
         ``precision``, ``recall``, ``events`` and more, and under ``ruler`` every metric beside the
-        identical packet and accident. ``docs/ruler.md`` has them all.
+        identical packet and accident. ``docs/ruler.md`` has them all. What makes the score mean
+        something else than it seems to (kinds of other names, a packet without events, a window
+        within which accident scores as much) is under ``warnings``, and a :class:`Caution`.
     """
     window, place = arguments.micros("within", within), arguments.size(size)
     one, other = whole(reference), whole(judged)
@@ -234,7 +236,7 @@ def compare(
         arguments.whole("bins", bins, 1, MOST_BINS),
         arguments.whole("seed", seed),
     )
-    return Answer.parse(text, rows="curve")
+    return told(Answer.parse(text, rows="curve"))
 
 
 def _check_kinds(reference: Any, judged: Any) -> None:
@@ -243,10 +245,10 @@ def _check_kinds(reference: Any, judged: Any) -> None:
     both = reference, judged
     if all(isinstance(packet, (str, PathLike)) for packet in both):
         return
-    told = ["several kinds" if _has_kinds(packet) else "one kind" for packet in both]
-    if told[0] != told[1]:
+    said = ["several kinds" if _has_kinds(packet) else "one kind" for packet in both]
+    if said[0] != said[1]:
         raise Error(
-            f"the reference has {told[0]} of cells, the judged packet {told[1]}\n"
+            f"the reference has {said[0]} of cells, the judged packet {said[1]}\n"
             "help: judge one kind at a time, such as events[events['channel'] == 0] without the field"
         )
 
@@ -260,9 +262,10 @@ def _has_kinds(packet: Any) -> bool:
 
 def _side(
     packet: Any, name: str, size: tuple[int, int] | None
-) -> tuple[Path_, bytes | None, tuple[int, int] | None, int]:
-    """A file, or an array and what it knows: the size of its sensor, and kinds of cells."""
+) -> tuple[Path_, bytes | None, tuple[int, int] | None, tuple[int | None, list[str]]]:
+    """A file, or an array and what it knows: the size of its sensor, its kinds of cells, their names."""
     if isinstance(packet, (str, PathLike)):
-        return packet, None, size, 1
-    place = size_of(packet, size)
-    return name, npy(packet, place), place, kinds_of(packet, None) or 1
+        return packet, None, size, (None, [])
+    place, kinds = size_of(packet, size), kinds_of(packet, None)
+    names = getattr(packet, "names", None) or []
+    return name, npy(packet, place), place, (kinds, names if len(names) == kinds else [])

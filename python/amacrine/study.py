@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, overload
@@ -15,8 +14,7 @@ import numpy.typing as npt
 
 from . import _amacrine, arguments
 from ._amacrine import Error
-from .answer import Answer, table
-from .caution import Caution
+from .answer import Answer, table, told
 from .frames import shown
 from .kernels import Kernels, named, one
 from .program import Program
@@ -155,9 +153,9 @@ def quantise(
     how = _search(total, chip, effort, seed), shown(scene, fps, scale), micros("within", within)
     if len(given) > 1:
         text = _amacrine.on_chip_together(given, values, limits, *how)
-        return _told(Answer.parse(text, rows="together"))
+        return told(Answer.parse(text, rows="together"))
     text = _amacrine.on_chip(given[0], values, limits[0], *how)
-    return _told(Answer.parse(text, rows="chip.rows"))
+    return told(Answer.parse(text, rows="chip.rows"))
 
 
 def _quantised(name: str, of: dict[str, Any]) -> Quantised:
@@ -219,7 +217,7 @@ def design(
         shown(scene, fps, scale),
         micros("within", within),
     )
-    return _told(Answer.parse(text, rows="candidates"))
+    return told(Answer.parse(text, rows="candidates"))
 
 
 @arguments.renamed(threshold="thresholds")
@@ -285,7 +283,7 @@ def feasibility(
         (_energy(link_energy), flag("overlapped", overlapped)),
         whole("chips", chips, 1, MOST_CHIPS),
     )
-    return _told(Answer.parse(text, page=page, rows="quantisation"))
+    return told(Answer.parse(text, page=page, rows="quantisation"))
 
 
 @arguments.renamed(threshold="thresholds")
@@ -347,7 +345,7 @@ def waterfall(
         ),
         readout_of(readout),
     )
-    return _told(Answer.parse(text, drawing=drawing, rows="steps" if steps else "rates"))
+    return told(Answer.parse(text, drawing=drawing, rows="steps" if steps else "rates"))
 
 
 def trade(
@@ -418,32 +416,6 @@ def trade(
     called = ("sensor" if how[1] == own else f"sensor.with_seed({how[1]})"), more
     found = _amacrine.trade(sensor._native, light, contrast, numbers, asked, how, called)
     return Answer.parse(found[0], drawing=found[1], rows="points")
-
-
-def _told(answer: Answer) -> Answer:
-    """Warns the caller of whoever asked of what the answer warns of, once of each thing."""
-    said: dict[str, str] = {}
-    for one in _warnings(answer.to_dict()):
-        first, *others = one["subjects"] or ["the run"]
-        alike = f" (alike: {', '.join(others)})" if others else ""
-        text = f"{first}: {one['seen']}{alike}: {one['why']}; {one['change']}"
-        said.setdefault(one["about"], text)
-    for text in said.values():
-        warnings.warn(text, Caution, stacklevel=3)
-    return answer
-
-
-def _warnings(of: Any) -> Iterator[dict[str, Any]]:
-    """All warnings of an answer, those of its parts too."""
-    if isinstance(of, list):
-        for part in of:
-            yield from _warnings(part)
-    elif isinstance(of, dict):
-        for name, part in of.items():
-            if name == "warnings":
-                yield from (one for one in part if isinstance(one, dict))
-            else:
-                yield from _warnings(part)
 
 
 def _search(sum: str, chip: str | Path, effort: float, seed: int) -> tuple[str, str, float, int]:

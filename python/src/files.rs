@@ -16,7 +16,7 @@ use amacrine::{
         file::{self, Compression, Format, FormatError, Loaded, Opening, Reader},
     },
     plane::Size,
-    rig::guard::Warning,
+    rig::guard::{Guard, Warning},
     unit::Micros,
 };
 use miette::{Report, miette};
@@ -207,6 +207,7 @@ struct Headline {
     #[serde(flatten)]
     point: Point,
     frame_interval_us: Option<Micros>,
+    fps: Option<f64>,
 }
 
 /// One metric beside the identical packet and accident.
@@ -220,16 +221,27 @@ struct Ruled {
 }
 
 /// One of the two: a file, or the bytes of a `.npy`; the size of its sensor where it is known, and
-/// kinds of cells that it has at least.
-type Side = (PathBuf, Option<Vec<u8>>, Option<(usize, usize)>, u8);
+/// what an array knows of its kinds of cells: how many there are, and their names.
+type Side = (
+    PathBuf,
+    Option<Vec<u8>>,
+    Option<(usize, usize)>,
+    (Option<u8>, Vec<String>),
+);
 
-fn side((path, npy, of, channels): Side) -> Result<Loaded, Report> {
+fn side((path, npy, of, (kinds, names)): Side) -> Result<Loaded, Report> {
     let how = Opening {
         size: size(of),
         ..Opening::default()
     };
     let mut loaded = load(&path, npy, &how)?;
-    loaded.packet.channels = loaded.packet.channels.max(channels);
+    if let Some(kinds) = kinds {
+        loaded.packet.channels = loaded.packet.channels.max(kinds);
+        loaded.channels_known = true;
+    }
+    if !names.is_empty() {
+        loaded.packet.names = names;
+    }
     Ok(loaded)
 }
 
@@ -282,19 +294,28 @@ pub fn compare(
             (score.metric.key(), ruled)
         });
         let point = Point::new(&pair, &redraws, within);
-        let warning = Warning::window(within, point.floor);
+        let mut guard = Guard::new();
+        for (subject, loaded) in [("the reference", &reference), ("the judged", &judged)] {
+            guard.recording(subject, &loaded.packet);
+        }
         let speaks = pair.events().into_iter().all(|events| events > 0);
+        let window = Warning::window(within, point.floor).filter(|_| speaks);
+        let names = Warning::names(&reference.packet.names, &judged.packet.names);
+        for warning in names.into_iter().chain(window) {
+            guard.warn(warning);
+        }
         Ok(Compared {
             headline: Headline {
                 point,
                 frame_interval_us: interval,
+                fps,
             },
             curve: window::curve(&pair, &redraws),
             comparison: Comparison::from_pair(&pair, within),
             ruler: ruler.collect(),
             reference: About::new(&reference),
             judged: About::new(&judged),
-            warnings: warning.filter(|_| speaks).into_iter().collect(),
+            warnings: guard.warnings(),
         })
     })?;
     json(&compared.map_err(|report: Report| raised(report))?)

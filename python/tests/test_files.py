@@ -227,6 +227,39 @@ def test_one_kind_is_not_judged_against_several(tmp_path: Path, frames: Frames) 
         amacrine.compare(table, one)
 
 
+def test_kinds_that_are_known_are_compared_as_those_of_files(
+    tmp_path: Path, frames: Frames, program: Callable[..., str]
+) -> None:
+    three = amacrine.Sensor(kernels(3), 0.4).events(frames, FPS)
+    two = amacrine.Sensor(kernels(2), 0.4).events(frames, FPS)
+    for name, events in (("three", three), ("two", two)):
+        amacrine.write(tmp_path / f"{name}.npz", events)
+    for pair in (
+        (three, two),
+        (two, three),
+        (three, tmp_path / "two.npz"),
+        (tmp_path / "three.npz", two),
+    ):
+        with pytest.raises(amacrine.Error, match="channels"):
+            amacrine.compare(*pair)
+
+
+def test_compare_warns_as_the_program_does(
+    tmp_path: Path, frames: Frames, program: Callable[..., str]
+) -> None:
+    events = amacrine.Sensor(kernels(2), 0.4).events(frames, FPS)
+    for path, names in (("a", ["on", "off"]), ("b", ["off", "on"])):
+        amacrine.write(tmp_path / f"{path}.npz", events, names=names)
+    a, b = tmp_path / "a.npz", tmp_path / "b.npz"
+    stated = json.loads(program("compare", a, b, "--json"))["warnings"]
+    assert "kind 0 is `off`" in stated[0]["seen"]
+    for pair in ((a, b), (amacrine.read(a), amacrine.read(b)), (a, amacrine.read(b))):
+        with pytest.warns(amacrine.Caution, match="kind 0 is `off`"):
+            assert amacrine.compare(*pair).to_dict()["warnings"] == stated
+    with pytest.warns(amacrine.Caution, match="no event at all"):
+        amacrine.compare(events, events[:0])
+
+
 def test_a_part_of_a_clip_is_that_of_numpy() -> None:
     whole, fps = amacrine.load("pattern:noise?width=20&height=12&frames=9&fps=100")
     part, rate = amacrine.load(

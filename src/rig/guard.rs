@@ -181,7 +181,7 @@ impl Warning {
             "the judged",
             format!("kind {kind} is `{other}`, and `{one}` in the reference"),
             "kinds are compared by their numbers, whatever they are called",
-            "where they stand in another order, compare one by one with --kind",
+            "where they stand in another order, compare kind by kind, each written by `amacrine convert --kind`",
         ))
     }
 

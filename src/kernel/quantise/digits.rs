@@ -63,7 +63,7 @@ fn quantise(
     };
     let levels = levels.ok_or(QuantiseError::Sum {
         quantiser,
-        sum: asked.unwrap_or(0) as f64,
+        sum: asked.unwrap_or(0) as f64 * scale,
         weights: weights.len(),
     })?;
     Ok((levels, scale))

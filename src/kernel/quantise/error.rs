@@ -33,12 +33,12 @@ pub enum QuantiseError {
     /// A sum that these levels cannot have.
     #[error("no choice of levels of {quantiser} sums to {sum} over {}", crate::unit::counted(*weights, "weight"))]
     #[diagnostic(help(
-        "leave the sum free (--sum free), or take a quantiser whose levels allow it, such as ternary"
+        "leave the sum free (--sum free), or take a quantiser whose levels allow it, such as ternary; of a Q format more bits before the point"
     ))]
     Sum {
         /// Which quantiser.
         quantiser: Quantiser,
-        /// The sum that was asked, in levels.
+        /// The sum that was asked: of the levels, times their scale where that is not free.
         sum: f64,
         /// How many weights there are.
         weights: usize,
@@ -57,7 +57,7 @@ pub enum QuantiseError {
     /// Everything became 0.
     #[error("every weight becomes 0 in {quantiser}; the largest is {largest}")]
     #[diagnostic(help(
-        "take more bits after the point, or multiply the kernel; a sum of 0 over a single weight leaves nothing of it"
+        "take more bits: after the point where weights are small, before it where they are beyond the format; a sum of 0 over a single weight leaves nothing of it"
     ))]
     Vanished {
         /// Which quantiser.

@@ -65,15 +65,17 @@ fn quantise(
             Sum::Kept => values.iter().sum::<f64>(),
             Sum::Zero | Sum::Free => 0.0,
         };
-        let asked = exact.round_ties_even();
-        let (n, nearest) = (weights.len() as f64, steps.clone());
-        let settled = total::as_near_as_can_be(sum, (exact, asked), (n * low, n * high), |asked| {
-            steps.clone_from(&nearest);
-            total::settle(&values, &mut steps, (low, high), asked)
-        });
+        let (asked, n) = (exact.round_ties_even(), weights.len() as f64);
+        // As near as the format reaches, which is the same kernel's up to half of its weights: what
+        // is farther would draw all others after those that are clipped.
+        let near = asked.clamp(n * low, n * high);
+        let half = values.iter().map(|value| value.abs()).sum::<f64>() / 2.0;
+        let settled = ((near - asked).abs() <= half)
+            .then(|| total::settle(&values, &mut steps, (low, high), near))
+            .flatten();
         settled.ok_or(QuantiseError::Sum {
             quantiser,
-            sum: asked,
+            sum: asked / one,
             weights: weights.len(),
         })?;
     }

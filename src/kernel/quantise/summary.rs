@@ -29,7 +29,7 @@ impl Summary {
             levels: levels.rows().into_iter().map(|row| row.to_vec()).collect(),
             scale: quantised.scale,
             relative_error: quantised.relative_error(kernel),
-            sum: own.sum(),
+            sum: own.dc(),
             taps: levels.iter().filter(|level| **level != 0.0).count(),
             response: Change::between(kernel, &own),
         }

@@ -293,6 +293,26 @@ fn a_sum_is_kept_as_near_as_the_levels_allow() {
     };
     // The largest number of q1.2 is 3/4.
     assert_eq!(levels("q1.2", &[1.0]), 0.75);
+    // As far as a format reaches, however fine it is; not for weights that are all beyond it.
+    for (to, sum) in [("q3.0", 27.0), ("q3.4", 35.4375), ("q3.8", 35.964_843_75)] {
+        assert_eq!(levels(to, &[5.0; 9]), sum, "{to}");
+    }
+    let far: Quantiser = "q3.4".parse().unwrap();
+    let told = far.quantise(&kernel(&[9.0; 9]), Sum::Kept, 0).unwrap_err();
+    let told = told.to_string();
+    assert!(
+        told.ends_with("of q3.4 sums to 81 over 9 weights"),
+        "{told}"
+    );
+    let digits: Quantiser = "csd-3".parse().unwrap();
+    let told = digits
+        .quantise(&kernel(&[3.0; 9]), Sum::Kept, 0)
+        .unwrap_err();
+    let told = told.to_string();
+    assert!(
+        told.ends_with("of csd-3 sums to 27 over 9 weights"),
+        "{told}"
+    );
     // Nine weights of one size have no even sum.
     let even = [1.0, -1.0, 1.0, -1.0, 0.2, 1.0, -1.0, 1.0, -1.0];
     let sum = levels("binary", &even);
