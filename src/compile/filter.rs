@@ -4,8 +4,10 @@ use std::fmt::Write as _;
 
 use super::{
     decided::Decided,
+    decision::Compared,
     linear_form::LinearForm,
     plan::StoreErrors,
+    request::Request,
     solve::{FINE, Solved, fine},
     wired::{Extent, wired},
 };
@@ -28,8 +30,9 @@ pub struct Filter {
     /// Where a range was given: whether nothing saturates, the chip's transfer errors included.
     /// Without one it says nothing.
     pub holds: bool,
-    /// Inputs up to this size, LSB, are filtered as the kernel says: no store but that of a result
-    /// saturates, the chip's transfer errors included.
+    /// Inputs up to this size, LSB, are filtered as the kernel says: no store saturates, the chip's
+    /// transfer errors included. Where the result is a difference that is compared with a threshold,
+    /// its own store may: it decides as it should at the end of the range too.
     pub exact_within: f64,
     /// Where it is known with what the result is compared: how well it decides.
     pub decided: Option<Decided>,
@@ -71,16 +74,15 @@ impl Filter {
         2f64.powi(-(self.prescale as i32))
     }
 
-    /// A solved plan behind `words`, which halve the input `prescale` times; its results are in
-    /// `into`. `range`: of the input, if it is known.
+    /// A solved plan for a request behind `words`, which halve the input `prescale` times.
     pub(super) fn from_solved(
-        (device, into): (&Device, &[Analog]),
-        range: Option<(f64, f64)>,
+        request: &Request<'_>,
         solved: &Solved,
         unit: i64,
         prescale: u32,
         mut words: Vec<Primitive>,
     ) -> Self {
+        let (device, into) = (request.device, &request.into[..]);
         let mut live: Vec<Vec<Analog>> = words.iter().map(|word| registers(word, device)).collect();
         words.extend(solved.allocated.words.iter().cloned());
         for held in &solved.allocated.live {
@@ -94,7 +96,7 @@ impl Filter {
             prescale,
             border: solved.border,
             holds: solved.holds,
-            exact_within: exact_within(solved, unit, device, range),
+            exact_within: exact_within(solved, unit, request),
             decided: None,
             peak: stored(solved, unit)
                 .map(|form| form.bounds(-1.0, 1.0).1 / fine(unit))
@@ -123,17 +125,23 @@ fn stored(solved: &Solved, unit: i64) -> impl Iterator<Item = LinearForm> {
     trace.into_iter().flat_map(|trace| trace.stored)
 }
 
-/// The largest input with which no store but the last saturates, LSB; limited to a register's range.
-/// An input that is never negative, as light, reaches less of it.
-fn exact_within(solved: &Solved, unit: i64, device: &Device, range: Option<(f64, f64)>) -> f64 {
-    let least = match range {
+/// The largest input with which no store saturates, LSB; limited to a register's range. An input that
+/// is never negative, as light, reaches less of it. A result that is compared with an earlier one is
+/// no longer known where both are at the end of the range; one that is a difference itself decides
+/// there too, so that its store does not count.
+fn exact_within(solved: &Solved, unit: i64, request: &Request<'_>) -> f64 {
+    let device = request.device;
+    let least = match request.range {
         Some((least, _)) if least >= 0.0 => 0.0,
         _ => -1.0,
     };
     let (low, high) = device.register_range();
     let darks = solved.plan.dark(0.0, StoreErrors::from_device(device));
     let mut forms: Vec<_> = stored(solved, unit).zip(darks).collect();
-    forms.pop();
+    let compared = request.decision.map(|decision| decision.compared);
+    if compared == Some(Compared::Difference) {
+        forms.pop();
+    }
     let most = forms.iter().map(|(form, dark)| {
         let (down, up) = form.bounds(least, 1.0);
         let room = [high - dark.max(0.0), dark.min(0.0) - low];

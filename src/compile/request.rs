@@ -325,10 +325,8 @@ impl<'a> Request<'a> {
         unit: i64,
         (all, effort): (&[Analog], Effort),
     ) -> Result<Filter, CompileError> {
-        let built = |solved: &Solved, bits, first| {
-            let place = (self.device, &self.into[..]);
-            Filter::from_solved(place, self.range, solved, unit, bits, first)
-        };
+        let built =
+            |solved: &Solved, bits, first| Filter::from_solved(self, solved, unit, bits, first);
         let Some((low, high)) = self.range else {
             let plus = self.solve(goals, unit, (self.input, all, effort), None)?;
             return Ok(built(&plus, 0, Vec::new()));
