@@ -384,9 +384,11 @@ fn a_memory_of_levels_is_true_for_high_thresholds() {
             let signs = ["on", "off"].map(|sign| threshold[sign].as_str().unwrap());
             assert_eq!(signs, ["held"; 2], "{kernel} {threshold} {memory}");
             let text = fs::read_to_string(&out).unwrap();
-            let level = text.find("scamp5_in(E, -").unwrap() + "scamp5_in(E, -".len();
-            let mut false_one = text.clone();
-            false_one.insert_str(level, "4");
+            // The first level of the memory, at a quarter.
+            let (head, tail) = text.split_once("scamp5_in(E, -").unwrap();
+            let (level, rest) = tail.split_once(')').unwrap();
+            let level = level.parse::<f64>().unwrap() / 4.0;
+            let false_one = format!("{head}scamp5_in(E, -{level}){rest}");
             let file = kept(&folder, "false.scamp", &false_one);
             refused(here(), &["asm", &file], &["[computes] is false"]);
         }
@@ -414,7 +416,7 @@ fn what_was_held_of_a_threshold_is_told() {
     let (line, warned) = said(&out);
     assert_eq!(
         line,
-        format!("  its threshold of 10 LSB: ON and OFF {fires}")
+        format!("  its threshold of 5 LSB: ON and OFF {fires}")
     );
     assert!(!warned.contains("warning"), "{warned}");
     let text = fs::read_to_string(&out).unwrap();
@@ -428,7 +430,7 @@ fn what_was_held_of_a_threshold_is_told() {
     assert_eq!(
         line,
         format!(
-            "  its threshold of 10 LSB: ON {fires}; OFF not read out as events, and so not held"
+            "  its threshold of 5 LSB: ON {fires}; OFF not read out as events, and so not held"
         )
     );
     assert!(
@@ -437,7 +439,7 @@ fn what_was_held_of_a_threshold_is_told() {
     );
     let (line, warned) = said(&kept(&folder, "none.scamp", &none));
     assert!(
-        line.ends_with("10 LSB: ON and OFF not read out as events, and so not held"),
+        line.ends_with("5 LSB: ON and OFF not read out as events, and so not held"),
         "{line}"
     );
     assert!(
@@ -445,9 +447,9 @@ fn what_was_held_of_a_threshold_is_told() {
         "{warned}"
     );
     // A summary is read on purpose.
-    let counts = path("counts.scamp");
-    compile(&["--readout", "counts", "-o", &counts]);
-    let (line, warned) = said(&counts);
+    let boxes = path("boxes.scamp");
+    compile(&["--readout", "box", "-o", &boxes]);
+    let (line, warned) = said(&boxes);
     assert!(
         line.contains("not held") && !warned.contains("warning"),
         "{warned}"
