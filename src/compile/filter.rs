@@ -4,10 +4,8 @@ use std::fmt::Write as _;
 
 use super::{
     decided::Decided,
-    decision::Compared,
     linear_form::LinearForm,
     plan::StoreErrors,
-    request::Request,
     solve::{FINE, Solved, fine},
     wired::{Extent, wired},
 };
@@ -74,15 +72,17 @@ impl Filter {
         2f64.powi(-(self.prescale as i32))
     }
 
-    /// A solved plan for a request behind `words`, which halve the input `prescale` times.
+    /// A solved plan behind `words`, which halve the input `prescale` times; its results are in
+    /// `into`. `range`: of the input, if it is known, and whether the result is a difference that is
+    /// compared with a threshold.
     pub(super) fn from_solved(
-        request: &Request<'_>,
+        (device, into): (&Device, &[Analog]),
+        range: (Option<(f64, f64)>, bool),
         solved: &Solved,
         unit: i64,
         prescale: u32,
         mut words: Vec<Primitive>,
     ) -> Self {
-        let (device, into) = (request.device, &request.into[..]);
         let mut live: Vec<Vec<Analog>> = words.iter().map(|word| registers(word, device)).collect();
         words.extend(solved.allocated.words.iter().cloned());
         for held in &solved.allocated.live {
@@ -96,7 +96,7 @@ impl Filter {
             prescale,
             border: solved.border,
             holds: solved.holds,
-            exact_within: exact_within(solved, unit, request),
+            exact_within: exact_within(solved, unit, device, range),
             decided: None,
             peak: stored(solved, unit)
                 .map(|form| form.bounds(-1.0, 1.0).1 / fine(unit))
@@ -129,17 +129,20 @@ fn stored(solved: &Solved, unit: i64) -> impl Iterator<Item = LinearForm> {
 /// is never negative, as light, reaches less of it. A result that is compared with an earlier one is
 /// no longer known where both are at the end of the range; one that is a difference itself decides
 /// there too, so that its store does not count.
-fn exact_within(solved: &Solved, unit: i64, request: &Request<'_>) -> f64 {
-    let device = request.device;
-    let least = match request.range {
+fn exact_within(
+    solved: &Solved,
+    unit: i64,
+    device: &Device,
+    (range, is_difference): (Option<(f64, f64)>, bool),
+) -> f64 {
+    let least = match range {
         Some((least, _)) if least >= 0.0 => 0.0,
         _ => -1.0,
     };
     let (low, high) = device.register_range();
     let darks = solved.plan.dark(0.0, StoreErrors::from_device(device));
     let mut forms: Vec<_> = stored(solved, unit).zip(darks).collect();
-    let compared = request.decision.map(|decision| decision.compared);
-    if compared == Some(Compared::Difference) {
+    if is_difference {
         forms.pop();
     }
     let most = forms.iter().map(|(form, dark)| {

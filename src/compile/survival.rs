@@ -314,7 +314,8 @@ impl Survival<'_> {
         };
         let request = self.request;
         let filter = Filter::from_solved(
-            request,
+            (request.device, &request.into),
+            (request.range, request.compares_differences()),
             &solved,
             self.unit << best.bits,
             best.bits,
