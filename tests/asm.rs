@@ -353,12 +353,147 @@ fn a_memory_of_levels_is_true_within_half_a_level() {
     refused(here(), &["asm", &file], &["[computes] is false"]);
 }
 
+/// No light beyond that of pictures is shown to a memory in steps, which has levels for no more; what
+/// its constants do is held to high thresholds all the same.
+#[test]
+fn a_memory_of_levels_is_true_for_high_thresholds() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("bits.scamp").display().to_string();
+    for (kernel, threshold) in [
+        ("dvs", "60"),
+        ("dvs", "80"),
+        ("dvs", "220"),
+        ("csdvs-3", "120"),
+        ("sobel-x", "400"),
+        ("sobel-x", "700"),
+        ("binary-vertical", "300"),
+        ("laplacian", "500"),
+    ] {
+        for memory in ["bits:2", "bits:3", "bits:4"] {
+            let compile = [
+                "compile",
+                kernel,
+                "--threshold",
+                threshold,
+                "--memory",
+                memory,
+            ];
+            stdout(&[&compile[..], &["--effort", "0.02", "-o", &out]].concat());
+            let said = json(here(), &["asm", &out, "--json"]);
+            let threshold = &said["proof"]["stated_threshold"];
+            let signs = ["on", "off"].map(|sign| threshold[sign].as_str().unwrap());
+            assert_eq!(signs, ["held"; 2], "{kernel} {threshold} {memory}");
+            let text = fs::read_to_string(&out).unwrap();
+            // The first level of the memory, at a quarter.
+            let (head, tail) = text.split_once("scamp5_in(E, -").unwrap();
+            let (level, rest) = tail.split_once(')').unwrap();
+            let level = level.parse::<f64>().unwrap() / 4.0;
+            let false_one = format!("{head}scamp5_in(E, -{level}){rest}");
+            let file = kept(&folder, "false.scamp", &false_one);
+            refused(here(), &["asm", &file], &["[computes] is false"]);
+        }
+    }
+}
+
+/// What is said to be held is what was looked at: a sign that is not read out was not.
+#[test]
+fn what_was_held_of_a_threshold_is_told() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let out = path("both.scamp");
+    let compile = |more: &[&str]| {
+        let compile = ["compile", "dvs", "--threshold", "20", "--effort", "0.02"];
+        stdout(&[&compile[..], more].concat())
+    };
+    compile(&["-o", &out]);
+    let said = |file: &str| {
+        let output = amacrine(here(), &["asm", file]).output().unwrap();
+        assert!(output.status.success());
+        let warned = common::line(&output.stderr);
+        (proof(&["asm", file])[1].clone(), warned)
+    };
+    let fires = "fire where it says on 4 random pictures";
+    let (line, warned) = said(&out);
+    assert_eq!(
+        line,
+        format!("  its threshold of 5 LSB: ON and OFF {fires}")
+    );
+    assert!(!warned.contains("warning"), "{warned}");
+    let text = fs::read_to_string(&out).unwrap();
+    let without = |statement: &str, text: &str| {
+        assert!(text.contains(statement), "{text}");
+        text.replace(statement, "")
+    };
+    let on = without("scamp5_scan_events(R6, off, slots);", &text);
+    let none = without("scamp5_scan_events(R5, on, slots);", &on);
+    let (line, warned) = said(&kept(&folder, "on.scamp", &on));
+    assert_eq!(
+        line,
+        format!(
+            "  its threshold of 5 LSB: ON {fires}; OFF not read out as events, and so not held"
+        )
+    );
+    assert!(
+        warned.contains("its OFF events are not read out"),
+        "{warned}"
+    );
+    let (line, warned) = said(&kept(&folder, "none.scamp", &none));
+    assert!(
+        line.ends_with("5 LSB: ON and OFF not read out as events, and so not held"),
+        "{line}"
+    );
+    assert!(
+        warned.contains("its ON and OFF events are not read out"),
+        "{warned}"
+    );
+    // A summary is read on purpose.
+    let boxes = path("boxes.scamp");
+    compile(&["--readout", "box", "-o", &boxes]);
+    let (line, warned) = said(&boxes);
+    assert!(
+        line.contains("not held") && !warned.contains("warning"),
+        "{warned}"
+    );
+}
+
+/// The words that stand below a program are those that it has, on its own chip.
+#[test]
+fn a_false_foot_is_told() {
+    let folder = TempDir::new().unwrap();
+    let program = |init: u64, frame: u64| {
+        let text = format!(
+            "init {{\n    mov(A, B);\n}}\n\nframe {{\n    mov(C, A);\n    mov(D, A);\n}}\n\n//= [words]\n//= init = {init}\n//= frame = {frame}\n"
+        );
+        kept(&folder, "p.scamp", &text)
+    };
+    let said = |arguments: &[&str]| {
+        let output = amacrine(here(), arguments).output().unwrap();
+        assert!(output.status.success());
+        common::line(&output.stderr)
+    };
+    assert_eq!(said(&["asm", &program(2, 4)]), "");
+    let warned = said(&["asm", &program(2, 3)]);
+    assert!(
+        warned
+            .contains("`frame = 3` stands below it, and its frame has 4 words; write `frame = 4`"),
+        "{warned}"
+    );
+    assert!(!warned.contains("init"), "{warned}");
+    let both = said(&["asm", &program(1, 5)]);
+    assert!(
+        both.contains("`init = 1`") && both.contains("`frame = 5`"),
+        "{both}"
+    );
+    // What it is on another chip is not what is written below it.
+    assert_eq!(said(&["asm", &program(2, 3), "--chip", "scamp5-wide"]), "");
+}
+
 #[test]
 fn what_is_stated_is_proved_or_refused_with_what_is_so() {
     let lines = proof(&["asm", "programs/convolve/sobel.scamp"]);
     assert_eq!(
         lines[0],
-        "  what its [computes] says: its words were read back as linear forms"
+        "  the kernel that its [computes] says: its words were read back as linear forms"
     );
     let folder = tempfile::tempdir().unwrap();
     let head = |kernel: &str, more: &str| {
@@ -559,5 +694,8 @@ fn thirds_are_linear() {
     // What is stated of them is proved by impulses.
     let head = "//! [computes]\n//! kernel = [[-1]]\n//! scale = 0.16666666666666666\n//! register = \"B\"\n";
     let lines = proof(&["asm", &kept(&folder, "q.scamp", &format!("{head}{text}"))]);
-    assert!(lines[0].contains("what its [computes] says"), "{lines:?}");
+    assert!(
+        lines[0].contains("the kernel that its [computes] says"),
+        "{lines:?}"
+    );
 }

@@ -359,7 +359,7 @@ fn two_verbs_say_the_same_of_a_program() {
         if objective == "silicon" {
             // Behind the filter, memory less drive may be twice as large.
             assert!(
-                text.contains("no store of a filter but its result saturates for light of at most")
+                text.contains("no store of a filter saturates for light of at most")
                     && !text.contains("nothing saturates"),
                 "{text}"
             );
@@ -377,6 +377,75 @@ fn two_verbs_say_the_same_of_a_program() {
                 "{text}"
             );
         }
+    }
+}
+
+/// Light up to what is told has the same events whether registers are limited or not: that of a result
+/// that saturates does not pass for exact.
+#[test]
+fn what_is_said_to_be_exact_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let compile = ["compile", "oblique-45", "--threshold", "60", "--json"];
+    let said = json(folder, &[&compile[..], &["-o", "p.scamp"]].concat());
+    let within = said["exact_within_lsb"][0].as_f64().unwrap();
+    // Three weights of 1, halved once.
+    assert!(within > 40.0 && within <= 63.5, "{within}");
+    // The kernel's bright side, then 1.4 times as bright.
+    let brightest = (2.0 * within).floor();
+    let light = Array3::from_shape_fn((3, 7, 7), |(t, y, x)| {
+        let is_lit = [(2, 3), (2, 4), (3, 4)].contains(&(y, x));
+        let level = if t == 0 {
+            (brightest / 1.4).floor()
+        } else {
+            brightest
+        };
+        if is_lit { level } else { 0.0 }
+    });
+    ndarray_npy::write_npy(folder.join("l.npy"), &light).unwrap();
+    let events = |clip: &str| {
+        let exec = [
+            "exec", "p.scamp", "--image", "l.npy", "--fps", "100", "--frames", "3",
+        ];
+        good(
+            folder,
+            &[&exec[..], &["--clip", clip, "--events", "e.csv"]].concat(),
+        );
+        fs::read_to_string(folder.join("e.csv")).unwrap()
+    };
+    let clipped = events("on");
+    assert!(clipped.lines().count() > 1, "{clipped}");
+    assert_eq!(clipped, events("off"));
+}
+
+/// Where a threshold becomes 0 on the chip, the light is not halved for it, and what to take instead is
+/// what the program of the fewest halvings needs.
+#[test]
+fn no_halving_is_chosen_that_loses_a_threshold() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let compiled = |threshold: &str| {
+        let compile = [
+            "compile",
+            "dvs",
+            "--threshold",
+            threshold,
+            "--effort",
+            "0.02",
+        ];
+        json(folder, &[&compile[..], &["--json"]].concat())
+    };
+    let low = compiled("0.9");
+    assert_eq!(low["prescale_bits"], 0);
+    let note = low["notes"][0].as_str().unwrap();
+    assert!(
+        note.contains("any change fires; take thresholds from 2.0 on"),
+        "{note}"
+    );
+    for threshold in ["1.2", "2.0"] {
+        let said = compiled(threshold);
+        assert_eq!(said["thresholds_on_chip_lsb"][0][0], 1.0, "{threshold}");
+        assert_eq!(said["notes"], serde_json::json!([]), "{threshold}");
     }
 }
 

@@ -253,6 +253,41 @@ fn every_way_runs_and_bits_are_the_same_events() {
     }
 }
 
+/// The slots for a scene serve the chips that it was tried on, and arithmetic without their errors.
+#[test]
+fn slots_for_a_scene_lose_nothing_on_the_chips_that_were_tried() {
+    let folder = TempDir::new().unwrap();
+    let scene = "pattern:grating?width=64&height=48&frames=20";
+    let said = json(
+        folder.path(),
+        &compile(&["--scene", scene, "--readout", "slots", "-o", "s.scamp"]),
+    );
+    let basis = said["readout"]["expected_by"].as_str().unwrap();
+    assert!(
+        basis.contains("on 4 chips of the model and without"),
+        "{basis}"
+    );
+    let text = fs::read_to_string(folder.path().join("s.scamp")).unwrap();
+    assert!(
+        text.contains("simulated has: what is beyond is lost"),
+        "{text}"
+    );
+    let exec = [
+        "exec", "s.scamp", "--image", scene, "--frames", "20", "--json",
+    ];
+    for more in [
+        &["--domain", "exact"][..],
+        &["--domain", "silicon"],
+        &["--domain", "silicon", "--seed", "1"],
+        &["--domain", "silicon", "--seed", "2"],
+        &["--domain", "silicon", "--seed", "3"],
+    ] {
+        let ran = json(folder.path(), &[&exec[..], more].concat());
+        assert!(ran["events"].as_u64().unwrap() > 100, "{ran}");
+        assert_eq!(ran["dropped"]["no_slot"], 0, "{more:?}");
+    }
+}
+
 /// Memories in bits, and several kinds: each kind is read in turn.
 #[test]
 fn kinds_with_memories_in_bits_are_read_as_bits() {

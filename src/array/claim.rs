@@ -43,6 +43,44 @@ pub struct Claim {
     pub proof: Proof,
     /// The scale of the light for which it is stated, where that is another than this chip's.
     pub scaled: Option<Scaled>,
+    /// How its threshold was held, where one is stated and the program can be run.
+    pub events: Option<HeldEvents>,
+}
+
+/// A threshold that was held to what a program fires on random pictures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeldEvents {
+    /// The threshold, in LSB.
+    pub threshold: f64,
+    /// How many pictures were shown after the first, each compared with what the cell remembers.
+    pub pictures: usize,
+    /// Whether OFF and ON are read out as events or as rows of bits. What is not was not held.
+    pub reads: [bool; 2],
+    /// Whether OFF and ON were called for by any picture.
+    pub crossed: [bool; 2],
+}
+
+impl HeldEvents {
+    /// What was held of OFF and of ON.
+    #[must_use]
+    pub fn signs(&self) -> [SignHeld; 2] {
+        [0, 1].map(|sign| match (self.reads[sign], self.crossed[sign]) {
+            (false, _) => SignHeld::NotRead,
+            (true, false) => SignHeld::NotCrossed,
+            (true, true) => SignHeld::Held,
+        })
+    }
+}
+
+/// What was held of the events of one sign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SignHeld {
+    /// They are where the threshold says.
+    Held,
+    /// They are not read out: nothing was seen of them.
+    NotRead,
+    /// No picture called for one, and there was none.
+    NotCrossed,
 }
 
 /// A statement that holds for the light of another chip: here the kernel comes times one factor.
@@ -226,8 +264,12 @@ pub fn check(
         let kernel = &stated * factor;
         if same(&kernel, &found) {
             let kernel = kernel * computes.scale;
-            fires(computes, &kernel, code, device, settings, constants)?;
-            return Ok(Claim { proof, scaled });
+            let events = fires(computes, &kernel, code, device, settings, constants)?;
+            return Ok(Claim {
+                proof,
+                scaled,
+                events,
+            });
         }
     }
     Err(ClaimError::Kernel {
@@ -238,7 +280,7 @@ pub fn check(
     })
 }
 
-/// Whether it fires where its threshold says.
+/// Whether it fires where its threshold says, and what was seen of that.
 fn fires(
     computes: &Computes,
     kernel: &Plane<f64>,
@@ -246,17 +288,24 @@ fn fires(
     device: &Device,
     settings: Settings,
     constants: &BTreeMap<String, f64>,
-) -> Result<(), ClaimError> {
+) -> Result<Option<HeldEvents>, ClaimError> {
     let Some(name) = &computes.threshold else {
-        return Ok(());
+        return Ok(None);
     };
     let threshold = constants.get(name).copied();
     let threshold = threshold.ok_or_else(|| ClaimError::Threshold { name: name.clone() })?;
     // What cannot be run is told by whoever runs it.
     let steps = (threshold, computes.step.unwrap_or(0.0));
-    let parting = crossing::parts(kernel, steps, code, device, settings);
-    match parting.ok().flatten() {
-        None => Ok(()),
+    let Ok(seen) = crossing::parts(kernel, steps, code, device, settings) else {
+        return Ok(None);
+    };
+    match seen.parting {
+        None => Ok(Some(HeldEvents {
+            threshold,
+            pictures: crossing::FRAMES,
+            reads: seen.reads,
+            crossed: seen.crossed,
+        })),
         Some(Parting {
             moved,
             fired,

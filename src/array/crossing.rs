@@ -39,13 +39,26 @@ pub(super) struct Parting {
 /// Several events of a cell in one frame.
 pub(super) const TWICE: i8 = 2;
 
-/// Frames that are shown: after the second, memories are those of earlier events.
-const FRAMES: usize = 4;
+/// Frames that are shown after the first: after the second, memories are those of earlier events.
+pub(super) const FRAMES: usize = 4;
 
-/// Shows random pictures in exact arithmetic; where it does not fire as is stated, if it does not
-/// somewhere. `kernel` is in LSB for each unit of light; `step`: the memory holds the drive in steps
-/// of so many LSB, so that half a step may decide. Every event finds a slot; a sign that is not read
-/// out at all is not looked at.
+/// The brightest light that a picture has.
+const WHITE: f64 = 255.0;
+
+/// What a program did on random pictures.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Seen {
+    /// Where it does not fire as is stated, if it does not somewhere.
+    pub parting: Option<Parting>,
+    /// Whether OFF and ON are read out at all.
+    pub reads: [bool; 2],
+    /// Whether a drive has moved below minus the threshold and above it.
+    pub crossed: [bool; 2],
+}
+
+/// Shows random pictures in exact arithmetic. `kernel` is in LSB for each unit of light; `step`: the
+/// memory holds the drive in steps of so many LSB, so that half a step may decide. Every event finds
+/// a slot; a sign that is not read out at all is not looked at.
 ///
 /// # Errors
 /// When the program cannot be run.
@@ -55,22 +68,20 @@ pub(super) fn parts(
     code: &Code,
     device: &Device,
     settings: Settings,
-) -> Result<Option<Parting>, String> {
+) -> Result<Seen, String> {
     let rim = kernel.nrows().max(kernel.ncols()) / 2 + SPOILT;
     let side = SIDE.max(2 * rim + LOOKED_AT);
     let size = Size::new(side, side);
     let mut code = code.clone();
-    let mut reads = [false; 2];
+    let mut seen = Seen::default();
     give_slots(&mut code.init, size, &mut [false; 2]);
-    give_slots(&mut code.frame, size, &mut reads);
+    give_slots(&mut code.frame, size, &mut seen.reads);
     let chip = Chip::new("computes", Exact, &code, device, size, settings);
     let mut chip = chip.map_err(|why| why.to_string())?;
     let mut packet = Packet::new(size, 1);
-    // So bright that about half of all cells fire.
-    let power: f64 = kernel.iter().map(|weight| weight * weight).sum();
-    let brightest = 4.0 * threshold / power.sqrt().max(f64::MIN_POSITIVE);
+    let light = light(kernel, threshold, step);
     let picture = |n: usize| {
-        let value = |place| brightest * Hash::new(n as u64).with(place as u64).uniform();
+        let value = |place| light(Hash::new(n as u64).with(place as u64).uniform());
         Plane::from_shape_fn(size.shape(), |(y, x)| value(y * side + x))
     };
     let inside = || rim..side - rim;
@@ -100,14 +111,18 @@ pub(super) fn parts(
                 _ if -moved > threshold => -1,
                 _ => 0,
             };
-            let is_read = crosses == 0 || reads[usize::from(crosses > 0)];
+            if crosses != 0 && !near {
+                seen.crossed[usize::from(crosses > 0)] = true;
+            }
+            let is_read = crosses == 0 || seen.reads[usize::from(crosses > 0)];
             let stated = if is_read { crosses } else { 0 };
             if !near && !moved.is_nan() && fired != stated {
-                return Ok(Some(Parting {
+                seen.parting = Some(Parting {
                     moved,
                     fired,
                     frame,
-                }));
+                });
+                return Ok(seen);
             }
             if fired != 0 {
                 *memory = now;
@@ -116,7 +131,23 @@ pub(super) fn parts(
             }
         }
     }
-    Ok(None)
+    Ok(seen)
+}
+
+/// The light of a random number from 0 to 1: so bright that about half of all cells fire. A memory in
+/// steps has levels for the light of pictures alone; where that is not bright enough, pictures have
+/// more of its two ends.
+fn light(kernel: &Plane<f64>, threshold: f64, step: f64) -> impl Fn(f64) -> f64 {
+    let power: f64 = kernel.iter().map(|weight| weight * weight).sum();
+    let brightest = 4.0 * threshold / power.sqrt().max(f64::MIN_POSITIVE);
+    let is_limited = step > 0.0 && brightest > WHITE;
+    move |random| {
+        if is_limited {
+            (WHITE / 2.0 + brightest * (random - 0.5)).clamp(0.0, WHITE)
+        } else {
+            brightest * random
+        }
+    }
 }
 
 /// Gives scans as many slots as there are pixels, so that no event is lost; `reads`: whether OFF and

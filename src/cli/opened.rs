@@ -87,6 +87,11 @@ impl Source {
         }
     }
 
+    /// Whether it is the program as it is written: on its own chip, with its own constants.
+    pub const fn is_as_written(&self) -> bool {
+        self.chip.is_none() && self.constants.is_empty()
+    }
+
     /// The folder that the program's own paths are relative to.
     pub fn folder(&self) -> &Path {
         self.program.parent().unwrap_or(Path::new(""))

@@ -60,7 +60,7 @@ impl EventReadout {
                 format!("const slots = {slots}; // the most that one readout can deliver\n")
             }
             Self::Slots(slots) => format!(
-                "const slots = {slots}; // of each sign and kind, for the busiest frame that is expected\n"
+                "const slots = {slots}; // of each sign and kind, as many as the busiest frame that was expected or simulated has: what is beyond is lost\n"
             ),
             Self::BitPlanes(first, last) => format!(
                 "// The events leave as bits, rows {first} to {last} of each sign and kind.\n"

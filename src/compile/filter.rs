@@ -28,8 +28,9 @@ pub struct Filter {
     /// Where a range was given: whether nothing saturates, the chip's transfer errors included.
     /// Without one it says nothing.
     pub holds: bool,
-    /// Inputs up to this size, LSB, are filtered as the kernel says: no store but that of a result
-    /// saturates, the chip's transfer errors included.
+    /// Inputs up to this size, LSB, are filtered as the kernel says: no store saturates, the chip's
+    /// transfer errors included. Where the result is a difference that is compared with a threshold,
+    /// its own store may: it decides as it should at the end of the range too.
     pub exact_within: f64,
     /// Where it is known with what the result is compared: how well it decides.
     pub decided: Option<Decided>,
@@ -72,10 +73,11 @@ impl Filter {
     }
 
     /// A solved plan behind `words`, which halve the input `prescale` times; its results are in
-    /// `into`. `range`: of the input, if it is known.
+    /// `into`. `range`: of the input, if it is known, and whether the result is a difference that is
+    /// compared with a threshold.
     pub(super) fn from_solved(
         (device, into): (&Device, &[Analog]),
-        range: Option<(f64, f64)>,
+        range: (Option<(f64, f64)>, bool),
         solved: &Solved,
         unit: i64,
         prescale: u32,
@@ -123,9 +125,16 @@ fn stored(solved: &Solved, unit: i64) -> impl Iterator<Item = LinearForm> {
     trace.into_iter().flat_map(|trace| trace.stored)
 }
 
-/// The largest input with which no store but the last saturates, LSB; limited to a register's range.
-/// An input that is never negative, as light, reaches less of it.
-fn exact_within(solved: &Solved, unit: i64, device: &Device, range: Option<(f64, f64)>) -> f64 {
+/// The largest input with which no store saturates, LSB; limited to a register's range. An input that
+/// is never negative, as light, reaches less of it. A result that is compared with an earlier one is
+/// no longer known where both are at the end of the range; one that is a difference itself decides
+/// there too, so that its store does not count.
+fn exact_within(
+    solved: &Solved,
+    unit: i64,
+    device: &Device,
+    (range, is_difference): (Option<(f64, f64)>, bool),
+) -> f64 {
     let least = match range {
         Some((least, _)) if least >= 0.0 => 0.0,
         _ => -1.0,
@@ -133,7 +142,9 @@ fn exact_within(solved: &Solved, unit: i64, device: &Device, range: Option<(f64,
     let (low, high) = device.register_range();
     let darks = solved.plan.dark(0.0, StoreErrors::from_device(device));
     let mut forms: Vec<_> = stored(solved, unit).zip(darks).collect();
-    forms.pop();
+    if is_difference {
+        forms.pop();
+    }
     let most = forms.iter().map(|(form, dark)| {
         let (down, up) = form.bounds(least, 1.0);
         let room = [high - dark.max(0.0), dark.min(0.0) - low];

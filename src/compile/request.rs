@@ -3,7 +3,7 @@
 
 use super::{
     allocate::{RegisterFile, ordinary_registers},
-    decision::Decision,
+    decision::{Compared, Decision},
     error::{CompileError, most_threshold},
     filter::Filter,
     goals::goals,
@@ -274,6 +274,12 @@ impl<'a> Request<'a> {
         least.is_none_or(sets) && !self.is_beyond_converter(bits)
     }
 
+    /// Whether the result is a difference that is compared with a threshold.
+    pub(super) fn compares_differences(&self) -> bool {
+        let compared = self.decision.map(|decision| decision.compared);
+        compared == Some(Compared::Difference)
+    }
+
     /// Whether a threshold is higher than the converter goes.
     pub(super) fn is_beyond_converter(&self, bits: u32) -> bool {
         self.decision.is_some_and(|decision| {
@@ -327,7 +333,8 @@ impl<'a> Request<'a> {
     ) -> Result<Filter, CompileError> {
         let built = |solved: &Solved, bits, first| {
             let place = (self.device, &self.into[..]);
-            Filter::from_solved(place, self.range, solved, unit, bits, first)
+            let range = (self.range, self.compares_differences());
+            Filter::from_solved(place, range, solved, unit, bits, first)
         };
         let Some((low, high)) = self.range else {
             let plus = self.solve(goals, unit, (self.input, all, effort), None)?;

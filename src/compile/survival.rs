@@ -244,7 +244,8 @@ impl Survival<'_> {
     }
 
     /// Keeps the candidates that are right at the border, if that is asked and does not cost more than
-    /// the border is worth, and those whose threshold can be set, where there are such.
+    /// the border is worth, and those whose threshold can be set; where it is too low for all of them,
+    /// those of the fewest halvings.
     pub(super) fn keep_usable(&self, all: &mut Vec<Candidate>) {
         let most = |border: bool, rim: f64| {
             let own = all.iter().filter(|c| c.solved.border == border);
@@ -261,6 +262,12 @@ impl Survival<'_> {
         }
         if all.iter().any(|c| self.request.sets_threshold(c.bits)) {
             all.retain(|c| self.request.sets_threshold(c.bits));
+            return;
+        }
+        // Where all of them lose it, what loses the least of it.
+        let in_range = |c: &&Candidate| !self.request.is_beyond_converter(c.bits);
+        if let Some(least) = all.iter().filter(in_range).map(|c| c.bits).min() {
+            all.retain(|c| c.bits == least);
         }
     }
 
@@ -308,7 +315,7 @@ impl Survival<'_> {
         let request = self.request;
         let filter = Filter::from_solved(
             (request.device, &request.into),
-            request.range,
+            (request.range, request.compares_differences()),
             &solved,
             self.unit << best.bits,
             best.bits,

@@ -1,6 +1,7 @@
 //! `amacrine asm`.
 
 mod changes;
+mod foot;
 mod proof;
 
 use serde_json::json;
@@ -62,6 +63,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let opened = arguments.source.open(&[])?;
     let proof = Proof::new(&opened, arguments.input, arguments.seed)?;
+    let is_as_written = arguments.source.is_as_written();
+    let miscounted = is_as_written.then(|| foot::miscounted(&opened));
+    let warnings = miscounted.into_iter().flatten();
+    for warning in warnings.chain(proof.unread(&opened)) {
+        super::complain(&warning);
+    }
     let Opened {
         program,
         device,

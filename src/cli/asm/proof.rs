@@ -9,7 +9,7 @@ use super::super::opened::Opened;
 use crate::{
     array::{
         GenericError, Input, Settings,
-        claim::{self, Claim, MOST_EFFORT, Scaled},
+        claim::{self, Claim, HeldEvents, MOST_EFFORT, Scaled, SignHeld},
         effort,
         range::{self, Inputs, Interval, Ranges},
         survival::{Analogue, RUNS, SIDE, Survival, survival},
@@ -17,7 +17,7 @@ use crate::{
     },
     isa::{Analog, Cell, Device, operands::Terminal},
     plane::Plane,
-    program::{Action, Expanded, Step, for_each},
+    program::{Action, Expanded, Host, Step, for_each},
     unit::Lsb,
 };
 
@@ -107,15 +107,39 @@ impl Proof {
         })
     }
 
+    /// That a threshold is stated and a sign of its events is not read out, nor anything in their
+    /// place: whoever reads them misses it, and nothing was held of it.
+    pub fn unread(&self, opened: &Opened) -> Option<String> {
+        let held = self.claim.as_ref()?.events?;
+        let missing: Vec<&str> = { held.signs().into_iter().zip(["OFF", "ON"]).rev() }
+            .filter(|(sign, _)| *sign == SignHeld::NotRead)
+            .map(|(_, name)| name)
+            .collect();
+        if missing.is_empty() || summarises(&opened.expansion.code.frame) {
+            return None;
+        }
+        Some(format!(
+            "warning: {}: its [computes] states a threshold, and its {} events are not read out: what it fires there was not held; read them (scamp5_scan_events), or leave `threshold` out of [computes]\n",
+            opened.program.file,
+            missing.join(" and ")
+        ))
+    }
+
     /// For people.
     pub fn text(&self, device: &Device) -> String {
         let mut lines = vec![String::new(), "computes".to_owned()];
-        if let Some(Claim { proof, scaled }) = &self.claim {
+        if let Some(Claim {
+            proof,
+            scaled,
+            events,
+        }) = &self.claim
+        {
             let how = match proof {
                 claim::Proof::Words => ": its words were read back as linear forms",
                 claim::Proof::Impulse => ", by what one bright pixel leaves behind",
             };
-            lines.push(format!("  what its [computes] says{how}"));
+            lines.push(format!("  the kernel that its [computes] says{how}"));
+            lines.extend(events.iter().map(|held| format!("  {}", of_events(held))));
             if let Some(Scaled { chip, there, here }) = scaled {
                 lines.push(format!(
                     "  times {here}/{there}: that is said for {chip}, where light.scale is {there} LSB/level; here it is {here}"
@@ -278,6 +302,14 @@ impl Proof {
                 "light_scale": it.there,
                 "here": it.here,
             })),
+            "stated_threshold": self.claim.as_ref().and_then(|it| it.events).map(|it| {
+                let [off, on] = it.signs().map(|sign| match sign {
+                    SignHeld::Held => "held",
+                    SignHeld::NotRead => "not read out",
+                    SignHeld::NotCrossed => "not crossed",
+                });
+                json!({"lsb": it.threshold, "pictures": it.pictures, "on": on, "off": off})
+            }),
             "no_kernels": none,
             "registers": registers.collect::<Vec<_>>(),
             "input": self.given.as_ref().map(|it| [it.input.low, it.input.high]),
@@ -286,6 +318,49 @@ impl Proof {
             "saturations": saturations,
         })
     }
+}
+
+/// How a threshold was held, for people.
+fn of_events(held: &HeldEvents) -> String {
+    let threshold = Lsb(held.threshold).rounded();
+    let [off, on] = held.signs();
+    let of = |wanted: SignHeld| -> Option<String> {
+        let names = [(on, "ON"), (off, "OFF")].into_iter();
+        let names: Vec<&str> = names
+            .filter(|(sign, _)| *sign == wanted)
+            .map(|(_, name)| name)
+            .collect();
+        (!names.is_empty()).then(|| names.join(" and "))
+    };
+    let parts = [
+        of(SignHeld::Held).map(|signs| {
+            format!(
+                "{signs} fire where it says on {} random pictures",
+                held.pictures
+            )
+        }),
+        of(SignHeld::NotCrossed)
+            .map(|signs| format!("no picture that was shown calls for {signs}, and none fires")),
+        of(SignHeld::NotRead)
+            .map(|signs| format!("{signs} not read out as events, and so not held")),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    format!("its threshold of {threshold} LSB: {}", parts.join("; "))
+}
+
+/// Whether a frame reads out a box, a count, a sum or a bit in place of events.
+fn summarises(steps: &[Step]) -> bool {
+    steps.iter().any(|step| match &step.action {
+        Action::Host(host) => matches!(
+            host,
+            Host::ScanBoundingBox { .. }
+                | Host::GlobalCount { .. }
+                | Host::GlobalSum { .. }
+                | Host::GlobalOr { .. }
+        ),
+        Action::Word(_) => false,
+        Action::Repeat { body, .. } => summarises(body),
+    })
 }
 
 /// The chip that a program is written for, where that can be found.

@@ -405,16 +405,21 @@ impl Compiled {
 
     /// The range within which each filter is exact, where large differences may saturate.
     fn exact_range(&self) -> String {
-        let (what, where_) = match self.memory {
-            Some(DriveMemory::Shared) => ("each difference", "changes of a pixel"),
-            _ => ("the light", "light"),
+        let (what, store, where_) = match self.memory {
+            // A difference that saturates decides as it should.
+            Some(DriveMemory::Shared) => (
+                "each difference",
+                "no store of a filter but its result",
+                "changes of a pixel",
+            ),
+            _ => ("the light", "no store of a filter", "light"),
         };
         let within = match &self.filters[..] {
             filters if filters.iter().all(|filter| filter.exact_within < 1.0) => {
                 format!("a sum may saturate for any {where_}")
             }
             _ => format!(
-                "no store of a filter but its result saturates for {where_} of at most {} LSB, above that a sum may",
+                "{store} saturates for {where_} of at most {} LSB, above that a sum may",
                 self.each(|filter| format!("{:.0}", filter.exact_within.floor()))
             ),
         };

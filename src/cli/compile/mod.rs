@@ -149,8 +149,9 @@ enum Aim {
     /// The events that are kept on the chip, as predicted; strong light or change may saturate; of
     /// several kinds with a memory each as `exact`
     Events,
-    /// Signal over noise as predicted, and no light saturates anything: without the chip's errors the
-    /// program says event for event what the float model says
+    /// Signal over noise as predicted, and nothing saturates for light up to 254 of 255, but what is
+    /// compared behind a filter may: without the chip's errors the program says event for event what
+    /// the float model says; of SCAMP-5, 255 is beyond a register's range
     Exact,
     /// The fewest words
     Words,

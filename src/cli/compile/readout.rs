@@ -15,6 +15,7 @@ use crate::{
     compile::{CellKind, EventReadout, SensorProgram},
     event::Packet,
     isa::{Device, Figure},
+    number::Format,
     photoreceptor::Response,
     program::{
         Cost, Overrides, Program,
@@ -30,10 +31,12 @@ use crate::{
 /// How a program reads its events out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum Asking {
-    /// The cheapest that loses no expected event; all slots where nobody says how many to expect
+    /// The cheapest that loses no event of the scene on four chips of the model and without a chip's
+    /// errors, or none of the expected number; another scene or chip may lose some. All slots where
+    /// nobody says how many to expect
     #[default]
     Auto,
-    /// Event by event: slots for the busiest frame
+    /// Event by event: slots for the busiest frame of these
     Slots,
     /// Whole rows of bits
     Planes,
@@ -97,8 +100,10 @@ pub(super) fn planned(
         let demand = Demand::expected(events);
         (Some(demand), format!("--events-per-frame {events}"))
     } else if let Some(scene) = &arguments.scene {
-        let (packet, frames) = watched((arguments, &observation), asked, program, kinds, device)?;
-        (Some(Demand::new(&packet, frames)), scene.to_string())
+        let demand = watched((arguments, &observation), asked, program, kinds, device)?;
+        let basis =
+            format!("{scene}, the most on {CHIPS} chips of the model and without a chip's errors");
+        (Some(demand), basis)
     } else {
         not_known.push("how many events a frame has: give --events-per-frame N or --scene");
         (None, "nobody".to_owned())
@@ -160,14 +165,18 @@ pub(super) fn check_scene(arguments: &Arguments, device: &Device) -> miette::Res
     )?)
 }
 
-/// The events of the program on a scene, every one of them, with the chip's errors.
+/// How many chips of the model a scene is shown to.
+const CHIPS: u64 = 4;
+
+/// What the events of the program on a scene ask for, every one of them: on several chips, which
+/// differ, and without a chip's errors.
 fn watched(
     (arguments, observation): (&Arguments, &Observation),
     asked: &Asked,
     program: &SensorProgram,
     kinds: &[CellKind],
     device: &Device,
-) -> miette::Result<(Packet, u64)> {
+) -> miette::Result<Demand> {
     let name = arguments.scene.as_deref().unwrap_or_default();
     let mut scene = arguments
         .samples
@@ -178,20 +187,26 @@ fn watched(
     let all = EventReadout::BitPlanes(0, u16::MAX);
     let text = program.text_with(kinds, &asked.title, device, all);
     let compiled = design::Compiled::from_text(&asked.title, program.clone(), &text, device)?;
-    let silicon = Arithmetic::Silicon {
-        seed: arguments.seed,
-    };
-    let mut chip = compiled.chip(silicon, size, compiled.settings())?;
+    let seeds = (0..CHIPS).map(|n| arguments.seed.wrapping_add(n));
+    let silicon = seeds.map(|seed| Arithmetic::Silicon { seed });
+    let exact = Arithmetic::Number(Format::F64);
+    let chips = std::iter::once(exact).chain(silicon);
+    let mut chips = chips
+        .map(|chip| compiled.chip(chip, size, compiled.settings()))
+        .collect::<Result<Vec<_>, _>>()?;
     let mut frames = 0;
-    let mut sensors: [&mut (dyn Sensor + Send); 1] = [&mut chip];
+    let mut sensors: Vec<&mut (dyn Sensor + Send)> = Vec::new();
+    for chip in &mut chips {
+        sensors.push(chip);
+    }
     let packets = rig::watch(&mut *scene, &mut sensors, |_| frames += 1)?;
-    let empty = Packet::new(size, 1);
-    let packet = packets.into_iter().next().unwrap_or(empty);
     light::warn(&Warning::of_scene(observation, Response::IDENTITY));
-    if packet.events.is_empty() {
+    if packets.iter().all(|packet| packet.events.is_empty()) {
         light::warn(&[Warning::no_events(name, Some(frames))]);
     }
-    Ok((packet, frames))
+    let demands = packets.iter().map(|packet| Demand::new(packet, frames));
+    let nothing = || Demand::new(&Packet::new(size, 1), frames);
+    Ok(demands.reduce(Demand::and).unwrap_or_else(nothing))
 }
 
 impl Readouts {

@@ -10,6 +10,21 @@ use crate::isa::{
 use crate::unit::counted;
 
 impl<'d> Lowering<'d> {
+    /// What statements there are, for who wrote one that there is not.
+    fn statements(&self) -> String {
+        const LIBRARY: &str = "scamp5_";
+        let all = self.device.all_callables();
+        let mut names: Vec<&str> = all.map(|it| it.signature().name.as_str()).collect();
+        names.sort_unstable();
+        names.dedup();
+        names.retain(|name| !name.starts_with(LIBRARY));
+        format!(
+            "docs/scamp5.md describes each statement; {} has {}, and those of {LIBRARY}…",
+            self.device.name(),
+            names.join(", ")
+        )
+    }
+
     /// What a statement means, and the values of its parameters.
     pub(super) fn call(
         &self,
@@ -31,12 +46,7 @@ impl<'d> Lowering<'d> {
                 format!("unknown statement `{}`", statement.name),
                 "the chip has no such statement",
             )
-            .help(suggestion(&statement.name, names).unwrap_or_else(|| {
-                format!(
-                    "`amacrine asm` knows the statements of isa/{}",
-                    self.device.name()
-                )
-            })));
+            .help(suggestion(&statement.name, names).unwrap_or_else(|| self.statements())));
         }
         let given = self.given(&statement.arguments, scope)?;
         let mut furthest = None;

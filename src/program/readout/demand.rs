@@ -7,16 +7,32 @@ use crate::event::{Packet, Polarity};
 /// The events of the frames that a readout has to carry.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Demand {
-    /// The largest of the counts of a frame, of every frame, from the busiest on.
+    /// The largest of the counts of a frame, of every frame, from the busiest on; of several runs the
+    /// most of any.
     most: Vec<u64>,
-    /// All events.
-    events: u64,
-    /// The events of each sign and kind of each frame that has any.
-    counts: Vec<u64>,
+    /// What was counted, run by run.
+    runs: Vec<Counted>,
     /// The rows that have events, from the top.
     rows: Option<RangeInclusive<u64>>,
     /// Whether it was counted over frames; else it is one number that was given.
     is_counted: bool,
+}
+
+/// The events of one run.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Counted {
+    /// All events.
+    events: u64,
+    /// The events of each sign and kind of each frame that has any.
+    counts: Vec<u64>,
+}
+
+impl Counted {
+    /// Share of the events beyond so many slots for each sign and kind.
+    fn lost(&self, slots: u64) -> f64 {
+        let beyond = self.counts.iter().map(|count| count.saturating_sub(slots));
+        beyond.sum::<u64>() as f64 / self.events.max(1) as f64
+    }
 }
 
 impl Demand {
@@ -40,8 +56,10 @@ impl Demand {
         let rows = || packet.events.iter().map(|event| u64::from(event.y));
         Self {
             most,
-            events: packet.events.len() as u64,
-            counts: all,
+            runs: vec![Counted {
+                events: packet.events.len() as u64,
+                counts: all,
+            }],
             rows: rows().min().zip(rows().max()).map(|(top, end)| top..=end),
             is_counted: true,
         }
@@ -53,11 +71,30 @@ impl Demand {
     pub fn expected(events: u64) -> Self {
         Self {
             most: vec![events],
-            events,
-            counts: vec![events],
+            runs: vec![Counted {
+                events,
+                counts: vec![events],
+            }],
             rows: None,
             is_counted: false,
         }
+    }
+
+    /// What serves this run and another of the same frames: the most of either.
+    #[must_use]
+    pub fn and(mut self, other: Self) -> Self {
+        let frames = self.most.len().max(other.most.len());
+        self.most.resize(frames, 0);
+        for (most, own) in self.most.iter_mut().zip(&other.most) {
+            *most = (*most).max(*own);
+        }
+        self.runs.extend(other.runs);
+        self.rows = match (self.rows, other.rows) {
+            (Some(a), Some(b)) => Some(*a.start().min(b.start())..=*a.end().max(b.end())),
+            (a, b) => a.or(b),
+        };
+        self.is_counted &= other.is_counted;
+        self
     }
 
     /// The most of one sign and kind in a frame.
@@ -74,18 +111,20 @@ impl Demand {
             .then(|| self.most.get(at).copied().unwrap_or(0))
     }
 
-    /// Share of the events beyond so many slots for each sign and kind.
+    /// Share of the events beyond so many slots for each sign and kind, of the run that loses most.
     #[must_use]
     pub fn lost(&self, slots: u64) -> f64 {
-        let beyond = self.counts.iter().map(|count| count.saturating_sub(slots));
-        beyond.sum::<u64>() as f64 / self.events.max(1) as f64
+        self.runs
+            .iter()
+            .map(|run| run.lost(slots))
+            .fold(0.0, f64::max)
     }
 
     /// The rows that have events, from the top; one row where frames were counted and have none,
     /// nothing where nobody knows.
     #[must_use]
     pub fn rows(&self) -> Option<RangeInclusive<u64>> {
-        let silent = self.is_counted && self.events == 0;
+        let silent = self.is_counted && self.runs.iter().all(|run| run.events == 0);
         self.rows.clone().or_else(|| silent.then_some(0..=0))
     }
 }
@@ -122,6 +161,18 @@ mod tests {
         let events = 199.0 * 13.0 + 260.0;
         assert!((demand.lost(10) - 240.0 / events).abs() < 1e-12);
         assert_eq!(demand.rows(), Some(3..=7));
+    }
+
+    #[test]
+    fn several_runs_are_served_together() {
+        let both = demand(&[(10, 3), (5, 5)]).and(demand(&[(8, 2), (7, 20)]));
+        assert_eq!(both.busiest(), 20);
+        assert_eq!(both.lost(20), 0.0);
+        // The share is that of the run that loses most.
+        assert!((both.lost(10) - 10.0 / 37.0).abs() < 1e-12);
+        let silent = || Demand::new(&Packet::new(Size::new(4, 4), 1), 5);
+        assert_eq!(silent().and(silent()).rows(), Some(0..=0));
+        assert_eq!(silent().and(demand(&[(70, 0)])).rows(), Some(3..=4));
     }
 
     #[test]
