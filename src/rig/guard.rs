@@ -15,7 +15,7 @@ use crate::{
     kernel::quantise::Erasure,
     photoreceptor::{Curve, Response},
     plane::Size,
-    scene::{Cut, Frame, Gap, Observation, Repeated, Samples},
+    scene::{Alias, Cut, Frame, Gap, Observation, Repeated, Samples},
     sensor::Silence,
     unit::{Micros, counted},
 };
@@ -51,6 +51,8 @@ pub enum About {
     Repeats,
     /// Numbers are missing among those of pictures.
     Gap,
+    /// A pattern finer than pixels, or faster than frames.
+    Alias,
     /// A frame rate that nobody said.
     AssumedRate,
     /// A clip that ends before all frames that were asked for.
@@ -87,6 +89,7 @@ impl About {
             Self::Cut => "cut",
             Self::Repeats => "repeats",
             Self::Gap => "gap",
+            Self::Alias => "alias",
             Self::AssumedRate => "assumed-rate",
             Self::Short => "short",
             Self::Window => "window",
@@ -416,7 +419,7 @@ impl Warning {
         let (dark, most) = match samples {
             Samples::Floats => (white / DARK, BEYOND * white),
             Samples::Integers => (1.0, BEYOND_WHOLE * white),
-            Samples::Video | Samples::Pictures | Samples::Drawn => return None,
+            _ => return None,
         };
         let is_dark = low >= 0.0 && high <= dark.max(1.0001) && high > 0.0;
         if high > most {
@@ -553,6 +556,33 @@ impl Warning {
         )
     }
 
+    /// A pattern that is seen as another, since it is finer than pixels or faster than frames.
+    #[must_use]
+    pub fn alias(alias: Alias) -> Self {
+        let (seen, why, change) = match alias {
+            Alias::Fine { grain } => (
+                format!("grain={grain}: its blobs are smaller than two pixels"),
+                "each pixel has the light at its centre, which flickers as they move",
+                "give grain=2 or more, or draw more pixels and show them as fewer (--resize)"
+                    .to_owned(),
+            ),
+            Alias::Shrunk { growth, pixels } => (
+                format!("growth={growth}: at the end {pixels:.1} pixels of the texture lie side by side in one"),
+                "each pixel has the light at its centre, which flickers as they move",
+                "give a growth nearer to 0, fewer frames or a coarser texture, or draw more pixels and show them as fewer (--resize)".to_owned(),
+            ),
+            Alias::Fast { frequency, fps } => {
+                let seen_as = (frequency - (frequency / fps).round() * fps).abs();
+                (
+                    format!("frequency={frequency} Hz at {fps} frames/s is seen as {seen_as} Hz"),
+                    "it goes up and down more often than every other frame",
+                    format!("give fps= of {} or more, or a lower frequency", 4.0 * frequency),
+                )
+            }
+        };
+        Self::new(About::Alias, "the scene", seen, why, change)
+    }
+
     /// A frame rate that neither the scene nor the caller said: for whoever shows no line with it;
     /// `key` is what says another.
     #[must_use]
@@ -592,9 +622,11 @@ impl Warning {
         let cuts = Self::cuts(&observation.cuts());
         let repeats = observation.repeated().and_then(Self::repeats);
         let gap = observation.gap().map(Self::gap);
+        let alias = observation.alias().map(Self::alias);
         { scale.into_iter().chain(cuts) }
             .chain(repeats)
             .chain(gap)
+            .chain(alias)
             .collect()
     }
 }

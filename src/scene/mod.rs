@@ -23,9 +23,11 @@
 //! pixels. Colour becomes gray by Rec. 601 (0.299 R + 0.587 G +
 //! 0.114 B, the weights of video luma and of `OpenCV`), not rounded.
 
+mod alias;
 mod animation;
 mod bundled;
 mod canvas;
+mod chunks;
 mod coding;
 mod crop;
 mod cropped;
@@ -60,6 +62,7 @@ pub mod pattern;
 pub mod resample;
 pub mod upsample;
 
+pub use alias::Alias;
 pub use bundled::{bundled, bundled_with};
 pub use coding::{Coding, Light, Origin, Range, Samples, Transfer};
 pub use crop::Crop;

@@ -2,7 +2,8 @@
 //!
 //! `pattern:NAME?key=value&key=value`. Light is a function of place and time, averaged over
 //! the area of each pixel where that has a closed form, so that motion by a fraction of a
-//! pixel is smooth. x is to the right, y down, angles turn from right (0) to down (90).
+//! pixel is smooth; textures have the light at its centre. A picture becomes light (range and
+//! transfer) before it moves. x is to the right, y down, angles turn from right (0) to down (90).
 //!
 //! Every pattern takes these (defaults in brackets); [`PATTERNS`] lists the others:
 //! `width` and `height` in pixels (128; that of `image` where there is one), `frames` (240),
@@ -17,13 +18,14 @@ mod texture;
 
 pub use parameters::PATTERNS;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use motif::Motif;
 use parameters::Parameters;
 
 use super::{
-    Frame, OpenOptions, Outline, Scene, SceneError,
+    Frame, Light, OpenOptions, Outline, Samples, Scene, SceneError,
+    decoded::Source,
     light::{self, MemoryLimit},
     rate::{Rate, check_rate},
 };
@@ -37,6 +39,8 @@ pub struct Pattern {
     rate: Rate,
     frames: u64,
     next: u64,
+    /// What became of the samples of the picture, or that there are none.
+    coding: Light,
     /// Bytes of the picture and of a frame.
     held: u128,
 }
@@ -73,13 +77,16 @@ impl Pattern {
         fps.map(check_rate).transpose()?;
         let (name, rest) = text.split_once('?').unwrap_or((text, ""));
         let mut given = Parameters::parse(name, rest)?;
-        let image = match given
-            .takes_image()
-            .then(|| given.text("image", ""))
-            .flatten()
-        {
-            Some(path) => Some(super::still::read(&PathBuf::from(path), 0, room)?.into_plane()),
-            None => None,
+        let named = { given.takes_image() }.then(|| given.text("image", ""));
+        let (image, coding) = match named.flatten() {
+            Some(path) => {
+                let (picture, coding) = picture(Path::new(&path), &options, room)?;
+                (Some(picture), coding)
+            }
+            None => {
+                options.coding.check_drawn(&format!("pattern:{text}"))?;
+                (None, Light::DRAWN)
+            }
         };
         let natural = image.as_ref().map_or(Size::new(128, 128), Size::of);
         let width = given.whole("width", natural.width as u64, 1..=1 << 16)?;
@@ -105,6 +112,7 @@ impl Pattern {
             rate,
             frames,
             next: 0,
+            coding,
             held,
         })
     }
@@ -136,10 +144,28 @@ impl Pattern {
     }
 }
 
+/// A picture as light, and what became of its samples. It moves as light: means of pixels are means
+/// of light.
+fn picture(
+    path: &Path,
+    options: &OpenOptions,
+    room: MemoryLimit,
+) -> Result<(Plane<f64>, Light), SceneError> {
+    let (coded, source) = super::still::read_with_source(path, 0, room)?;
+    let source = Source {
+        samples: Samples::Moved,
+        ..source
+    };
+    let (light, coding) = source.decode_one(coded, path, options)?;
+    Ok((light.into_plane(), coding))
+}
+
 impl Scene for Pattern {
     fn outline(&self) -> Outline {
         Outline {
             frames: Some(self.frames),
+            coding: self.coding,
+            alias: self.motif.alias(self.rate.fps, self.rate.seconds(self.frames - 1)),
             bytes: self.held,
             ..Outline::new(self.size, self.rate.fps)
         }
