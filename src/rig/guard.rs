@@ -15,7 +15,7 @@ use crate::{
     kernel::quantise::Erasure,
     photoreceptor::{Curve, Response},
     plane::Size,
-    scene::{Alias, Cut, Frame, Gap, Observation, Repeated, Samples},
+    scene::{Alias, Cut, Frame, Gap, Observation, Repeated, Samples, Unlike},
     sensor::Silence,
     unit::{Micros, counted},
 };
@@ -53,6 +53,8 @@ pub enum About {
     Gap,
     /// A pattern finer than pixels, or faster than frames.
     Alias,
+    /// A clip that players show in another shape.
+    Shape,
     /// A frame rate that nobody said.
     AssumedRate,
     /// A clip that ends before all frames that were asked for.
@@ -90,6 +92,7 @@ impl About {
             Self::Repeats => "repeats",
             Self::Gap => "gap",
             Self::Alias => "alias",
+            Self::Shape => "shape",
             Self::AssumedRate => "assumed-rate",
             Self::Short => "short",
             Self::Window => "window",
@@ -583,6 +586,27 @@ impl Warning {
         Self::new(About::Alias, "the scene", seen, why, change)
     }
 
+    /// A clip that players show in another shape.
+    #[must_use]
+    pub fn shape(unlike: Unlike) -> Self {
+        match unlike {
+            Unlike::Pixels { width, height } => Self::new(
+                About::Shape,
+                "the scene",
+                format!("its pixels are {width} wide where they are {height} high"),
+                "here they are taken as square, so that the picture is narrower or wider than players show it, and what moves along rows has another speed",
+                "make them square first: ffmpeg -i CLIP -vf scale=iw*sar:ih,setsar=1 -pix_fmt gray clip.y4m",
+            ),
+            Unlike::Angle => Self::new(
+                About::Shape,
+                "the scene",
+                "players turn its pictures by an angle that is no quarter of a turn",
+                "here they are shown as they are stored",
+                "turn them first, such as by ffmpeg -i CLIP -vf rotate=PI/4 -pix_fmt gray clip.y4m",
+            ),
+        }
+    }
+
     /// A frame rate that neither the scene nor the caller said: for whoever shows no line with it;
     /// `key` is what says another.
     #[must_use]
@@ -619,14 +643,24 @@ impl Warning {
     pub fn of_scene(observation: &Observation, response: Response) -> Vec<Self> {
         let light = observation.light();
         let scale = light.and_then(|it| Self::scale(it.samples, observation.extent(), response));
+        { scale.into_iter() }
+            .chain(Self::of_pictures(observation))
+            .collect()
+    }
+
+    /// The same, without what depends on a sensor.
+    #[must_use]
+    pub fn of_pictures(observation: &Observation) -> Vec<Self> {
         let cuts = Self::cuts(&observation.cuts());
         let repeats = observation.repeated().and_then(Self::repeats);
         let gap = observation.gap().map(Self::gap);
         let alias = observation.alias().map(Self::alias);
-        { scale.into_iter().chain(cuts) }
+        let shape = observation.unlike().map(Self::shape);
+        { cuts.into_iter() }
             .chain(repeats)
             .chain(gap)
             .chain(alias)
+            .chain(shape)
             .collect()
     }
 }

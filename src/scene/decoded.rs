@@ -14,6 +14,8 @@ pub(super) struct Source {
     /// Black and white of limited range in the unit in which the reader gives light; none for
     /// numbers that cannot have it.
     pub limits: Option<(f64, f64)>,
+    /// White of full range in that unit, where it is not 255: of whole numbers of 16 bits.
+    pub white: Option<f64>,
     /// The range that the file states.
     pub range: Option<Range>,
     /// The range of its kind where it states none.
@@ -30,6 +32,7 @@ impl Source {
         Self {
             samples: Samples::Video,
             limits: Some(limits(bits, 255.0 / largest(bits))),
+            white: None,
             range: None,
             usual,
             transfer: None,
@@ -77,6 +80,7 @@ impl Source {
         Self {
             samples: Samples::Integers,
             limits: bits.map(|bits| limits(bits, 1.0)),
+            white: bits.filter(|bits| *bits > 8).map(largest),
             ..Self::video(8, Range::Full)
         }
     }
@@ -114,6 +118,8 @@ impl Source {
             (None, Some(transfer)) => (transfer, Origin::File),
             _ => (Transfer::AsCoded, Origin::Assumed),
         };
+        // Numbers are as given unless their range is asked for.
+        let is_full = asked.range == Some(Range::Full) && self.white.is_some();
         let is_array = matches!(self.samples, Samples::Integers | Samples::Floats);
         if let Some(scale) = asked.scale {
             if !is_array {
@@ -131,7 +137,7 @@ impl Source {
         }
         Ok(Light {
             samples: self.samples,
-            range: (!is_array || range == Range::Limited).then_some(range),
+            range: (!is_array || range == Range::Limited || is_full).then_some(range),
             range_from,
             transfer,
             transfer_from,
@@ -170,7 +176,11 @@ impl Source {
         options: &OpenOptions,
     ) -> Result<Decoded<S>, SceneError> {
         let light = self.light(path, options)?;
-        let limits = self.limits.filter(|_| light.range == Some(Range::Limited));
+        let limits = match light.range {
+            Some(Range::Limited) => self.limits,
+            Some(Range::Full) => self.white.map(|white| (0.0, white)),
+            None => None,
+        };
         Ok(Decoded {
             scene,
             light,
@@ -195,7 +205,7 @@ fn limits(bits: u32, unit: f64) -> (f64, f64) {
 struct Decoded<S> {
     scene: S,
     light: Light,
-    /// Black and white, where the range is limited.
+    /// Black and white, where they are not 0 and 255.
     limits: Option<(f64, f64)>,
     /// The levels that came last, and what becomes of them.
     levels: Option<(Levels, Levels)>,

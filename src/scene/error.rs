@@ -93,9 +93,7 @@ pub enum SceneError {
 
     /// Video of half frames.
     #[error("{path}: interlaced video (I{got}): its lines are from two moments")]
-    #[diagnostic(help(
-        "take the lines apart first: ffmpeg -i FILE -vf yadif -pix_fmt gray clip.y4m"
-    ))]
+    #[diagnostic(help("{}", apart(got)))]
     Interlaced {
         /// The file or folder of the scene.
         path: PathBuf,
@@ -626,4 +624,13 @@ fn kind(path: &Path) -> String {
 fn join(shape: &[u64]) -> String {
     let words: Vec<_> = shape.iter().map(u64::to_string).collect();
     words.join(", ")
+}
+
+/// How the lines of interlaced video are taken apart.
+fn apart(got: &str) -> &'static str {
+    if got == "m" {
+        "ffmpeg reads no y4m of mixed frames: take the lines apart in the video that it was made from, ffmpeg -i VIDEO -vf yadif -pix_fmt gray clip.y4m"
+    } else {
+        "take the lines apart first: ffmpeg -i FILE -vf yadif -pix_fmt gray clip.y4m"
+    }
 }

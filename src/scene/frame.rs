@@ -1,6 +1,8 @@
 //! A frame, and the trait of all sources of frames.
 
-use super::{alias::Alias, coding::Light, error::SceneError, image::Image, light, rate::Rate};
+use super::{
+    alias::Alias, coding::Light, error::SceneError, image::Image, light, rate::Rate, unlike::Unlike,
+};
 use crate::plane::Size;
 
 /// One picture of a scene.
@@ -68,6 +70,8 @@ pub struct Outline {
     pub gap: Option<Gap>,
     /// What a pattern draws finer than pixels or faster than frames.
     pub alias: Option<Alias>,
+    /// How players show it otherwise.
+    pub unlike: Option<Unlike>,
     /// The most bytes that the source holds while frames are taken from it, the frame that it gives
     /// included.
     pub bytes: u128,
@@ -86,6 +90,7 @@ impl Outline {
             coding: Light::DRAWN,
             gap: None,
             alias: None,
+            unlike: None,
             bytes: light::PIXEL_BYTES_HELD * size.pixels() as u128,
         }
     }

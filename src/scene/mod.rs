@@ -52,6 +52,7 @@ mod slice;
 mod sliced;
 mod spacing;
 mod still;
+mod unlike;
 mod view;
 mod y4m;
 
@@ -80,4 +81,5 @@ pub use resized::Resized;
 pub use shown::shown;
 pub use slice::{Moment, Slice};
 pub use sliced::Sliced;
+pub use unlike::Unlike;
 pub use view::View;

@@ -4,7 +4,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{
-    Alias, Frame, Gap, Light, Outline, Scene, SceneError,
+    Alias, Frame, Gap, Light, Outline, Scene, SceneError, Unlike,
     cut::{Cut, Cuts},
     repeats::{Repeated, Repeats},
 };
@@ -20,6 +20,7 @@ struct Seen {
     assumed_fps: Option<f64>,
     gap: Option<Gap>,
     alias: Option<Alias>,
+    unlike: Option<Unlike>,
     frames: u64,
     extent: Option<(f64, f64)>,
     cuts: Cuts,
@@ -35,6 +36,11 @@ impl Observation {
 
     fn seen(&self) -> MutexGuard<'_, Seen> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Sees a frame, the next one of its scene.
+    pub fn see(&self, frame: &Frame) {
+        self.seen().see(frame);
     }
 
     /// How samples became light; none before a scene is watched.
@@ -60,6 +66,12 @@ impl Observation {
     #[must_use]
     pub fn alias(&self) -> Option<Alias> {
         self.seen().alias
+    }
+
+    /// How players show it otherwise.
+    #[must_use]
+    pub fn unlike(&self) -> Option<Unlike> {
+        self.seen().unlike
     }
 
     /// Frames that were seen.
@@ -119,6 +131,7 @@ impl<S: Scene> Observed<S> {
         seen.light = Some(outline.coding);
         seen.gap = outline.gap;
         seen.alias = outline.alias;
+        seen.unlike = outline.unlike;
         seen.assumed_fps =
             (outline.fps_is_assumed && outline.frames != Some(1)).then_some(outline.fps);
         drop(seen);
@@ -137,7 +150,7 @@ impl<S: Scene> Scene for Observed<S> {
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         let next = self.scene.next_frame()?;
         if let Some(frame) = &next {
-            self.observation.seen().see(frame);
+            self.observation.see(frame);
         }
         Ok(next)
     }

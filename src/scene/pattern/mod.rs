@@ -5,7 +5,8 @@
 //! pixel is smooth; textures have the light at its centre. A picture becomes light (range and
 //! transfer) before it moves. x is to the right, y down, angles turn from right (0) to down (90).
 //!
-//! Every pattern takes these (defaults in brackets); [`PATTERNS`] lists the others:
+//! [`PATTERNS`] lists the patterns, [`PARAMETERS`] what they take. Every pattern takes these (defaults in
+//! brackets):
 //! `width` and `height` in pixels (128; that of `image` where there is one), `frames` (240),
 //! `fps` (240), `low` and `high` light (51 and 204; not with an `image`, which brings its
 //! own), and, where something moves straight, `speed` in pixels per second (60) and `angle`
@@ -16,7 +17,7 @@ mod motif;
 mod parameters;
 mod texture;
 
-pub use parameters::PATTERNS;
+pub use parameters::{PARAMETERS, PATTERNS};
 
 use std::path::{Path, PathBuf};
 
@@ -71,8 +72,21 @@ impl Pattern {
         Self::with_options(text, options)
     }
 
+    /// The names of the parameters that a pattern takes without an image.
+    ///
+    /// # Errors
+    /// When the name is not known.
+    pub fn parameters(name: &str) -> Result<Vec<String>, SceneError> {
+        Ok(Self::taken(name, OpenOptions::default())?.1)
+    }
+
     /// The same with the options that every scene takes.
     pub(super) fn with_options(text: &str, options: OpenOptions) -> Result<Self, SceneError> {
+        Ok(Self::taken(text, options)?.0)
+    }
+
+    /// The same, and the names of its parameters.
+    fn taken(text: &str, options: OpenOptions) -> Result<(Self, Vec<String>), SceneError> {
         let (fps, room) = (options.fps, MemoryLimit::new(options));
         fps.map(check_rate).transpose()?;
         let (name, rest) = text.split_once('?').unwrap_or((text, ""));
@@ -105,8 +119,8 @@ impl Pattern {
         };
         let middle = rate.seconds(frames - 1) / 2.0;
         let motif = Motif::take(&mut given, image, middle)?;
-        given.finish()?;
-        Ok(Self {
+        let known = given.finish()?;
+        let pattern = Self {
             motif,
             size,
             rate,
@@ -114,7 +128,8 @@ impl Pattern {
             next: 0,
             coding,
             held,
-        })
+        };
+        Ok((pattern, known))
     }
 
     /// The light at a time.
@@ -341,6 +356,22 @@ mod tests {
                 assert!(known.contains(key), "{name} has no {key}: {known}");
             }
         }
+    }
+
+    #[test]
+    fn parameters_are_those_that_patterns_take() {
+        let mut taken = std::collections::BTreeSet::from(["border".to_owned()]);
+        for (name, _) in PATTERNS {
+            let known = pattern_error(&format!("{name}?nonsense=1"));
+            for key in Pattern::parameters(name).unwrap() {
+                let told = PARAMETERS.iter().find(|(known, ..)| *known == key);
+                let (_, default, _) = told.unwrap_or_else(|| panic!("{name}: {key}"));
+                assert!(known.contains(&format!("{key}={default}")), "{known}");
+                taken.insert(key);
+            }
+        }
+        assert_eq!(taken.len(), PARAMETERS.len());
+        assert!(Pattern::parameters("bra").is_err());
     }
 
     fn pattern_error(text: &str) -> String {
