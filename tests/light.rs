@@ -174,7 +174,10 @@ fn limited_range_of_more_bits() {
     let full = first(&path, &asked(Range::Full));
     assert_eq!(full[0], 4096.0 * 255.0 / 65_535.0);
     let light = outline(&path, &asked(Range::Full)).coding.to_string();
-    assert!(light.starts_with("full range (as asked) of 16 bits"), "{light}");
+    assert!(
+        light.starts_with("full range (as asked) of 16 bits"),
+        "{light}"
+    );
     let (_folder, path) = file("a.npy", &npy("|u1", size, 1, [16, 235, 89, 4]));
     near(&first(&path, &asked(Range::Limited)), "u1");
     // Pictures are full, and may be said to be limited.
@@ -549,7 +552,10 @@ fn patterns_that_are_seen_as_others_say_so() {
     let shrunk = format!("pattern:zoom?image={image}&growth=-2&frames=121&fps=120");
     for (spec, words) in [
         ("pattern:noise?grain=1&frames=2", ["grain=1:", "grain=2"]),
-        ("pattern:static?grain=1.5&frames=2", ["grain=1.5:", "--resize"]),
+        (
+            "pattern:static?grain=1.5&frames=2",
+            ["grain=1.5:", "--resize"],
+        ),
         (
             "pattern:zoom?growth=-4&frames=121&fps=120&width=8&height=8",
             ["growth=-4:", "54.6 pixels"],
@@ -884,6 +890,7 @@ fn crowds_are_counted_by_frames_and_cells() {
         over: 1,
         most: 3,
         frame: 2,
+        first: 0,
     };
     // Two of four are no more than half.
     assert_eq!(crowd, want);

@@ -39,15 +39,28 @@ fn a_pattern_tells_its_parameters() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let all = good(folder, &["list", "patterns"]);
-    for words in ["disc      a bright disc", "wave=sine", "where to: 0 is right"] {
+    for words in [
+        "disc      a bright disc",
+        "wave=sine",
+        "where to: 0 is right",
+    ] {
         assert!(all.contains(words), "{all}");
     }
     let disc = good(folder, &["list", "patterns", "disc"]);
     assert!(disc.starts_with("pattern:disc: a bright disc"), "{disc}");
-    assert!(disc.contains("radius=16 ") && disc.contains("pixels\n"), "{disc}");
-    assert!(!disc.contains("sigma=") && !disc.contains("border="), "{disc}");
+    assert!(
+        disc.contains("radius=16 ") && disc.contains("pixels\n"),
+        "{disc}"
+    );
+    assert!(
+        !disc.contains("sigma=") && !disc.contains("border="),
+        "{disc}"
+    );
     let pan = good(folder, &["show", "pattern", "pan"]);
-    assert!(pan.contains("image=") && pan.contains("border=replicate"), "{pan}");
+    assert!(
+        pan.contains("image=") && pan.contains("border=replicate"),
+        "{pan}"
+    );
     refused(folder, &["list", "patterns", "dics"], &["\"dics\"", "disc"]);
     let run = ["run", "--scene", "bundled", "--sensor", "disc"];
     refused(folder, &run, &["--scene pattern:disc"]);

@@ -8,8 +8,8 @@ use amacrine::{
     plane::{Plane, Size},
     rig::guard::Warning,
     scene::{
-        Coding, Frame, Image, Levels, Light, Observation, Observed, OpenOptions, Outline, Range, Samples, Scene,
-        SceneError, Transfer, View, bundled_with,
+        Coding, Frame, Image, Levels, Light, Observation, Observed, OpenOptions, Outline, Range,
+        Samples, Scene, SceneError, Transfer, View, bundled_with,
         kept::{Kept, Pixels},
         open,
     },

@@ -266,9 +266,11 @@ impl Warning {
     #[must_use]
     pub fn most_cells(subject: &str, crowd: &Crowd) -> Self {
         let share = 100.0 * crowd.most as f64 / crowd.cells as f64;
+        // The first frame is what a memory begins with: cells fire in it only where there is none.
+        let frames = crowd.frames - u64::from(crowd.first == 0 && crowd.frames > 1);
         let seen = format!(
             "{} of {} cells ({share:.0} %) fire in frame {}, and more than half in {} of {} frames",
-            crowd.most, crowd.cells, crowd.frame, crowd.over, crowd.frames
+            crowd.most, crowd.cells, crowd.frame, crowd.over, frames
         );
         Self::new(
             About::MostCells,
@@ -693,6 +695,8 @@ pub struct Crowd {
     pub most: u64,
     /// Which one that is.
     pub frame: u64,
+    /// Those that fire in the first.
+    pub first: u64,
 }
 
 impl Crowd {
@@ -710,6 +714,9 @@ impl Crowd {
         if firing > self.most {
             self.most = firing;
             self.frame = self.frames;
+        }
+        if self.frames == 0 {
+            self.first = firing;
         }
         self.over += u64::from(2 * firing > self.cells);
         self.frames += 1;

@@ -284,6 +284,21 @@ pub enum SceneError {
         want: u64,
     },
 
+    /// A PNM with something behind its picture.
+    #[error(
+        "{path}: behind its picture there {}",
+        if *is_another { "is another picture" } else { "are bytes that are no part of it" }
+    )]
+    #[diagnostic(help(
+        "one file is one picture: a folder of them is a clip (mkdir FRAMES; ffmpeg -f pgm_pipe -i FILE FRAMES/%06d.png); where it has one alone, write it anew"
+    ))]
+    Behind {
+        /// The file.
+        path: PathBuf,
+        /// Whether that is another picture.
+        is_another: bool,
+    },
+
     /// Something else where a y4m frame should begin.
     #[error("{path}: frame {frame} begins with {got:?}, expected \"FRAME\"")]
     #[diagnostic(help("the clip is damaged or its header has the wrong size: write it anew"))]

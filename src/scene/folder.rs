@@ -279,8 +279,16 @@ mod tests {
             names.collect::<Vec<_>>()
         };
         let times = [
-            "0.0.png", "0.05.png", "0.1.png", "0.15.png", "0.15000000000000002.png", "0.2.png",
-            "0.25.png", "1.0.png", "1.05.png", "10.0.png",
+            "0.0.png",
+            "0.05.png",
+            "0.1.png",
+            "0.15.png",
+            "0.15000000000000002.png",
+            "0.2.png",
+            "0.25.png",
+            "1.0.png",
+            "1.05.png",
+            "10.0.png",
         ];
         let mut turned = times;
         turned.reverse();

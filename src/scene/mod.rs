@@ -44,6 +44,7 @@ mod npy;
 mod observed;
 mod open;
 mod options;
+mod pgm;
 mod rate;
 mod repeats;
 mod resized;

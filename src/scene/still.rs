@@ -13,6 +13,7 @@ use super::{
     decoded::Source,
     gray::{self, Depth, Layout},
     light::{self, MemoryLimit},
+    pgm,
     rate::Rate,
 };
 use crate::plane::Size;
@@ -92,13 +93,23 @@ fn read_with_bits(
     frame: u64,
     room: MemoryLimit,
 ) -> Result<(Image, u32, ImageFormat), SceneError> {
-    let file = light::open_file(path)?;
-    let reader = ImageReader::new(file)
+    let mut file = light::open_file(path)?;
+    let start = file.fill_buf();
+    let start = start.map_err(|cause| SceneError::unreadable(path, cause))?;
+    if matches!(start, [b'P', b'5', space, ..] if space.is_ascii_whitespace()) {
+        let (image, bits) = pgm::read(&mut file, path, frame, room)?;
+        pgm::check_end(&mut file, path)?;
+        return Ok((image, bits, ImageFormat::Pnm));
+    }
+    let reader = ImageReader::new(&mut file)
         .with_guessed_format()
         .map_err(|cause| SceneError::unreadable(path, cause))?;
     match reader.format() {
         Some(format @ (ImageFormat::Png | ImageFormat::Pnm)) => {
             let (image, bits) = decode(reader, path, frame, room)?;
+            if format == ImageFormat::Pnm {
+                pgm::check_end(&mut file, path)?;
+            }
             Ok((image, bits, format))
         }
         Some(_) | None => Err(SceneError::Picture {

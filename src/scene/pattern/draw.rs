@@ -214,10 +214,16 @@ mod tests {
             for size in [0.25, 0.6, 1.3, 2.0] {
                 let inside = |x: f64, y: f64| if x.hypot(y) < size { 1.0 } else { 0.0 };
                 let (got, want) = (disc(place, size), sampled(place, inside));
-                assert!((got - want).abs() < 1e-3, "disc {size} {place:?}: {got} {want}");
+                assert!(
+                    (got - want).abs() < 1e-3,
+                    "disc {size} {place:?}: {got} {want}"
+                );
                 let bell = |x: f64, y: f64| (-(x * x + y * y) / (2.0 * size * size)).exp();
                 let (got, want) = (spot(place, size), sampled(place, bell));
-                assert!((got - want).abs() < 1e-5, "spot {size} {place:?}: {got} {want}");
+                assert!(
+                    (got - want).abs() < 1e-5,
+                    "spot {size} {place:?}: {got} {want}"
+                );
             }
         }
     }

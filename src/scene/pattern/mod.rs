@@ -180,7 +180,9 @@ impl Scene for Pattern {
         Outline {
             frames: Some(self.frames),
             coding: self.coding,
-            alias: self.motif.alias(self.rate.fps, self.rate.seconds(self.frames - 1)),
+            alias: self
+                .motif
+                .alias(self.rate.fps, self.rate.seconds(self.frames - 1)),
             bytes: self.held,
             ..Outline::new(self.size, self.rate.fps)
         }

@@ -40,12 +40,28 @@ pub const PATTERNS: [(&str, &str); 12] = [
 
 /// The parameters of patterns: name, default, and what each is, with its unit.
 pub const PARAMETERS: [(&str, &str, &str); 21] = [
-    ("width", "128", "pixels; with an image, its own are the default"),
-    ("height", "128", "pixels; with an image, its own are the default"),
+    (
+        "width",
+        "128",
+        "pixels; with an image, its own are the default",
+    ),
+    (
+        "height",
+        "128",
+        "pixels; with an image, its own are the default",
+    ),
     ("frames", "240", "how many there are"),
     ("fps", "240", "frames/s; --fps goes first"),
-    ("low", "51", "the least light, of 0 to 255; not with an image"),
-    ("high", "204", "the most light, of 0 to 255; not with an image"),
+    (
+        "low",
+        "51",
+        "the least light, of 0 to 255; not with an image",
+    ),
+    (
+        "high",
+        "204",
+        "the most light, of 0 to 255; not with an image",
+    ),
     ("speed", "60", "pixels/s"),
     ("angle", "0", "degrees, where to: 0 is right, 90 down"),
     ("thickness", "10", "pixels"),
@@ -53,9 +69,17 @@ pub const PARAMETERS: [(&str, &str, &str); 21] = [
     ("square", "16", "pixels, the side of a square"),
     ("radius", "16", "pixels"),
     ("sigma", "8", "pixels, the standard deviation"),
-    ("grain", "4", "pixels, the size of a blob; not with an image"),
+    (
+        "grain",
+        "4",
+        "pixels, the size of a blob; not with an image",
+    ),
     ("seed", "1", "which blobs there are; not with an image"),
-    ("image", "", "a PNG or PNM file that is shown instead of blobs"),
+    (
+        "image",
+        "",
+        "a PNG or PNM file that is shown instead of blobs",
+    ),
     (
         "border",
         "replicate",
