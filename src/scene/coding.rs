@@ -261,7 +261,7 @@ impl fmt::Display for Light {
                 "limited range ({who}) expanded to 0..255, foot- and headroom clipped"
             )?,
             (Some(Range::Full), Samples::Integers) => {
-                f.write_str("full range (as asked) of 16 bits: 65535 is 255")?
+                f.write_str("full range (as asked) of 16 bits: 65535 is 255")?;
             }
             (_, Samples::Integers | Samples::Floats) => f.write_str("numbers as given")?,
             _ => write!(f, "full range ({who})")?,

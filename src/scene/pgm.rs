@@ -101,7 +101,7 @@ fn levels(white: u16) -> Levels {
 }
 
 /// The next number of a header, and one byte of space behind it; comments run to the end of a line.
-fn number(header: &mut impl Read, what: &str) -> Result<u32, String> {
+fn number(header: &mut impl BufRead, what: &str) -> Result<u32, String> {
     let mut digits = String::new();
     let mut is_comment = false;
     for byte in header.bytes() {

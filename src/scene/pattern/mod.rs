@@ -92,15 +92,12 @@ impl Pattern {
         let (name, rest) = text.split_once('?').unwrap_or((text, ""));
         let mut given = Parameters::parse(name, rest)?;
         let named = { given.takes_image() }.then(|| given.text("image", ""));
-        let (image, coding) = match named.flatten() {
-            Some(path) => {
-                let (picture, coding) = picture(Path::new(&path), &options, room)?;
-                (Some(picture), coding)
-            }
-            None => {
-                options.coding.check_drawn(&format!("pattern:{text}"))?;
-                (None, Light::DRAWN)
-            }
+        let (image, coding) = if let Some(path) = named.flatten() {
+            let (picture, coding) = picture(Path::new(&path), &options, room)?;
+            (Some(picture), coding)
+        } else {
+            options.coding.check_drawn(&format!("pattern:{text}"))?;
+            (None, Light::DRAWN)
         };
         let natural = image.as_ref().map_or(Size::new(128, 128), Size::of);
         let width = given.whole("width", natural.width as u64, 1..=1 << 16)?;
