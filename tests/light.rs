@@ -419,19 +419,22 @@ fn gray(codes: &[u8]) -> Vec<u8> {
     bytes
 }
 
+/// Chunks of a PNG by their names.
+type Chunks<'a> = Vec<(&'a [u8; 4], &'a [u8])>;
+
 /// In the order of the PNG specification: cICP, iCCP, sRGB, gAMA.
 #[test]
 fn a_png_says_its_range_and_transfer() {
     use std::io::Write as _;
     let gamma = |gamma: u32| gamma.to_be_bytes();
-    let mut profile = flate2::write::ZlibEncoder::new(b"name\0\0".to_vec(), Default::default());
+    let mut profile =
+        flate2::write::ZlibEncoder::new(b"name\0\0".to_vec(), flate2::Compression::default());
     profile.write_all(&[7; 128]).unwrap();
     let profile = profile.finish().unwrap();
     let (g22, g28, g20, g1) = (gamma(45_455), gamma(35_714), gamma(50_000), gamma(100_000));
     let (full, limited) = ([1, 13, 0, 1], [9, 16, 0, 0]);
     let file_says = |range| (Some(range), Origin::File);
     let usual = (Some(Range::Full), Origin::Assumed);
-    type Chunks<'a> = Vec<(&'a [u8; 4], &'a [u8])>;
     let cases: Vec<(Chunks<'_>, _, Option<Transfer>, Option<&str>)> = vec![
         (vec![], usual, None, None),
         (vec![(b"sRGB", &[0])], usual, Some(Transfer::Srgb), None),
