@@ -84,6 +84,18 @@ pub fn tanh(x: f64) -> f64 {
     libm::tanh(x)
 }
 
+/// The angle from -pi/2 to pi/2 whose sine this is, radians.
+#[must_use]
+pub fn asin(x: f64) -> f64 {
+    libm::asin(x)
+}
+
+/// The error function.
+#[must_use]
+pub fn erf(x: f64) -> f64 {
+    libm::erf(x)
+}
+
 /// The length of the vector (`x`, `y`).
 #[must_use]
 pub fn hypot(x: f64, y: f64) -> f64 {

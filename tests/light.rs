@@ -170,6 +170,14 @@ fn limited_range_of_more_bits() {
     let (_folder, path) = file("a.npy", &npy("<u2", size, 1, deep(16)));
     assert_eq!(first(&path, &OpenOptions::default())[0], 4096.0);
     near(&first(&path, &asked(Range::Limited)), "u2");
+    // Of full range, 65535 is white.
+    let full = first(&path, &asked(Range::Full));
+    assert_eq!(full[0], 4096.0 * 255.0 / 65_535.0);
+    let light = outline(&path, &asked(Range::Full)).coding.to_string();
+    assert!(
+        light.starts_with("full range (as asked) of 16 bits"),
+        "{light}"
+    );
     let (_folder, path) = file("a.npy", &npy("|u1", size, 1, [16, 235, 89, 4]));
     near(&first(&path, &asked(Range::Limited)), "u1");
     // Pictures are full, and may be said to be limited.
@@ -347,6 +355,268 @@ fn an_mp4_says_its_range_and_transfer() {
             let want = as_coded[3].mapv(|v| transfer.light(v));
             assert_eq!(frames(undone)[3], want);
         }
+    }
+}
+
+/// A transfer that nothing undoes is told, and stays whatever `auto` does.
+#[cfg(feature = "mp4")]
+#[test]
+fn an_mp4_of_another_transfer_says_so() {
+    for (number, transfer) in [
+        (4, Transfer::Gamma22),
+        (5, Transfer::Gamma28),
+        (7, Transfer::Smpte240m),
+    ] {
+        let (_folder, path) = file("a.mp4", &tagged(true, number));
+        let light = outline(&path, &coding(None, None, None)).coding;
+        assert_eq!(
+            (light.transfer, light.not_undone),
+            (transfer, None),
+            "{number}"
+        );
+    }
+    for (number, name) in [(9, "a logarithm"), (16, "PQ"), (18, "HLG")] {
+        let (_folder, path) = file("a.mp4", &tagged(true, number));
+        for options in [OpenOptions::default(), coding(None, None, None)] {
+            let light = outline(&path, &options).coding;
+            assert_eq!(light.transfer, Transfer::AsCoded);
+            let told = format!("as coded (the file says {name}, which is not undone)");
+            assert!(light.to_string().ends_with(&told), "{light}");
+            assert!(!light.is_linear());
+        }
+    }
+}
+
+fn outline(spec: &str, options: &OpenOptions) -> Outline {
+    open(spec, options).unwrap().outline()
+}
+
+/// A PNG with these chunks before its pixels.
+fn with_chunks(png: &[u8], chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
+    // The signature and IHDR.
+    let (start, rest) = png.split_at(8 + 25);
+    let mut bytes = start.to_vec();
+    for (kind, content) in chunks {
+        bytes.extend((content.len() as u32).to_be_bytes());
+        let named = [&kind[..], content].concat();
+        bytes.extend(&named);
+        bytes.extend(crc32fast::hash(&named).to_be_bytes());
+    }
+    bytes.extend(rest);
+    bytes
+}
+
+/// A gray PNG of one row.
+fn gray(codes: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, codes.len() as u32, 1);
+    encoder.set_color(png::ColorType::Grayscale);
+    encoder
+        .write_header()
+        .unwrap()
+        .write_image_data(codes)
+        .unwrap();
+    bytes
+}
+
+/// Chunks of a PNG by their names.
+type Chunks<'a> = Vec<(&'a [u8; 4], &'a [u8])>;
+
+/// In the order of the PNG specification: cICP, iCCP, sRGB, gAMA.
+#[test]
+fn a_png_says_its_range_and_transfer() {
+    use std::io::Write as _;
+    let gamma = |gamma: u32| gamma.to_be_bytes();
+    let mut profile =
+        flate2::write::ZlibEncoder::new(b"name\0\0".to_vec(), flate2::Compression::default());
+    profile.write_all(&[7; 128]).unwrap();
+    let profile = profile.finish().unwrap();
+    let (g22, g28, g20, g1) = (gamma(45_455), gamma(35_714), gamma(50_000), gamma(100_000));
+    let (full, limited) = ([1, 13, 0, 1], [9, 16, 0, 0]);
+    let file_says = |range| (Some(range), Origin::File);
+    let usual = (Some(Range::Full), Origin::Assumed);
+    let cases: Vec<(Chunks<'_>, _, Option<Transfer>, Option<&str>)> = vec![
+        (vec![], usual, None, None),
+        (vec![(b"sRGB", &[0])], usual, Some(Transfer::Srgb), None),
+        (vec![(b"gAMA", &g22)], usual, Some(Transfer::Gamma22), None),
+        (vec![(b"gAMA", &g28)], usual, Some(Transfer::Gamma28), None),
+        (vec![(b"gAMA", &g1)], usual, Some(Transfer::Linear), None),
+        (
+            vec![(b"gAMA", &g20)],
+            usual,
+            None,
+            Some("a gamma other than 2.2 and 2.8"),
+        ),
+        (
+            vec![(b"gAMA", &g22), (b"sRGB", &[0])],
+            usual,
+            Some(Transfer::Srgb),
+            None,
+        ),
+        (
+            vec![(b"iCCP", &profile), (b"gAMA", &g22)],
+            usual,
+            None,
+            Some("what its ICC profile says"),
+        ),
+        (
+            vec![(b"gAMA", &g22), (b"cICP", &full)],
+            file_says(Range::Full),
+            Some(Transfer::Srgb),
+            None,
+        ),
+        (
+            vec![(b"cICP", &limited)],
+            file_says(Range::Limited),
+            None,
+            Some("PQ"),
+        ),
+    ];
+    for (chunks, range, transfer, not_undone) in cases {
+        let (folder, path) = file("a.png", &with_chunks(&gray(&CODED), &chunks));
+        let moved = format!("pattern:static?image={path}&frames=1");
+        for spec in [&path, &folder.path().display().to_string(), &moved] {
+            let light = outline(spec, &coding(None, None, None)).coding;
+            let told = (light.stated_transfer, light.not_undone);
+            assert_eq!(told, (transfer, not_undone), "{spec}");
+            assert_eq!((light.range, light.range_from), range, "{spec}");
+            let black = if range.0 == Some(Range::Limited) {
+                (16.0, 255.0 / 219.0)
+            } else {
+                (0.0, 1.0)
+            };
+            let want: Vec<f64> = { CODED.iter() }
+                .map(|code| (f64::from(*code) - black.0) * black.1)
+                .map(|code| transfer.unwrap_or_default().light(code.clamp(0.0, 255.0)))
+                .collect();
+            let got = first(spec, &coding(None, None, None));
+            let worst = got.iter().zip(&want).map(|(g, w)| (g - w).abs());
+            assert!(worst.fold(0.0, f64::max) < 1e-9, "{spec}: {got:?} {want:?}");
+            // What is stated is not undone unless that is asked for.
+            let light = outline(spec, &OpenOptions::default()).coding;
+            assert_eq!(light.transfer, Transfer::AsCoded, "{spec}");
+            assert_eq!(light.is_linear(), transfer == Some(Transfer::Linear));
+        }
+    }
+    let walk = fs::read(data("walk.apng")).unwrap();
+    let (_folder, path) = file("a.apng", &with_chunks(&walk, &[(b"sRGB", &[0])]));
+    let light = outline(&path, &coding(None, None, None)).coding;
+    assert_eq!(light.transfer, Transfer::Srgb);
+}
+
+/// What a pattern moves is light, as the picture alone is.
+#[test]
+fn a_picture_that_moves_is_no_drawn_light() {
+    let still = data("still.pgm");
+    for transfer in [Transfer::AsCoded, Transfer::Srgb, Transfer::Bt709] {
+        for range in [None, Some(Range::Full), Some(Range::Limited)] {
+            let options = coding(range, Some(transfer), None);
+            for name in ["pan", "rotate", "zoom", "static"] {
+                let spec = format!("pattern:{name}?image={still}&speed=0&frames=1");
+                let spec = match name {
+                    "pan" => spec,
+                    _ => spec.replace("&speed=0", ""),
+                };
+                assert_eq!(first(&spec, &options), first(&still, &options), "{spec}");
+                let light = outline(&spec, &options).coding;
+                assert_eq!(light.samples, Samples::Moved);
+                assert_eq!(light.is_linear(), transfer != Transfer::AsCoded);
+                assert!(light.to_string().contains(", transfer "), "{light}");
+            }
+        }
+    }
+    let scaled = open(
+        &format!("pattern:pan?image={still}"),
+        &coding(None, None, Some(2.0)),
+    );
+    let error = scaled.err().unwrap().to_string();
+    assert!(error.contains("only the numbers of an array"), "{error}");
+    // Without a picture there is nothing to undo, and fast pans are no cuts.
+    assert_eq!(
+        outline("pattern:pan", &OpenOptions::default())
+            .coding
+            .to_string(),
+        "drawn as light, nothing to undo"
+    );
+    let fast = format!("pattern:pan?image={still}&frames=9&speed=1e5&border=wrap");
+    let scene = open(&fast, &OpenOptions::default()).unwrap();
+    assert_eq!(observed(scene).cuts(), []);
+}
+
+/// Patterns finer than pixels, or faster than frames.
+#[test]
+fn patterns_that_are_seen_as_others_say_so() {
+    let told = |spec: &str| {
+        let scene = open(spec, &OpenOptions::default()).unwrap();
+        let warnings = Warning::of_scene(&observed(scene), Response::IDENTITY);
+        warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let image = data("still.pgm");
+    let shrunk = format!("pattern:zoom?image={image}&growth=-2&frames=121&fps=120");
+    for (spec, words) in [
+        ("pattern:noise?grain=1&frames=2", ["grain=1:", "grain=2"]),
+        (
+            "pattern:static?grain=1.5&frames=2",
+            ["grain=1.5:", "--resize"],
+        ),
+        (
+            "pattern:zoom?growth=-4&frames=121&fps=120&width=8&height=8",
+            ["growth=-4:", "54.6 pixels"],
+        ),
+        (&shrunk, ["growth=-2:", "7.4 pixels"]),
+        (
+            "pattern:flicker?frequency=200&frames=2&width=8",
+            ["seen as 40 Hz", "fps= of 800"],
+        ),
+    ] {
+        let told = told(spec);
+        assert_eq!(told.len(), 1, "{spec}: {told:?}");
+        for word in words {
+            assert!(told[0].contains(word), "{told:?}");
+        }
+    }
+    for spec in [
+        "pattern:noise?grain=2&frames=2",
+        "pattern:zoom?frames=2",
+        "pattern:zoom?growth=-1&frames=61&fps=120&width=8&height=8",
+        "pattern:flicker?frequency=200&frames=2&width=8&fps=400",
+        "pattern:spot?sigma=0.1&frames=2",
+    ] {
+        assert_eq!(told(spec), [""; 0], "{spec}");
+    }
+}
+
+/// Players make pixels square; here they are taken as they are.
+#[test]
+fn pixels_that_are_not_square_are_told() {
+    let told = |path: &str| {
+        let scene = open(path, &OpenOptions::default()).unwrap();
+        let warnings = Warning::of_scene(&observed(scene), Response::IDENTITY);
+        let shape = warnings.iter().find(|it| it.about == About::Shape);
+        shape.map(ToString::to_string)
+    };
+    let clip = |fields: &str| {
+        let frames = [CODED.to_vec(), CODED.to_vec()];
+        let (_folder, path) = file("a.y4m", &y4m(Size::new(1, 6), fields, &frames));
+        told(&path)
+    };
+    let wide = clip("A2:1 Cmono").unwrap();
+    assert!(wide.contains("2 wide where they are 1 high"), "{wide}");
+    for square in ["A1:1 Cmono", "A0:0 Cmono", "A8:8 Cmono", "Cmono"] {
+        assert_eq!(clip(square), None, "{square}");
+    }
+    #[cfg(feature = "mp4")]
+    {
+        // A box `pasp` in place of the box `btrt`, and four bytes that are free.
+        let mut bytes = fs::read(data("baseline.mp4")).unwrap();
+        let (_folder, path) = file("a.mp4", &bytes);
+        assert_eq!(told(&path), None);
+        let at = bytes.windows(4).position(|four| four == b"btrt").unwrap();
+        bytes[at..at + 4].copy_from_slice(b"pasp");
+        bytes[at + 4..at + 12].copy_from_slice(&[0, 0, 0, 4, 0, 0, 0, 3]);
+        let (_folder, path) = file("a.mp4", &bytes);
+        let wide = told(&path).unwrap();
+        assert!(wide.contains("4 wide where they are 3 high"), "{wide}");
     }
 }
 
@@ -623,6 +893,7 @@ fn crowds_are_counted_by_frames_and_cells() {
         over: 1,
         most: 3,
         frame: 2,
+        first: 0,
     };
     // Two of four are no more than half.
     assert_eq!(crowd, want);

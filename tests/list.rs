@@ -16,7 +16,9 @@ fn names_stand_for_files() {
     let names = good(folder, &["list", "sensors"]);
     assert!(names.lines().any(|name| name == "rgc-4"), "{names}");
     assert!(names.lines().any(|name| name == "authors/dvs"), "{names}");
-    for of in ["programs", "kernels", "studies", "readouts", "chips"] {
+    for of in [
+        "programs", "kernels", "studies", "readouts", "chips", "patterns",
+    ] {
         assert!(good(folder, &["list", of]).lines().count() > 1, "{of}");
     }
     let text = good(folder, &["list", "sensors", "rgc-4"]);
@@ -30,6 +32,38 @@ fn names_stand_for_files() {
     assert_eq!(named, run(file.to_str().unwrap()));
     good(folder, &["exec", "dvs/snap"]);
     good(folder, &["asm", "snap"]);
+}
+
+#[test]
+fn a_pattern_tells_its_parameters() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let all = good(folder, &["list", "patterns"]);
+    for words in [
+        "disc      a bright disc",
+        "wave=sine",
+        "where to: 0 is right",
+    ] {
+        assert!(all.contains(words), "{all}");
+    }
+    let disc = good(folder, &["list", "patterns", "disc"]);
+    assert!(disc.starts_with("pattern:disc: a bright disc"), "{disc}");
+    assert!(
+        disc.contains("radius=16 ") && disc.contains("pixels\n"),
+        "{disc}"
+    );
+    assert!(
+        !disc.contains("sigma=") && !disc.contains("border="),
+        "{disc}"
+    );
+    let pan = good(folder, &["show", "pattern", "pan"]);
+    assert!(
+        pan.contains("image=") && pan.contains("border=replicate"),
+        "{pan}"
+    );
+    refused(folder, &["list", "patterns", "dics"], &["\"dics\"", "disc"]);
+    let run = ["run", "--scene", "bundled", "--sensor", "disc"];
+    refused(folder, &run, &["--scene pattern:disc"]);
 }
 
 #[test]

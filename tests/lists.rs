@@ -12,6 +12,7 @@ use amacrine::{
     isa::Device,
     kernel::quantise,
     number::Format as Number,
+    scene::pattern::{PARAMETERS, PATTERNS, Pattern},
 };
 use common::good;
 
@@ -159,6 +160,36 @@ fn chips() {
             page.contains(&format!("`{chip}/`")),
             "isa/README.md: {chip}"
         );
+    }
+}
+
+#[test]
+fn patterns() {
+    let takes = |name: &str, key: &str| {
+        let keys = Pattern::parameters(name).unwrap();
+        let has = |key: &str| keys.iter().any(|known| known == key);
+        has(key) || key == "border" && has("image")
+    };
+    let rows: Vec<_> = { PATTERNS.iter() }
+        .map(|(name, what)| format!("| `{name}` | {what} |"))
+        .collect();
+    has_table("docs/scenes.md", "| pattern | what |", &rows);
+    let row = |(key, default, what): &(&str, &str, &str)| {
+        let names = PATTERNS.iter().map(|(name, _)| *name);
+        let of: Vec<_> = names.filter(|name| takes(name, key)).collect();
+        let of = if of.len() == PATTERNS.len() {
+            "all".to_owned()
+        } else {
+            of.join(", ")
+        };
+        format!("| `{key}` | {default} | {of} | {what} |")
+    };
+    let rows: Vec<_> = PARAMETERS.iter().map(row).collect();
+    has_table("docs/scenes.md", "| parameter | default | of |", &rows);
+    let told = good(root(), &["list", "patterns"]);
+    for (key, default, what) in PARAMETERS {
+        assert!(told.contains(&format!("{key}={default} ")), "{key}: {told}");
+        assert!(told.contains(what), "{what}: {told}");
     }
 }
 

@@ -235,6 +235,48 @@ fn what_is_no_single_file_says_so() {
     fs::remove_file(picture).unwrap();
 }
 
+/// Clips that end inside the word FRAME, and frames of mixed fields, which ffmpeg does not read.
+#[test]
+fn a_y4m_that_is_cut_or_mixed_is_told_as_that() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.y4m");
+    let name = path.display().to_string();
+    let whole = b"YUV4MPEG2 W1 H1 F25:1 Cmono\nFRAME\n1FRAME\n2";
+    for end in whole.len() - 6..whole.len() - 1 {
+        fs::write(&path, &whole[..end]).unwrap();
+        let error = read(open(&name, &OpenOptions::default()).unwrap()).unwrap_err();
+        let told = error.to_string();
+        assert!(told.contains("ends inside frame 1"), "{end}: {told}");
+    }
+    fs::write(&path, b"YUV4MPEG2 W1 H1 F25:1 Im Cmono\nFRAME\n1").unwrap();
+    let error = open(&name, &OpenOptions::default()).err().unwrap();
+    let help = error.help().unwrap().to_string();
+    assert!(help.contains("the video that it was made from"), "{help}");
+}
+
+/// A PNM of several pictures would be a clip of one frame.
+#[test]
+fn a_pnm_is_one_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.pnm");
+    let name = path.display().to_string();
+    for one in [
+        &b"P5 1 1 255\n\x07"[..],
+        b"P6 1 1 255\n\x07\x07\x07",
+        b"P2 1 1 255\n7\n",
+    ] {
+        fs::write(&path, [one, b"\n \n"].concat()).unwrap();
+        let frames = read(open(&name, &OpenOptions::default()).unwrap()).unwrap();
+        assert!((frames[0].light[(0, 0)] - 7.0).abs() < 1e-12);
+        for (behind, words) in [(one, "another picture"), (&b"x"[..], "no part of it")] {
+            fs::write(&path, [one, behind].concat()).unwrap();
+            let opened = open(&name, &OpenOptions::default());
+            let told = opened.and_then(read).unwrap_err().to_string();
+            assert!(told.contains(words), "{one:?}: {told}");
+        }
+    }
+}
+
 #[cfg(not(feature = "mp4"))]
 #[test]
 fn without_the_feature_mp4_is_refused_by_name() {

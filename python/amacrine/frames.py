@@ -78,7 +78,7 @@ def shaped(shape: tuple[int, ...]) -> str:
     if len(shape) == 4 and shape[-1] == 1:
         return f"{SHAPES}: frames[..., 0] leaves the last axis out"
     if (len(shape) == 4 and shape[1] == 3) or (len(shape) == 5 and shape[2] == 3):
-        return f"{SHAPES}: colour must be made gray first, such as frames.mean(axis=-3, keepdims=True)"
+        return f"{SHAPES}: colour must be made gray first, such as (frames * [[[.299]], [[.587]], [[.114]]]).sum(axis=-3, keepdims=True)"
     if len(shape) == 4:
         return f"{SHAPES}: several clips (B,T,H,W) are frames[:, :, None]"
     return SHAPES
@@ -137,7 +137,8 @@ def load(
             pictures, a .npy of shape (T,H,W) or (T,1,H,W), ``pattern:NAME?key=value``, or
             ``bundled``, the clip that comes with the package (the default).
         fps: Frames per second, instead of what the scene says. Where neither says it, as of a .npy and
-            of a folder, a rate is assumed, and a :class:`Caution` says so.
+            of a folder, a rate is assumed, and a :class:`Caution` says so, as it does of cuts, of frames
+            that repeat and of pictures that are missing by their numbers.
         scale: What the numbers of a .npy are multiplied by; 255 where they are 0 to 1.
         range: Which samples are black and white: ``"limited"`` (16 and 235 of 255), ``"full"``, or
             ``"auto"``: what the file says, else limited for mp4 and y4m with colour.
@@ -170,13 +171,15 @@ def load(
         arguments.word_or_none("crop", crop, "256x256"),
         arguments.word_or_none("resize", resize, "256x144"),
     )
-    light, rate, is_assumed = _amacrine.scene(name, rate, by, first, coded, part)
+    light, rate, is_assumed, told = _amacrine.scene(name, rate, by, first, coded, part)
     if is_assumed:
         warnings.warn(
             f"{name}: {rate:g} frames per second are assumed; say fps=… otherwise",
             Caution,
             stacklevel=2,
         )
+    for text in told:
+        warnings.warn(text, Caution, stacklevel=2)
     return light, rate
 
 

@@ -87,6 +87,14 @@ impl Frames<'_> {
         }
     }
 
+    /// Frame `n` as codes of 8 bits, where it is held so.
+    pub fn codes(&self, n: usize, pixels: usize) -> Option<&[u8]> {
+        match self {
+            Self::U8(all) => all.get(n * pixels..(n + 1) * pixels),
+            Self::F32(_) | Self::F64(_) => None,
+        }
+    }
+
     /// The light of frame `n`: each number times `scale`.
     pub fn light(self, n: usize, scale: f64, light: &mut [f64]) {
         fn put<T: Copy + Into<f64>>(all: &[T], n: usize, scale: f64, light: &mut [f64]) {

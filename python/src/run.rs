@@ -11,7 +11,7 @@ use amacrine::{
     plane::{Plane, Size},
     reference::Limit,
     rig::guard::{Crowd, Guard, Warning},
-    scene::{Frame, Samples, check_rate, upsample},
+    scene::{Frame, Image, Levels, Observation, Samples, check_rate, upsample},
     sensor::SensorError,
     unit::Micros,
 };
@@ -54,6 +54,10 @@ struct Watch {
     extent: Option<(f64, f64)>,
     /// Of the latest frames.
     samples: Samples,
+    /// What was seen of the scene: its cuts, and frames that repeat.
+    observation: Observation,
+    /// What codes of 8 bits stand for.
+    levels: Levels,
     /// Cells that fired, over all frames.
     fired: u64,
     /// Whether a frame could not be watched: what cells hold is then not known.
@@ -94,6 +98,8 @@ impl Run {
             still,
             extent: None,
             samples: Samples::Floats,
+            observation: Observation::new(),
+            levels: Levels::bytes().map(|code| code * scale),
             fired: 0,
             is_stopped: false,
         })))
@@ -161,6 +167,7 @@ impl Run {
     ) -> PyResult<()> {
         let (fps, scale) = self.with(|watch| (watch.fps, watch.scale));
         let source = Source::new(None, Some(frames), Some(fps), Some(scale))?;
+        self.with(|watch| watch.observation = source.observation().clone());
         let seen = source.work(py, || {
             let mut scene = upsample::by_contrast(source.open()?, Some(contrast))?;
             let mut n = 0;
@@ -207,6 +214,16 @@ impl Watch {
         }
         self.samples = frames.samples();
         self.measure();
+        let size = self.packet.size;
+        let codes = frames.codes(n, size.pixels());
+        let coded = codes.and_then(|it| Image::of_bytes(size, it.to_vec(), self.levels.clone()));
+        match coded {
+            Some(light) => self.observation.see(&Frame {
+                light,
+                ..self.frame
+            }),
+            None => self.observation.see(&self.frame),
+        }
     }
 
     /// Looks at the light of the frame.
@@ -393,6 +410,9 @@ impl Watch {
     fn warnings(&self, subject: &str) -> Vec<Warning> {
         let mut guard = Guard::new();
         if let Some(warning) = Warning::scale(self.samples, self.extent, self.response) {
+            guard.warn(warning);
+        }
+        for warning in Warning::of_pictures(&self.observation) {
             guard.warn(warning);
         }
         let lost = self.packet.dropped.no_slot;

@@ -8,8 +8,8 @@ use amacrine::{
     plane::{Plane, Size},
     rig::guard::Warning,
     scene::{
-        Coding, Frame, Light, Observation, Observed, OpenOptions, Outline, Range, Samples, Scene,
-        SceneError, Transfer, View, bundled_with,
+        Coding, Frame, Image, Levels, Light, Observation, Observed, OpenOptions, Outline, Range,
+        Samples, Scene, SceneError, Transfer, View, bundled_with,
         kept::{Kept, Pixels},
         open,
     },
@@ -21,7 +21,7 @@ use pyo3::prelude::*;
 use crate::{
     error::{raised, refused},
     frames::{Borrowed, Frames},
-    options::caution,
+    options::{caution, in_python},
     pool,
     stop::Flag,
 };
@@ -49,6 +49,8 @@ pub struct Given {
     frames: usize,
     fps: f64,
     scale: f64,
+    /// What codes of 8 bits stand for.
+    levels: Levels,
     next: usize,
 }
 
@@ -130,6 +132,7 @@ impl Source {
             )
         })?;
         let given = Given {
+            levels: Levels::bytes().map(|code| code * scale.unwrap_or(1.0)),
             numbers: match borrowed.frames()? {
                 Frames::U8(all) => Numbers::U8(all.into()),
                 Frames::F32(all) => Numbers::F32(all.into()),
@@ -185,6 +188,11 @@ impl Source {
             caution(py, &warning)?;
         }
         Ok(made)
+    }
+
+    /// What was seen of them.
+    pub const fn observation(&self) -> &Observation {
+        &self.observation
     }
 
     /// What tells other work that the person wants to stop.
@@ -250,6 +258,20 @@ impl Scene for Given {
         if self.next == self.frames {
             return Ok(None);
         }
+        let index = self.next as u64;
+        if let Numbers::U8(all) = &self.numbers {
+            let pixels = self.size.pixels();
+            let codes = all.get(self.next * pixels..(self.next + 1) * pixels);
+            let codes = codes.unwrap_or_default().to_vec();
+            if let Some(light) = Image::of_bytes(self.size, codes, self.levels.clone()) {
+                self.next += 1;
+                return Ok(Some(Frame {
+                    index,
+                    seconds: index as f64 / self.fps,
+                    light,
+                }));
+            }
+        }
         let mut light = Plane::zeros(self.size.shape());
         let frames = match &self.numbers {
             Numbers::U8(all) => Frames::U8(all),
@@ -259,7 +281,6 @@ impl Scene for Given {
         if let Some(light) = light.as_slice_mut() {
             frames.light(self.next, self.scale, light);
         }
-        let index = self.next as u64;
         self.next += 1;
         Ok(Some(Frame {
             index,
@@ -272,8 +293,8 @@ impl Scene for Given {
 /// The most bytes of a scene that is read whole.
 const MOST: usize = 8 << 30;
 
-/// All frames of a scene, `(T, H, W)`, frames a second and whether these are assumed: `uint8` where
-/// light is whole numbers from 0 to 255, else `float64`.
+/// All frames of a scene, `(T, H, W)`, frames a second, whether these are assumed, and what there is to
+/// warn of: `uint8` where light is whole numbers from 0 to 255, else `float64`.
 #[pyfunction]
 pub fn scene<'py>(
     py: Python<'py>,
@@ -283,7 +304,7 @@ pub fn scene<'py>(
     frames: Option<u64>,
     coded: (&str, &str),
     part: Part<'_>,
-) -> PyResult<(Bound<'py, PyAny>, f64, bool)> {
+) -> PyResult<(Bound<'py, PyAny>, f64, bool, Vec<String>)> {
     let (range, transfer) = coded;
     let coding = Coding {
         range: match range {
@@ -318,6 +339,8 @@ pub fn scene<'py>(
             "ask for fewer frames",
         )
     })?;
+    let told = Warning::of_pictures(source.observation());
+    let told = told.iter().map(|one| in_python(&one.to_string())).collect();
     let (height, width) = kept.size().shape();
     let shape = [kept.len(), height, width];
     let all = 0..kept.len();
@@ -334,7 +357,7 @@ pub fn scene<'py>(
         let array: Bound<'py, PyArray3<u8>> = PyArray1::from_vec(py, bytes)
             .reshape(shape)
             .map_err(wrong)?;
-        return Ok((array.into_any(), fps, is_assumed));
+        return Ok((array.into_any(), fps, is_assumed, told));
     }
     let mut numbers = Vec::with_capacity(shape.iter().product());
     for n in all {
@@ -347,5 +370,5 @@ pub fn scene<'py>(
     let array: Bound<'py, PyArray3<f64>> = PyArray1::from_vec(py, numbers)
         .reshape(shape)
         .map_err(wrong)?;
-    Ok((array.into_any(), fps, is_assumed))
+    Ok((array.into_any(), fps, is_assumed, told))
 }

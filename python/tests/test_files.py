@@ -168,6 +168,34 @@ def test_a_clip_is_an_array(tmp_path: Path, frames: Frames) -> None:
     assert len(amacrine.load(frames=3)[0]) == 3
 
 
+def test_missing_pictures_and_repeats_are_said(tmp_path: Path) -> None:
+    for n in (1, 2, 3, 4, 7, 8):
+        picture = bytes([n * 20] * 12)
+        (tmp_path / f"f{n}.pgm").write_bytes(b"P5 4 3 255\n" + picture)
+    with pytest.warns(amacrine.Caution, match="by their numbers 2 pictures are missing"):
+        amacrine.load(tmp_path, fps=50)
+    clip = np.random.default_rng(1).integers(0, 255, (10, 1, 16, 16)).astype(np.uint8)
+    twice = np.repeat(clip[:, 0], 2, axis=0)
+    header = b"YUV4MPEG2 W16 H16 F10:1 Cmono\n"
+    frames = b"".join(b"FRAME\n" + frame.tobytes() for frame in twice)
+    (tmp_path / "twice.y4m").write_bytes(header + frames)
+    with pytest.warns(amacrine.Caution, match="10 of 20 frames are the frame before once more"):
+        amacrine.load(tmp_path / "twice.y4m")
+    with pytest.warns(amacrine.Caution, match="10 of 20 frames are the frame before once more"):
+        amacrine.Sensor("dvs", 20.0).events(twice, 50)
+
+
+def test_colour_is_made_gray_as_the_program_does() -> None:
+    colour = np.random.default_rng(2).integers(0, 255, (2, 3, 4, 5)).astype(np.uint8)
+    with pytest.raises(amacrine.Error) as error:
+        amacrine.Sensor("dvs", 20.0).events(colour, 50)
+    told = str(error.value).split("such as ")[1]
+    gray = eval(told, {"frames": colour})
+    assert gray.shape == (2, 1, 4, 5)
+    want = np.einsum("tchw,c->thw", colour, [0.299, 0.587, 0.114])
+    np.testing.assert_allclose(gray[:, 0], want)
+
+
 def test_a_rate_that_is_assumed_is_said(tmp_path: Path, frames: Frames) -> None:
     np.save(tmp_path / "light.npy", frames)
     with pytest.warns(amacrine.Caution, match="240 frames per second are assumed.*fps="):

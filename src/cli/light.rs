@@ -56,7 +56,7 @@ enum Asked {
 
 #[derive(Clone, Copy, Debug, PartialEq, clap::ValueEnum)]
 enum Undo {
-    /// What the file says; else as coded
+    /// What the file says (mp4: colr or VUI; png: cICP, sRGB or gAMA); else as coded
     Auto,
     /// Nothing is undone, as in v2e and ESIM
     AsCoded,
@@ -187,6 +187,15 @@ pub fn line(observation: &Observation) -> String {
 
 /// A number in four digits, or in all of a whole one.
 fn brief(number: f64) -> String {
+    // -0 is 0.
+    let number = number + 0.0;
+    let size = number.abs();
+    if size != 0.0 && !(1e-6..1e12).contains(&size) && number.is_finite() {
+        let text = format!("{number:.3e}");
+        let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
+        let digits = digits.trim_end_matches('0').trim_end_matches('.');
+        return format!("{digits}e{power}");
+    }
     if number.fract() == 0.0 || !number.is_finite() {
         return number.to_string();
     }
@@ -240,6 +249,30 @@ impl<'a, T: Serialize> Shown<'a, T> {
         Self {
             answer,
             light: json(observation),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::brief;
+
+    #[test]
+    fn a_number_is_four_digits_or_whole() {
+        for (number, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (255.0, "255"),
+            (65_535.0, "65535"),
+            (0.123_456, "0.1235"),
+            (-12.5, "-12.5"),
+            (1e-5, "0.00001"),
+            (1e300, "1e300"),
+            (-1.2344e300, "-1.234e300"),
+            (1e-300, "1e-300"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(brief(number), text);
         }
     }
 }

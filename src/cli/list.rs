@@ -5,15 +5,17 @@ use std::path::Path;
 use clap::ValueEnum as _;
 use miette::miette;
 
+use super::patterns;
 use crate::{
     bundled::{self, File, Kind},
     isa::Device,
+    scene::pattern::PATTERNS,
 };
 
 /// What `list` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine list sensors\n  amacrine list sensors rgc-4 > mine.toml\n  amacrine run --scene bundled --sensor rgc-4\n\nWherever a file of one of these kinds is read, a name will do; a file of that name goes first."
+    after_help = "Examples:\n  amacrine list sensors\n  amacrine list sensors rgc-4 > mine.toml\n  amacrine list patterns bar\n  amacrine run --scene bundled --sensor rgc-4\n\nWherever a file of one of these kinds is read, a name will do; a file of that name goes first."
 )]
 pub struct Arguments {
     /// Of which kind
@@ -37,10 +39,12 @@ enum Of {
     Readouts,
     /// Chips: `exec PROGRAM --chip NAME`
     Chips,
+    /// Scenes that are drawn, and their parameters: `run --scene pattern:NAME`
+    Patterns,
 }
 
 impl Of {
-    /// The files; chips are folders.
+    /// The files; chips are folders, and patterns are none.
     const fn kind(self) -> Option<Kind> {
         match self {
             Self::Sensors => Some(Kind::Sensor),
@@ -48,12 +52,34 @@ impl Of {
             Self::Kernels => Some(Kind::Kernel),
             Self::Studies => Some(Kind::Study),
             Self::Readouts => Some(Kind::Readout),
-            Self::Chips => None,
+            Self::Chips | Self::Patterns => None,
         }
     }
 }
 
 impl Of {
+    /// The names of all.
+    fn names(self) -> Vec<&'static str> {
+        match (self, self.kind()) {
+            (_, Some(kind)) => bundled::all(kind).map(|file| file.name).collect(),
+            (Self::Patterns, None) => PATTERNS.iter().map(|(name, _)| *name).collect(),
+            (_, None) => Device::shipped().collect(),
+        }
+    }
+
+    /// The text of one; of chips, which are folders, that of its numbers.
+    fn text(self, name: &str) -> miette::Result<String> {
+        match (self, self.kind()) {
+            (_, Some(kind)) => { bundled::find(kind, name) }
+                .map(|file| file.text.to_owned())
+                .ok_or_else(|| nothing(kind, name)),
+            (Self::Patterns, None) => patterns::one(name),
+            (_, None) => { Device::shipped_text(name) }
+                .map(str::to_owned)
+                .ok_or_else(|| no_chip(name)),
+        }
+    }
+
     /// The word for one of them.
     fn one(self, plural: &str) -> Option<&str> {
         match self {
@@ -93,6 +119,7 @@ pub(super) fn of_another_kind(name: &str) -> Option<String> {
         }
         "study" => format!("computed by `amacrine sweep {name}`"),
         "readout" => format!("given as --readout {name}"),
+        "pattern" => format!("given as --scene pattern:{name}"),
         _ => format!("given as --chip {name}"),
     };
     Some(format!("{name} is a {kind}, {how}"))
@@ -130,16 +157,14 @@ pub(super) fn no_chip(name: &str) -> miette::Report {
 /// # Errors
 /// When there is nothing of this name.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let kind = arguments.of.kind();
-    let Some(name) = &arguments.name else {
-        let names: Vec<&str> = match kind {
-            Some(kind) => bundled::all(kind).map(|file| file.name).collect(),
-            None => Device::shipped().collect(),
-        };
-        super::say(&(names.join("\n") + "\n"));
-        return Ok(());
+    let of = arguments.of;
+    let text = match &arguments.name {
+        Some(name) => of.text(name)?,
+        None if of == Of::Patterns => patterns::all(),
+        None => of.names().join("\n") + "\n",
     };
-    say(kind, name)
+    super::say(&text);
+    Ok(())
 }
 
 /// The kind of thing that this word, singular or plural, stands for, and its plural.
@@ -160,7 +185,7 @@ pub(super) fn kind_with(name: &str) -> Option<String> {
         let plural = of.to_possible_value()?.get_name().to_owned();
         let is_there = match of.kind() {
             Some(kind) => bundled::find(kind, name).is_some(),
-            None => Device::shipped().any(|chip| chip == name),
+            None => of.names().contains(&name),
         };
         let one = of.one(&plural)?.to_owned();
         is_there.then_some(one)
@@ -185,24 +210,13 @@ pub(super) fn check_no_kind(word: &str) -> miette::Result<()> {
 /// When there is no such kind of thing, or nothing of this name.
 pub(super) fn show(of: &str, name: &str) -> miette::Result<()> {
     match kind_of(of) {
-        Some((found, _)) => say(found.kind(), name),
+        Some((found, _)) => {
+            super::say(&found.text(name)?);
+            Ok(())
+        }
         None => Err(miette!(
-            help = "give sensor, program, kernel, study, readout or chip before the name; or one event file, and -o PICTURE",
+            help = "give sensor, program, kernel, study, readout, chip or pattern before the name; or one event file, and -o PICTURE",
             "{of} {name}: {of} is no kind of thing that comes with the program"
         )),
     }
-}
-
-/// Prints the text of one; of chips, which are folders, that of its numbers.
-fn say(kind: Option<Kind>, name: &str) -> miette::Result<()> {
-    let text = match kind {
-        Some(kind) => {
-            bundled::find(kind, name)
-                .ok_or_else(|| nothing(kind, name))?
-                .text
-        }
-        None => Device::shipped_text(name).ok_or_else(|| no_chip(name))?,
-    };
-    super::say(text);
-    Ok(())
 }

@@ -47,7 +47,7 @@ use super::{
     after_help = "Example: amacrine run --scene bundled --sensor rgc --upsample 0.1 --events out/events.npy"
 )]
 pub struct Arguments {
-    /// A clip (.y4m, .mp4, .gif, .apng, a folder of .png), a .npy of shape (T,H,W), pattern:NAME?key=value, or bundled
+    /// A clip (.y4m, .mp4, .mov, .m4v, .gif, .apng), a folder of pictures (.png, .pgm, .ppm, .pnm) in the order of their numbers, one of them, a .npy of shape (T,H,W), pattern:NAME?key=value (`list patterns`), or bundled
     #[arg(long, alias = "image")]
     scene: Named,
     /// The sensor file, or a name that `amacrine list sensors` prints

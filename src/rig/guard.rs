@@ -15,7 +15,7 @@ use crate::{
     kernel::quantise::Erasure,
     photoreceptor::{Curve, Response},
     plane::Size,
-    scene::{Cut, Frame, Gap, Observation, Repeated, Samples},
+    scene::{Alias, Cut, Frame, Gap, Observation, Repeated, Samples, Unlike},
     sensor::Silence,
     unit::{Micros, counted},
 };
@@ -51,6 +51,10 @@ pub enum About {
     Repeats,
     /// Numbers are missing among those of pictures.
     Gap,
+    /// A pattern finer than pixels, or faster than frames.
+    Alias,
+    /// A clip that players show in another shape.
+    Shape,
     /// A frame rate that nobody said.
     AssumedRate,
     /// A clip that ends before all frames that were asked for.
@@ -87,6 +91,8 @@ impl About {
             Self::Cut => "cut",
             Self::Repeats => "repeats",
             Self::Gap => "gap",
+            Self::Alias => "alias",
+            Self::Shape => "shape",
             Self::AssumedRate => "assumed-rate",
             Self::Short => "short",
             Self::Window => "window",
@@ -260,9 +266,11 @@ impl Warning {
     #[must_use]
     pub fn most_cells(subject: &str, crowd: &Crowd) -> Self {
         let share = 100.0 * crowd.most as f64 / crowd.cells as f64;
+        // The first frame is what a memory begins with: cells fire in it only where there is none.
+        let frames = crowd.frames - u64::from(crowd.first == 0 && crowd.frames > 1);
         let seen = format!(
             "{} of {} cells ({share:.0} %) fire in frame {}, and more than half in {} of {} frames",
-            crowd.most, crowd.cells, crowd.frame, crowd.over, crowd.frames
+            crowd.most, crowd.cells, crowd.frame, crowd.over, frames
         );
         Self::new(
             About::MostCells,
@@ -416,7 +424,7 @@ impl Warning {
         let (dark, most) = match samples {
             Samples::Floats => (white / DARK, BEYOND * white),
             Samples::Integers => (1.0, BEYOND_WHOLE * white),
-            Samples::Video | Samples::Pictures | Samples::Drawn => return None,
+            _ => return None,
         };
         let is_dark = low >= 0.0 && high <= dark.max(1.0001) && high > 0.0;
         if high > most {
@@ -553,6 +561,54 @@ impl Warning {
         )
     }
 
+    /// A pattern that is seen as another, since it is finer than pixels or faster than frames.
+    #[must_use]
+    pub fn alias(alias: Alias) -> Self {
+        let (seen, why, change) = match alias {
+            Alias::Fine { grain } => (
+                format!("grain={grain}: its blobs are smaller than two pixels"),
+                "each pixel has the light at its centre, which flickers as they move",
+                "give grain=2 or more, or draw more pixels and show them as fewer (--resize)"
+                    .to_owned(),
+            ),
+            Alias::Shrunk { growth, pixels } => (
+                format!("growth={growth}: at the end {pixels:.1} pixels of the texture lie side by side in one"),
+                "each pixel has the light at its centre, which flickers as they move",
+                "give a growth nearer to 0, fewer frames or a coarser texture, or draw more pixels and show them as fewer (--resize)".to_owned(),
+            ),
+            Alias::Fast { frequency, fps } => {
+                let seen_as = (frequency - (frequency / fps).round() * fps).abs();
+                (
+                    format!("frequency={frequency} Hz at {fps} frames/s is seen as {seen_as} Hz"),
+                    "it goes up and down more often than every other frame",
+                    format!("give fps= of {} or more, or a lower frequency", 4.0 * frequency),
+                )
+            }
+        };
+        Self::new(About::Alias, "the scene", seen, why, change)
+    }
+
+    /// A clip that players show in another shape.
+    #[must_use]
+    pub fn shape(unlike: Unlike) -> Self {
+        match unlike {
+            Unlike::Pixels { width, height } => Self::new(
+                About::Shape,
+                "the scene",
+                format!("its pixels are {width} wide where they are {height} high"),
+                "here they are taken as square, so that the picture is narrower or wider than players show it, and what moves along rows has another speed",
+                "make them square first: ffmpeg -i CLIP -vf scale=iw*sar:ih,setsar=1 -pix_fmt gray clip.y4m",
+            ),
+            Unlike::Angle => Self::new(
+                About::Shape,
+                "the scene",
+                "players turn its pictures by an angle that is no quarter of a turn",
+                "here they are shown as they are stored",
+                "turn them first, such as by ffmpeg -i CLIP -vf rotate=PI/4 -pix_fmt gray clip.y4m",
+            ),
+        }
+    }
+
     /// A frame rate that neither the scene nor the caller said: for whoever shows no line with it;
     /// `key` is what says another.
     #[must_use]
@@ -589,12 +645,24 @@ impl Warning {
     pub fn of_scene(observation: &Observation, response: Response) -> Vec<Self> {
         let light = observation.light();
         let scale = light.and_then(|it| Self::scale(it.samples, observation.extent(), response));
+        { scale.into_iter() }
+            .chain(Self::of_pictures(observation))
+            .collect()
+    }
+
+    /// The same, without what depends on a sensor.
+    #[must_use]
+    pub fn of_pictures(observation: &Observation) -> Vec<Self> {
         let cuts = Self::cuts(&observation.cuts());
         let repeats = observation.repeated().and_then(Self::repeats);
         let gap = observation.gap().map(Self::gap);
-        { scale.into_iter().chain(cuts) }
+        let alias = observation.alias().map(Self::alias);
+        let shape = observation.unlike().map(Self::shape);
+        { cuts.into_iter() }
             .chain(repeats)
             .chain(gap)
+            .chain(alias)
+            .chain(shape)
             .collect()
     }
 }
@@ -627,6 +695,8 @@ pub struct Crowd {
     pub most: u64,
     /// Which one that is.
     pub frame: u64,
+    /// Those that fire in the first.
+    pub first: u64,
 }
 
 impl Crowd {
@@ -644,6 +714,9 @@ impl Crowd {
         if firing > self.most {
             self.most = firing;
             self.frame = self.frames;
+        }
+        if self.frames == 0 {
+            self.first = firing;
         }
         self.over += u64::from(2 * firing > self.cells);
         self.frames += 1;

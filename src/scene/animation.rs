@@ -15,6 +15,7 @@ use std::{
 use super::{
     Frame, OpenOptions, Outline, Scene, SceneError,
     canvas::{Area, Canvas, Delay, Disposal, Patch},
+    chunks,
     decoded::Source,
     gray::{self, Depth, Layout},
     light::{self, MemoryLimit},
@@ -37,9 +38,9 @@ trait Patches: Send {
     /// The unit of the delays, in seconds.
     fn unit(&self) -> f64;
 
-    /// Bits of a sample.
-    fn bits(&self) -> u32 {
-        8
+    /// What the file says about its samples.
+    fn source(&self) -> Source {
+        Source::pictures(8)
     }
 
     /// The next patch.
@@ -184,7 +185,7 @@ impl Animation {
             1 => Rate::asked_or_assumed(asked),
             _ => Rate::asked_or_found(asked, found, path)?,
         };
-        let (size, source) = (patches.size(), Source::pictures(patches.bits()));
+        let (size, source) = (patches.size(), patches.source());
         let animation = Self {
             path: path.into(),
             patches,
@@ -357,12 +358,14 @@ impl<R: BufRead + Seek + Send> Patches for Apng<R> {
     fn unit(&self) -> f64 {
         0.001
     }
-    fn bits(&self) -> u32 {
-        match self.reader.info().bit_depth {
+    fn source(&self) -> Source {
+        let info = self.reader.info();
+        let bits = match info.bit_depth {
             png::BitDepth::Sixteen => 16,
             // Fewer are spread over the eight.
             _ => 8,
-        }
+        };
+        chunks::source(bits, info)
     }
     fn next_patch(&mut self) -> Result<Option<Patch>, Cause> {
         if self.left == 0 {

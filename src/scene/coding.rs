@@ -32,6 +32,12 @@ pub enum Transfer {
     Srgb,
     /// What cameras do by ITU-R BT.709; BT.601 and BT.2020 have the same curve.
     Bt709,
+    /// A power of 2.2: analogue video of 525 lines, and PNGs of gamma 0.45455.
+    Gamma22,
+    /// A power of 2.8: analogue video of 625 lines.
+    Gamma28,
+    /// SMPTE ST 240, early video of high definition.
+    Smpte240m,
 }
 
 impl Range {
@@ -54,6 +60,9 @@ impl Transfer {
             Self::Linear => "linear",
             Self::Srgb => "srgb",
             Self::Bt709 => "bt709",
+            Self::Gamma22 => "gamma22",
+            Self::Gamma28 => "gamma28",
+            Self::Smpte240m => "smpte240m",
         }
     }
 
@@ -67,6 +76,10 @@ impl Transfer {
             Self::Srgb => 255.0 * elementary::pow((v + 0.055) / 1.055, 2.4),
             Self::Bt709 if v < 0.081 => value / 4.5,
             Self::Bt709 => 255.0 * elementary::pow((v + 0.099) / 1.099, 1.0 / 0.45),
+            Self::Gamma22 => 255.0 * elementary::pow(v, 2.2),
+            Self::Gamma28 => 255.0 * elementary::pow(v, 2.8),
+            Self::Smpte240m if v < 0.0912 => value / 4.0,
+            Self::Smpte240m => 255.0 * elementary::pow((v + 0.1115) / 1.1115, 1.0 / 0.45),
         }
     }
 
@@ -81,6 +94,10 @@ impl Transfer {
             Self::Srgb => 255.0 * (1.055 * elementary::pow(l, 1.0 / 2.4) - 0.055),
             Self::Bt709 if l < 0.018 => light * 4.5,
             Self::Bt709 => 255.0 * (1.099 * elementary::pow(l, 0.45) - 0.099),
+            Self::Gamma22 => 255.0 * elementary::pow(l, 1.0 / 2.2),
+            Self::Gamma28 => 255.0 * elementary::pow(l, 1.0 / 2.8),
+            Self::Smpte240m if l < 0.0228 => light * 4.0,
+            Self::Smpte240m => 255.0 * (1.1115 * elementary::pow(l, 0.45) - 0.1115),
         }
     }
 }
@@ -119,10 +136,13 @@ impl Coding {
                 ..
             } => "--range limited".to_owned(),
             Self {
-                transfer: Some(transfer @ (Transfer::Srgb | Transfer::Bt709)),
+                transfer: None | Some(Transfer::AsCoded | Transfer::Linear),
+                ..
+            } => return Ok(()),
+            Self {
+                transfer: Some(transfer),
                 ..
             } => format!("--transfer {}", transfer.name()),
-            _ => return Ok(()),
         };
         Err(SceneError::Coding {
             path: PathBuf::from(spec),
@@ -156,8 +176,18 @@ pub enum Samples {
     Integers,
     /// Real numbers of an array.
     Floats,
+    /// A picture that a pattern moves.
+    Moved,
     /// A pattern, or what a program made: light from the start.
     Drawn,
+}
+
+impl Samples {
+    /// Whether a pattern made the frames, so that nothing was cut or filmed.
+    #[must_use]
+    pub const fn are_of_a_pattern(self) -> bool {
+        matches!(self, Self::Moved | Self::Drawn)
+    }
 }
 
 /// How samples became light, and who said so.
@@ -175,6 +205,9 @@ pub struct Light {
     pub transfer_from: Origin,
     /// The transfer that the file states, whether it was undone or not.
     pub stated_transfer: Option<Transfer>,
+    /// A transfer that the file states and that nothing here undoes: what it is called.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_undone: Option<&'static str>,
     /// What the numbers of an array were multiplied by.
     pub scale: f64,
 }
@@ -188,6 +221,7 @@ impl Light {
         transfer: Transfer::Linear,
         transfer_from: Origin::Assumed,
         stated_transfer: None,
+        not_undone: None,
         scale: 1.0,
     };
 
@@ -226,6 +260,9 @@ impl fmt::Display for Light {
                 f,
                 "limited range ({who}) expanded to 0..255, foot- and headroom clipped"
             )?,
+            (Some(Range::Full), Samples::Integers) => {
+                f.write_str("full range (as asked) of 16 bits: 65535 is 255")?;
+            }
             (_, Samples::Integers | Samples::Floats) => f.write_str("numbers as given")?,
             _ => write!(f, "full range ({who})")?,
         }
@@ -237,8 +274,14 @@ impl fmt::Display for Light {
             Transfer::Linear => "linear",
             Transfer::Srgb => "srgb undone",
             Transfer::Bt709 => "bt709 undone",
+            Transfer::Gamma22 => "gamma22 undone",
+            Transfer::Gamma28 => "gamma28 undone",
+            Transfer::Smpte240m => "smpte240m undone",
         };
         write!(f, ", transfer {name}")?;
+        if let Some(stated) = self.not_undone {
+            return write!(f, " (the file says {stated}, which is not undone)");
+        }
         match (self.stated_transfer, self.transfer_from) {
             (Some(stated), _) if stated != self.transfer => write!(
                 f,
@@ -257,11 +300,14 @@ mod tests {
 
     use super::*;
 
-    const ALL: [Transfer; 4] = [
+    const ALL: [Transfer; 7] = [
         Transfer::AsCoded,
         Transfer::Linear,
         Transfer::Srgb,
         Transfer::Bt709,
+        Transfer::Gamma22,
+        Transfer::Gamma28,
+        Transfer::Smpte240m,
     ];
 
     #[test]
@@ -283,6 +329,12 @@ mod tests {
         // BT.709: 0.5 codes 0.2597 (the power of its upper piece).
         assert!((Transfer::Bt709.light(127.5) / 255.0 - 0.259_589).abs() < 1e-5);
         assert!((Transfer::Bt709.light(9.0) - 2.0).abs() < 1e-15);
+        // Half of the code: 0.5 to the power of 2.2 and of 2.8.
+        assert!((Transfer::Gamma22.light(127.5) / 255.0 - 0.217_638).abs() < 1e-6);
+        assert!((Transfer::Gamma28.light(127.5) / 255.0 - 0.143_587).abs() < 1e-6);
+        // SMPTE 240M: 0.5 codes ((0.5 + 0.1115) / 1.1115)^(1 / 0.45).
+        assert!((Transfer::Smpte240m.light(127.5) / 255.0 - 0.265_036).abs() < 1e-6);
+        assert!((Transfer::Smpte240m.light(8.0) - 2.0).abs() < 1e-15);
     }
 
     proptest! {

@@ -14,12 +14,16 @@ pub(super) struct Source {
     /// Black and white of limited range in the unit in which the reader gives light; none for
     /// numbers that cannot have it.
     pub limits: Option<(f64, f64)>,
+    /// White of full range in that unit, where it is not 255: of whole numbers of 16 bits.
+    pub white: Option<f64>,
     /// The range that the file states.
     pub range: Option<Range>,
     /// The range of its kind where it states none.
     pub usual: Range,
     /// The transfer that the file states.
     pub transfer: Option<Transfer>,
+    /// What the transfer that it states is called, where nothing undoes it.
+    pub not_undone: Option<&'static str>,
 }
 
 impl Source {
@@ -28,9 +32,38 @@ impl Source {
         Self {
             samples: Samples::Video,
             limits: Some(limits(bits, 255.0 / largest(bits))),
+            white: None,
             range: None,
             usual,
             transfer: None,
+            not_undone: None,
+        }
+    }
+
+    /// The same, of a file that states a transfer by its number of ITU-T H.273, table 3.
+    pub fn stating(self, number: Option<u8>) -> Self {
+        let not_undone = |name| (None, Some(name));
+        let (transfer, not_undone) = match number {
+            // BT.709, BT.601 and BT.2020 in 10 and 12 bits; xvYCC and BT.1361, which have this
+            // curve from black to white.
+            Some(1 | 6 | 11 | 12 | 14 | 15) => (Some(Transfer::Bt709), None),
+            Some(4) => (Some(Transfer::Gamma22), None),
+            Some(5) => (Some(Transfer::Gamma28), None),
+            Some(7) => (Some(Transfer::Smpte240m), None),
+            Some(8) => (Some(Transfer::Linear), None),
+            Some(9 | 10) => not_undone("a logarithm"),
+            Some(13) => (Some(Transfer::Srgb), None),
+            Some(16) => not_undone("PQ"),
+            Some(17) => not_undone("SMPTE ST 428-1"),
+            Some(18) => not_undone("HLG"),
+            // 2: not known to whoever wrote the file.
+            None | Some(0 | 2) => (None, None),
+            Some(_) => not_undone("a transfer without a name"),
+        };
+        Self {
+            transfer,
+            not_undone,
+            ..self
         }
     }
 
@@ -47,6 +80,7 @@ impl Source {
         Self {
             samples: Samples::Integers,
             limits: bits.map(|bits| limits(bits, 1.0)),
+            white: bits.filter(|bits| *bits > 8).map(largest),
             ..Self::video(8, Range::Full)
         }
     }
@@ -84,6 +118,8 @@ impl Source {
             (None, Some(transfer)) => (transfer, Origin::File),
             _ => (Transfer::AsCoded, Origin::Assumed),
         };
+        // Numbers are as given unless their range is asked for.
+        let is_full = asked.range == Some(Range::Full) && self.white.is_some();
         let is_array = matches!(self.samples, Samples::Integers | Samples::Floats);
         if let Some(scale) = asked.scale {
             if !is_array {
@@ -101,11 +137,12 @@ impl Source {
         }
         Ok(Light {
             samples: self.samples,
-            range: (!is_array || range == Range::Limited).then_some(range),
+            range: (!is_array || range == Range::Limited || is_full).then_some(range),
             range_from,
             transfer,
             transfer_from,
             stated_transfer: self.transfer,
+            not_undone: self.not_undone,
             scale: asked.scale.unwrap_or(1.0),
         })
     }
@@ -117,14 +154,39 @@ impl Source {
         path: &Path,
         options: &OpenOptions,
     ) -> Result<Box<dyn Scene + 'a>, SceneError> {
+        Ok(Box::new(self.decoder(scene, path, options)?))
+    }
+
+    /// One picture with its samples as light, and what became of them.
+    pub fn decode_one(
+        self,
+        mut image: Image,
+        path: &Path,
+        options: &OpenOptions,
+    ) -> Result<(Image, Light), SceneError> {
+        let mut decoder = self.decoder((), path, options)?;
+        decoder.decode(&mut image);
+        Ok((image, decoder.light))
+    }
+
+    fn decoder<S>(
+        self,
+        scene: S,
+        path: &Path,
+        options: &OpenOptions,
+    ) -> Result<Decoded<S>, SceneError> {
         let light = self.light(path, options)?;
-        let limits = self.limits.filter(|_| light.range == Some(Range::Limited));
-        Ok(Box::new(Decoded {
+        let limits = match light.range {
+            Some(Range::Limited) => self.limits,
+            Some(Range::Full) => self.white.map(|white| (0.0, white)),
+            None => None,
+        };
+        Ok(Decoded {
             scene,
             light,
             limits,
             levels: None,
-        }))
+        })
     }
 }
 
@@ -143,7 +205,7 @@ fn limits(bits: u32, unit: f64) -> (f64, f64) {
 struct Decoded<S> {
     scene: S,
     light: Light,
-    /// Black and white, where the range is limited.
+    /// Black and white, where they are not 0 and 255.
     limits: Option<(f64, f64)>,
     /// The levels that came last, and what becomes of them.
     levels: Option<(Levels, Levels)>,
@@ -155,7 +217,8 @@ impl<S> Decoded<S> {
             scale, transfer, ..
         } = self.light;
         let limits = self.limits;
-        let codes = matches!(transfer, Transfer::Srgb | Transfer::Bt709).then_some(transfer);
+        let codes =
+            { Some(transfer) }.filter(|t| !matches!(t, Transfer::AsCoded | Transfer::Linear));
         if limits.is_none() && scale == 1.0 && codes.is_none() {
             return;
         }

@@ -93,9 +93,7 @@ pub enum SceneError {
 
     /// Video of half frames.
     #[error("{path}: interlaced video (I{got}): its lines are from two moments")]
-    #[diagnostic(help(
-        "take the lines apart first: ffmpeg -i FILE -vf yadif -pix_fmt gray clip.y4m"
-    ))]
+    #[diagnostic(help("{}", apart(got)))]
     Interlaced {
         /// The file or folder of the scene.
         path: PathBuf,
@@ -284,6 +282,21 @@ pub enum SceneError {
         got: u64,
         /// Bytes of a whole frame.
         want: u64,
+    },
+
+    /// A PNM with something behind its picture.
+    #[error(
+        "{path}: behind its picture there {}",
+        if *is_another { "is another picture" } else { "are bytes that are no part of it" }
+    )]
+    #[diagnostic(help(
+        "one file is one picture: a folder of them is a clip (mkdir FRAMES; ffmpeg -f pgm_pipe -i FILE FRAMES/%06d.png); where it has one alone, write it anew"
+    ))]
+    Behind {
+        /// The file.
+        path: PathBuf,
+        /// Whether that is another picture.
+        is_another: bool,
     },
 
     /// Something else where a y4m frame should begin.
@@ -626,4 +639,13 @@ fn kind(path: &Path) -> String {
 fn join(shape: &[u64]) -> String {
     let words: Vec<_> = shape.iter().map(u64::to_string).collect();
     words.join(", ")
+}
+
+/// How the lines of interlaced video are taken apart.
+fn apart(got: &str) -> &'static str {
+    if got == "m" {
+        "ffmpeg reads no y4m of mixed frames: take the lines apart in the video that it was made from, ffmpeg -i VIDEO -vf yadif -pix_fmt gray clip.y4m"
+    } else {
+        "take the lines apart first: ffmpeg -i FILE -vf yadif -pix_fmt gray clip.y4m"
+    }
 }

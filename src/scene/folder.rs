@@ -35,7 +35,7 @@ struct Folder {
     gap: Option<Gap>,
 }
 
-/// Opens a folder. The bits of a sample are those of the first picture.
+/// Opens a folder. What is said about its samples is what the first picture says.
 pub(super) fn open(
     path: &Path,
     options: OpenOptions,
@@ -61,12 +61,7 @@ pub(super) fn open(
         }
         pictures.extend(entry.file_name().map(OsStr::to_owned));
     }
-    pictures.order_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
-    let numbers: Option<Vec<u64>> = pictures
-        .iter()
-        .map(|name| number(&name.to_string_lossy()))
-        .collect();
-    let gap = numbers.and_then(|numbers| Gap::find(&numbers));
+    let gap = put_in_order(&mut pictures);
     let room = MemoryLimit::new(options);
     let mut left = VecDeque::from(pictures);
     let count = left.len() as u64;
@@ -76,7 +71,7 @@ pub(super) fn open(
             missing: "picture",
         });
     };
-    let (light, bits) = still::read_with_bits(&path.join(first), 0, room)?;
+    let (light, source) = still::read_with_source(&path.join(first), 0, room)?;
     let folder = Folder {
         path: path.into(),
         room,
@@ -92,7 +87,7 @@ pub(super) fn open(
         rate: Rate::asked_or_assumed(options.fps),
         gap,
     };
-    Ok((folder, Source::pictures(bits)))
+    Ok((folder, source))
 }
 
 impl Scene for Folder {
@@ -145,9 +140,59 @@ fn stated_rate(path: &Path) -> Option<f64> {
     check_rate(fps).is_ok().then_some(fps)
 }
 
+/// Puts pictures in their order; what is missing among their numbers.
+fn put_in_order(pictures: &mut [OsString]) -> Option<Gap> {
+    let names = pictures.iter().map(|name| name.to_string_lossy());
+    if are_decimal(&names.collect::<Vec<_>>()) {
+        // Times, which need not be evenly spaced.
+        pictures.order_by(|a, b| decimal(&a.to_string_lossy(), &b.to_string_lossy()));
+        return None;
+    }
+    pictures.order_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
+    let numbers: Option<Vec<u64>> = pictures
+        .iter()
+        .map(|name| number(&name.to_string_lossy()))
+        .collect();
+    numbers.and_then(|numbers| Gap::find(&numbers))
+}
+
+/// A name before its ending.
+fn stem(name: &str) -> &str {
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}
+
+/// The digits before and behind the point of a name that is a decimal number: `0.15.png`.
+fn parts(name: &str) -> Option<(&str, &str)> {
+    let are_digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    let (whole, part) = stem(name).split_once('.')?;
+    (are_digits(whole) && are_digits(part)).then_some((whole, part))
+}
+
+/// Whether all names are decimal numbers, as 0.0, 0.05, 0.1, and not counted in two parts, as 1.9,
+/// 1.10: a decimal of so many digits as it needs does not end in 0.
+fn are_decimal(names: &[impl AsRef<str>]) -> bool {
+    let parts: Option<Vec<_>> = names.iter().map(|name| parts(name.as_ref())).collect();
+    parts.is_some_and(|parts| {
+        let digits = parts.first().map(|(_, part)| part.len());
+        let are_even = parts.iter().all(|(_, part)| Some(part.len()) == digits);
+        are_even || !{ parts.iter() }.any(|(_, part)| part.len() > 1 && part.ends_with('0'))
+    })
+}
+
+/// By their values; names of one value as text.
+fn decimal(a: &str, b: &str) -> Ordering {
+    let value = |name| {
+        let (whole, part) = parts(name)?;
+        let whole = whole.trim_start_matches('0');
+        // Behind the point, text order is the order of values.
+        Some((whole.len(), whole, part.trim_end_matches('0')))
+    };
+    value(a).cmp(&value(b)).then_with(|| a.cmp(b))
+}
+
 /// The number of a picture: the last digits of its name before its ending.
 fn number(name: &str) -> Option<u64> {
-    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    let stem = stem(name);
     let end = stem.trim_end_matches(|c: char| !c.is_ascii_digit());
     let start = end.trim_end_matches(|c: char| c.is_ascii_digit()).len();
     end[start..].parse().ok()
@@ -223,6 +268,37 @@ mod tests {
                 "g"
             ]
         );
+    }
+
+    #[test]
+    fn decimals_go_by_their_values() {
+        let order = |names: &[&str]| {
+            let mut names: Vec<OsString> = names.iter().map(OsString::from).collect();
+            put_in_order(&mut names);
+            let names = names.iter().map(|name| name.to_string_lossy().into_owned());
+            names.collect::<Vec<_>>()
+        };
+        let times = [
+            "0.0.png",
+            "0.05.png",
+            "0.1.png",
+            "0.15.png",
+            "0.15000000000000002.png",
+            "0.2.png",
+            "0.25.png",
+            "1.0.png",
+            "1.05.png",
+            "10.0.png",
+        ];
+        let mut turned = times;
+        turned.reverse();
+        assert_eq!(order(&turned), times);
+        assert_eq!(order(&["1.50.png", "1.05.png"]), ["1.05.png", "1.50.png"]);
+        // Part and number, and names with anything else.
+        let counted = ["1.1.png", "1.2.png", "1.9.png", "1.10.png", "1.11.png"];
+        assert_eq!(order(&counted), counted);
+        let mixed = ["0.5.png", "0.10.png", "f.png"];
+        assert_eq!(order(&mixed), mixed);
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! A frame, and the trait of all sources of frames.
 
-use super::{coding::Light, error::SceneError, image::Image, light, rate::Rate};
+use super::{
+    alias::Alias, coding::Light, error::SceneError, image::Image, light, rate::Rate, unlike::Unlike,
+};
 use crate::plane::Size;
 
 /// One picture of a scene.
@@ -66,6 +68,10 @@ pub struct Outline {
     pub coding: Light,
     /// Numbers that are missing among those of its pictures; none where there are none to miss.
     pub gap: Option<Gap>,
+    /// What a pattern draws finer than pixels or faster than frames.
+    pub alias: Option<Alias>,
+    /// How players show it otherwise.
+    pub unlike: Option<Unlike>,
     /// The most bytes that the source holds while frames are taken from it, the frame that it gives
     /// included.
     pub bytes: u128,
@@ -83,6 +89,8 @@ impl Outline {
             frames: None,
             coding: Light::DRAWN,
             gap: None,
+            alias: None,
+            unlike: None,
             bytes: light::PIXEL_BYTES_HELD * size.pixels() as u128,
         }
     }

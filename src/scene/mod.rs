@@ -23,9 +23,11 @@
 //! pixels. Colour becomes gray by Rec. 601 (0.299 R + 0.587 G +
 //! 0.114 B, the weights of video luma and of `OpenCV`), not rounded.
 
+mod alias;
 mod animation;
 mod bundled;
 mod canvas;
+mod chunks;
 mod coding;
 mod crop;
 mod cropped;
@@ -42,6 +44,7 @@ mod npy;
 mod observed;
 mod open;
 mod options;
+mod pgm;
 mod rate;
 mod repeats;
 mod resized;
@@ -50,6 +53,7 @@ mod slice;
 mod sliced;
 mod spacing;
 mod still;
+mod unlike;
 mod view;
 mod y4m;
 
@@ -60,6 +64,7 @@ pub mod pattern;
 pub mod resample;
 pub mod upsample;
 
+pub use alias::Alias;
 pub use bundled::{bundled, bundled_with};
 pub use coding::{Coding, Light, Origin, Range, Samples, Transfer};
 pub use crop::Crop;
@@ -77,4 +82,5 @@ pub use resized::Resized;
 pub use shown::shown;
 pub use slice::{Moment, Slice};
 pub use sliced::Sliced;
+pub use unlike::Unlike;
 pub use view::View;

@@ -4,7 +4,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{
-    Frame, Gap, Light, Outline, Samples, Scene, SceneError,
+    Alias, Frame, Gap, Light, Outline, Scene, SceneError, Unlike,
     cut::{Cut, Cuts},
     repeats::{Repeated, Repeats},
 };
@@ -19,6 +19,8 @@ struct Seen {
     light: Option<Light>,
     assumed_fps: Option<f64>,
     gap: Option<Gap>,
+    alias: Option<Alias>,
+    unlike: Option<Unlike>,
     frames: u64,
     extent: Option<(f64, f64)>,
     cuts: Cuts,
@@ -34,6 +36,11 @@ impl Observation {
 
     fn seen(&self) -> MutexGuard<'_, Seen> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Sees a frame, the next one of its scene.
+    pub fn see(&self, frame: &Frame) {
+        self.seen().see(frame);
     }
 
     /// How samples became light; none before a scene is watched.
@@ -53,6 +60,18 @@ impl Observation {
     #[must_use]
     pub fn gap(&self) -> Option<Gap> {
         self.seen().gap
+    }
+
+    /// What a pattern draws finer than pixels or faster than frames.
+    #[must_use]
+    pub fn alias(&self) -> Option<Alias> {
+        self.seen().alias
+    }
+
+    /// How players show it otherwise.
+    #[must_use]
+    pub fn unlike(&self) -> Option<Unlike> {
+        self.seen().unlike
     }
 
     /// Frames that were seen.
@@ -90,7 +109,7 @@ impl Seen {
         let (low, high) = self.extent.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
         let ends = frame.light.extent();
         self.extent = Some(ends.map_or((low, high), |(a, b)| (low.min(a), high.max(b))));
-        if self.light.is_none_or(|l| l.samples != Samples::Drawn) {
+        if self.light.is_none_or(|l| !l.samples.are_of_a_pattern()) {
             self.cuts.see(&frame.light, frame.seconds);
             self.repeats.see(&frame.light);
         }
@@ -111,6 +130,8 @@ impl<S: Scene> Observed<S> {
         let mut seen = observation.seen();
         seen.light = Some(outline.coding);
         seen.gap = outline.gap;
+        seen.alias = outline.alias;
+        seen.unlike = outline.unlike;
         seen.assumed_fps =
             (outline.fps_is_assumed && outline.frames != Some(1)).then_some(outline.fps);
         drop(seen);
@@ -129,7 +150,7 @@ impl<S: Scene> Scene for Observed<S> {
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
         let next = self.scene.next_frame()?;
         if let Some(frame) = &next {
-            self.observation.seen().see(frame);
+            self.observation.see(frame);
         }
         Ok(next)
     }

@@ -34,7 +34,6 @@ fn whole(spec: &str, options: &OpenOptions) -> Result<Box<dyn Scene>, SceneError
     let asked = options.fps;
     asked.map(check_rate).transpose()?;
     if let Some(pattern) = spec.strip_prefix("pattern:") {
-        options.coding.check_drawn(spec)?;
         return Ok(Box::new(Pattern::with_options(pattern, *options)?));
     }
     let path = Path::new(spec);

@@ -9,10 +9,11 @@ use std::{
 use image::{ImageDecoder, ImageFormat, ImageReader};
 
 use super::{
-    Frame, Image, Levels, OpenOptions, Outline, Scene, SceneError,
+    Frame, Image, Levels, OpenOptions, Outline, Scene, SceneError, chunks,
     decoded::Source,
     gray::{self, Depth, Layout},
     light::{self, MemoryLimit},
+    pgm,
     rate::Rate,
 };
 use crate::plane::Size;
@@ -29,13 +30,13 @@ pub(super) fn open(
     path: &Path,
     options: OpenOptions,
 ) -> Result<(impl Scene + use<>, Source), SceneError> {
-    let (light, bits) = read_with_bits(path, 0, MemoryLimit::new(options))?;
+    let (light, source) = read_with_source(path, 0, MemoryLimit::new(options))?;
     let still = Still {
         size: light.size(),
         light: Some(light),
         rate: Rate::asked_or_assumed(options.fps),
     };
-    Ok((still, Source::pictures(bits)))
+    Ok((still, source))
 }
 
 impl Scene for Still {
@@ -66,18 +67,51 @@ pub(super) fn read(path: &Path, frame: u64, room: MemoryLimit) -> Result<Image, 
     Ok(read_with_bits(path, frame, room)?.0)
 }
 
-/// The same, and the bits of a sample.
-pub(super) fn read_with_bits(
+/// The same, and what the file says about its samples.
+pub(super) fn read_with_source(
     path: &Path,
     frame: u64,
     room: MemoryLimit,
-) -> Result<(Image, u32), SceneError> {
-    let file = light::open_file(path)?;
-    let reader = ImageReader::new(file)
+) -> Result<(Image, Source), SceneError> {
+    let (image, bits, format) = read_with_bits(path, frame, room)?;
+    if format != ImageFormat::Png {
+        return Ok((image, Source::pictures(bits)));
+    }
+    match png::Decoder::new(light::open_file(path)?).read_info() {
+        Ok(reader) => Ok((image, chunks::source(bits, reader.info()))),
+        Err(cause) => Err(SceneError::Picture {
+            path: path.into(),
+            frame,
+            cause: cause.into(),
+        }),
+    }
+}
+
+/// The same, with the bits of a sample and the format.
+fn read_with_bits(
+    path: &Path,
+    frame: u64,
+    room: MemoryLimit,
+) -> Result<(Image, u32, ImageFormat), SceneError> {
+    let mut file = light::open_file(path)?;
+    let start = file.fill_buf();
+    let start = start.map_err(|cause| SceneError::unreadable(path, cause))?;
+    if matches!(start, [b'P', b'5', space, ..] if space.is_ascii_whitespace()) {
+        let (image, bits) = pgm::read(&mut file, path, frame, room)?;
+        pgm::check_end(&mut file, path)?;
+        return Ok((image, bits, ImageFormat::Pnm));
+    }
+    let reader = ImageReader::new(&mut file)
         .with_guessed_format()
         .map_err(|cause| SceneError::unreadable(path, cause))?;
     match reader.format() {
-        Some(ImageFormat::Png | ImageFormat::Pnm) => decode(reader, path, frame, room),
+        Some(format @ (ImageFormat::Png | ImageFormat::Pnm)) => {
+            let (image, bits) = decode(reader, path, frame, room)?;
+            if format == ImageFormat::Pnm {
+                pgm::check_end(&mut file, path)?;
+            }
+            Ok((image, bits, format))
+        }
         Some(_) | None => Err(SceneError::Picture {
             path: path.into(),
             frame,

@@ -12,7 +12,7 @@ use std::{
 
 use super::{
     Frame, Image, Levels, OpenOptions, Outline, Range, Scene, SceneError, decoded::Source, light,
-    light::MemoryLimit, rate::Rate,
+    light::MemoryLimit, rate::Rate, unlike::Unlike,
 };
 use crate::plane::Size;
 
@@ -29,6 +29,7 @@ pub(super) struct Y4m<R> {
     size: Size,
     samples: Samples,
     source: Source,
+    unlike: Option<Unlike>,
     rate: Rate,
     frames: Option<u64>,
     next: u64,
@@ -124,6 +125,7 @@ impl<R: BufRead + Send> Y4m<R> {
             rate,
             frames,
             next: 0,
+            unlike: fields.unlike,
             levels: Levels::of_bits(samples.bits),
             others: Vec::new(),
         })
@@ -134,6 +136,7 @@ impl<R: BufRead + Send> Scene for Y4m<R> {
     fn outline(&self) -> Outline {
         Outline {
             frames: self.frames,
+            unlike: self.unlike,
             ..Outline::new(self.size, self.rate.fps)
         }
     }
@@ -155,6 +158,14 @@ impl<R: BufRead + Send> Scene for Y4m<R> {
             Line::Nothing => return Ok(None),
             Line::Whole(text) if text == "FRAME" || text.starts_with("FRAME ") => {}
             Line::Whole(text) => return Err(no_frame(text.chars().take(20).collect())),
+            Line::Broken(text) if "FRAME".starts_with(&text) || text.starts_with("FRAME ") => {
+                return Err(SceneError::Truncated {
+                    path: self.path.clone(),
+                    frame: index,
+                    got: 0,
+                    want: self.samples.frame,
+                });
+            }
             Line::Broken(text) => return Err(no_frame(text)),
         }
         // Reading through `take` allocates what is there, not what the header claims.
@@ -208,6 +219,8 @@ struct Fields {
     colour: String,
     /// Of the field that ffmpeg writes.
     range: Option<Range>,
+    /// Of pixels that are not square.
+    unlike: Option<Unlike>,
 }
 
 impl Fields {
@@ -224,6 +237,7 @@ impl Fields {
             other => return Err(bad("first word", other.unwrap_or(""), "YUV4MPEG2")),
         }
         let (mut width, mut height, mut fps, mut range) = (None, None, None, None);
+        let mut unlike = None;
         // What the format means when the field is missing.
         let mut colour = "420jpeg".to_owned();
         for word in words {
@@ -254,8 +268,9 @@ impl Fields {
                         other => return Err(bad("X", other, "COLORRANGE=FULL or LIMITED")),
                     });
                 }
-                // The shape of a pixel, and comments: nothing that changes light.
-                'A' | 'X' => {}
+                'A' => unlike = shape(value),
+                // Comments.
+                'X' => {}
                 _ => return Err(bad("(unknown)", word, "one of W H F I A C X")),
             }
         }
@@ -265,6 +280,7 @@ impl Fields {
             fps,
             colour,
             range,
+            unlike,
         })
     }
 }
@@ -278,6 +294,12 @@ fn ratio(text: &str) -> Option<f64> {
     let (a, b) = text.split_once(':')?;
     let (a, b): (u64, u64) = (a.parse().ok()?, b.parse().ok()?);
     Some(a as f64 / b as f64)
+}
+
+/// `a:b` as the shape of a pixel, where that is no square; `0:0` means "unknown".
+fn shape(text: &str) -> Option<Unlike> {
+    let (a, b) = text.split_once(':')?;
+    Unlike::pixels(a.parse().ok()?, b.parse().ok()?)
 }
 
 /// The sample layout of a colour space; `None` where it is not known.

@@ -33,6 +33,7 @@ use crate::{
         options::OpenOptions,
         rate::Rate,
         spacing,
+        unlike::Unlike,
     },
 };
 
@@ -56,6 +57,7 @@ pub(super) struct H264 {
     /// Bits of a sample, once a picture was decoded, and what samples stand for.
     depth: Option<(u8, Levels)>,
     turn: Turn,
+    unlike: Option<Unlike>,
     /// Length of the size field before each NAL unit, in bytes.
     length_bytes: usize,
     /// Decoded luma planes not yet given, in the order in which they are shown.
@@ -134,6 +136,7 @@ impl H264 {
             colour,
             depth: None,
             turn: track.turn,
+            unlike: track.unlike,
             length_bytes: track.length_bytes,
             ready: VecDeque::new(),
             flushed: false,
@@ -270,6 +273,7 @@ impl Scene for H264 {
         let light = light::PIXEL_BYTES_HELD * self.size.pixels() as u128;
         Outline {
             frames: Some(self.count),
+            unlike: self.unlike,
             bytes: self.held + light + self.samples.len() as u128 * size_of::<Sample>() as u128,
             ..Outline::at(self.rate, self.size)
         }

@@ -1,9 +1,6 @@
 //! What a clip says about range and transfer: the box `colr`, else the VUI of its H.264.
 
-use crate::scene::{
-    coding::{Range, Transfer},
-    decoded::Source,
-};
+use crate::scene::{coding::Range, decoded::Source};
 
 /// Range and transfer, as far as they are stated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,14 +43,7 @@ impl Colour {
         let range = |is_full| if is_full { Range::Full } else { Range::Limited };
         Source {
             range: self.is_full.map(range),
-            transfer: match self.transfer {
-                // BT.709, BT.601 and BT.2020 in 10 and 12 bits.
-                Some(1 | 6 | 14 | 15) => Some(Transfer::Bt709),
-                Some(8) => Some(Transfer::Linear),
-                Some(13) => Some(Transfer::Srgb),
-                _ => None,
-            },
-            ..Source::video(bits, Range::Limited)
+            ..Source::video(bits, Range::Limited).stating(self.transfer)
         }
     }
 }

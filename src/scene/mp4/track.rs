@@ -10,7 +10,10 @@ use super::{
     table::{self, Sample},
     turn::Turn,
 };
-use crate::limit::{BOXES, MP4_TABLES};
+use crate::{
+    limit::{BOXES, MP4_TABLES},
+    scene::unlike::Unlike,
+};
 
 /// A video track.
 pub(super) struct Track {
@@ -26,6 +29,8 @@ pub(super) struct Track {
     pub colour: Colour,
     /// How its pictures are turned when they are shown.
     pub turn: Turn,
+    /// How players show it otherwise.
+    pub unlike: Option<Unlike>,
     /// The part of it that is shown; none: all.
     pub edit: Option<Edit>,
 }
@@ -144,6 +149,7 @@ impl Track {
             // Of boxes behind the parameters, damaged or not, nothing else is taken.
             colour: colour(boxes),
             turn: Turn::from_tkhd(tkhd),
+            unlike: unlike(boxes, tkhd),
             edit,
         };
         Ok((track, id))
@@ -160,6 +166,16 @@ fn colour(boxes: &[u8]) -> Colour {
     let found = found.filter(|(name, _)| name == b"colr");
     let mut stated = found.map(|(_, content)| Colour::from_colr(content));
     stated.find(|c| *c != Colour::default()).unwrap_or_default()
+}
+
+/// What is not done of how it is to be shown: pixels that are not square (`pasp`), another angle.
+fn unlike(boxes: &[u8], tkhd: &[u8]) -> Option<Unlike> {
+    if Turn::is_other(tkhd) {
+        return Some(Unlike::Angle);
+    }
+    let mut found = Boxes(boxes).map_while(Result::ok);
+    let (_, pasp) = found.find(|(name, _)| name == b"pasp")?;
+    Unlike::pixels(u32_at(pasp, 0)?, u32_at(pasp, 4)?)
 }
 
 /// The content of `avcC` (ISO/IEC 14496-15, 5.3.3): the length of the size field, and the parameter

@@ -7,6 +7,7 @@ use crate::{
         error::SceneError,
         frame::{Frame, Outline, Scene},
         image::{Codes, Image},
+        unlike::Unlike,
     },
 };
 
@@ -22,12 +23,16 @@ pub(super) struct Turn {
 }
 
 impl Turn {
+    /// Whether that matrix turns by an angle that is no quarter of a turn, or shears.
+    pub fn is_other(tkhd: &[u8]) -> bool {
+        let [a, b, c, d] = matrix(tkhd);
+        (a != 0 || d != 0) && (b != 0 || c != 0)
+    }
+
     /// From the matrix of `tkhd` (ISO/IEC 14496-12, 8.3.2 and 6.2.2): x to the right is shown at
     /// (a, b), y down at (c, d). What is no quarter of a turn is left as it is.
     pub fn from_tkhd(tkhd: &[u8]) -> Self {
-        let matrix = if tkhd.first() == Some(&1) { 52 } else { 40 };
-        let entry = |n: usize| u32_at(tkhd, matrix + 4 * n).map_or(0, |entry| entry as i32);
-        let (a, b, c, d) = (entry(0), entry(1), entry(3), entry(4));
+        let [a, b, c, d] = matrix(tkhd);
         if a == 0 && d == 0 && b != 0 && c != 0 {
             Self {
                 transposed: true,
@@ -79,6 +84,13 @@ impl Turn {
     }
 }
 
+/// The four entries of the matrix that turn.
+fn matrix(tkhd: &[u8]) -> [i32; 4] {
+    let matrix = if tkhd.first() == Some(&1) { 52 } else { 40 };
+    let entry = |n: usize| u32_at(tkhd, matrix + 4 * n).map_or(0, |entry| entry as i32);
+    [entry(0), entry(1), entry(3), entry(4)]
+}
+
 /// A scene whose pictures are turned.
 pub(super) struct Turned<S> {
     source: S,
@@ -101,6 +113,13 @@ impl<S: Scene> Scene for Turned<S> {
         let source = self.source.outline();
         Outline {
             size: self.turn.size(source.size),
+            unlike: source.unlike.map(|unlike| match unlike {
+                Unlike::Pixels { width, height } if self.turn.transposed => Unlike::Pixels {
+                    width: height,
+                    height: width,
+                },
+                other => other,
+            }),
             // The picture before and after.
             bytes: source.bytes + source.size.pixels() as u128,
             ..source
@@ -140,6 +159,8 @@ mod tests {
                     let entry = (entry * 65_536_i32).to_be_bytes();
                     tkhd[at + place..][..4].copy_from_slice(&entry);
                 }
+                let is_other = matrix == [1, 1, 0, 1];
+                assert_eq!(Turn::is_other(&tkhd), is_other, "{matrix:?}");
                 let codes = (1..=6).collect();
                 let image = Image::of_bytes(Size::new(2, 3), codes, Levels::bytes()).unwrap();
                 let turned = Turn::from_tkhd(&tkhd).image(image);

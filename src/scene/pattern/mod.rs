@@ -2,9 +2,11 @@
 //!
 //! `pattern:NAME?key=value&key=value`. Light is a function of place and time, averaged over
 //! the area of each pixel where that has a closed form, so that motion by a fraction of a
-//! pixel is smooth. x is to the right, y down, angles turn from right (0) to down (90).
+//! pixel is smooth; textures have the light at its centre. A picture becomes light (range and
+//! transfer) before it moves. x is to the right, y down, angles turn from right (0) to down (90).
 //!
-//! Every pattern takes these (defaults in brackets); [`PATTERNS`] lists the others:
+//! [`PATTERNS`] lists the patterns, [`PARAMETERS`] what they take. Every pattern takes these (defaults in
+//! brackets):
 //! `width` and `height` in pixels (128; that of `image` where there is one), `frames` (240),
 //! `fps` (240), `low` and `high` light (51 and 204; not with an `image`, which brings its
 //! own), and, where something moves straight, `speed` in pixels per second (60) and `angle`
@@ -15,15 +17,16 @@ mod motif;
 mod parameters;
 mod texture;
 
-pub use parameters::PATTERNS;
+pub use parameters::{PARAMETERS, PATTERNS};
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use motif::Motif;
 use parameters::Parameters;
 
 use super::{
-    Frame, OpenOptions, Outline, Scene, SceneError,
+    Frame, Light, OpenOptions, Outline, Samples, Scene, SceneError,
+    decoded::Source,
     light::{self, MemoryLimit},
     rate::{Rate, check_rate},
 };
@@ -37,6 +40,8 @@ pub struct Pattern {
     rate: Rate,
     frames: u64,
     next: u64,
+    /// What became of the samples of the picture, or that there are none.
+    coding: Light,
     /// Bytes of the picture and of a frame.
     held: u128,
 }
@@ -67,19 +72,32 @@ impl Pattern {
         Self::with_options(text, options)
     }
 
+    /// The names of the parameters that a pattern takes without an image.
+    ///
+    /// # Errors
+    /// When the name is not known.
+    pub fn parameters(name: &str) -> Result<Vec<String>, SceneError> {
+        Ok(Self::taken(name, OpenOptions::default())?.1)
+    }
+
     /// The same with the options that every scene takes.
     pub(super) fn with_options(text: &str, options: OpenOptions) -> Result<Self, SceneError> {
+        Ok(Self::taken(text, options)?.0)
+    }
+
+    /// The same, and the names of its parameters.
+    fn taken(text: &str, options: OpenOptions) -> Result<(Self, Vec<String>), SceneError> {
         let (fps, room) = (options.fps, MemoryLimit::new(options));
         fps.map(check_rate).transpose()?;
         let (name, rest) = text.split_once('?').unwrap_or((text, ""));
         let mut given = Parameters::parse(name, rest)?;
-        let image = match given
-            .takes_image()
-            .then(|| given.text("image", ""))
-            .flatten()
-        {
-            Some(path) => Some(super::still::read(&PathBuf::from(path), 0, room)?.into_plane()),
-            None => None,
+        let named = { given.takes_image() }.then(|| given.text("image", ""));
+        let (image, coding) = if let Some(path) = named.flatten() {
+            let (picture, coding) = picture(Path::new(&path), &options, room)?;
+            (Some(picture), coding)
+        } else {
+            options.coding.check_drawn(&format!("pattern:{text}"))?;
+            (None, Light::DRAWN)
         };
         let natural = image.as_ref().map_or(Size::new(128, 128), Size::of);
         let width = given.whole("width", natural.width as u64, 1..=1 << 16)?;
@@ -98,15 +116,17 @@ impl Pattern {
         };
         let middle = rate.seconds(frames - 1) / 2.0;
         let motif = Motif::take(&mut given, image, middle)?;
-        given.finish()?;
-        Ok(Self {
+        let known = given.finish()?;
+        let pattern = Self {
             motif,
             size,
             rate,
             frames,
             next: 0,
+            coding,
             held,
-        })
+        };
+        Ok((pattern, known))
     }
 
     /// The light at a time.
@@ -136,10 +156,30 @@ impl Pattern {
     }
 }
 
+/// A picture as light, and what became of its samples. It moves as light: means of pixels are means
+/// of light.
+fn picture(
+    path: &Path,
+    options: &OpenOptions,
+    room: MemoryLimit,
+) -> Result<(Plane<f64>, Light), SceneError> {
+    let (coded, source) = super::still::read_with_source(path, 0, room)?;
+    let source = Source {
+        samples: Samples::Moved,
+        ..source
+    };
+    let (light, coding) = source.decode_one(coded, path, options)?;
+    Ok((light.into_plane(), coding))
+}
+
 impl Scene for Pattern {
     fn outline(&self) -> Outline {
         Outline {
             frames: Some(self.frames),
+            coding: self.coding,
+            alias: self
+                .motif
+                .alias(self.rate.fps, self.rate.seconds(self.frames - 1)),
             bytes: self.held,
             ..Outline::new(self.size, self.rate.fps)
         }
@@ -315,6 +355,22 @@ mod tests {
                 assert!(known.contains(key), "{name} has no {key}: {known}");
             }
         }
+    }
+
+    #[test]
+    fn parameters_are_those_that_patterns_take() {
+        let mut taken = std::collections::BTreeSet::from(["border".to_owned()]);
+        for (name, _) in PATTERNS {
+            let known = pattern_error(&format!("{name}?nonsense=1"));
+            for key in Pattern::parameters(name).unwrap() {
+                let told = PARAMETERS.iter().find(|(known, ..)| *known == key);
+                let (_, default, _) = told.unwrap_or_else(|| panic!("{name}: {key}"));
+                assert!(known.contains(&format!("{key}={default}")), "{known}");
+                taken.insert(key);
+            }
+        }
+        assert_eq!(taken.len(), PARAMETERS.len());
+        assert!(Pattern::parameters("bra").is_err());
     }
 
     fn pattern_error(text: &str) -> String {

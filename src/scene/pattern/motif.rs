@@ -5,7 +5,11 @@ use super::{
     parameters::Parameters,
     texture::{Border, Texture},
 };
-use crate::{elementary, plane::Plane, scene::SceneError};
+use crate::{
+    elementary,
+    plane::Plane,
+    scene::{Alias, SceneError},
+};
 
 /// A figure and its motion. Places are `(x, y)` in pixels from the middle of the picture.
 #[derive(Debug)]
@@ -167,6 +171,31 @@ impl Motif {
         }
     }
 
+    /// What is finer than pixels or faster than frames, at `fps` frames a second for so many
+    /// seconds.
+    pub fn alias(&self, fps: f64, seconds: f64) -> Option<Alias> {
+        let (growth, pixels) = match self.motion {
+            Motion::Grow(growth) => (growth, elementary::exp(-growth * seconds).max(1.0)),
+            _ => (0.0, 1.0),
+        };
+        match &self.figure {
+            Figure::Texture(Texture::Blobs { grain, .. }) if *grain < 2.0 => {
+                Some(Alias::Fine { grain: *grain })
+            }
+            Figure::Texture(Texture::Blobs { grain, .. }) if *grain < 2.0 * pixels => {
+                Some(Alias::Shrunk { growth, pixels })
+            }
+            Figure::Texture(Texture::Picture { .. }) if pixels > 2.0 => {
+                Some(Alias::Shrunk { growth, pixels })
+            }
+            Figure::Flicker { frequency, .. } if 2.0 * frequency > fps => Some(Alias::Fast {
+                frequency: *frequency,
+                fps,
+            }),
+            _ => None,
+        }
+    }
+
     /// The velocity at a place: `(x, y)`, pixels per second.
     pub fn flow(&self, (x, y): (f64, f64)) -> (f64, f64) {
         match self.motion {
@@ -218,10 +247,7 @@ impl Figure {
             }
             Self::Checker { square } => draw::checker(place, *square),
             Self::Disc { radius } => draw::disc(place, *radius),
-            Self::Spot { sigma } => {
-                let (x, y) = place;
-                elementary::exp(-(x * x + y * y) / (2.0 * sigma * sigma))
-            }
+            Self::Spot { sigma } => draw::spot(place, *sigma),
             Self::Texture(texture) => texture.at(place),
             Self::Flicker { frequency, wave } => {
                 let turns = frequency * seconds;

@@ -38,6 +38,59 @@ pub const PATTERNS: [(&str, &str); 12] = [
     ("static", "image=FILE or blobs, at rest"),
 ];
 
+/// The parameters of patterns: name, default, and what each is, with its unit.
+pub const PARAMETERS: [(&str, &str, &str); 21] = [
+    (
+        "width",
+        "128",
+        "pixels; with an image, its own are the default",
+    ),
+    (
+        "height",
+        "128",
+        "pixels; with an image, its own are the default",
+    ),
+    ("frames", "240", "how many there are"),
+    ("fps", "240", "frames/s; --fps goes first"),
+    (
+        "low",
+        "51",
+        "the least light, of 0 to 255; not with an image",
+    ),
+    (
+        "high",
+        "204",
+        "the most light, of 0 to 255; not with an image",
+    ),
+    ("speed", "60", "pixels/s"),
+    ("angle", "0", "degrees, where to: 0 is right, 90 down"),
+    ("thickness", "10", "pixels"),
+    ("period", "20", "pixels"),
+    ("square", "16", "pixels, the side of a square"),
+    ("radius", "16", "pixels"),
+    ("sigma", "8", "pixels, the standard deviation"),
+    (
+        "grain",
+        "4",
+        "pixels, the size of a blob; not with an image",
+    ),
+    ("seed", "1", "which blobs there are; not with an image"),
+    (
+        "image",
+        "",
+        "a PNG or PNM file that is shown instead of blobs",
+    ),
+    (
+        "border",
+        "replicate",
+        "what is beyond the image: its border (replicate) or it again (wrap)",
+    ),
+    ("turn", "90", "degrees/s, clockwise"),
+    ("growth", "0.5", "per second: sizes grow by e to this power"),
+    ("frequency", "10", "hertz"),
+    ("wave", "sine", "sine or square"),
+];
+
 /// The parameters given, and the names of those asked for so far.
 pub(super) struct Parameters {
     /// The name of the pattern.
@@ -141,10 +194,13 @@ impl Parameters {
         }
     }
 
-    /// Refuses parameters that the pattern has not asked for.
-    pub fn finish(self) -> Result<(), SceneError> {
+    /// Refuses parameters that the pattern has not asked for; the names of those that it has.
+    pub fn finish(self) -> Result<Vec<String>, SceneError> {
         match self.given.into_keys().next() {
-            None => Ok(()),
+            None => {
+                let name = |known: &String| known.split('=').next().map(str::to_owned);
+                Ok(self.known.iter().filter_map(name).collect())
+            }
             Some(got) => Err(SceneError::UnknownParameter {
                 pattern: self.pattern,
                 near: asked(
