@@ -16,7 +16,7 @@ use amacrine::{
     },
     scene::{
         Coding, Frame, Observation, Observed, OpenOptions, Origin, Outline, Range, Samples, Scene,
-        SceneError, Transfer, bundled, bundled_with, open,
+        SceneError, Slice, Transfer, bundled, bundled_with, open,
     },
     sensor::{Sensor, Silence},
     unit::Micros,
@@ -728,13 +728,23 @@ fn a_cut_is_found_where_it_is_and_nowhere_else() {
         let found = observed(Clip::new(pieces)).cuts();
         let places: Vec<_> = found.iter().map(|cut| (cut.frame, cut.seconds)).collect();
         assert_eq!(places, [(at as u64, at as f64 / 10.0)]);
-        let warning = Warning::cuts(&found).unwrap();
+        let warning = Warning::cuts(&found, None).unwrap();
         assert_eq!(warning.about, About::Cut);
         let text = warning.to_string();
         assert!(text.contains(&format!("a cut at frame {at} ")), "{text}");
         assert!(text.contains("split the clip"), "{text}");
+        assert!(text.contains(&format!("--slice ..{at}, ")), "{text}");
+        // Frames of a slice are not those that `--slice` counts.
+        let slice: Slice = "6..90".parse().unwrap();
+        let text = Warning::cuts(&found, Some(slice)).unwrap().to_string();
+        for part in [
+            format!("--slice 6..{}, ", at + 6),
+            format!("--slice {}..90", at + 6),
+        ] {
+            assert!(text.contains(&part), "{part}: {text}");
+        }
     }
-    assert_eq!(Warning::cuts(&[]), None);
+    assert_eq!(Warning::cuts(&[], None), None);
     // The clip itself, also when only some of its frames are taken, has none.
     for step in [1, 2, 5, 10] {
         let some = lights.iter().step_by(step).cloned().collect();

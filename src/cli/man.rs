@@ -27,7 +27,7 @@ pub struct Arguments {
 /// # Errors
 /// When a page cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let mut all = super::command();
+    let mut all = without_help(super::command());
     // Options of all verbs come into each of them.
     all.build();
     let mut pages = Vec::new();
@@ -49,12 +49,22 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
+/// Without the verbs `help`, which have no page.
+fn without_help(command: Command) -> Command {
+    let verbs: Vec<String> = { command.get_subcommands() }
+        .map(|verb| verb.get_name().to_owned())
+        .collect();
+    let command = command.disable_help_subcommand(true);
+    verbs.into_iter().fold(command, |command, verb| {
+        command.mut_subcommand(verb, without_help)
+    })
+}
+
 /// The page of a command, and those of its own.
 fn add(name: &str, called: &str, command: &Command, pages: &mut Vec<(String, Command)>) {
     let page = command.clone().display_name(name.to_owned());
     pages.push((name.to_owned(), page.bin_name(called.to_owned())));
-    let own = command.get_subcommands();
-    for verb in own.filter(|verb| verb.get_name() != "help") {
+    for verb in command.get_subcommands() {
         let verb_name = verb.get_name();
         let (name, called) = (
             format!("{name}-{verb_name}"),

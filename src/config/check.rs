@@ -185,7 +185,15 @@ impl Check<'_> {
             0 | 1 => {}
             _ => {
                 let message = format!("only one of {names} can be given");
-                self.wrong(node.place(), message, "leave the others out");
+                let second = { given.iter() }
+                    .filter(|(n, _)| table.one_of.contains(&n.text))
+                    .map(|(n, _)| n.place)
+                    .nth(1);
+                self.wrong(
+                    second.unwrap_or(node.place()),
+                    message,
+                    "leave the others out",
+                );
             }
         }
     }

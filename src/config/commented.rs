@@ -6,6 +6,9 @@ use serde_json::Value as Json;
 
 use super::{CHANGES_NOTHING, Faults, Located};
 
+/// Stands above tables that a file could have: an example where a key must be given with its table.
+const TABLES: &str = "# Tables that may stand here, with what holds in them, or an example:\n";
+
 /// A text of TOML with the keys that it does not have, in comments: its own before its first table,
 /// those of its last table behind it, and the tables that it could have at the end.
 #[must_use]
@@ -24,6 +27,9 @@ pub fn with_keys(text: &str, schema: &Json) -> String {
             }
         } else if is_table(about) && !own.contains_key(key) {
             let keys = lines(&toml::Table::new(), properties(about), about);
+            if !tables.contains(TABLES) {
+                let _ = write!(tables, "\n{TABLES}");
+            }
             let _ = write!(tables, "\n# [{key}]    # {}\n{keys}", says(about));
         }
     }

@@ -292,7 +292,7 @@ mod tests {
         let ways = "`weights`, `centre-surround`, `gaussians`";
         assert_eq!(said(""), format!("k.toml:1:1: missing key {ways}"));
         let both = said("weights = [[1]]\ncentre-surround = 3");
-        assert_eq!(both, format!("k.toml:1:1: only one of {ways} can be given"));
+        assert_eq!(both, format!("k.toml:2:1: only one of {ways} can be given"));
         assert!(said("dog = 3").starts_with("k.toml:1:1: unknown key `dog`"));
         let sigma = said("gaussians = [{ sigma = 30, gain = 1 }]");
         assert_eq!(sigma, "k.toml:1:24: `sigma` is 30");

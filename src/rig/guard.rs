@@ -15,7 +15,7 @@ use crate::{
     kernel::quantise::Erasure,
     photoreceptor::{Curve, Response},
     plane::Size,
-    scene::{Alias, Cut, Frame, Gap, Observation, Repeated, Samples, Unlike},
+    scene::{Alias, Cut, Frame, Gap, Moment, Observation, Repeated, Samples, Slice, Unlike},
     sensor::Silence,
     unit::{Micros, counted},
 };
@@ -479,7 +479,7 @@ impl Warning {
 
     /// A clip with cuts.
     #[must_use]
-    pub fn cuts(cuts: &[Cut]) -> Option<Self> {
+    pub fn cuts(cuts: &[Cut], slice: Option<Slice>) -> Option<Self> {
         const SHOWN: usize = 5;
         let first = cuts.first()?;
         let at: Vec<String> = cuts
@@ -504,15 +504,19 @@ impl Warning {
         Some(Self::new(
             About::Cut,
             "the scene",
-            format!("{kind} {}{more}", at.join(", ")),
+            format!(
+                "{kind} {}{more}{}",
+                at.join(", "),
+                slice.map_or("", |_| " of this slice")
+            ),
             format!(
                 "another picture, {usual}, correlation {:.2} with the frame before: every pixel may fire there",
                 first.correlation
             ),
             format!(
-                "split the clip there: one scene is its first {} (--slice ..{1}, or `slice` in a study), the next begins at {1}..",
+                "split the clip there: one scene is its first {} ({})",
                 counted(first.frame, "frame"),
-                first.frame
+                parted(first.frame, slice)
             ),
         ))
     }
@@ -653,7 +657,7 @@ impl Warning {
     /// The same, without what depends on a sensor.
     #[must_use]
     pub fn of_pictures(observation: &Observation) -> Vec<Self> {
-        let cuts = Self::cuts(&observation.cuts());
+        let cuts = Self::cuts(&observation.cuts(), observation.slice());
         let repeats = observation.repeated().and_then(Self::repeats);
         let gap = observation.gap().map(Self::gap);
         let alias = observation.alias().map(Self::alias);
@@ -665,6 +669,27 @@ impl Warning {
             .chain(shape)
             .collect()
     }
+}
+
+/// How a clip, or this slice of one, is parted before a frame: `--slice` counts frames of the clip.
+fn parted(frame: u64, slice: Option<Slice>) -> String {
+    let all = Slice {
+        from: Moment::Frame(0),
+        to: None,
+    };
+    let slice = slice.unwrap_or(all);
+    let Moment::Frame(from) = slice.from else {
+        return "--slice, or `slice` in a study, in frames of the clip".to_owned();
+    };
+    let at = Moment::Frame(from.saturating_add(frame));
+    let [one, next] = [
+        Slice {
+            to: Some(at),
+            ..slice
+        },
+        Slice { from: at, ..slice },
+    ];
+    format!("--slice {one}, or `slice` in a study), the next is the rest (--slice {next}")
 }
 
 /// What light far above white does to a sensor of this response.

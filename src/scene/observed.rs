@@ -4,7 +4,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{
-    Alias, Frame, Gap, Light, Outline, Scene, SceneError, Unlike,
+    Alias, Frame, Gap, Light, Outline, Scene, SceneError, Slice, Unlike,
     cut::{Cut, Cuts},
     repeats::{Repeated, Repeats},
 };
@@ -21,6 +21,7 @@ struct Seen {
     gap: Option<Gap>,
     alias: Option<Alias>,
     unlike: Option<Unlike>,
+    slice: Option<Slice>,
     frames: u64,
     extent: Option<(f64, f64)>,
     cuts: Cuts,
@@ -72,6 +73,17 @@ impl Observation {
     #[must_use]
     pub fn unlike(&self) -> Option<Unlike> {
         self.seen().unlike
+    }
+
+    /// Notes that what is seen is a slice of a clip.
+    pub fn of_slice(&self, slice: Slice) {
+        self.seen().slice = Some(slice);
+    }
+
+    /// Which slice of its clip the scene is; none where it is all of it.
+    #[must_use]
+    pub fn slice(&self) -> Option<Slice> {
+        self.seen().slice
     }
 
     /// Frames that were seen.

@@ -77,7 +77,7 @@ pub struct Arguments {
     /// shortest program that keeps nearly as much (`best` where none keeps anything)
     #[arg(long, default_value = "knee", value_name = "N|knee|best")]
     pick: Pick,
-    /// Chips that are drawn for the report, from what the public data allow [default: 8]
+    /// Chips that are drawn for the report of -o, from what the public data allow [default: 8]
     #[arg(long, value_name = "N", requires = "output", value_parser = clap::value_parser!(u64).range(1..=1024))]
     chips: Option<u64>,
     /// How long to search for each program, in seconds of two cores of 2024 (a kernel of 3x3; larger ones and several take some times as long); it counts states, so that a slower computer takes longer and finds the same

@@ -108,7 +108,7 @@ pub(super) fn text(
     }
     let _ = writeln!(
         text,
-        "kept: what of F1 is more than accident with the chip's errors, mean over the kinds, within {}; least: of the\nkind that keeps least; exact: without the errors; as much: the change of threshold that costs as much; frames/s:\nat least, with the cheapest readout that loses no event of this scene. The knee is the shortest program on the\nfront that keeps at least {:.0} % of the most kept.",
+        "kept: what of F1 is more than accident with the chip's errors, mean over the kinds, within {}; least: of the\nkind that keeps least; exact: without the errors, within the range of registers (exec --domain exact --clip on);\nas much: the change of threshold that costs as much; frames/s: at least, with the cheapest readout that loses no\nevent of this scene. The knee is the shortest program on the front that keeps at least {:.0} % of the most kept.",
         Short(found.window_us),
         100.0 * NEARLY
     );

@@ -222,7 +222,7 @@ pub enum ReadoutError {
     /// A setting is missing.
     #[error("{readout}: `{key}` is not set")]
     #[diagnostic(help(
-        "state it in the file, below [settings], or set it by hand; the settings of `{readout}` are {}",
+        "state it in the file, below [settings], or set it by hand (--with {key}=VALUE); the settings of `{readout}` are {}",
         keys(readout).join(", ")
     ))]
     Missing {

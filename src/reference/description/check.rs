@@ -177,6 +177,11 @@ fn names(given: Option<Node<'_>>, kinds: Option<usize>) -> Read<Vec<String>> {
         (Some(name), _, None) => Ok(vec![name.to_owned()]),
         (Some(name), _, Some(kinds)) => Ok((0..kinds).map(|k| format!("{name} {k}")).collect()),
         (_, Some(list), Some(kinds)) if list.len() == kinds => Ok(texts(list)),
+        (_, Some(_), None) => Err(wrong(
+            node.place(),
+            "a list of names, and this channel is one kind of cells",
+            "give one name, such as name = \"a\"; a list is for a kernel file of several kernels",
+        )),
         (_, list, kinds) => Err(wrong(
             node.place(),
             format!(

@@ -305,7 +305,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "memory",
         sides: FLOAT,
-        kind: Kind::Choice(&["filtered-snap", "filtered-step", "raw-snap"]),
+        kind: Kind::Choice(&FLOAT_MEMORIES),
         default: Absent::Is("\"filtered-snap\""),
         what: "what an event does to the memory, as in a sensor file",
     },
@@ -486,11 +486,18 @@ fn quantisers() -> String {
     quantise::pattern().replacen("^(", "^(none$|exact$|", 1)
 }
 
+/// Memories of a float sensor in a study.
+const FLOAT_MEMORIES: [&str; 3] = ["filtered-snap", "filtered-step", "raw-snap"];
+
 fn remembered(name: &str) -> Result<String, (String, String)> {
     let bits = name.strip_prefix("bits:").and_then(|n| n.parse().ok());
     match bits {
         _ if matches!(name, "analogue" | "shared") => Ok(name.to_owned()),
         Some(bits @ 1_u8..=8) => Ok(format!("bits:{bits}")),
+        _ if FLOAT_MEMORIES.contains(&name) => Err((
+            format!("`{name}` is a memory of a float sensor, and this is that of the array"),
+            "write it below the [[side]] of the float sensor; below that of the array give analogue, bits:N or shared".to_owned(),
+        )),
         _ => Err((
             format!("`{name}` is no memory of the array"),
             "give analogue or bits:N with N from 1 to 8, whose rule is filtered-snap, or shared, whose rule is raw-snap"
