@@ -216,7 +216,7 @@ fn over_chips(all: &Feasibility) -> Option<Finding> {
                 stretch.frames, stretch.of_frames
             )
         });
-    let all = over
+    let of_such = over
         .chips_feasible_95
         .map_or(String::new(), |[least, most]| {
             format!(
@@ -235,7 +235,7 @@ fn over_chips(all: &Feasibility) -> Option<Finding> {
         about: "chips",
         word,
         says: format!(
-            "It is feasible on {} of {} chips that the public data allow{all}, with loss or without on {}{keep}.{decides}{stretch}",
+            "It is feasible on {} of {} chips that the public data allow{of_such}, with loss or without on {}{keep}.{decides}{stretch}",
             over.count(clean),
             over.chips,
             over.count(with_loss),
