@@ -455,7 +455,7 @@ fn four_kernels_share_a_memory() {
     assert!(number(program, "/carried") >= 4.0);
     for kind in together["kinds"].as_array().unwrap() {
         // What few values leave, without the chip's errors.
-        assert!(number(kind, "/exact/kept") > 0.5, "{kind}");
+        assert!(number(kind, "/exact/kept") > 0.45, "{kind}");
         assert!(kind["kept"].is_number());
     }
     // What `compile` makes of them.

@@ -238,7 +238,8 @@ def test_trade_of_a_program(program: Callable[..., str]) -> None:
     commands = [point["command"] for point in answer["points"] if point["name"] == "f16"]
     assert commands == ['program.run(frames, fps, domain="f16", seed=3)']
     exact = amacrine.trade(snap, scene, domain="exact", formats=["f32"])
-    assert [point.name for point in exact.points][0] == "the full model"
+    # Whether an order of the array that changes nothing is quicker depends on seconds.
+    assert {point.name for point in exact.points} >= {"the full model", "f32"}
     with pytest.raises(amacrine.Error, match="leave upsample out"):
         amacrine.trade(snap, scene, upsample=0.2)
 

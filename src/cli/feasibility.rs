@@ -623,6 +623,6 @@ fn row(name: &str, stream: &Stream, is_scored: bool) -> String {
         number(likeness.map(|it| it.f1), 4),
         number(likeness.map(|it| it.floor), 4),
         number(likeness.and_then(|it| it.kept), 4),
-        likeness.map_or("-".to_owned(), |it| it.equivalent()),
+        { likeness.filter(|it| it.is_judged()) }.map_or("-".to_owned(), |it| it.equivalent()),
     )
 }

@@ -136,7 +136,7 @@ fn kept(at: &str, likeness: &Likeness) -> Markup {
         td.n { (number::fixed_or_none(&format!("{at}/kept"), likeness.kept, 3)) }
         td.n { (number::equivalent(
             &format!("{at}/threshold_equivalent_percent"),
-            likeness.threshold_equivalent_percent,
+            likeness.judged_equivalent(),
             likeness.threshold_equivalent_is_least,
         )) }
         td.n {

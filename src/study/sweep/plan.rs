@@ -390,7 +390,8 @@ mod tests {
     use super::*;
 
     /// What version 3 said of points of one kernel, whose identities differ by the version alone.
-    /// That of an array also changes with the data of its chip.
+    /// That of an array also changes with the data of its chip, and all with the light of a disc,
+    /// which is the mean over each pixel since version 8.
     #[test]
     fn points_of_one_kernel_are_described_as_ever() {
         let text = "scene = \"pattern:disc?width=32&height=24&frames=8&radius=6\"\nkernel = \"csdvs-3\"\n\
@@ -414,12 +415,12 @@ mod tests {
         }
         let of_version_3 = [
             [
-                "77bfc2e2f85e4dc2f4afd70fa40d19c9",
-                "14b44a7fcb510f78aa67b4062f9d5a84",
+                "d6bbedc829ca27276a5a68abfbe8bafd",
+                "18ceda3694692cbc9b33c29e316897ba",
             ],
             [
-                "360097945f2368cbddd0e60c94019aa7",
-                "6f5b159e2db5cb3f25ade67583a62e83",
+                "7c7b716814acb389273798b017559c7d",
+                "9a3a075d36e9260c726631fc0d90a587",
             ],
         ];
         assert_eq!(found, of_version_3);
