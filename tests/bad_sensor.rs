@@ -61,7 +61,7 @@ const MESSAGES: &[(&str, usize, usize, &str, &str)] = &[
     ("shot_at_white_above_one", 5, 17, "`noise.shot-at-white` is 4", "give a number from 0 to 1"),
     ("threshold_is_a_number", 6, 13, "`threshold` takes { on = number, off = number, sigma = number", "docs/reference.md lists every key of a sensor file"),
     ("thresholds_without_pattern", 6, 13, "several thresholds in one channel", "add pattern = \"2x2\" for four thresholds, or give one"),
-    ("two_responses", 1, 12, "only one of `linear`, `log`, `lin-log` can be given", "leave the others out"),
+    ("two_responses", 1, 28, "only one of `linear`, `log`, `lin-log` can be given", "leave the others out"),
     ("unknown_border", 3, 10, "unknown value `wrap`, expected `replicate` or `zero`", "docs/reference.md lists every key of a sensor file"),
     ("unknown_channel_key", 6, 1, "unknown key `weight`, expected one of `name`, `kernel`, `mesh`, `threshold`, `pattern`,", "docs/reference.md lists every key of a sensor file"),
     ("unknown_kernel", 5, 10, "kernel \"mexican-hat\" is neither built in nor a file that can be read (No such file or", "give a file beside the sensor file, rows of numbers, or one"),

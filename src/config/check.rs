@@ -185,15 +185,12 @@ impl Check<'_> {
             0 | 1 => {}
             _ => {
                 let message = format!("only one of {names} can be given");
-                let second = { given.iter() }
+                let last = { given.iter() }
                     .filter(|(n, _)| table.one_of.contains(&n.text))
                     .map(|(n, _)| n.place)
-                    .nth(1);
-                self.wrong(
-                    second.unwrap_or(node.place()),
-                    message,
-                    "leave the others out",
-                );
+                    .max_by_key(|place| place.start);
+                let at = last.unwrap_or(node.place());
+                self.wrong(at, message, "leave the others out");
             }
         }
     }
