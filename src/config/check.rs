@@ -329,7 +329,7 @@ mod tests {
             ),
             (
                 "kind = \"round\"\ninner = { one = true, other = 1 }",
-                "t:2:9: only one of `one`, `other` can be given | leave the others out",
+                "t:2:23: only one of `one`, `other` can be given | leave the others out",
             ),
             (
                 "kind = \"round\"\nway = { other = -1 }",
