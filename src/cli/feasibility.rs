@@ -17,7 +17,7 @@ use crate::{
     study::{
         self,
         design::Design,
-        equivalent::{self, RUNGS},
+        equivalent::{self, Likeness, RUNGS},
         feasibility::{
             self, Feasibility, Fit, Question, Several, Snapshot, Stream, chips::OverChips,
             readout::ReadoutOrder,
@@ -623,6 +623,6 @@ fn row(name: &str, stream: &Stream, is_scored: bool) -> String {
         number(likeness.map(|it| it.f1), 4),
         number(likeness.map(|it| it.floor), 4),
         number(likeness.and_then(|it| it.kept), 4),
-        { likeness.filter(|it| it.is_judged()) }.map_or("-".to_owned(), |it| it.equivalent()),
+        { likeness.filter(Likeness::is_judged) }.map_or("-".to_owned(), |it| it.equivalent()),
     )
 }
