@@ -16,7 +16,7 @@ use amacrine::{
     },
     scene::{
         Coding, Frame, Observation, Observed, OpenOptions, Origin, Outline, Range, Samples, Scene,
-        SceneError, Slice, Transfer, bundled, bundled_with, open,
+        SceneError, Slice, Sliced, Transfer, bundled, bundled_with, open,
     },
     sensor::{Sensor, Silence},
     unit::Micros,
@@ -736,6 +736,8 @@ fn a_cut_is_found_where_it_is_and_nowhere_else() {
         assert!(text.contains(&format!("--slice ..{at}, ")), "{text}");
         // Frames of a slice are not those that `--slice` counts.
         let slice: Slice = "6..90".parse().unwrap();
+        let seen = observed(Sliced::new(Clip::new(lights.clone()), slice));
+        assert_eq!(seen.slice(), Some(slice));
         let text = Warning::cuts(&found, Some(slice)).unwrap().to_string();
         for part in [
             format!("--slice 6..{}, ", at + 6),

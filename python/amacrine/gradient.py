@@ -22,8 +22,9 @@ from .sensor import Sensor, stacked
 Rule = Literal["through", "reset", "authors", "mean"]
 """What flows back through the memory: ``mean``, exact on average over the phases of the memory for
 kernels and for both thresholds scaled as one where ON and OFF thresholds are equal (else, and for one
-threshold alone, off by tens of per cent: ``docs/learning.md``), points where the loss falls at any rate; ``through`` does where events are many; ``reset`` is that of a memory
-that snaps; ``authors`` is the released simulator's."""
+threshold alone, off by tens of per cent: ``docs/learning.md``), points where the loss falls at any
+rate; ``through`` does where events are many; ``reset`` is that of a memory that snaps; ``authors`` is
+the released simulator's."""
 
 Slope = Literal["all", "fired"]
 """Which cells feel a loss on the number of events: all of them, or those that fired."""

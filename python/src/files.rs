@@ -16,7 +16,7 @@ use amacrine::{
         file::{self, Compression, Format, FormatError, Loaded, Opening, Reader},
     },
     plane::Size,
-    rig::guard::{Guard, Warning},
+    rig::guard::Warning,
     unit::Micros,
 };
 use miette::{Report, miette};
@@ -294,16 +294,8 @@ pub fn compare(
             (score.metric.key(), ruled)
         });
         let point = Point::new(&pair, &redraws, within);
-        let mut guard = Guard::new();
-        for (subject, loaded) in [("the reference", &reference), ("the judged", &judged)] {
-            guard.recording(subject, &loaded.packet);
-        }
-        let speaks = pair.events().into_iter().all(|events| events > 0);
-        let window = Warning::window(within, point.floor).filter(|_| speaks);
-        let names = Warning::names(&reference.packet.names, &judged.packet.names);
-        for warning in names.into_iter().chain(window) {
-            guard.warn(warning);
-        }
+        let packets = [&reference.packet, &judged.packet];
+        let warnings = Warning::of_comparison(packets, within, point.floor);
         Ok(Compared {
             headline: Headline {
                 point,
@@ -315,7 +307,7 @@ pub fn compare(
             ruler: ruler.collect(),
             reference: About::new(&reference),
             judged: About::new(&judged),
-            warnings: guard.warnings(),
+            warnings,
         })
     })?;
     json(&compared.map_err(|report: Report| raised(report))?)

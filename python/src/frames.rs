@@ -1,6 +1,6 @@
 //! Frames as numpy holds them, as light.
 
-use amacrine::scene::Samples;
+use amacrine::scene::{Image, Levels, Samples};
 use numpy::{PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -87,11 +87,22 @@ impl Frames<'_> {
         }
     }
 
-    /// Frame `n` as codes of 8 bits, where it is held so.
-    pub fn codes(&self, n: usize, pixels: usize) -> Option<&[u8]> {
-        match self {
+    /// Puts frame `n` in the place of `light`: codes of 8 bits stay codes, which stand for `levels`;
+    /// other numbers are taken times `scale`.
+    pub fn show(self, n: usize, (scale, levels): (f64, &Levels), light: &mut Image) {
+        let size = light.size();
+        let pixels = size.pixels();
+        let codes = match self {
             Self::U8(all) => all.get(n * pixels..(n + 1) * pixels),
             Self::F32(_) | Self::F64(_) => None,
+        };
+        match codes.and_then(|it| Image::of_bytes(size, it.to_vec(), levels.clone())) {
+            Some(coded) => *light = coded,
+            None => {
+                if let Some(light) = light.as_slice_mut() {
+                    self.light(n, scale, light);
+                }
+            }
         }
     }
 

@@ -11,7 +11,7 @@ use amacrine::{
     plane::{Plane, Size},
     reference::Limit,
     rig::guard::{Crowd, Guard, Warning},
-    scene::{Frame, Image, Levels, Observation, Samples, check_rate, upsample},
+    scene::{Frame, Levels, Observation, Samples, check_rate, upsample},
     sensor::SensorError,
     unit::Micros,
 };
@@ -50,11 +50,9 @@ struct Watch {
     response: Response,
     /// How far a still scene is from the memory, and the threshold that it reaches.
     still: Option<[f64; 2]>,
-    /// The least and the most light so far.
-    extent: Option<(f64, f64)>,
     /// Of the latest frames.
     samples: Samples,
-    /// What was seen of the scene: its cuts, and frames that repeat.
+    /// What was seen of the scene: the extent of its light, its cuts, and frames that repeat.
     observation: Observation,
     /// What codes of 8 bits stand for.
     levels: Levels,
@@ -96,7 +94,6 @@ impl Run {
             crowd: Crowd::new(size.pixels() as u64 * u64::from(channels)),
             response,
             still,
-            extent: None,
             samples: Samples::Floats,
             observation: Observation::new(),
             levels: Levels::bytes().map(|code| code * scale),
@@ -175,7 +172,6 @@ impl Run {
                 while let Some(frame) = scene.next_frame()? {
                     let is_own = frame.seconds >= n as f64 / fps;
                     watch.frame = frame;
-                    watch.measure();
                     see(watch, n)?;
                     watch.seen += 1;
                     n += usize::from(is_own);
@@ -209,28 +205,9 @@ impl Watch {
     fn take(&mut self, frames: Frames<'_>, n: usize) {
         self.frame.index = self.seen;
         self.frame.seconds = self.seen as f64 / self.fps;
-        if let Some(light) = self.frame.light.as_slice_mut() {
-            frames.light(n, self.scale, light);
-        }
+        frames.show(n, (self.scale, &self.levels), &mut self.frame.light);
         self.samples = frames.samples();
-        self.measure();
-        let size = self.packet.size;
-        let codes = frames.codes(n, size.pixels());
-        let coded = codes.and_then(|it| Image::of_bytes(size, it.to_vec(), self.levels.clone()));
-        match coded {
-            Some(light) => self.observation.see(&Frame {
-                light,
-                ..self.frame
-            }),
-            None => self.observation.see(&self.frame),
-        }
-    }
-
-    /// Looks at the light of the frame.
-    fn measure(&mut self) {
-        let begin = self.extent.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
-        let wider = |(low, high): (f64, f64), light: &f64| (low.min(*light), high.max(*light));
-        self.extent = Some(self.frame.light.iter().fold(begin, wider));
+        self.observation.see(&self.frame);
     }
 
     /// So many cells fired since the frame before.
@@ -409,7 +386,9 @@ impl Watch {
     /// As `amacrine run` warns.
     fn warnings(&self, subject: &str) -> Vec<Warning> {
         let mut guard = Guard::new();
-        if let Some(warning) = Warning::scale(self.samples, self.extent, self.response) {
+        if let Some(warning) =
+            Warning::scale(self.samples, self.observation.extent(), self.response)
+        {
             guard.warn(warning);
         }
         for warning in Warning::of_pictures(&self.observation) {

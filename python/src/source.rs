@@ -8,8 +8,8 @@ use amacrine::{
     plane::{Plane, Size},
     rig::guard::Warning,
     scene::{
-        Coding, Frame, Image, Levels, Light, Observation, Observed, OpenOptions, Outline, Range,
-        Samples, Scene, SceneError, Transfer, View, bundled_with,
+        Coding, Frame, Levels, Light, Observation, Observed, OpenOptions, Outline, Range, Scene,
+        SceneError, Transfer, View, bundled_with,
         kept::{Kept, Pixels},
         open,
     },
@@ -59,6 +59,17 @@ enum Numbers {
     U8(Arc<[u8]>),
     F32(Arc<[f32]>),
     F64(Arc<[f64]>),
+}
+
+impl Numbers {
+    /// The same as frames.
+    fn frames(&self) -> Frames<'_> {
+        match self {
+            Self::U8(all) => Frames::U8(all),
+            Self::F32(all) => Frames::F32(all),
+            Self::F64(all) => Frames::F64(all),
+        }
+    }
 }
 
 /// How scenes are opened.
@@ -244,10 +255,7 @@ impl Scene for Given {
         Outline {
             frames: Some(self.frames as u64),
             coding: Light {
-                samples: match self.numbers {
-                    Numbers::U8(_) => Samples::Integers,
-                    Numbers::F32(_) | Numbers::F64(_) => Samples::Floats,
-                },
+                samples: self.numbers.frames().samples(),
                 ..Light::DRAWN
             },
             ..Outline::new(self.size, self.fps)
@@ -259,33 +267,14 @@ impl Scene for Given {
             return Ok(None);
         }
         let index = self.next as u64;
-        if let Numbers::U8(all) = &self.numbers {
-            let pixels = self.size.pixels();
-            let codes = all.get(self.next * pixels..(self.next + 1) * pixels);
-            let codes = codes.unwrap_or_default().to_vec();
-            if let Some(light) = Image::of_bytes(self.size, codes, self.levels.clone()) {
-                self.next += 1;
-                return Ok(Some(Frame {
-                    index,
-                    seconds: index as f64 / self.fps,
-                    light,
-                }));
-            }
-        }
-        let mut light = Plane::zeros(self.size.shape());
-        let frames = match &self.numbers {
-            Numbers::U8(all) => Frames::U8(all),
-            Numbers::F32(all) => Frames::F32(all),
-            Numbers::F64(all) => Frames::F64(all),
-        };
-        if let Some(light) = light.as_slice_mut() {
-            frames.light(self.next, self.scale, light);
-        }
+        let mut light = Plane::zeros(self.size.shape()).into();
+        let frames = self.numbers.frames();
+        frames.show(self.next, (self.scale, &self.levels), &mut light);
         self.next += 1;
         Ok(Some(Frame {
             index,
             seconds: index as f64 / self.fps,
-            light: light.into(),
+            light,
         }))
     }
 }

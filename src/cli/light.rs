@@ -116,9 +116,6 @@ impl Samples {
             Some(scene) if scene != BUNDLED || Path::new(scene).exists() => open(scene, &options)?,
             Some(_) | None => bundled_with(&options)?,
         };
-        if let Some(slice) = self.slice {
-            observation.of_slice(slice);
-        }
         Ok(Box::new(Observed::new(scene, observation)))
     }
 

@@ -177,6 +177,27 @@ impl Warning {
         Self::new(About::NoEvents, subject, seen, why, change)
     }
 
+    /// What a comparison of two recordings warns of, in which accident scores `floor` within `window`.
+    #[must_use]
+    pub fn of_comparison(
+        [reference, judged]: [&Packet; 2],
+        window: Micros,
+        floor: f64,
+    ) -> Vec<Self> {
+        let mut guard = Guard::new();
+        guard.recording("the reference", reference);
+        guard.recording("the judged", judged);
+        let speak = !reference.events.is_empty() && !judged.events.is_empty();
+        let window = Self::window(window, floor).filter(|_| speak);
+        for warning in Self::names(&reference.names, &judged.names)
+            .into_iter()
+            .chain(window)
+        {
+            guard.warn(warning);
+        }
+        guard.warnings()
+    }
+
     /// Recordings whose kinds of cells, which are compared by their numbers, have other names.
     #[must_use]
     pub fn names(reference: &[String], judged: &[String]) -> Option<Self> {
@@ -424,7 +445,7 @@ impl Warning {
         let (dark, most) = match samples {
             Samples::Floats => (white / DARK, BEYOND * white),
             Samples::Integers => (1.0, BEYOND_WHOLE * white),
-            _ => return None,
+            Samples::Video | Samples::Pictures | Samples::Moved | Samples::Drawn => return None,
         };
         let is_dark = low >= 0.0 && high <= dark.max(1.0001) && high > 0.0;
         if high > most {
@@ -514,7 +535,7 @@ impl Warning {
                 first.correlation
             ),
             format!(
-                "split the clip there: one scene is its first {} ({})",
+                "split the clip there: one scene is its first {}{}",
                 counted(first.frame, "frame"),
                 parted(first.frame, slice)
             ),
@@ -679,7 +700,7 @@ fn parted(frame: u64, slice: Option<Slice>) -> String {
     };
     let slice = slice.unwrap_or(all);
     let Moment::Frame(from) = slice.from else {
-        return "--slice, or `slice` in a study, in frames of the clip".to_owned();
+        return " (--slice, or `slice` in a study, in frames of the clip)".to_owned();
     };
     let at = Moment::Frame(from.saturating_add(frame));
     let [one, next] = [
@@ -689,7 +710,7 @@ fn parted(frame: u64, slice: Option<Slice>) -> String {
         },
         Slice { from: at, ..slice },
     ];
-    format!("--slice {one}, or `slice` in a study), the next is the rest (--slice {next}")
+    format!(" (--slice {one}, or `slice` in a study), the next is the rest (--slice {next})")
 }
 
 /// What light far above white does to a sensor of this response.

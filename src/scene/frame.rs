@@ -1,7 +1,8 @@
 //! A frame, and the trait of all sources of frames.
 
 use super::{
-    alias::Alias, coding::Light, error::SceneError, image::Image, light, rate::Rate, unlike::Unlike,
+    alias::Alias, coding::Light, error::SceneError, image::Image, light, rate::Rate, slice::Slice,
+    unlike::Unlike,
 };
 use crate::plane::Size;
 
@@ -72,6 +73,8 @@ pub struct Outline {
     pub alias: Option<Alias>,
     /// How players show it otherwise.
     pub unlike: Option<Unlike>,
+    /// Which frames of its clip it is; none where it is all of it.
+    pub slice: Option<Slice>,
     /// The most bytes that the source holds while frames are taken from it, the frame that it gives
     /// included.
     pub bytes: u128,
@@ -91,6 +94,7 @@ impl Outline {
             gap: None,
             alias: None,
             unlike: None,
+            slice: None,
             bytes: light::PIXEL_BYTES_HELD * size.pixels() as u128,
         }
     }

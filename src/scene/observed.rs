@@ -75,11 +75,6 @@ impl Observation {
         self.seen().unlike
     }
 
-    /// Notes that what is seen is a slice of a clip.
-    pub fn of_slice(&self, slice: Slice) {
-        self.seen().slice = Some(slice);
-    }
-
     /// Which slice of its clip the scene is; none where it is all of it.
     #[must_use]
     pub fn slice(&self) -> Option<Slice> {
@@ -144,6 +139,7 @@ impl<S: Scene> Observed<S> {
         seen.gap = outline.gap;
         seen.alias = outline.alias;
         seen.unlike = outline.unlike;
+        seen.slice = outline.slice;
         seen.assumed_fps =
             (outline.fps_is_assumed && outline.frames != Some(1)).then_some(outline.fps);
         drop(seen);

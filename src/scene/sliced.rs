@@ -58,7 +58,11 @@ impl<S: Scene> Scene for Sliced<S> {
             (Moment::Frame(from), None) => source.frames.map(|all| all.saturating_sub(from)),
             _ => None,
         };
-        Outline { frames, ..source }
+        Outline {
+            frames,
+            slice: Some(self.slice),
+            ..source
+        }
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {

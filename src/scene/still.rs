@@ -96,7 +96,8 @@ fn read_with_bits(
     let mut file = light::open_file(path)?;
     let start = file.fill_buf();
     let start = start.map_err(|cause| SceneError::unreadable(path, cause))?;
-    if matches!(start, [b'P', b'5', space, ..] if space.is_ascii_whitespace()) {
+    let behind = start.strip_prefix(pgm::MAGIC).and_then(<[u8]>::first);
+    if behind.is_some_and(u8::is_ascii_whitespace) {
         let (image, bits) = pgm::read(&mut file, path, frame, room)?;
         pgm::check_end(&mut file, path)?;
         return Ok((image, bits, ImageFormat::Pnm));

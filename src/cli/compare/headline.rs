@@ -11,6 +11,7 @@ use crate::{
         metric::Short,
         window::{self, Point, Redraws},
     },
+    event::Packet,
     picture::{CurvePoint, CurveShow, Drawing, curve},
     rig::guard::Warning,
     scene::SceneError,
@@ -92,13 +93,13 @@ impl Headline {
         self.point.window_us
     }
 
-    /// That accident scores as much as anything, where it does.
-    pub(super) fn warning(&self, pair: &Pair) -> Option<Warning> {
+    /// What there is to warn of: the recordings, their names, and accident that scores as much as
+    /// anything.
+    pub(super) fn warnings(&self, packets: [&Packet; 2]) -> Vec<Warning> {
         let Point {
             window_us, floor, ..
         } = self.point;
-        let [reference, judged] = pair.events();
-        { (reference.min(judged) > 0).then(|| Warning::window(window_us, floor)) }.flatten()
+        Warning::of_comparison(packets, window_us, floor)
     }
 
     /// The curve of a pair.

@@ -25,7 +25,7 @@ use crate::{
     },
     event::file::Loaded,
     plane::Size,
-    rig::guard::{Guard, Warning},
+    rig::guard::Warning,
     scene::{Observation, Scene as _},
 };
 
@@ -92,15 +92,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let curve = headline.curve(&pair, &redraws);
     let comparison = Comparison::from_pair(&pair, headline.window());
-    let mut guard = Guard::new();
-    for (subject, loaded) in [("the reference", &reference), ("the judged", &judged)] {
-        guard.recording(subject, &loaded.packet);
-    }
-    let names = Warning::names(&reference.packet.names, &judged.packet.names);
-    for warning in names.into_iter().chain(headline.warning(&pair)) {
-        guard.warn(warning);
-    }
-    let warnings = guard.warnings();
+    let warnings = headline.warnings([&reference.packet, &judged.packet]);
     light::warn(&warnings);
     let mut scales = Scales {
         bins: arguments.bins.into(),
