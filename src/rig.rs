@@ -5,6 +5,7 @@
 //! ([`Beside`](crate::program::Beside)). What is inserted between frames, left out or retimed is a
 //! scene of its own (`scene::upsample`, `scene::part`), so that the loop need not know.
 
+mod few;
 pub mod guard;
 mod larger;
 mod overflow;

@@ -50,6 +50,10 @@ fn what_is_disassembled_reads_back_as_the_same_words() {
         assert_eq!(words, stdout(&["asm", &program, "--disasm"]));
         let again = kept(&folder, "words.scamp", &words);
         assert_eq!(stdout(&["disasm", &again]), words, "{program}");
+        let said = amacrine(here(), &["asm", &again]).output().unwrap();
+        let said = String::from_utf8(said.stderr).unwrap();
+        // Of what a macro makes in two words nothing is to be mended.
+        assert!(!said.contains("read and written in one word"), "{said}");
     }
 }
 

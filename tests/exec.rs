@@ -459,6 +459,12 @@ fn a_clip_is_run_whole_and_its_end_is_told() {
         frames == 8 && notes.contains("ends after 5 frames") && notes.contains("3 more"),
         "{notes}"
     );
+    // A shorter one is not drawn out, either.
+    let long = text.replace("= 2", "= 20");
+    fs::write(bench.path("long.scamp"), long).unwrap();
+    let all = ["exec", "long.scamp", "--image", "clip.npy", "--fps", "100"];
+    let json = json(bench.folder.path(), &all);
+    assert_eq!(json["frames"], 5);
     // A pattern that says how many frames it has is a clip; others go on.
     let pattern = |more: &str| {
         let image = format!("pattern:noise?width=5&height=4{more}");

@@ -186,7 +186,7 @@ fn damage_of_every_kind_is_listed_at_once_and_computed_again() {
     let damaged: Vec<usize> = (0..POINTS).filter(|index| *index != 4).collect();
 
     for arguments in [&["report", "out"][..], &["merge", "out", "--output", "all"]] {
-        let message = refused(at, arguments, &["15 of the files of points are damaged"]);
+        let message = refused(at, arguments, &["15 files of points are damaged"]);
         let close = message.replace(' ', "");
         for index in &damaged {
             assert!(close.contains(id(*index)), "{index}: {message}");
@@ -719,7 +719,7 @@ fn a_share_is_computed_again_and_compared_to_the_bit() {
         &["none"],
     );
     fs::write(&files[1], "").unwrap();
-    refused(at, &arguments, &["1 of the files of points are damaged"]);
+    refused(at, &arguments, &["1 file of points is damaged"]);
     assert_eq!(fs::read(&files[1]).unwrap(), b"");
 }
 

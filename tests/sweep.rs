@@ -806,7 +806,10 @@ fn folders_of_others_are_left_alone() {
     refused(
         at,
         &["report", "out"],
-        &["1 of the files of points", "sets the damaged files aside"],
+        &[
+            "1 file of points is damaged",
+            "sets the damaged files aside",
+        ],
     );
     let said = json(at, &[&sweep[..], &["--json"]].concat());
     assert_eq!(

@@ -534,11 +534,15 @@ fn all_ways_to_a_point_agree() {
     assert_eq!(programs.len(), 2);
     assert_ne!(programs[0]["events"], programs[1]["events"]);
     assert_eq!(bare(results(at, "merged")), all);
+    let written = || fs::metadata(at.join("out")).unwrap().modified().unwrap();
+    let before = written();
     let said = good(
         at,
         &["sweep", "out.toml", "--output", "out", "--verify", "100%"],
     );
     assert!(said.contains("the same bits"), "{said}");
+    // Not even to see whether that could be.
+    assert_eq!(written(), before);
     // As the space says it.
     let space = json(at, &["sweep", "out.toml", "--space"]);
     let shared = space["sides"][0]["axes"].as_array().unwrap();

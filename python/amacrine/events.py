@@ -316,7 +316,9 @@ def voxels(
         start: Where windows begin, in seconds; what is before is left out. By default where the
             recording begins (``.span``), or at 0 where the events do not know that. The windows of
             ``amacrine voxels`` count from 0 in steps of ``--every``, whenever a recording begins.
-        end: Up to where there are windows, in seconds; the last event where it is left out.
+        end: Up to where there are windows, in seconds. By default where the recording ends (``.span``),
+            or at the last event where that does not say it: windows at its end in which nothing happens
+            are there, as :meth:`amacrine.Sensor.voxels` has them.
 
     The rest is that of :meth:`amacrine.Sensor.voxels`.
 
@@ -324,14 +326,19 @@ def voxels(
         (windows,K,bins,H,W), or (windows,K,2,bins,H,W) with OFF first where they are split.
     """
     events = whole(events)
+    span = getattr(events, "span", None)
     if start is None:
-        start = (getattr(events, "span", None) or (0.0, 0.0))[0]
+        start = (span or (0.0, 0.0))[0]
     since = round(arguments.seconds("start", start, -arguments.SECONDS) * 1e6)
     size, count = size_of(events, size), kinds_of(events, channels) or 1
     events, number = _after(_checked(events, size), since), voxel.number(dtype)
     last = int(events["t"].max()) if len(events) else 0
     stop = None if end is None else arguments.seconds("end", end, -arguments.SECONDS)
-    until = last if stop is None else max(round(stop * 1e6) - since, 0)
+    if stop is not None:
+        until = max(round(stop * 1e6) - since, 0)
+    else:
+        # Nobody must lose an event that lies behind the span.
+        until = max(last, round(span[1] * 1e6) - since if span else 0)
     length = max(until, 1) * 1e-6 if window is None else window
     how = voxel.how(bins, length, every, causal, polarity, share, normalise)
     flat, (height, width, kinds) = _amacrine.voxels(

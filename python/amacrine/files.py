@@ -93,7 +93,7 @@ def read(
     events, about = view(records, channels), _about(text)
     check_addresses(path, events, about.size)
     size_known = about.size if about.size_known else None
-    first, last = (time * 1e-6 for time in about.span_us)
+    first, last = (time / 1e6 for time in about.span_us)
     return named(events, about.names, size_known, channels, (first, last), about.dropped)
 
 

@@ -33,16 +33,18 @@ class Sweep:
         """Where the results are; ``amacrine report`` reads it as well."""
         self._told = dict(told or {})
 
+    def _read(self) -> dict[str, Any]:
+        """What is in the folder now."""
+        found: dict[str, Any] = json.loads(_amacrine.sweep_rows(self.folder))
+        return found
+
     @property
     def rows(self) -> list[dict[str, Any]]:
         """A row for each point that is there, in the order of the study: ``docs/sweeps.md`` lists the
         columns."""
-        path = self.folder / "results.jsonl"
-        try:
-            text = path.read_text(encoding="utf-8")
-        except OSError as cause:
-            raise Error(f"{path}: {cause}\nhelp: give a folder that a sweep has written") from cause
-        return [json.loads(line) for line in text.splitlines() if line]
+        found = self._read()
+        columns: list[str] = found["columns"]
+        return [{key: row[key] for key in columns if key in row} for row in found["rows"]]
 
     def to_frame(self) -> Any:
         """The rows as a pandas data frame. Needs pandas."""
@@ -51,7 +53,7 @@ class Sweep:
     @property
     def finished(self) -> int:
         """Points that are done, and points that cannot be."""
-        return sum(row["outcome"] != "failed" for row in self.rows)
+        return int(self._read()["finished"])
 
     @property
     def failed(self) -> list[dict[str, Any]]:
@@ -60,8 +62,8 @@ class Sweep:
 
     @property
     def missing(self) -> list[int]:
-        """Numbers of the points that are not there, where the sweep has told them."""
-        return list(self._told.get("missing", []))
+        """Numbers of the points that are not there: not computed yet, or left out by a search."""
+        return list(self._read()["missing"])
 
     @property
     def computed(self) -> int:

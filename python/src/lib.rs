@@ -65,6 +65,7 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep_hash, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::merge, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep_rows, module)?)?;
     module.add_function(wrap_pyfunction!(gradient::forward, module)?)?;
     module.add_function(wrap_pyfunction!(gradient::learned_text, module)?)?;
     module.add_function(wrap_pyfunction!(tensor::check_room, module)?)?;

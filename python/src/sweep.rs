@@ -12,7 +12,9 @@ use amacrine::{
     memory::{Budget, Need},
     study::sweep::{
         Limits, Override, Plan, Run, Shard, Store, Study, merge as merge_folders,
-        overrides::OverrideError, run::ShardError, store::Tables,
+        overrides::OverrideError,
+        run::ShardError,
+        store::{self, Tables},
     },
 };
 use miette::{Report, miette};
@@ -139,6 +141,17 @@ fn overrides(sets: &[String]) -> PyResult<Vec<Override>> {
     sets.iter()
         .map(|set| set.parse().map_err(|e: OverrideError| raised(e)))
         .collect()
+}
+
+/// What stands in a folder of results, finished or not; the answer in JSON.
+#[pyfunction]
+pub fn sweep_rows(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
+    let read = pool::work(py, || store::read(&folder))?;
+    let (manifest, rows, tables) = read.map_err(raised)?;
+    let mut answer = told(&manifest.title, manifest.points.len(), &tables);
+    answer["columns"] = json!(manifest.columns);
+    answer["rows"] = json!(rows);
+    json(&answer)
 }
 
 /// Joins folders of one study into another; the answer in JSON.

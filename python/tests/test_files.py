@@ -72,6 +72,11 @@ def test_events_know_their_sensor(tmp_path: Path) -> None:
     assert about.span_us == tuple(round(time * 1e6) for time in span)
     again = amacrine.read(path)
     assert again.kinds == 2 and again.span == pytest.approx(span, abs=1e-6)
+    # The same doubles come back, of whole microseconds.
+    for us in ((200_000, 1_800_000), (0, 58_000), (1, 33_333)):
+        ends = (us[0] / 1e6, us[1] / 1e6)
+        amacrine.write(path, events[:0], span=ends)
+        assert amacrine.read(path).span == ends
     assert again.dropped is not None and not any(again.dropped.values())
     assert amacrine.compare(again, events).equal
     # Of a part nobody knows from when to when it is.

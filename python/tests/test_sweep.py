@@ -66,6 +66,24 @@ def test_it_is_the_sweep_of_the_program(
     assert len(other) == 2 and {row["threshold_on"] for row in other.rows} == {4.0}
 
 
+def test_a_folder_that_is_not_finished_is_read(study: Path, program: Callable[..., str], tmp_path: Path) -> None:
+    program("sweep", study, "--output", tmp_path / "part", "--shard", "0/2")
+    part = amacrine.Sweep(tmp_path / "part")
+    assert (len(part), part.finished, part.missing) == (5, 5, [1, 3, 5, 7])
+    assert [row["index"] for row in part.rows] == [0, 2, 4, 6, 8]
+    # A kill leaves points and no tables; one more point is there than the tables know.
+    program("sweep", study, "--output", tmp_path / "other", "--shard", "1/2")
+    kept = next((tmp_path / "other" / "points").iterdir())
+    (tmp_path / "part" / "points" / kept.name).write_bytes(kept.read_bytes())
+    assert (len(part), len(part.missing)) == (6, 3)
+    (tmp_path / "part" / "results.jsonl").unlink()
+    assert len(part.rows) == 6
+    # In the order of docs/sweeps.md.
+    assert list(part.rows[0])[:4] == ["index", "id", "task", "side"]
+    with pytest.raises(amacrine.Error, match="is not a folder of results"):
+        _ = amacrine.Sweep(tmp_path).rows
+
+
 def test_a_scene_that_ends_early_is_told_of(study: Path, tmp_path: Path) -> None:
     keys = {"threshold": 4, "frames": 50, "reference.format": "f32"}
     with pytest.warns(amacrine.Caution, match="it ends after 8 frames") as said:

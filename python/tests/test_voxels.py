@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import amacrine
@@ -110,6 +111,21 @@ def test_no_event_falls_between_two_windows() -> None:
     seen = sensor.voxels(light, 1000, **how)
     assert seen.astype(np.float64).sum() == len(events)
     assert np.array_equal(seen, amacrine.events.voxels(events, **how))
+
+
+def test_silent_windows_at_the_end_are_there(tmp_path: Path) -> None:
+    clip = np.full((11, 4, 4), 100, np.uint8)
+    clip[2:] = 200
+    sensor = amacrine.Sensor(np.ones((1, 1, 1)), 20.0, response="identity", memory="filtered-snap")
+    events = sensor.events(clip, 10.0)
+    want = sensor.voxels(clip, 10.0, bins=2, window=0.1, share="whole")
+    amacrine.write(tmp_path / "e.npy", events)
+    for given in (events, amacrine.read(tmp_path / "e.npy")):
+        assert np.array_equal(amacrine.events.voxels(given, bins=2, window=0.1, share="whole"), want)
+    assert len(want) == 10 and not want[2:].any() and want.any()
+    # Who knows no span has the windows up to its last event.
+    bare = np.asarray(events)
+    assert len(amacrine.events.voxels(bare, bins=2, window=0.1, share="whole", size=(4, 4))) == 2
 
 
 def test_ranges_and_types(frames: Frames) -> None:

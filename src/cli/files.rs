@@ -553,16 +553,67 @@ pub(super) fn check(command: &Command, matches: &ArgMatches) -> miette::Result<(
     }
     for name in named {
         files.read(Path::new(&name.0))?;
+        if let Some(image) = image_of_pattern(&name.0) {
+            files.read(Path::new(image))?;
+        }
         for folder in Device::folders_extended(Path::new(&name.0)) {
             files.read(&folder)?;
         }
     }
+    drop(files);
+    check_apart(command, matches, &outputs)?;
+    // `sweep --verify` reads its folder.
+    let verifies = matches.try_contains_id("verify").unwrap_or(false);
     // Before the work, not behind it.
     for output in outputs {
         match output.content {
+            Content::Folder if verifies => {}
             Content::Folder => save::check_folder_writable(&output.path)?,
             Content::Converted => {}
             _ => save::check_writable(&output.path)?,
+        }
+    }
+    Ok(())
+}
+
+/// The picture that a pattern shows, where it names one: `pattern:pan?image=FILE`.
+fn image_of_pattern(name: &str) -> Option<&str> {
+    let (_, keys) = name.strip_prefix("pattern:")?.split_once('?')?;
+    keys.split('&').find_map(|key| key.strip_prefix("image="))
+}
+
+/// Refuses a picture, or a folder of them, in the folder of pictures that is the scene: it would be
+/// shown as one of its frames.
+fn check_apart(command: &Command, matches: &ArgMatches, outputs: &[&Output]) -> miette::Result<()> {
+    let scenes = command.get_arguments().map(|argument| argument.get_id());
+    let scenes = scenes.filter(|id| matches!(id.as_str(), "scene" | "image"));
+    for scene in scenes.flat_map(|id| all::<Named>(matches, id.as_str())) {
+        let Ok(folder) = fs::canonicalize(&scene.0) else {
+            continue;
+        };
+        if !folder.is_dir() {
+            continue;
+        }
+        let lands = |output: &&&Output| {
+            match output.content {
+                Content::Folder => Some(output.path.as_path()),
+                Content::Converted => None,
+                _ => output.path.parent(),
+            }
+            .map(|parent| match parent.as_os_str().is_empty() {
+                true => Path::new("."),
+                false => parent,
+            })
+            .and_then(|parent| fs::canonicalize(parent).ok())
+            .is_some_and(|parent| parent == folder)
+        };
+        if let Some(output) = outputs.iter().find(lands) {
+            return Err(miette!(
+                help = "write it somewhere else; nothing has been touched",
+                "{} lies in {}, whose pictures are the scene",
+                output.path.display(),
+                scene.0
+            ));
         }
     }
     Ok(())

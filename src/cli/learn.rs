@@ -3,13 +3,14 @@
 use std::{
     env,
     ffi::OsString,
+    io,
     path::{Path, PathBuf},
     process::Command,
 };
 
 use miette::{IntoDiagnostic, WrapErr, miette};
 
-use super::{budget::budget, print::Ended, threads};
+use super::{budget::budget, threads};
 use crate::memory::Origin;
 
 /// What `learn` is asked to do.
@@ -50,17 +51,29 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if budget.by == Origin::Asked {
         command.arg(format!("--max-memory={}", budget.bytes));
     }
-    let status = command
-        .args(&arguments.handed_over)
-        .status()
+    command.args(&arguments.handed_over);
+    become_it(command)
         .into_diagnostic()
-        .wrap_err_with(|| format!("{}: it cannot be started", program.display()))?;
+        .wrap_err_with(|| format!("{}: it cannot be started", program.display()))?
+}
+
+/// Runs it in place of this program, so that a signal ends what learns.
+#[cfg(unix)]
+fn become_it(mut command: Command) -> io::Result<miette::Result<()>> {
+    use std::os::unix::process::CommandExt as _;
+    Err(command.exec())
+}
+
+/// Runs it, and ends as it does.
+#[cfg(not(unix))]
+fn become_it(mut command: Command) -> io::Result<miette::Result<()>> {
+    let status = command.status()?;
     if status.success() {
-        return Ok(());
+        return Ok(Ok(()));
     }
     // It has said what is wrong.
     let code = status.code().and_then(|code| u8::try_from(code).ok());
-    Err(Ended(code.unwrap_or(2)).into())
+    Ok(Err(super::print::Ended(code.unwrap_or(2)).into()))
 }
 
 /// Beside this program, else on the PATH.

@@ -95,8 +95,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         ));
     }
     files::writes(written.iter().map(|(path, _)| path))?;
-    for (path, text) in written {
-        save(&path, |file| file.write_all(text.as_bytes()))?;
+    // All of it first: who reads the lines may have gone.
+    for (path, text) in &written {
+        save(path, |file| file.write_all(text.as_bytes()))?;
+    }
+    for (path, _) in &written {
         super::say(&format!("wrote    {}\n", path.display()));
     }
     Ok(())

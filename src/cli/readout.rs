@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use miette::miette;
+
 use super::files::Named;
 use crate::{
     event::{
@@ -48,7 +50,13 @@ impl Choice {
         } else {
             Description::shipped(name)?
         };
-        for (key, value) in &self.settings {
+        for (n, (key, value)) in self.settings.iter().enumerate() {
+            if self.settings[..n].iter().any(|(other, _)| other == key) {
+                return Err(miette!(
+                    help = "give each setting once",
+                    "--with {key} is given twice"
+                ));
+            }
             description.set(key, value)?;
         }
         Ok(Some(description))

@@ -419,10 +419,20 @@ fn searched(search: &Searched, all: usize) -> String {
     text
 }
 
-/// Points with their reasons, for people.
+/// Points with their reasons, for people; those of one reason together.
 fn reasons(points: &[Failed]) -> String {
-    let lines = points.iter();
-    listed(lines.map(|Failed { point, reason }| format!("point {point}: {reason}")))
+    let mut each: Vec<(usize, usize, &str)> = Vec::new();
+    for Failed { point, reason } in points {
+        match each.iter_mut().find(|(.., other)| other == reason) {
+            Some((_, more, _)) => *more += 1,
+            None => each.push((*point, 0, reason)),
+        }
+    }
+    let lines = each.iter();
+    listed(lines.map(|(point, more, reason)| match more {
+        0 => format!("point {point}: {reason}"),
+        more => format!("point {point} and {more} more: {reason}"),
+    }))
 }
 
 /// How many files are damaged, of what.

@@ -4,6 +4,7 @@ use super::{
     chart::{
         Anchor, Area, Drawing, Point,
         axes::{Axis, Scale, axes},
+        labels,
     },
     ink::{self, Ink},
     text::{Face, LINE, Weight},
@@ -46,11 +47,14 @@ pub struct FrontShow<'a> {
 /// Colours of the groups.
 const SIDES: [Ink; 3] = [ink::ON, ink::OFF, ink::EXTRA];
 
-/// Width of the page in points; the names of the front take the right part of it.
+/// Least width of the page in points; the names of the front take the right part of it.
 const WIDTH: f64 = 1120.0;
+const MARGIN: f64 = 24.0;
 const PLOT: f64 = 620.0;
 const HEIGHT: f64 = 330.0;
 const TOP: f64 = 78.0;
+/// Where the names of the front begin.
+const NAMES: f64 = PLOT + 40.0;
 
 /// Charts below each other, one for each group.
 #[must_use]
@@ -58,13 +62,25 @@ pub fn fronts(shows: &[FrontShow<'_>]) -> Drawing {
     let height =
         |show: &FrontShow<'_>| (show.notes.len() as f64).mul_add(f64::from(LINE), above(show));
     let all: f64 = shows.iter().map(height).sum();
-    let mut drawing = Drawing::new(WIDTH, all.max(60.0));
+    let width = shows.iter().map(width).fold(WIDTH, f64::max);
+    let mut drawing = Drawing::new(width, all.max(60.0));
     let mut top = 0.0;
     for show in shows {
         draw(&mut drawing, show, top);
         top += height(show);
     }
     drawing
+}
+
+/// Width of a chart with all that is written.
+fn width(show: &FrontShow<'_>) -> f64 {
+    let face = Face::new(Weight::Plain, 1);
+    let right = |left: f64, text: &str| left + f64::from(face.width(text)) + MARGIN;
+    let notes = show.notes.iter().chain([&show.heading]);
+    let notes = notes.map(|text| right(MARGIN, text));
+    let front = show.dots.iter().filter(|dot| !dot.dominated);
+    let names = front.map(|dot| right(NAMES + 14.0, &named(show.dots.len(), dot)));
+    notes.chain(names).fold(0.0, f64::max)
 }
 
 /// Height of a chart and of the names beside it; its notes are below.
@@ -165,8 +181,7 @@ fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
         let place = (24.0, f64::from(row).mul_add(line, top + above(show)));
         write(drawing, place, Weight::Plain, note);
     }
-    let names = PLOT + 40.0;
-    let heading = (names, top + TOP - line - 4.0);
+    let heading = (NAMES, top + TOP - line - 4.0);
     let what = "on the front, the cheapest first";
     write(drawing, heading, Weight::Heading, what);
     let places: Vec<Point> = front.iter().map(|dot| plot.at(dot)).collect();
@@ -174,55 +189,50 @@ fn draw(drawing: &mut Drawing, show: &FrontShow<'_>, top: f64) {
         drawing.square(*place, 5.0, colour(dot.side));
         let number = i + 1;
         let row = top + TOP + i as f64 * line;
-        let mark = (names + 4.0, row + line / 2.0);
+        let mark = (NAMES + 4.0, row + line / 2.0);
         drawing.square(mark, 4.0, colour(dot.side));
-        let text = format!("{number} {} ({:.4})", dot.name, dot.error);
-        write(drawing, (names + 14.0, row), Weight::Plain, &text);
+        let text = named(number, dot);
+        write(drawing, (NAMES + 14.0, row), Weight::Plain, &text);
     }
-    for (label, place) in labels(&places) {
-        write(drawing, place, Weight::Plain, &label);
+    let numbers = numbers(&places);
+    let face = Face::new(Weight::Plain, 1);
+    let labelled: Vec<(Point, f64)> = { numbers.iter() }
+        .map(|(number, dot)| (*dot, f64::from(face.width(number))))
+        .collect();
+    let beaten = show.dots.iter().filter(|dot| dot.dominated);
+    let others: Vec<Point> = beaten.map(|dot| plot.at(dot)).chain(places).collect();
+    let labels = labels::labels(plot.area, &labelled, &others);
+    for ((number, dot), label) in numbers.iter().zip(labels) {
+        labels::leader(drawing, label, *dot);
+        write(drawing, (label.x, label.y), Weight::Plain, number);
     }
+}
+
+/// A sensor of the front, as it is listed.
+fn named(number: usize, dot: &Dot) -> String {
+    format!("{number} {} ({:.4})", dot.name, dot.error)
 }
 
 /// Dots closer than this, in points, have one label.
 const NEAR: f64 = 4.0;
 
-/// The numbers of dots, from 1 on, and where they stand: of dots at one place together, as `1-6`,
-/// and above each other where they would cover each other.
-fn labels(dots: &[Point]) -> Vec<(String, Point)> {
-    let line = f64::from(LINE);
+/// The numbers of dots, from 1 on: of dots at one place together, as `1-6`, each with the first of its
+/// dots.
+fn numbers(dots: &[Point]) -> Vec<(String, Point)> {
     let is_near = |a: &Point, b: &Point| (a.0 - b.0).abs() < NEAR && (a.1 - b.1).abs() < NEAR;
     let mut first = 1;
-    let mut taken: Vec<Area> = Vec::new();
-    let mut labels = Vec::new();
+    let mut numbers = Vec::new();
     for together in dots.chunk_by(is_near) {
         let last = first + together.len() - 1;
-        let label = if last > first {
+        let number = if last > first {
             format!("{first}-{last}")
         } else {
             first.to_string()
         };
-        let (x, y) = together[0];
-        let mut place = Area {
-            x: x + 7.0,
-            y: y - line,
-            width: f64::from(Face::new(Weight::Plain, 1).width(&label)),
-            height: line,
-        };
-        while taken.iter().any(|other| covers(place, *other)) {
-            place.y -= line / 2.0;
-        }
-        labels.push((label, (place.x, place.y)));
-        taken.push(place);
+        numbers.push((number, together[0]));
         first = last + 1;
     }
-    labels
-}
-
-/// Whether two texts cover each other, or stand less than two points side by side.
-fn covers(a: Area, b: Area) -> bool {
-    let is_beside = a.x >= b.right() + 2.0 || b.x >= a.right() + 2.0;
-    !is_beside && a.y < b.bottom() && b.y < a.bottom()
+    numbers
 }
 
 /// The colours of the sides that have dots.
@@ -279,13 +289,34 @@ mod tests {
     }
 
     #[test]
-    fn labels_of_dots_at_one_place_are_one_and_none_covers_another() {
-        let told = labels(&[(10.0, 50.0), (10.0, 51.0), (16.0, 52.0), (300.0, 9.0)]);
-        let names: Vec<&str> = told.iter().map(|(label, _)| label.as_str()).collect();
+    fn dots_at_one_place_have_one_number() {
+        let told = numbers(&[(10.0, 50.0), (10.0, 51.0), (16.0, 52.0), (300.0, 9.0)]);
+        let names: Vec<&str> = told.iter().map(|(number, _)| number.as_str()).collect();
         assert_eq!(names, ["1-2", "3", "4"]);
-        let line = f64::from(LINE);
-        assert_eq!(told[0].1, (17.0, 50.0 - line));
-        assert!(told[1].1.1 <= told[0].1.1 - line, "{told:?}");
-        assert_eq!(told[2].1, (307.0, 9.0 - line));
+        assert_eq!(told[2].1, (300.0, 9.0));
+    }
+
+    #[test]
+    fn long_names_and_headings_widen_the_page() {
+        let show = |name: &str, heading: &str| FrontShow {
+            heading: heading.to_owned(),
+            cost: "bits",
+            seconds: false,
+            sides: ["reference", "array", "mesh"],
+            dots: vec![Dot {
+                name: name.to_owned(),
+                cost: 1.0,
+                error: 4.7566,
+                dominated: false,
+                side: 0,
+            }],
+            notes: Vec::new(),
+        };
+        let long = "a sensor with a long name ".repeat(8);
+        let wide = |name: &str, heading: &str| fronts(&[show(name, heading)]).size().0;
+        assert_eq!(wide("short", "short"), WIDTH);
+        let letters = f64::from(Face::new(Weight::Plain, 1).width(&long));
+        assert!(wide(&long, "short") >= NAMES + letters);
+        assert!(wide("short", &long) >= MARGIN + letters);
     }
 }

@@ -4,6 +4,7 @@ use super::{
     chart::{
         Anchor, Area, Drawing, Point,
         axes::{Axis, Scale, axes},
+        labels,
     },
     ink::{self, Ink},
     text::{LINE, Weight},
@@ -115,7 +116,9 @@ pub fn trade(show: &TradeShow<'_>) -> Drawing {
         plot.dot(&mut page, dot);
     }
     let numbered = (1..).zip(&show.dots).zip(plot.numbers(&show.dots));
-    for ((number, dot), place) in numbered {
+    for ((number, dot), (label, at)) in numbered {
+        labels::leader(&mut page, label, at);
+        let place = (label.x, label.y);
         let ink = if dot.on_front {
             ink::TEXT
         } else {
@@ -211,61 +214,15 @@ impl Plot {
         }
     }
 
-    /// Where the dots' numbers stand: beside the dot inside the axes, further up or down where
-    /// another number or a dot is there.
-    fn numbers(&self, dots: &[TradeDot]) -> Vec<Point> {
-        let line = f64::from(LINE);
-        let (top, bottom) = (self.area.y, self.area.bottom() - line);
-        let around = |(x, y): Point, half: f64| Area {
-            x: x - half,
-            y: y - half,
-            width: 2.0 * half,
-            height: 2.0 * half,
-        };
+    /// Where the dots' numbers stand, and the dots.
+    fn numbers(&self, dots: &[TradeDot]) -> Vec<(Area, Point)> {
         let dot_at = |dot: &TradeDot| (self.x(dot.run + dot.planning), self.y(dot.limit));
-        let squares: Vec<Area> = dots.iter().map(|dot| around(dot_at(dot), HALF)).collect();
-        let mut numbers: Vec<Area> = Vec::new();
-        for (number, dot) in (1..).zip(dots) {
-            let (dot_x, dot_y) = dot_at(dot);
-            let width = LETTER * digits(number);
-            let right = dot_x + HALF + 1.0;
-            let left = right - 2.0 * (HALF + 1.0) - width;
-            let sides = if right + width > self.area.right() {
-                [left, left]
-            } else {
-                [right, left]
-            };
-            let first = (dot_y - line + 2.0).clamp(top, bottom);
-            let steps = (0..4 * dots.len()).map(|n| 0.5 * line * n as f64);
-            let heights = steps.flat_map(|step| [first - step, first + step]);
-            let inside = heights.filter(|y| (top..=bottom).contains(y));
-            let places = inside.flat_map(|y| {
-                sides.map(|x| Area {
-                    x,
-                    y,
-                    width,
-                    height: line,
-                })
-            });
-            let is_free = |place: &Area| {
-                let apart = |other: &Area| !overlap(*place, *other);
-                // Of a letter the upper and the lower pixels are empty.
-                let ink = Area {
-                    y: place.y + 4.0,
-                    height: line - 8.0,
-                    ..*place
-                };
-                numbers.iter().all(apart) && squares.iter().all(|square| !overlap(ink, *square))
-            };
-            let free = places.into_iter().find(is_free);
-            numbers.push(free.unwrap_or(Area {
-                x: sides[0],
-                y: first,
-                width,
-                height: line,
-            }));
-        }
-        numbers.iter().map(|place| (place.x, place.y)).collect()
+        let numbered = (1..).zip(dots);
+        let labelled: Vec<(Point, f64)> = numbered
+            .map(|(number, dot)| (dot_at(dot), LETTER * digits(number)))
+            .collect();
+        let places = labels::labels(self.area, &labelled, &[]).into_iter();
+        places.zip(labelled.iter().map(|(dot, _)| *dot)).collect()
     }
 
     fn dot(&self, page: &mut Drawing, dot: &TradeDot) {
@@ -283,12 +240,6 @@ impl Plot {
         }
         page.square((x, y), half, ink);
     }
-}
-
-/// Whether two rectangles cover each other, or stand less than two points side by side.
-fn overlap(a: Area, b: Area) -> bool {
-    let apart = a.x >= b.right() + 2.0 || b.x >= a.right() + 2.0;
-    !apart && a.y < b.bottom() && b.y < a.bottom()
 }
 
 /// Digits of a number of a list.
@@ -473,28 +424,5 @@ mod tests {
         assert_eq!(at(5.0, 0.0), FRONT);
         assert_eq!(at(50.0, 0.1), BEATEN);
         assert_eq!(at(0.6, 0.05), ink::PAGE);
-        // Numbers of dots that are close cover neither each other nor a dot.
-        let close: Vec<TradeDot> = (0..14)
-            .map(|n| dot("close", 0.4 + 0.001 * f64::from(n), 0.1, 0.01, n == 0))
-            .collect();
-        let line = f64::from(LINE);
-        let area = |(number, (x, y)): (usize, &Point)| Area {
-            x: *x,
-            y: y + 4.0,
-            width: LETTER * digits(number),
-            height: line - 8.0,
-        };
-        let places = plot.numbers(&close);
-        let places: Vec<Area> = (1..).zip(&places).map(area).collect();
-        for (n, place) in places.iter().enumerate() {
-            let others = places[..n].iter().any(|other| overlap(*place, *other));
-            let at = close
-                .iter()
-                .map(|dot| (plot.x(dot.run + dot.planning), plot.y(dot.limit)));
-            let dots = at.filter(|(x, y)| {
-                (place.x..=place.right()).contains(x) && (place.y..=place.bottom()).contains(y)
-            });
-            assert!(!others && dots.count() == 0, "{n}: {places:?}");
-        }
     }
 }

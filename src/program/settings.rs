@@ -79,7 +79,7 @@ const SETTINGS: Table = Table::new(&[
             least: 1,
             most: i64::MAX as u64,
         },
-        "how many frames to run",
+        "how many frames to run of `image`, of a still picture or of the dark; another clip is shown whole",
     ),
     Key::optional(
         "size",

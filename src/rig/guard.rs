@@ -35,6 +35,8 @@ const DARK: f64 = 64.0;
 pub enum About {
     /// No event at all.
     NoEvents,
+    /// Scores of a few events.
+    FewEvents,
     /// More than half of all cells fire in one frame.
     MostCells,
     /// Events found no slot of the readout.
@@ -83,6 +85,7 @@ impl About {
     pub const fn name(self) -> &'static str {
         match self {
             Self::NoEvents => "no-events",
+            Self::FewEvents => "few-events",
             Self::MostCells => "most-cells",
             Self::Slots => "slots",
             Self::Spread => "spread",

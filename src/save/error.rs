@@ -9,7 +9,7 @@ use std::{
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("cannot write {}: {cause}", path.display())]
 #[diagnostic(help(
-    "{}what was there before is as it was",
+    "{}what it held before is as it was",
     if cause.kind() == io::ErrorKind::InvalidData {
         ""
     } else {

@@ -249,6 +249,9 @@ pub(super) fn ask_keeping(
     {
         guard.warn(warning);
     }
+    if let Some(warning) = Warning::few_events(truth.events.len() as u64) {
+        guard.warn(warning);
+    }
     let mut judged = Vec::new();
     let ran = { built.iter() }
         .filter_map(|one| one.program.as_ref().ok())

@@ -33,7 +33,7 @@ fn keys() -> String {
 pub(super) fn schema(output: Option<&Path>) -> Result<()> {
     match output {
         None => say(&keys()),
-        Some(path) => write(path, &keys()),
+        Some(path) => write(&[(path.to_owned(), keys())]),
     }
 }
 
@@ -42,6 +42,13 @@ pub(super) fn schema(output: Option<&Path>) -> Result<()> {
 /// # Errors
 /// When it is there already, or cannot be written.
 pub(super) fn task(name: &Path) -> Result<()> {
+    if name.file_name().is_none() || name.as_os_str().as_encoded_bytes().ends_with(b"/") {
+        return Err(miette!(
+            help = "give the path of the task, without the ending, such as `mine`",
+            "`{}` is no name of a file",
+            name.display()
+        ));
+    }
     let mut path = PathBuf::from(name);
     if path.extension().is_none_or(|ending| ending != "toml") {
         path.as_mut_os_string().push(".toml");
@@ -54,15 +61,19 @@ pub(super) fn task(name: &Path) -> Result<()> {
         ));
     }
     let text = config::with_keys(TASK, &schema::file(&task::FILE));
-    write(&path, &format!("#:schema ./{BESIDE}\n{text}"))?;
     let beside = path.with_file_name(BESIDE);
-    if beside.exists() {
-        return Ok(());
+    let mut files = vec![(path, format!("#:schema ./{BESIDE}\n{text}"))];
+    if !beside.exists() {
+        files.push((beside, keys()));
     }
-    write(&beside, &keys())
+    write(&files)
 }
 
-fn write(path: &Path, text: &str) -> Result<()> {
-    save(path, |file| file.write_all(text.as_bytes()))?;
-    say(&format!("wrote    {}\n", path.display()))
+/// Writes all of them first: who reads the lines may have gone.
+fn write(files: &[(PathBuf, String)]) -> Result<()> {
+    for (path, text) in files {
+        save(path, |file| file.write_all(text.as_bytes()))?;
+    }
+    let mut written = files.iter();
+    written.try_for_each(|(path, _)| say(&format!("wrote    {}\n", path.display())))
 }

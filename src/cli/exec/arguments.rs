@@ -120,6 +120,19 @@ pub enum Assignment {
     Constant(String, f64),
 }
 
+impl Assignment {
+    /// What is set, as it is written.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Register(name, _) | Self::Constant(name, _) => name.clone(),
+            Self::Figure(figure, _) => {
+                let (section, key) = figure.key();
+                format!("{section}.{key}")
+            }
+        }
+    }
+}
+
 /// `name=file` or `section.key=number`, for the command line.
 fn assignment(text: &str) -> Result<Assignment, String> {
     let (name, value) = match text.split_once('=') {

@@ -22,7 +22,7 @@ use crate::{
 pub struct Light {
     pub scene: Option<Box<dyn Scene>>,
     frames: Option<u64>,
-    /// What the program says, where a clip that was asked for is longer.
+    /// How many frames the program says, where a clip that was asked for is shown instead.
     cut: Option<u64>,
     fps: f64,
 }
@@ -30,7 +30,7 @@ pub struct Light {
 /// What is to be said of how long the light lasts.
 #[derive(Debug, Default)]
 pub struct Said {
-    /// What the program says, where a clip that was asked for is longer.
+    /// How many frames the program says, where a clip that was asked for is shown instead.
     cut: Cell<Option<u64>>,
     /// Frames that the clip had, and those that were asked for.
     ended: Cell<Option<(u64, u64)>>,
@@ -130,14 +130,13 @@ impl Light {
         }
         let found = scene.as_deref().map_or(ASSUMED_FPS, <dyn Scene>::fps);
         let own = program.settings.frames;
-        // A clip that was asked for is not cut by what the program says of its own; a pattern is one
-        // where it says how many frames it has.
+        // A clip that was asked for is shown as it is, whatever the program says of its own; a pattern
+        // is one where it says how many frames it has.
         let goes_on = |image: &str| image.starts_with("pattern:") && !image.contains("frames=");
         let clip = arguments.image.is_some()
-            && scene.as_deref().is_some_and(|scene| {
-                !image.is_some_and(goes_on)
-                    && scene.frames().is_none_or(|all| all > own.unwrap_or(all))
-            });
+            && scene
+                .as_deref()
+                .is_some_and(|scene| !image.is_some_and(goes_on) && scene.frames() != Some(1));
         let cut = own.filter(|_| clip && arguments.frames.is_none());
         let frames = arguments.frames.or(own.filter(|_| !clip));
         if frames == Some(0) {

@@ -20,6 +20,8 @@ mod trace;
 
 pub use arguments::Arguments;
 
+use miette::miette;
+
 use self::{
     arguments::Assignment, bench::Bench, pass::Pass, pilot::Planned, report::Report, shows::Shows,
     statistics::Statistics, trace::Tracer,
@@ -34,7 +36,17 @@ use crate::{
 /// # Errors
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    for set in &arguments.sets {
+    for (n, set) in arguments.sets.iter().enumerate() {
+        if arguments.sets[..n]
+            .iter()
+            .any(|other| other.name() == set.name())
+        {
+            return Err(miette!(
+                help = "give each name once",
+                "--set {} is given twice",
+                set.name()
+            ));
+        }
         if let Assignment::Register(_, path) = set {
             files::reads(path)?;
         }

@@ -16,7 +16,7 @@ pub enum FileError {
     #[diagnostic(help(
         "{}",
         if path.as_os_str() == "-" {
-            "an event file is read by its name: write it to a file first"
+            "an event file is read by its name: write it to a file first, or give /dev/stdin where the bytes say what they are"
         } else if extension.eq_ignore_ascii_case("mcap") {
             "recordings for viewers are written by `amacrine show EVENTS -o NAME.mcap --window 20ms`, and none is read"
         } else if *written {

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     event::{Dropped, Event},
-    save::AtomicFile,
+    save::{AtomicFile, SaveError},
     unit::Micros,
 };
 
@@ -65,8 +65,9 @@ impl Writer {
             format.check_compression(path, compression)?;
         }
         let mut sink = (streams.sink)(head, compression).map_err(|cause| {
+            // What comes in columns waits for its end in temporary files.
             let path = std::env::temp_dir();
-            FileError::Unreadable { path, cause }
+            SaveError { path, cause }
         })?;
         let mut file = if entry.rewinds {
             AtomicFile::create(path)?

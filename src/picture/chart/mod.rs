@@ -6,6 +6,7 @@
 
 pub(super) mod axes;
 mod drawing;
+pub(super) mod labels;
 mod raster;
 mod svg;
 

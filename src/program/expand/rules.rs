@@ -8,6 +8,7 @@ use crate::isa::{
     signature::{Bound, Mode},
     text::Statement,
 };
+use crate::program::Action;
 
 impl<'d> Lowering<'d> {
     pub(super) fn reject_aliases(
@@ -118,6 +119,11 @@ impl<'d> Lowering<'d> {
         let operands = self.device.operands(word);
         // The networks over neighbours copy the register themselves.
         if operands.unit != Unit::Logic {
+            return;
+        }
+        // The two words of the macros that write in place, as `disasm` shows them.
+        let before = sink.steps.last().map(|step| &step.action);
+        if before == Some(&Action::Word(Primitive::Nop)) {
             return;
         }
         let mut written = operands.writes().filter_map(Access::digital);

@@ -165,11 +165,12 @@ fn warnings(
 ) -> Vec<Warning> {
     let erased = { quantised.erasures(question.kernel).into_iter() }
         .map(|erasure| Warning::erased(to, erasure));
-    let has_events = !runs.float.events.is_empty();
-    let window = has_events.then(|| Warning::window(question.within, ladder.floor()));
+    let events = runs.float.events.len() as u64;
+    let window = (events > 0).then(|| Warning::window(question.within, ladder.floor()));
     erased
         .chain(runs.warnings.iter().cloned())
         .chain(window.flatten())
+        .chain(Warning::few_events(events))
         .collect()
 }
 

@@ -10,6 +10,7 @@ use crate::{
     isa::Figure,
     kernel::quantise::{Quantised, Quantiser},
     program::readout::Demand,
+    rig::guard::Warning,
     scene::{Frame, Scene},
     study::{
         design::Design,
@@ -243,7 +244,8 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
         (_, true, _) => "Fit together, but may be too slow",
         _ => "Fit together",
     };
-    let loss = loss(kinds);
+    let events = answers.iter().map(|answer| answer.streams.float.events);
+    let loss = loss(kinds, &events.collect::<Vec<_>>());
     (
         headline.to_owned(),
         format!(
@@ -270,9 +272,15 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
     )
 }
 
-/// Which kernels one program costs something, as far as the scene and programs of their own tell.
-fn loss(kinds: &[SharedKind]) -> String {
-    let is_judged = |kind: &SharedKind| kind.silicon.is_some_and(|it| it.is_judged());
+/// Which kernels one program costs something, as far as the scene and programs of their own tell;
+/// `events` are those of their float sensors.
+fn loss(kinds: &[SharedKind], events: &[u64]) -> String {
+    let few =
+        { kinds.iter().zip(events) }.filter(|(_, events)| Warning::few_events(**events).is_some());
+    let few: Vec<&str> = few.map(|(kind, _)| kind.name.as_str()).collect();
+    let is_judged = |kind: &SharedKind| {
+        kind.silicon.is_some_and(|it| it.is_judged()) && !few.contains(&kind.name.as_str())
+    };
     let compared = |kind: &SharedKind| {
         let together = kind.headline?.kept.filter(|_| is_judged(kind))?;
         Some((together, kind.kept_apart?))
@@ -350,6 +358,19 @@ mod tests {
     }
 
     #[test]
+    fn a_loss_of_a_few_events_is_none() {
+        let kinds = [
+            kind("few", 0.1, -0.2, Some(0.4)),
+            kind("fine", 0.1, 0.8, Some(0.8)),
+        ];
+        let told = loss(&kinds, &[4, 1000]);
+        assert_eq!(
+            told,
+            "few cannot be judged on this scene. These keep no clearly less than in a program of its own: fine."
+        );
+    }
+
+    #[test]
     fn a_loss_is_told_only_of_what_can_be_judged_and_compared() {
         let (fine, loses) = (
             kind("fine", 0.1, 0.8, Some(0.8)),
@@ -389,7 +410,7 @@ mod tests {
                 "It keeps no clearly less than with a memory in an analogue register.",
             ),
         ] {
-            assert_eq!(loss(kinds), told);
+            assert_eq!(loss(kinds, &[1000; 2]), told);
         }
     }
 }

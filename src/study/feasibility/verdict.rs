@@ -15,10 +15,12 @@ use super::{
 };
 use crate::{
     compare::{metric::Short, window::CLEAR_FLOOR},
+    rig::guard::Warning,
     study::{
         quantisation::Outcome,
         waterfall::{Cause, Rates, Share},
     },
+    unit::counted,
 };
 
 /// The verdict: a headline, and a sentence for each finding.
@@ -114,7 +116,11 @@ impl Verdict {
             .filter(|_| fits && speed_word != "too slow" && kept_word != SILENT);
         let share = share.map_or(String::new(), |share| {
             let (count, chips) = (all.over_chips.count(share), all.over_chips.chips);
-            format!(" (feasible without loss on {count} of {chips} chips)")
+            let events = all.streams.float.events;
+            let few = Warning::few_events(events).map_or(String::new(), |_| {
+                format!(", judged by no more than {}", counted(events, "event"))
+            });
+            format!(" (feasible without loss on {count} of {chips} chips{few})")
         });
         let [nearly, hardly] = SHARES.map(percent);
         let guesses = &all.chip.guessed_values;
@@ -374,8 +380,11 @@ fn kept(judged: &Judged, float_events: u64) -> Finding {
             likeness.floor
         )
     } else {
+        let few = Warning::few_events(float_events).map_or(String::new(), |few| {
+            format!(" But {}: {}.", few.seen, few.why)
+        });
         format!(
-            "With the chip's errors, each at the value of the chip's data, the float kernel's events are {word}: {likeness}. F1 is {:.3}, where accident gives {:.3} and perfection 1.",
+            "With the chip's errors, each at the value of the chip's data, the float kernel's events are {word}: {likeness}. F1 is {:.3}, where accident gives {:.3} and perfection 1.{few}",
             likeness.f1, likeness.floor
         )
     };

@@ -25,6 +25,15 @@ fn differ(changes: &[String]) -> String {
     format!("their keys differ:{}", listed(changes.iter().cloned()))
 }
 
+/// What to do about two studies that differ in this.
+const fn back(changes: &[String]) -> &'static str {
+    if changes.is_empty() {
+        "put the files that the study names back as they were, or give another --output"
+    } else {
+        "give another --output, or the study the keys that the folder has"
+    }
+}
+
 /// What the folder's work gives.
 pub(super) type Kept<T> = Result<T, StoreError>;
 
@@ -138,9 +147,7 @@ pub enum StoreError {
         counted(*asked_points, "point"),
         differ(changes)
     )]
-    #[diagnostic(help(
-        "give another --output, or the study the keys that the folder has; nothing was changed"
-    ))]
+    #[diagnostic(help("{}; nothing was changed", back(changes)))]
     Study {
         /// Which folder.
         folder: PathBuf,
@@ -167,7 +174,7 @@ pub enum StoreError {
         why: String,
     },
     /// Files of points that were damaged.
-    #[error("{} of the files of points are damaged:{}", damaged.len(), damages(damaged))]
+    #[error("{} of points {} damaged:{}", counted(damaged.len(), "file"), if damaged.len() == 1 { "is" } else { "are" }, damages(damaged))]
     #[diagnostic(help(
         "run `amacrine sweep` with the study and this folder as --output: it sets the damaged files aside and computes their points again; nothing was written"
     ))]

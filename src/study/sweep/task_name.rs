@@ -53,7 +53,10 @@ pub(super) fn name(own: &Columns, all: &[&Columns]) -> String {
         let of = |columns: &Columns| columns.get(column).cloned().unwrap_or_default();
         of(own).len() > 1 || all.iter().any(|other| of(other) != of(own))
     };
+    // Thresholds of several kinds stand beside those of one in another column.
+    let both = own.contains_key("threshold_on") && own.contains_key("thresholds");
     let differs = |column: &str| match column {
+        "threshold_on" | "threshold_off" | "thresholds" if both => true,
         // One word where they are equal, two where not.
         "threshold_on" | "threshold_off" => one("threshold_on") || one("threshold_off"),
         _ => one(column),
@@ -172,6 +175,14 @@ mod tests {
             .collect();
         let many = of(&many);
         assert_eq!(name(&many, &[&many]), "threshold 1 to 8 (8 values)");
+        // One threshold beside those of several kinds.
+        let mut kinds = row("k", 0.0, 0.0);
+        if let Some(kinds) = kinds.as_object_mut() {
+            kinds.retain(|column, _| !column.starts_with("threshold"));
+            kinds.insert("thresholds".to_owned(), json!("20, 30"));
+        }
+        let both = of(&[row("k", 24.0, 24.0), kinds]);
+        assert_eq!(name(&both, &[&both]), "threshold 24, thresholds 20, 30");
         let few = of(&[row("dog", 4.0, 4.0), row("dvs", 17.123_456, 17.123_456)]);
         assert_eq!(
             name(&few, &[&few]),

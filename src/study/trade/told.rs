@@ -41,6 +41,9 @@ impl<M> Told<'_, M> {
                 counted(tiles.of, "tile"),
                 counted(events, "event")
             ));
+            if events == 0 {
+                lines.push("nothing happens there, so nothing that is left out changes anything: lower the thresholds, or show a scene that moves".to_owned());
+            }
         }
         lines.push(match (&trade.no_tiles, self.verify) {
             (Some(why), _) => format!(

@@ -311,6 +311,10 @@ impl Fall<'_> {
         {
             guard.warn(warning);
         }
+        let events = packets.at(plan.float)?.events.len() as u64;
+        if let Some(warning) = Warning::few_events(events) {
+            guard.warn(warning);
+        }
         guard.packet("the float sensor", packets.at(plan.float)?);
         guard.packet("the chip", packets.at(plan.chip)?);
         packets.assemble(self, plan, &ladders, guard)
