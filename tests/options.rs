@@ -22,6 +22,14 @@ fn options_without_effect_are_refused() {
     let show = "show e.csv -o";
     for (command, words) in [
         (
+            "packets e.csv --readout arbiter --with fifo=1 --with fifo=5".to_owned(),
+            ["--with fifo is given twice", "each setting once"],
+        ),
+        (
+            "exec dvs/snap --set error.noise=1 --set error.noise=5".to_owned(),
+            ["--set error.noise is given twice", "each name once"],
+        ),
+        (
             "asm p.scamp --format --const x=3".to_owned(),
             ["--const is of no use with --format", "leave --const out"],
         ),

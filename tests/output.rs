@@ -301,11 +301,26 @@ fn an_output_is_no_input_of_an_input() {
         "name = \"chip\"\ntitle = \"mine\"\nextends = \"base\"\n",
     )
     .unwrap();
+    // A picture inside a pattern, and a folder of them.
+    let pictures = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/scene/");
+    fs::copy(format!("{pictures}still16.png"), at.join("photo.png")).unwrap();
+    fs::create_dir(at.join("pictures")).unwrap();
+    for name in ["a.png", "b.png"] {
+        fs::copy(at.join("photo.png"), at.join("pictures").join(name)).unwrap();
+    }
     let before: Vec<_> = files(&at)
         .into_iter()
         .map(|n| (fs::read(at.join(&n)).unwrap(), n))
         .collect();
     for line in [
+        "exec dvs/snap --image pictures --fps 9 --strip pictures/c.png",
+        "exec dvs/snap --image ./pictures --fps 9 --dump pictures/../pictures",
+    ] {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        refused(&ran(&at, &words), line, &["whose pictures are the scene"]);
+    }
+    for line in [
+        "exec dvs/snap --image pattern:pan?image=photo.png&frames=4 --strip photo.png",
         "run --scene clip.npy --sensor named.toml --counts kernel.npy",
         "quantise k.toml --to ternary --threshold 5 --effort 0 --chip chip -o chip/device.toml",
         "quantise k.toml --to ternary --threshold 5 --effort 0 --chip chip -o base/primitives.toml",

@@ -1274,6 +1274,12 @@ fn compile_writes_cpp() {
     };
     compile(&["-o", "p.cpp"]);
     compile(&["-o", "p.scamp"]);
+    // By the endings that are read as C++, in any letters.
+    for name in ["q.CPP", "q.cc", "q.h"] {
+        compile(&["-o", name]);
+        let text = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+        assert_eq!(text(name), text("p.cpp"), "{name}");
+    }
     assert!(compile(&["--as", "cpp"]).contains("scamp5_kernel_begin();"));
     let other = |language: &str, file: &str, words: &[&str]| {
         let asked = [

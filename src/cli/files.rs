@@ -306,6 +306,7 @@ pub(super) fn untold(dropped: Dropped, format: Format) -> Option<String> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Id {
     /// Something that is there: device and inode.
+    #[cfg_attr(not(unix), expect(dead_code))]
     There(u64, u64),
     /// A file that is not there yet: its whole name.
     New(PathBuf),

@@ -43,5 +43,5 @@ pub use settings::{
 };
 pub use source::{NamesError, Program, Runnable};
 pub use syntax::Syntax;
-pub use vendor::{Answer, Beside, Includes, WriteError, cpp, included, included_files};
+pub use vendor::{Answer, Beside, Includes, WriteError, cpp, included, included_files, is_cpp};
 pub use words::vendor_text;

@@ -47,7 +47,11 @@ pub(super) enum Destination {
         old: Option<Metadata>,
     },
     /// To a device, a FIFO or a socket.
-    Node { path: PathBuf, socket: bool },
+    Node {
+        path: PathBuf,
+        #[cfg_attr(not(unix), expect(dead_code))]
+        socket: bool,
+    },
     /// To a descriptor that is open already.
     Descriptor(u32, PathBuf),
 }
@@ -139,9 +143,14 @@ pub(super) fn open(destination: &Destination) -> io::Result<File> {
     }
 }
 
-#[cfg(not(unix))]
+#[cfg(windows)]
 pub(super) fn open(destination: &Destination) -> io::Result<File> {
+    use std::os::windows::io::AsHandle as _;
     match destination {
+        Destination::Descriptor(1, _) => io::stdout()
+            .as_handle()
+            .try_clone_to_owned()
+            .map(File::from),
         Destination::Descriptor(_, path)
         | Destination::Node { path, .. }
         | Destination::File { target: path, .. } => OpenOptions::new().write(true).open(path),

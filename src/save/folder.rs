@@ -1,8 +1,9 @@
 //! Folders that are made for what is written, and synced.
 
+#[cfg(unix)]
+use std::fs::File;
 use std::{
-    fs::{self, File},
-    io,
+    fs, io,
     path::{Path, PathBuf},
 };
 
@@ -94,6 +95,6 @@ pub(super) fn sync_name(path: &Path) -> io::Result<()> {
 
 #[cfg(not(unix))]
 pub(super) fn sync_name(path: &Path) -> io::Result<()> {
-    let _ = (path, File::open);
+    let _ = path;
     Ok(())
 }

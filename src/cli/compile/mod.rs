@@ -36,7 +36,7 @@ use crate::{
     isa::{Analog, Device, Figure, Source, Value},
     kernel::{Kernel, quantise::Quantiser},
     plane::Plane,
-    program::{Cost, Expansion, Program, Step, cpp},
+    program::{Cost, Expansion, Program, Step, cpp, is_cpp},
     rig::guard::Warning,
     save::save,
     unit,
@@ -169,12 +169,17 @@ enum Language {
 impl Arguments {
     /// How the program is written. The readers go by the ending too, so both must say the same.
     fn language(&self) -> miette::Result<Language> {
-        let ending = self.output.as_ref().and_then(|path| path.extension());
-        let by_name = match ending.and_then(|ending| ending.to_str()) {
-            Some("cpp" | "hpp") => Some(Language::Cpp),
-            Some(_) => Some(Language::Scamp),
-            None => None,
-        };
+        let named = self
+            .output
+            .as_ref()
+            .filter(|path| path.extension().is_some());
+        let by_name = named.map(|path| {
+            if is_cpp(&path.to_string_lossy()) {
+                Language::Cpp
+            } else {
+                Language::Scamp
+            }
+        });
         match (self.language, by_name, &self.output) {
             (Some(asked), Some(named), Some(output)) if asked != named => {
                 let asked = match asked {

@@ -41,6 +41,7 @@ fn lowered(
         full: false,
         constants: BTreeMap::new(),
         drawing: None,
+        idle: false,
         kernels: BTreeMap::new(),
         faults: Vec::new(),
     };
@@ -118,6 +119,8 @@ struct Lowering<'a> {
     constants: BTreeMap<String, Value>,
     /// The register of the last `scamp5_draw_begin`.
     drawing: Option<Digital>,
+    /// Whether the statement before is a word that does nothing.
+    idle: bool,
     /// Kernels that are stored, by where they begin.
     kernels: BTreeMap<usize, Vec<Vec<Item>>>,
     faults: Vec<Fault>,
@@ -255,6 +258,8 @@ impl<'d> Lowering<'d> {
         if steps_run(&sink.steps).is_none() {
             return Err(runs_too_long("this statement", statement.place));
         }
+        self.idle =
+            matches!(&sink.steps[..], [step] if step.action == Action::Word(Primitive::Nop));
         let effect = CellEffect::of(&sink.steps, self.device);
         let (results, whole_flag, host) = match callable {
             Callable::Primitive(..) => (effect.writes.iter().copied().collect(), false, false),

@@ -8,7 +8,6 @@ use crate::isa::{
     signature::{Bound, Mode},
     text::Statement,
 };
-use crate::program::Action;
 
 impl<'d> Lowering<'d> {
     pub(super) fn reject_aliases(
@@ -122,8 +121,7 @@ impl<'d> Lowering<'d> {
             return;
         }
         // The two words of the macros that write in place, as `disasm` shows them.
-        let before = sink.steps.last().map(|step| &step.action);
-        if before == Some(&Action::Word(Primitive::Nop)) {
+        if self.idle {
             return;
         }
         let mut written = operands.writes().filter_map(Access::digital);

@@ -103,7 +103,8 @@ pub(super) struct Read {
 const ENDINGS: [&str; 8] = ["cpp", "cc", "cxx", "c", "hpp", "hh", "hxx", "h"];
 
 /// Whether a file of this name is C++.
-pub(super) fn is_cpp(file: &str) -> bool {
+#[must_use]
+pub fn is_cpp(file: &str) -> bool {
     ENDINGS.contains(&ending(file).as_str())
 }
 

@@ -61,6 +61,7 @@ impl Provenance {
 
 /// The processor's name as Linux knows it, and its vector instructions.
 fn cpu() -> String {
+    #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut))]
     let mut words = vec![model().unwrap_or_else(|| std::env::consts::ARCH.to_owned())];
     #[cfg(target_arch = "x86_64")]
     for (name, has) in [
