@@ -8,6 +8,8 @@
 pub mod guard;
 mod larger;
 mod overflow;
+mod rounded;
+mod saturation;
 mod silent;
 
 use std::ops::ControlFlow;

@@ -267,6 +267,28 @@ pub fn counted(number: impl Copy + fmt::Display + PartialEq + From<u8>, thing: &
     format!("{number} {thing}{plural}")
 }
 
+/// A number to five digits, with no zeros at the end: `0.25`, `1e-6`, `51000`.
+#[must_use]
+pub fn five_digits(number: f64) -> String {
+    let text = format!("{number:.4e}");
+    let Some((digits, power)) = text.split_once('e') else {
+        return text;
+    };
+    let few = power
+        .parse()
+        .is_ok_and(|power: i32| (-5..9).contains(&power));
+    match text.parse::<f64>() {
+        Ok(0.0) => "0".to_owned(),
+        // Shown as short as it can be.
+        Ok(rounded) if few => rounded.to_string(),
+        _ if digits.contains('.') => {
+            let digits = digits.trim_end_matches('0').trim_end_matches('.');
+            format!("{digits}e{power}")
+        }
+        _ => text,
+    }
+}
+
 /// Frames a second with at most three decimals.
 #[must_use]
 pub fn frame_rate(fps: f64) -> String {
