@@ -301,6 +301,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn five_digits_are_five() {
+        let shown = [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (0.25, "0.25"),
+            (11.5129, "11.513"),
+            (51000.0, "51000"),
+            (1e-6, "1e-6"),
+            (-3.51e-7, "-3.51e-7"),
+            (1e300, "1e300"),
+            (f64::INFINITY, "inf"),
+        ];
+        for (number, text) in shown {
+            assert_eq!(five_digits(number), text);
+        }
+    }
+
+    #[test]
     fn nothing_has_no_sign() {
         let shown = [-0.0, -0.004, -0.006, 1.5].map(|lsb| format!("{:.2}", Lsb(lsb)));
         assert_eq!(shown, ["0.00 LSB", "0.00 LSB", "-0.01 LSB", "1.50 LSB"]);

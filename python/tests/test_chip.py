@@ -200,7 +200,7 @@ def told(what: Callable[[], Any]) -> str:
 @pytest.mark.parametrize(
     ("domain", "words"),
     [
-        ("q8.8", "in D after the last frame lie at the end of its range, -128 to 127.99609375"),
+        ("q8.8", "after the last frame lie at the end of its range, -128 to 127.99609375"),
         ("silicon", "lie at the end of its range"),
         ("exact", "lie beyond the range of a register, -128 to 127"),
         ("f16", "lie beyond the range of a register, -128 to 127"),

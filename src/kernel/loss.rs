@@ -105,10 +105,10 @@ impl fmt::Display for Loss {
         } = *self;
         let step = five_digits(2.0 * format.half_step());
         let (low, high) = format.limits();
-        let rounded = if of == 1 {
-            format!("in {format} its weight is rounded")
-        } else {
+        let rounded = if zero > 0 {
             format!("in {format} {zero} of {of} weights are 0")
+        } else {
+            format!("in {format} its weights are rounded")
         };
         match self.kind {
             LossKind::Clipped { largest, .. } if of == 1 => write!(
@@ -133,6 +133,12 @@ impl fmt::Display for Loss {
                     "in {format} {all} 0: the largest is {largest}, the smallest step {step}"
                 )
             }
+            LossKind::Size { size, held } if of == 1 => write!(
+                f,
+                "in {format} its weight is {} in size in place of {}: the smallest step is {step}",
+                five_digits(held),
+                five_digits(size)
+            ),
             LossKind::Size { size, held } => write!(
                 f,
                 "{rounded}, and their sizes add up to {} in place of {}: the smallest step is {step}",
@@ -146,10 +152,10 @@ impl fmt::Display for Loss {
                 threshold,
             } => write!(
                 f,
-                "{rounded}, and they add up to {} in place of {}: where all light goes from 0 to 255, that moves the drive by {} more, and a threshold is {}",
+                "{rounded}, and they add up to {} in place of {}: where all light goes from 0 to 255, that alone moves the drive by {}, and a threshold is {}",
                 five_digits(held),
                 five_digits(sum),
-                five_digits(moves),
+                five_digits(moves.abs()),
                 five_digits(threshold)
             ),
         }
@@ -203,6 +209,8 @@ impl Kernel {
             let held = held_size;
             return Some(loss(LossKind::Size { size, held }));
         }
+        // What is left of weights that cancel is rounding alone.
+        let sum = if self.cancels() { 0.0 } else { sum };
         let moves = (held_sum - sum) * signal;
         (moves.abs() >= threshold).then(|| {
             let held = held_sum;
@@ -265,19 +273,17 @@ mod tests {
         }
         // The last that is held, and what rounds to it.
         assert_eq!(loss(&one(127.997), "q8.8", all), None);
-        // Eight weights that lose a hundredth each, and one that loses none.
-        let ring = |w: f64| [vec![w; 3], vec![w, -8.0 * w, w], vec![w; 3]];
+        // Eight weights that lose as much each, and one that loses other than eight times that.
         let w = 0.013;
-        let Some(LossKind::Sum {
-            sum,
-            held,
-            moves,
-            threshold,
-        }) = loss(&ring(w), "q8.8", all)
-        else {
-            assert_eq!(loss(&ring(w), "q8.8", (255.0, 0.1)), None);
-            return;
+        let ring = [vec![w; 3], vec![w, -8.0 * w, w], vec![w; 3]];
+        assert_eq!(loss(&ring, "q8.8", all), None);
+        let lost = LossKind::Sum {
+            sum: 0.0,
+            held: -0.011_718_75,
+            moves: -2.988_281_25,
+            threshold: 1.0,
         };
-        assert!(sum.abs() < 1e-12 && held != 0.0 && moves.abs() >= threshold);
+        assert_eq!(loss(&ring, "q8.8", (255.0, 1.0)), Some(lost));
+        assert_eq!(loss(&ring, "q8.24", (255.0, 1.0)), None);
     }
 }
