@@ -9,6 +9,8 @@ mod few;
 pub mod guard;
 mod larger;
 mod overflow;
+mod rounded;
+mod saturation;
 mod silent;
 
 use std::ops::ControlFlow;

@@ -1,12 +1,18 @@
 //! What the reference and the device have in common: light in, events out.
 
+mod overflowed;
 mod silence;
 
 use crate::{
-    event::Packet, number::Format, photoreceptor::LightError, plane::Size, scene::Frame,
-    unit::counted,
+    event::Packet,
+    number::Format,
+    photoreceptor::LightError,
+    plane::Size,
+    scene::Frame,
+    unit::{counted, five_digits},
 };
 
+pub use overflowed::Overflowed;
 pub use silence::Silence;
 
 /// A sensor that watches a scene frame by frame.
@@ -42,6 +48,12 @@ pub trait Sensor {
     fn silence(&self) -> Silence {
         Silence::default()
     }
+
+    /// How much of what its cells saw in all frames so far its number format did not hold, as far as
+    /// it knows.
+    fn overflowed(&self) -> Overflowed {
+        Overflowed::default()
+    }
 }
 
 impl<S: Sensor + ?Sized> Sensor for Box<S> {
@@ -67,6 +79,10 @@ impl<S: Sensor + ?Sized> Sensor for Box<S> {
 
     fn silence(&self) -> Silence {
         (**self).silence()
+    }
+
+    fn overflowed(&self) -> Overflowed {
+        (**self).overflowed()
     }
 }
 
@@ -271,9 +287,27 @@ pub enum SensorError {
         /// The format.
         format: Format,
     },
+    /// A threshold that is so small that a memory's steps cannot be counted in it.
+    #[error(
+        "a threshold of channel {channel} is {threshold:e}, too small for the format {format}: one over it is infinite, and thresholds crossed cannot be counted"
+    )]
+    #[diagnostic(help(
+        "give {} or more, or a response that makes more of light, with thresholds larger by as much",
+        five_digits(*least)
+    ))]
+    Threshold {
+        /// Kind of cell.
+        channel: usize,
+        /// The threshold.
+        threshold: f64,
+        /// The smallest that can be counted in.
+        least: f64,
+        /// The format.
+        format: Format,
+    },
     /// More steps of a memory than are counted.
     #[error(
-        "the memory of the cell at x = {x}, y = {y} of channel {channel} is more than 2^30 thresholds from where it began"
+        "the memory of the cell at x = {x}, y = {y} of channel {channel} is 2^30 thresholds or more from where it began"
     )]
     #[diagnostic(help(
         "the thresholds are too small for this light: raise them, or check the response"

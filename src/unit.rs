@@ -267,6 +267,28 @@ pub fn counted(number: impl Copy + fmt::Display + PartialEq + From<u8>, thing: &
     format!("{number} {thing}{plural}")
 }
 
+/// A number to five digits, with no zeros at the end: `0.25`, `1e-6`, `51000`.
+#[must_use]
+pub fn five_digits(number: f64) -> String {
+    let text = format!("{number:.4e}");
+    let Some((digits, power)) = text.split_once('e') else {
+        return text;
+    };
+    let few = power
+        .parse()
+        .is_ok_and(|power: i32| (-5..9).contains(&power));
+    match text.parse::<f64>() {
+        Ok(0.0) => "0".to_owned(),
+        // Shown as short as it can be.
+        Ok(rounded) if few => rounded.to_string(),
+        _ if digits.contains('.') => {
+            let digits = digits.trim_end_matches('0').trim_end_matches('.');
+            format!("{digits}e{power}")
+        }
+        _ => text,
+    }
+}
+
 /// Frames a second with at most three decimals.
 #[must_use]
 pub fn frame_rate(fps: f64) -> String {
@@ -277,6 +299,24 @@ pub fn frame_rate(fps: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn five_digits_are_five() {
+        let shown = [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (0.25, "0.25"),
+            (11.5129, "11.513"),
+            (51000.0, "51000"),
+            (1e-6, "1e-6"),
+            (-3.51e-7, "-3.51e-7"),
+            (1e300, "1e300"),
+            (f64::INFINITY, "inf"),
+        ];
+        for (number, text) in shown {
+            assert_eq!(five_digits(number), text);
+        }
+    }
 
     #[test]
     fn nothing_has_no_sign() {

@@ -1314,7 +1314,7 @@ mod verbs {
             warning.map(|warning| warning.to_string())
         };
         let whole = said(Curve::Identity, (0.0, 1.0)).unwrap();
-        assert!(whole.contains("moves by 1.0000, and times 255 by 255.0000; give --scale 255"));
+        assert!(whole.contains("moves by 1, and times 255 by 255; give --scale 255"));
         let offset = 1e-5;
         let log = Curve::Log {
             white: 255.0,
@@ -1323,19 +1323,19 @@ mod verbs {
         // Far above its offset a logarithm moves as much on any scale.
         let far = said(log, (0.1, 1.0)).unwrap();
         assert!(
-            far.contains("moves by 2.2800, and times 255 by 2.3025: a logarithm"),
+            far.contains("moves by 2.28, and times 255 by 2.3025: a logarithm"),
             "{far}"
         );
         assert!(!far.contains("threshold"));
         let near = said(log, (0.0, 1.0)).unwrap();
         assert!(
-            near.contains("moves by 5.9742, and times 255 by 11.5129"),
+            near.contains("moves by 5.9742, and times 255 by 11.513"),
             "{near}"
         );
         // Below its knee it is a straight line.
         let below = said(Curve::LinLog { knee: 20.0 }, (0.0, 1.0)).unwrap();
         assert!(
-            below.contains("moves by 0.1498, and times 255 by 5.5413;"),
+            below.contains("moves by 0.14979, and times 255 by 5.5413;"),
             "{below}"
         );
         let hundred = said(Curve::Linear { white: 100.0 }, (0.0, 1.0)).unwrap();
@@ -1519,6 +1519,108 @@ mod verbs {
         assert_eq!(about(&json), ["saturation"]);
         assert!(beside.contains("held in q8.8"), "{beside}");
         assert_eq!(about(&run("f64").0), Vec::<String>::new());
+    }
+
+    /// A sensor of one kernel, of light from 0 to 1.
+    fn of_kernel(folder: &Path, kernel: &str, threshold: f64) {
+        let text = format!(
+            "response = {{ linear = 255 }}\nmemory = \"filtered-step\"\n[[channel]]\nkernel = {kernel}\nthreshold = {{ on = {threshold}, off = {threshold} }}\n"
+        );
+        fs::write(folder.join("own.toml"), text).unwrap();
+    }
+
+    fn in_format(folder: &Path, sensor: &str, scene: &str, format: &str) -> (Value, String) {
+        let all = [
+            "run", "--sensor", sensor, "--scene", scene, "--format", format,
+        ];
+        both(folder, &all)
+    }
+
+    /// Light within a format whose drives are not: cut off, come in at the other end, or cut off on the
+    /// way.
+    #[test]
+    fn the_guard_of_drives() {
+        let folder = folder();
+        let at = folder.path();
+        let run = |format| in_format(at, "own.toml", "full.npy", format);
+        for kernel in ["[[100, 100, 100]]", "[[100, 100, -100]]"] {
+            of_kernel(at, kernel, 10.0);
+            let (json, beside) = run("q8.8");
+            assert_eq!(about(&json), ["saturation"], "{kernel}");
+            for words in [
+                "of the drives (kernel times signal)",
+                "held in q8.8, leave its range, -128 to 127.99609375",
+                "is cut off",
+            ] {
+                assert!(beside.contains(words), "{beside}");
+            }
+            for format in ["f64", "f16", "q16.16"] {
+                assert_eq!(about(&run(format).0), Vec::<String>::new(), "{format}");
+            }
+        }
+        of_kernel(at, "[[100, 100, 100]]", 10.0);
+        let (json, beside) = run("q8.8-wrap");
+        assert_eq!(about(&json), ["saturation"]);
+        assert!(
+            beside.contains("comes in again at the other end"),
+            "{beside}"
+        );
+        // As large as the format holds.
+        of_kernel(at, "[[127]]", 10.0);
+        assert_eq!(about(&run("q8.8").0), Vec::<String>::new());
+        // Resistor sheets give their drive as it is.
+        let mesh = "response = \"identity\"\nmemory = \"filtered-step\"\n[[channel]]\nmesh = { centre = 2, sheets = [{ gain = 1, lambda = 1 }] }\nthreshold = { on = 20, off = 20 }\n";
+        fs::write(at.join("mesh.toml"), mesh).unwrap();
+        let run = |format| in_format(at, "mesh.toml", "full.npy", format);
+        assert_eq!(about(&run("q9.7").0), ["saturation"]);
+        assert_eq!(about(&run("q16.16").0), Vec::<String>::new());
+    }
+
+    /// Weights that a format rounds to another kernel, told before what comes of it.
+    #[test]
+    fn the_guard_of_rounded_kernels() {
+        let folder = folder();
+        let at = folder.path();
+        of_kernel(at, "[[0.001]]", 0.0005);
+        let (json, beside) = in_format(at, "own.toml", "full.npy", "q8.8");
+        assert_eq!(json["events"], 0);
+        assert_eq!(about(&json), ["rounded", "no-events"]);
+        assert!(
+            beside.contains(
+                "in q8.8 its weight is 0: the largest is 0.001, the smallest step 0.0039"
+            ),
+            "{beside}"
+        );
+        // No lower threshold brings the kernel back.
+        assert!(!beside.contains("lower the threshold"), "{beside}");
+        assert!(
+            beside.contains("more bits after the point, or larger weights (gain)"),
+            "{beside}"
+        );
+        let (json, _) = in_format(at, "own.toml", "full.npy", "q8.24");
+        assert!(json["events"].as_u64().unwrap() > 0);
+        assert_eq!(about(&json), Vec::<String>::new());
+        of_kernel(at, "[[200]]", 10.0);
+        let (json, beside) = in_format(at, "own.toml", "full.npy", "q8.8");
+        assert_eq!(about(&json), ["rounded"]);
+        assert!(
+            beside.contains("its weight, 200, lies beyond the range of q8.8, -128 to 127.99609375"),
+            "{beside}"
+        );
+        // A difference of Gaussians whose tail is gone sees uniform light.
+        let (json, beside) = in_format(at, "dog", "lamp.npy", "q8.8");
+        assert!(about(&json).contains(&"rounded".to_owned()), "{json}");
+        assert!(
+            beside.contains("in q8.8 100 of 169 weights are 0"),
+            "{beside}"
+        );
+        for format in ["f64", "f32", "f16", "q4.12", "q8.24"] {
+            let (json, _) = in_format(at, "dog", "lamp.npy", format);
+            assert!(
+                !about(&json).contains(&"rounded".to_owned()),
+                "{format} {json}"
+            );
+        }
     }
 
     #[test]

@@ -11,7 +11,7 @@ use amacrine::{
     event::file::Format,
     isa::Device,
     kernel::quantise,
-    number::Format as Number,
+    number::{FIXED, Format as Number},
     scene::pattern::{PARAMETERS, PATTERNS, Pattern},
 };
 use common::good;
@@ -129,6 +129,9 @@ fn number_formats() {
     let (floats, _) = known.split_once(", and qM.N").unwrap();
     let floats = floats.trim_start_matches("known are ");
     assert_eq!(floats.split(", ").count(), 4, "{floats}");
+    for verb in ["run", "exec", "plan", "trade", "waterfall"] {
+        assert!(help(verb).contains(FIXED), "{verb}");
+    }
     let (run, exec) = (help("run"), help("exec"));
     for names in floats.split(", ") {
         let names: Vec<_> = names.split([' ', '(', ')']).collect();

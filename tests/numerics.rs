@@ -172,11 +172,79 @@ fn a_memory_stops_with_an_error_beyond_what_it_counts() {
     assert_eq!(too_far(1_073_741_823.0).unwrap(), (1 << 30) - 1);
     let error = too_far(1_073_741_824.0).unwrap_err();
     assert!(matches!(error, SensorError::Uncountable { .. }));
-    assert!(error.to_string().contains("2^30"), "{error}");
+    assert!(
+        error.to_string().contains("2^30 thresholds or more"),
+        "{error}"
+    );
     // Twice the limit would wrap around.
     let twice = [(0.0, 0.0), (1.0, 1_073_741_824.0), (2.0, 2_147_483_648.0)];
     let mut tally = Tally::new(1);
     assert!(pixel(F64, plain("\"identity\"", 1.0), &twice, &mut tally).is_err());
+}
+
+#[test]
+fn thresholds_too_small_to_count_in_are_refused() {
+    let refused = |format: &str, threshold: f64, sigma: f64| {
+        let rules = "response = \"identity\"\nmemory = \"filtered-step\"";
+        let text = format!(
+            "kernel = [[1]]\nthreshold = {{ on = {threshold:e}, off = 1, sigma = {sigma:e} }}"
+        );
+        let sensor = sensor(rules, &text);
+        let made = Reference::in_format(format.parse().unwrap(), sensor, ONE, 0);
+        made.err().map(|error| {
+            let help = miette::Diagnostic::help(&error).unwrap().to_string();
+            (error.to_string(), help)
+        })
+    };
+    let (error, help) = refused("f32", 1e-39, 0.0).unwrap();
+    assert!(
+        error.contains("1e-39, too small for the format f32"),
+        "{error}"
+    );
+    assert!(help.contains("give 3e-39 or more"), "{help}");
+    assert_eq!(refused("f32", 3e-39, 0.0), None);
+    assert_eq!(refused("f64", 1e-39, 0.0), None);
+    let (error, help) = refused("f64", 1e-309, 0.0).unwrap();
+    assert!(error.contains("format f64"), "{error}");
+    assert!(help.contains("give 6e-309 or more"), "{help}");
+    assert_eq!(refused("q8.8", 1e-39, 0.0), None);
+    // Mismatch may leave a twentieth.
+    let (_, help) = refused("f16", 1e-38, 1e-40).unwrap();
+    assert!(help.contains("give 6e-38 or more"), "{help}");
+}
+
+/// Drives, and their distances from any memory, that fixed point does not hold.
+#[test]
+fn what_fixed_point_does_not_hold_is_counted() {
+    let counted = |format: &str, memory: &str, weights: &str, light: &[f64]| {
+        let rules = format!("response = \"identity\"\nmemory = \"{memory}\"");
+        let text = format!("kernel = [[{weights}]]\nthreshold = {{ on = 9, off = 9 }}");
+        let sensor = sensor(&rules, &text);
+        let mut reference = Reference::in_format(format.parse().unwrap(), sensor, ONE, 0).unwrap();
+        let mut packet = Packet::new(ONE, 1);
+        for (n, light) in (0..).zip(light) {
+            let frame = frame(n, n as f64, Plane::from_elem((1, 1), *light));
+            reference.watch(&frame, &mut packet).unwrap();
+        }
+        let overflowed = reference.overflowed();
+        assert_eq!(overflowed, reference.report().overflowed);
+        (overflowed.at, overflowed.of)
+    };
+    for memory in ["filtered-step", "filtered-snap", "raw-snap"] {
+        // A drive or a distance of 50, then of 200.
+        for format in ["q8.8", "q8.8-wrap"] {
+            let at = |weights: &str, light: &[f64]| counted(format, memory, weights, light).0;
+            assert_eq!(at("1", &[0.0, 50.0, -70.0]), 0, "{format} {memory}");
+            let beyond = at("2", &[0.0, 100.0]);
+            assert!(beyond > 0, "{format} {memory}");
+            assert_eq!(at("1", &[-100.0, 100.0]), 1, "{format} {memory}");
+        }
+        // The sum of two is cut off, and the third brings it back.
+        assert!(counted("q8.8", memory, "100, 100, -100", &[0.0, 1.0]).0 > 0);
+        for format in ["f64", "f32", "f16", "bf16"] {
+            assert_eq!(counted(format, memory, "2", &[0.0, 100.0]), (0, 0));
+        }
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ use amacrine::{
     array::{Array, Register, answered},
     event::Packet,
     program::{Answer, Beside, Exposure, Step},
+    study::saturation::Saturation,
     unit::Micros,
 };
 use miette::Report;
@@ -25,6 +26,8 @@ pub struct Companion<'a> {
     /// Registers that are looked at after every frame, and what they held.
     pub kept: &'a [Register],
     pub films: &'a mut [Vec<f64>],
+    /// What is seen of registers at the end of their range.
+    pub saturation: Option<&'a mut Saturation>,
     pub pool: Arc<ThreadPool>,
     /// Frames that have begun.
     pub begun: usize,
@@ -46,6 +49,9 @@ impl Companion<'_> {
         }
         for (register, film) in self.kept.iter().zip(&mut *self.films) {
             film.extend(register.values(self.chip));
+        }
+        if let Some(saturation) = &mut self.saturation {
+            saturation.frame(self.chip);
         }
     }
 

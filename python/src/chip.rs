@@ -1,7 +1,7 @@
 //! A sensor as one program of a chip.
 
 use amacrine::{
-    array::{Arithmetic, ArithmeticError},
+    array::{Arithmetic, ArithmeticError, Unheld},
     compile::{Border, DriveMemory, Effort, EventReadout, Objective, Request, SensorProgram},
     isa::{Device, Figure},
     kernel::{
@@ -11,7 +11,7 @@ use amacrine::{
     photoreceptor::Response,
     plane::Size,
     program::{
-        Overrides, Program,
+        Overrides, Program, Step,
         readout::{Demand, Scans, choose},
     },
     reference::Description,
@@ -22,6 +22,7 @@ use amacrine::{
         cells::{compiled_cells, memory_of},
         design::{Compiled, DesignError},
         expanded::Expanded,
+        saturation,
     },
     unit::counted,
 };
@@ -33,7 +34,7 @@ use crate::{
     error::{raised, refused},
     options::in_python,
     pool,
-    run::Run,
+    run::{Known, Run},
     watcher,
 };
 
@@ -356,14 +357,16 @@ impl Chip {
         })?;
         let (sensor, channels) = made.map_err(raised)?;
         let watcher = Box::new(watcher::Events::new(sensor));
-        Run::new(
-            watcher,
-            (size, channels),
-            (Response::IDENTITY, None),
-            fps,
-            scale,
-            max_events,
-        )
+        let (settings, code) = (self.expanded.settings(), &self.expanded.code);
+        let parts: [&[Step]; 2] = [&code.init, &code.frame];
+        let known = Known {
+            response: Response::IDENTITY,
+            still: None,
+            overflow: saturation::of_light(arithmetic, &settings),
+            rounded: None,
+            unheld: Unheld::of_program(arithmetic, &parts, &self.expanded.device, &settings),
+        };
+        Run::new(watcher, (size, channels), known, fps, scale, max_events)
     }
 }
 

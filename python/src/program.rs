@@ -18,7 +18,7 @@ use amacrine::{
     rig::guard::{Guard, Warning},
     study::{
         pilot::{Chips, ErrorTerm, UnknownPart, left_out},
-        saturation,
+        saturation::{self, Saturation},
     },
     unit::Micros,
 };
@@ -204,8 +204,9 @@ impl Program {
         let mut packet = Packet::new(size, amacrine::sensor::Sensor::channels(&*chip));
         let mut films: Vec<Vec<f64>> = vec![Vec::new(); kept.len()];
         let (mut posts, mut shown, mut exposure) = (Vec::new(), count, Exposure::default());
+        let mut saturation = self.saturation(&*chip, &cells);
         if self.decides {
-            let seen = (&kept[..], &mut films[..]);
+            let seen = (&kept[..], &mut films[..], saturation.as_mut());
             (posts, shown, exposure) =
                 self.run_beside(py, &mut *chip, &light, &mut packet, seen)?;
         }
@@ -213,6 +214,9 @@ impl Program {
         for n in 0..steady {
             let done = pool::work(py, || {
                 self.show(&mut *chip, &light, n, &mut packet)?;
+                if let Some(saturation) = &mut saturation {
+                    saturation.frame(&*chip);
+                }
                 for (register, film) in kept.iter().zip(&mut films) {
                     film.extend(register.values(&*chip));
                 }
@@ -249,7 +253,8 @@ impl Program {
         }
         let records = PyArray1::from_vec(py, bytes);
         let unheld = self.unheld(&*chip, exposure);
-        let warned = self.warned(&*chip, &packet, &light, unheld.as_ref());
+        let held = (unheld.as_ref(), saturation);
+        let warned = self.warned(&*chip, &packet, &light, held);
         Ok((
             records,
             packet.channels,
@@ -333,6 +338,17 @@ impl Program {
         settings
     }
 
+    /// The same, with those of the caller.
+    fn settings_of(&self, cells: &Cells) -> Settings {
+        let own = self.settings();
+        Settings {
+            clip: cells.clip.unwrap_or(own.clip),
+            edge: cells.edge.unwrap_or(own.edge),
+            gain: cells.gain.unwrap_or(own.gain),
+            ..own
+        }
+    }
+
     /// It on a chip, for a pilot.
     pub fn chips(&self, settings: Settings, arithmetic: Arithmetic) -> Chips<'_> {
         Chips {
@@ -356,10 +372,7 @@ impl Program {
         let name = cells.domain.as_ref().or(own.domain.as_ref());
         let name = name.map_or("exact", String::as_str);
         let arithmetic: Arithmetic = name.parse().map_err(|e: ArithmeticError| e)?;
-        let mut settings = self.settings();
-        settings.clip = cells.clip.unwrap_or(settings.clip);
-        settings.edge = cells.edge.unwrap_or(settings.edge);
-        settings.gain = cells.gain.unwrap_or(settings.gain);
+        let settings = self.settings_of(cells);
         let without = cells.without.iter().map(|name| name.parse());
         let without: Vec<ErrorTerm> = without.collect::<Result<_, UnknownPart>>()?;
         let chips = self.chips(settings, arithmetic.with_seed(cells.seed));
@@ -408,7 +421,7 @@ impl Program {
         chip: &mut (dyn Array + Send),
         light: &Light<'_>,
         packet: &mut Packet,
-        (kept, films): (&[Register], &mut [Vec<f64>]),
+        (kept, films, saturation): (&[Register], &mut [Vec<f64>], Option<&mut Saturation>),
     ) -> PyResult<Beside> {
         let mut array = Companion {
             chip,
@@ -416,6 +429,7 @@ impl Program {
             packet,
             kept,
             films,
+            saturation,
             pool: pool::pool()?,
             begun: 0,
             t: Micros(0),
@@ -437,6 +451,13 @@ impl Program {
         Ok((array.posts, array.begun, array.exposure))
     }
 
+    /// What is seen of registers at the end of their range.
+    fn saturation(&self, chip: &dyn Array, cells: &Cells) -> Option<Saturation> {
+        let arithmetic = chip.domain().parse().ok()?;
+        let settings = self.settings_of(cells);
+        Some(Saturation::new(arithmetic, &self.device, &settings))
+    }
+
     /// What of its numbers the cells of this chip do not hold.
     fn unheld(&self, chip: &dyn Array, exposure: Exposure) -> Option<Unheld> {
         let (cells, settings) = (chip.domain().parse().ok()?, self.settings());
@@ -453,7 +474,7 @@ impl Program {
         chip: &dyn Array,
         packet: &Packet,
         light: &Light<'_>,
-        unheld: Option<&Unheld>,
+        (unheld, saturation): (Option<&Unheld>, Option<Saturation>),
     ) -> Vec<String> {
         let mut guard = Guard::new();
         let extent = light.frames.extent(light.scale);
@@ -471,6 +492,15 @@ impl Program {
                 guard.frame_at(Micros::from_seconds(n as f64 / light.fps));
             }
             guard.packet(&self.source.file, packet);
+        }
+        if let Some(saturation) = saturation {
+            let code = &self.expansion.code;
+            let steps = [&code.init[..], &code.frame].concat();
+            let loads = |register: &str| {
+                // What a host decides is not known before.
+                self.decides || saturation::loads(&steps, &self.device, self.settings(), register)
+            };
+            saturation.warn(&mut guard, &self.source.file, loads);
         }
         let warnings = guard.warnings().into_iter();
         warnings

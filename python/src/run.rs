@@ -6,13 +6,18 @@ use std::{
 };
 
 use amacrine::{
+    array::Unheld,
     event::{Dropped, Packet},
     photoreceptor::Response,
     plane::{Plane, Size},
     reference::Limit,
-    rig::guard::{Crowd, Guard, Warning},
+    rig::{
+        Overflow,
+        guard::{Crowd, Guard, Warning},
+    },
     scene::{Frame, Levels, Observation, Samples, check_rate, upsample},
     sensor::SensorError,
+    study::saturation,
     unit::Micros,
 };
 use miette::Report;
@@ -36,6 +41,19 @@ const PART: usize = 16;
 #[pyclass(frozen, module = "amacrine._amacrine")]
 pub struct Run(Mutex<Watch>);
 
+/// What is known of a sensor before it watches, and is looked at for warnings.
+pub struct Known {
+    pub response: Response,
+    /// How far a still scene is from the memory, and the threshold that it reaches.
+    pub still: Option<[f64; 2]>,
+    /// Signals that its numbers cannot hold.
+    pub overflow: Overflow,
+    /// What its number format makes of its kernels.
+    pub rounded: Option<Warning>,
+    /// Numbers of its program that its cells do not hold.
+    pub unheld: Option<Unheld>,
+}
+
 struct Watch {
     watcher: Box<dyn Watcher>,
     fps: f64,
@@ -47,9 +65,7 @@ struct Watch {
     made: usize,
     most: usize,
     crowd: Crowd,
-    response: Response,
-    /// How far a still scene is from the memory, and the threshold that it reaches.
-    still: Option<[f64; 2]>,
+    known: Known,
     /// Of the latest frames.
     samples: Samples,
     /// What was seen of the scene: the extent of its light, its cuts, and frames that repeat.
@@ -66,7 +82,7 @@ impl Run {
     pub fn new(
         watcher: Box<dyn Watcher>,
         (size, channels): (Size, u8),
-        (response, still): (Response, Option<[f64; 2]>),
+        known: Known,
         fps: f64,
         scale: f64,
         most: Option<usize>,
@@ -92,8 +108,7 @@ impl Run {
             made: 0,
             most: most.unwrap_or(Limit::default().events),
             crowd: Crowd::new(size.pixels() as u64 * u64::from(channels)),
-            response,
-            still,
+            known,
             samples: Samples::Floats,
             observation: Observation::new(),
             levels: Levels::bytes().map(|code| code * scale),
@@ -214,6 +229,7 @@ impl Watch {
     fn see(&mut self, firing: u64) {
         self.fired = self.fired.saturating_add(firing);
         self.crowd.see(firing);
+        self.known.overflow.see(&self.frame);
     }
 
     /// What happened since the frame before, in `packet`.
@@ -387,19 +403,23 @@ impl Watch {
     fn warnings(&self, subject: &str) -> Vec<Warning> {
         let mut guard = Guard::new();
         if let Some(warning) =
-            Warning::scale(self.samples, self.observation.extent(), self.response)
+            Warning::scale(self.samples, self.observation.extent(), self.known.response)
         {
             guard.warn(warning);
         }
         for warning in Warning::of_pictures(&self.observation) {
             guard.warn(warning);
         }
+        if let Some(warning) = &self.known.rounded {
+            guard.warn(warning.clone());
+        }
         let lost = self.packet.dropped.no_slot;
-        if self.fired == 0 && lost == 0 {
+        // Without its own numbers nothing that it says tells of light or thresholds.
+        if self.fired == 0 && lost == 0 && self.known.unheld.is_none() {
             let silence = self.watcher.silence();
             guard.warn(Warning::no_events_of(subject, self.seen, &silence));
         }
-        if let Some(reached) = self.still {
+        if let Some(reached) = self.known.still {
             guard.warn(Warning::still(subject, reached));
         }
         if self.crowd.over > 0 {
@@ -407,6 +427,12 @@ impl Watch {
         }
         if lost > 0 {
             guard.warn(Warning::slots("the readout", lost, self.made as u64));
+        }
+        let overflow = &self.known.overflow;
+        if let Some(unheld) = &self.known.unheld {
+            saturation::warn_unheld(&mut guard, subject, unheld);
+        } else if let Some(warning) = overflow.warning(subject, self.watcher.overflowed()) {
+            guard.warn(warning);
         }
         guard.warnings()
     }

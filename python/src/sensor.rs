@@ -6,7 +6,7 @@ use amacrine::{
     number::{Format, FormatError},
     plane::Size,
     reference::Description,
-    rig::guard::Warning,
+    rig::{Overflow, guard::Warning},
     scene::Samples,
     source,
     study::{
@@ -22,7 +22,7 @@ use crate::{
     error::raised,
     options::{caution, in_python},
     pool,
-    run::Run,
+    run::{Known, Run},
     source::Source,
     stop::Flag,
     watcher,
@@ -117,10 +117,18 @@ impl Sensor {
         let size = Size::new(size.0, size.1);
         let description = self.description.clone();
         let channels = description.channels.len() as u8;
-        let seen = (description.response, description.still());
+        let losses = description.losses(format);
+        let kinds = usize::from(channels);
+        let known = Known {
+            response: description.response,
+            still: description.still(),
+            overflow: Overflow::new(format, description.response),
+            rounded: losses.map(|loss| Warning::rounded(&description.name, kinds, loss)),
+            unheld: None,
+        };
         let watcher = pool::work(py, || watcher::float(description, size, seed, format))?;
         let watcher = watcher.map_err(raised)?;
-        Run::new(watcher, (size, channels), seen, fps, scale, max_events)
+        Run::new(watcher, (size, channels), known, fps, scale, max_events)
     }
 
     /// What there is to warn of in numbers of light from `low` to `high` that this sensor is shown, in

@@ -6,7 +6,7 @@ use amacrine::{
     plane::{Plane, Size},
     reference::{AnyReference, Counts, Description, Firing, Reference, Sinks, VoxelGrid},
     scene::Frame,
-    sensor::{Sensor, SensorError, Silence},
+    sensor::{Overflowed, Sensor, SensorError, Silence},
 };
 
 /// What watches frames, and tells how many cells fired since the frame before. A clip is watched by
@@ -27,6 +27,9 @@ pub trait Watcher: Send {
 
     /// Why no cell fired so far, where none did.
     fn silence(&self) -> Silence;
+
+    /// How much of what cells saw so far their numbers did not hold.
+    fn overflowed(&self) -> Overflowed;
 }
 
 /// The float model.
@@ -76,6 +79,10 @@ impl Watcher for Float {
 
     fn silence(&self) -> Silence {
         self.reference.silence()
+    }
+
+    fn overflowed(&self) -> Overflowed {
+        self.reference.overflowed()
     }
 }
 
@@ -222,5 +229,9 @@ impl Watcher for Events {
 
     fn silence(&self) -> Silence {
         self.sensor.silence()
+    }
+
+    fn overflowed(&self) -> Overflowed {
+        self.sensor.overflowed()
     }
 }

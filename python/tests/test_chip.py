@@ -184,9 +184,77 @@ def test_a_filter_alone(program: Callable[..., str], tmp_path: Path) -> None:
 
 def test_small_light_is_told_of(frames: Frames) -> None:
     snap = amacrine.Program.from_file("dvs/snap")
-    with pytest.warns(amacrine.Caution, match="all light lies between 0.0000 and 1.0000") as said:
+    with pytest.warns(amacrine.Caution, match="all light lies between 0 and 1, but") as said:
         snap.run(frames / 255, FPS, scale=1)
     assert "give scale=255" in " ".join(str(one.message) for one in said)
+
+
+def told(what: Callable[[], Any]) -> str:
+    """What it warns of."""
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        what()
+    return " ".join(str(one.message) for one in said)
+
+
+@pytest.mark.parametrize(
+    ("domain", "words"),
+    [
+        ("q8.8", "after the last frame lie at the end of its range, -128 to 127.99609375"),
+        ("silicon", "lie at the end of its range"),
+        ("exact", "lie beyond the range of a register, -128 to 127"),
+        ("f16", "lie beyond the range of a register, -128 to 127"),
+        ("q4.12", "at which the photodiodes begin (light.reset)"),
+        ("q16.16", "lie beyond the range of a register"),
+    ],
+)
+def test_registers_at_the_end_of_their_range_are_told_of(
+    domain: str, words: str, tmp_path: Path
+) -> None:
+    sums = "get_image(A);\nmov(B, A);\nadd(C, A, B);\nmov(B, C);\nadd(D, C, B);\n"
+    (tmp_path / "sums.scamp").write_text(sums)
+    program = amacrine.Program.from_file(tmp_path / "sums.scamp")
+    light = np.full((2, 6, 8), 40, np.uint8)
+    light[:, :, 4:] = 250
+    said = told(lambda: program.run(light, FPS, domain=domain))
+    if domain == "q16.16":
+        assert said == ""
+    else:
+        assert words in said
+
+
+def test_what_a_format_does_not_hold_of_a_sensor_is_told_of(frames: Frames) -> None:
+    def of(kernel: Any, format: str, response: Any = "identity") -> str:
+        sensor = amacrine.Sensor(kernel, 10, response=response, format=format)
+        said = [told(lambda: sensor.events(frames, FPS)), told(lambda: sensor.counts(frames, FPS))]
+        said.append(told(lambda: sensor.voxels(frames, FPS)))
+        assert said[0] == said[1] == said[2]
+        return said[0]
+
+    assert "in the signals, held in q8.8, lie at the end" in of([[1.0]], "q8.8")
+    white = {"linear": 255}
+    assert "of the drives (kernel times signal)" in of([[100.0, 100, 100]], "q8.8", white)
+    nothing = of([[0.001]], "q8.8", white)
+    assert "in q8.8 its weight is 0" in nothing and "lower the threshold" not in nothing
+    for format in ("f64", "f16", "q16.16"):
+        for words in ("range of", "range,", "weight"):
+            assert words not in of([[100.0, 100, 100]], format, white)
+
+
+def test_a_domain_that_does_not_hold_a_sensors_program_is_told_of(frames: Frames) -> None:
+    sensor = amacrine.Sensor(
+        [[[0, -0.25, 0], [-0.25, 1, -0.25], [0, -0.25, 0]]], 10, response="identity",
+        memory="filtered-snap", border="zero",
+    )
+
+    def of(domain: str) -> str:
+        chip = sensor.on_chip("exact", domain=domain, effort=0.1)
+        said = told(lambda: chip.events(frames, FPS))
+        assert said == told(lambda: chip.voxels(frames, FPS))
+        return said
+
+    assert "at which the photodiodes begin (light.reset)" in of("q4.12")
+    assert "light.reset" not in of("exact")
 
 
 def test_without_errors_it_is_the_float_sensor_of_its_levels(frames: Frames) -> None:

@@ -8,7 +8,7 @@ use super::{
 use crate::{
     config::asked,
     isa::Device,
-    number::{FixedFormat, Format, FormatError, Q, Width, known_floats},
+    number::{FIXED, FixedFormat, Format, FormatError, Q, Width, known_floats},
     plane::Size,
     program::Code,
 };
@@ -61,11 +61,11 @@ impl fmt::Display for Arithmetic {
 }
 
 impl Arithmetic {
-    /// The names of all, with commas between: `exact, f32, …, qM.N, silicon`.
+    /// The names of all, with commas between: `exact, f32, …`, [`FIXED`], `silicon`.
     #[must_use]
     pub fn names() -> String {
         let floats = Format::floats().map(|format| Self::Number(format).to_string() + ", ");
-        floats.collect::<String>() + "qM.N, silicon"
+        floats.collect::<String>() + FIXED + ", silicon"
     }
 
     /// The same with another seed, where chance plays a part.

@@ -39,7 +39,7 @@ impl Arithmetic {
             Self::Silicon { .. } => Some(Errors::from_device(device).range.into()),
             // Whichever comes first.
             Self::Number(Format::Fixed(format)) => {
-                let [low, high] = format.ends();
+                let (low, high) = Format::Fixed(format).limits();
                 Some(if settings.clip {
                     [f64::max(low, chip[0]), f64::min(high, chip[1])]
                 } else {

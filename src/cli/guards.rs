@@ -10,7 +10,7 @@ use crate::{
         guard::{Crowd, Guard, Warning},
     },
     scene::Frame,
-    sensor::Silence,
+    sensor::Sensor,
 };
 
 /// Looks at a run of the float model, frame by frame.
@@ -20,6 +20,8 @@ pub struct RunGuard {
     name: String,
     crowd: Crowd,
     overflow: Overflow,
+    /// What the format makes of its kernels.
+    rounded: Option<Warning>,
     /// The spread of thresholds and the least of them, of the kind where it is the largest part.
     spread: Option<(f64, f64)>,
     /// How far a still scene is from the memory, and the threshold that it reaches.
@@ -29,12 +31,16 @@ pub struct RunGuard {
 impl RunGuard {
     /// Nothing seen yet.
     pub fn new(description: &Description, size: Size, format: Format) -> Self {
-        let cells = description.channels.len() * size.pixels();
+        let kinds = description.channels.len();
+        let cells = kinds * size.pixels();
+        let losses = description.losses(format);
+        let rounded = losses.map(|loss| Warning::rounded(&description.name, kinds, loss));
         Self {
             firing: Firing::new(),
             name: description.name.clone(),
             crowd: Crowd::new(cells as u64),
             overflow: Overflow::new(format, description.response),
+            rounded,
             spread: spread(description),
             still: description.still(),
         }
@@ -46,13 +52,17 @@ impl RunGuard {
         self.overflow.see(frame);
     }
 
-    /// What there is to warn of; the packet is what has left the readout, and `silence` why no cell
-    /// fired, where none did.
-    pub fn warnings(&self, tally: &Tally, packet: &Packet, silence: &Silence) -> Vec<Warning> {
+    /// What there is to warn of, of a sensor that has seen all frames; the packet is what has left the
+    /// readout.
+    pub fn warnings(&self, tally: &Tally, packet: &Packet, sensor: &dyn Sensor) -> Vec<Warning> {
         let mut guard = Guard::new();
+        if let Some(warning) = &self.rounded {
+            guard.warn(warning.clone());
+        }
         if tally.total() == 0 {
             let frames = self.crowd.frames;
-            guard.warn(Warning::no_events_of(&self.name, frames, silence));
+            let silence = sensor.silence();
+            guard.warn(Warning::no_events_of(&self.name, frames, &silence));
         }
         if let Some(reached) = self.still {
             guard.warn(Warning::still(&self.name, reached));
@@ -70,7 +80,8 @@ impl RunGuard {
             let kept = packet.events.len() as u64;
             guard.warn(Warning::slots("the readout", lost, kept));
         }
-        if let Some(warning) = self.overflow.warning(&self.name) {
+        let drives = sensor.overflowed();
+        if let Some(warning) = self.overflow.warning(&self.name, drives) {
             guard.warn(warning);
         }
         guard.warnings()

@@ -80,9 +80,9 @@ struct Asked {
     /// An event that is moved by more than this is changed
     #[arg(long, default_value = "100us", value_name = "TIME")]
     within: Micros,
-    /// Number formats that may be taken in place of f64
     #[arg(
         long,
+        help = format!("Number formats that may be taken in place of f64, of: {}", Format::names()),
         default_value = "f32",
         value_delimiter = ',',
         value_name = "FORMATS",

@@ -445,7 +445,7 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
         fps: scene.fps(),
         fps_is_assumed: scene.outline().fps_is_assumed,
         seconds: last - first,
-        warnings: guard.warnings(&tally, &packet, &reference.silence()),
+        warnings: guard.warnings(&tally, &packet, &*reference),
         tally,
         report: reference.report(),
         dropped: packet.dropped,

@@ -124,7 +124,7 @@ pub enum GradientError {
     },
     /// A cell whose events cannot be counted.
     #[error(
-        "clip {clip}, pair {pair}, channel {channel}, y = {y}: a cell is more than 2^30 thresholds from where it began, or what it sees is not a number"
+        "clip {clip}, pair {pair}, channel {channel}, y = {y}: a cell is 2^30 thresholds or more from where it began, or what it sees is not a number"
     )]
     #[diagnostic(help("raise the thresholds, or make the kernel smaller"))]
     Cell {

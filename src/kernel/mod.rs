@@ -6,11 +6,13 @@
 
 mod file;
 mod gaussian;
+mod loss;
 pub mod quantise;
 mod zoo;
 
 pub use file::{FEWER, FILE, KernelFileError, ROWS, SHAPES, wrong_number};
 pub use gaussian::Gaussian;
+pub use loss::{Loss, LossKind};
 
 use crate::{
     limit::{KERNEL_SIDE, LEAST_WEIGHT, MOST_WEIGHT},

@@ -17,6 +17,9 @@ pub enum Format {
     Fixed(FixedFormat),
 }
 
+/// Fixed point, as helps write it.
+pub const FIXED: &str = "qM.N or qM.N-wrap (M + N = 8, 16 or 32)";
+
 /// What happens beyond the largest and the smallest number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Overflow {
@@ -126,11 +129,11 @@ impl Format {
         alike.filter_map(|names| names.first().map(|(_, format)| *format))
     }
 
-    /// The names of all formats, with commas between: `f64, f32, …, qM.N`.
+    /// The names of all formats, with commas between: `f64, f32, …`, and [`FIXED`].
     #[must_use]
     pub fn names() -> String {
         let floats = Self::floats().map(|format| format.to_string() + ", ");
-        floats.collect::<String>() + "qM.N"
+        floats.collect::<String>() + FIXED
     }
 }
 

@@ -33,7 +33,7 @@ pub use dyadic::Dyadic;
 pub use fixed::{Q, Wide, Width, divide};
 pub use float::{Bf16, F16, F32, F64};
 pub(crate) use format::known_floats;
-pub use format::{FORMAT_PATTERN, FixedFormat, Format, FormatError, Overflow};
+pub use format::{FIXED, FORMAT_PATTERN, FixedFormat, Format, FormatError, Overflow};
 pub use halves::{HeldBf16, HeldF16};
 pub use held::Number;
 pub use real::Real;

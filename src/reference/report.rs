@@ -1,5 +1,7 @@
 //! Counters of a run of the float model.
 
+use crate::sensor::Overflowed;
+
 /// Counters of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Report {
@@ -15,4 +17,7 @@ pub struct Report {
     /// Pairs of frames that are not further apart than the refractory period of the authors' rule, in
     /// which no cell fires.
     pub muted_pairs: u64,
+    /// Drives of each frame, and what they are compared with, that the number format does not hold:
+    /// only in fixed point, as floats beyond their range are refused.
+    pub overflowed: Overflowed,
 }

@@ -11,7 +11,7 @@ use crate::{
     parallel::{self, Job},
     plane::{Plane, Size},
     scene::Frame,
-    sensor::{Sensor, SensorError, Silence, check_time},
+    sensor::{Overflowed, Sensor, SensorError, Silence, check_time},
     unit::Micros,
 };
 
@@ -19,6 +19,7 @@ use super::{
     any_format::{AnyReference, Sinks},
     band::{Band, IntervalInput, Plan},
     description::{Description, MemoryRule},
+    drive::differences,
     list::{Buffers, EventList, Limit},
     low_pass::LowPass,
     report::Report,
@@ -63,6 +64,8 @@ pub struct Reference<N: Number = F64> {
     intervals: u64,
     /// Those in which no cell can fire.
     muted: u64,
+    /// Pixels' distances from their memory that the number format does not hold.
+    overflowed: Overflowed,
     /// Whether the last frame stopped half-way: some cells are past it, others are not.
     is_halfway: bool,
 }
@@ -129,6 +132,7 @@ impl<N: Number> Reference<N> {
             return Err(SensorError::Addresses { size });
         }
         description.check()?;
+        description.check_countable(&number)?;
         let reach = description
             .channels
             .iter()
@@ -168,6 +172,7 @@ impl<N: Number> Reference<N> {
             seen: None,
             intervals: 0,
             muted: 0,
+            overflowed: Overflowed::default(),
             is_halfway: false,
             plan: Plan::new(number, description, size, seed, mosaic),
         })
@@ -191,6 +196,7 @@ impl<N: Number> Reference<N> {
     pub fn report(&self) -> Report {
         let mut all = Report {
             muted_pairs: self.muted,
+            overflowed: self.overflowed,
             ..Report::default()
         };
         for Band { report, .. } in &self.bands {
@@ -198,6 +204,7 @@ impl<N: Number> Reference<N> {
             all.lost_to_refractory += report.lost_to_refractory;
             all.livelocked += report.livelocked;
             all.without_sign += report.without_sign;
+            all.overflowed += report.overflowed;
         }
         all
     }
@@ -373,7 +380,7 @@ impl<N: Number> Reference<N> {
             let jobs = { bands.iter_mut() }
                 .map(|band| -> Job<'_, _> { Box::new(move || band.see(plan, light)) });
             parallel::all(jobs)?;
-            lay_out_pixels(plan, bands, &mut self.pixels);
+            self.overflowed += lay_out_pixels(plan, bands, &mut self.pixels);
         }
         let input = IntervalInput {
             light: (!holds_pixels).then_some(light),
@@ -399,14 +406,23 @@ impl<N: Number> Reference<N> {
     }
 }
 
-/// Copies the pixel memories (or the distances from them) into padded planes that kernels can read.
-fn lay_out_pixels<N: Number>(plan: &Plan<N>, bands: &[Band<N>], pixels: &mut [Padded<N::Held>]) {
+/// Copies the pixel memories (or the distances from them) into padded planes that kernels can read;
+/// how many distances a fixed-point format does not hold.
+fn lay_out_pixels<N: Number>(
+    plan: &Plan<N>,
+    bands: &[Band<N>],
+    pixels: &mut [Padded<N::Held>],
+) -> Overflowed {
+    let mut overflowed = Overflowed::default();
     for (channel, pixels) in pixels.iter_mut().enumerate() {
         for band in bands {
             for y in band.rows.clone() {
                 let row = |row: &mut [N::Held]| {
                     band.memory_row(plan, channel, y, row);
                     if plan.description.memory == MemoryRule::RawSnap {
+                        if !plan.exact.is_empty() {
+                            overflowed += differences(&plan.number, band.signal.inner(y), row);
+                        }
                         for (held, now) in row.iter_mut().zip(band.signal.inner(y)) {
                             *held = plan.number.sub(*now, *held);
                         }
@@ -417,6 +433,7 @@ fn lay_out_pixels<N: Number>(plan: &Plan<N>, bands: &[Band<N>], pixels: &mut [Pa
             }
         }
     }
+    overflowed
 }
 
 /// Rows of a band of a sensor of this size.
@@ -483,7 +500,12 @@ impl<N: Number> Sensor for Reference<N> {
             waits: description.refractory.waits(),
             muted_pairs: report.muted_pairs,
             without_sign: report.without_sign,
+            lost: description.lost(self.plan.number.format()),
         }
+    }
+
+    fn overflowed(&self) -> Overflowed {
+        self.report().overflowed
     }
 }
 

@@ -1,15 +1,51 @@
 //! The thresholds of every cell of a channel, with the mismatch of its transistors.
 
-use crate::{number::Real, plane::Size};
+use crate::{
+    number::{Number, Real},
+    plane::Size,
+    sensor::SensorError,
+};
 
 use super::{
-    description::Threshold,
+    description::{Description, MemoryRule, Threshold},
     reason::{Place, Reason},
 };
 
 /// The least that mismatch leaves of a threshold.
 pub(crate) const fn least(nominal: f64) -> f64 {
     nominal / 20.0
+}
+
+impl Description {
+    /// Whether thresholds can be counted in this format: by their reciprocals, where a memory steps.
+    pub(super) fn check_countable<N: Number>(&self, number: &N) -> Result<(), SensorError> {
+        if self.memory != MemoryRule::FilteredStep {
+            return Ok(());
+        }
+        let is_counted = |threshold: f64| {
+            let per = N::Real::ONE / N::Real::from_f64(threshold);
+            per.to_f64().is_finite()
+        };
+        // A little more than one over the largest number.
+        let is_wide = N::Real::from_f64(1e300).to_f64().is_finite();
+        let countable = if is_wide { 6e-309 } else { 3e-39 };
+        for (channel, kind) in self.channels.iter().enumerate() {
+            for it in &kind.thresholds {
+                let threshold = it.on.min(it.off);
+                // What mismatch may leave of one.
+                let part = if it.sigma > 0.0 { least(1.0) } else { 1.0 };
+                if !is_counted(threshold * part) {
+                    return Err(SensorError::Threshold {
+                        channel,
+                        threshold,
+                        least: countable / part,
+                        format: number.format(),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The thresholds of one channel: the nominal ones and their mismatch.

@@ -17,7 +17,7 @@ use crate::{
     plane::Size,
     scene::{Alias, Cut, Frame, Gap, Moment, Observation, Repeated, Samples, Slice, Unlike},
     sensor::Silence,
-    unit::{Micros, counted},
+    unit::{Micros, counted, five_digits},
 };
 
 /// Light so many times the sensor's white is on another scale; what shines is brighter than white.
@@ -71,6 +71,8 @@ pub enum About {
     Lopsided,
     /// Weights of a kernel lie beyond its levels.
     Clipped,
+    /// A kernel is another one in a number format.
+    Rounded,
     /// An array larger than the chip's.
     Larger,
     /// Kinds of cells that are compared have other names.
@@ -103,6 +105,7 @@ impl About {
             Self::Surround => "surround",
             Self::Lopsided => "lopsided",
             Self::Clipped => "clipped",
+            Self::Rounded => "rounded",
             Self::Larger => "larger",
             Self::Names => "names",
             Self::Rate => "rate",
@@ -386,58 +389,6 @@ impl Warning {
         )
     }
 
-    /// Values at the end of what holds them: how many of how many in `place`, which ends at
-    /// `ends`.
-    #[must_use]
-    pub fn saturation(subject: &str, place: &str, (at, all): (u64, u64), ends: [f64; 2]) -> Self {
-        let share = 100.0 * at as f64 / all as f64;
-        let [low, high] = ends;
-        Self::new(
-            About::Saturation,
-            subject,
-            format!(
-                "{at} of {all} values ({share:.0} %) in {place} lie at the end of its range, {low} to {high}"
-            ),
-            "what was to be held there is larger, and is cut off",
-            "halve more often before sums, make light or gain smaller, or take a wider format",
-        )
-    }
-
-    /// Numbers of a program that its format does not hold, whatever it is shown: what, what becomes
-    /// of them, and the format to take.
-    #[must_use]
-    pub fn unheld(subject: &str, seen: impl Into<String>, why: &str, change: String) -> Self {
-        Self::new(About::Saturation, subject, seen, why, change)
-    }
-
-    /// Signals at the end of their number format's range, at so many of a study's points.
-    #[must_use]
-    pub fn saturated_points(points: usize, of: usize) -> Self {
-        Self::new(
-            About::Saturation,
-            &format!("{points} of {of} points"),
-            "signals lie at the end of the range of their number format",
-            "what was to be held there is larger, and is cut off",
-            "take more bits before the point, or make light or gain smaller",
-        )
-    }
-
-    /// Values beyond what the chip's registers hold, in an arithmetic that holds them.
-    #[must_use]
-    pub fn beyond(subject: &str, place: &str, (at, all): (u64, u64), ends: [f64; 2]) -> Self {
-        let share = 100.0 * at as f64 / all as f64;
-        let [low, high] = ends;
-        Self::new(
-            About::Saturation,
-            subject,
-            format!(
-                "{at} of {all} values ({share:.0} %) in {place} lie beyond the range of a register, {low} to {high}"
-            ),
-            "this arithmetic holds them, the chip does not",
-            "run with --clip on or --domain silicon to see what is left, or halve before sums",
-        )
-    }
-
     /// Numbers without a scale of their own that lie near 0, or beyond white, for a sensor whose
     /// response takes 0 to 255, or to another white. Whole numbers beyond it are of more bits; of
     /// reals some may be brighter than white.
@@ -455,7 +406,10 @@ impl Warning {
             return Some(Self::new(
                 About::Scale,
                 "the scene",
-                format!("light goes up to {high:.4}, but the sensor takes 0 to {white}"),
+                format!(
+                    "light goes up to {}, but the sensor takes 0 to {white}",
+                    five_digits(high)
+                ),
                 format!(
                     "numbers of more than 8 bits are taken as they are{}",
                     grown(response)
@@ -492,10 +446,14 @@ impl Warning {
             About::Scale,
             "the scene",
             format!(
-                "all light lies between {low:.4} and {high:.4}, but the sensor takes 0 to {white}"
+                "all light lies between {} and {}, but the sensor takes 0 to {white}",
+                five_digits(low),
+                five_digits(high)
             ),
             format!(
-                "{looks}; from its darkest to its brightest the signal moves by {here:.4}, and times {white} by {there:.4}{also}"
+                "{looks}; from its darkest to its brightest the signal moves by {}, and times {white} by {}{also}",
+                five_digits(here),
+                five_digits(there)
             ),
             format!("give --scale {white}, or multiply the array"),
         ))

@@ -1,60 +1,103 @@
-//! Signals that a fixed-point format cannot hold.
+//! What a fixed-point format cannot hold of a run: signals, and the drives that they make.
 
-use super::guard::Warning;
-use crate::{number::Format, photoreceptor::Response, scene::Frame};
+use super::{
+    guard::{About, Warning},
+    saturation::{from_to, share},
+};
+use crate::{
+    number::{FixedFormat, Format},
+    photoreceptor::Response,
+    scene::Frame,
+    sensor::Overflowed,
+};
 
 /// Counts the signals that a fixed-point format cannot hold.
 #[derive(Clone, Debug)]
 pub struct Overflow {
-    /// The ends of the format.
-    ends: Option<[f64; 2]>,
     format: Format,
     response: Response,
-    at: u64,
-    all: u64,
+    signals: Overflowed,
 }
 
 impl Overflow {
     /// Nothing seen yet of signals of this response, held in this format.
     #[must_use]
-    pub fn new(format: Format, response: Response) -> Self {
-        let ends = match format {
-            Format::Fixed(fixed) => Some(fixed.ends()),
-            _ => None,
-        };
+    pub const fn new(format: Format, response: Response) -> Self {
         Self {
-            ends,
             format,
             response,
-            at: 0,
-            all: 0,
+            signals: Overflowed { at: 0, of: 0 },
+        }
+    }
+
+    /// The format, where it has ends.
+    const fn fixed(&self) -> Option<FixedFormat> {
+        match self.format {
+            Format::Fixed(fixed) => Some(fixed),
+            _ => None,
         }
     }
 
     /// Looks at a frame.
     pub fn see(&mut self, frame: &Frame) {
-        let Some([low, high]) = self.ends else {
+        let Some([low, high]) = self.fixed().map(FixedFormat::ends) else {
             return;
         };
         let beyond = |light: &f64| {
             let signal = self.response.apply(*light);
             signal.is_ok_and(|signal| signal < low || signal >= high)
         };
-        self.all += frame.light.size().pixels() as u64;
+        self.signals.of += frame.light.size().pixels() as u64;
         // More light is never less signal: nearly always both ends of the light are within.
         let ends = frame.light.extent();
         if ends.is_none_or(|(low, high)| !beyond(&low) && !beyond(&high)) {
             return;
         }
-        self.at += frame.light.iter().filter(|light| beyond(light)).count() as u64;
+        self.signals.at += frame.light.iter().filter(|light| beyond(light)).count() as u64;
     }
 
-    /// That signals of this sensor lie at the end of its numbers, where some do.
+    /// That signals of this sensor lie at the end of its numbers, or drives beyond it, where some do.
     #[must_use]
-    pub fn warning(&self, subject: &str) -> Option<Warning> {
-        let place = format!("the signals, held in {}", self.format);
-        let ends = self.ends.filter(|_| self.at > 0)?;
-        let counted = (self.at, self.all);
-        Some(Warning::saturation(subject, &place, counted, ends))
+    pub fn warning(&self, subject: &str, drives: Overflowed) -> Option<Warning> {
+        let format = self.format;
+        self.fixed()?;
+        let (low, high) = format.limits();
+        let ends = from_to([low, high]);
+        let signals = self.signals;
+        let becomes = if format.wraps() {
+            "comes in again at the other end"
+        } else {
+            "is cut off"
+        };
+        let why = format!("what was to be held there is larger, and {becomes}");
+        let of_signals = (signals.at > 0).then(|| {
+            let counted = share("value", (signals.at, signals.of));
+            format!(
+                "{counted} in the signals, held in {format}, lie at the end of its range, {ends}"
+            )
+        });
+        // One in a thousand changes no count: a few distances of a fast edge.
+        let of_drives = (drives.at > drives.of / 1000).then(|| {
+            let counted = share("value", (drives.at, drives.of));
+            format!(
+                "{counted} of the drives (kernel times signal) and their distances from the memory, held in {format}, leave its range, {ends}"
+            )
+        });
+        let (seen, change) = match (of_signals, of_drives) {
+            (Some(signals), None) => (
+                signals,
+                "make light or gain smaller, or take a wider format",
+            ),
+            (None, Some(drives)) => (
+                drives,
+                "take more bits before the point, smaller weights (gain) with thresholds smaller by as much, or a response and thresholds in a smaller unit",
+            ),
+            (Some(signals), Some(drives)) => (
+                format!("{signals}; {drives}"),
+                "take more bits before the point, or a response, weights and thresholds in a smaller unit",
+            ),
+            (None, None) => return None,
+        };
+        Some(Warning::new(About::Saturation, subject, seen, why, change))
     }
 }

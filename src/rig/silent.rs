@@ -1,6 +1,9 @@
 //! Why a sensor that never fired was silent, and what to change.
 
-use super::guard::{About, Warning};
+use super::{
+    guard::{About, Warning},
+    rounded,
+};
 use crate::{photoreceptor::Curve, sensor::Silence, unit::counted};
 
 impl Warning {
@@ -18,6 +21,9 @@ impl Warning {
 
 /// Why it is silent, and what to change, where that is known.
 fn reason(pairs: u64, silence: &Silence) -> Option<[String; 2]> {
+    if let Some(loss) = &silence.lost {
+        return Some(rounded::reason(loss));
+    }
     if silence.muted_pairs >= pairs {
         return Some([
             "no two frames are further apart than the refractory period, and under rule = \"authors\" no cell fires in such a pair".to_owned(),

@@ -1,6 +1,6 @@
 //! Why a sensor is silent.
 
-use crate::photoreceptor::Response;
+use crate::{kernel::Loss, photoreceptor::Response};
 
 /// What a sensor knows of why none of its cells fired.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +16,8 @@ pub struct Silence {
     pub muted_pairs: u64,
     /// Crossings that had no sign (`polarity = "pixel"`), and made no event.
     pub without_sign: u64,
+    /// What little its number format leaves of its weights, where it leaves no kernel what it is.
+    pub lost: Option<Loss>,
 }
 
 impl Default for Silence {
@@ -27,6 +29,7 @@ impl Default for Silence {
             waits: false,
             muted_pairs: 0,
             without_sign: 0,
+            lost: None,
         }
     }
 }

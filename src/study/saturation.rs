@@ -1,10 +1,12 @@
-//! Tells of the registers of a chip that end a run at the end of their range, and of light that they
-//! cannot hold.
+//! Tells of the registers of a chip that are at the end of their range, after a run or after any frame
+//! of it, and of light that they cannot hold.
 
 use crate::{
-    array::{Arithmetic, Array, AtBorder, Settings, Unheld},
+    array::{Arithmetic, Array, AtBorder, Settings, Unheld, claim::MOST_EFFORT, effort, taps},
+    isa::Device,
     number::Format,
     photoreceptor::{Curve, Response},
+    program::Step,
     rig::{
         Overflow,
         guard::{Guard, Warning},
@@ -41,4 +43,94 @@ pub fn of_light(cells: Arithmetic, settings: &Settings) -> Overflow {
     };
     let round_f32 = false;
     Overflow::new(format, Response { curve, round_f32 })
+}
+
+/// Registers at the end of their range after any frame of a run; or, in an arithmetic that has no end,
+/// beyond that of the chip.
+pub struct Saturation {
+    ends: [f64; 2],
+    /// Whether registers hold what lies beyond these ends.
+    held: bool,
+    frames: u64,
+    worst: Vec<Saturated>,
+}
+
+/// A register, and the frame after which it was worst.
+struct Saturated {
+    worst: AtBorder,
+    frame: u64,
+}
+
+impl Saturation {
+    /// Nothing seen yet of a chip of these cells.
+    #[must_use]
+    pub fn new(cells: Arithmetic, device: &Device, settings: &Settings) -> Self {
+        let ends = cells.ends(device, settings);
+        Self {
+            ends: ends.unwrap_or(device.register_range().into()),
+            held: ends.is_none(),
+            frames: 0,
+            worst: Vec::new(),
+        }
+    }
+
+    /// Looks at the registers after a frame.
+    pub fn frame(&mut self, chip: &dyn Array) {
+        let found = if self.held {
+            AtBorder::beyond(chip, self.ends)
+        } else {
+            AtBorder::registers(chip, self.ends)
+        };
+        let frame = self.frames;
+        for worst in found {
+            let mut all = self.worst.iter_mut();
+            match all.find(|it| it.worst.register == worst.register) {
+                // Of equal ones the last.
+                Some(it) if it.worst.pixels > worst.pixels => {}
+                Some(it) => *it = Saturated { worst, frame },
+                None => self.worst.push(Saturated { worst, frame }),
+            }
+        }
+        self.frames += 1;
+    }
+
+    /// Warns of what was seen of a program; `loads` says which registers hold a constant that it
+    /// loads.
+    pub fn warn(self, guard: &mut Guard, program: &str, loads: impl Fn(&str) -> bool) {
+        for it in self.worst {
+            let at = it.worst;
+            if at.alike && loads(&at.register) {
+                continue;
+            }
+            let counted = (at.pixels, at.of);
+            let after = if it.frame + 1 == self.frames {
+                "the last frame".to_owned()
+            } else {
+                format!("frame {}", it.frame)
+            };
+            let place = format!("{} after {after}", at.register);
+            guard.warn(if self.held {
+                Warning::beyond(program, &place, counted, at.ends)
+            } else {
+                Warning::saturation(program, &place, counted, at.ends)
+            });
+        }
+    }
+}
+
+/// Whether a register holds a constant that these steps load, whatever the light is.
+#[must_use]
+pub fn loads(steps: &[Step], device: &Device, settings: Settings, register: &str) -> bool {
+    if effort(steps, device).is_none_or(|it| it > MOST_EFFORT) {
+        return true;
+    }
+    let all = taps::read_all(steps, device, settings);
+    let at = device.value_of(register).and_then(|it| it.analog());
+    match (all, at) {
+        (Ok(all), Some(at)) => {
+            let read = all.get(usize::from(at.0));
+            read.is_none_or(|it| matches!(it, Ok(taps) if taps.taps.is_empty()))
+        }
+        _ => true,
+    }
 }

@@ -13,14 +13,11 @@ use super::{
     beside::{self, Run},
     light::{Lasting, Light, Said},
     moment::{Moment, Part, begin},
-    saturation::{Saturated, Saturation},
     set::Set,
     strip, trace,
 };
 use crate::{
-    array::{
-        Arithmetic, Array, Register, Schedule, Settings, Unheld, claim::MOST_EFFORT, effort, taps,
-    },
+    array::{Arithmetic, Array, Register, Schedule, Settings, Unheld},
     event::Packet,
     isa::{Device, Figure},
     limit::THREADS,
@@ -36,7 +33,7 @@ use crate::{
     scene::{Observation, Scene, kept::Kept},
     study::{
         pilot::{Chips, Machine},
-        saturation,
+        saturation::{self, Saturation},
     },
 };
 
@@ -254,7 +251,7 @@ impl<'a> Bench<'a> {
         chip: &dyn Array,
         packet: &Packet,
         frames: u64,
-        saturated: Vec<Saturated>,
+        saturated: Saturation,
     ) -> Vec<Warning> {
         let program = &self.opened.program.file;
         for warning in Warning::of_scene(&self.observation, Response::IDENTITY) {
@@ -285,24 +282,7 @@ impl<'a> Bench<'a> {
                 guard.warn(Warning::slots(program, packet.dropped.no_slot, kept));
             }
         }
-        for it in saturated {
-            let at = it.worst;
-            if at.alike && self.loads(&at.register) {
-                continue;
-            }
-            let counted = (at.pixels, at.of);
-            let after = if it.frame + 1 == frames {
-                "the last frame".to_owned()
-            } else {
-                format!("frame {}", it.frame)
-            };
-            let place = format!("{} after {after}", at.register);
-            guard.warn(if it.held {
-                Warning::beyond(program, &place, counted, at.ends)
-            } else {
-                Warning::saturation(program, &place, counted, at.ends)
-            });
-        }
+        saturated.warn(&mut guard, program, |register| self.loads(register));
         guard.warnings()
     }
 
@@ -319,28 +299,14 @@ impl<'a> Bench<'a> {
 
     /// Whether a register holds a constant that the program loads, whatever the light is.
     fn loads(&self, register: &str) -> bool {
-        let device = &self.opened.device;
-        let steps = self.codes().concat();
-        if effort(&steps, device).is_none_or(|it| it > MOST_EFFORT) {
-            return true;
-        }
-        let all = taps::read_all(&steps, device, self.settings);
-        let at = device.value_of(register).and_then(|it| it.analog());
-        match (all, at) {
-            (Ok(all), Some(at)) => {
-                let read = all.get(usize::from(at.0));
-                read.is_none_or(|it| matches!(it, Ok(taps) if taps.taps.is_empty()))
-            }
-            _ => true,
-        }
+        let (steps, device) = (self.codes().concat(), &self.opened.device);
+        saturation::loads(&steps, device, self.settings, register)
     }
 
     /// Looks for registers at the end of their range, or, in an arithmetic that has no end, beyond
     /// that of the chip.
     pub fn saturation(&self) -> Saturation {
-        let ends = self.arithmetic.ends(&self.opened.device, &self.settings);
-        let chip = self.opened.device.register_range().into();
-        Saturation::new(ends.unwrap_or(chip), ends.is_none())
+        Saturation::new(self.arithmetic, &self.opened.device, &self.settings)
     }
 
     /// The registers that the program writes: any of them, where its host decides as it goes.

@@ -11,7 +11,6 @@ mod pass;
 mod pilot;
 mod reading;
 mod report;
-mod saturation;
 mod set;
 mod shows;
 mod statistics;
@@ -89,7 +88,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         tracer,
         shows,
     } = pass;
-    let warnings = bench.warnings(guard, &*chip, &packet, frames, saturation.end());
+    let warnings = bench.warnings(guard, &*chip, &packet, frames, saturation);
     super::light::warn(&warnings);
 
     // Before anything is written: it may have nothing to show.

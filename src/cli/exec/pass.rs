@@ -2,11 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use super::{
-    bench::Bench, debug::Debugger, saturation::Saturation, shows::Shows, strip::Strip,
-    trace::Tracer,
-};
-use crate::{array::Array, event::Packet, rig::guard::Guard};
+use super::{bench::Bench, debug::Debugger, shows::Shows, strip::Strip, trace::Tracer};
+use crate::{array::Array, event::Packet, rig::guard::Guard, study::saturation::Saturation};
 
 /// What a pass leaves.
 pub struct Pass<'a> {

@@ -47,7 +47,9 @@ impl Quantiser {
             });
         }
         let (height, width) = kernel.weights().dim();
-        let levels = Plane::from_shape_fn((height, width), |(y, x)| levels[y * width + x]);
+        // Plus 0: a negative weight that is gone leaves a 0 without a sign.
+        let level = |(y, x)| levels[y * width + x] + 0.0;
+        let levels = Plane::from_shape_fn((height, width), level);
         Ok(Quantised {
             levels: Kernel { weights: levels },
             scale,

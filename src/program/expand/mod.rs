@@ -19,7 +19,7 @@ use super::{
 };
 use crate::config::{Fault, Lines, Place, Severity, enough, thin};
 use crate::isa::{
-    Bit, Callable, Cell, Device, Digital, HostKind, Macro, Source, Value, macros, row,
+    Bit, Callable, Cell, Device, Digital, HostKind, Macro, Primitive, Source, Value, macros, row,
     signature::{Bound, Mode, Signature},
     text::Statement,
 };

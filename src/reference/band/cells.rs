@@ -9,6 +9,7 @@ use crate::{
         drive::log_temporal,
         memory::{Memory, Stepped},
         noise::Noise,
+        report::Report,
         sheets::{self, Sheets},
         signal::Padded,
     },
@@ -23,10 +24,16 @@ impl<N: Number> Cells<N> {
         rows: &Range<usize>,
         (signal, sheets): (&Padded<N::Held>, Option<&Sheets>),
         scratch: &mut Scratch<N>,
+        report: &mut Report,
     ) -> Self {
         let (number, description) = (&plan.number, &plan.description);
         let (width, channels) = (scratch.drive.len(), plan.weights.len());
         let cells = rows.len() * channels * width;
+        // A memory of pixels has no use for the first drive.
+        let follows = matches!(
+            description.memory,
+            MemoryRule::FilteredSnap | MemoryRule::FilteredStep
+        );
         // The memory is what the cells see of the first frame, so that a still scene is silent.
         let mut filtered = Vec::with_capacity(cells);
         let mut pixels = Vec::with_capacity(cells);
@@ -38,6 +45,10 @@ impl<N: Number> Cells<N> {
             sheets::row(number, sheets, (channel, y), drive, |drive| {
                 plan.weights[channel].row(number, signal, y, drive, parts);
             });
+            if follows {
+                let at = ((channel, y), (signal, sheets));
+                report.overflowed += plan.overflowed(at.0, at.1, &scratch.drive);
+            }
             if description.channels[channel].log_temporal {
                 log_temporal(number, &mut scratch.drive, 0.0);
             }

@@ -89,7 +89,8 @@ impl<N: Number> Band<N> {
             trains: TrainRow::new(width),
             rested: vec![f64::NEG_INFINITY; width],
         };
-        let cells = Cells::settle(plan, &rows, (&signal, sheets), &mut scratch);
+        let mut report = Report::default();
+        let cells = Cells::settle(plan, &rows, (&signal, sheets), &mut scratch, &mut report);
         let picture = if plan.description.shared {
             rows.clone()
                 .flat_map(|y| signal.inner(y).iter().copied())
@@ -105,7 +106,7 @@ impl<N: Number> Band<N> {
             made: plan.weights.iter().map(|_| Made::default()).collect(),
             picture,
             scratch,
-            report: Report::default(),
+            report,
         })
     }
 

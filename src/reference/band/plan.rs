@@ -6,13 +6,14 @@ use crate::{
     plane::Size,
     reference::{
         description::Description,
-        drive::Weights,
+        drive::{self, Exact, Weights},
         reason::Place,
         sheets::Sheets,
         signal::{Light, Padded},
         thresholds::Thresholds,
         train::Interval,
     },
+    sensor::Overflowed,
 };
 
 /// The constants of a sensor, which all of its bands share.
@@ -23,6 +24,8 @@ pub(in crate::reference) struct Plan<N: Number> {
     pub(in crate::reference) seed: u64,
     /// For each channel.
     pub(in crate::reference) weights: Vec<Weights<N::Held>>,
+    /// The same in doubles, where the format is fixed point; else none.
+    pub(in crate::reference) exact: Vec<Exact>,
     pub(in crate::reference) memory_weights: Vec<Option<Weights<N::Held>>>,
     pub(in crate::reference) thresholds: Vec<Thresholds<N::Real>>,
     /// Where each cell is at home, row by row, where that is not where it lies: random numbers
@@ -67,6 +70,9 @@ impl<N: Number> Plan<N> {
             .iter()
             .map(|c| Weights::new(&number, &c.kernels))
             .collect();
+        let exact = channels.iter();
+        let exact = exact.filter_map(|c| Exact::new(&number, &c.kernels));
+        let exact = exact.collect();
         let memory_weights = channels
             .iter()
             .map(|c| {
@@ -87,6 +93,7 @@ impl<N: Number> Plan<N> {
             description,
             seed,
             weights,
+            exact,
             memory_weights,
             thresholds,
             homes,
@@ -102,6 +109,23 @@ impl<N: Number> Plan<N> {
             channel,
             y,
             x,
+        }
+    }
+
+    /// How many drives of row `y` of a channel, of these pixels or of its grids, the format does not
+    /// hold.
+    pub(super) fn overflowed(
+        &self,
+        (channel, y): (usize, usize),
+        (pixels, sheets): (&Padded<N::Held>, Option<&Sheets>),
+        drive: &[N::Held],
+    ) -> Overflowed {
+        let Some(exact) = self.exact.get(channel) else {
+            return Overflowed::default();
+        };
+        match sheets.and_then(|sheets| sheets.row(channel, y)) {
+            Some(reals) => drive::held(&self.number, drive, reals),
+            None => exact.overflowed(&self.number, pixels, y, drive),
         }
     }
 

@@ -5,13 +5,13 @@ use std::ops::Range;
 
 use crate::{
     number::{Number, Real},
-    sensor::SensorError,
+    sensor::{Overflowed, SensorError},
 };
 
 use super::{
     super::{
         description::{PolarityRule, RefractoryRule},
-        drive::{Made, log_temporal},
+        drive::{self, Made, log_temporal},
         fire,
         memory::{self, Memory},
         refractory,
@@ -53,7 +53,10 @@ impl<N: Number> Row<'_, N> {
             scratch.rested.copy_from_slice(fired);
         }
         (scratch.trains.channel, scratch.trains.y) = (self.channel, self.y);
-        self.drive(&cells.memory, made, scratch);
+        report.overflowed += self.drive(&cells.memory, made, scratch);
+        if !self.plan.exact.is_empty() {
+            report.overflowed += self.differences(&cells.memory, scratch);
+        }
         let mut events = self.fire(cells, scratch)?;
         if self.is_authors() {
             self.fire_as_authors(cells, scratch)?;
@@ -65,8 +68,13 @@ impl<N: Number> Row<'_, N> {
         Ok(events.unwrap_or_else(|| scratch.trains.events()))
     }
 
-    /// (1), or what stands in its place.
-    fn drive(&self, memory: &Memory<N>, made: &mut Made<N::Held>, scratch: &mut Scratch<N>) {
+    /// (1), or what stands in its place; how much of it the format does not hold.
+    fn drive(
+        &self,
+        memory: &Memory<N>,
+        made: &mut Made<N::Held>,
+        scratch: &mut Scratch<N>,
+    ) -> Overflowed {
         let (number, y) = (&self.plan.number, self.y);
         let Scratch { drive, parts, .. } = scratch;
         let weights = &self.plan.weights[self.channel];
@@ -82,8 +90,32 @@ impl<N: Number> Row<'_, N> {
                 weights.row_in_order(number, (self.signal, made), y, drive, parts);
             }
         });
+        let pixels = match memory {
+            Memory::RawSnap { .. } => self.input.pixels_of(self.channel),
+            _ => self.signal,
+        };
+        let overflowed = self.plan.overflowed(at, (pixels, self.input.sheets), drive);
         if self.plan.description.channels[self.channel].log_temporal {
             log_temporal(number, drive, 1e-8);
+        }
+        overflowed
+    }
+
+    /// How many distances (2) from a memory of drives a fixed-point format does not hold.
+    fn differences(&self, memory: &Memory<N>, scratch: &mut Scratch<N>) -> Overflowed {
+        let (number, range) = (&self.plan.number, self.range.clone());
+        let Scratch { drive, .. } = scratch;
+        match memory {
+            Memory::FilteredSnap { filtered, .. } => {
+                drive::differences(number, drive, &filtered[range])
+            }
+            Memory::FilteredStep(stepped) => {
+                let (on, off) = self.plan.thresholds[self.channel].row(self.y);
+                stepped.values(number, range, on, off, &mut scratch.memory);
+                drive::differences(number, drive, &scratch.memory)
+            }
+            // Those from a memory of pixels were counted where they were laid out.
+            Memory::RawSnap { .. } | Memory::PixelStep(_) => Overflowed::default(),
         }
     }
 

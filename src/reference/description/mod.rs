@@ -26,6 +26,7 @@ mod check;
 mod growth;
 mod kernels;
 pub mod keys;
+mod lost;
 mod open;
 mod reader;
 mod rules;

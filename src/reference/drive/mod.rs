@@ -20,9 +20,11 @@
 //! different weights, each pixel is multiplied once by each different weight, and a sum is
 //! additions alone: the same products in the same order.
 
+mod exact;
 mod line;
 mod product;
 mod weights;
 mod width;
 
+pub(crate) use self::exact::{Exact, differences, held};
 pub(crate) use self::weights::{Made, Parts, Weights, log_temporal};

@@ -342,7 +342,7 @@ pub const KEYS: &[Key] = &[
         sides: FLOAT,
         kind: Kind::Spelled(spelled::<Format>, || FORMAT_PATTERN.to_owned()),
         default: Absent::Is("\"f64\""),
-        what: "number format of signals, weights and memory: f64, f32, f16, bf16, qM.N",
+        what: "number format of signals, weights and memory: f64, f32, f16, bf16, qM.N or qM.N-wrap (M + N = 8, 16 or 32)",
     },
     Key {
         name: "solver",
@@ -391,7 +391,7 @@ pub const KEYS: &[Key] = &[
         sides: ARRAY,
         kind: Kind::Spelled(spelled::<Arithmetic>, arithmetic),
         default: Absent::Is("\"exact\""),
-        what: "arithmetic of the array: exact, f32, f16, bf16, qM.N, silicon",
+        what: "arithmetic of the array: exact, f32, f16, bf16, qM.N or qM.N-wrap (M + N = 8, 16 or 32), silicon",
     },
     Key {
         name: "schedule",

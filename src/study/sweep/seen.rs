@@ -118,7 +118,7 @@ pub(super) fn watch(
     guard.packet_of(sensor.name(), &packet, &sensor.silence());
     if let Some(unheld) = unheld {
         saturation::warn_unheld(&mut guard, sensor.name(), unheld);
-    } else if let Some(warning) = overflow.warning(sensor.name()) {
+    } else if let Some(warning) = overflow.warning(sensor.name(), sensor.overflowed()) {
         guard.warn(warning);
     }
     // A clock may be too coarse for a small scene.

@@ -22,7 +22,7 @@ use crate::{
         guard::{Guard, Warning},
     },
     scene::{Frame, Scene},
-    sensor::Sensor,
+    sensor::{Overflowed, Sensor},
     study::{
         equivalent::{Ladder, Likeness, RUNGS},
         saturation,
@@ -219,7 +219,7 @@ pub fn steps_together(
         overflow.see(frame);
         seen(frame);
     })?;
-    if let Some(warning) = overflow.warning("the chip") {
+    if let Some(warning) = overflow.warning("the chip", Overflowed::default()) {
         guard.warn(warning);
     }
     let floats = fired.split_off(plan.setups.len());
