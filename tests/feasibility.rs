@@ -11,6 +11,7 @@ mod common;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
+    fmt::Write as _,
     fs,
     path::Path,
 };
@@ -1235,8 +1236,10 @@ fn what_a_sensor_file_remembers_is_not_changed_but_a_way_is_named() {
     let mut text =
         "response = \"identity\"\nmemory = \"filtered-snap\"\nborder = \"zero\"\n".to_owned();
     for kernel in ["sobel-x", "sobel-y", "laplacian"] {
-        text +=
-            &format!("[[channel]]\nkernel = \"{kernel}\"\nthreshold = {{ on = 60, off = 60 }}\n");
+        let _ = writeln!(
+            text,
+            "[[channel]]\nkernel = \"{kernel}\"\nthreshold = {{ on = 60, off = 60 }}"
+        );
     }
     fs::write(folder.path().join("s.toml"), text).unwrap();
     let asked = ["s.toml", "--scene", SCENE, "--effort", "0.01"];

@@ -5,7 +5,7 @@
 
 mod common;
 
-use std::{collections::BTreeSet, fs, path::Path};
+use std::{collections::BTreeSet, fmt::Write as _, fs, path::Path};
 
 use common::{good, json, refused};
 use ndarray::{Array2, Array3};
@@ -542,7 +542,7 @@ fn a_filter_without_words_loses_nothing() {
 fn two_kinds(folder: &Path, name: &str, head: &str, kinds: [&str; 2]) {
     let mut text = format!("response = \"identity\"\nborder = \"zero\"\n{head}\n");
     for (kind, name) in kinds.into_iter().zip(["spot", "edge"]) {
-        text += &format!("[[channel]]\nname = \"{name}\"\n{kind}\n");
+        let _ = writeln!(text, "[[channel]]\nname = \"{name}\"\n{kind}");
     }
     fs::write(folder.join(name), text).unwrap();
 }
