@@ -664,7 +664,7 @@ fn another_chip_with_another_memory_is_advised() {
     let folder = folder.path();
     let registers = "[registers]\nanalogue = [\"A\", \"B\", \"C\", \"NEWS\"]\n";
     common::chip(folder, "three", registers);
-    let seven = vec!["sobel-x"; 7].join(",");
+    let seven = ["sobel-x"; 7].join(",");
     let asked = ["compile", &seven, "--threshold", "20", "--memory", "bits:8"];
     let said = refused(
         folder,
