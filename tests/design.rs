@@ -323,7 +323,10 @@ fn what_cannot_be_designed_is_said() {
         &["even.npy, kernel 0", "4 rows by 4", "numpy.pad"],
     );
     array("zero.npy", (2, 3, 3), 0.0);
-    of("zero.npy", &["no event at any threshold", "not all 0"]);
+    of(
+        "zero.npy",
+        &["zero.npy[0]: all weights are 0", "no threshold"],
+    );
 }
 
 /// A file of several kernels is several kinds; their names reach files, voxels and the other verbs.
@@ -659,4 +662,43 @@ fn a_window_that_covers_the_clip_is_warned_of() {
     assert!(about(&report), "{report}");
     let row = fs::read_to_string(at.join("out/results.jsonl")).unwrap();
     assert!(row.contains("window\""), "{row}");
+}
+
+/// A kind without an event has nothing to keep: what is kept is the mean of the others, and says so; a
+/// kernel of zeros has no threshold that could help.
+#[test]
+fn a_silent_kind_is_no_part_of_what_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    clip(folder);
+    let asked = [
+        "design",
+        "sobel-x,laplacian",
+        "--threshold",
+        "60,1500",
+        "--to",
+        "ternary",
+    ];
+    let more = ["--memory", "shared", "--effort", "0.01"];
+    let asked = [&asked[..], &more, &SHOWN].concat();
+    let ran = amacrine(folder, &asked).output().unwrap();
+    let said = String::from_utf8(ran.stdout).unwrap();
+    assert!(said.contains("mean over 1 of 2 kinds"), "{said}");
+    let warned = line(&ran.stderr);
+    assert!(
+        warned.contains("the float sensor, laplacian: no event at all in 12 frames"),
+        "{warned}"
+    );
+    let told = json(folder, &[&asked[..], &["--json"]].concat());
+    assert_eq!(told["candidates"][0]["kept_kinds"], 1);
+    fs::write(folder.join("zero.toml"), "weights = [[0]]").unwrap();
+    let zero = ["design", "sobel-x,zero.toml", "--threshold", "60"];
+    for verb in ["design", "feasibility", "waterfall"] {
+        let asked = [&[verb], &zero[1..], &SHOWN].concat();
+        refused(
+            folder,
+            &asked,
+            &["zero.toml: all weights are 0", "no threshold makes events"],
+        );
+    }
 }

@@ -772,3 +772,54 @@ fn a_program_of_nothing_is_told() {
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(json["source_warnings"].to_string().contains(told), "{json}");
 }
+
+/// Each of several kinds is told by its name, and one that says nothing where another speaks is warned
+/// of, by `run` too.
+#[test]
+fn kinds_are_told_and_a_silent_one_is_warned_of() {
+    let scan = |kind: usize| format!("scamp5_scan_events(R5, on{kind}, 100);");
+    let program = format!(
+        "//! names = [\"spot\", \"dead\"]\ninit {{ get_image(C); }}\nframe {{\n get_image(D); sub(E, D, C); scamp5_in(F, 5); sub(E, E, F);\n where(E); MOV(R5, FLAG); all(); {}\n CLR(R5); {}\n mov(C, D); }}",
+        scan(0),
+        scan(1)
+    );
+    let bench = Bench::new(&program);
+    let mut clip = ndarray::Array3::<f64>::zeros((3, 4, 5));
+    clip[[1, 2, 3]] = 200.0;
+    write_npy(bench.path("clip.npy"), &clip).unwrap();
+    let shown = ["--image", "clip.npy", "--fps", "100"];
+    let ran = bench.command(&shown).output().unwrap();
+    let said = String::from_utf8(ran.stdout).unwrap();
+    assert!(said.contains("  channel 0 spot: 1 ON, 0 OFF\n"), "{said}");
+    assert!(said.contains("  channel 1 dead: 0 ON, 0 OFF\n"), "{said}");
+    let warned = line(&ran.stderr);
+    assert!(
+        warned.contains("p.scamp, dead: no event at all in 3 frames"),
+        "{warned}"
+    );
+    let told = json(
+        bench.folder.path(),
+        &[&["exec", "p.scamp"], &shown[..], &["--json"]].concat(),
+    );
+    assert_eq!(told["kinds"][0]["name"], "spot");
+    assert_eq!(told["kinds"][0]["on"], 1);
+    assert_eq!(told["kinds"][1]["on"], 0);
+    let sensor = "response = \"identity\"\nmemory = \"filtered-snap\"\nborder = \"zero\"\n[[channel]]\nname = \"spot\"\nkernel = [[1]]\nthreshold = { on = 20, off = 20 }\n[[channel]]\nname = \"dead\"\nkernel = [[1]]\nthreshold = { on = 900, off = 900 }\n";
+    fs::write(bench.path("s.toml"), sensor).unwrap();
+    let shown = [
+        "run", "--scene", "clip.npy", "--fps", "100", "--sensor", "s.toml",
+    ];
+    let warned = amacrine(bench.folder.path(), &shown).output().unwrap();
+    let warned = line(&warned.stderr);
+    assert!(
+        warned.contains("s, dead: no event at all in 3 frames"),
+        "{warned}"
+    );
+    // Two thresholds are those of both signs.
+    let both = [&shown[..], &["--threshold", "20,30"]].concat();
+    let said = good(bench.folder.path(), &both);
+    assert!(
+        said.contains("threshold 20 for ON and 30 for OFF, of all 2 kinds\n"),
+        "{said}"
+    );
+}

@@ -11,6 +11,7 @@ mod common;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
+    fmt::Write as _,
     fs,
     path::Path,
 };
@@ -1226,4 +1227,67 @@ fn one_after_the_other_is_slower_than_side_by_side() {
     let (after, readout) = ceiling("sequential");
     near(beside, 500.0);
     near(after, 1e6 / (2000.0 + readout));
+}
+
+/// A sensor file says what is remembered: where that does not fit, what would is named.
+#[test]
+fn what_a_sensor_file_remembers_is_not_changed_but_a_way_is_named() {
+    let folder = folder();
+    let mut text =
+        "response = \"identity\"\nmemory = \"filtered-snap\"\nborder = \"zero\"\n".to_owned();
+    for kernel in ["sobel-x", "sobel-y", "laplacian"] {
+        let _ = writeln!(
+            text,
+            "[[channel]]\nkernel = \"{kernel}\"\nthreshold = {{ on = 60, off = 60 }}"
+        );
+    }
+    fs::write(folder.path().join("s.toml"), text).unwrap();
+    let asked = ["s.toml", "--scene", SCENE, "--effort", "0.01"];
+    let way = "With one memory of the pixel for all kinds there is a program: feasibility and design take it with --memory shared";
+    let more = ["--candidates", "ternary", "--chips", "1", "--within", "5ms"];
+    let feasibility = [&["feasibility"], &asked[..], &more].concat();
+    let said = good(folder.path(), &feasibility);
+    assert!(said.starts_with("Do not fit together"), "{said}");
+    assert!(said.contains("2 too few") && said.contains(way), "{said}");
+    let said = good(
+        folder.path(),
+        &[&feasibility[..], &["--memory", "shared"]].concat(),
+    );
+    assert!(said.starts_with("Fit together"), "{said}");
+    let said = good(
+        folder.path(),
+        &[&["quantise"], &asked[..], &["--to", "ternary"]].concat(),
+    );
+    assert!(said.contains("2 too few") && said.contains(way), "{said}");
+}
+
+/// What the report says of halvings is what they are for.
+#[test]
+fn halvings_are_for_what_compile_says() {
+    let folder = folder();
+    four_kernels(folder.path());
+    let mut ask = ASK;
+    (ask[2], ask[8]) = ("k.npy", "ternary");
+    let more = ["--within", "5ms", "-o", "report.html", "--json"];
+    let numbers = json(folder.path(), &[&ask[..], &more].concat());
+    let program = &numbers["together"]["fit"]["on_chip"];
+    let compile =
+        "compile k.npy --to ternary --sum kept --threshold 40 --memory shared --effort 0.05";
+    let compile: Vec<_> = compile.split(' ').collect();
+    let said = good(folder.path(), &compile);
+    let halved = program["halvings"].as_array().unwrap();
+    assert_eq!(halved.len(), 4);
+    let told: Vec<_> = halved.iter().map(Value::to_string).collect();
+    let told = format!(
+        "is halved {} times on the way, for the most events on the chip",
+        told.join(", ")
+    );
+    assert!(said.contains(&told), "{said}");
+    assert_eq!(
+        (&program["halved_for"], &program["holds"]),
+        (&"events".into(), &false.into())
+    );
+    let page = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("for the most events on the chip: large sums may leave the range"));
+    assert!(page.contains("Halvings of the change, kind by kind"));
 }

@@ -5,7 +5,7 @@
 
 mod common;
 
-use std::{collections::BTreeSet, fs, path::Path};
+use std::{collections::BTreeSet, fmt::Write as _, fs, path::Path};
 
 use common::{good, json, refused};
 use ndarray::{Array2, Array3};
@@ -536,4 +536,181 @@ fn a_filter_without_words_loses_nothing() {
         (&1.0.into(), &0.0.into())
     );
     assert!(on_chip["signal"].as_f64().unwrap() > 0.5, "{on_chip}");
+}
+
+/// Two kinds as a sensor file, with these lines at its head and each of these in a kind.
+fn two_kinds(folder: &Path, name: &str, head: &str, kinds: [&str; 2]) {
+    let mut text = format!("response = \"identity\"\nborder = \"zero\"\n{head}\n");
+    for (kind, name) in kinds.into_iter().zip(["spot", "edge"]) {
+        let _ = writeln!(text, "[[channel]]\nname = \"{name}\"\n{kind}");
+    }
+    fs::write(folder.join(name), text).unwrap();
+}
+
+const SPOT: &str = "kernel = [[0, 0, 0], [0, 1, 0], [0, 0, 0]]\nthreshold = ";
+
+/// What of a sensor no program follows is refused by every verb that makes one, with the reason.
+#[test]
+fn what_no_program_follows_is_refused_by_every_verb() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let laplacian = "kernel = \"laplacian\"\nthreshold = { on = 60, off = 60 }";
+    let log = format!("{laplacian}\nlog-temporal = true");
+    let snap = "memory = \"filtered-snap\"";
+    two_kinds(folder, "log.toml", snap, [laplacian, &log]);
+    two_kinds(folder, "own.toml", "memory = \"raw-snap\"", [laplacian; 2]);
+    for verb in [
+        &["compile", "--sensor", "log.toml"][..],
+        &["quantise", "log.toml", "--to", "ternary"],
+        &["feasibility", "log.toml"],
+        &["waterfall", "log.toml"],
+        &["design", "log.toml"],
+    ] {
+        let words = [
+            "log.toml, channel 1: a program does not take the logarithm of its drive",
+            "without `log-temporal = true`",
+        ];
+        refused(folder, verb, &words);
+    }
+    let words = [
+        "own.toml: each kind has a memory of the pixel of its own, which the compiler has for no chip",
+    ];
+    refused(folder, &["compile", "--sensor", "own.toml"], &words);
+}
+
+/// With a memory of the pixel a result is the change itself: half of what a drive changes by. A kind
+/// without an event has none to keep.
+#[test]
+fn a_kind_that_never_fires_is_told_by_its_name() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let edge = "kernel = \"laplacian\"\nthreshold = { on = 100, off = 100 }";
+    let asked = ["compile", "--sensor", "s.toml", "--effort", "0.05"];
+    let told = |spot: &str| {
+        let spot = format!("{SPOT}{spot}");
+        let head = "memory = \"raw-snap\"\nshared = true";
+        two_kinds(folder, "s.toml", head, [&spot, edge]);
+        let ran = common::amacrine(folder, &asked).output().unwrap();
+        let said = String::from_utf8(ran.stdout).unwrap();
+        let decided = json(folder, &[&asked[..], &["--json"]].concat())["decided"].clone();
+        (common::line(&ran.stderr), said, decided)
+    };
+    let (warned, said, decided) = told("{ on = 300, off = 300 }");
+    assert!(
+        warned.contains("no light gives an event: kind 0 (spot) has a threshold of"),
+        "{warned}"
+    );
+    assert!(decided[0].is_null(), "{decided}");
+    assert!(decided[1]["silicon"].as_f64().unwrap() > 0.8, "{decided}");
+    assert!(said.contains("events    F1 -, 0."), "{said}");
+    let (warned, _, decided) = told("{ on = 300, off = 100 }");
+    assert!(
+        warned.contains("no light gives an event of one sign: ON: kind 0 (spot)"),
+        "{warned}"
+    );
+    assert!(decided[0]["silicon"].is_number(), "{decided}");
+    assert_eq!(told("{ on = 100, off = 100 }").0, "");
+}
+
+/// A program has so many kinds as it says that the chip carries, and no more: what is there once is not
+/// counted for each.
+#[test]
+fn so_many_kinds_are_carried_as_have_a_program() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let registers = "[registers]\nanalogue = [\"A\", \"B\", \"C\", \"D\", \"NEWS\"]\n";
+    common::chip(folder, "four", registers);
+    let store = "[figure.store]\nwords = { value = 95, unit = \"words\", source = \"test\", evidence = \"guess\" }\n";
+    common::chip(folder, "small", store);
+    let compiled = |kinds: usize, chip: &str| {
+        let kernels = vec!["sobel-x"; kinds].join(",");
+        let asked = [
+            "compile",
+            &kernels,
+            "--threshold",
+            "20",
+            "--memory",
+            "shared",
+        ];
+        let more = ["--chip", chip, "--effort", "0.3", "--json"];
+        let ran = common::amacrine(folder, &[&asked[..], &more].concat())
+            .output()
+            .unwrap();
+        serde_json::from_slice::<Value>(&ran.stdout).ok()
+    };
+    for (chip, most) in [("scamp5", 16), ("four", 5)] {
+        for kinds in [1, 5] {
+            let told = compiled(kinds, chip).unwrap();
+            assert_eq!(told["carried"], most, "{kinds} on {chip}");
+        }
+    }
+    let told = compiled(1, "scamp5").unwrap();
+    let memory = told["memory"].as_str().unwrap();
+    assert!(
+        memory.ends_with("16 kinds like these, the most of one program"),
+        "{memory}"
+    );
+    let most = compiled(1, "small").unwrap()["carried"].as_u64().unwrap();
+    let most = usize::try_from(most).unwrap();
+    assert!((3..=5).contains(&most), "{most}");
+    assert!(compiled(most, "small").is_some());
+    assert!(compiled(most + 1, "small").is_none());
+}
+
+/// Where no memory is found on the chip, one that another chip has is named.
+#[test]
+fn another_chip_with_another_memory_is_advised() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let registers = "[registers]\nanalogue = [\"A\", \"B\", \"C\", \"NEWS\"]\n";
+    common::chip(folder, "three", registers);
+    let seven = ["sobel-x"; 7].join(",");
+    let asked = ["compile", &seven, "--threshold", "20", "--memory", "bits:8"];
+    let said = refused(
+        folder,
+        &[&asked[..], &["--chip", "three"]].concat(),
+        &["try --chip scamp5", "--memory shared"],
+    );
+    assert!(!said.contains("no memory was found"), "{said}");
+}
+
+/// The fewest words are never more than those of a program that saturates no more.
+#[test]
+fn the_fewest_words_are_no_more_than_those_of_an_exact_program() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let of = |objective: &str| {
+        let kernels = "sobel-x,laplacian,csdvs-3,sobel-y";
+        let asked = ["compile", kernels, "--to", "int-5", "--threshold", "60"];
+        let more = ["--memory", "shared", "--effort", "0.05", "--objective"];
+        let told = json(
+            folder,
+            &[&asked[..], &more, &[objective, "--json"]].concat(),
+        );
+        told["words"].as_u64().unwrap()
+    };
+    let (fewest, exact) = (of("words"), of("exact"));
+    assert!(fewest <= exact, "{fewest} and {exact}");
+}
+
+/// What kinds are called stays with a program as C++ and as words.
+#[test]
+fn kinds_keep_their_names_in_other_languages() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let spot = format!("{SPOT}{{ on = 30, off = 30 }}");
+    let head = "memory = \"raw-snap\"\nshared = true";
+    two_kinds(folder, "s.toml", head, [&spot, &spot]);
+    let asked = ["compile", "--sensor", "s.toml", "--effort", "0.01", "-o"];
+    for file in ["q.scamp", "q.cpp"] {
+        good(folder, &[&asked[..], &[file]].concat());
+    }
+    fs::write(folder.join("d.scamp"), good(folder, &["disasm", "q.scamp"])).unwrap();
+    let light = "pattern:disc?width=16&height=16&frames=4";
+    for file in ["q.scamp", "q.cpp", "d.scamp"] {
+        let told = json(folder, &["exec", file, "--image", light, "--json"]);
+        let kinds = told["kinds"].as_array().unwrap();
+        let names: Vec<_> = kinds.iter().map(|kind| kind["name"].as_str()).collect();
+        assert_eq!(names, [Some("spot"), Some("edge")], "{file}");
+    }
 }

@@ -1004,3 +1004,42 @@ mod verb {
         assert_eq!(at.read_dir().unwrap().count(), 1, "files were left");
     }
 }
+
+/// Of several kernels one is drawn, as it falls in the program of all of them.
+#[test]
+#[cfg(feature = "cli")]
+fn one_of_several_kernels_is_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let asked = [
+        "waterfall",
+        "sobel-x,laplacian",
+        "--threshold",
+        "40",
+        "--steps",
+        "--effort",
+        "0.01",
+    ];
+    let asked = [&asked[..], &["--scene", SCENE, "-o", "w.svg"]].concat();
+    let words = [
+        "2 kernels, and --output draws one",
+        "--kind N",
+        "sobel-x, laplacian",
+    ];
+    common::refused(folder, &asked, &words);
+    common::refused(
+        folder,
+        &[&asked[..], &["--kind", "2"]].concat(),
+        &["--kind 2", "0 to 1"],
+    );
+    let drawn = |kind: &str| {
+        common::good(folder, &[&asked[..], &["--kind", kind]].concat());
+        std::fs::read_to_string(folder.join("w.svg")).unwrap()
+    };
+    let (named, numbered) = (drawn("laplacian"), drawn("1"));
+    assert!(
+        named.contains("laplacian, one of 2 in one program"),
+        "{named}"
+    );
+    assert!(named == numbered && named != drawn("0"));
+}

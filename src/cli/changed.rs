@@ -20,8 +20,9 @@ pub struct Changes {
     /// (k,k), (K,k,k) or (K,1,k,k)) or built-in ones
     #[arg(long, value_delimiter = ',', value_name = "KERNELS")]
     kernel: Vec<Named>,
-    /// This threshold in place of the file's, for ON and OFF, or one for each. The spread from cell
-    /// to cell (`sigma`) stays that of the file, in the threshold's unit: --sigma says another
+    /// This threshold in place of the file's, for ON and OFF, or one for each sign; of every kind
+    /// (`compile` and other verbs take one for each kind instead). The spread from cell to cell
+    /// (`sigma`) stays that of the file, in the threshold's unit: --sigma says another
     #[arg(long, value_name = "ON[,OFF]", conflicts_with = "rate", value_parser = on_and_off)]
     threshold: Option<[f64; 2]>,
     /// The spread of thresholds from cell to cell, their standard deviation, in place of the file's;
@@ -116,8 +117,25 @@ impl Changes {
         Ok(())
     }
 
-    /// What `--threshold` leaves of the file, where that matters: of the sensor as it is asked for.
+    /// How `--threshold` was read, and what it leaves of the file, where that matters: of the sensor as
+    /// it is asked for.
     pub(super) fn line(&self, sensor: &Description) -> Option<String> {
+        let signs = self.threshold.filter(|[on, off]| on != off);
+        let signs = signs
+            .filter(|_| sensor.channels.len() > 1)
+            .map(|[on, off]| {
+                format!(
+                    "threshold {on} for ON and {off} for OFF, of all {} kinds\n",
+                    sensor.channels.len()
+                )
+            });
+        match (signs, self.sigma_line(sensor)) {
+            (None, None) => None,
+            (signs, sigma) => Some([signs, sigma].into_iter().flatten().collect()),
+        }
+    }
+
+    fn sigma_line(&self, sensor: &Description) -> Option<String> {
         let [on, off] = self.threshold.filter(|_| self.sigma.is_none())?;
         let all = sensor.channels.iter().flat_map(|kind| &kind.thresholds);
         let sigma = all.map(|own| own.sigma).fold(0.0, f64::max);

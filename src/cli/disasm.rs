@@ -17,8 +17,12 @@ pub struct Arguments {
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let Opened {
-        device, expansion, ..
+        program,
+        device,
+        expansion,
+        ..
     } = arguments.source.open(&[])?;
+    super::say(&program.settings.names_line());
     super::say(&vendor_text(&expansion.code, expansion.bare, &device));
     Ok(())
 }

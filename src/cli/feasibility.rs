@@ -80,8 +80,9 @@ pub struct Arguments {
     /// What quantised kernels must sum to
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
-    /// What the program of all kernels remembers: `analogue`, `shared` or `bits:N` [default: the
-    /// first that the chip has room for]
+    /// What the program of all kernels remembers: `analogue`, `shared` or `bits:N` [default: as a
+    /// sensor file of several kinds says, else the first of analogue, shared and bits that the chip
+    /// has room for]
     #[arg(long, value_name = "WHERE")]
     memory: Option<Remembered>,
     /// A shipped chip by name, or the folder of another
@@ -166,6 +167,7 @@ const SENSORS: usize = RUNGS.len() + 1;
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kinds = arguments.kernels.kinds()?;
+    kinds.check_weights()?;
     let device = Device::find(&arguments.chip)?;
     if let Some(what) = &arguments.explain {
         feasibility::explain::check(what, &device)?;

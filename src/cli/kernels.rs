@@ -79,6 +79,21 @@ impl Kinds {
         Ok(all)
     }
 
+    /// Refuses a kernel of zeros, by its name.
+    ///
+    /// # Errors
+    /// When there is one.
+    pub fn check_weights(&self) -> miette::Result<()> {
+        let mut all = self.names.iter().zip(&self.kernels);
+        match all.find(|(_, kernel)| kernel.is_zero()) {
+            Some((name, _)) => Err(miette!(
+                help = "give a kernel that sees something: no threshold makes events of this one",
+                "{name}: all weights are 0"
+            )),
+            None => Ok(()),
+        }
+    }
+
     /// The threshold of each: those that were given, else those of sensor files.
     ///
     /// # Errors

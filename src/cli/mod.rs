@@ -50,6 +50,7 @@ pub mod run;
 pub mod schema;
 pub mod show;
 mod signals;
+mod silent;
 pub mod sweep;
 mod threads;
 mod timed;

@@ -37,7 +37,7 @@ use super::{
     list::{bundled, of_another_kind},
     progress::Progress,
     quantiser::number_format,
-    readout,
+    readout, silent,
     without::Effects,
 };
 
@@ -267,6 +267,8 @@ fn watched(
     light::warn(&warnings);
     let mut watched = watched
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
+    let silent = silent_kinds(description, &watched);
+    watched.warnings.extend(silent);
     light::warn(&watched.warnings);
     warnings.append(&mut watched.warnings);
     if arguments.json {
@@ -454,6 +456,15 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     })
 }
 
+/// That some kinds say nothing, where others do.
+fn silent_kinds(sensor: &Description, watched: &Watched) -> Option<Warning> {
+    let names = { sensor.channels.iter() }.map(|kind| kind.name.as_deref());
+    let names: Vec<_> = names.collect();
+    let events = { watched.tally.kinds().iter() }.map(|(on, off)| on + off);
+    let events: Vec<u64> = events.collect();
+    silent::warning(&sensor.name, &names, &events, watched.frames)
+}
+
 /// How many events may be held, after all that a run holds besides: those of a pair of frames, or
 /// with a readout all of them.
 fn events(
@@ -583,6 +594,61 @@ impl Watched {
         })
     }
 
+    /// What became of crossings, a line for each of which there is any.
+    fn notes(&self) -> Vec<String> {
+        let is = |count: u64| if count == 1 { "is" } else { "are" };
+        let Report {
+            lost_to_refractory: lost,
+            muted_pairs: muted,
+            livelocked,
+            without_sign: unsigned,
+            ..
+        } = self.report;
+        let over = self.dropped.over_limit;
+        let notes = [
+            (
+                lost,
+                format!(
+                    "{} lost to the refractory period",
+                    counted(lost, "crossing")
+                ),
+            ),
+            (
+                muted,
+                format!(
+                    "{} {} not further apart than the refractory period: under rule = \"authors\" no cell fires then",
+                    counted(muted, "frame pair"),
+                    is(muted)
+                ),
+            ),
+            (
+                livelocked,
+                format!(
+                    "{} of cells that fire again though nothing they see has changed: on a still scene they never stop (memory = \"raw-snap\")",
+                    counted(livelocked, "event")
+                ),
+            ),
+            (
+                unsigned,
+                format!(
+                    "{} without a sign of the own pixel, not emitted (polarity = \"pixel\")",
+                    counted(unsigned, "crossing")
+                ),
+            ),
+            (
+                over,
+                format!(
+                    "{over} of the events {} not in the file: the list was full (what is counted above, --counts and --voxels have all)",
+                    is(over)
+                ),
+            ),
+        ];
+        { notes.into_iter() }
+            .filter(|(count, _)| *count > 0)
+            .map(|(_, told)| format!("note     {told}"))
+            .collect()
+    }
+
     fn table(&self, arguments: &Arguments, description: &Description, light: &str) -> String {
         let kinds = self.tally.kinds();
         let total = self.tally.total();
@@ -631,34 +697,7 @@ impl Watched {
                 lines.push(format!("  channel {channel} {name}: {on} ON, {off} OFF"));
             }
         }
-        let notes = [
-            (
-                self.report.lost_to_refractory,
-                "crossings lost to the refractory period",
-            ),
-            (
-                self.report.muted_pairs,
-                "frame pairs are not further apart than the refractory period: under rule = \"authors\" no cell fires in them",
-            ),
-            (
-                self.report.livelocked,
-                "events of cells that fire again though nothing they see has changed: on a still scene they never stop (memory = \"raw-snap\")",
-            ),
-            (
-                self.report.without_sign,
-                "crossings without a sign of their own pixel, not emitted (polarity = \"pixel\")",
-            ),
-            (
-                self.dropped.over_limit,
-                "of the events are not in the file: the list was full (what is counted above, --counts and --voxels have all)",
-            ),
-        ];
-        lines.extend(
-            notes
-                .iter()
-                .filter(|(count, _)| *count > 0)
-                .map(|(count, what)| format!("note     {count} {what}")),
-        );
+        lines.extend(self.notes());
         if let Some((chosen, statistics)) = &self.read_out {
             lines.extend(readout::lines(chosen, statistics));
         }

@@ -96,9 +96,13 @@ pub struct Arguments {
     /// Tell only the steps at the clip's own rate, event by event
     #[arg(long)]
     steps: bool,
-    /// Draw it
+    /// Draw it; of several kernels one, --kind
     #[arg(short, long, value_name = "FILE.svg|FILE.png", value_parser = Content::Drawing)]
     output: Option<Output>,
+    /// Which of several kernels -o draws, as it falls in the program of all of them: its number from 0,
+    /// or its name
+    #[arg(long, value_name = "N|NAME", requires = "output")]
+    kind: Option<String>,
     /// Print one JSON object instead
     #[arg(long)]
     json: bool,
@@ -160,15 +164,9 @@ struct Told {
 /// event happens, or the picture cannot be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kinds = arguments.kernels.kinds()?;
+    kinds.check_weights()?;
     let thresholds = arguments.thresholds(&kinds)?;
-    if arguments.output.is_some() && kinds.kernels.len() > 1 {
-        return Err(miette!(
-            help = "give one of them, an array of shape (k,k), for --output",
-            "{} holds {} kernels",
-            arguments.kernels,
-            kinds.kernels.len()
-        ));
-    }
+    let drawn = arguments.drawn(&kinds)?;
     let mut device = Device::find(&arguments.chip)?;
     for (figure, value) in &arguments.sets {
         device = device.what_if(*figure, *value)?;
@@ -189,11 +187,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         readout.readout()?,
         &observation,
     )?;
-    if let (Some(path), [told], [threshold]) = (&arguments.output, &all[..], &thresholds[..]) {
+    if let (Some(path), Some(told)) = (&arguments.output, all.get(drawn)) {
         let scene = arguments.clip.name();
+        let of = match all.len() {
+            1 => arguments.kernels.to_string(),
+            several => format!("{}, one of {several} in one program,", told.name),
+        };
         let title = format!(
-            "Where the events of {} in {} went: {}, threshold {threshold}, {scene}",
-            arguments.kernels, arguments.to, arguments.chip
+            "Where the events of {of} in {} went: {}, threshold {}, {scene}",
+            arguments.to, arguments.chip, thresholds[drawn]
         );
         path.draw(&match &told.rates {
             Some(rates) => rates.drawing(&title),
@@ -250,6 +252,37 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 }
 
 impl Arguments {
+    /// Which kernel is drawn.
+    fn drawn(&self, kinds: &Kinds) -> miette::Result<usize> {
+        let several = kinds.kernels.len();
+        let Some(asked) = &self.kind else {
+            if self.output.is_none() || several == 1 {
+                return Ok(0);
+            }
+            return Err(miette!(
+                help = format!(
+                    "say which of them is drawn: --kind N, from 0, or its name: {}; a file of it alone would have another program",
+                    kinds.names.join(", ")
+                ),
+                "{} holds {several} kernels, and --output draws one",
+                self.kernels,
+            ));
+        };
+        let named = kinds.names.iter().position(|name| name == asked);
+        let number = asked.parse().ok().filter(|number| *number < several);
+        named.or(number).ok_or_else(|| {
+            miette!(
+                help = format!(
+                    "give a number from 0 to {}, or one of {}",
+                    several - 1,
+                    kinds.names.join(", ")
+                ),
+                "--kind {asked}: {} holds no such kernel",
+                self.kernels
+            )
+        })
+    }
+
     /// A threshold for each kind.
     fn thresholds(&self, kinds: &Kinds) -> miette::Result<Vec<f64>> {
         kinds.thresholds(&self.threshold)?.ok_or_else(|| {

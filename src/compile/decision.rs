@@ -248,6 +248,7 @@ impl Trials {
         Some(Decided {
             silicon: silicon.iter().sum::<f64>() / silicon.len().max(1) as f64,
             exact,
+            any: truth.iter().flatten().flatten().any(|sign| *sign != 0),
         })
     }
 }

@@ -70,7 +70,7 @@ pub use event_readout::EventReadout;
 pub use filter::Filter;
 pub use forecast::{Forecast, Signal};
 pub use naive_cost::naive_cost;
-pub use need::{MEMORY_BITS, Need, carried};
+pub use need::{MEMORY_BITS, Need, carried, like_these};
 pub use noise::FilterNoise;
 pub use request::{Border, Effort, Objective, Request};
 pub use sensor::{BitMemory, SensorProgram, brightest};

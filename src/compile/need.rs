@@ -22,7 +22,11 @@ use super::{
     shared_memory::at_a_time,
     walk,
 };
-use crate::isa::{Device, Figure};
+use crate::{
+    isa::{Device, Figure},
+    limit::KERNELS,
+    unit::counted,
+};
 
 /// One-bit registers of SCAMP-5 that memories may take.
 pub const MEMORY_BITS: usize = 8;
@@ -68,27 +72,41 @@ impl Need {
         ordinary_registers(device).len()
     }
 
-    /// The most kinds for which a chip has the registers; a shared memory sets no limit, and the
-    /// words do (`None`).
+    /// The most kinds for which a chip has the registers, no more than one program has ([`KERNELS`]).
     #[must_use]
-    pub fn most_kinds(memory: DriveMemory, device: &Device) -> Option<usize> {
-        if memory == DriveMemory::Shared {
-            return (!Self::new(memory, 1, device).fits(device)).then_some(0);
-        }
+    pub fn most_kinds(memory: DriveMemory, device: &Device) -> usize {
         let fits = |kinds: &usize| Self::new(memory, *kinds, device).fits(device);
-        // Each takes a register at least.
-        Some((1..=Self::free(device)).take_while(fits).count())
+        (1..=KERNELS).take_while(fits).count()
     }
 }
 
-/// How many kinds like those of a program the chip carries: its registers limit kinds with a
-/// memory each, its store all. The program has so many `kinds` in so many stored `words`.
+/// Stored words of a program with a memory of the pixel that are there once, whatever the number of
+/// kinds: of kinds that need no filter, one takes 22 words of SCAMP-5's store and sixteen take 171.
+const SHARED_WORDS: f64 = 12.0;
+
+/// How many kinds like those of a program the chip carries: its registers, its store and the most
+/// kinds of one program ([`KERNELS`]) limit them. The program has so many `kinds` in so many stored
+/// `words`.
 #[must_use]
 pub fn carried(memory: DriveMemory, device: &Device, (kinds, words): (usize, u64)) -> usize {
-    let each = words.max(1) as f64 / kinds.max(1) as f64;
-    let by_words = (device.value(Figure::Store) / each) as usize;
-    let by_registers = Need::most_kinds(memory, device);
-    by_registers.map_or(by_words, |most| most.min(by_words))
+    let once = match memory {
+        DriveMemory::Shared => SHARED_WORDS,
+        DriveMemory::Analogue | DriveMemory::Bits(_) => 0.0,
+    };
+    let each = (words as f64 - once).max(1.0) / kinds.max(1) as f64;
+    let by_words = ((device.value(Figure::Store) - once) / each) as usize;
+    by_words.min(Need::most_kinds(memory, device))
+}
+
+/// So many kinds "like these", in words, and whether it is the most that one program has.
+#[must_use]
+pub fn like_these(kinds: usize, these: &str) -> String {
+    let most = if kinds == KERNELS {
+        ", the most of one program"
+    } else {
+        ""
+    };
+    format!("{} like {these}{most}", counted(kinds, "kind"))
 }
 
 /// What to do about a program that this chip does not take: each way was compiled.
@@ -164,15 +182,27 @@ fn ways(kinds: &[CellKind], memory: DriveMemory, request: &Request<'_>, own: &st
     }
     let others = Device::shipped().filter_map(|name| Device::find(name).ok());
     let room = |device: &Device| (Need::free(device), device.value(Figure::Store) as u64);
-    let larger = |other: &Device| room(other) > room(request.device);
-    if let Some(other) = { others }.find(|other| larger(other) && works(kinds, memory, other)) {
+    let larger: Vec<Device> = others
+        .filter(|it| room(it) > room(request.device))
+        .collect();
+    if let Some(other) = larger.iter().find(|other| works(kinds, memory, other)) {
         all.push(format!("try --chip {}", other.name()));
+    }
+    let shared = |other: &&Device| works(kinds, DriveMemory::Shared, other);
+    if all.is_empty()
+        && memory != DriveMemory::Shared
+        && let Some(other) = larger.iter().find(shared)
+    {
+        all.push(format!(
+            "try --chip {} --memory shared, one memory of the pixel for all kinds",
+            other.name()
+        ));
     }
     if !own.is_empty() {
         all.push(own.to_owned());
     }
     match all.len() {
-        0 => "no memory was found that holds these kinds on a shipped chip: take smaller kernels, or fewer of them".to_owned(),
+        0 => "no program was found without a search for fewer of these kinds, for a larger shipped chip, or with one memory of the pixel (--memory shared): take smaller kernels".to_owned(),
         _ => all.join("; or "),
     }
 }
@@ -185,9 +215,9 @@ mod tests {
     fn registers_of_scamp5_hold_so_many_kinds() {
         let device = Device::scamp5();
         let most = |memory| Need::most_kinds(memory, &device);
-        assert_eq!(most(DriveMemory::Analogue), Some(2));
-        assert_eq!(most(DriveMemory::Bits(2)), Some(3));
-        assert_eq!(most(DriveMemory::Bits(5)), Some(1));
-        assert_eq!(most(DriveMemory::Shared), None);
+        assert_eq!(most(DriveMemory::Analogue), 2);
+        assert_eq!(most(DriveMemory::Bits(2)), 3);
+        assert_eq!(most(DriveMemory::Bits(5)), 1);
+        assert_eq!(most(DriveMemory::Shared), KERNELS);
     }
 }

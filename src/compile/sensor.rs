@@ -57,6 +57,18 @@ pub struct SensorProgram {
     pub(super) registers: Registers,
 }
 
+impl SensorProgram {
+    /// Its filters: one for each kind where they share a memory, else one for all.
+    #[must_use]
+    pub fn each_filter(&self) -> &[Filter] {
+        if self.filters.is_empty() {
+            std::slice::from_ref(&self.filter)
+        } else {
+            &self.filters
+        }
+    }
+}
+
 /// The registers of a program beside those of its drives.
 #[derive(Clone, Debug)]
 pub(super) enum Registers {

@@ -152,6 +152,12 @@ fn filters(
         let known = kinds[..i].iter().position(|k| k == kind);
         own.push(match known.and_then(|i| own.get(i)) {
             Some(filter) => filter.clone(),
+            None if request.objective == Objective::Words && states > 0 => {
+                // The search for signal has more of the effort in so few registers, and may know a
+                // shorter plan in which nothing saturates either.
+                let own = of(kind, Objective::Words)?;
+                shorter(own, of(kind, Objective::Exact).ok())
+            }
             None => of(kind, request.objective)?,
         });
     }
@@ -184,6 +190,22 @@ fn filters(
         });
     }
     Ok(own)
+}
+
+/// The one of fewer words, if it is as right at the border and as well in range.
+fn shorter(own: Filter, other: Option<Filter>) -> Filter {
+    let key = |filter: &Filter| (!filter.border, !filter.holds, filter.words.len());
+    match other {
+        Some(other) if key(&other) < key(&own) => Filter {
+            states: own.states + other.states,
+            ..other
+        },
+        Some(other) => Filter {
+            states: own.states + other.states,
+            ..own
+        },
+        None => own,
+    }
 }
 
 impl Filter {

@@ -309,6 +309,20 @@ impl Expectation {
 }
 
 impl Settings {
+    /// The line of a head that says the names of the kinds, which vendor C++ has as a comment; empty
+    /// where there are none.
+    #[must_use]
+    pub fn names_line(&self) -> String {
+        if self.names.is_empty() {
+            return String::new();
+        }
+        // A text of JSON is one of TOML, and stays on its line.
+        let names = self.names.iter();
+        let names = names.map(|name| serde_json::Value::from(name.as_str()).to_string());
+        let names: Vec<String> = names.collect();
+        format!("//! names = [{}]\n", names.join(", "))
+    }
+
     /// The settings of the lines above a program; `at` is the byte at which each line begins in
     /// the file. Nothing is set when something is wrong with them.
     pub(super) fn read(lines: &[String], at: &[usize], faults: &mut Vec<Fault>) -> Self {

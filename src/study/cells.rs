@@ -42,6 +42,17 @@ pub enum CellsError {
         /// The sensor.
         sensor: String,
     },
+    /// A logarithm of the drive.
+    #[error("{sensor}, channel {channel}: a program does not take the logarithm of its drive")]
+    #[diagnostic(help(
+        "the chip compares kernel times light itself: give the channel without `log-temporal = true`, and a threshold in kernel times light"
+    ))]
+    LogTemporal {
+        /// The sensor.
+        sensor: String,
+        /// The kind of cell, from 0.
+        channel: usize,
+    },
     /// Four kernels, pixel by pixel.
     #[error("{sensor}: a channel has a pattern of kernels")]
     #[diagnostic(help(
@@ -84,9 +95,11 @@ pub enum CellsError {
         off: f64,
     },
     /// A memory of the pixel for each kind.
-    #[error("{sensor}: each kind has a memory of the pixel, and the pixel has not the registers")]
+    #[error(
+        "{sensor}: each kind has a memory of the pixel of its own, which the compiler has for no chip"
+    )]
     #[diagnostic(help(
-        "add `shared = true`: one memory of the pixel for all kinds takes one register"
+        "add `shared = true`: one memory of the pixel for all kinds, in one register, or write `memory = \"filtered-snap\"`: a memory of the drive for each"
     ))]
     MemoriesOfPixel {
         /// The sensor.
@@ -115,7 +128,8 @@ pub enum CellsError {
 /// The cells of a sensor, whatever it remembers; it is called `sensor` in messages.
 ///
 /// # Errors
-/// When the response is not linear, or a channel is no kernel that can be compiled.
+/// When the response is not linear, or a channel is no kernel that can be compiled, or has a
+/// logarithm of its drive.
 pub fn cells(sensor: &str, description: &Description) -> Result<Cells, CellsError> {
     let called = || sensor.to_owned();
     if description.channels.iter().any(|it| it.surrounds.is_some()) {
@@ -140,6 +154,12 @@ pub fn cells(sensor: &str, description: &Description) -> Result<Cells, CellsErro
 
 fn kind(sensor: &str, channel: usize, of: &Channel, white: f64) -> Result<CellKind, CellsError> {
     let sensor = || sensor.to_owned();
+    if of.log_temporal {
+        return Err(CellsError::LogTemporal {
+            sensor: sensor(),
+            channel,
+        });
+    }
     let ([kernel], [threshold]) = (&of.kernels[..], &of.thresholds[..]) else {
         return Err(CellsError::Pattern { sensor: sensor() });
     };

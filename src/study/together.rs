@@ -11,7 +11,7 @@ use super::{
 };
 use crate::{
     array::{Arithmetic, Array},
-    compile::{DriveMemory, EventReadout, MEMORY_BITS, carried},
+    compile::{DriveMemory, Effort, EventReadout, MEMORY_BITS, carried},
     event::{Event, Packet},
     number::Format,
     reference::{Description, MemoryRule},
@@ -90,7 +90,7 @@ pub fn description(memory: DriveMemory, floats: &[Design<'_>]) -> Result<Descrip
 
 impl Together {
     /// Compiles designs in levels with this memory, or with the first that the chip holds them in;
-    /// else what each memory is short of.
+    /// else what each memory is short of, and where one was asked for, which other one would do.
     ///
     /// # Errors
     /// When a threshold is not positive.
@@ -112,6 +112,9 @@ impl Together {
                 }
                 Err(error) => return Err(error),
             }
+        }
+        if let Some(memory) = memory {
+            refused.extend(other_memory(first, others, memory).map(advice));
         }
         Ok(Err(refused))
     }
@@ -183,6 +186,39 @@ impl Together {
         let Expanded { stored, device, .. } = expanded;
         carried(self.memory, device, (program.drives.len(), stored.0))
     }
+}
+
+/// The first other memory in which the chip holds these designs, in the plans that need no search.
+fn other_memory(
+    first: &Design<'_>,
+    others: &[Design<'_>],
+    memory: DriveMemory,
+) -> Option<DriveMemory> {
+    let effort = Effort::states(0);
+    let first = Design { effort, ..*first };
+    let others: Vec<_> = { others.iter() }
+        .map(|design| Design { effort, ..*design })
+        .collect();
+    let holds = |other: &DriveMemory| first.compile_with(&others, *other, "").is_ok();
+    memories(others.len() + 1)
+        .into_iter()
+        .find(|other| *other != memory && holds(other))
+}
+
+/// How to get a memory that was not asked for.
+fn advice(memory: DriveMemory) -> String {
+    let (option, own) = match memory {
+        DriveMemory::Analogue => ("analogue".to_owned(), "`memory = \"filtered-snap\"`"),
+        DriveMemory::Shared => (
+            "shared".to_owned(),
+            "`memory = \"raw-snap\"` and `shared = true`",
+        ),
+        DriveMemory::Bits(bits) => (format!("bits:{bits}"), "`memory = \"filtered-snap\"`"),
+    };
+    format!(
+        "With {} there is a program: feasibility and design take it with --memory {option}; a sensor file of that kind says {own}",
+        name(memory)
+    )
 }
 
 /// What was seen of one float sensor and of programs that stand for it.

@@ -12,7 +12,7 @@ use crate::{
     array::Errors,
     compile::{
         Decided, DriveMemory, Filter, Need, bound::LowerBound, brightest, carried,
-        largest_of_both_signs,
+        largest_of_both_signs, like_these,
     },
     isa::{Analog, Device, Evidence, Figure, Kind},
     plane::Plane,
@@ -51,7 +51,7 @@ impl Compiled {
         };
         let results = self.results.iter().map(|i| json!([i.low, i.high]));
         let exact_within: Vec<f64> = self.filters.iter().map(|f| f.exact_within).collect();
-        let decided: Vec<Option<Decided>> = self.filters.iter().map(|f| f.decided).collect();
+        let decided: Vec<Option<Decided>> = self.filters.iter().map(kept).collect();
         let on_chip = { self.thresholds.iter() }.map(|lsb| held(*lsb, device));
         let on_chip: Vec<[f64; 2]> = on_chip.collect();
         let energy = self.energy(device);
@@ -177,9 +177,9 @@ impl Compiled {
         };
         let needed = Need::new(memory, kinds, device).analogue;
         format!(
-            "{what}: {needed} of {} analogue registers at least; the chip carries {} like these",
+            "{what}: {needed} of {} analogue registers at least; the chip carries {}",
             Need::free(device),
-            counted(self.carried(memory, device), "kind")
+            like_these(self.carried(memory, device), "these")
         )
     }
 
@@ -443,11 +443,7 @@ impl Compiled {
             return Some("not predicted: the light itself is cut off (range)".to_owned());
         }
         let f1 = |of: fn(Decided) -> f64| {
-            self.each(|filter| {
-                filter
-                    .decided
-                    .map_or("-".to_owned(), |it| format!("{:.2}", of(it)))
-            })
+            self.each(|filter| kept(filter).map_or("-".to_owned(), |it| format!("{:.2}", of(it))))
         };
         self.filters.iter().any(|filter| filter.decided.is_some()).then(|| {
             format!(
@@ -480,6 +476,11 @@ impl Compiled {
         }
         text
     }
+}
+
+/// How well a filter decides; none where that is not looked at, or there is no event to keep.
+fn kept(filter: &Filter) -> Option<Decided> {
+    filter.decided.filter(Decided::has_events)
 }
 
 /// Standard deviations of noise by which a threshold is clear of what stays.

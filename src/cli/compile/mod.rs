@@ -86,7 +86,7 @@ pub struct Arguments {
     #[arg(long, value_name = "SENSOR.toml", conflicts_with_all = ["kernels", "threshold"])]
     sensor: Option<files::Input>,
     /// Events where kernel times light (0 to 255) moved by more than this: one number for all
-    /// kernels, or one for each
+    /// kernels, or one for each, ON and OFF alike (in `run`, two numbers are ON and OFF of all kinds)
     #[arg(long, value_delimiter = ',', value_name = "THRESHOLDS")]
     threshold: Vec<f64>,
     /// What the program remembers: the drive of each kind in `analogue` registers or in `bits:N`
@@ -153,7 +153,9 @@ enum Aim {
     /// compared behind a filter may: without the chip's errors the program says event for event what
     /// the float model says; of SCAMP-5, 255 is beyond a register's range
     Exact,
-    /// The fewest words
+    /// The fewest words of a program in which nothing saturates, as `exact`, and which is right at the
+    /// border where one is found: the default, of which strong light or change may saturate, can have
+    /// fewer
     Words,
 }
 
@@ -260,7 +262,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     for warning in { compiled.warning(&asked.kernels, arguments.objective) }
         .into_iter()
         .chain(compiled.aimed(&asked.kernels, arguments.objective))
-        .chain(compiled.unreached())
+        .chain(compiled.unreached(&asked.names, &device))
     {
         super::complain(&warning);
     }

@@ -141,23 +141,57 @@ impl Compiled {
         })
     }
 
-    /// What to know of thresholds that no change of the light reaches.
-    pub(super) fn unreached(&self) -> Option<String> {
-        let of = |(kind, ([on, off], result)): (usize, (&[f64; 2], &Interval))| {
-            let (least, most) = (on.min(*off), result.high - result.low);
-            (least > most).then(|| {
+    /// What to know of thresholds that no change of the light reaches, with what the kinds are called.
+    pub(super) fn unreached(&self, names: &[Option<String>], device: &Device) -> Option<String> {
+        let own = |kind: usize| match names.get(kind) {
+            Some(Some(name)) => format!("{kind} ({name})"),
+            _ => kind.to_string(),
+        };
+        let (mut never, mut one_sign) = (Vec::new(), Vec::new());
+        for (kind, (thresholds, result)) in self.thresholds.iter().zip(&self.results).enumerate() {
+            let reach = self.reach(result, device);
+            let dead = [0, 1].map(|sign| thresholds[sign] >= reach[sign]);
+            let told = |threshold: f64, reach: f64| {
                 format!(
-                    "kind {kind} has a threshold of {least:.1} LSB, and its result changes by {most:.1} at most"
+                    "kind {} has a threshold of {threshold:.1} LSB, and its result changes by {reach:.1} at most",
+                    own(kind)
+                )
+            };
+            match dead {
+                [true, true] => {
+                    let nearer = usize::from(thresholds[1] < thresholds[0]);
+                    never.push(told(thresholds[nearer], reach[nearer]));
+                }
+                [true, false] => one_sign.push(format!("ON: {}", told(thresholds[0], reach[0]))),
+                [false, true] => one_sign.push(format!("OFF: {}", told(thresholds[1], reach[1]))),
+                [false, false] => {}
+            }
+        }
+        let warning = |what: &str, told: &[String]| {
+            (!told.is_empty()).then(|| {
+                format!(
+                    "warning: {what}: {}; take a lower threshold\n",
+                    told.join("; ")
                 )
             })
         };
-        let all = self.thresholds.iter().zip(&self.results).enumerate();
-        let told: Vec<String> = all.filter_map(of).collect();
-        (!told.is_empty()).then(|| {
-            format!(
-                "warning: no light gives an event: {}; take a lower threshold\n",
-                told.join("; ")
-            )
-        })
+        let both = [
+            warning("no light gives an event", &never),
+            warning("no light gives an event of one sign", &one_sign),
+        ];
+        let all: Vec<String> = both.into_iter().flatten().collect();
+        (!all.is_empty()).then(|| all.concat())
+    }
+
+    /// By how much a result can change upwards and downwards. What is compared with a memory of the
+    /// drive moves from end to end; with one of the pixel the result is the change itself.
+    fn reach(&self, result: &Interval, device: &Device) -> [f64; 2] {
+        if self.memory == Some(DriveMemory::Shared) {
+            let (low, high) = device.register_range();
+            // What lies beyond is cut off in the register.
+            [result.high.min(high), (-result.low).min(-low) + 0.0]
+        } else {
+            [result.high - result.low; 2]
+        }
     }
 }

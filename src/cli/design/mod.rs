@@ -193,6 +193,7 @@ impl Written {
 /// One diagnostic that names what was wrong.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let kinds = arguments.kernels.kinds()?;
+    kinds.check_weights()?;
     let device = Device::find(&arguments.chip)?;
     let thresholds = arguments.thresholds(&kinds)?;
     // Before all the work: more rows than this there cannot be.
@@ -251,6 +252,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
     warnings.extend(missed(arguments.rate, &found));
     warnings.extend(by_accident(&found));
+    warnings.extend(silent(candidate, found.frames));
     warnings.extend(erased(&question, candidate)?);
     light::warn(&warnings);
     let commands = written
@@ -309,6 +311,23 @@ fn erased(question: &Question<'_>, picked: &Candidate) -> miette::Result<Vec<War
         }
     }
     Ok(guard.warnings())
+}
+
+/// Kinds of the picked design without an event: of the float sensor, or of the program alone.
+fn silent(picked: &Candidate, frames: u64) -> Vec<Warning> {
+    let mut guard = Guard::new();
+    for kind in &picked.kinds {
+        let who = match kind.silicon.event_ratio {
+            None => "the float sensor".to_owned(),
+            Some(0.0) => format!("{} silicon", picked.to),
+            Some(_) => continue,
+        };
+        guard.warn(Warning::no_events(
+            &format!("{who}, {}", kind.name),
+            Some(frames),
+        ));
+    }
+    guard.warnings()
 }
 
 /// Kinds of which accident scores as much as any program.

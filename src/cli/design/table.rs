@@ -7,7 +7,7 @@ use crate::{
     compare::metric::Short,
     study::{
         equivalent::kept,
-        exploration::{NEARLY, Refused},
+        exploration::{Candidate, NEARLY, Refused},
     },
     unit::{counted, frame_rate},
 };
@@ -106,13 +106,23 @@ pub(super) fn text(
             kind.silicon.equivalent()
         );
     }
-    let _ = writeln!(
-        text,
-        "kept: what of F1 is more than accident with the chip's errors, mean over the kinds, within {}; least: of the\nkind that keeps least; exact: without the errors, within the range of registers (exec --domain exact --clip on);\nas much: the change of threshold that costs as much; frames/s: at least, with the cheapest readout that loses no\nevent of this scene. The knee is the shortest program on the front that keeps at least {:.0} % of the most kept.",
+    text + &reading(found, candidate)
+}
+
+/// How the table is read.
+fn reading(found: &Exploration, candidate: &Candidate) -> String {
+    let kinds = candidate.kinds.len();
+    let mean = if kinds == candidate.kept_kinds {
+        "the kinds".to_owned()
+    } else {
+        // The others have no event to keep.
+        format!("{} of {kinds} kinds", candidate.kept_kinds)
+    };
+    format!(
+        "kept: what of F1 is more than accident with the chip's errors, mean over {mean}, within {}; least: of the\nkind that keeps least; exact: without the errors, within the range of registers (exec --domain exact --clip on);\nas much: the change of threshold that costs as much; frames/s: at least, with the cheapest readout that loses no\nevent of this scene. The knee is the shortest program on the front that keeps at least {:.0} % of the most kept.\n",
         Short(found.window_us),
         100.0 * NEARLY
-    );
-    text
+    )
 }
 
 /// What there is no program for, quantisers that are refused for the same reason together.

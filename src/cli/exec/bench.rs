@@ -8,6 +8,7 @@ use super::{
     super::{
         budget::{self, Growth},
         opened::Opened,
+        silent,
     },
     arguments::{Arguments, Assignment, Switch},
     beside::{self, Run},
@@ -276,6 +277,9 @@ impl<'a> Bench<'a> {
                     guard.warn(Warning::in_the_dark(program, frames));
                 } else if unheld.is_none() {
                     guard.packet(program, packet);
+                    if let Some(warning) = silent_kinds(program, packet, frames) {
+                        guard.warn(warning);
+                    }
                 }
             } else if packet.dropped.no_slot > 0 {
                 let kept = packet.events.len() as u64;
@@ -558,4 +562,19 @@ fn checked(size: Size) -> miette::Result<Size> {
         ),
         "an array of {size}"
     ))
+}
+
+/// That some kinds say nothing, where others do. Where slots were lacking, their events may be lost.
+fn silent_kinds(program: &str, packet: &Packet, frames: u64) -> Option<Warning> {
+    if packet.dropped.no_slot > 0 {
+        return None;
+    }
+    let names: Vec<_> = packet
+        .names
+        .iter()
+        .map(|name| Some(name.as_str()))
+        .collect();
+    let events = silent::each_kind(packet).into_iter();
+    let events: Vec<u64> = events.map(|[on, off]| on + off).collect();
+    silent::warning(program, &names, &events, frames)
 }

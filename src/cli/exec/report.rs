@@ -2,7 +2,10 @@
 
 use serde_json::json;
 
-use super::{super::light, reading};
+use super::{
+    super::{light, silent::each_kind},
+    reading,
+};
 use crate::{
     array::{Arithmetic, Array, Ledger, Readings},
     event::{Packet, Polarity},
@@ -47,6 +50,15 @@ impl Report<'_> {
         let events = &self.packet.events;
         let on = events.iter().filter(|e| e.polarity == Polarity::On).count();
         (on, events.len() - on)
+    }
+
+    /// Each kind by its name, where it has one.
+    fn kinds(&self) -> Vec<serde_json::Value> {
+        let all = each_kind(self.packet).into_iter().enumerate();
+        all.map(
+            |(kind, [on, off])| json!({"name": self.packet.names.get(kind), "on": on, "off": off}),
+        )
+        .collect()
     }
 
     pub fn json(&self) -> serde_json::Value {
@@ -96,6 +108,7 @@ impl Report<'_> {
             "events": self.packet.events.len(),
             "on": on,
             "off": off,
+            "kinds": self.kinds(),
             "dropped": self.packet.dropped,
             "ambiguous": ledger.ambiguous,
             "readings": readings,
@@ -152,6 +165,12 @@ impl Report<'_> {
                 slots => format!(" in {}", counted(slots, "slot")),
             };
             lines.push(format!("events   {events} ({on} ON, {off} OFF){slots}"));
+            if self.packet.channels > 1 {
+                for (kind, [on, off]) in each_kind(self.packet).into_iter().enumerate() {
+                    let name = self.packet.names.get(kind).map_or("", |name| name);
+                    lines.push(format!("  channel {kind} {name}: {on} ON, {off} OFF"));
+                }
+            }
         }
         if ledger.missed > 0 && !self.decides {
             lines.push(format!(

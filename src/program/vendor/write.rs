@@ -85,6 +85,7 @@ pub fn cpp(program: &Program, device: &Device) -> Result<String, WriteError> {
             "// for {chip}: asm and exec read it with --chip {chip}"
         );
     }
+    text.push_str(&program.settings.names_line());
     text.push_str("#include <scamp5.hpp>\n\nusing namespace SCAMP5_PE;\n\n");
     for (name, bytes) in &writer.buffers {
         let _ = writeln!(text, "uint8_t {name}[{bytes}];");

@@ -26,6 +26,8 @@ pub struct Candidate {
     /// What of F1 is more than accident with the chip's errors, the mean of its kinds that have
     /// something to keep; none where none has.
     pub kept: Option<f64>,
+    /// Of how many kinds it is the mean.
+    pub kept_kinds: usize,
     /// The same of that which keeps least.
     pub least_kept: Option<f64>,
     /// Instruction words of a frame.

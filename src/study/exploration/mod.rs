@@ -404,17 +404,14 @@ impl Found {
         let kept: Vec<f64> = { kinds.iter() }
             .filter_map(|kind| kind.silicon.kept)
             .collect();
-        let filters = if self.program.filters.is_empty() {
-            vec![self.program.filter.prescale]
-        } else {
-            let halvings = self.program.filters.iter().map(|it| it.prescale);
-            halvings.collect()
-        };
+        let filters = self.program.each_filter().iter();
+        let filters: Vec<u32> = filters.map(|filter| filter.prescale).collect();
         Ok(Candidate {
             to: self.to,
             memory: together::name(self.memory),
             remembers: self.memory,
             kept: (!kept.is_empty()).then(|| kept.iter().sum::<f64>() / kept.len() as f64),
+            kept_kinds: kept.len(),
             least_kept: kept.iter().copied().min_by(f64::total_cmp),
             words: compiled.cost.words.0,
             stored_words,

@@ -26,6 +26,8 @@ pub struct OnChip {
     pub registers_of: usize,
     /// Halvings of the light before anything else, a bit each.
     pub prescale_bits: u32,
+    /// What they are for.
+    pub halved_for: HalvedFor,
     /// Whether results are right up to the border.
     pub border: bool,
     /// Whether all sums stay in range, the chip's transfer errors included.
@@ -34,6 +36,27 @@ pub struct OnChip {
     pub time: Time,
     /// What the chip's errors leave in a result.
     pub noise: Noise,
+}
+
+/// What light, or its change, is halved for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HalvedFor {
+    /// Every sum stays in range.
+    Range,
+    /// The most events on the chip: large sums may leave the range.
+    Events,
+}
+
+impl HalvedFor {
+    pub(super) fn of(program: &SensorProgram) -> Self {
+        let mut filters = program.each_filter().iter();
+        if filters.any(|filter| filter.decided.is_some()) {
+            Self::Events
+        } else {
+            Self::Range
+        }
+    }
 }
 
 /// The compiler's prediction, to first order, at one uniform level of light.
@@ -73,6 +96,7 @@ impl OnChip {
             registers: registers(code, device),
             registers_of: device.registers().analog.len() - 1,
             prescale_bits: filter.prescale,
+            halved_for: HalvedFor::of(program),
             border: filter.border,
             holds: filter.holds,
             noise: Noise::new(program, device, threshold_lsb),

@@ -3,10 +3,11 @@
 
 use super::{
     Estimate, Feasibility, FeasibilityError, Question,
-    chip::registers,
+    chip::{HalvedFor, registers},
     time::{self, Time},
 };
 use crate::{
+    compile::like_these,
     isa::Figure,
     kernel::quantise::{Quantised, Quantiser},
     program::readout::Demand,
@@ -40,7 +41,8 @@ pub struct Shared {
 pub enum SharedFit {
     /// It runs.
     OnChip(Box<SharedProgram>),
-    /// What is short, for each way to remember the drives that was tried.
+    /// What is short, for each way to remember the drives that was tried; and where one was asked for,
+    /// or a sensor file says it, which other one would do.
     Refused(Vec<String>),
 }
 
@@ -67,8 +69,14 @@ pub struct SharedProgram {
     pub registers: usize,
     /// Analogue registers that a pixel has, NEWS left out.
     pub registers_of: usize,
-    /// Halvings of the light before anything else, a bit each.
+    /// The most halvings of any kind before anything else, a bit each.
     pub prescale_bits: u32,
+    /// Those of each filter: one for each kind where they share a memory.
+    pub halvings: Vec<u32>,
+    /// What they are for.
+    pub halved_for: HalvedFor,
+    /// Whether all sums stay in range, the chip's transfer errors included.
+    pub holds: bool,
     /// Time.
     pub time: Time,
 }
@@ -205,6 +213,11 @@ impl SharedProgram {
             registers: registers(code, device),
             registers_of: device.registers().analog.len() - 1,
             prescale_bits: filter.prescale,
+            halvings: { compiled.program.each_filter().iter() }
+                .map(|filter| filter.prescale)
+                .collect(),
+            halved_for: HalvedFor::of(&compiled.program),
+            holds: filter.holds,
             time,
         }
     }
@@ -249,7 +262,7 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
     (
         headline.to_owned(),
         format!(
-            "One program has {}, with {}: it takes {} of the {} in the store, uses {} of {} analogue registers, and reaches at most {ceiling} for the {fps} that the scene asks for. The chip carries {} like {} in that way. {} judged against {}. {loss}",
+            "One program has {}, with {}: it takes {} of the {} in the store, uses {} of {} analogue registers, and reaches at most {ceiling} for the {fps} that the scene asks for. The chip carries {} in that way. {} judged against {}. {loss}",
             if count == 1 {
                 "the kernel".to_owned()
             } else {
@@ -260,8 +273,7 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
             program.store.low,
             program.registers,
             program.registers_of,
-            counted(program.carried, "kind"),
-            if count == 1 { "this" } else { "these" },
+            like_these(program.carried, if count == 1 { "this" } else { "these" }),
             if count == 1 {
                 "It is"
             } else {

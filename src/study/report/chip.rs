@@ -8,7 +8,11 @@ use super::{
 };
 use crate::{
     isa::Evidence,
-    study::feasibility::{Feasibility, Fit, chip::OnChip, time::Binds},
+    study::feasibility::{
+        Feasibility, Fit,
+        chip::{HalvedFor, OnChip},
+        time::Binds,
+    },
 };
 
 /// Words, registers, time, noise; or why there is no program.
@@ -52,7 +56,20 @@ fn room(chip: &OnChip) -> Markup {
         (number::counted("Analogue registers", "of those that a pixel has", &html! {
             (number::plain(&at("registers"), chip.registers as f64)) " of " (number::plain(&at("registers_of"), chip.registers_of as f64))
         }))
-        (number::counted("Halvings of the light", "a bit of it each, so that no sum leaves the range", &number::plain(&at("prescale_bits"), f64::from(chip.prescale_bits))))
+        (number::counted("Halvings of the light", halved(chip.halved_for, chip.holds), &number::plain(&at("prescale_bits"), f64::from(chip.prescale_bits))))
+    }
+}
+
+/// What a bit was given for.
+pub(super) const fn halved(halved_for: HalvedFor, holds: bool) -> &'static str {
+    match (halved_for, holds) {
+        (HalvedFor::Range, _) => "a bit of it each, so that no sum leaves the range",
+        (HalvedFor::Events, true) => {
+            "a bit of it each, for the most events on the chip; no sum leaves the range"
+        }
+        (HalvedFor::Events, false) => {
+            "a bit of it each, for the most events on the chip: large sums may leave the range"
+        }
     }
 }
 
@@ -102,7 +119,13 @@ fn remarks(chip: &OnChip) -> Markup {
         ul {
             li { "Noise and mismatch are predicted for a uniform light of " (number::plain("/fit/on_chip/noise/at_lsb", chip.noise.at_lsb)) " LSB. Mismatch is the same in every frame; in a difference of two frames what is left of it is an error of gain." }
             li { (number::plain("/fit/on_chip/noise/offset_stores", chip.noise.offset_stores)) " transfer errors of one store stay in a result; they are in the memory as well and drop out of the difference." }
-            li { @if chip.holds { "No sum leaves the range, the chip's transfer errors included." } @else { "With the chip's transfer errors some sums may leave the range: no plan was found that holds them all." } }
+            li {
+                @match (chip.holds, chip.halved_for) {
+                    (true, _) => "No sum leaves the range, the chip's transfer errors included.",
+                    (false, HalvedFor::Events) => "Large sums may leave the range: the light is halved for the most events on the chip.",
+                    (false, HalvedFor::Range) => "With the chip's transfer errors some sums may leave the range: no plan was found that holds them all.",
+                }
+            }
             li { @if chip.border { "Results are right up to the border, with zeros beyond it." } @else { "Results are not right at the border, where the kernel leaves the array." } }
         }
     }

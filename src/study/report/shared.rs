@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::{
+    chip::halved,
     number,
     part::{Part, Place, cards, part, wide},
 };
@@ -67,6 +68,16 @@ fn row(i: usize, kind: &SharedKind, headline: &str) -> Markup {
     }
 }
 
+/// Those of each filter, with commas between.
+fn halvings(program: &SharedProgram) -> Markup {
+    html! {
+        @for (i, bits) in program.halvings.iter().enumerate() {
+            @if i > 0 { ", " }
+            (number::plain(&format!("/together/fit/on_chip/halvings/{i}"), f64::from(*bits)))
+        }
+    }
+}
+
 fn program_table(program: &SharedProgram) -> Markup {
     let at = |key: &str| format!("/together/fit/on_chip/{key}");
     let time = &program.time;
@@ -86,7 +97,11 @@ fn program_table(program: &SharedProgram) -> Markup {
                     (number::counted("Analogue registers", "of those that a pixel has", &html! {
                         (number::plain(&at("registers"), program.registers as f64)) " of " (number::plain(&at("registers_of"), program.registers_of as f64))
                     }))
-                    (number::counted("Halvings of the light", "a bit of it each, so that no sum leaves the range", &number::plain(&at("prescale_bits"), f64::from(program.prescale_bits))))
+                    (number::counted(
+                        if program.halvings.len() > 1 { "Halvings of the change, kind by kind" } else { "Halvings of the light" },
+                        halved(program.halved_for, program.holds),
+                        &halvings(program),
+                    ))
                     (number::row("Time on the array", &at("time/array"), &time.array))
                     (number::row(&format!("Readout, {}", time.plan.words()), &at("time/readout"), &time.readout))
                     (number::row("Frame rate, at most", &at("time/ceiling"), &time.ceiling))
