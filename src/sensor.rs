@@ -50,7 +50,7 @@ pub trait Sensor {
     }
 
     /// How much of what its cells saw in all frames so far its number format did not hold, as far as
-    /// it knows.
+    /// it knows, and where that may change one in a hundred of its events.
     fn overflowed(&self) -> Overflowed {
         Overflowed::default()
     }

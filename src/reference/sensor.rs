@@ -505,7 +505,15 @@ impl<N: Number> Sensor for Reference<N> {
     }
 
     fn overflowed(&self) -> Overflowed {
-        self.report().overflowed
+        let Report {
+            overflowed, events, ..
+        } = self.report();
+        // Of a few distances of a fast edge nobody needs to hear.
+        if overflowed.at > events / 100 {
+            overflowed
+        } else {
+            Overflowed::default()
+        }
     }
 }
 

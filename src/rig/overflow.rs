@@ -76,8 +76,7 @@ impl Overflow {
                 "{counted} in the signals, held in {format}, lie at the end of its range, {ends}"
             )
         });
-        // One in a thousand changes no count: a few distances of a fast edge.
-        let of_drives = (drives.at > drives.of / 1000).then(|| {
+        let of_drives = (drives.at > 0).then(|| {
             let counted = share("value", (drives.at, drives.of));
             format!(
                 "{counted} of the drives (kernel times signal) and their distances from the memory, held in {format}, leave its range, {ends}"
