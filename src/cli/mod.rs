@@ -246,8 +246,8 @@ mod tests {
     use super::*;
 
     /// Arguments that are texts, and no names of files.
-    const TEXTS: [&str; 9] = [
-        "domain", "schedule", "title", "cost", "into", "keep", "explain", "name", "from",
+    const TEXTS: [&str; 10] = [
+        "domain", "schedule", "title", "cost", "into", "keep", "explain", "name", "from", "kind",
     ];
 
     /// Every argument that is a path is of a kind that [`files::check`] finds.

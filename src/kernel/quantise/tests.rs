@@ -67,7 +67,7 @@ proptest! {
 /// A negative weight that is gone leaves a 0 without a sign.
 #[test]
 fn no_level_is_minus_zero() {
-    let kernel = kernel(&[1.0, -0.01, -1.0, 0.01, -0.02]);
+    let kernel = kernel(&[1.0, -0.01, -1.0, 0.01, -0.02, 0.5]);
     for to in [
         "ternary",
         "ternary-0.7",
