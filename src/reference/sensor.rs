@@ -509,10 +509,10 @@ impl<N: Number> Sensor for Reference<N> {
             overflowed, events, ..
         } = self.report();
         // Of a few distances of a fast edge nobody needs to hear.
-        if overflowed.at > events / 100 {
-            overflowed
-        } else {
-            Overflowed::default()
+        let is_few = overflowed.at <= events / 100;
+        Overflowed {
+            at: if is_few { 0 } else { overflowed.at },
+            ..overflowed
         }
     }
 }
