@@ -420,8 +420,10 @@ fn lay_out_pixels<N: Number>(
                 let row = |row: &mut [N::Held]| {
                     band.memory_row(plan, channel, y, row);
                     if plan.description.memory == MemoryRule::RawSnap {
-                        if !plan.exact.is_empty() {
+                        if 2.0 * band.most > plan.number.format().limits().1 {
                             overflowed += differences(&plan.number, band.signal.inner(y), row);
+                        } else if !plan.exact.is_empty() {
+                            overflowed.of += row.len() as u64;
                         }
                         for (held, now) in row.iter_mut().zip(band.signal.inner(y)) {
                             *held = plan.number.sub(*now, *held);

@@ -22,7 +22,7 @@ impl<N: Number> Cells<N> {
     pub(super) fn settle(
         plan: &Plan<N>,
         rows: &Range<usize>,
-        (signal, sheets): (&Padded<N::Held>, Option<&Sheets>),
+        (signal, most, sheets): (&Padded<N::Held>, f64, Option<&Sheets>),
         scratch: &mut Scratch<N>,
         report: &mut Report,
     ) -> Self {
@@ -46,7 +46,7 @@ impl<N: Number> Cells<N> {
                 plan.weights[channel].row(number, signal, y, drive, parts);
             });
             if follows {
-                let at = ((channel, y), (signal, sheets));
+                let at = ((channel, y), (signal, most, sheets));
                 report.overflowed += plan.overflowed(at.0, at.1, &scratch.drive);
             }
             if description.channels[channel].log_temporal {

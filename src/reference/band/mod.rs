@@ -15,7 +15,7 @@ use crate::{
 };
 
 use super::{
-    drive::{Made, Parts},
+    drive::{self, Made, Parts},
     memory::Memory,
     report::Report,
     sheets::Sheets,
@@ -33,6 +33,8 @@ pub(super) struct Band<N: Number> {
     width: usize,
     /// The signal of the last frame, with the rim that the kernels reach.
     pub(super) signal: Padded<N::Held>,
+    /// The largest signal of all frames so far, without its sign; in fixed point alone.
+    pub(super) most: f64,
     cells: Cells<N>,
     /// Intermediate results of each channel's kernel, shared by the rows.
     made: Vec<Made<N::Held>>,
@@ -90,7 +92,9 @@ impl<N: Number> Band<N> {
             rested: vec![f64::NEG_INFINITY; width],
         };
         let mut report = Report::default();
-        let cells = Cells::settle(plan, &rows, (&signal, sheets), &mut scratch, &mut report);
+        let most = largest(plan, &signal);
+        let seen = (&signal, most, sheets);
+        let cells = Cells::settle(plan, &rows, seen, &mut scratch, &mut report);
         let picture = if plan.description.shared {
             rows.clone()
                 .flat_map(|y| signal.inner(y).iter().copied())
@@ -102,6 +106,7 @@ impl<N: Number> Band<N> {
             rows,
             width,
             signal,
+            most,
             cells,
             made: plan.weights.iter().map(|_| Made::default()).collect(),
             picture,
@@ -115,7 +120,9 @@ impl<N: Number> Band<N> {
     /// # Errors
     /// When it holds light that the response is not defined for.
     pub(super) fn see(&mut self, plan: &Plan<N>, light: Light<'_, N>) -> Result<(), SensorError> {
-        see(plan, &mut self.signal, light)
+        see(plan, &mut self.signal, light)?;
+        self.most = f64::max(self.most, largest(plan, &self.signal));
+        Ok(())
     }
 
     /// Row `y` of a pixel memory, or of the filtered one.
@@ -171,6 +178,7 @@ impl<N: Number> Band<N> {
                 let row = Row {
                     plan,
                     signal: &self.signal,
+                    most: self.most,
                     input,
                     channel,
                     y,
@@ -197,6 +205,14 @@ impl<N: Number> Band<N> {
         }
         Ok(())
     }
+}
+
+/// The largest signal, without its sign; 0 in formats that are not fixed point.
+fn largest<N: Number>(plan: &Plan<N>, signal: &Padded<N::Held>) -> f64 {
+    if plan.exact.is_empty() {
+        return 0.0;
+    }
+    drive::largest(&plan.number, signal)
 }
 
 fn see<N: Number>(

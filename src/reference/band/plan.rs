@@ -112,12 +112,12 @@ impl<N: Number> Plan<N> {
         }
     }
 
-    /// How many drives of row `y` of a channel, of these pixels or of its grids, the format does not
-    /// hold.
+    /// How many drives of row `y` of a channel, of these pixels (`most` at most) or of its grids, the
+    /// format does not hold.
     pub(super) fn overflowed(
         &self,
         (channel, y): (usize, usize),
-        (pixels, sheets): (&Padded<N::Held>, Option<&Sheets>),
+        (pixels, most, sheets): (&Padded<N::Held>, f64, Option<&Sheets>),
         drive: &[N::Held],
     ) -> Overflowed {
         let Some(exact) = self.exact.get(channel) else {
@@ -125,6 +125,11 @@ impl<N: Number> Plan<N> {
         };
         match sheets.and_then(|sheets| sheets.row(channel, y)) {
             Some(reals) => drive::held(&self.number, drive, reals),
+            // Nearly always no light so far can make so much.
+            None if exact.holds(most, false) => Overflowed {
+                at: 0,
+                of: drive.len() as u64,
+            },
             None => exact.overflowed(&self.number, pixels, y, drive),
         }
     }

@@ -27,6 +27,8 @@ use super::{
 pub(super) struct Row<'a, N: Number> {
     pub plan: &'a Plan<N>,
     pub signal: &'a Padded<N::Held>,
+    /// The largest signal of all frames so far, without its sign; in fixed point alone.
+    pub most: f64,
     pub input: IntervalInput<'a, N>,
     pub channel: usize,
     pub y: usize,
@@ -54,8 +56,14 @@ impl<N: Number> Row<'_, N> {
         }
         (scratch.trains.channel, scratch.trains.y) = (self.channel, self.y);
         report.overflowed += self.drive(&cells.memory, made, scratch);
-        if !self.plan.exact.is_empty() {
-            report.overflowed += self.differences(&cells.memory, scratch);
+        if let Some(exact) = self.plan.exact.get(self.channel) {
+            // A memory of drives is one of those so far, or lies between two, but for leak.
+            let is_held = self.input.sheets.is_none()
+                && cells.leak.is_empty()
+                && exact.holds(self.most, true);
+            if !is_held {
+                report.overflowed += self.differences(&cells.memory, scratch);
+            }
         }
         let mut events = self.fire(cells, scratch)?;
         if self.is_authors() {
@@ -90,11 +98,12 @@ impl<N: Number> Row<'_, N> {
                 weights.row_in_order(number, (self.signal, made), y, drive, parts);
             }
         });
-        let pixels = match memory {
-            Memory::RawSnap { .. } => self.input.pixels_of(self.channel),
-            _ => self.signal,
+        let (pixels, most) = match memory {
+            Memory::RawSnap { .. } => (self.input.pixels_of(self.channel), 2.0 * self.most),
+            _ => (self.signal, self.most),
         };
-        let overflowed = self.plan.overflowed(at, (pixels, self.input.sheets), drive);
+        let seen = (pixels, most, self.input.sheets);
+        let overflowed = self.plan.overflowed(at, seen, drive);
         if self.plan.description.channels[self.channel].log_temporal {
             log_temporal(number, drive, 1e-8);
         }

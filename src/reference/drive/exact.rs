@@ -59,6 +59,14 @@ impl Exact {
         })
     }
 
+    /// Whether the format holds all that comes of signals of this size at most: their drives, and, of
+    /// memories of drives, the differences of two.
+    pub(crate) fn holds(&self, signal: f64, differences: bool) -> bool {
+        let times = if differences { 2.0 } else { 1.0 };
+        let holds = |it: &Held| times * it.most(signal) <= it.end;
+        self.kernels.iter().all(holds)
+    }
+
     /// Of the drives of row `y`.
     pub(crate) fn overflowed<N: Number>(
         &self,
@@ -82,6 +90,12 @@ impl Exact {
 }
 
 impl Held {
+    /// The largest drive that signals of this size make, rounded.
+    fn most(&self, signal: f64) -> f64 {
+        // Sums of doubles are rounded, too.
+        self.size * signal * (1.0 + 1e-9) + self.rounding
+    }
+
     /// How many drives of row `y`, from a first column on and so many apart, are not held.
     fn beyond<N: Number>(
         &self,
@@ -118,6 +132,18 @@ impl Held {
             |(held, exact): &(&N::Held, &f64)| (number.value(**held) - **exact).abs() > bound;
         cells.filter(is_off).count() as u64
     }
+}
+
+/// The largest signal of a plane, without its sign.
+pub(crate) fn largest<N: Number>(number: &N, padded: &Padded<N::Held>) -> f64 {
+    let all = padded.all().iter();
+    let (low, high) = all.fold((N::ZERO, N::ZERO), |(low, high), held| {
+        (
+            if *held < low { *held } else { low },
+            if *held > high { *held } else { high },
+        )
+    });
+    f64::max(-number.value(low), number.value(high))
 }
 
 /// Of numbers that were held, from what they were before.

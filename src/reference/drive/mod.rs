@@ -26,5 +26,5 @@ mod product;
 mod weights;
 mod width;
 
-pub(crate) use self::exact::{Exact, differences, held};
+pub(crate) use self::exact::{Exact, differences, held, largest};
 pub(crate) use self::weights::{Made, Parts, Weights, log_temporal};
