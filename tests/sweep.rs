@@ -1106,7 +1106,7 @@ fn saturated_formats_and_full_slots_are_told() {
     let said = common::line(&out.stderr);
     for words in [
         "1 of 5 points (here the worst): the readout's slots were full",
-        "2 of 5 points: signals lie at the end of the range of their number format",
+        "2 of 5 points: signals or drives lie beyond the range of their number format",
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }

@@ -1274,8 +1274,8 @@ fn compile_writes_cpp() {
     };
     compile(&["-o", "p.cpp"]);
     compile(&["-o", "p.scamp"]);
-    // By the endings that are read as C++, in any letters.
-    for name in ["q.CPP", "q.cc", "q.h"] {
+    // By the ending, in any letters.
+    for name in ["q.CPP", "q.hpp", "q.Hpp"] {
         compile(&["-o", name]);
         let text = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
         assert_eq!(text(name), text("p.cpp"), "{name}");

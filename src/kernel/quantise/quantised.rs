@@ -47,9 +47,7 @@ impl Quantiser {
             });
         }
         let (height, width) = kernel.weights().dim();
-        // Plus 0: a negative weight that is gone leaves a 0 without a sign.
-        let level = |(y, x)| levels[y * width + x] + 0.0;
-        let levels = Plane::from_shape_fn((height, width), level);
+        let levels = Plane::from_shape_fn((height, width), |(y, x)| levels[y * width + x]);
         Ok(Quantised {
             levels: Kernel { weights: levels },
             scale,

@@ -64,27 +64,6 @@ proptest! {
     }
 }
 
-/// A negative weight that is gone leaves a 0 without a sign.
-#[test]
-fn no_level_is_minus_zero() {
-    let kernel = kernel(&[1.0, -0.01, -1.0, 0.01, -0.02, 0.5]);
-    for to in [
-        "ternary",
-        "ternary-0.7",
-        "ternary-split",
-        "po2-2",
-        "int-3",
-        "csd-2",
-        "q2.2",
-    ] {
-        let quantiser: Quantiser = to.parse().unwrap();
-        let levels = quantiser.quantise(&kernel, Sum::Free, 0).unwrap().levels;
-        let zeros = levels.weights().iter().filter(|level| **level == 0.0);
-        assert!(zeros.clone().count() > 0, "{to}");
-        assert!(zeros.clone().all(|zero| zero.is_sign_positive()), "{to}");
-    }
-}
-
 proptest! {
     #[test]
     fn powers_of_two_are_the_best_there_are(weights in proptest::collection::vec(-2.0..2.0f64, 3)) {
