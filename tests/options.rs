@@ -22,14 +22,6 @@ fn options_without_effect_are_refused() {
     let show = "show e.csv -o";
     for (command, words) in [
         (
-            "packets e.csv --readout arbiter --with fifo=1 --with fifo=5".to_owned(),
-            ["--with fifo is given twice", "each setting once"],
-        ),
-        (
-            "exec dvs/snap --set error.noise=1 --set error.noise=5".to_owned(),
-            ["--set error.noise is given twice", "each name once"],
-        ),
-        (
             "asm p.scamp --format --const x=3".to_owned(),
             ["--const is of no use with --format", "leave --const out"],
         ),
@@ -121,6 +113,27 @@ fn options_without_effect_are_refused() {
         "quantise sobel-x --to int-3",
     ] {
         good(at, &command.split(' ').collect::<Vec<_>>());
+    }
+}
+
+/// Of two values of one setting neither is taken in silence.
+#[test]
+fn a_setting_is_given_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    fs::write(at.join("e.csv"), EVENTS).unwrap();
+    for (command, words) in [
+        (
+            "packets e.csv --readout arbiter --with fifo=1 --with fifo=5",
+            ["--with fifo is given twice", "each setting once"],
+        ),
+        (
+            "exec dvs/snap --set error.noise=1 --set error.noise=5",
+            ["--set error.noise is given twice", "each name once"],
+        ),
+    ] {
+        let arguments: Vec<&str> = command.split(' ').collect();
+        common::refused_untouched(at, &arguments, &words);
     }
 }
 

@@ -586,7 +586,7 @@ fn image_of_pattern(name: &str) -> Option<&str> {
 /// Refuses a picture, or a folder of them, in the folder of pictures that is the scene: it would be
 /// shown as one of its frames.
 fn check_apart(command: &Command, matches: &ArgMatches, outputs: &[&Output]) -> miette::Result<()> {
-    let scenes = command.get_arguments().map(|argument| argument.get_id());
+    let scenes = command.get_arguments().map(Arg::get_id);
     let scenes = scenes.filter(|id| matches!(id.as_str(), "scene" | "image"));
     for scene in scenes.flat_map(|id| all::<Named>(matches, id.as_str())) {
         let Ok(folder) = fs::canonicalize(&scene.0) else {
@@ -596,17 +596,21 @@ fn check_apart(command: &Command, matches: &ArgMatches, outputs: &[&Output]) -> 
             continue;
         }
         let lands = |output: &&&Output| {
-            match output.content {
+            let at = match output.content {
                 Content::Folder => Some(output.path.as_path()),
                 Content::Converted => None,
                 _ => output.path.parent(),
-            }
-            .map(|parent| match parent.as_os_str().is_empty() {
-                true => Path::new("."),
-                false => parent,
-            })
-            .and_then(|parent| fs::canonicalize(parent).ok())
-            .is_some_and(|parent| parent == folder)
+            };
+            // A name alone lies here.
+            let at = at.map(|at| {
+                if at == Path::new("") {
+                    Path::new(".")
+                } else {
+                    at
+                }
+            });
+            at.and_then(|at| fs::canonicalize(at).ok())
+                .is_some_and(|at| at == folder)
         };
         if let Some(output) = outputs.iter().find(lands) {
             return Err(miette!(

@@ -1,5 +1,7 @@
 //! Why a point has no result.
 
+use std::fmt::Write as _;
+
 use miette::Diagnostic;
 
 /// Why a point has no figures.
@@ -45,7 +47,7 @@ fn in_keys(help: &str) -> String {
         let is_value = |next: &&str| next.starts_with(|c: char| c.is_ascii_alphanumeric());
         if let Some(next) = words.next_if(is_value) {
             let value = next.trim_end_matches([',', ')', ';']);
-            said += &format!(" = \"{value}\"{}", &next[value.len()..]);
+            let _ = write!(said, " = \"{value}\"{}", &next[value.len()..]);
         }
     }
     said
