@@ -154,7 +154,7 @@ fn what_a_search_gives_up_is_a_row_and_is_tried_again() {
     let said = good(at, &limited);
     for words in [
         "failed   144 points, computed again by the next run:",
-        "point 0: on a part of the scene: it took more than 0.000000001 s",
+        "point 0 and 143 more: on a part of the scene: it took more than 0.000000001 s",
         "144 rows",
     ] {
         assert!(said.contains(words), "{words}: {said}");
@@ -193,7 +193,7 @@ fn a_search_names_the_points_that_come_to_nothing() {
     let said = good(at, &sweep);
     for words in [
         "nothing  came of 144 points, which the search left out:",
-        "point 0: on a part of the scene: neither the float sensor nor this one has an event",
+        "point 0 and 143 more: on a part of the scene: neither the float sensor nor this one has an event",
         "0 rows",
         "next     nothing to report",
     ] {

@@ -19,7 +19,9 @@ use super::{
 };
 use crate::config::{Fault, Lines, Place, Severity, enough, thin};
 use crate::isa::{
-    Bit, Callable, Cell, Device, Digital, HostKind, Macro, Primitive, Source, Value, macros, row,
+    Bit, Callable, Cell, Device, Digital, HostKind, Macro, Source, Value, macros,
+    operands::Unit,
+    row,
     signature::{Bound, Mode, Signature},
     text::Statement,
 };
@@ -258,8 +260,13 @@ impl<'d> Lowering<'d> {
         if steps_run(&sink.steps).is_none() {
             return Err(runs_too_long("this statement", statement.place));
         }
-        self.idle =
-            matches!(&sink.steps[..], [step] if step.action == Action::Word(Primitive::Nop));
+        self.idle = match &sink.steps[..] {
+            [step] => match &step.action {
+                Action::Word(word) => self.device.operands(word).unit == Unit::Idle,
+                Action::Host(_) | Action::Repeat { .. } => false,
+            },
+            _ => false,
+        };
         let effect = CellEffect::of(&sink.steps, self.device);
         let (results, whole_flag, host) = match callable {
             Callable::Primitive(..) => (effect.writes.iter().copied().collect(), false, false),

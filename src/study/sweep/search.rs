@@ -231,7 +231,7 @@ impl Run<'_> {
                 numbers.push(i);
             } else {
                 let reason = reason.unwrap_or_else(|| format!("it has no {}", search.cost));
-                nothing.push((i, reason));
+                nothing.push((i, format!("{IN_A_RUNG}{reason}")));
             }
         }
         let ranked = survivors(&costs, costs.len()).into_iter();
