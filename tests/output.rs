@@ -304,6 +304,8 @@ fn an_output_is_no_input_of_an_input() {
     // A picture inside a pattern, and a folder of them.
     let pictures = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/scene/");
     fs::copy(format!("{pictures}still16.png"), at.join("photo.png")).unwrap();
+    let own = "//! image = \"pattern:pan?image=photo.png&frames=4\"\nframe { get_image(A); }\n";
+    fs::write(at.join("own.scamp"), own).unwrap();
     fs::create_dir(at.join("pictures")).unwrap();
     for name in ["a.png", "b.png"] {
         fs::copy(at.join("photo.png"), at.join("pictures").join(name)).unwrap();
@@ -321,6 +323,7 @@ fn an_output_is_no_input_of_an_input() {
     }
     for line in [
         "exec dvs/snap --image pattern:pan?image=photo.png&frames=4 --strip photo.png",
+        "exec own.scamp --strip photo.png",
         "run --scene clip.npy --sensor named.toml --counts kernel.npy",
         "quantise k.toml --to ternary --threshold 5 --effort 0 --chip chip -o chip/device.toml",
         "quantise k.toml --to ternary --threshold 5 --effort 0 --chip chip -o base/primitives.toml",

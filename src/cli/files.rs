@@ -408,6 +408,9 @@ fn files() -> MutexGuard<'static, Files> {
 impl Files {
     /// Notes a file that is read, or each of a folder's.
     fn read(&mut self, path: &Path) -> miette::Result<()> {
+        if let Some(image) = path.to_str().and_then(image_of_pattern) {
+            return self.read_file(Path::new(image));
+        }
         if let Ok(entries) = fs::read_dir(path) {
             for entry in entries.flatten() {
                 self.read_file(&entry.path())?;
@@ -554,9 +557,6 @@ pub(super) fn check(command: &Command, matches: &ArgMatches) -> miette::Result<(
     }
     for name in named {
         files.read(Path::new(&name.0))?;
-        if let Some(image) = image_of_pattern(&name.0) {
-            files.read(Path::new(image))?;
-        }
         for folder in Device::folders_extended(Path::new(&name.0)) {
             files.read(&folder)?;
         }

@@ -57,9 +57,11 @@ impl<N: Number> Row<'_, N> {
         (scratch.trains.channel, scratch.trains.y) = (self.channel, self.y);
         report.overflowed += self.drive(&cells.memory, made, scratch);
         if let Some(exact) = self.plan.exact.get(self.channel) {
-            // A memory of drives is one of those so far, or lies between two, but for leak.
+            // A memory of drives is one of those so far, or lies between two, but for leak and
+            // logarithms.
             let is_held = self.input.sheets.is_none()
                 && cells.leak.is_empty()
+                && !self.plan.description.channels[self.channel].log_temporal
                 && exact.holds(self.most, true);
             if !is_held {
                 report.overflowed += self.differences(&cells.memory, scratch);

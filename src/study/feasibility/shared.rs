@@ -88,7 +88,10 @@ pub struct SharedKind {
     pub name: String,
     /// Its few values.
     pub to: String,
-    /// What it keeps of its own float sensor's events, with the chip's errors.
+    /// Events of its own float sensor.
+    #[serde(skip)]
+    pub float_events: u64,
+    /// What it keeps of them, with the chip's errors.
     #[serde(flatten)]
     pub headline: Option<Headline>,
     /// What it keeps in a program of its own.
@@ -181,6 +184,7 @@ impl SharedKind {
         Self {
             name: answer.kernel.name.clone(),
             to: answer.chosen.to.clone(),
+            float_events: answer.streams.float.events,
             headline: None,
             kept_apart: chosen.and_then(|row| match &row.outcome {
                 Outcome::OnChip(chip) => chip.silicon.kept,
@@ -257,8 +261,7 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
         (_, true, _) => "Fit together, but may be too slow",
         _ => "Fit together",
     };
-    let events = answers.iter().map(|answer| answer.streams.float.events);
-    let loss = loss(kinds, &events.collect::<Vec<_>>());
+    let loss = loss(kinds);
     (
         headline.to_owned(),
         format!(
@@ -284,14 +287,11 @@ fn verdict(fit: &SharedFit, kinds: &[SharedKind], answers: &[Feasibility]) -> (S
     )
 }
 
-/// Which kernels one program costs something, as far as the scene and programs of their own tell;
-/// `events` are those of their float sensors.
-fn loss(kinds: &[SharedKind], events: &[u64]) -> String {
-    let few =
-        { kinds.iter().zip(events) }.filter(|(_, events)| Warning::few_events(**events).is_some());
-    let few: Vec<&str> = few.map(|(kind, _)| kind.name.as_str()).collect();
+/// Which kernels one program costs something, as far as the scene and programs of their own tell.
+fn loss(kinds: &[SharedKind]) -> String {
     let is_judged = |kind: &SharedKind| {
-        kind.silicon.is_some_and(|it| it.is_judged()) && !few.contains(&kind.name.as_str())
+        kind.silicon.is_some_and(|it| it.is_judged())
+            && Warning::few_events(kind.float_events).is_none()
     };
     let compared = |kind: &SharedKind| {
         let together = kind.headline?.kept.filter(|_| is_judged(kind))?;
@@ -362,6 +362,7 @@ mod tests {
         SharedKind {
             name: name.to_owned(),
             to: "ternary".to_owned(),
+            float_events: 1000,
             headline: Some(silicon.into()),
             kept_apart: apart,
             exact: None,
@@ -371,11 +372,12 @@ mod tests {
 
     #[test]
     fn a_loss_of_a_few_events_is_none() {
-        let kinds = [
-            kind("few", 0.1, -0.2, Some(0.4)),
-            kind("fine", 0.1, 0.8, Some(0.8)),
-        ];
-        let told = loss(&kinds, &[4, 1000]);
+        let few = SharedKind {
+            float_events: 4,
+            ..kind("few", 0.1, -0.2, Some(0.4))
+        };
+        let kinds = [few, kind("fine", 0.1, 0.8, Some(0.8))];
+        let told = loss(&kinds);
         assert_eq!(
             told,
             "few cannot be judged on this scene. These keep no clearly less than in a program of its own: fine."
@@ -422,7 +424,7 @@ mod tests {
                 "It keeps no clearly less than with a memory in an analogue register.",
             ),
         ] {
-            assert_eq!(loss(kinds, &[1000; 2]), told);
+            assert_eq!(loss(kinds), told);
         }
     }
 }
