@@ -366,6 +366,8 @@ fn events_leave_by_columns_from_the_top_right() {
             polarity: Polarity::On,
             channel: 2,
             slots,
+            columns_reversed: false,
+            rows_reversed: false,
         }),
         line: 3,
     };

@@ -463,15 +463,28 @@ fn words_of_cameras() {
         .iter()
         .flat_map(|w| w.rotate_left(32).to_le_bytes())
         .collect();
-    let loaded = read(
-        Format::Evt21,
+    for header in [
         "% format EVT21;endianness=legacy\n% end\n",
-        &legacy,
-    );
-    assert_eq!(
-        loaded.packet.events,
-        [event(67, 32, 5, true), event(67, 63, 5, true)]
-    );
+        "% format EVT21\n% endianness legacy\n% end\n",
+    ] {
+        let loaded = read(Format::Evt21, header, &legacy);
+        assert_eq!(
+            loaded.packet.events,
+            [event(67, 32, 5, true), event(67, 63, 5, true)],
+            "{header}"
+        );
+    }
+    // Of the others nobody has said what that would be.
+    for format in [Format::Evt2, Format::Evt3] {
+        let opening = Opening {
+            format: Some(format),
+            ..Opening::default()
+        };
+        let bytes = b"% endianness legacy\n% end\n".to_vec();
+        let refused = Reader::of_bytes(Path::new("camera"), bytes, &opening).map(|_| ());
+        let error = refused.unwrap_err().to_string();
+        assert!(error.contains("legacy-endian"), "{format}: {error}");
+    }
 
     let dat1 = [
         b"\x00\x08".to_vec(),

@@ -439,12 +439,14 @@ fn a_buffer_says_polarity_and_channel() {
             source: Digital(5),
             polarity: Polarity::Off,
             channel: 2,
-            slots: 1000
+            slots: 1000,
+            columns_reversed: false,
+            rows_reversed: false,
         }
     );
     assert!(matches!(
         events("scamp5_scan_events(R5, BUFFER, 4000, 0, 1);"),
-        Host::ScanEventsFrom {
+        Host::ScanEvents {
             polarity: Polarity::On,
             channel: 0,
             slots: 4000,

@@ -32,6 +32,8 @@ fn steps(words: usize, all: bool) -> impl Strategy<Value = Vec<Step>> {
             polarity,
             channel: 1,
             slots,
+            columns_reversed: false,
+            rows_reversed: false,
         }
     });
     let area = prop_oneof![
@@ -402,6 +404,8 @@ fn small_frames() -> impl Strategy<Value = Vec<Step>> {
             polarity: Polarity::On,
             channel: 1,
             slots,
+            columns_reversed: false,
+            rows_reversed: false,
         }),
         (0u8..7).prop_map(|source| Host::ReadAnalog {
             source: Analog(source)
@@ -603,6 +607,8 @@ fn a_large_array_agrees_too() {
                 polarity: Polarity::On,
                 channel: 0,
                 slots: 4000,
+                columns_reversed: false,
+                rows_reversed: false,
             }),
             line: 2,
         },

@@ -530,7 +530,7 @@ fn reads_events(steps: &[Step]) -> bool {
     steps.iter().any(|step| match &step.action {
         Action::Word(_) => false,
         Action::Host(host) => {
-            matches!(host, Host::ScanEvents { .. } | Host::ScanEventsFrom { .. })
+            matches!(host, Host::ScanEvents { .. })
         }
         Action::Repeat { body, .. } => reads_events(body),
     })

@@ -25,9 +25,7 @@ pub fn answered(
     let kinds = kinds.map(|it| it.channel.saturating_add(1)).max();
     packet.channels = packet.channels.max(kinds.unwrap_or_default());
     let last = steps.last().map(|it| &it.action);
-    if let Some(Action::Host(Host::ScanEvents { slots, .. } | Host::ScanEventsFrom { slots, .. })) =
-        last
-    {
+    if let Some(Action::Host(Host::ScanEvents { slots, .. })) = last {
         return Ok(list(&packet.events[events..], *slots, chip.size()));
     }
     let read = chip.readings().get(readings..).unwrap_or_default();

@@ -179,7 +179,7 @@ fn host(host: &Host, layout: &Layout) -> Result<(), CodeProblem> {
                 })
             }
         }
-        Host::ScanEvents { source, slots, .. } | Host::ScanEventsFrom { source, slots, .. } => {
+        Host::ScanEvents { source, slots, .. } => {
             digital(*source, layout)?;
             if *slots > SLOTS {
                 return Err(CodeProblem::Slots { slots: *slots });

@@ -155,14 +155,9 @@ fn light(kernel: &Plane<f64>, threshold: f64, step: f64) -> impl Fn(f64) -> f64 
 fn give_slots(steps: &mut [Step], size: Size, reads: &mut [bool; 2]) {
     for step in steps {
         match &mut step.action {
-            Action::Host(
-                Host::ScanEvents {
-                    slots, polarity, ..
-                }
-                | Host::ScanEventsFrom {
-                    slots, polarity, ..
-                },
-            ) => {
+            Action::Host(Host::ScanEvents {
+                slots, polarity, ..
+            }) => {
                 *slots = size.pixels() as u32;
                 reads[usize::from(*polarity == Polarity::On)] = true;
             }

@@ -62,7 +62,7 @@ impl Ledger {
     pub(super) fn host(&mut self, host: &Host, device: &Device) {
         self.host += 1;
         self.host_us += host_us(host, device);
-        if let Host::ScanEvents { slots, .. } | Host::ScanEventsFrom { slots, .. } = host {
+        if let Host::ScanEvents { slots, .. } = host {
             self.slots += u64::from(*slots);
         }
     }

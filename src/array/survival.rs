@@ -12,7 +12,7 @@
 //! that of both pictures, `sign(gain) · sqrt(1 - noise² / var(silicon))`.
 
 use super::{
-    Arithmetic, Array, CodeError, RunError, Settings,
+    Arithmetic, Array, CodeError, RunError, Settings, ShapeError,
     range::{Inputs, Interval},
     symbolic::reach,
 };
@@ -68,6 +68,8 @@ pub enum SurvivalError {
     Code(#[from] CodeError),
     /// A domain has no answer.
     Run(#[from] RunError),
+    /// A plane of another size than the array.
+    Shape(#[from] ShapeError),
 }
 
 /// Runs a program on `silicon` with this seed and in exact arithmetic, on inputs that are uniform
@@ -115,12 +117,11 @@ pub fn survival(
             let mut packet = Packet::new(size, chip.channels());
             chip.begin_frame();
             let light = random(inputs.light, (seed, run, u64::MAX), size);
-            // The light has the size of the array.
-            let _ = chip.expose(&light);
+            chip.expose(&light)?;
             for cell in &set {
                 if let Cell::Analog(register) = cell {
                     let draw = (seed, run, u64::from(register.0));
-                    let _ = chip.set_analog(*register, &random(inputs.registers, draw, size));
+                    chip.set_analog(*register, &random(inputs.registers, draw, size))?;
                 }
             }
             if is_init {

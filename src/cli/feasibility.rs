@@ -46,9 +46,6 @@ use super::{
     window::Window,
 };
 
-/// The threshold from which one for a rate is looked for.
-const START: f64 = 64.0;
-
 /// What `feasibility` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
@@ -357,14 +354,15 @@ impl Arguments {
             for (name, kernel) in kinds.names.iter().zip(&kinds.kernels) {
                 let found = self.rated(kernel, each, device)?;
                 missed.extend(Warning::rate(name, each, found.rate));
-                thresholds.push(study::rate::four_digits(START * found.factor));
+                let threshold = study::rate::start(kernel) * found.factor;
+                thresholds.push(study::rate::four_digits(threshold));
             }
             return Ok(thresholds);
         }
         kinds.thresholds_or_rate("feasibility", &self.threshold)
     }
 
-    /// By what to multiply a threshold of [`START`] for so many events of the float sensor.
+    /// By what to multiply the first threshold ([`study::rate::start`]) for so many events of the float sensor.
     fn rated(
         &self,
         kernel: &Kernel,
@@ -373,7 +371,7 @@ impl Arguments {
     ) -> miette::Result<ThresholdFactor> {
         let design = Design {
             kernel,
-            threshold: START,
+            threshold: study::rate::start(kernel),
             device,
             effort: Effort::seconds(self.effort),
             seed: self.seed,

@@ -204,7 +204,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         planned: planned.as_ref(),
         verified: verified.as_ref(),
     };
-    light::warn(&Warning::of_scene(&observation, description.response));
+    let mut warnings = Warning::of_scene(&observation, description.response);
+    if planned
+        .as_ref()
+        .is_some_and(|ran| ran.packet.events.is_empty())
+    {
+        let frames = kept.len() as u64;
+        warnings.push(Warning::no_events(&description.name, Some(frames)));
+    }
+    light::warn(&warnings);
     if arguments.json {
         let mut json = told.json()?;
         json["light"] = light::json(&observation);

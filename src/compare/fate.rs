@@ -174,7 +174,7 @@ mod tests {
                 t: Micros(t),
                 x,
                 y: 0,
-                polarity: if on { Polarity::On } else { Polarity::Off },
+                polarity: Polarity::of(on),
                 channel: 0,
             })
             .collect();

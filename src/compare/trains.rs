@@ -62,11 +62,7 @@ impl Cell {
     /// Sign.
     #[must_use]
     pub const fn polarity(self) -> Polarity {
-        if self.0 & 1 == 1 {
-            Polarity::On
-        } else {
-            Polarity::Off
-        }
+        Polarity::of(self.0 & 1 == 1)
     }
 }
 
@@ -205,7 +201,7 @@ mod tests {
                     t: Micros(t),
                     x,
                     y,
-                    polarity: if on { Polarity::On } else { Polarity::Off },
+                    polarity: Polarity::of(on),
                     channel,
                 })
                 .collect();

@@ -40,6 +40,12 @@ impl Polarity {
             Self::On => 1,
         }
     }
+
+    /// What [`Polarity::bit`] says: ON for a bit that is set.
+    #[must_use]
+    pub const fn of(is_on: bool) -> Self {
+        if is_on { Self::On } else { Self::Off }
+    }
 }
 
 /// One address-event.

@@ -24,7 +24,7 @@ pub struct TradeDot {
     pub planning: f64,
     /// The share of changed events, about.
     pub share: f64,
-    /// What the share hardly exceeds.
+    /// The upper confidence limit of the share (95 %).
     pub limit: f64,
     /// Whether nothing beats it.
     pub on_front: bool,

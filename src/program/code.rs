@@ -23,13 +23,13 @@ impl Code {
 
 fn kinds(body: &[Step]) -> u8 {
     let of = |step: &Step| match &step.action {
-        Action::Host(Host::ScanEvents { channel, .. } | Host::ScanEventsFrom { channel, .. }) => {
-            channel.saturating_add(1)
-        }
-        Action::Host(Host::ScanDigital {
-            events: Some((_, channel)),
-            ..
-        }) => channel.saturating_add(1),
+        Action::Host(
+            Host::ScanEvents { channel, .. }
+            | Host::ScanDigital {
+                events: Some((_, channel)),
+                ..
+            },
+        ) => channel.saturating_add(1),
         Action::Host(_) | Action::Word(_) => 0,
         Action::Repeat { body, .. } => kinds(body),
     };

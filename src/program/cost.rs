@@ -104,24 +104,28 @@ pub fn stored(steps: &[Step], device: &Device) -> Words {
 #[must_use]
 pub fn host_us(host: &Host, device: &Device) -> f64 {
     let row = device.host(host.kind());
+    let [calls, items] = host_calls(host, device);
+    calls * row.call.value + items * row.item.as_ref().map_or(0.0, |i| i.value)
+}
+
+/// How often a host operation is called, and how many slots, samples or rows it takes.
+pub(super) fn host_calls(host: &Host, device: &Device) -> [f64; 2] {
     let pixels = device.value(Figure::Height) * device.value(Figure::Width);
     let span = |a: u16, b: u16| f64::from(b.abs_diff(a)) + 1.0;
-    let (calls, items) = match host {
-        Host::ScanEvents { slots, .. } | Host::ScanEventsFrom { slots, .. } => {
-            (1.0, f64::from(*slots))
-        }
-        Host::ReadAnalog { .. } => (1.0, pixels),
+    match host {
+        Host::ScanEvents { slots, .. } => [1.0, f64::from(*slots)],
+        Host::ReadAnalog { .. } => [1.0, pixels],
         Host::ScanAnalog { window, step, .. } => {
             let rows = (span(window.top, window.bottom) / f64::from(step.0.max(1))).ceil();
             let columns = (span(window.right, window.left) / f64::from(step.1.max(1))).ceil();
-            (1.0, rows * columns)
+            [1.0, rows * columns]
         }
-        Host::ScanBlocks { .. } => (1.0, 64.0),
+        Host::ScanBlocks { .. } => [1.0, 64.0],
         Host::ScanDigital {
             first_row,
             last_row,
             ..
-        } => (1.0, span(*first_row, *last_row)),
+        } => [1.0, span(*first_row, *last_row)],
         Host::GlobalSum {
             over: SumOver::Grid8,
             ..
@@ -129,7 +133,7 @@ pub fn host_us(host: &Host, device: &Device) -> f64 {
         | Host::GlobalCount {
             over: SumOver::Grid8,
             ..
-        } => (2.0, 0.0),
+        } => [2.0, 0.0],
         Host::LoadIn { .. }
         | Host::LoadInRaw { .. }
         | Host::LoadDac { .. }
@@ -142,7 +146,6 @@ pub fn host_us(host: &Host, device: &Device) -> f64 {
         | Host::Select { .. }
         | Host::DrawBegin { .. }
         | Host::Draw { .. }
-        | Host::DrawEnd => (1.0, 0.0),
-    };
-    calls * row.call.value + items * row.item.as_ref().map_or(0.0, |i| i.value)
+        | Host::DrawEnd => [1.0, 0.0],
+    }
 }

@@ -74,7 +74,6 @@ fn of_host(host: &Host) -> (Vec<Cell>, Vec<Cell>) {
         | Host::DrawBegin { .. }
         | Host::DrawEnd => (vec![], vec![]),
         Host::ScanEvents { source, .. }
-        | Host::ScanEventsFrom { source, .. }
         | Host::ScanDigital { source, .. }
         | Host::ScanBoundingBox { source }
         | Host::GlobalOr { source, .. } => (vec![Cell::Digital(*source)], vec![]),

@@ -118,23 +118,13 @@ fn scan_events(values: &Values<'_>) -> Result<Host, String> {
     })?;
     let number = |at| values.number(at).ok_or_else(misfit);
     let slots = number(2)? as u32;
-    let (columns_reversed, rows_reversed) = (number(3)? != 0.0, number(4)? != 0.0);
-    Ok(if columns_reversed || rows_reversed {
-        Host::ScanEventsFrom {
-            source,
-            polarity,
-            channel,
-            slots,
-            columns_reversed,
-            rows_reversed,
-        }
-    } else {
-        Host::ScanEvents {
-            source,
-            polarity,
-            channel,
-            slots,
-        }
+    Ok(Host::ScanEvents {
+        source,
+        polarity,
+        channel,
+        slots,
+        columns_reversed: number(3)? != 0.0,
+        rows_reversed: number(4)? != 0.0,
     })
 }
 
@@ -292,7 +282,7 @@ impl Host {
             Self::LoadIn { .. } => HostKind::LoadIn,
             Self::LoadInRaw { .. } => HostKind::LoadInRaw,
             Self::LoadDac { .. } => HostKind::LoadDac,
-            Self::ScanEvents { .. } | Self::ScanEventsFrom { .. } => HostKind::ScanEvents,
+            Self::ScanEvents { .. } => HostKind::ScanEvents,
             Self::ReadAnalog { .. } => HostKind::ReadAnalog,
             Self::ReadPixel { .. } => HostKind::ReadPixel,
             Self::ScanAnalog { .. } => HostKind::ScanAnalog,
@@ -324,17 +314,17 @@ impl Host {
                 polarity,
                 channel,
                 slots,
-            } => events_text(&d(source), *polarity, *channel, *slots, None),
-            Self::ScanEventsFrom {
-                source,
-                polarity,
-                channel,
-                slots,
                 columns_reversed,
                 rows_reversed,
             } => {
-                let reversed = Some((*columns_reversed, *rows_reversed));
-                events_text(&d(source), *polarity, *channel, *slots, reversed)
+                let (source, name) = (d(source), buffer_name(*polarity, *channel));
+                let corner = if *columns_reversed || *rows_reversed {
+                    let [columns, rows] = [columns_reversed, rows_reversed].map(|it| u8::from(*it));
+                    format!(", {columns}, {rows}")
+                } else {
+                    String::new()
+                };
+                format!("scamp5_scan_events({source}, {name}, {slots}{corner})")
             }
             Self::ReadAnalog { source } => format!("scamp5_output_image({})", a(source)),
             Self::ReadPixel {
@@ -435,20 +425,6 @@ fn select_text(area: &Area) -> String {
         Area::Row { row, ignored } => format!("scamp5_select_rowx({row}, {ignored})"),
         Area::Column { column, ignored } => format!("scamp5_select_colx({column}, {ignored})"),
     }
-}
-
-fn events_text(
-    source: &str,
-    polarity: Polarity,
-    channel: u8,
-    slots: u32,
-    reversed: Option<(bool, bool)>,
-) -> String {
-    let name = buffer_name(polarity, channel);
-    let reversed = reversed.map_or_else(String::new, |(columns, rows)| {
-        format!(", {}, {}", u8::from(columns), u8::from(rows))
-    });
-    format!("scamp5_scan_events({source}, {name}, {slots}{reversed})")
 }
 
 /// The buffer of a sign and channel, as programs are written.

@@ -14,7 +14,8 @@ pub enum Host {
         value: f64,
     },
     /// Read the set pixels of a one-bit register as events, column by column from the
-    /// chip's origin (top right), rows downward; the register is left as it is.
+    /// chip's origin (top right), rows downward, or from another corner; the register is left as
+    /// it is.
     ScanEvents {
         /// The one-bit register that is read.
         source: Digital,
@@ -24,6 +25,10 @@ pub enum Host {
         channel: u8,
         /// Slots asked; later events are dropped and counted. Cost is proportional to this.
         slots: u32,
+        /// Whether columns are read from the last to the first.
+        columns_reversed: bool,
+        /// Whether rows are read from the last to the first.
+        rows_reversed: bool,
     },
     /// Read an analogue register through the ADC, for the caller to look at.
     ReadAnalog {
@@ -39,21 +44,6 @@ pub enum Host {
     LoadDac {
         /// The code, 0 to 4095.
         code: u16,
-    },
-    /// As [`Host::ScanEvents`], from another corner of the array.
-    ScanEventsFrom {
-        /// The one-bit register that is read.
-        source: Digital,
-        /// The sign that these events carry.
-        polarity: Polarity,
-        /// The kind of cell that they carry.
-        channel: u8,
-        /// Slots asked; later events are dropped and counted.
-        slots: u32,
-        /// Whether columns are read from the last to the first.
-        columns_reversed: bool,
-        /// Whether rows are read from the last to the first.
-        rows_reversed: bool,
     },
     /// One sample of an analogue register through the ADC.
     ReadPixel {

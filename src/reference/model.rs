@@ -250,11 +250,7 @@ fn train<R: Real>(d: R, count: R, first: R, spacing: R) -> Option<Train> {
 }
 
 fn polarity<R: Real>(d: R) -> Polarity {
-    if d > R::ZERO {
-        Polarity::On
-    } else {
-        Polarity::Off
-    }
+    Polarity::of(d > R::ZERO)
 }
 
 /// One cell.

@@ -84,11 +84,7 @@ impl<'a> NoiseEvents<'a> {
             if hot {
                 return Some((u, Polarity::On));
             }
-            let sign = if place.uniform_at(Reason::StraySign, interval, turn) < 0.5 {
-                Polarity::On
-            } else {
-                Polarity::Off
-            };
+            let sign = Polarity::of(place.uniform_at(Reason::StraySign, interval, turn) < 0.5);
             let kept = noise.shot_at_white >= 1.0
                 || place.uniform_at(Reason::StrayKept, interval, turn) < noise.shot_share(light());
             kept.then_some((u, sign))

@@ -71,11 +71,7 @@ impl<R: Real> TrainRow<R> {
     pub fn get(&self, x: usize) -> Option<Train> {
         let count = self.counts[x];
         (count != 0).then(|| Train {
-            polarity: if count > 0 {
-                Polarity::On
-            } else {
-                Polarity::Off
-            },
+            polarity: Polarity::of(count > 0),
             count: count.unsigned_abs().into(),
             first: self.first[x].to_f64(),
             spacing: self.spacing[x].to_f64(),

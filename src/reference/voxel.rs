@@ -254,7 +254,7 @@ mod tests {
         #[test]
         fn closed_form_is_the_sum_over_events(count in 1u64..500, first in 0.0f64..1.0, room in 0.0f64..1.0, on: bool) {
             let spacing = room * (1.0 - first) / count as f64;
-            let polarity = if on { Polarity::On } else { Polarity::Off };
+            let polarity = Polarity::of(on);
             let train = Train { polarity, count, first, spacing };
             let (mut earlier, mut later) = (0.0, 0.0);
             for i in 0..count {

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use crate::{
     elementary,
+    kernel::Kernel,
     reference::{AnyReference, Channel, Description, Reference, Sinks, Tally},
     rig,
     scene::{Scene, SceneError},
@@ -43,7 +44,9 @@ pub enum RateError {
     #[diagnostic(help("give a scene of two frames at least"))]
     Still,
     /// Nothing changes for the sensor.
-    #[error("{0} events per pixel and second: this scene gives no event at any threshold")]
+    #[error(
+        "{0} events per pixel and second: this scene gives no event at any threshold that was tried, down to a 4096th of the first"
+    )]
     #[diagnostic(help(
         "give a scene in which something moves, and a kernel whose weights are not all 0; under rule = \"authors\" frames have to be further apart than the refractory period, and under polarity = \"pixel\" cells have to see their own pixel"
     ))]
@@ -163,6 +166,20 @@ const OCTAVES: f64 = 12.0;
 
 /// Times that the range is divided by four: to 3 % of a threshold.
 const ROUNDS: u32 = 5;
+
+/// A threshold from which one for a rate is looked for, of the float sensor of a kernel: 64 where the
+/// weights' magnitudes add up to about 1, and by steps of 4096 with them, so that light from 0 to 255
+/// crosses the lowest that are tried.
+#[must_use]
+pub fn start(kernel: &Kernel) -> f64 {
+    const ORDINARY: f64 = 64.0;
+    let magnitude = kernel.magnitude();
+    if magnitude <= 0.0 {
+        return ORDINARY;
+    }
+    let steps = (elementary::log2(magnitude) / OCTAVES).round();
+    ORDINARY * elementary::pow(2.0, OCTAVES * steps)
+}
 
 /// Finds by what to multiply the thresholds of a sensor so that it says `rate` events per pixel
 /// and second, all kinds together, over the scene that `open` opens. The scene is shown seven
@@ -398,7 +415,7 @@ pub(super) fn rates(
 /// number. None of them fires where the threshold is rounded up to it.
 #[must_use]
 pub fn four_digits(threshold: f64) -> f64 {
-    let digits = (3 - elementary::log10(threshold).floor() as i32).clamp(0, 12);
+    let digits = (3 - elementary::log10(threshold).floor() as i32).clamp(0, 300);
     let rounded = |threshold: f64| {
         let text = format!("{threshold:.*}", digits as usize);
         text.parse().unwrap_or(threshold)
@@ -449,6 +466,7 @@ mod tests {
             (12_345.6, 12_345.0),
             (0.9999, 0.9999),
             (0.999_99, 0.9999),
+            (3.936_71e-20, 3.936e-20),
         ] {
             assert_eq!(four_digits(threshold), digits, "{threshold}");
         }
@@ -473,6 +491,27 @@ mod tests {
             let again = rates(&times(&sensor, found.factor), tried, 3, &scene).unwrap();
             assert_eq!(again, [[found.rate]]);
         }
+    }
+
+    /// Whatever the scale of its weights, and the same to the bit where that is ordinary.
+    #[test]
+    fn the_search_starts_where_a_kernel_can_fire() {
+        let laplacian = [[0.0, 1.0, 0.0], [1.0, -4.0, 1.0], [0.0, 1.0, 0.0]];
+        let scaled = |scale: f64| {
+            let rows = laplacian.map(|row| row.map(|weight| weight * scale).to_vec());
+            Kernel::from_rows(&rows).unwrap()
+        };
+        for scale in [1e-20, 1e-6, 1.0, 1e6, 1e20] {
+            let start = start(&scaled(scale));
+            let most = 255.0 * scaled(scale).magnitude();
+            assert!((start / 4096.0..start * 4096.0).contains(&most), "{scale}");
+            assert!(start / 4096.0 < most / 255.0, "{scale}: a step of light");
+        }
+        for scale in [0.01, 1.0, 7.0] {
+            assert_eq!(start(&scaled(scale)), 64.0);
+        }
+        let nothing = Kernel::from_rows(&[vec![0.0]]).unwrap();
+        assert_eq!(start(&nothing), 64.0);
     }
 
     #[test]

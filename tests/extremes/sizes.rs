@@ -98,6 +98,8 @@ fn edges(domain: &str, size: Size) -> Box<dyn Array + Send> {
         polarity: Polarity::On,
         channel: 0,
         slots: 4000,
+        columns_reversed: false,
+        rows_reversed: false,
     })));
     chip(domain, size, body)
 }

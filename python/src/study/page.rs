@@ -33,7 +33,7 @@ fn rated(
 ) -> Result<f64, Report> {
     let design = Design {
         kernel,
-        threshold: 64.0,
+        threshold: rate::start(kernel),
         device,
         effort,
         seed,

@@ -89,47 +89,31 @@ impl<D: RowOps> Chip<D> {
             deliver(&scan, polarity, channel, t, packet);
             return;
         }
-        let mut scan = |source, polarity, channel, slots, from_left, from_bottom| {
-            let bits = self.state.digital(source);
-            let scan = Scanned::new(bits, self.state.layout.size, slots, from_left, from_bottom);
-            self.ledger.events += scan.found.len() as u64;
-            self.ledger.missed += scan.missed;
-            self.ledger.ambiguous += u64::from(scan.ambiguous);
-            deliver(&scan, polarity, channel, t, packet);
+        let Host::ScanEvents {
+            source,
+            polarity,
+            channel,
+            slots,
+            columns_reversed,
+            rows_reversed,
+        } = *operation
+        else {
+            let values = host::execute(
+                &self.domain,
+                &self.settings.converters,
+                &mut self.state,
+                operation,
+            );
+            let reading = values.map(|values| Reading { line, values });
+            self.readings.extend(reading);
+            return;
         };
-        match *operation {
-            Host::ScanEvents {
-                source,
-                polarity,
-                channel,
-                slots,
-            } => scan(source, polarity, channel, slots, false, false),
-            Host::ScanEventsFrom {
-                source,
-                polarity,
-                channel,
-                slots,
-                columns_reversed,
-                rows_reversed,
-            } => scan(
-                source,
-                polarity,
-                channel,
-                slots,
-                columns_reversed,
-                rows_reversed,
-            ),
-            _ => {
-                let values = host::execute(
-                    &self.domain,
-                    &self.settings.converters,
-                    &mut self.state,
-                    operation,
-                );
-                let reading = values.map(|values| Reading { line, values });
-                self.readings.extend(reading);
-            }
-        }
+        let (bits, size) = (self.state.digital(source), self.state.layout.size);
+        let scan = Scanned::new(bits, size, slots, columns_reversed, rows_reversed);
+        self.ledger.events += scan.found.len() as u64;
+        self.ledger.missed += scan.missed;
+        self.ledger.ambiguous += u64::from(scan.ambiguous);
+        deliver(&scan, polarity, channel, t, packet);
     }
 }
 

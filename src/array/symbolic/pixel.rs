@@ -206,7 +206,6 @@ impl<'a, D: Symbolic> GenericPixel<'a, D> {
             }
             // They look, or they change bits, which matter by way of FLAG alone.
             Host::ScanEvents { .. }
-            | Host::ScanEventsFrom { .. }
             | Host::ReadAnalog { .. }
             | Host::ReadPixel { .. }
             | Host::ScanAnalog { .. }

@@ -11,7 +11,7 @@ use super::opened::{Opened, Source};
 use crate::{
     array::range::Interval,
     isa::{Device, Figure},
-    program::{Cell, Cost, Entry, Expanded, Expansion, Program, vendor_text},
+    program::{Cell, Cost, Entry, Expanded, Expansion, HostCalls, Program, vendor_text},
 };
 
 /// What `asm` is asked to do.
@@ -242,11 +242,20 @@ fn json(
             .collect()
     }
     let (used, destroyed) = registers(expansion, device);
+    let code = &expansion.code;
     let cost = |(name, cost): (&str, Cost)| {
+        let steps = if name == "init" {
+            &code.init
+        } else {
+            &code.frame
+        };
+        let (host, evidence) = HostCalls::between(&HostCalls::of(steps, device), device);
         let value = json!({
             "words": cost.words,
             "array_us": cost.array_us,
             "host_us": cost.host_us,
+            "host_us_range": host,
+            "evidence": { "host_us": evidence },
         });
         (name.to_owned(), value)
     };

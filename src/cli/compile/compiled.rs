@@ -16,7 +16,7 @@ use crate::{
     },
     isa::{Analog, Device, Evidence, Figure, Kind},
     plane::Plane,
-    program::{Cost, for_each},
+    program::{Cost, HostCalls, for_each},
     study::feasibility::{Estimate, power::words_energy, time},
     unit::{Lsb, counted},
 };
@@ -37,7 +37,9 @@ impl Compiled {
     }
 
     pub(super) fn json(&self, asked: &Asked, device: &Device, seconds: f64) -> serde_json::Value {
-        let cost = Cost::of(&self.expansion.code.frame, device);
+        let frame = &self.expansion.code.frame;
+        let cost = Cost::of(frame, device);
+        let host = HostCalls::between(&HostCalls::of(frame, device), device);
         let rows = |plane: &Plane<f64>| -> Vec<Vec<f64>> {
             plane.rows().into_iter().map(|row| row.to_vec()).collect()
         };
@@ -75,6 +77,7 @@ impl Compiled {
             "array_us": cost.array_us,
             "array_us_range": self.array(device).map(|it| it.ends()),
             "host_us": cost.host_us,
+            "host_us_range": host.0,
             "readout": self.readouts.as_ref().map(Readouts::json),
             "results_lsb": results.collect::<Vec<_>>(),
             "thresholds_lsb": self.thresholds,
@@ -92,6 +95,7 @@ impl Compiled {
             "energy_uj_range": energy.ends(),
             "evidence": {
                 "array_us": self.array(device).map(|it| it.evidence),
+                "host_us": host.1,
                 "energy_uj": energy.evidence,
                 "on_chip": Errors::evidence_with_range(device),
             },

@@ -480,7 +480,6 @@ fn reads_events(steps: &[Step]) -> bool {
             matches!(
                 host,
                 Host::ScanEvents { .. }
-                    | Host::ScanEventsFrom { .. }
                     | Host::ScanDigital {
                         events: Some(_),
                         ..

@@ -197,11 +197,7 @@ impl Coded {
                 None => input.read("kind", fields.channel, self.channels.into())? as u8,
                 Some(book) => book.decode(|| input.flag("kind"))?,
             };
-            let polarity = if input.flag("sign")? {
-                Polarity::On
-            } else {
-                Polarity::Off
-            };
+            let polarity = Polarity::of(input.flag("sign")?);
             events.push(Event {
                 t,
                 x,

@@ -21,13 +21,16 @@ use super::{
     about::{About, BLANK},
     chunks::Chunks,
     entry::{Entry, Limits, Sign, Streams},
-    evt2::polarity,
     fault::Stop,
     head::Head,
     header::{Header, complete},
     source::{Out, Sink, Stream, Words},
 };
-use crate::{event::Event, plane::Size, unit::Micros};
+use crate::{
+    event::{Event, Polarity},
+    plane::Size,
+    unit::Micros,
+};
 
 /// The first bytes of a file.
 const MAGIC: &[u8] = b"#!AER-DAT2.0";
@@ -98,7 +101,7 @@ impl Chip {
             t: Micros(t.into()),
             x: x as u16,
             y: y as u16,
-            polarity: polarity(on),
+            polarity: Polarity::of(on),
             channel: 0,
         })
     }

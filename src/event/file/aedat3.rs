@@ -13,13 +13,16 @@ use super::{
     about::{About, BLANK},
     chunks::Chunks,
     entry::{Entry, Limits, Sign, Streams},
-    evt2::polarity,
     fault::Stop,
     head::Head,
     header::{Header, complete},
     source::{BLOCK, Out, Sink, Source},
 };
-use crate::{event::Event, plane::Size, unit::Micros};
+use crate::{
+    event::{Event, Polarity},
+    plane::Size,
+    unit::Micros,
+};
 
 /// The first bytes of a file.
 const MAGIC: &[u8] = b"#!AER-DAT3.1";
@@ -219,7 +222,7 @@ impl Source for Reading {
                     t: Micros(turns << LOW | u64::from(low & i32::MAX as u32)),
                     x: (address >> 17) as u16,
                     y: (address >> 2 & 0x7FFF) as u16,
-                    polarity: polarity(address >> 1 & 1 == 1),
+                    polarity: Polarity::of(address >> 1 & 1 == 1),
                     channel: 0,
                 });
                 self.places.push(from + (i * EVENT) as u64);

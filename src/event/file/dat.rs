@@ -13,13 +13,15 @@ use super::{
     about::{About, BLANK},
     chunks::Chunks,
     entry::{Entry, Limits, Sign, Streams},
-    evt2::polarity,
     fault::Stop,
     head::Head,
     header::{Header, complete},
     source::{Out, Sink, Stream, Words},
 };
-use crate::{event::Event, unit::Micros};
+use crate::{
+    event::{Event, Polarity},
+    unit::Micros,
+};
 
 /// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
@@ -103,7 +105,7 @@ impl Words for Dat {
                 t: Micros(word & u64::from(u32::MAX)),
                 x: (place & ((1 << columns) - 1)) as u16,
                 y: (place >> columns & ((1 << rows) - 1)) as u16,
-                polarity: polarity(sign == 1),
+                polarity: Polarity::of(sign == 1),
                 channel: 0,
             });
         }

@@ -13,12 +13,15 @@ use super::{
     about::About,
     chunks::Chunks,
     entry::{Entry, Limits, Sign, Streams},
-    evt2::polarity,
     fault::Stop,
     head::Head,
     source::{Out, Sink, Stream, Words},
 };
-use crate::{event::Event, plane::Size, unit::Micros};
+use crate::{
+    event::{Event, Polarity},
+    plane::Size,
+    unit::Micros,
+};
 
 /// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
@@ -111,7 +114,7 @@ impl Words for Es {
                         t: Micros(self.t),
                         x: u16::from_le_bytes([x0, x1]),
                         y: u16::from_le_bytes([y0, y1]),
-                        polarity: polarity(first & 1 == 1),
+                        polarity: Polarity::of(first & 1 == 1),
                         channel: 0,
                     });
                     at += 5;

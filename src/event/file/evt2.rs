@@ -14,26 +14,14 @@ use super::{
     Fault, Format,
     about::About,
     chunks::Chunks,
-    entry::{Entry, Limits, Sign, Streams},
+    entry::{Entry, Sign, Streams},
     fault::Stop,
     head::Head,
-    header::{Header, complete, prophesee},
+    header::{complete, prophesee},
+    prophesee::{ByteOrder, Clock, LIMITS, LOW, opened},
     source::{Out, Sink, Stream, Words},
 };
-use crate::{
-    event::{Event, Polarity},
-    unit::Micros,
-};
-
-/// Addresses have eleven bits. Every overflow of the time is written out, so times are limited such
-/// that this takes a few megabytes.
-pub(super) const LIMITS: Limits = Limits {
-    x: (1 << 11) - 1,
-    y: (1 << 11) - 1,
-    t: (1 << 44) - 1,
-    channels: false,
-    ..Limits::WIDE
-};
+use crate::event::{Event, Polarity};
 
 /// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
@@ -52,74 +40,6 @@ pub(super) const ENTRY: Entry = Entry {
     ..Entry::PLAIN
 };
 
-/// Low bits of the time that an event carries itself.
-pub const LOW: u32 = 6;
-
-/// Bits of the time in a word of its own.
-const HIGH: u32 = 28;
-
-/// The time, whose overflows the reader counts itself.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Clock {
-    high: Option<u64>,
-    turns: u64,
-}
-
-impl Clock {
-    /// Takes a new upper part: a step back by more than half the range is an overflow.
-    pub fn set(&mut self, high: u32) {
-        let high = u64::from(high);
-        let turned = |last: &u64| last.wrapping_sub(high) > 1 << (HIGH - 1) && high < *last;
-        self.turns += u64::from(self.high.as_ref().is_some_and(turned));
-        self.high = Some(high);
-    }
-
-    /// The time of an event with these low bits; `None` before the first upper part.
-    pub fn time(self, low: u32) -> Option<Micros> {
-        let high = self.turns << HIGH | self.high?;
-        Some(Micros(high << LOW | u64::from(low)))
-    }
-
-    /// The upper parts to write between that of the last event (0 at first) and `to`, both with
-    /// their overflows counted.
-    pub fn steps(last: Option<u64>, to: u64) -> impl Iterator<Item = u32> {
-        let from = last.unwrap_or(0);
-        let most = (1 << HIGH) - 1;
-        // The first word of a file is 0, so that no byte of a time looks like a header's %.
-        let start = last.is_none().then_some(0);
-        let turns = (from >> HIGH)..(to >> HIGH);
-        let turns = turns.flat_map(move |_| [most, 0]);
-        let end = (to != from).then_some(to as u32 & most);
-        // None twice in a row, which some readers take for an overflow.
-        let mut before = last.map(|last| last as u32 & most);
-        start
-            .into_iter()
-            .chain(turns)
-            .chain(end)
-            .filter(move |part| before.replace(*part) != Some(*part))
-    }
-}
-
-/// Whether a polarity is ON, in words that have it as a bit.
-pub const fn polarity(on: bool) -> Polarity {
-    if on { Polarity::On } else { Polarity::Off }
-}
-
-/// Reads the header of a file of words, and checks the byte order.
-pub fn opened(chunks: &mut Chunks, format: Format) -> Result<Header, Stop> {
-    let mut header = Header::read(chunks, format, b'%', "end")?;
-    header.names(format).map_err(|fault| chunks.stop(fault))?;
-    header.about.size = header.size(format).map_err(|fault| chunks.stop(fault))?;
-    let order = header.setting("endianness").or(header.get("endianness"));
-    match order {
-        None | Some("little" | "legacy") => Ok(header),
-        Some(other) => {
-            let why = format!("is {other}-endian; only little-endian files are read");
-            Err(chunks.stop(Fault::Layout { format, why }))
-        }
-    }
-}
-
 #[derive(Clone, Debug, Default)]
 pub(super) struct Evt2 {
     clock: Clock,
@@ -128,7 +48,7 @@ pub(super) struct Evt2 {
 
 /// Opens a file's stream of events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Evt2>, Stop> {
-    let header = opened(&mut chunks, Format::Evt2)?;
+    let header = opened(&mut chunks, Format::Evt2, &[ByteOrder::Little])?.0;
     Ok(Stream::new(chunks, Evt2::default(), header.about))
 }
 
@@ -146,7 +66,7 @@ impl Words for Evt2 {
                         t,
                         x: (word >> 11 & 0x7FF) as u16,
                         y: (word & 0x7FF) as u16,
-                        polarity: polarity(kind == 1),
+                        polarity: Polarity::of(kind == 1),
                         channel: 0,
                     }),
                     None => self.skipped += 1,
@@ -210,38 +130,5 @@ impl Sink for Writing {
 
     fn finish(&mut self, out: &mut dyn Out, about: &About) -> io::Result<()> {
         complete(out, self.header.as_bytes(), about)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Whatever lies between two events, a reader counts the turns.
-    #[test]
-    fn every_turn_of_the_clock_is_told() {
-        let times = [
-            0,
-            5,
-            63,
-            64,
-            (1 << 34) - 1,
-            1 << 34,
-            3 << 34,
-            (9 << 34) + 77,
-            1 << 43,
-        ];
-        for (i, first) in times.iter().enumerate() {
-            let mut clock = Clock::default();
-            let mut last = None;
-            for t in &times[i..] {
-                for part in Clock::steps(last, t >> LOW) {
-                    clock.set(part);
-                }
-                last = Some(t >> LOW);
-                let low = (*t & 63) as u32;
-                assert_eq!(clock.time(low), Some(Micros(*t)), "from {first}");
-            }
-        }
     }
 }

@@ -14,13 +14,13 @@ use super::{
     about::About,
     chunks::Chunks,
     entry::{Entry, Sign, Streams},
-    evt2::{Clock, LIMITS, LOW, opened, polarity},
     fault::Stop,
     head::Head,
     header::{complete, prophesee},
+    prophesee::{ByteOrder, Clock, LIMITS, LOW, opened},
     source::{Out, Sink, Stream, Words},
 };
-use crate::event::Event;
+use crate::event::{Event, Polarity};
 
 /// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
@@ -43,16 +43,16 @@ pub(super) const ENTRY: Entry = Entry {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Evt21 {
     clock: Clock,
-    /// Whether the upper half of a word comes first (`endianness=legacy`).
-    legacy: bool,
+    is_upper_half_first: bool,
     skipped: u64,
 }
 
 /// Opens a file's stream of events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Evt21>, Stop> {
-    let header = opened(&mut chunks, Format::Evt21)?;
+    let known = [ByteOrder::Little, ByteOrder::UpperHalfFirst];
+    let (header, order) = opened(&mut chunks, Format::Evt21, &known)?;
     let words = Evt21 {
-        legacy: header.setting("endianness") == Some("legacy"),
+        is_upper_half_first: order == ByteOrder::UpperHalfFirst,
         ..Evt21::default()
     };
     Ok(Stream::new(chunks, words, header.about))
@@ -65,7 +65,7 @@ impl Words for Evt21 {
         let (words, _) = bytes.as_chunks();
         for (i, word) in words.iter().enumerate() {
             let mut word = u64::from_le_bytes(*word);
-            if self.legacy {
+            if self.is_upper_half_first {
                 word = word.rotate_left(32);
             }
             let (upper, mut pixels) = ((word >> 32) as u32, word as u32);
@@ -86,7 +86,7 @@ impl Words for Evt21 {
                             t,
                             x: (first + pixels.trailing_zeros()) as u16,
                             y: (upper & 0x7FF) as u16,
-                            polarity: polarity(kind == 1),
+                            polarity: Polarity::of(kind == 1),
                             channel: 0,
                         });
                         pixels &= pixels - 1;

@@ -16,11 +16,11 @@ use super::{
     about::About,
     chunks::Chunks,
     entry::{Entry, Sign, Streams},
-    evt2::{LIMITS, opened, polarity},
     evt21::together,
     fault::Stop,
     head::Head,
     header::{complete, prophesee},
+    prophesee::{ByteOrder, LIMITS, opened},
     source::{Out, Sink, Stream, Words},
 };
 use crate::{
@@ -68,7 +68,7 @@ pub(super) struct Evt3 {
 
 /// Opens a file's stream of events.
 pub(super) fn source(mut chunks: Chunks) -> Result<Stream<Evt3>, Stop> {
-    let header = opened(&mut chunks, Format::Evt3)?;
+    let header = opened(&mut chunks, Format::Evt3, &[ByteOrder::Little])?.0;
     let words = Evt3 {
         high: None,
         low: 0,
@@ -146,14 +146,14 @@ impl Words for Evt3 {
                         t,
                         x: word & 0x7FF,
                         y,
-                        polarity: polarity(word & 0x800 != 0),
+                        polarity: Polarity::of(word & 0x800 != 0),
                         channel: 0,
                     }),
                     None => self.skipped += 1,
                 },
                 3 => {
                     self.base = Some(word & 0x7FF);
-                    self.polarity = polarity(word & 0x800 != 0);
+                    self.polarity = Polarity::of(word & 0x800 != 0);
                 }
                 4 => self
                     .vector(word & 0xFFF, 12, events)

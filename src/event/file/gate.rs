@@ -70,11 +70,7 @@ impl Numbers {
             t: Micros(self.t.try_into().ok()?),
             x: self.x.try_into().ok()?,
             y: self.y.try_into().ok()?,
-            polarity: if self.p == 1 {
-                Polarity::On
-            } else {
-                Polarity::Off
-            },
+            polarity: Polarity::of(self.p == 1),
             channel: { self.channel.try_into().ok() }.filter(|channel| *channel < u8::MAX)?,
         })
     }

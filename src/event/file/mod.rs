@@ -42,6 +42,7 @@ mod origin;
 mod packed;
 mod packets;
 mod parquet;
+mod prophesee;
 mod reader;
 mod recognise;
 mod source;

@@ -252,7 +252,7 @@ mod tests {
                 t: Micros(t),
                 x,
                 y,
-                polarity: if on { Polarity::On } else { Polarity::Off },
+                polarity: Polarity::of(on),
                 channel,
             },
         );

@@ -48,7 +48,7 @@ mod tests {
                 t: Micros(*t),
                 x: *x,
                 y: *y,
-                polarity: if *on { Polarity::On } else { Polarity::Off },
+                polarity: Polarity::of(*on),
                 channel: 0,
             })
             .collect();

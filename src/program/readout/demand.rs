@@ -143,7 +143,7 @@ mod tests {
                     t: Micros(frame as u64 * 1000),
                     x: (i % 64) as u16,
                     y: (3 + i / 64) as u16,
-                    polarity: if i < *on { Polarity::On } else { Polarity::Off },
+                    polarity: Polarity::of(i < *on),
                     channel: 0,
                 });
             }

@@ -79,9 +79,6 @@ pub enum Aim<'a> {
     Thresholds(&'a [f64]),
 }
 
-/// A threshold to begin with, in kernel times light, before one for the rate is found.
-const START: f64 = 64.0;
-
 /// Tries all of it on a scene that can be opened again: shown seven times for the thresholds, if a
 /// rate is asked for (at most nineteen times more for kinds that share a memory), and then once for each float sensor with its candidates. `seen` is called after each frame of
 /// those, and `searching` before each search, with its number and how many there are.
@@ -240,7 +237,8 @@ impl Question<'_> {
             Aim::Thresholds(all) => return Ok(all.to_vec()),
             Aim::Rate(rate) => rate,
         };
-        let start = self.designs(&vec![START; self.kernels.len()]);
+        let starts: Vec<f64> = self.kernels.iter().map(rate::start).collect();
+        let start = self.designs(&starts);
         let apart = together::description(DriveMemory::Analogue, &start)?;
         let each = rate / self.kernels.len() as f64;
         let found = match rate::factors(&apart, each, self.seed, open) {
@@ -249,7 +247,11 @@ impl Question<'_> {
             }
             found => found?,
         };
-        Ok(found.iter().map(|it| START * it.factor).collect())
+        Ok(starts
+            .iter()
+            .zip(&found)
+            .map(|(start, it)| start * it.factor)
+            .collect())
     }
 
     /// Which kernel does not reach its share of a rate.

@@ -265,8 +265,8 @@ impl Trial<'_> {
         let array = self.words.us(of(Figure::Clock), of(Figure::Launch));
         let scans = Scans::new(&self.program.code.frame, question.device)
             .with_rows(self.nominal.size.height);
-        let item = |kind| value(Named::Item(kind));
-        let readout = scans.cheapest(busy, item, question.device);
+        let times = |kind| [Named::Call(kind), Named::Item(kind)].map(value);
+        let readout = scans.cheapest(busy, times, question.device);
         let exposure = question.exposure.map_or(0.0, |it| it.0 as f64);
         1e6 / question.order.frame(exposure, array, readout)
     }

@@ -24,6 +24,16 @@ const NO_RESULT: [Figure; 11] = [
 /// How much room a chip has.
 const ROOM: [Figure; 3] = [Figure::Height, Figure::Width, Figure::Store];
 
+/// The operations of the host by which events leave the chip, slot by slot or row by row.
+const OF_READOUT: [HostKind; 2] = [HostKind::ScanEvents, HostKind::ScanDigital];
+
+/// The operations of the host that compiled sensors call.
+const CALLED: [HostKind; 3] = [
+    HostKind::LoadIn,
+    HostKind::ScanEvents,
+    HostKind::ScanDigital,
+];
+
 /// The instructions that compiled sensors are made of, but for those that only wait.
 const OF_SENSORS: [Kind; 6] = [
     Kind::ResetPix,
@@ -52,8 +62,8 @@ impl Named {
     #[must_use]
     pub fn with_interval(device: &Device) -> Vec<Self> {
         let figures = Figure::ALL.iter().copied().map(Self::Figure);
-        let items = [HostKind::ScanEvents, HostKind::ScanDigital].map(Self::Item);
-        let all = figures.chain(items);
+        let items = OF_READOUT.map(Self::Item).into_iter();
+        let all = figures.chain(items).chain(CALLED.map(Self::Call));
         // An interval of one value leaves nothing to draw.
         let is_open = |it: &Interval| it.low < it.high;
         all.filter(|named| named.interval(device).is_some_and(is_open))
@@ -64,10 +74,18 @@ impl Named {
     #[must_use]
     pub fn of_results(device: &Device) -> Vec<Self> {
         let figures = { Figure::ALL.iter() }.filter(|figure| !NO_RESULT.contains(figure));
-        let items = [HostKind::ScanEvents, HostKind::ScanDigital].map(Self::Item);
-        let all = figures.copied().map(Self::Figure).chain(items);
-        all.filter(|named| named.quantity(device).is_some())
-            .collect()
+        let items = OF_READOUT.map(Self::Item).into_iter();
+        let items = items.filter(|named| named.quantity(device).is_some());
+        let calls = CALLED.map(Self::Call).into_iter();
+        let calls = calls.filter(|call| call.takes_time(device));
+        let figures = figures.copied().map(Self::Figure);
+        figures.chain(items).chain(calls).collect()
+    }
+
+    /// Whether it may be more than 0: a call that is said to lie within its slots or rows is not.
+    #[must_use]
+    pub fn takes_time(self, device: &Device) -> bool {
+        self.ends(device)[1] > 0.0
     }
 
     /// Those on which a verdict rests and that are guesses of one value: nobody says how far off
@@ -238,14 +256,14 @@ impl FigureSummary {
         let mut named = Named::with_interval(device);
         let others = Named::of_results(device).into_iter();
         let of_costs = [Figure::Clock, Figure::Launch, Figure::Power, Figure::Store];
-        let items = [HostKind::ScanEvents, HostKind::ScanDigital];
         let calls = [
+            HostKind::LoadIn,
             HostKind::ScanBoundingBox,
             HostKind::GlobalCount,
             HostKind::GlobalSum,
             HostKind::GlobalOr,
         ];
-        let hosts = items.map(Named::Item).into_iter();
+        let hosts = OF_READOUT.map(Named::Item).into_iter();
         let costs = of_costs.map(Named::Figure).into_iter().chain(hosts);
         let costs = costs.chain(calls.map(Named::Call));
         for other in costs.chain(words.iter().copied()).chain(others) {

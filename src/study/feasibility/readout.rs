@@ -71,7 +71,7 @@ pub(super) fn plans(
     let plans = scans.plans(Some(demand), device);
     let chosen = choose(&plans);
     let told = |(at, plan): (usize, &Plan)| {
-        let time = time(plan, device);
+        let time = time(scans, plan, device);
         ReadoutPlan {
             plan: plan.way,
             slots: plan.slots,
@@ -87,7 +87,7 @@ pub(super) fn plans(
 }
 
 /// The time of a plan, and what it is made of.
-fn time(plan: &Plan, device: &Device) -> Estimate {
+fn time(scans: &Scans, plan: &Plan, device: &Device) -> Estimate {
     let kind = plan.way.host();
     let calls = plan.calls;
     let (named, items) = match (plan.slots, &plan.rows) {
@@ -107,19 +107,38 @@ fn time(plan: &Plan, device: &Device) -> Estimate {
     let source = named.quantity(device);
     let source = source.map_or("no time is stated", |it| it.source.as_str());
     let what = format!("{calls} x {items} of {between} ({source}), and what else the host does");
-    Estimate::between(plan.us, "us", Evidence::Measured, what).made_of(device, &[named])
+    let mut made_of = vec![named];
+    made_of.extend(
+        { scans.rest.iter() }
+            .filter(|it| it.items > 0.0)
+            .map(|it| Named::Item(it.kind)),
+    );
+    let called = scans.rest.iter().map(|it| it.kind).chain([kind]);
+    made_of.extend(
+        called
+            .map(Named::Call)
+            .filter(|call| call.takes_time(device)),
+    );
+    Estimate::between(plan.us, "us", Evidence::Measured, what).made_of(device, &made_of)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{isa::HostKind, program::HostCalls};
 
-    const SCANS: Scans = Scans {
-        count: 2,
-        slots: 4000,
-        rest: 1.0,
-        rows: 64,
-    };
+    fn scans() -> Scans {
+        Scans {
+            count: 2,
+            slots: 4000,
+            rest: vec![HostCalls {
+                kind: HostKind::LoadIn,
+                calls: 1.0,
+                items: 0.0,
+            }],
+            rows: 64,
+        }
+    }
 
     #[test]
     fn every_way_has_a_time_a_rate_and_an_evidence() {
@@ -128,17 +147,19 @@ mod tests {
             let ends = [1e6 / time.high, 1e6 / time.low];
             Estimate::between(ends, "frames/s", Evidence::Measured, "test").with(time)
         };
-        let plans = plans(&SCANS, &Demand::expected(20), &device, rate);
+        let plans = plans(&scans(), &Demand::expected(20), &device, rate);
         assert_eq!(plans.iter().filter(|plan| plan.is_chosen).count(), 1);
-        assert!((plans[0].time.high - (1.0 + 2.0 * 4000.0 * 0.91)).abs() < 1e-9);
+        assert!((plans[0].time.high - (13.0 + 2.0 * 4000.0 * 0.91)).abs() < 1e-9);
+        assert_eq!(plans[0].time.inputs, ["scan_events.item", "load_in.call"]);
         for plan in &plans {
             assert_ne!(plan.time.evidence, Evidence::Measured, "{:?}", plan.plan);
             assert_eq!(plan.frames_s.inputs, plan.time.inputs);
             assert!((plan.frames_s.low * plan.time.high - 1e6).abs() < 1e-3);
         }
         let sums = plans.iter().find(|plan| plan.plan == Way::Sums).unwrap();
-        assert_eq!(sums.time.inputs, ["global_sum.call"]);
-        assert_eq!(sums.time.evidence, Evidence::Quoted);
+        // That of a sum is quoted, that of the other call is not.
+        assert_eq!(sums.time.inputs, ["global_sum.call", "load_in.call"]);
+        assert_eq!(sums.time.evidence, Evidence::Guess);
     }
 
     #[test]

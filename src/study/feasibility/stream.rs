@@ -69,7 +69,8 @@ pub struct Scored {
     /// What a packet scores that knows nothing of when, or nothing of where: the larger score of a
     /// redraw and of a permutation of the float sensor's events.
     pub floor: f64,
-    /// How much of the way from floor to ceiling; 0 where there is no way.
+    /// How much of the way from floor to ceiling: 0 where there is no way, below 0 where it is less
+    /// than accident.
     pub kept: f64,
 }
 
@@ -164,7 +165,7 @@ impl Scored {
             ceiling,
             floor,
             kept: if way > 0.0 {
-                ((value - floor) / way).clamp(0.0, 1.0)
+                (value - floor) / way
             } else {
                 0.0
             },
@@ -235,7 +236,8 @@ mod tests {
         let late: Vec<_> = all.iter().map(|(t, x, p)| (t + 900, *x, *p)).collect();
         let late = judged(&float, &packet(&late));
         assert_eq!((late.f1.value, late.f1_a_frame_apart.value), (0.0, 1.0));
-        assert_eq!(late.f1.kept, 0.0);
+        let floor = late.f1.floor;
+        assert_eq!(late.f1.kept, -floor / (1.0 - floor));
         assert!(late.headline.kept.unwrap() <= 0.0);
     }
 }

@@ -297,7 +297,7 @@ mod tests {
             scans: Scans {
                 count: 2,
                 slots: 4000,
-                rest: 0.0,
+                rest: Vec::new(),
                 rows: 64,
             },
             busy: &busy,

@@ -318,9 +318,19 @@ fn speed(chip: &OnChip, over: &OverChips, fps: f64) -> Finding {
     // What a drawn chip says beside the chip of the seed, above all noise, is read out too.
     let mut ceiling = chip.time.ceiling.clone();
     let drawn = over.drawn.iter().map(|chip| chip.frames_s);
-    let slowest = drawn.fold(f64::INFINITY, f64::min);
+    let slowest = drawn.clone().fold(f64::INFINITY, f64::min);
     let is_drawn = slowest < ceiling.low;
     ceiling.low = ceiling.low.min(slowest);
+    // Which readout is the cheapest depends on the chip: the one that is told is that of the
+    // longest times.
+    let lossless = chip.time.plans.iter().filter(|plan| plan.lost <= 0.0);
+    let fastest = lossless.max_by(|a, b| a.frames_s.high.total_cmp(&b.frames_s.high));
+    let fastest = fastest.filter(|plan| plan.frames_s.high > ceiling.high);
+    if let Some(plan) = fastest {
+        ceiling = ceiling.with(&plan.frames_s);
+        ceiling.high = plan.frames_s.high;
+    }
+    ceiling.high = drawn.fold(ceiling.high, f64::max);
     let [least, most] = ceiling.ends();
     let (word, opinion) = if most < fps {
         ("too slow", "which is too slow")
@@ -340,17 +350,23 @@ fn speed(chip: &OnChip, over: &OverChips, fps: f64) -> Finding {
         about: "speed",
         word,
         says: format!(
-            "It reaches {ceiling} for the {fps} that the scene asks for, {opinion}; {binds} ({}, {}).{}",
+            "It reaches {ceiling} for the {fps} that the scene asks for, {opinion}; {binds} ({}, {}).{}{}",
             chip.time.plan.words(),
             chip.time.order.name(),
             if is_drawn {
                 " The lowest is that of a drawn chip, which has more events to read out than the chip of the seed."
             } else {
                 ""
-            }
+            },
+            fastest.map_or(String::new(), |plan| {
+                format!(
+                    " The highest is that of another readout ({}), on a chip where that is the cheaper one.",
+                    plan.plan.words()
+                )
+            }),
         ),
         rule: format!(
-            "too slow: the highest ceiling that the public data allow is below the frame rate; in doubt: the lowest is, which is that of the slowest drawn chip where the events that it has make it slower than all that the times of the data allow; just fast enough: the lowest is below {ROOM} times it; else fast enough. What takes longest of array, exposure and readout binds."
+            "too slow: the highest ceiling that the public data allow, by any readout that loses nothing, is below the frame rate; in doubt: the lowest is, which is that of the slowest drawn chip where the events that it has make it slower than all that the times of the data allow; just fast enough: the lowest is below {ROOM} times it; else fast enough. What takes longest of array, exposure and readout binds."
         ),
     }
 }

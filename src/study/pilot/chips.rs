@@ -277,7 +277,7 @@ fn strips(mosaic: &Mosaic, most: usize) -> Vec<PlacedCrop> {
 /// The fewest slots of a readout of events in these steps.
 fn fewest_slots(steps: &[Step]) -> usize {
     let slots = steps.iter().map(|step| match &step.action {
-        Action::Host(Host::ScanEvents { slots, .. } | Host::ScanEventsFrom { slots, .. }) => {
+        Action::Host(Host::ScanEvents { slots, .. }) => {
             usize::try_from(*slots).unwrap_or(usize::MAX)
         }
         Action::Repeat { body, .. } => fewest_slots(body),

@@ -1,5 +1,5 @@
-//! The estimate: what share of the events is changed, from tiles that stand for others, and a
-//! limit that it hardly exceeds.
+//! The estimate: what share of the events is changed, from tiles that stand for others, and its
+//! upper confidence limit.
 //!
 //! A tile `i` was drawn with probability `p_i`, has `x_i` events in the full model, and `y_i`
 //! events of either model without a partner in the other. With `w_i = 1 / p_i` the totals are
@@ -9,9 +9,10 @@
 //! probability 1. **Unseen** is a change of which the sample has none: how large it would be is
 //! said by what changes at once ([`History`]).
 //!
-//! **Changes.** They come in jumps, so their total is taken for a compound Poisson number. Its upper limit is that of Fay & Feuer for weighted sums
-//! of Poisson numbers (Statistics in Medicine 16:791, 1997), with the variance of tiles that were
-//! drawn independently and with one jump more that has not been seen:
+//! **Changes.** They come in jumps, so their total is taken for a compound Poisson number. Its upper
+//! limit is that of Fay & Feuer for weighted sums of Poisson numbers (Statistics in Medicine 16:791,
+//! 1997), with the variance of tiles that were drawn independently and with one jump more that has
+//! not been seen:
 //!
 //! ```text
 //! V = Σ (1 - p_i) (w_i y_i)²          M = the largest jump
@@ -53,7 +54,8 @@ pub(super) const RISK: f64 = 0.05;
 pub struct ChangeEstimate {
     /// Changed events for each event of the full model, about.
     pub share: f64,
-    /// What the share hardly exceeds; none where nothing fired in the sample.
+    /// The upper confidence limit of the share (95 %); none where hardly anything fired in the
+    /// sample, or one tile alone was drawn.
     pub limit: Option<f64>,
     /// Tiles that were run.
     pub tiles: u64,
@@ -122,7 +124,9 @@ impl ChangeEstimate {
             let upper = known + upper(&drawn, unseen, most, risk);
             let error = share * spread(&drawn) / total * deviations(risk);
             let more = upper / total - share;
-            (events >= LEAST_EVENTS).then(|| share + (more * more + error * error).sqrt())
+            // One tile says nothing of how tiles differ.
+            (events >= LEAST_EVENTS && drawn.len() > 1)
+                .then(|| share + (more * more + error * error).sqrt())
         };
         Self {
             share,

@@ -103,8 +103,7 @@ impl Body<'_> {
                     Host::LoadIn { .. }
                     | Host::LoadInRaw { .. }
                     | Host::LoadDac { .. }
-                    | Host::ScanEvents { .. }
-                    | Host::ScanEventsFrom { .. } => {}
+                    | Host::ScanEvents { .. } => {}
                     _ => {
                         return Err(
                             "the host of this program looks at places of the array, or at all of it, and a tile is neither",

@@ -42,7 +42,7 @@ pub(super) struct Plain {
     pub key: String,
     /// What is left out.
     pub left_out: String,
-    /// What the change hardly exceeds; 0 where no event changes.
+    /// The upper confidence limit of the change (95 %); 0 where no event changes.
     pub limit: f64,
     pub seen: Seen,
 }

@@ -222,7 +222,7 @@ const FIDELITY: [(&str, Holds, &str); 2] = [
     ),
     real(
         "left_out_limit",
-        "the share of the point's events that this hardly changes more of; 0 where it changes none. An event that moves by more than the narrowest window or time constant of the study is changed",
+        "the upper confidence limit (95 %) of the share of the point's events that this changes; 0 where it changes none. An event that moves by more than the narrowest window or time constant of the study is changed",
     ),
 ];
 

@@ -86,8 +86,8 @@ impl<M> Point<M> {
         self.whole.or(self.sampled)
     }
 
-    /// The share of changed events, or what it hardly exceeds where that was not measured whole;
-    /// none where too few events say anything.
+    /// The share of changed events, or its upper confidence limit (95 %) where that was not measured
+    /// whole; none where too few events say anything.
     #[must_use]
     pub fn error(&self) -> Option<f64> {
         match self.free {

@@ -6,7 +6,6 @@ use super::{
         about::About,
         aedat3::magic,
         chunks::Chunks,
-        evt2::polarity,
         fault::Stop,
         flat::{Table, identifier},
         gate::Raw,
@@ -16,7 +15,11 @@ use super::{
     },
     COMPRESSIONS, EVENT, MAGIC,
 };
-use crate::{event::Event, plane::Size, unit::Micros};
+use crate::{
+    event::{Event, Polarity},
+    plane::Size,
+    unit::Micros,
+};
 
 /// The signs of an event's time, column and row.
 const SIGNS: u128 = 1 << 63 | 1 << 79 | 1 << 95;
@@ -393,7 +396,7 @@ impl Source for Reading {
             t: Micros(word as u64),
             x: (word >> 64) as u16,
             y: (word >> 80) as u16,
-            polarity: polarity(word >> 96 & 0xFF != 0),
+            polarity: Polarity::of(word >> 96 & 0xFF != 0),
             channel: 0,
         };
         // Time and place have a sign, which is almost never there: all at once, and one by one
