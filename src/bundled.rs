@@ -109,8 +109,8 @@ pub fn find(kind: Kind, name: &str) -> Option<File> {
     alike.next().is_none().then_some(found)
 }
 
-/// The file that was meant, if it is there with its ending, or the name, if one of this kind is near, and what else can be given: for messages
-/// about a name that is not there.
+/// The file that was meant, if it is there with its ending, or the name, if one of this kind is
+/// near, and what else can be given: for messages about a name that is not there.
 #[must_use]
 pub fn meant(kind: Kind, name: &str, otherwise: &str) -> String {
     let beside = format!("{name}.{}", kind.extension());

@@ -741,7 +741,9 @@ fn both_grids_count_on_one_scale() {
         "scamp5_load_rect(R5, 0, 0, 255, 127);\nscamp5_global_count(R5, A);\nscamp5_global_count(R5, A, 1);",
     );
     let told = json(bench.folder.path(), &["exec", "p.scamp"]);
-    for reading in told["readings"].as_array().unwrap() {
+    let readings = told["readings"].as_array().unwrap();
+    assert_eq!(readings.len(), 2, "{told}");
+    for reading in readings {
         assert_eq!(reading["value"]["sum"], 2048, "{reading}");
     }
 }

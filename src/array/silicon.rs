@@ -31,7 +31,7 @@ fn split_of(errors: &Errors, seed: u64, number: u8, pixel: u64) -> f32 {
 
 /// Where the pixels of an array lie on the chip, which has as many columns or more.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Lies {
+struct ChipPosition {
     at: At,
     /// Columns of the chip.
     columns: usize,
@@ -39,7 +39,7 @@ struct Lies {
     width: usize,
 }
 
-impl Lies {
+impl ChipPosition {
     /// The number on the chip of a pixel of the array.
     #[inline]
     const fn pixel(self, y: usize, x: usize) -> usize {
@@ -53,7 +53,7 @@ pub struct Silicon {
     errors: Errors,
     seed: u64,
     /// Where the array lies.
-    lies: Lies,
+    position: ChipPosition,
     /// `-(1 - loss + mismatch)` and `Δ + mismatch` of every cell, by register, row by row.
     gain: Vec<Vec<f32>>,
     offset: Vec<Vec<f32>>,
@@ -74,10 +74,10 @@ impl Silicon {
     #[must_use]
     pub fn part(errors: Errors, seed: u64, layout: &Layout, (at, columns): (At, usize)) -> Self {
         let width = layout.size.width;
-        let lies = Lies { at, columns, width };
+        let position = ChipPosition { at, columns, width };
         let numbers = || {
             let rows = 0..layout.size.height;
-            rows.flat_map(|y| (0..width).map(move |x| lies.pixel(y, x) as u64))
+            rows.flat_map(|y| (0..width).map(move |x| position.pixel(y, x) as u64))
         };
         let draw = |kind, register, pixel| f64::from(normal(hash(seed, kind, register, 0, pixel)));
         let planes = |value: &dyn Fn(u8, u64) -> f64| -> Vec<Vec<f32>> {
@@ -98,7 +98,7 @@ impl Silicon {
             split: [split(0), split(1)],
             errors,
             seed,
-            lies,
+            position,
         }
     }
 
@@ -115,13 +115,13 @@ impl Silicon {
 
     #[inline]
     fn pixel(&self, place: Place) -> usize {
-        place.y * self.lies.width + place.x
+        place.y * self.position.width + place.x
     }
 
     /// What splits behind the first two, each so often, add in a cell of the array.
     fn others(&self, splits: &[(u8, f32)], cell: usize) -> f32 {
-        let (y, x) = (cell / self.lies.width, cell % self.lies.width);
-        let pixel = self.lies.pixel(y, x) as u64;
+        let (y, x) = (cell / self.position.width, cell % self.position.width);
+        let pixel = self.position.pixel(y, x) as u64;
         let each = splits
             .iter()
             .map(|(number, times)| times * split_of(&self.errors, self.seed, *number, pixel));
@@ -136,7 +136,7 @@ impl Silicon {
         let uneven = |part: u8, split| isa::uneven(part.into(), targets, split);
         Run {
             first,
-            lies: self.lies,
+            position: self.position,
             by: share.by as f32,
             gain: &self.gain[register][first..][..cells],
             offset: &self.offset[register][first..][..cells],
@@ -163,7 +163,7 @@ impl Silicon {
 struct Run<'a> {
     /// The number of the first cell in the array; rows follow each other.
     first: usize,
-    lies: Lies,
+    position: ChipPosition,
     by: f32,
     gain: &'a [f32],
     offset: &'a [f32],
@@ -225,16 +225,16 @@ impl Run<'_> {
     /// Draws for cells beside each other, from that number of the run on.
     #[inline(always)]
     fn draw(&self, from: usize, drawn: &mut [u32]) {
-        let (mut at, Lies { columns, width, .. }) = (self.first + from, self.lies);
+        let (mut at, ChipPosition { columns, width, .. }) = (self.first + from, self.position);
         if width == columns {
-            return self.draws.draw(self.lies.pixel(0, at) as u32, drawn);
+            return self.draws.draw(self.position.pixel(0, at) as u32, drawn);
         }
         // On the chip the next row does not follow.
         let mut rest = drawn;
         while !rest.is_empty() {
             let (y, x) = (at / width, at % width);
             let (row, more) = rest.split_at_mut((width - x).min(rest.len()));
-            self.draws.draw(self.lies.pixel(y, x) as u32, row);
+            self.draws.draw(self.position.pixel(y, x) as u32, row);
             at += row.len();
             rest = more;
         }
@@ -376,8 +376,8 @@ impl Ageing for Silicon {
     }
 
     fn holds(&self, register: Digital, pixel: usize, seconds: f64) -> bool {
-        let Lies { width, .. } = self.lies;
-        let pixel = self.lies.pixel(pixel / width, pixel % width);
+        let ChipPosition { width, .. } = self.position;
+        let pixel = self.position.pixel(pixel / width, pixel % width);
         let draw = normal(hash(self.seed, RETENTION, register.0, 0, pixel as u64));
         let longer = self.errors.retention_spread * f64::from(draw.abs());
         seconds <= self.errors.retention * (1.0 + longer)

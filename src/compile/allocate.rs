@@ -252,7 +252,8 @@ fn live(
     held
 }
 
-/// Whether two live ranges interfere, so that their values cannot share a register: a word must not store where it reads.
+/// Whether two live ranges interfere, so that their values cannot share a register: a word must not
+/// store where it reads.
 fn interfere(a: LiveRange, b: LiveRange) -> bool {
     a.born <= b.read && b.born <= a.read
 }

@@ -7,8 +7,8 @@
 //! words as any program can have ([`bound`](super::bound)), no more is tried.
 //!
 //! What comes out of the chip is found by one search of the whole effort. So smaller numbers are tried
-//! on chips of fewer registers than usual alone, the fewest with a part of the effort, and what they give is
-//! taken where it is shorter and no less comes out of it.
+//! on chips of fewer registers than usual alone, the fewest with a part of the effort, and what
+//! they give is taken where it is shorter and no less comes out of it.
 
 use super::{
     allocate::ordinary_registers,

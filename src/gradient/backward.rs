@@ -74,7 +74,8 @@ impl<R: Float> Model<R> {
     /// The gradient of a loss, from its gradients of what [`Model::forward`] has made.
     ///
     /// # Errors
-    /// When `seen` was made by a model of another shape, or holds nothing; when a gradient that is given has another shape or is not finite, or a sum left the format.
+    /// When `seen` was made by a model of another shape, or holds nothing; when a gradient that is
+    /// given has another shape or is not finite, or a sum left the format.
     pub fn backward(
         &self,
         seen: &Forward<R>,

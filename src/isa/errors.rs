@@ -15,7 +15,8 @@
 //! - A bus that splits between two cells does so unevenly: what one gets more the other gets
 //!   less, so that `diva`, which adds them again, corrects it to first order.
 //!
-//! All numbers but the step of the inputs (1 LSB) are the device's, each with its source: `[figure.error]` of `device.toml`.
+//! All numbers but the step of the inputs (1 LSB) are the device's, each with its source:
+//! `[figure.error]` of `device.toml`.
 
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]

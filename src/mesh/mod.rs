@@ -35,9 +35,9 @@
 //! whose laterals may be transistors. [`Circuit`] says what the constants cost in silicon,
 //! [`fit()`] which receptive fields a sheet can carry.
 //!
-//! Sources: T. Delbruck, C. Li, R. Graca, B. `McReynolds`, *Utility and feasibility of a center surround event
-//! camera*, ICIP 2022, arXiv 2202.13076; Mead, *Analog VLSI and Neural Systems*, 1989, appendix C.
-//! `docs/mesh.md` has all of it with pictures.
+//! Sources: T. Delbruck, C. Li, R. Graca, B. `McReynolds`, *Utility and feasibility of a center
+//! surround event camera*, ICIP 2022, arXiv 2202.13076; Mead, *Analog VLSI and Neural Systems*,
+//! 1989, appendix C. `docs/mesh.md` has all of it with pictures.
 
 pub mod circuit;
 mod cosine;

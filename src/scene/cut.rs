@@ -4,7 +4,8 @@
 //! usually does there (the median of the changes up to [`NEAR`] frames before and after), and
 //! what is seen at a place no longer resembles what was seen there (Pearson's correlation below
 //! [`ALIKE`]), with a part of the pixels changed ([`CHANGED`]) at least. A flash changes much and keeps the picture; fast motion loses the picture, but
-//! frame after frame, so that of frames within [`APART`] none is a cut. Some thousand pixels of a frame are looked at.
+//! frame after frame, so that of frames within [`APART`] none is a cut. Some thousand pixels of a
+//! frame are looked at.
 
 use super::Image;
 use crate::plane::Size;

@@ -108,7 +108,7 @@ impl Observation {
 
 impl Seen {
     fn see(&mut self, frame: &Frame) {
-        // A scene that is shown again has nothing new.
+        // A later pass over the same scene: each frame counts once.
         if frame.index != self.frames {
             return;
         }

@@ -16,7 +16,7 @@ use super::{
     view::{BUS_INPUTS, Stretch, View},
 };
 
-/// Stores the bus in these rows, where the FLAG of the pixel whose bus it is is 1. `room` is
+/// Stores the bus in these rows, where the FLAG of the pixel that drives the bus is 1. `room` is
 /// for [`ROOM`] cells.
 #[inline(never)]
 pub(super) fn store<D: RowOps>(

@@ -1,10 +1,11 @@
 //! The remark that a file of this program has about its packet: one comment beside the events.
 //!
 //! `amacrine size=346x260 channels=2 span=0..2000000 dropped=0,0 events=40000 times=12..1999950`
-//! (after the channels may stand what each is called, `names=change,centre-on`; time in microseconds; dropped for want of a slot, then over the limit, then, where any
-//! were, for a full queue and merged; the last two are written when the file is whole: how
-//! many events it has, and when the first and the last were). Each part may be left out. What
-//! is there must be true of the file, see [`About::disagreement`].
+//! Times are in microseconds. `names=change,centre-on` may follow the channels: what each is called.
+//! `dropped` counts events without a slot and over the limit and, if there are any, those lost to a
+//! full queue and those merged. The last two are written when the file is whole: how many events it
+//! has, and when the first and the last were. Each part may be left out. What is there must be true
+//! of the file, see [`About::disagreement`].
 
 use std::{fmt, fmt::Write as _, str::FromStr};
 

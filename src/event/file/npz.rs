@@ -2,8 +2,9 @@
 //! `numpy.load(path)['t']`.
 //!
 //! t is `<i8`, x and y `<u2`, p and channel `|u1`; stored as they are. Size, channels, time
-//! watched and drops travel as the comment of the archive. Read stored or deflated, with integers of any width; also an archive of one structured array. While a
-//! file is written its columns wait in temporary files. Layout:
+//! watched and drops travel as the comment of the archive. Archives are read stored or deflated, with
+//! integers of any width; also one of one structured array. While a file is written its columns wait
+//! in temporary files. Layout:
 //! <https://numpy.org/doc/stable/reference/generated/numpy.savez.html>.
 
 use std::{

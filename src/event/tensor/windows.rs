@@ -33,9 +33,9 @@ impl FromStr for Alignment {
 
 /// Windows of one length, each some time after the one before; they may overlap.
 ///
-/// A window has the events after its start and up to its end, the first one those at its start, too:
-/// an event at the time of a frame is in the window that ends with that frame, and none is lost at 0. Bounds are whole microseconds, as the times of frames and
-/// events are.
+/// Windows are half-open, (start, end]; the first one has the events at its start, too. An event at
+/// the time of a frame is in the window that ends with that frame, and none is lost at 0. Bounds are
+/// whole microseconds, as the times of frames and events are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Windows {
     length: Period,

@@ -13,7 +13,8 @@ pub struct Channel {
     pub surrounds: Option<Surrounds>,
     /// As many thresholds as kernels.
     pub thresholds: Vec<Threshold>,
-    /// The kernel that the memory is seen through; only for [`MemoryRule::AuthorsPixelStep`](super::MemoryRule).
+    /// The kernel that the memory is seen through; only for
+    /// [`MemoryRule::AuthorsPixelStep`](super::MemoryRule).
     pub memory_kernel: Option<Kernel>,
     /// `ln(max(W u, 1e-8) + 1)` in place of `W u`: the released simulator's `log_temporal`. Only with a
     /// memory of the filtered signal.

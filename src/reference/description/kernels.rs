@@ -48,7 +48,8 @@ impl Reader<'_> {
         }
     }
 
-    /// The kernels of a file of several, a `.npy` of shape (K,k,k) or (K,1,k,k); none where it is one kernel.
+    /// The kernels of a file of several, a `.npy` of shape (K,k,k) or (K,1,k,k); none where it is
+    /// one kernel.
     pub(super) fn stack(&self, node: Node<'_>) -> Read<Option<Vec<Kernel>>> {
         let name = node
             .as_text()

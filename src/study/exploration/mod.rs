@@ -80,8 +80,9 @@ pub enum Aim<'a> {
 }
 
 /// Tries all of it on a scene that can be opened again: shown seven times for the thresholds, if a
-/// rate is asked for (at most nineteen times more for kinds that share a memory), and then once for each float sensor with its candidates. `seen` is called after each frame of
-/// those, and `searching` before each search, with its number and how many there are.
+/// rate is asked for (at most nineteen times more for kinds that share a memory), and then once for
+/// each float sensor with its candidates. `seen` is called after each frame of those, and
+/// `searching` before each search, with its number and how many there are.
 ///
 /// # Errors
 /// When the thresholds are not to be had, the scene cannot be read, or the chip takes none.

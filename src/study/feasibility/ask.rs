@@ -39,7 +39,8 @@ const RIDGE: f64 = 1e-4;
 
 /// Asks the question of a scene that can be opened again: it is watched once for the number of
 /// crossings, twice for the table and twice for the sensors, for the waterfall, by the drawn chips
-/// some at a time, and up to the moment of the pictures. `seen` is called after each frame of all but the last.
+/// some at a time, and up to the moment of the pictures. `seen` is called after each frame of all
+/// but the last.
 ///
 /// # Errors
 /// When the threshold is not positive, the kernel is all 0 or not to be had in the values that

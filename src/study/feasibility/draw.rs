@@ -1,10 +1,10 @@
 //! Chips that the public data allow: each number with an interval is drawn from it.
 //!
-//! A number is uniform over its interval, whole where it counts something, or log-uniform where that spans decades
-//! ([`Interval::is_logarithmic`](crate::isa::Interval::is_logarithmic)). It is a hash of the
-//! seed, the number's name and the chip, so that no other number and no other chip can change
-//! it. The numbers are drawn independently: what the data say of several at once is left out,
-//! which allows more chips than it should, not fewer.
+//! A number is uniform over its interval, whole where it counts something, or log-uniform where
+//! that spans decades ([`Interval::is_logarithmic`](crate::isa::Interval::is_logarithmic)). It is a
+//! hash of the seed, the number's name and the chip, so that no other number and no other chip can
+//! change it. The numbers are drawn independently: what the data say of several at once is left
+//! out, which allows more chips than it should, not fewer.
 
 use super::named::Named;
 use crate::{

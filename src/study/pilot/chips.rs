@@ -194,8 +194,8 @@ impl Family for Chips<'_> {
     }
 
     /// What a chip's numbers cannot hold is the scene's doing; errors and rounding change
-    /// cells alike that see the same. Registers that are limited to the ADC scale in either domain never reach the end of a
-    /// format that is as wide as that.
+    /// cells alike that see the same. Registers that are limited to the ADC scale in either domain
+    /// never reach the end of a format that is as wide as that.
     fn unseen(&self, model: &Machine, _: &Look) -> Unseen {
         let ends = |format: Format| {
             let (low, high) = format.limits();

@@ -53,8 +53,9 @@ const FAR: usize = 64;
 /// The halo of a program on a chip.
 ///
 /// Word by word, what is written comes from where what is read comes from, the way between the two
-/// added; what a mask may keep stays where it was from. After each frame the registers hold what they will be
-/// read for in the next, so `frame` is gone through until nothing comes from further than before.
+/// added; what a mask may keep stays where it was from. After each frame the registers hold what
+/// they will be read for in the next, so `frame` is gone through until nothing comes from further
+/// than before.
 ///
 /// # Errors
 /// Why there is no such distance.

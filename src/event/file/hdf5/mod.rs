@@ -2,11 +2,11 @@
 //!
 //! `events/{t,x,y,p}` (and `channel`), `t_offset`, and `ms_to_idx`, the first event at or
 //! after each millisecond. `t` counts from `t_offset`, so `t + t_offset` is absolute: 0 where
-//! the first event comes in the first ten minutes, else its whole millisecond. t is `<i8`, where DSEC has 32 bits without a sign;
-//! columns are deflated in chunks. Size, channels, time watched and drops are an attribute.
-//! Read with integers of any width; what is compressed by other filters (blosc) is refused.
-//! The layouts of `event_utils`, MVSEC and v2e are read too: a file of code each.
-//! While a file is written it waits as a temporary file. Source:
+//! the first event comes in the first ten minutes, else its whole millisecond. t is `<i8`, where
+//! DSEC has 32 bits without a sign; columns are deflated in chunks. Size, channels, time watched
+//! and drops are an attribute. Read with integers of any width; what is compressed by other filters
+//! (blosc) is refused. The layouts of `event_utils`, MVSEC and v2e are read too: a file of code
+//! each. While a file is written it waits as a temporary file. Source:
 //! <https://dsec.ifi.uzh.ch/data-format/>.
 
 #[cfg(feature = "hdf5")]
