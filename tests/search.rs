@@ -206,6 +206,81 @@ fn a_search_names_the_points_that_come_to_nothing() {
     assert_eq!(again["search"]["nothing"].as_array().unwrap().len(), POINTS);
 }
 
+/// A scene of sixty frames, and one that is too small for parts.
+const UNEQUAL: &str = r#"
+scene = ["pattern:disc?frames=60", "pattern:disc?width=24&height=24&frames=6&radius=5"]
+kernel = "dvs"
+threshold = 20
+threshold-equivalent = false
+metrics = "f1"
+[[side]]
+side = "reference"
+format = ["q4.4", "q2.6", "q8.8", "q10.6", "q12.4", "q16.16", "q8.24", "q24.8", "bf16", "f16", "f32", "f64"]
+memory = ["filtered-snap", "filtered-step"]
+"#;
+
+#[test]
+fn a_scene_too_small_for_parts_takes_no_rung_from_the_others() {
+    let search = "sample = { method = \"search\", points = 400, cost = \"bits\" }\n";
+    let folder = folder(&format!("{search}{UNEQUAL}"));
+    let at = folder.path();
+    fs::write(at.join("grid.toml"), UNEQUAL).unwrap();
+    good(at, &["sweep", "grid.toml", "-o", "grid"]);
+    let did = json(at, &["sweep", "study.toml", "-o", "out"]);
+    let search = &did["search"];
+    let rung = &search["rungs"][0];
+    let numbers = ["points", "tried", "whole"].map(|key| rung[key].as_u64().unwrap());
+    assert_eq!(numbers, [48, 48, 24]);
+    assert_eq!(search["computed_all"], false);
+    let found = rows(&at.join("out"));
+    assert_eq!(found.len(), 8);
+    // The first eight of the grid make no event.
+    let best = |rows: &[Value]| {
+        let errors = rows.iter().filter_map(|row| row["error"].as_f64());
+        errors.fold(f64::INFINITY, f64::min)
+    };
+    let all = rows(&at.join("grid"));
+    assert_eq!(best(&all), 0.0);
+    assert!(best(&all[..8]) > 0.0);
+    assert_eq!(best(&found), 0.0);
+    let said = good(at, &["sweep", "study.toml", "-o", "out"]);
+    assert!(
+        said.contains("48 points on a part of the scene, 24 of them on the whole of a scene"),
+        "{said}"
+    );
+    // What the first rung saw whole the second knows.
+    let more = ["sweep", "study.toml", "threshold=18,20,22", "-o", "more"];
+    let rung = &json(at, &more)["search"]["rungs"][1];
+    let numbers = ["points", "tried", "whole"].map(|key| rung[key].as_u64().unwrap());
+    let [points, tried, whole] = numbers;
+    assert_eq!((points, tried + whole), (18, 18));
+    assert!(whole > 0, "{rung}");
+    let frames = rung["point_frames"].as_f64().unwrap();
+    assert!(frames < tried as f64 * 60.0 / 2.0, "{rung}");
+}
+
+/// What no rung has ranked is not cut.
+#[test]
+fn where_no_part_is_small_enough_all_points_are_computed() {
+    let search = "sample = { method = \"search\", points = 400, cost = \"bits\" }\n";
+    let text = format!("{search}{UNEQUAL}");
+    let large = "\"pattern:disc?frames=60\", ";
+    let folder = folder(&text.replace(large, ""));
+    let at = folder.path();
+    let did = json(at, &["sweep", "study.toml", "-o", "out"]);
+    assert_eq!(did["search"]["computed_all"], true);
+    assert_eq!(did["search"]["point_frames"], did["search"]["of"]);
+    assert_eq!((&did["computed"], &did["missing"]), (&json!(24), &json!(0)));
+    let said = good(at, &["sweep", "study.toml", "-o", "out"]);
+    for words in [
+        "search   left out no point: parts of these scenes are too much of them",
+        "rung 1   24 points on the whole scene",
+        "100.0 % of the",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+}
+
 const SMALL: &str = r#"
 scene = "pattern:disc?width=32&height=24&frames=6&radius=6"
 kernel = "csdvs-3"

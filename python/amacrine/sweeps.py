@@ -127,7 +127,7 @@ def sweep(
             raise Error("shards without a client\nhelp: give client, or leave shards out")
         count = 0 if jobs is None else arguments.whole("jobs", jobs, 1, MOST_JOBS)
         told = json.loads(_amacrine.sweep(given, sets, path, None, count, longest))
-        _caution(told)
+        _caution(told["scene_warnings"] + told["warnings"])
         return Sweep(path, told)
     if jobs is not None:
         raise Error("jobs with a client\nhelp: leave jobs out: a worker computes a point at a time")
@@ -149,15 +149,16 @@ def sweep(
         client.cancel(tasks)
         raise
     shares = [json.loads(one) for one in done]
-    _caution(*shares)
     told = json.loads(_amacrine.merge([path / f"shard-{n}" for n in range(count)], path / "all"))
+    # Of points as of all of them together.
+    _caution([text for one in shares for text in one["scene_warnings"]] + told["warnings"])
     told["computed"] = sum(one["computed"] for one in shares)
     return Sweep(path / "all", told)
 
 
-def _caution(*told: dict[str, Any]) -> None:
+def _caution(told: list[str]) -> None:
     """Warns the caller of :func:`sweep` of what it warns of, once of each thing."""
-    for text in dict.fromkeys(text for one in told for text in one["warnings"]):
+    for text in dict.fromkeys(told):
         warnings.warn(_amacrine.in_python(text), Caution, stacklevel=3)
 
 

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 /// What the library says of options that have no argument of their own here, and what is said
 /// instead.
-const PHRASES: [(&str, &str); 19] = [
+const PHRASES: [(&str, &str); 21] = [
     (
         "the limit (--max-events, and --max-memory where there is no room for more); \
          `amacrine run` also has --counts and --voxels instead of --events, and --when-full drop",
@@ -52,6 +52,11 @@ const PHRASES: [(&str, &str); 19] = [
     (
         "; --space lists them",
         "; `amacrine sweep --space` lists them",
+    ),
+    ("--shard of a search", "shards of a search"),
+    (
+        "leave --shard out, or sweep the whole grid on several machines",
+        "leave client out, or take the whole grid",
     ),
     ("(--readout overlapped)", "(overlapped=True)"),
     ("(--readout sequential)", "(overlapped=False)"),

@@ -9,15 +9,17 @@ use std::{
 };
 
 use amacrine::{
-    memory::{Budget, Need},
+    memory::Budget,
+    rig::guard::Warning,
     study::sweep::{
-        Limits, Override, Plan, Run, Shard, Store, Study, merge as merge_folders,
+        Override, Plan, Request, Shard, Study, merge as merge_folders,
         overrides::OverrideError,
+        request::Swept,
         run::ShardError,
         store::{self, Tables},
     },
 };
-use miette::{Report, miette};
+use miette::Report;
 use pyo3::prelude::*;
 use serde_json::json;
 
@@ -31,7 +33,12 @@ fn told(title: &str, points: usize, tables: &Tables) -> serde_json::Value {
         "finished": tables.finished,
         "failed": tables.failed,
         "missing": tables.missing,
+        "warnings": texts(&tables.warnings),
     })
+}
+
+fn texts(warnings: &[Warning]) -> Vec<String> {
+    warnings.iter().map(ToString::to_string).collect()
 }
 
 /// Computes what is missing of a study, or of a shard of it, in a folder; the answer in JSON.
@@ -66,55 +73,32 @@ fn complete(
     (shard, jobs, seconds): (Option<Shard>, usize, Option<f64>),
     stop: &AtomicBool,
 ) -> Result<serde_json::Value, Report> {
-    let search = study.sample.is_some_and(|sample| sample.search.is_some());
-    if search && shard.is_some() {
-        return Err(miette!(
-            help = "sweep it in one process, without a client, or take the whole grid",
-            "a shard of a search, whose points are chosen by comparing all of them"
-        ));
-    }
-    let plan = Plan::new(study, folder)?;
-    let jobs = match jobs {
-        0 => thread::available_parallelism().map_or(1, usize::from),
-        jobs => jobs,
-    };
-    let need = Need::new().and("scenes that are kept", plan.held());
-    let budget = Budget::from_machine();
-    need.within(budget, "a sweep", "take smaller scenes, or fewer")?;
     let start = Instant::now();
     let clock = || start.elapsed().as_secs_f64();
-    let run = Run {
-        plan: &plan,
+    let request = Request {
         shard,
-        jobs,
-        limits: Limits {
-            clock: &clock,
-            seconds,
-            bytes: Some(need.left(budget) / jobs as u64),
+        jobs: match jobs {
+            0 => thread::available_parallelism().map_or(1, usize::from),
+            jobs => jobs,
         },
+        seconds,
+        budget: Budget::from_machine(),
+        clock: &clock,
     };
-    let store = Store::open(output, &plan.manifest())?;
-    let did = run.complete_until(
-        &store,
-        |_| {},
-        || {
-            if stop.load(Ordering::Relaxed) {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
-        },
-    )?;
-    let tables = store.write_tables(false)?;
+    let plan = request.plan(study, folder)?;
+    let run = request.run(&plan)?;
+    let done = || {
+        if stop.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    };
+    let Swept { did, tables } = run.sweep(output, false, |_| {}, done)?;
     let mut answer = told(&plan.manifest().title, plan.entries.len(), &tables);
     answer["computed"] = json!(did.computed);
     answer["found"] = json!(did.found);
-    answer["warnings"] = json!(
-        plan.warnings()
-            .iter()
-            .map(ToString::to_string)
-            .collect::<Vec<_>>()
-    );
+    answer["scene_warnings"] = json!(texts(&plan.warnings()));
     Ok(answer)
 }
 

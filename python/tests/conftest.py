@@ -18,15 +18,15 @@ Frames = npt.NDArray[np.uint8]
 
 @pytest.fixture(scope="session")
 def program() -> Callable[..., str]:
-    """Runs the program of the command line; what it printed."""
+    """Runs the program of the command line; what it printed, or what it said beside that."""
     path = Path(os.environ.get("AMACRINE", ROOT / "target/release/amacrine"))
     if not path.is_file():
         pytest.fail(f"no program at {path}: build it, or set AMACRINE")
 
-    def run(*words: Any, good: bool = True) -> str:
+    def run(*words: Any, good: bool = True, beside: bool = False) -> str:
         done = subprocess.run([path, *map(str, words)], capture_output=True, text=True)
         assert (done.returncode == 0) == good, done.stderr
-        return done.stdout if good else done.stderr
+        return done.stdout if good and not beside else done.stderr
 
     return run
 

@@ -15,6 +15,7 @@ from typing import Any, Callable
 import amacrine
 import numpy as np
 import pytest
+from amacrine import _amacrine
 
 STUDY = """
 title = "small"
@@ -164,6 +165,62 @@ def test_what_is_finished_is_kept(blow: signal.Signals, study: Path, tmp_path: P
     )
     swept = amacrine.sweep(study, output, set=some)
     assert (swept.computed, len(swept)) == (0, 177)
+
+
+SEARCH = """
+scene = "pattern:noise?width=48&height=32&frames=40&fps=100"
+kernel = "csdvs-3"
+threshold = { from = 1, to = 60, steps = 1000 }
+sample = { method = "search", points = 4000, cost = "bits" }
+[[side]]
+side = "reference"
+format = ["f64", "f32"]
+"""
+
+STOPPED = """
+import amacrine, sys
+amacrine.sweep(sys.argv[1], sys.argv[2], jobs=1)
+"""
+
+
+def test_ctrl_c_ends_a_search(tmp_path: Path) -> None:
+    study, output = tmp_path / "search.toml", tmp_path / "out"
+    study.write_text(SEARCH)
+    with subprocess.Popen(
+        [sys.executable, "-c", STOPPED, study, output], stderr=subprocess.PIPE, text=True
+    ) as run:
+        tried = output / "pilots"
+        until = time.monotonic() + 60
+        while len(list(tried.glob("*.json"))) < 3 and time.monotonic() < until:
+            time.sleep(0.02)
+        os.kill(run.pid, signal.SIGINT)
+        said = run.communicate(timeout=60)[1]
+    assert "KeyboardInterrupt" in said, said
+    assert 3 <= len(list(tried.glob("*.json"))) < 2000
+    assert not list((output / "points").glob("*.json"))
+
+
+FULL = """
+scene = "bundled"
+frames = 8
+kernel = "dvs"
+threshold = [2, 3]
+effort = 0.1
+[[side]]
+side = "array"
+"""
+
+
+def test_it_warns_as_the_program_does(program: Callable[..., str], tmp_path: Path) -> None:
+    """Of what the points say, too, not of the scenes alone."""
+    study = tmp_path / "full.toml"
+    study.write_text(FULL)
+    said = program("sweep", study, "--output", tmp_path / "theirs", beside=True)
+    theirs = [line.removeprefix("warning: ") for line in said.splitlines() if line.startswith("warning: ")]
+    assert any("slots were full" in text for text in theirs), said
+    with pytest.warns(amacrine.Caution) as caught:
+        amacrine.sweep(study, tmp_path / "ours")
+    assert [str(one.message) for one in caught] == [_amacrine.in_python(text) for text in theirs]
 
 
 def test_on_a_cluster(study: Path, tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 use std::{
     fmt::Write as _,
     io::{self, BufRead as _, Read as _},
+    ops::ControlFlow,
     path::{Path, PathBuf},
     sync::OnceLock,
     time::Instant,
@@ -21,12 +22,13 @@ use super::{
 };
 use crate::bundled::Kind;
 use crate::study::sweep::{
-    Asked, Limits, Override, Plan, Run, Shard, Store, Study,
+    Asked, Limits, Override, Plan, Request, Shard, Study,
     ask::{self, PointError},
     damage::{Damage, listed},
+    request::Swept,
     run::{Did, Failed},
     schema,
-    search::Searched,
+    search::{Rung, Searched},
     store::Tables,
     verify::{Share, Verified},
 };
@@ -159,37 +161,24 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.tell || !arguments.points.is_empty() {
         return tell(arguments, &study, folder);
     }
-    let search = study.sample.is_some_and(|sample| sample.search.is_some());
-    if search && arguments.shard.is_some() {
-        return Err(miette!(
-            help = "leave --shard out, or sweep the whole grid on several machines",
-            "--shard of a search, whose points are chosen by comparing all of them"
-        ));
-    }
-    let plan = Plan::new(study, folder)?;
-    light::warn(&plan.warnings());
-    let jobs = match arguments.jobs {
-        Some(jobs) => jobs.into(),
-        None => rayon::current_num_threads(),
+    let start = Instant::now();
+    let clock = || start.elapsed().as_secs_f64();
+    let jobs = arguments
+        .jobs
+        .map_or_else(rayon::current_num_threads, usize::from);
+    let request = Request {
+        shard: arguments.shard,
+        jobs,
+        seconds: arguments.max_seconds_per_point,
+        budget: budget::budget(),
+        clock: &clock,
     };
-    let scenes = Need::new().and("scenes that are kept", plan.held());
-    budget::check(&scenes, "a sweep", "take smaller scenes, or fewer")?;
-    let share = scenes.left(budget::budget()) / jobs as u64;
+    let plan = request.plan(study, folder)?;
+    light::warn(&plan.warnings());
+    let run = request.run(&plan)?;
     let output = match &arguments.output {
         Some(output) => output.to_path_buf(),
         None => named(path, arguments, &plan),
-    };
-    let start = Instant::now();
-    let clock = || start.elapsed().as_secs_f64();
-    let run = Run {
-        plan: &plan,
-        shard: arguments.shard,
-        jobs,
-        limits: Limits {
-            clock: &clock,
-            seconds: arguments.max_seconds_per_point,
-            bytes: Some(share),
-        },
     };
     let progress = Bar::default();
     if let Some(share) = arguments.verify {
@@ -199,11 +188,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         progress.finish();
         return say_verified(&verified, &output, arguments);
     }
-    let store = Store::open(&output, &plan.manifest())?;
     let begin = |left| progress.begin("sweeping", left);
-    let did = run.complete(&store, begin, || progress.tick())?;
+    let done = || {
+        progress.tick();
+        ControlFlow::Continue(())
+    };
+    let Swept { did, tables } = run.sweep(&output, arguments.parquet, begin, done)?;
     progress.finish();
-    let tables = store.write_tables(arguments.parquet)?;
     light::warn(&tables.warnings);
     let said = Said {
         plan: &plan,
@@ -378,22 +369,32 @@ fn say_verified(verified: &Verified, output: &Path, arguments: &Arguments) -> mi
     ))
 }
 
+/// Where the points of a rung of so many looked.
+fn looked_at(rung: &Rung, is_last: bool) -> String {
+    match rung.whole {
+        _ if is_last => "on the whole scene".to_owned(),
+        0 => "on a part of the scene".to_owned(),
+        whole => format!(
+            "on a part of the scene, {whole} of them on the whole of a scene too small for parts"
+        ),
+    }
+}
+
 /// What a search saw, rung by rung.
 fn searched(search: &Searched, all: usize) -> String {
     let mut text = String::new();
+    if search.computed_all {
+        text += "search   left out no point: parts of these scenes are too much of them to try points on\n";
+    }
     for (number, rung) in (1..).zip(&search.rungs) {
-        let whole = number == search.rungs.len();
+        let is_last = number == search.rungs.len();
         let _ = writeln!(
             text,
-            "rung {number}   {} on {}: {:.0} point-frames{}",
+            "rung {number}   {} {}: {:.0} point-frames{}",
             counted(rung.points, "point"),
-            if whole {
-                "the whole scene"
-            } else {
-                "a part of the scene"
-            },
+            looked_at(rung, is_last),
             rung.point_frames,
-            if whole {
+            if is_last {
                 String::new()
             } else {
                 format!(", {} were known", rung.points - rung.tried)

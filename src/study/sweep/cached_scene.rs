@@ -100,6 +100,11 @@ impl CachedScene {
         })
     }
 
+    /// As the study names it.
+    pub fn name(&self) -> &str {
+        &self.wanted.spec
+    }
+
     /// Bytes of the frames that are kept.
     pub fn bytes(&self) -> u128 {
         let frames = self.held.as_ref().map_or(0, |held| held.len());
@@ -194,6 +199,15 @@ impl CachedScene {
             observation: Observation::new(),
             held: Some(Arc::new(frames)),
             kept: OnceLock::new(),
+        }
+    }
+
+    /// The same scene, none of whose frames are kept.
+    #[cfg(test)]
+    pub fn as_if_too_long(&self) -> Self {
+        Self {
+            held: None,
+            ..self.with_planes(Vec::new(), self.digest.clone())
         }
     }
 

@@ -7,7 +7,7 @@ use super::{
     difference::Disagreement,
     provenance::{NUMERICS, Provenance, SCHEMA},
 };
-use crate::{save::SaveError, unit::counted};
+use crate::{save::SaveError, scene::SceneError, unit::counted};
 
 /// What to do about something that cannot be read.
 fn reading(cause: &io::Error) -> &'static str {
@@ -61,6 +61,18 @@ pub enum StoreError {
         /// What the system said.
         #[source]
         cause: io::Error,
+    },
+    /// A scene that is looked at once more is not there any longer.
+    #[error("cannot look at the scene {scene} again: {cause}")]
+    #[diagnostic(help(
+        "the points that are finished are kept: put the scene back as it was, and run the same command again"
+    ))]
+    Scene {
+        /// As the study names it.
+        scene: String,
+        /// What is wrong with it.
+        #[source]
+        cause: Box<SceneError>,
     },
     /// It was stopped from outside.
     #[error("the sweep was stopped")]

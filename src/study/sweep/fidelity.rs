@@ -268,7 +268,9 @@ fn pilot<F: Family>(
                 figures: figures.clone(),
                 reason: None,
             };
-            file.write(folder);
+            if let Err(error) = file.write(folder) {
+                shared.cannot_keep(error);
+            }
         }
         Ok(figures)
     });

@@ -63,12 +63,15 @@ impl PilotFile {
         }
     }
 
-    /// Keeps it. Where that fails it is only measured again.
-    pub fn write(&self, folder: &Path) {
+    /// Keeps it.
+    ///
+    /// # Errors
+    /// When the disk does not take it; then there is nothing of it.
+    pub fn write(&self, folder: &Path) -> Kept<()> {
         let fields = json!(self).as_object().cloned().unwrap_or_default();
         let text = json!(seal::sealed(fields.into_iter().collect())).to_string() + "\n";
         let path = path(folder, &self.id);
-        let _ = save_durably(&path, |out| out.write_all(text.as_bytes()));
+        Ok(save_durably(&path, |out| out.write_all(text.as_bytes()))?)
     }
 }
 

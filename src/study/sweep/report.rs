@@ -15,6 +15,7 @@ use super::{
     record::is_failed,
     table::{self, Row},
     task_name::{self, Columns, FIELD},
+    thresholds::Thresholds,
 };
 use crate::{
     order::Order,
@@ -325,9 +326,8 @@ fn value(row: &Row, column: &str) -> String {
     if column != "threshold_sigma" || !own.is_empty() {
         return own;
     }
-    let thresholds = table::cell(row, "thresholds");
-    let sigma = thresholds.split_once("sigma = ").map(|(_, sigma)| sigma);
-    sigma.unwrap_or_default().trim_end_matches(" }").to_owned()
+    let thresholds = Thresholds::written(&table::cell(row, "thresholds"));
+    thresholds.map_or_else(String::new, |thresholds| thresholds.sigma.to_string())
 }
 
 /// The side, its arithmetic, and what else differs among its sensors.

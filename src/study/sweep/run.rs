@@ -167,9 +167,7 @@ impl Run<'_> {
         };
         let searched = match search {
             Some(search) => {
-                let searched = self.search(search, store, &|| {
-                    let _ = done();
-                })?;
+                let searched = self.search(search, store, &done)?;
                 mine.retain(|(point, _)| searched.points.contains(point));
                 searched.keep_failed(self.plan, store, &held.records)?;
                 searched
@@ -202,6 +200,7 @@ impl Run<'_> {
             }
             let provenance = provenance.clone();
             store.keep(&entry.id, &Record { row, provenance })?;
+            shared.pilots_are_kept()?;
             match done() {
                 ControlFlow::Continue(()) => Ok(()),
                 ControlFlow::Break(()) => Err(StoreError::Stopped),

@@ -5,23 +5,21 @@
 //! candidates ─► a 32nd of the scene ─ survivors ─► an eighth ─ survivors ─► the whole, as any point
 //! ```
 //!
-//! A part of a scene is some frames of it, beginning at a frame that a hash draws, and the square
-//! of the array in which most changes there. What is tried there is measured as any point is, and
-//! kept by content in `pilots/` of the folder: a search that is gone on with chooses as before.
+//! What is tried on a part of a scene (`cut`) is measured as any point is, and kept by content in
+//! `pilots/` of the folder: a search that is gone on with chooses as before. Points are left out
+//! only once a rung has ranked them: where no rung saves anything, all of them are computed.
 //! Jamieson & Talwalkar 2016 for one objective; here who survives is who is on the front of error
 //! and cost (`survivors`).
 
 use std::{
     collections::{HashMap, HashSet},
-    sync::{Arc, Mutex, PoisonError},
+    ops::ControlFlow,
+    sync::{Mutex, PoisonError},
 };
 
-use serde_json::json;
-use sha2::{Digest, Sha256};
-
 use super::{
-    cached_scene::{CachedScene, Part, hex},
-    error::Kept,
+    cut::Cut,
+    error::{Kept, StoreError},
     measure::{described, measure, without_figures},
     pilot_file::PilotFile,
     plan::{Entry, Plan},
@@ -32,11 +30,11 @@ use super::{
     sample::Search,
     shared::Shared,
     store::Store,
-    study::{COSTS, Settings},
+    study::COSTS,
     survivors::survivors,
     table::{self, Row},
 };
-use crate::{order::Order, rng::Hash, scene::SceneError, study::front::Cost};
+use crate::{order::Order, rng::Hash, study::front::Cost};
 
 /// What a rung did.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -45,7 +43,9 @@ pub struct Rung {
     pub points: usize,
     /// Of these, those that were tried now; the others were known.
     pub tried: usize,
-    /// What they saw, in frames of the whole sensor.
+    /// Of these, those that saw the whole of their scene, of which a part would be too much.
+    pub whole: usize,
+    /// What they saw, in frames of the whole sensor; what an earlier rung saw counts there.
     pub point_frames: f64,
 }
 
@@ -60,6 +60,9 @@ pub struct Searched {
     pub of: f64,
     /// Points that went no further since a rung has no error or no cost of them, with the reason.
     pub nothing: Vec<Failed>,
+    /// Whether no rung chose, since parts of the scenes would be too much of them: all points are
+    /// computed.
+    pub computed_all: bool,
 }
 
 /// What a search comes to.
@@ -73,7 +76,19 @@ pub(super) struct Chosen {
 }
 
 /// What the reason of a point begins with that was given up in a rung.
-const IN_A_RUNG: &str = "on a part of the scene: ";
+const ON_A_PART: &str = "on a part of the scene: ";
+
+/// The same where its rung looked at the whole of its scene.
+const ON_THE_WHOLE: &str = "in a rung of the search: ";
+
+/// Which of both.
+const fn in_a_rung(on_the_whole: bool) -> &'static str {
+    if on_the_whole {
+        ON_THE_WHOLE
+    } else {
+        ON_A_PART
+    }
+}
 
 impl Chosen {
     /// Points that were given up in a rung are rows, until a run gets further with them.
@@ -94,7 +109,9 @@ impl Chosen {
                     store.keep(&entry.id, &Record { row, provenance })?;
                 }
             } else if held.is_some_and(|held| {
-                is_failed(&held.row) && table::cell(&held.row, "reason").starts_with(IN_A_RUNG)
+                let reason = table::cell(&held.row, "reason");
+                let mut begins = [ON_A_PART, ON_THE_WHOLE].into_iter();
+                is_failed(&held.row) && begins.any(|begin| reason.starts_with(begin))
             }) {
                 store.forget(&entry.id)?;
             }
@@ -110,21 +127,21 @@ const RUNGS: [(f64, f64); 2] = [(1.0 / 32.0, 1.0), (1.0 / 8.0, 0.125)];
 /// The fewest points that are computed on the whole scene.
 const FEWEST: usize = 8;
 
-/// A rung that sees more of a scene than this is left out: it saves too little.
-const MUCH: f64 = 0.5;
-
 impl Run<'_> {
-    /// Tries candidates rung by rung.
+    /// Tries candidates rung by rung; where `done` says so, no other is begun.
     pub(super) fn search(
         &self,
         search: Search,
         store: &Store,
-        done: &(impl Fn() + Sync),
+        done: &(impl Fn() -> ControlFlow<()> + Sync),
     ) -> Kept<Chosen> {
         let plan = self.plan;
         let all = plan.entries.len();
         let finish = ((search.finish * all as f64).ceil() as usize).max(FEWEST);
         let mut left: Vec<usize> = (0..all).collect();
+        // Until a rung has ranked them, `left` is in the order of the grid, which says nothing.
+        let mut is_ranked = false;
+        let mut looked_at = HashSet::new();
         let mut failed = Vec::new();
         let mut did = Searched {
             of: plan.entries.iter().map(|e| e.scene.frames as f64).sum(),
@@ -132,16 +149,25 @@ impl Run<'_> {
         };
         for (number, (part, share)) in (0..).zip(RUNGS) {
             let quota = ((share * all as f64).ceil() as usize).max(finish);
-            left.truncate(quota);
+            if is_ranked {
+                left.truncate(quota);
+            }
             if left.len() <= finish {
                 break;
             }
-            let Some(rung) = Cut::new(plan, &left, (part, Hash::new(search.seed).with(number)))
-            else {
+            let hash = Hash::new(search.seed).with(number);
+            let Some(rung) = Cut::new(plan, &left, (part, hash))? else {
                 continue;
             };
             let tried = self.try_rung(&rung, search, store, done)?;
-            did.rungs.push(tried.rung);
+            did.rungs.push(Rung {
+                point_frames: seen(
+                    rung.looks().filter_map(|(id, frames)| {
+                        looked_at.insert(id.to_owned()).then_some(frames)
+                    }),
+                ),
+                ..tried.rung
+            });
             let numbered = |list: Vec<(usize, String)>| {
                 let of = |(i, reason)| {
                     Some(Failed {
@@ -155,12 +181,17 @@ impl Run<'_> {
             failed.extend(numbered(tried.failed));
             let ranked = tried.ranked.into_iter();
             left = ranked.filter_map(|i| left.get(i).copied()).collect();
+            is_ranked = true;
         }
         did.nothing.order_by_key(|nothing| nothing.point);
-        left.truncate(finish);
+        if is_ranked {
+            left.truncate(finish);
+        }
+        did.computed_all = !is_ranked && all > finish;
         did.rungs.push(Rung {
             points: left.len(),
             tried: 0,
+            whole: left.len(),
             point_frames: seen(
                 { left.iter() }.filter_map(|i| Some(plan.entries.get(*i)?.scene.frames as f64)),
             ),
@@ -179,7 +210,7 @@ impl Run<'_> {
         cut: &Cut,
         search: Search,
         store: &Store,
-        done: &(impl Fn() + Sync),
+        done: &(impl Fn() -> ControlFlow<()> + Sync),
     ) -> Kept<Tried> {
         let folder = store.pilots()?;
         let known = |entry: &Entry| PilotFile::read(&folder, &entry.id);
@@ -194,22 +225,24 @@ impl Run<'_> {
             ..*self
         };
         let failed = Mutex::new(Vec::new());
-        // A disk that does not take them is no reason to go without.
         let made = Mutex::new(HashMap::new());
         run.on_threads(work, &Shared::new(None), |i, entry, shared| {
             let row = run.computed(entry, || measure(run.plan, entry, shared, run.limits));
             if is_failed(&row) {
-                let reason = format!("{IN_A_RUNG}{}", table::cell(&row, "reason"));
+                let begin = in_a_rung(cut.is_whole(i));
+                let reason = format!("{begin}{}", table::cell(&row, "reason"));
                 let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
                 failed.push((i, reason));
             } else {
                 let file = tried_file(&entry.id, &row);
-                file.write(&folder);
+                file.write(&folder)?;
                 let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
                 made.insert(i, file);
             }
-            done();
-            Ok(())
+            match done() {
+                ControlFlow::Continue(()) => Ok(()),
+                ControlFlow::Break(()) => Err(StoreError::Stopped),
+            }
         })?;
         let mut failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
         failed.order_by_key(|(i, _)| *i);
@@ -227,11 +260,12 @@ impl Run<'_> {
             };
             let figure = |column: &str| figures.get(column).copied();
             if let (Some(y), Some(x)) = (figure("error"), figure(search.cost)) {
+                let x = x * cut.counted_up(i, search.cost);
                 costs.push(Cost { x, y });
                 numbers.push(i);
             } else {
                 let reason = reason.unwrap_or_else(|| format!("it has no {}", search.cost));
-                nothing.push((i, format!("{IN_A_RUNG}{reason}")));
+                nothing.push((i, format!("{}{reason}", in_a_rung(cut.is_whole(i)))));
             }
         }
         let ranked = survivors(&costs, costs.len()).into_iter();
@@ -240,7 +274,8 @@ impl Run<'_> {
             rung: Rung {
                 points: cut.plan.entries.len(),
                 tried,
-                point_frames: cut.point_frames,
+                whole: cut.whole(),
+                point_frames: 0.0,
             },
             nothing,
             failed,
@@ -281,103 +316,77 @@ fn seen(frames: impl Iterator<Item = f64>) -> f64 {
     frames.sum::<f64>() + 0.0
 }
 
-/// A part of a scene, and its share of all.
-type Shown = (Arc<CachedScene>, f64);
+#[cfg(test)]
+mod tests {
+    use std::{fs, path::Path};
 
-/// Points on a part of their scenes.
-struct Cut {
-    plan: Plan,
-    point_frames: f64,
-}
+    use super::*;
+    use crate::study::sweep::{Limits, Study};
 
-impl Cut {
-    /// Of these points of a plan; none where a part would be much of a scene, or it cannot be read.
-    fn new(plan: &Plan, left: &[usize], (part, hash): (f64, Hash)) -> Option<Self> {
-        let mut scenes: Vec<(String, bool, Option<Shown>)> = Vec::new();
-        let mut entries = Vec::new();
-        let mut point_frames = 0.0;
-        for i in left {
-            let entry = plan.entries.get(*i)?;
-            // Slots are the whole array's.
-            let whole = entry.point.word("readout") == Some("chip");
-            let digest = &entry.scene.digest;
-            let found = scenes
-                .iter()
-                .find(|(known, all, _)| known == digest && *all == whole);
-            let cut = if let Some((_, _, cut)) = found {
-                cut.clone()
-            } else {
-                let cut = cut(&entry.scene, part, whole, hash).ok().flatten();
-                scenes.push((digest.clone(), whole, cut.clone()));
-                cut
-            };
-            let (scene, seen) = cut?;
-            point_frames += seen * entry.scene.frames as f64;
-            entries.push(Entry {
-                id: identity(entry, &scene, &plan.study.settings),
-                task: format!("{} {}", entry.task, scene.digest),
-                scene,
-                ..entry.clone()
-            });
-        }
-        let mut study = plan.study.clone();
-        study.settings = Settings {
-            threshold_equivalent: false,
-            tolerance: None,
-            ..study.settings
-        };
-        let named = entries.len() as u64;
-        Some(Self {
-            plan: Plan {
-                study,
-                entries,
-                named,
+    const STUDY: &str = "scene = \"pattern:noise?width=56&height=48&frames=36&fps=100&speed=40\"\nkernel = \"dvs\"\nthreshold = [8, 16, 24, 32]\nthreshold-equivalent = false\nmetrics = \"f1\"\n";
+
+    const SEARCH: &str = "sample = { method = \"search\", points = 100, cost = \"bits\" }\n[[side]]\nside = \"reference\"\nformat = [\"f64\", \"f32\", \"f16\", \"q8.8\"]\n";
+
+    fn plan(text: &str) -> Plan {
+        let study = Study::parse("study.toml", text).unwrap();
+        Plan::new(study, Path::new("")).unwrap()
+    }
+
+    fn run(plan: &Plan) -> Run<'_> {
+        Run {
+            plan,
+            shard: None,
+            jobs: 1,
+            limits: Limits {
+                clock: &|| 0.0,
+                seconds: None,
+                bytes: None,
             },
-            point_frames,
-        })
+        }
     }
-}
 
-fn identity(entry: &Entry, scene: &CachedScene, settings: &Settings) -> String {
-    let all = json!(["rung", entry.id, scene.digest, settings.measured()]);
-    hex(&Sha256::digest(all.to_string().as_bytes())[..16])
-}
-
-/// The fewest frames of a part, and the fewest rows and columns.
-const LEAST_FRAMES: u64 = 5;
-const LEAST_SIDE: usize = 24;
-
-/// A part of a scene, and its share of all; none where that is much. `whole`: all of the array.
-fn cut(
-    scene: &CachedScene,
-    part: f64,
-    whole: bool,
-    hash: Hash,
-) -> Result<Option<Shown>, SceneError> {
-    let each = if whole { part } else { part.sqrt() };
-    let all = scene.frames;
-    let frames = ((each * all as f64).ceil() as u64)
-        .max(LEAST_FRAMES)
-        .min(all);
-    let space = if whole {
-        1.0
-    } else {
-        (part * all as f64 / frames as f64).min(1.0).sqrt()
-    };
-    let side = |length: usize| {
-        let side = (space * length as f64).ceil() as usize;
-        // An even number: patterns of sensors are 2x2.
-        side.max(LEAST_SIDE).next_multiple_of(2).min(length)
-    };
-    let size = (side(scene.size.height), side(scene.size.width));
-    let share = frames as f64 / all as f64 * (size.0 * size.1) as f64 / scene.size.pixels() as f64;
-    if share > MUCH {
-        return Ok(None);
+    /// No other point is begun, what was tried is kept, and the next run tries the rest.
+    #[test]
+    fn a_search_that_is_stopped_in_a_rung_goes_on() {
+        let plan = plan(&format!("{STUDY}{SEARCH}"));
+        let run = run(&plan);
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path(), &plan.manifest()).unwrap();
+        let begin = |_| panic!("a stopped search computes points");
+        let stopped = run.complete_until(&store, begin, || ControlFlow::Break(()));
+        assert!(matches!(stopped, Err(StoreError::Stopped)), "{stopped:?}");
+        let tried = fs::read_dir(folder.path().join("pilots")).unwrap().count();
+        assert_eq!(tried, 1);
+        let searched = run.complete(&store, |_| {}, || {}).unwrap().search.unwrap();
+        assert_eq!(
+            (searched.rungs[0].points, searched.rungs[0].tried),
+            (16, 15)
+        );
     }
-    let first = (hash.uniform() * (all - frames + 1) as f64) as u64;
-    let cut = scene.cut(&Part {
-        frames: first..first + frames,
-        size,
-    })?;
-    Ok(Some((Arc::new(cut), share)))
+
+    /// As a disk that has no room for it: an error, as of a point that cannot be kept.
+    #[test]
+    fn what_cannot_be_kept_of_a_pilot_is_told() {
+        let auto =
+            "fidelity = \"auto\"\n[[side]]\nside = \"reference\"\nformat = [\"f64\", \"f32\"]\n";
+        for text in [SEARCH, auto] {
+            let plan = plan(&format!("{STUDY}{text}"));
+            let run = run(&plan);
+            let folder = tempfile::tempdir().unwrap();
+            let store = Store::open(folder.path(), &plan.manifest()).unwrap();
+            let pilots = folder.path().join("pilots");
+            let spoil = || {
+                if pilots.is_dir() {
+                    fs::remove_dir_all(&pilots).unwrap();
+                    fs::write(&pilots, "").unwrap();
+                }
+            };
+            // A search has tried a point by then.
+            let told = run.complete(&store, |_| spoil(), spoil);
+            let Err(StoreError::Save { path, .. }) = &told else {
+                panic!("{told:?}");
+            };
+            assert!(path.starts_with(&pilots), "{}", path.display());
+        }
+    }
 }

@@ -7,8 +7,13 @@ use std::{
 };
 
 use super::{
-    cached_scene::Drive, level_program::LevelProgram, pilot_file::Found, refusal::Refusal,
-    table::Row, truth::Truth,
+    cached_scene::Drive,
+    error::{Kept, StoreError},
+    level_program::LevelProgram,
+    pilot_file::Found,
+    refusal::Refusal,
+    table::Row,
+    truth::Truth,
 };
 
 /// A memo of what several points need.
@@ -23,6 +28,8 @@ pub(super) struct Shared {
     folder: Option<PathBuf>,
     /// How many pilots were measured, and their seconds.
     cost: Mutex<(usize, f64)>,
+    /// Why a pilot that was measured is not kept.
+    unkept: Mutex<Option<StoreError>>,
 }
 
 /// The limits of plainer models, by name, or why there are none.
@@ -92,6 +99,21 @@ impl Shared {
         let mut cost = self.cost.lock().unwrap_or_else(PoisonError::into_inner);
         cost.0 += 1;
         cost.1 += seconds;
+    }
+
+    /// That a pilot that was measured cannot be kept.
+    pub fn cannot_keep(&self, error: StoreError) {
+        let mut unkept = self.unkept.lock().unwrap_or_else(PoisonError::into_inner);
+        unkept.get_or_insert(error);
+    }
+
+    /// Whether all pilots are kept that were measured.
+    ///
+    /// # Errors
+    /// With the first that is not, once.
+    pub fn pilots_are_kept(&self) -> Kept<()> {
+        let mut unkept = self.unkept.lock().unwrap_or_else(PoisonError::into_inner);
+        unkept.take().map_or(Ok(()), Err)
     }
 
     /// How many pilots were measured and not known, and in how many seconds of one thread.

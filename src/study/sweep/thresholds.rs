@@ -6,7 +6,7 @@ use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
 
 use crate::{
-    config::{Key, Kind, Node, Range, Read, Section, Table},
+    config::{Document, Key, Kind, Node, Range, Read, Section, Table},
     limit::KERNELS,
     unit::counted,
 };
@@ -128,6 +128,12 @@ impl Thresholds {
         })
     }
 
+    /// Those that a row has as one text.
+    pub(super) fn written(text: &str) -> Option<Self> {
+        let document = Document::value(text).ok()?;
+        Self::read(document.root()).ok()
+    }
+
     const fn named(&self) -> [(&'static str, &PerKind); 3] {
         [("on", &self.on), ("off", &self.off), ("sigma", &self.sigma)]
     }
@@ -201,5 +207,18 @@ mod tests {
         let differ = json!({"threshold_off": 8.0, "threshold_sigma": 0.0,
             "thresholds": "{ on = [9.0, 7.5], off = 8.0, sigma = 0.0 }"});
         assert_eq!(columns(Each(vec![9.0, 7.5])), differ);
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let all = Thresholds {
+            on: Each(vec![9.0, 7.5]),
+            off: All(1e-9),
+            sigma: Each(vec![0.0, 0.1 + 0.2]),
+        };
+        assert_eq!(Thresholds::written(&all.to_string()), Some(all));
+        for other in ["", "8", "{ off = 8 }", "{ on = 8, off = 8"] {
+            assert_eq!(Thresholds::written(other), None, "{other}");
+        }
     }
 }
