@@ -134,10 +134,10 @@ def flag(name: str, given: Any) -> bool:
 
 
 def rate(fps: Any) -> float:
-    """Frames per second, above 0."""
+    """Frames per second, above 0 and not without end."""
     help = "give fps, a number above 0, such as fps=240"
     found = number("fps", fps, help)
-    if not found > 0.0:
+    if not 0.0 < found < math.inf:
         raise Error(f"{found:g} frames per second is no rate\nhelp: {help}")
     return found
 

@@ -27,7 +27,7 @@ pub struct Companion<'a> {
     pub kept: &'a [Register],
     pub films: &'a mut [Vec<f64>],
     /// What is seen of registers at the end of their range.
-    pub saturation: Option<&'a mut Saturation>,
+    pub saturation: &'a mut Saturation,
     pub pool: Arc<ThreadPool>,
     /// Frames that have begun.
     pub begun: usize,
@@ -50,9 +50,7 @@ impl Companion<'_> {
         for (register, film) in self.kept.iter().zip(&mut *self.films) {
             film.extend(register.values(self.chip));
         }
-        if let Some(saturation) = &mut self.saturation {
-            saturation.frame(self.chip);
-        }
+        self.saturation.frame(self.chip);
     }
 
     fn next_frame(&mut self) -> PyResult<bool> {

@@ -1,17 +1,19 @@
 //! A sensor as one program of a chip.
 
+use std::str::FromStr;
+
 use amacrine::{
-    array::{Arithmetic, ArithmeticError, Unheld},
-    compile::{Border, DriveMemory, Effort, EventReadout, Objective, Request, SensorProgram},
+    array::{Arithmetic, ArithmeticError},
+    compile::{Border, DriveMemory, Effort, EventReadout, Request, SensorProgram},
+    config::UnknownWord,
     isa::{Device, Figure},
     kernel::{
         Kernel,
         quantise::{Quantiser, QuantiserNameError, Sum},
     },
-    photoreceptor::Response,
     plane::Size,
     program::{
-        Overrides, Program, Step,
+        Overrides, Program,
         readout::{Demand, Scans, choose},
     },
     reference::Description,
@@ -22,7 +24,7 @@ use amacrine::{
         cells::{compiled_cells, memory_of},
         design::{Compiled, DesignError},
         expanded::Expanded,
-        saturation,
+        run_guard::RunGuard,
     },
     unit::counted,
 };
@@ -34,7 +36,7 @@ use crate::{
     error::{raised, refused},
     options::in_python,
     pool,
-    run::{Known, Run},
+    run::Run,
     watcher,
 };
 
@@ -59,31 +61,9 @@ pub struct Asked<'a> {
     pub stop: Stop,
 }
 
-/// What a program is to be best at, by name.
-pub fn objective(name: &str) -> PyResult<Objective> {
-    match name {
-        "silicon" => Ok(Objective::Silicon),
-        "events" => Ok(Objective::Events),
-        "exact" => Ok(Objective::Exact),
-        "words" => Ok(Objective::Words),
-        _ => Err(refused(
-            format!("`{name}` is no objective"),
-            "give silicon, events, exact or words",
-        )),
-    }
-}
-
-/// What kernels must sum to, by name.
-pub fn sum(name: &str) -> PyResult<Sum> {
-    match name {
-        "free" => Ok(Sum::Free),
-        "zero" => Ok(Sum::Zero),
-        "kept" => Ok(Sum::Kept),
-        _ => Err(refused(
-            format!("`{name}` is no sum"),
-            "give free, zero or kept",
-        )),
-    }
+/// What a word stands for.
+pub fn named<T: FromStr<Err = UnknownWord>>(word: &str) -> PyResult<T> {
+    word.parse().map_err(|e: UnknownWord| raised(e))
 }
 
 /// What a program remembers, by name; what is nearest to the sensor where none is given.
@@ -91,27 +71,8 @@ fn memory(name: Option<&str>, sensor: &Description) -> PyResult<DriveMemory> {
     // What no program remembers is told of in the notes.
     name.map_or_else(
         || Ok(memory_of(&sensor.name, sensor).unwrap_or_default()),
-        memory_named,
+        named,
     )
-}
-
-/// What a program remembers, by name.
-pub fn memory_named(name: &str) -> PyResult<DriveMemory> {
-    match name {
-        "analogue" => return Ok(DriveMemory::Analogue),
-        "shared" => return Ok(DriveMemory::Shared),
-        _ => {}
-    }
-    let bits = name.strip_prefix("bits:").and_then(|it| it.parse().ok());
-    let memory = bits
-        .filter(|it| (1..=8).contains(it))
-        .map(DriveMemory::Bits);
-    memory.ok_or_else(|| {
-        refused(
-            format!("`{name}` is no memory"),
-            "give analogue, shared, or bits:N with N from 1 to 8, such as bits:5",
-        )
-    })
 }
 
 /// A quantiser by name.
@@ -182,7 +143,7 @@ impl Chip {
             "exact" | "none" => None,
             name => Some(quantiser(name)?),
         };
-        let sum = sum(asked.sum)?;
+        let sum: Sum = named(asked.sum)?;
         let device = Device::find(asked.chip).map_err(raised)?;
         let effort = effort(asked.effort, asked.stop)?;
         let memory = memory(asked.memory, description)?;
@@ -207,7 +168,7 @@ impl Chip {
         let first = [kinds[0].kernel.clone()];
         let mut request = Request::new(&first, &device).map_err(raised)?;
         (request.effort, request.seed) = (effort, asked.seed);
-        request.objective = objective(asked.objective)?;
+        request.objective = named(asked.objective)?;
         if asked.border {
             request.border = Border::Right;
         }
@@ -322,10 +283,10 @@ impl Chip {
 
     /// The levels of each kind, `(k, k)`, and what they are to be multiplied by.
     #[getter]
-    fn levels<'py>(&self, py: Python<'py>) -> Vec<(Bound<'py, PyArray2<f64>>, f64)> {
+    fn levels<'py>(&self, py: Python<'py>) -> PyResult<Vec<(Bound<'py, PyArray2<f64>>, f64)>> {
         let levels = self.levels.iter();
         levels
-            .map(|(kernel, scale)| (plane(py, kernel.weights()), *scale))
+            .map(|(kernel, scale)| Ok((plane(py, kernel.weights())?, *scale)))
             .collect()
     }
 
@@ -357,16 +318,10 @@ impl Chip {
         })?;
         let (sensor, channels) = made.map_err(raised)?;
         let watcher = Box::new(watcher::Events::new(sensor));
-        let (settings, code) = (self.expanded.settings(), &self.expanded.code);
-        let parts: [&[Step]; 2] = [&code.init, &code.frame];
-        let known = Known {
-            response: Response::IDENTITY,
-            still: None,
-            overflow: saturation::of_light(arithmetic, &settings),
-            rounded: None,
-            unheld: Unheld::of_program(arithmetic, &parts, &self.expanded.device, &settings),
-        };
-        Run::new(watcher, (size, channels), known, fps, scale, max_events)
+        let program = (&self.expanded.code, &self.expanded.device);
+        let settings = self.expanded.settings();
+        let guard = RunGuard::of_program(program, arithmetic, &settings, size, channels.into());
+        Run::new(watcher, (size, channels), guard, fps, scale, max_events)
     }
 }
 
@@ -374,14 +329,13 @@ impl Chip {
 pub fn plane<'py, T: numpy::Element + Copy>(
     py: Python<'py>,
     plane: &amacrine::plane::Plane<T>,
-) -> Bound<'py, PyArray2<T>> {
+) -> PyResult<Bound<'py, PyArray2<T>>> {
     let (height, width) = plane.dim();
     let flat: Vec<T> = plane.iter().copied().collect();
     let array = flat.to_pyarray(py);
-    // As many numbers as the plane has.
     array
         .reshape([height, width])
-        .unwrap_or_else(|_| PyArray2::zeros(py, [height, width], false))
+        .map_err(|_| refused("a plane has not as many numbers as its size", "report this"))
 }
 
 fn arithmetic(domain: &str) -> PyResult<Arithmetic> {

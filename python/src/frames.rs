@@ -71,22 +71,6 @@ impl Frames<'_> {
         }
     }
 
-    /// The least and the most light.
-    pub fn extent(self, scale: f64) -> Option<(f64, f64)> {
-        fn ends<T: Copy + Into<f64>>(all: &[T], scale: f64) -> Option<(f64, f64)> {
-            let light = all.iter().map(|number| (*number).into() * scale);
-            light.fold(None, |ends: Option<(f64, f64)>, light| {
-                let (low, high) = ends.unwrap_or((light, light));
-                Some((low.min(light), high.max(light)))
-            })
-        }
-        match self {
-            Self::U8(all) => ends(all, scale),
-            Self::F32(all) => ends(all, scale),
-            Self::F64(all) => ends(all, scale),
-        }
-    }
-
     /// Puts frame `n` in the place of `light`: codes of 8 bits stay codes, which stand for `levels`;
     /// other numbers are taken times `scale`.
     pub fn show(self, n: usize, (scale, levels): (f64, &Levels), light: &mut Image) {

@@ -284,14 +284,15 @@ impl<R: Spare + Element> Pass<R> {
         })?;
         let gradient = gradient.map_err(raised)?;
         let kinds = gradient.channels.iter().map(|kind| {
-            let kernels = kind.kernels.iter().map(|it| plane(py, it)).collect();
+            let kernels = kind.kernels.iter().map(|it| plane(py, it));
+            let kernels = kernels.collect::<PyResult<_>>()?;
             let (on, off, sigma) = (kind.on.clone(), kind.off.clone(), kind.sigma.clone());
-            (kernels, on, off, sigma, kind.gains)
+            Ok((kernels, on, off, sigma, kind.gains))
         });
         let light = gradient
             .light
             .map(|all| PyArray1::from_vec(py, all).into_any());
-        Ok((kinds.collect(), light))
+        Ok((kinds.collect::<PyResult<_>>()?, light))
     }
 }
 

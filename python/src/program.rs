@@ -6,19 +6,19 @@ use std::{
 };
 
 use amacrine::{
-    array::{Arithmetic, ArithmeticError, Array, Register, Settings, Unheld},
+    array::{Arithmetic, Array, Register, Settings},
     event::Packet,
     isa::Device,
-    photoreceptor::Response,
-    plane::{At, Plane, Size},
+    plane::{Plane, Size},
     program::{
-        Action, Cost, Expansion, Exposure, Host, Overrides, Program as Text, Runnable, Step,
-        included_files,
+        Cost, Expansion, Exposure, Overrides, Program as Text, Runnable, Step, included_files,
     },
-    rig::guard::{Guard, Warning},
+    rig::guard::Guard,
+    scene::{Frame, Levels, Observation, check_rate},
     study::{
-        pilot::{Chips, ErrorTerm, UnknownPart, left_out},
-        saturation::{self, Saturation},
+        execution::{self, CellOptions, Execution, Ran},
+        pilot::{Chips, ErrorTerm, Machine, UnknownPart, left_out},
+        saturation::Saturation,
     },
     unit::Micros,
 };
@@ -34,6 +34,7 @@ use crate::{
     options::in_python,
     pool, record,
     run::by_reason,
+    source::outline,
 };
 
 /// What a host has written, with the frame, how many frames it saw, and what it did with the
@@ -140,13 +141,6 @@ impl Program {
         Some(in_python(&told(&Report::new(warnings))))
     }
 
-    /// Whether it reads events out.
-    #[getter]
-    fn reads_events(&self) -> bool {
-        let code = &self.expansion.code;
-        reads_events(&code.init) || reads_events(&code.frame)
-    }
-
     /// Whether its host decides in the run what the array does.
     #[getter]
     fn decides(&self) -> bool {
@@ -181,15 +175,11 @@ impl Program {
         Vec<(usize, String)>,
         Vec<String>,
     )> {
+        check_rate(fps).map_err(raised)?;
         let borrowed = Borrowed::new(frames)?;
         let (count, height, width) = borrowed.shape();
         let size = Size::new(height, width);
-        let light = Light {
-            frames: borrowed.frames()?,
-            count,
-            fps,
-            scale,
-        };
+        let light = Light::new(borrowed.frames()?, (count, size), fps, scale);
         let registers = Register::all(&self.device);
         let named = |name: &String| Register::named(&self.device, name);
         let kept: Vec<_> = keep
@@ -197,16 +187,22 @@ impl Program {
             .map(named)
             .collect::<Result<_, _>>()
             .map_err(raised)?;
-        let mut chip = pool::work(py, || self.chip_of(size, &cells))?.map_err(raised)?;
+        let execution = self.execution(&cells).map_err(raised)?;
+        let machine = cells.machine(&execution).map_err(raised)?;
+        let made = pool::work(py, || made(&execution, machine.as_ref(), size))?;
+        let mut chip = made.map_err(raised)?;
         for (name, values) in &set {
             self.set(&mut *chip, name, &values.as_array().to_owned())?;
         }
         let mut packet = Packet::new(size, amacrine::sensor::Sensor::channels(&*chip));
+        packet.names = self.source.names_of(packet.channels).map_err(raised)?;
         let mut films: Vec<Vec<f64>> = vec![Vec::new(); kept.len()];
-        let (mut posts, mut shown, mut exposure) = (Vec::new(), count, Exposure::default());
-        let mut saturation = self.saturation(&*chip, &cells);
+        let (mut posts, mut shown) = (Vec::new(), count);
+        let mut exposure = Exposure::default();
+        exposure.see(&self.expansion.code.frame, &self.device);
+        let mut saturation = execution.saturation();
         if self.decides {
-            let seen = (&kept[..], &mut films[..], saturation.as_mut());
+            let seen = (&kept[..], &mut films[..], &mut saturation);
             (posts, shown, exposure) =
                 self.run_beside(py, &mut *chip, &light, &mut packet, seen)?;
         }
@@ -214,9 +210,7 @@ impl Program {
         for n in 0..steady {
             let done = pool::work(py, || {
                 self.show(&mut *chip, &light, n, &mut packet)?;
-                if let Some(saturation) = &mut saturation {
-                    saturation.frame(&*chip);
-                }
+                saturation.frame(&*chip);
                 for (register, film) in kept.iter().zip(&mut films) {
                     film.extend(register.values(&*chip));
                 }
@@ -232,9 +226,9 @@ impl Program {
             let name = register.name(&self.device);
             let values = register.values(&*chip);
             if register.is_bit() {
-                last.set_item(name, plane(py, &values.mapv(|bit| bit != 0.0)))?;
+                last.set_item(name, plane(py, &values.mapv(|bit| bit != 0.0))?)?;
             } else {
-                last.set_item(name, plane(py, &values))?;
+                last.set_item(name, plane(py, &values)?)?;
             }
         }
         let every = PyDict::new(py);
@@ -252,9 +246,22 @@ impl Program {
             }
         }
         let records = PyArray1::from_vec(py, bytes);
-        let unheld = self.unheld(&*chip, exposure);
-        let held = (unheld.as_ref(), saturation);
-        let warned = self.warned(&*chip, &packet, &light, held);
+        let mut guard = Guard::new();
+        for n in 0..shown {
+            guard.frame_at(Micros::from_seconds(n as f64 / light.fps));
+        }
+        let warned = execution.warnings(Ran {
+            chip: &*chip,
+            packet: &packet,
+            frames: shown as u64,
+            observation: &light.observation,
+            is_dark: false,
+            exposure,
+            saturation,
+            guard,
+        });
+        let warned = warned.iter().map(|it| in_python(&it.to_string()));
+        let warned = warned.collect();
         Ok((
             records,
             packet.channels,
@@ -271,8 +278,49 @@ impl Program {
 pub struct Light<'a> {
     frames: Frames<'a>,
     pub count: usize,
+    size: Size,
     fps: f64,
     scale: f64,
+    /// What codes of 8 bits stand for.
+    levels: Levels,
+    /// What was seen of them.
+    observation: Observation,
+}
+
+impl<'a> Light<'a> {
+    fn new(frames: Frames<'a>, (count, size): (usize, Size), fps: f64, scale: f64) -> Self {
+        let observation = Observation::new();
+        observation.begin(&outline(frames.samples(), (count, size), fps));
+        Self {
+            frames,
+            count,
+            size,
+            fps,
+            scale,
+            levels: Levels::bytes().map(|code| code * scale),
+            observation,
+        }
+    }
+
+    /// Frame `n`.
+    fn frame(&self, n: usize) -> Result<Frame, Report> {
+        let mut light = Plane::zeros(self.size.shape()).into();
+        { self.frames }.show(n, (self.scale, &self.levels), &mut light);
+        if let Some((at, wrong)) = { light.indexed_iter() }.find(|(_, light)| !light.is_finite()) {
+            return Err(miette!(
+                help = "give finite light",
+                "frame {n} of {}, x = {}, y = {}: the light is {wrong}",
+                self.count,
+                at.1,
+                at.0
+            ));
+        }
+        Ok(Frame {
+            index: n as u64,
+            seconds: n as f64 / self.fps,
+            light,
+        })
+    }
 }
 
 /// Lets the light of a frame fall on the array; when that is.
@@ -282,29 +330,46 @@ pub fn begin(
     n: usize,
     packet: &mut Packet,
 ) -> Result<Micros, Report> {
-    let mut plane = Plane::zeros(packet.size.shape());
-    if let Some(plane) = plane.as_slice_mut() {
-        light.frames.light(n, light.scale, plane);
-    }
-    let seconds = n as f64 / light.fps;
-    let t = Micros::from_seconds(seconds);
-    if let Some((at, wrong)) = { plane.indexed_iter() }.find(|(_, light)| !light.is_finite()) {
+    let frame = light.frame(n)?;
+    light.observation.see(&frame);
+    let before = n.checked_sub(1).map(|n| n as f64 / light.fps);
+    let (t, _) = execution::begin(chip, &frame, before, packet)?;
+    Ok(t)
+}
+
+/// The array of a run, as switched on.
+fn made(
+    execution: &Execution<'_>,
+    machine: Option<&Machine>,
+    size: Size,
+) -> Result<Box<dyn Array + Send>, Report> {
+    if !size.is_possible() {
         return Err(miette!(
-            help = "give finite light",
-            "frame {n} of {}, x = {}, y = {}: the light is {wrong}",
-            light.count,
-            at.1,
-            at.0
+            help = "height and width must be from 1 to 65536",
+            "an array of {size}"
         ));
     }
-    chip.begin_frame();
-    chip.expose(&plane)?;
-    if n > 0 {
-        let before = (n - 1) as f64 / light.fps;
-        chip.wait(seconds - before);
+    Ok(execution.chip(machine, size)?)
+}
+
+impl Cells {
+    /// What the library calls them.
+    fn options(&self) -> CellOptions<'_> {
+        CellOptions {
+            domain: self.domain.as_deref(),
+            seed: self.seed,
+            clip: self.clip,
+            edge: self.edge,
+            gain: self.gain,
+        }
     }
-    packet.span.1 = t;
-    Ok(t)
+
+    /// What runs in place of the full model; nothing where that does.
+    fn machine(&self, execution: &Execution<'_>) -> Result<Option<Machine>, Report> {
+        let without = self.without.iter().map(|name| name.parse());
+        let without: Vec<ErrorTerm> = without.collect::<Result<_, UnknownPart>>()?;
+        Ok(left_out::cells_without(execution.arithmetic, &without)?)
+    }
 }
 
 impl Program {
@@ -331,55 +396,31 @@ impl Program {
 
     /// The settings of its chip, and its own.
     pub fn settings(&self) -> Settings {
-        let own = &self.source.settings;
-        let mut settings = Settings::from_device(&self.device);
-        settings.clip = own.clip.unwrap_or(settings.clip);
-        settings.edge = own.edge.unwrap_or(settings.edge);
-        settings
-    }
-
-    /// The same, with those of the caller.
-    fn settings_of(&self, cells: &Cells) -> Settings {
-        let own = self.settings();
-        Settings {
-            clip: cells.clip.unwrap_or(own.clip),
-            edge: cells.edge.unwrap_or(own.edge),
-            gain: cells.gain.unwrap_or(own.gain),
-            ..own
-        }
+        CellOptions::default().settings(&self.source, &self.device)
     }
 
     /// It on a chip, for a pilot.
     pub fn chips(&self, settings: Settings, arithmetic: Arithmetic) -> Chips<'_> {
-        Chips {
-            name: &self.source.file,
-            code: &self.expansion.code,
-            device: &self.device,
-            settings,
-            arithmetic,
-        }
+        self.on(settings, arithmetic).chips()
     }
 
-    /// The array that it runs on, as `amacrine exec` makes it.
-    fn chip_of(&self, size: Size, cells: &Cells) -> Result<Box<dyn Array + Send>, Report> {
-        if !size.is_possible() {
-            return Err(miette!(
-                help = "height and width must be from 1 to 65536",
-                "an array of {size}"
-            ));
+    /// It on an array of these cells.
+    fn execution(&self, cells: &Cells) -> Result<Execution<'_>, Report> {
+        let options = cells.options();
+        let arithmetic = options.arithmetic(&self.source)?;
+        Ok(self.on(options.settings(&self.source, &self.device), arithmetic))
+    }
+
+    fn on(&self, settings: Settings, arithmetic: Arithmetic) -> Execution<'_> {
+        Execution {
+            program: &self.source,
+            code: &self.expansion.code,
+            decides: self.decides,
+            recorded: &[],
+            device: &self.device,
+            arithmetic,
+            settings,
         }
-        let own = &self.source.settings;
-        let name = cells.domain.as_ref().or(own.domain.as_ref());
-        let name = name.map_or("exact", String::as_str);
-        let arithmetic: Arithmetic = name.parse().map_err(|e: ArithmeticError| e)?;
-        let settings = self.settings_of(cells);
-        let without = cells.without.iter().map(|name| name.parse());
-        let without: Vec<ErrorTerm> = without.collect::<Result<_, UnknownPart>>()?;
-        let chips = self.chips(settings, arithmetic.with_seed(cells.seed));
-        let machine = left_out::cells_without(arithmetic, &without)?;
-        let machine = machine.unwrap_or_else(|| chips.machine());
-        let lies = (At { y: 0, x: 0 }, size.width);
-        chips.chip(&machine, size, lies).map_err(Report::new)
     }
 
     /// Sets a register before it runs.
@@ -421,7 +462,7 @@ impl Program {
         chip: &mut (dyn Array + Send),
         light: &Light<'_>,
         packet: &mut Packet,
-        (kept, films, saturation): (&[Register], &mut [Vec<f64>], Option<&mut Saturation>),
+        (kept, films, saturation): (&[Register], &mut [Vec<f64>], &mut Saturation),
     ) -> PyResult<Beside> {
         let mut array = Companion {
             chip,
@@ -451,63 +492,6 @@ impl Program {
         Ok((array.posts, array.begun, array.exposure))
     }
 
-    /// What is seen of registers at the end of their range.
-    fn saturation(&self, chip: &dyn Array, cells: &Cells) -> Option<Saturation> {
-        let arithmetic = chip.domain().parse().ok()?;
-        let settings = self.settings_of(cells);
-        Some(Saturation::new(arithmetic, &self.device, &settings))
-    }
-
-    /// What of its numbers the cells of this chip do not hold.
-    fn unheld(&self, chip: &dyn Array, exposure: Exposure) -> Option<Unheld> {
-        let (cells, settings) = (chip.domain().parse().ok()?, self.settings());
-        if self.decides {
-            return { exposure.reads().then(|| Unheld::of_light(cells, &settings)) }.flatten();
-        }
-        let code = &self.expansion.code;
-        Unheld::of_program(cells, &[&code.init, &code.frame], &self.device, &settings)
-    }
-
-    /// What a run is to be warned of, as `amacrine exec` warns.
-    fn warned(
-        &self,
-        chip: &dyn Array,
-        packet: &Packet,
-        light: &Light<'_>,
-        (unheld, saturation): (Option<&Unheld>, Option<Saturation>),
-    ) -> Vec<String> {
-        let mut guard = Guard::new();
-        let extent = light.frames.extent(light.scale);
-        let scale = Warning::scale(light.frames.samples(), extent, Response::IDENTITY);
-        if let Some(warning) = scale {
-            guard.warn(warning);
-        }
-        if let Some(unheld) = unheld {
-            saturation::warn_unheld(&mut guard, &self.source.file, unheld);
-        }
-        // A program that reads no events out, and a single frame, have none to miss; a host that
-        // decides knows what it leaves, and one without its own numbers tells nothing of light.
-        if unheld.is_none() && !self.decides && chip.ledger().slots > 0 && light.count > 1 {
-            for n in 0..light.count {
-                guard.frame_at(Micros::from_seconds(n as f64 / light.fps));
-            }
-            guard.packet(&self.source.file, packet);
-        }
-        if let Some(saturation) = saturation {
-            let code = &self.expansion.code;
-            let steps = [&code.init[..], &code.frame].concat();
-            let loads = |register: &str| {
-                // What a host decides is not known before.
-                self.decides || saturation::loads(&steps, &self.device, self.settings(), register)
-            };
-            saturation.warn(&mut guard, &self.source.file, loads);
-        }
-        let warnings = guard.warnings().into_iter();
-        warnings
-            .map(|warning| in_python(&warning.to_string()))
-            .collect()
-    }
-
     /// One frame: `init` with the first, `frame` with the others; bare statements with each.
     fn show(
         &self,
@@ -524,14 +508,4 @@ impl Program {
         }
         Ok(())
     }
-}
-
-fn reads_events(steps: &[Step]) -> bool {
-    steps.iter().any(|step| match &step.action {
-        Action::Word(_) => false,
-        Action::Host(host) => {
-            matches!(host, Host::ScanEvents { .. })
-        }
-        Action::Repeat { body, .. } => reads_events(body),
-    })
 }

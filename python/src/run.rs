@@ -6,18 +6,13 @@ use std::{
 };
 
 use amacrine::{
-    array::Unheld,
     event::{Dropped, Packet},
-    photoreceptor::Response,
     plane::{Plane, Size},
     reference::Limit,
-    rig::{
-        Overflow,
-        guard::{Crowd, Guard, Warning},
-    },
+    rig::guard::Warning,
     scene::{Frame, Levels, Observation, Samples, check_rate, upsample},
     sensor::SensorError,
-    study::saturation,
+    study::run_guard::{Done, RunGuard},
     unit::Micros,
 };
 use miette::Report;
@@ -29,7 +24,7 @@ use crate::{
     frames::{Borrowed, Frames},
     options::in_python,
     pool, readout, record,
-    source::Source,
+    source::{Source, outline},
     tensor::{Stream, arrays},
     watcher::Watcher,
 };
@@ -41,19 +36,6 @@ const PART: usize = 16;
 #[pyclass(frozen, module = "amacrine._amacrine")]
 pub struct Run(Mutex<Watch>);
 
-/// What is known of a sensor before it watches, and is looked at for warnings.
-pub struct Known {
-    pub response: Response,
-    /// How far a still scene is from the memory, and the threshold that it reaches.
-    pub still: Option<[f64; 2]>,
-    /// Signals that its numbers cannot hold.
-    pub overflow: Overflow,
-    /// What its number format makes of its kernels.
-    pub rounded: Option<Warning>,
-    /// Numbers of its program that its cells do not hold.
-    pub unheld: Option<Unheld>,
-}
-
 struct Watch {
     watcher: Box<dyn Watcher>,
     fps: f64,
@@ -64,17 +46,12 @@ struct Watch {
     packet: Packet,
     made: usize,
     most: usize,
-    crowd: Crowd,
-    known: Known,
-    /// Of the latest frames.
-    samples: Samples,
+    guard: RunGuard,
     /// What was seen of the scene: the extent of its light, its cuts, and frames that repeat.
     observation: Observation,
     /// What codes of 8 bits stand for.
     levels: Levels,
-    /// Cells that fired, over all frames.
-    fired: u64,
-    /// Whether a frame could not be watched: what cells hold is then not known.
+    /// Whether frames were begun and did not come to their end: what cells hold is then not known.
     is_stopped: bool,
 }
 
@@ -82,7 +59,7 @@ impl Run {
     pub fn new(
         watcher: Box<dyn Watcher>,
         (size, channels): (Size, u8),
-        known: Known,
+        guard: RunGuard,
         fps: f64,
         scale: f64,
         most: Option<usize>,
@@ -107,18 +84,33 @@ impl Run {
             packet: Packet::new(size, channels),
             made: 0,
             most: most.unwrap_or(Limit::default().events),
-            crowd: Crowd::new(size.pixels() as u64 * u64::from(channels)),
-            known,
-            samples: Samples::Floats,
+            guard,
             observation: Observation::new(),
             levels: Levels::bytes().map(|code| code * scale),
-            fired: 0,
             is_stopped: false,
         })))
     }
 
     fn with<T>(&self, what: impl FnOnce(&mut Watch) -> T) -> T {
         what(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Takes frames, all of them or no more at all: whatever ends it early, the frames that were seen
+    /// are lost, and nothing more may follow them.
+    fn whole(&self, take: impl FnOnce() -> PyResult<()>) -> PyResult<()> {
+        self.with(|watch| {
+            if watch.is_stopped {
+                return Err(refused(
+                    format!("the stream stopped at frame {}", watch.seen),
+                    "begin a new stream, with frames that the sensor takes",
+                ));
+            }
+            watch.is_stopped = true;
+            Ok(())
+        })?;
+        take()?;
+        self.with(|watch| watch.is_stopped = false);
+        Ok(())
     }
 
     /// Gives the frames to `see` with the watch, some at a time; in between the interpreter may
@@ -136,37 +128,29 @@ impl Run {
         if got != want {
             return Err(raised(SensorError::Size { index, got, want }));
         }
-        if self.with(|watch| watch.is_stopped) {
-            return Err(refused(
-                format!("the stream stopped at frame {index}"),
-                "begin a new stream, with frames that the sensor takes",
-            ));
-        }
         let frames = borrowed.frames()?;
-        for from in (0..count).step_by(PART) {
-            let part = from..(from + PART).min(count);
-            let see = &mut see;
-            let seen = pool::work(py, || {
-                self.with(|watch| {
-                    part.into_iter().try_for_each(|n| {
-                        watch.take(frames, n);
-                        see(watch, n)?;
-                        watch.seen += 1;
-                        Ok(())
+        self.whole(|| {
+            self.with(|watch| watch.begin(frames.samples()));
+            for from in (0..count).step_by(PART) {
+                let part = from..(from + PART).min(count);
+                let see = &mut see;
+                let seen = pool::work(py, || {
+                    self.with(|watch| {
+                        part.into_iter().try_for_each(|n| {
+                            watch.take(frames, n);
+                            see(watch, n)?;
+                            watch.seen += 1;
+                            Ok(())
+                        })
                     })
-                })
-            })?;
-            seen.map_err(|error: SensorError| {
-                self.with(|watch| watch.is_stopped = true);
-                raised(error)
-            })?;
-            py.check_signals()?;
-        }
-        Ok(())
+                })?;
+                seen.map_err(|error: SensorError| raised(error))?;
+                py.check_signals()?;
+            }
+            Ok(())
+        })
     }
-}
 
-impl Run {
     /// The same with frames put in between those of a whole clip, so that no pixel changes by more than
     /// a contrast from one to the next. `see` is told of which frame of the clip it is, or before
     /// which one it is put.
@@ -179,24 +163,23 @@ impl Run {
     ) -> PyResult<()> {
         let (fps, scale) = self.with(|watch| (watch.fps, watch.scale));
         let source = Source::new(None, Some(frames), Some(fps), Some(scale))?;
-        self.with(|watch| watch.observation = source.observation().clone());
-        let seen = source.work(py, || {
-            let mut scene = upsample::by_contrast(source.open()?, Some(contrast))?;
-            let mut n = 0;
-            self.with(|watch| {
-                while let Some(frame) = scene.next_frame()? {
-                    let is_own = frame.seconds >= n as f64 / fps;
-                    watch.frame = frame;
-                    see(watch, n)?;
-                    watch.seen += 1;
-                    n += usize::from(is_own);
-                }
-                Ok::<_, Report>(())
-            })
-        })?;
-        seen.map_err(|report| {
-            self.with(|watch| watch.is_stopped = true);
-            raised(report)
+        self.whole(|| {
+            self.with(|watch| watch.observation = source.observation().clone());
+            let seen = source.work(py, || {
+                let mut scene = upsample::by_contrast(source.open()?, Some(contrast))?;
+                let mut n = 0;
+                self.with(|watch| {
+                    while let Some(frame) = scene.next_frame()? {
+                        let is_own = frame.seconds >= n as f64 / fps;
+                        watch.frame = frame;
+                        see(watch, n)?;
+                        watch.seen += 1;
+                        n += usize::from(is_own);
+                    }
+                    Ok::<_, Report>(())
+                })
+            })?;
+            seen.map_err(raised)
         })
     }
 
@@ -216,20 +199,23 @@ impl Run {
 }
 
 impl Watch {
+    /// Frames of such numbers follow.
+    fn begin(&self, samples: Samples) {
+        let frames = (0, self.packet.size);
+        self.observation.begin(&outline(samples, frames, self.fps));
+    }
+
     /// Frame `n` of an array becomes the next one.
     fn take(&mut self, frames: Frames<'_>, n: usize) {
         self.frame.index = self.seen;
         self.frame.seconds = self.seen as f64 / self.fps;
         frames.show(n, (self.scale, &self.levels), &mut self.frame.light);
-        self.samples = frames.samples();
         self.observation.see(&self.frame);
     }
 
     /// So many cells fired since the frame before.
     fn see(&mut self, firing: u64) {
-        self.fired = self.fired.saturating_add(firing);
-        self.crowd.see(firing);
-        self.known.overflow.see(&self.frame);
+        self.guard.see(&self.frame, firing);
     }
 
     /// What happened since the frame before, in `packet`.
@@ -401,40 +387,16 @@ pub fn by_reason(dropped: Dropped) -> BTreeMap<&'static str, u64> {
 impl Watch {
     /// As `amacrine run` warns.
     fn warnings(&self, subject: &str) -> Vec<Warning> {
-        let mut guard = Guard::new();
-        if let Some(warning) =
-            Warning::scale(self.samples, self.observation.extent(), self.known.response)
-        {
-            guard.warn(warning);
-        }
-        for warning in Warning::of_pictures(&self.observation) {
-            guard.warn(warning);
-        }
-        if let Some(warning) = &self.known.rounded {
-            guard.warn(warning.clone());
-        }
-        let lost = self.packet.dropped.no_slot;
-        // Without its own numbers nothing that it says tells of light or thresholds.
-        if self.fired == 0 && lost == 0 && self.known.unheld.is_none() {
-            let silence = self.watcher.silence();
-            guard.warn(Warning::no_events_of(subject, self.seen, &silence));
-        }
-        if let Some(reached) = self.known.still {
-            guard.warn(Warning::still(subject, reached));
-        }
-        if self.crowd.over > 0 {
-            guard.warn(Warning::most_cells(subject, &self.crowd));
-        }
-        if lost > 0 {
-            guard.warn(Warning::slots("the readout", lost, self.made as u64));
-        }
-        let overflow = &self.known.overflow;
-        if let Some(unheld) = &self.known.unheld {
-            saturation::warn_unheld(&mut guard, subject, unheld);
-        } else if let Some(warning) = overflow.warning(subject, self.watcher.overflowed()) {
-            guard.warn(warning);
-        }
-        guard.warnings()
+        let mut warnings = Warning::of_scene(&self.observation, self.guard.response());
+        let done = Done {
+            kinds: self.watcher.kinds(),
+            kept: self.made as u64,
+            lost: self.packet.dropped.no_slot,
+            silence: self.watcher.silence(),
+            overflowed: self.watcher.overflowed(),
+        };
+        warnings.extend(self.guard.warnings(subject, &done));
+        warnings
     }
 
     /// Cells of all kinds.

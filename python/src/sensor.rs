@@ -6,12 +6,13 @@ use amacrine::{
     number::{Format, FormatError},
     plane::Size,
     reference::Description,
-    rig::{Overflow, guard::Warning},
+    rig::guard::Warning,
     scene::Samples,
     source,
     study::{
         pilot::{Effect, UnknownPart, left_out},
         rate,
+        run_guard::RunGuard,
     },
 };
 use numpy::PyArray2;
@@ -22,7 +23,7 @@ use crate::{
     error::raised,
     options::{caution, in_python},
     pool,
-    run::{Known, Run},
+    run::Run,
     source::Source,
     stop::Flag,
     watcher,
@@ -68,12 +69,13 @@ impl Sensor {
 
     /// The kernels of each kind of cell: one, or four of a 2x2 pattern.
     #[getter]
-    fn kernels<'py>(&self, py: Python<'py>) -> Vec<Vec<Bound<'py, PyArray2<f64>>>> {
+    fn kernels<'py>(&self, py: Python<'py>) -> PyResult<Vec<Vec<Bound<'py, PyArray2<f64>>>>> {
         let channels = self.description.channels.iter();
         channels
             .map(|channel| {
                 let kernels = channel.kernels.iter();
-                kernels.map(|kernel| plane(py, kernel.weights())).collect()
+                let kernels = kernels.map(|kernel| plane(py, kernel.weights()));
+                kernels.collect::<PyResult<_>>()
             })
             .collect()
     }
@@ -117,18 +119,10 @@ impl Sensor {
         let size = Size::new(size.0, size.1);
         let description = self.description.clone();
         let channels = description.channels.len() as u8;
-        let losses = description.losses(format);
-        let kinds = usize::from(channels);
-        let known = Known {
-            response: description.response,
-            still: description.still(),
-            overflow: Overflow::new(format, description.response),
-            rounded: losses.map(|loss| Warning::rounded(&description.name, kinds, loss)),
-            unheld: None,
-        };
+        let guard = RunGuard::new(&description, size, format);
         let watcher = pool::work(py, || watcher::float(description, size, seed, format))?;
         let watcher = watcher.map_err(raised)?;
-        Run::new(watcher, (size, channels), known, fps, scale, max_events)
+        Run::new(watcher, (size, channels), guard, fps, scale, max_events)
     }
 
     /// What there is to warn of in numbers of light from `low` to `high` that this sensor is shown, in

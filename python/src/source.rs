@@ -3,15 +3,16 @@
 use std::{io, str::FromStr, sync::Arc};
 
 use amacrine::{
+    config::UnknownWord,
     memory::Budget,
     photoreceptor::Response,
     plane::{Plane, Size},
     rig::guard::Warning,
     scene::{
-        Coding, Frame, Levels, Light, Observation, Observed, OpenOptions, Outline, Range, Scene,
-        SceneError, Transfer, View, bundled_with,
+        Coding, Frame, Levels, Light, Observation, Observed, OpenOptions, Outline, Samples, Scene,
+        SceneError, View, bundled_with,
         kept::{Kept, Pixels},
-        open,
+        open, word_or_auto,
     },
     stop::Stop,
 };
@@ -250,16 +251,22 @@ fn check(stop: Stop) -> Result<(), SceneError> {
     })
 }
 
+/// What is known of so many frames of a size that the caller gives.
+pub fn outline(samples: Samples, (frames, size): (usize, Size), fps: f64) -> Outline {
+    Outline {
+        frames: Some(frames as u64),
+        coding: Light {
+            samples,
+            ..Light::DRAWN
+        },
+        ..Outline::new(size, fps)
+    }
+}
+
 impl Scene for Given {
     fn outline(&self) -> Outline {
-        Outline {
-            frames: Some(self.frames as u64),
-            coding: Light {
-                samples: self.numbers.frames().samples(),
-                ..Light::DRAWN
-            },
-            ..Outline::new(self.size, self.fps)
-        }
+        let samples = self.numbers.frames().samples();
+        outline(samples, (self.frames, self.size), self.fps)
     }
 
     fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
@@ -296,18 +303,8 @@ pub fn scene<'py>(
 ) -> PyResult<(Bound<'py, PyAny>, f64, bool, Vec<String>)> {
     let (range, transfer) = coded;
     let coding = Coding {
-        range: match range {
-            "limited" => Some(Range::Limited),
-            "full" => Some(Range::Full),
-            _ => None,
-        },
-        transfer: match transfer {
-            "as-coded" => Some(Transfer::AsCoded),
-            "linear" => Some(Transfer::Linear),
-            "srgb" => Some(Transfer::Srgb),
-            "bt709" => Some(Transfer::Bt709),
-            _ => None,
-        },
+        range: word_or_auto(range).map_err(|e: UnknownWord| raised(e))?,
+        transfer: word_or_auto(transfer).map_err(|e: UnknownWord| raised(e))?,
         scale,
     };
     let options = OpenOptions {

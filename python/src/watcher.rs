@@ -4,7 +4,7 @@ use amacrine::{
     event::{Event, Packet, Polarity},
     number::Format,
     plane::{Plane, Size},
-    reference::{AnyReference, Counts, Description, Firing, Reference, Sinks, VoxelGrid},
+    reference::{AnyReference, Counts, Description, Firing, Reference, Sinks, Tally, VoxelGrid},
     scene::Frame,
     sensor::{Overflowed, Sensor, SensorError, Silence},
 };
@@ -25,6 +25,9 @@ pub trait Watcher: Send {
     /// The bin of the last frame.
     fn last_voxels(&mut self, out: &mut [f32]);
 
+    /// Events of each kind so far.
+    fn kinds(&self) -> &[u64];
+
     /// Why no cell fired so far, where none did.
     fn silence(&self) -> Silence;
 
@@ -37,6 +40,7 @@ struct Float {
     reference: Box<dyn AnyReference>,
     firing: Firing,
     fired: Fired,
+    tally: Tally,
     counts: Counts,
     grid: VoxelGrid,
     begun: bool,
@@ -50,22 +54,26 @@ impl Watcher for Float {
 
     fn counts(&mut self, frame: &Frame, out: &mut [i32]) -> Result<u64, SensorError> {
         let sinks = Sinks {
+            tally: Some(&mut self.tally),
             firing: Some(&mut self.firing),
             counts: Some(&mut self.counts),
             ..Sinks::default()
         };
         self.reference.watch_into_sinks(frame, sinks)?;
+        self.fired.tallied(&self.tally);
         lay(self.counts.planes(), out, |count| count);
         Ok(self.firing.cells())
     }
 
     fn voxels(&mut self, frame: &Frame, out: &mut [f32]) -> Result<u64, SensorError> {
         let sinks = Sinks {
+            tally: Some(&mut self.tally),
             firing: Some(&mut self.firing),
             voxels: Some(&mut self.grid),
             ..Sinks::default()
         };
         self.reference.watch_into_sinks(frame, sinks)?;
+        self.fired.tallied(&self.tally);
         if std::mem::replace(&mut self.begun, true) {
             lay(self.grid.earlier(), out, |share| share as f32);
             self.grid.advance();
@@ -75,6 +83,10 @@ impl Watcher for Float {
 
     fn last_voxels(&mut self, out: &mut [f32]) {
         lay(self.grid.earlier(), out, |share| share as f32);
+    }
+
+    fn kinds(&self) -> &[u64] {
+        &self.fired.kinds
     }
 
     fn silence(&self) -> Silence {
@@ -105,7 +117,8 @@ pub fn float(
     Ok(Box::new(Float {
         reference: Reference::in_format(format, description, size, seed)?,
         firing: Firing::new(),
-        fired: Fired::default(),
+        fired: Fired::new(channels),
+        tally: Tally::new(channels),
         counts: Counts::new(size, channels),
         grid: VoxelGrid::new(size, channels),
         begun: false,
@@ -129,7 +142,7 @@ impl Events {
         let cells = packet.size.pixels() * usize::from(packet.channels);
         Self {
             sensor,
-            fired: Fired::default(),
+            fired: Fired::new(packet.channels.into()),
             packet,
             before: None,
             later: vec![0.0; cells],
@@ -154,15 +167,30 @@ fn cell(event: &Event, Size { height, width }: Size) -> usize {
     row * width + usize::from(event.x)
 }
 
-/// Counts the cells that fired in an interval.
-#[derive(Default)]
+/// Counts the cells that fired in an interval, and the events of each kind over all of them.
 struct Fired {
+    kinds: Vec<u64>,
     /// The last interval, from 1, in which each cell fired.
     last: Vec<u32>,
     intervals: u32,
 }
 
 impl Fired {
+    fn new(kinds: usize) -> Self {
+        Self {
+            kinds: vec![0; kinds],
+            last: Vec::new(),
+            intervals: 0,
+        }
+    }
+
+    /// Events that were counted elsewhere.
+    fn tallied(&mut self, tally: &Tally) {
+        for (kind, (on, off)) in self.kinds.iter_mut().zip(tally.kinds()) {
+            *kind = on + off;
+        }
+    }
+
     /// Cells in a packet of one interval.
     fn of(&mut self, packet: &Packet) -> u64 {
         let cells = packet.size.pixels() * usize::from(packet.channels);
@@ -174,6 +202,9 @@ impl Fired {
         self.intervals += 1;
         let mut fired = 0;
         for event in &packet.events {
+            if let Some(kind) = self.kinds.get_mut(usize::from(event.channel)) {
+                *kind += 1;
+            }
             if let Some(last) = self.last.get_mut(cell(event, packet.size)) {
                 fired += u64::from(*last != self.intervals);
                 *last = self.intervals;
@@ -225,6 +256,10 @@ impl Watcher for Events {
 
     fn last_voxels(&mut self, out: &mut [f32]) {
         out.copy_from_slice(&self.later);
+    }
+
+    fn kinds(&self) -> &[u64] {
+        &self.fired.kinds
     }
 
     fn silence(&self) -> Silence {

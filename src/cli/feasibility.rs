@@ -6,7 +6,7 @@ use miette::{IntoDiagnostic, WrapErr, miette};
 
 use crate::{
     compare::metric::Short,
-    compile::Effort,
+    compile::{DriveMemory, Effort},
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
     photoreceptor::Response,
@@ -31,7 +31,7 @@ use crate::{
 use super::{
     budget,
     clip::Clip,
-    compile::Remembered,
+    compile::memory,
     content::Content,
     event_rate::event_rate,
     files::{Named, Output},
@@ -80,8 +80,8 @@ pub struct Arguments {
     /// What the program of all kernels remembers: `analogue`, `shared` or `bits:N` [default: as a
     /// sensor file of several kinds says, else the first of analogue, shared and bits that the chip
     /// has room for]
-    #[arg(long, value_name = "WHERE")]
-    memory: Option<Remembered>,
+    #[arg(long, value_name = "WHERE", value_parser = memory)]
+    memory: Option<DriveMemory>,
     /// A shipped chip by name, or the folder of another
     #[arg(long, default_value = "scamp5")]
     chip: Named,
@@ -199,7 +199,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             candidates: &arguments.candidates,
             sum: arguments.sum.into(),
             device: &device,
-            memory: arguments.memory.map(|memory| memory.0).or(kinds.memory),
+            memory: arguments.memory.or(kinds.memory),
             exposure: arguments.exposure,
             order: arguments.readout.into(),
             link: [least, most],

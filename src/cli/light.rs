@@ -126,11 +126,11 @@ impl Samples {
             transfer,
             scale,
         } = self.coding();
-        let range = range.map(|range| ("range", range.name().to_owned()));
+        let range = range.map(|range| ("range", range.word().to_owned()));
         let transfer = match transfer {
             None => Some("auto"),
             Some(Transfer::AsCoded) => None,
-            Some(transfer) => Some(transfer.name()),
+            Some(transfer) => Some(transfer.word()),
         };
         let transfer = transfer.map(|name| ("transfer", name.to_owned()));
         let scale = scale.map(|scale| ("scale", scale.to_string()));

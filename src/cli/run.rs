@@ -15,13 +15,17 @@ use crate::{
     number::Format,
     plane::Size,
     reference::{
-        Counts, Description, EventList, Limit, Reference, Report, Sinks, Tally, VoxelGrid, WhenFull,
+        Counts, Description, EventList, Firing, Limit, Reference, Report, Sinks, Tally, VoxelGrid,
+        WhenFull,
     },
     rig::{self, guard::Warning},
     save::Stack,
     scene::{Observation, Scene, SceneError, upsample},
     source,
-    study::pilot::{Effect, Plan},
+    study::{
+        pilot::{Effect, Plan},
+        run_guard::{Done, RunGuard},
+    },
     unit::{Micros, counted},
 };
 
@@ -32,12 +36,11 @@ use super::{
     event_output::EventOutput,
     fidelity::{Fidelity, Source, make},
     files::{self, Input, Named, Output},
-    guards::RunGuard,
     light::{self, Samples},
     list::{bundled, of_another_kind},
     progress::Progress,
     quantiser::number_format,
-    readout, silent,
+    readout,
     without::Effects,
 };
 
@@ -267,8 +270,6 @@ fn watched(
     light::warn(&warnings);
     let mut watched = watched
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;
-    let silent = silent_kinds(description, &watched);
-    watched.warnings.extend(silent);
     light::warn(&watched.warnings);
     warnings.append(&mut watched.warnings);
     if arguments.json {
@@ -357,6 +358,16 @@ fn end(scene: &dyn Scene) -> Micros {
     Micros::from_seconds(last as f64 / scene.fps())
 }
 
+fn check_any(frames: u64) -> miette::Result<()> {
+    if frames > 0 {
+        return Ok(());
+    }
+    Err(miette!(
+        help = "give a scene with at least one frame",
+        "the scene has no frames"
+    ))
+}
+
 fn watch(run: Run<'_>) -> miette::Result<Watched> {
     let Run {
         arguments,
@@ -368,7 +379,9 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     let size = scene.size();
     let channels = description.channels.len();
     let names = description.names();
+    let name = description.name.clone();
     let mut guard = RunGuard::new(&description, size, arguments.format);
+    let mut firing = Firing::new();
     let sensor = Reference::bytes_in(arguments.format, &description, size);
     let held = events(arguments, &*scene, sensor, channels)?;
     let limit = arguments.limit(held);
@@ -400,14 +413,14 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     let frames = rig::play(&mut scene, |frame| {
         let sinks = Sinks {
             tally: Some(&mut tally),
-            firing: Some(&mut guard.firing),
+            firing: Some(&mut firing),
             list: list.as_mut(),
             counts: counts.as_mut(),
             voxels: grid.as_mut(),
         };
         reference.watch_into_sinks(&frame, sinks)?;
         output.take(list.as_mut())?;
-        guard.see(&frame);
+        guard.see(&frame, firing.cells());
         if first.is_some() {
             if let (Some(counts), Some(stack)) = (&counts, &mut count_stack) {
                 stack.push(counts.planes().iter().cloned())?;
@@ -421,12 +434,7 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
         progress.at((frame.seconds * fps).floor() as u64 + 1);
         Ok::<_, miette::Report>(ControlFlow::Continue(()))
     })?;
-    if frames == 0 {
-        return Err(miette!(
-            help = "give a scene with at least one frame",
-            "the scene has no frames"
-        ));
-    }
+    check_any(frames)?;
     if let Some(grid) = &mut grid {
         finish_bin(grid, voxel_stack.as_mut(), &mut paper)?;
     }
@@ -441,28 +449,27 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     output.finish(&packet)?;
     count_stack.map(Stack::finish).transpose()?;
     voxel_stack.map(Stack::finish).transpose()?;
+    let kinds: Vec<u64> = tally.kinds().iter().map(|(on, off)| on + off).collect();
+    let done = Done {
+        kinds: &kinds,
+        kept: packet.events.len() as u64,
+        lost: packet.dropped.no_slot,
+        silence: reference.silence(),
+        overflowed: reference.overflowed(),
+    };
     Ok(Watched {
         size,
         frames,
         fps: scene.fps(),
         fps_is_assumed: scene.outline().fps_is_assumed,
         seconds: last - first,
-        warnings: guard.warnings(&tally, &packet, &*reference),
+        warnings: guard.warnings(&name, &done),
         tally,
         report: reference.report(),
         dropped: packet.dropped,
         read_out,
         paper_metric: grid.is_some().then(|| paper.value()),
     })
-}
-
-/// That some kinds say nothing, where others do.
-fn silent_kinds(sensor: &Description, watched: &Watched) -> Option<Warning> {
-    let names = { sensor.channels.iter() }.map(|kind| kind.name.as_deref());
-    let names: Vec<_> = names.collect();
-    let events = { watched.tally.kinds().iter() }.map(|(on, off)| on + off);
-    let events: Vec<u64> = events.collect();
-    silent::warning(&sensor.name, &names, &events, watched.frames)
 }
 
 /// How many events may be held, after all that a run holds besides: those of a pair of frames, or

@@ -1,8 +1,11 @@
 //! A kind of cell, where programs remember what it saw, and what it is called in their text.
 
-use std::fmt::Write as _;
+use std::{
+    fmt::{self, Write as _},
+    str::FromStr,
+};
 
-use crate::{event::kind_names, isa::Device, kernel::Kernel};
+use crate::{config::UnknownWord, event::kind_names, isa::Device, kernel::Kernel};
 
 /// One kind of cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +34,45 @@ pub enum DriveMemory {
     /// equal steps, each remembered as its middle. They do not decay, and leave analogue registers
     /// free; thresholds must be half a step at least.
     Bits(u8),
+}
+
+impl DriveMemory {
+    /// The most bits of a drive.
+    const MOST_BITS: u8 = 8;
+}
+
+impl fmt::Display for DriveMemory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Analogue => f.write_str("analogue"),
+            Self::Shared => f.write_str("shared"),
+            Self::Bits(bits) => write!(f, "bits:{bits}"),
+        }
+    }
+}
+
+impl FromStr for DriveMemory {
+    type Err = UnknownWord;
+
+    /// `analogue`, `shared` or `bits:N`.
+    fn from_str(word: &str) -> Result<Self, UnknownWord> {
+        let bits = || {
+            let bits = word.strip_prefix("bits:")?.parse().ok();
+            bits.filter(|bits| (1..=Self::MOST_BITS).contains(bits))
+        };
+        match word {
+            "analogue" => Ok(Self::Analogue),
+            "shared" => Ok(Self::Shared),
+            _ => bits().map(Self::Bits).ok_or_else(|| UnknownWord {
+                word: word.to_owned(),
+                what: "memory",
+                help: format!(
+                    "give analogue, shared, or bits:N with N from 1 to {}, such as bits:5",
+                    Self::MOST_BITS
+                ),
+            }),
+        }
+    }
 }
 
 /// The number of a kind in names, where there are several.
@@ -88,4 +130,24 @@ pub(super) fn thresholds(kinds: &[CellKind], scales: &[f64]) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memories_are_read_as_they_are_written() {
+        let bits = (1..=DriveMemory::MOST_BITS).map(DriveMemory::Bits);
+        for memory in [DriveMemory::Analogue, DriveMemory::Shared]
+            .into_iter()
+            .chain(bits)
+        {
+            assert_eq!(memory.to_string().parse(), Ok(memory));
+        }
+        for wrong in ["bits:0", "bits:9", "bits:", "bits", "analog"] {
+            let unknown = wrong.parse::<DriveMemory>().unwrap_err();
+            assert_eq!(unknown.to_string(), format!("`{wrong}` is no memory"));
+        }
+    }
 }

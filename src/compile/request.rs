@@ -15,6 +15,7 @@ use super::{
     words::{Buses, check_words},
 };
 use crate::{
+    config::listed,
     isa::{Analog, Device, Primitive, Source, Target},
     kernel::Kernel,
     stop::Stop,
@@ -76,26 +77,28 @@ pub enum Border {
     Right,
 }
 
+listed! {
 /// What a program is to be best at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Objective {
+pub enum Objective = "objective" {
     /// The events that are kept on the chip, as predicted ([`Decided`](super::Decided)), with nearly
     /// all of them kept in exact arithmetic too: large inputs may saturate where that changes hardly
     /// a decision. With a memory of the pixel for all kinds as `Events`, since its filters have nothing
     /// that takes a chip's mismatch out. Where it is not known with what one result is compared, as
     /// `Exact`.
     #[default]
-    Silicon,
+    Silicon = "silicon",
     /// The events that are kept on the chip, whatever saturates; among equals what is nearer to exact,
     /// then the fewest words.
-    Events,
+    Events = "events",
     /// The signal-to-noise ratio that is predicted on the chip, and no input of the range saturates:
     /// in exact arithmetic a program decides as the kernel itself does, whatever it is shown. Where it
     /// is known with what one result is compared, the plan of these that decides best. Among equals,
     /// the fewest words.
-    Exact,
+    Exact = "exact",
     /// The fewest words.
-    Words,
+    Words = "words",
+}
 }
 
 /// Kernels, and what may be used for them.

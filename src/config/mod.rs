@@ -26,6 +26,7 @@ mod range;
 pub mod schema;
 mod section;
 mod unknown;
+mod word;
 
 pub use commented::{that_hold, with_keys};
 pub use document::{Document, Name, Node};
@@ -38,3 +39,5 @@ pub use place::{Lines, Place, line_column};
 pub use range::Range;
 pub use section::Section;
 pub use unknown::{choice, unknown_key};
+pub(crate) use word::listed;
+pub use word::{UnknownWord, variant};

@@ -150,6 +150,18 @@ impl Packet {
         }
     }
 
+    /// Events of each kind, ON and OFF.
+    #[must_use]
+    pub fn each_kind(&self) -> Vec<[u64; 2]> {
+        let mut all = vec![[0; 2]; usize::from(self.channels)];
+        for event in &self.events {
+            if let Some(own) = all.get_mut(usize::from(event.channel)) {
+                own[usize::from(event.polarity == Polarity::Off)] += 1;
+            }
+        }
+        all
+    }
+
     /// An empty packet.
     #[must_use]
     pub const fn new(size: Size, channels: u8) -> Self {

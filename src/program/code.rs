@@ -19,6 +19,12 @@ impl Code {
     pub fn kinds(&self) -> u8 {
         kinds(&self.init).max(kinds(&self.frame))
     }
+
+    /// Whether it reads events out, as addresses or in whole bit planes.
+    #[must_use]
+    pub fn reads_events(&self) -> bool {
+        self.kinds() > 0
+    }
 }
 
 fn kinds(body: &[Step]) -> u8 {
@@ -59,4 +65,31 @@ pub enum Action {
         /// What is done each time.
         body: Vec<Step>,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{
+        isa::Device,
+        program::{Overrides, Program},
+    };
+
+    #[test]
+    fn events_are_read_as_addresses_or_in_planes() {
+        for (text, reads) in [
+            ("mov(A, B);", false),
+            ("scamp5_scan_events(R5, on, 10);", true),
+            (
+                "init { scamp5_scan_events(R5, off, 10); }\nframe { mov(A, B); }",
+                true,
+            ),
+            ("repeat 2 { scamp5_scan_events(R5, on, 10); }", true),
+            ("scamp5_scan_dreg(R5, on, 0, 255);", true),
+            ("scamp5_scan_dreg(R5, mem);", false),
+        ] {
+            let program = Program::parse("p.scamp", text).unwrap();
+            let expanded = program.expand(&Device::scamp5(), &Overrides::default());
+            assert_eq!(expanded.unwrap().code.reads_events(), reads, "{text}");
+        }
+    }
 }

@@ -1,10 +1,11 @@
-//! Why a sensor that never fired was silent, and what to change.
+//! Why a sensor that never fired was silent, and what to change; kinds of cells that say nothing where
+//! others of the same sensor do.
 
 use super::{
     guard::{About, Warning},
     rounded,
 };
-use crate::{photoreceptor::Curve, sensor::Silence, unit::counted};
+use crate::{event::Packet, photoreceptor::Curve, sensor::Silence, unit::counted};
 
 impl Warning {
     /// A sensor that never fired in so many frames, of which this is known.
@@ -16,6 +17,43 @@ impl Warning {
         };
         let seen = format!("no event at all in {}", counted(frames, "frame"));
         Self::new(About::NoEvents, subject, seen, why, change)
+    }
+
+    /// That some of several kinds have no event, given how many each has; `subject` is the sensor, and
+    /// `names` what its kinds are called, where they have names. Where none has any, the sensor itself
+    /// is silent, which is told elsewhere.
+    #[must_use]
+    pub fn silent_kinds(
+        subject: &str,
+        names: &[Option<&str>],
+        events: &[u64],
+        frames: u64,
+    ) -> Option<Self> {
+        if events.iter().all(|count| *count == 0) {
+            return None;
+        }
+        let silent = events.iter().enumerate().filter(|(_, count)| **count == 0);
+        let subjects = silent.map(|(kind, _)| match names.get(kind).copied().flatten() {
+            Some(name) => format!("{subject}, {name}"),
+            None => format!("{subject}, kind {kind}"),
+        });
+        let subjects: Vec<String> = subjects.collect();
+        (!subjects.is_empty()).then(|| Self {
+            subjects,
+            ..Self::no_events(subject, Some(frames))
+        })
+    }
+
+    /// The same of a packet. Where slots were lacking, the events of a kind may be lost.
+    #[must_use]
+    pub fn silent_kinds_in(subject: &str, packet: &Packet, frames: u64) -> Option<Self> {
+        if packet.dropped.no_slot > 0 {
+            return None;
+        }
+        let names: Vec<_> = packet.names.iter().map(|name| Some(&**name)).collect();
+        let events = packet.each_kind().into_iter();
+        let events: Vec<u64> = events.map(|[on, off]| on + off).collect();
+        Self::silent_kinds(subject, &names, &events, frames)
     }
 }
 

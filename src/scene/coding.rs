@@ -4,68 +4,67 @@
 //! Range comes first, then the scale of an array, then the transfer; what is left is light from
 //! 0 to 255, which the photoreceptor takes.
 
-use std::{fmt, path::PathBuf};
+use std::{fmt, path::PathBuf, str::FromStr};
 
 use super::SceneError;
-use crate::elementary;
+use crate::{
+    config::{UnknownWord, listed},
+    elementary,
+};
 
+listed! {
 /// Which samples are black and white.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Range {
+pub enum Range = "range" {
     /// 16 is black and 235 white, in 8 bits: most video. Foot- and headroom lie outside.
-    Limited,
+    Limited = "limited",
     /// All values are used: pictures, and video that says so.
-    Full,
+    Full = "full",
+}
 }
 
+listed! {
 /// How light was coded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Transfer {
+pub enum Transfer = "transfer" {
     /// Not known, not undone: the coded value is taken for light, as v2e and ESIM do.
     #[default]
-    AsCoded,
+    AsCoded = "as-coded",
     /// The samples are light. The numbers are those of [`AsCoded`](Self::AsCoded).
-    Linear,
+    Linear = "linear",
     /// IEC 61966-2-1, which most pictures are coded in.
-    Srgb,
+    Srgb = "srgb",
     /// What cameras do by ITU-R BT.709; BT.601 and BT.2020 have the same curve.
-    Bt709,
+    Bt709 = "bt709",
     /// A power of 2.2: analogue video of 525 lines, and PNGs of gamma 0.45455.
-    Gamma22,
+    Gamma22 = "gamma22",
     /// A power of 2.8: analogue video of 625 lines.
-    Gamma28,
+    Gamma28 = "gamma28",
     /// SMPTE ST 240, early video of high definition.
-    Smpte240m,
+    Smpte240m = "smpte240m",
+}
 }
 
-impl Range {
-    /// As it is written.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Limited => "limited",
-            Self::Full => "full",
-        }
+/// What a word asks for; nothing where it leaves that to the file: `auto`.
+///
+/// # Errors
+/// When there is no such word.
+pub fn word_or_auto<T: FromStr<Err = UnknownWord>>(word: &str) -> Result<Option<T>, UnknownWord> {
+    if word == "auto" {
+        return Ok(None);
     }
+    word.parse().map(Some).map_err(|unknown: UnknownWord| {
+        let words = unknown.help.trim_start_matches("give ");
+        UnknownWord {
+            help: format!("give auto, {words}"),
+            ..unknown
+        }
+    })
 }
 
 impl Transfer {
-    /// As it is written.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::AsCoded => "as-coded",
-            Self::Linear => "linear",
-            Self::Srgb => "srgb",
-            Self::Bt709 => "bt709",
-            Self::Gamma22 => "gamma22",
-            Self::Gamma28 => "gamma28",
-            Self::Smpte240m => "smpte240m",
-        }
-    }
-
     /// The light, 0 to 255, that was coded as `value`, 0 to 255. 0 and 255 stay what they are.
     #[must_use]
     pub fn light(self, value: f64) -> f64 {
@@ -142,7 +141,7 @@ impl Coding {
             Self {
                 transfer: Some(transfer),
                 ..
-            } => format!("--transfer {}", transfer.name()),
+            } => format!("--transfer {}", transfer.word()),
         };
         Err(SceneError::Coding {
             path: PathBuf::from(spec),
@@ -286,7 +285,7 @@ impl fmt::Display for Light {
             (Some(stated), _) if stated != self.transfer => write!(
                 f,
                 " (the file says {}; --transfer auto undoes it)",
-                stated.name()
+                stated.word()
             ),
             (Some(_), Origin::File) => f.write_str(" (said by the file)"),
             _ => Ok(()),
@@ -300,19 +299,17 @@ mod tests {
 
     use super::*;
 
-    const ALL: [Transfer; 7] = [
-        Transfer::AsCoded,
-        Transfer::Linear,
-        Transfer::Srgb,
-        Transfer::Bt709,
-        Transfer::Gamma22,
-        Transfer::Gamma28,
-        Transfer::Smpte240m,
-    ];
+    #[test]
+    fn what_is_left_to_the_file_is_none() {
+        assert_eq!(word_or_auto::<Range>("auto"), Ok(None));
+        assert_eq!(word_or_auto("full"), Ok(Some(Range::Full)));
+        let unknown = word_or_auto::<Range>("narrow").unwrap_err();
+        assert_eq!(unknown.help, "give auto, limited or full");
+    }
 
     #[test]
     fn black_and_white_stay() {
-        for transfer in ALL {
+        for &transfer in Transfer::ALL {
             for end in [0.0, 255.0] {
                 assert_eq!(transfer.light(end), end, "{transfer:?}");
                 assert!((transfer.coded(end) - end).abs() < 1e-12, "{transfer:?}");
@@ -340,7 +337,7 @@ mod tests {
     proptest! {
         #[test]
         fn what_was_coded_comes_back(light in 0.0_f64..=255.0) {
-            for transfer in ALL {
+            for &transfer in Transfer::ALL {
                 let back = transfer.light(transfer.coded(light));
                 // The two pieces of a curve meet within the digits that the standards print.
                 prop_assert!((back - light).abs() < 1e-4 * light.max(0.1), "{:?}: {}", transfer, back);
@@ -349,7 +346,7 @@ mod tests {
 
         #[test]
         fn more_is_coded_as_more(low in 0.0_f64..254.0, step in 0.01_f64..1.0) {
-            for transfer in ALL {
+            for &transfer in Transfer::ALL {
                 prop_assert!(transfer.light(low + step) > transfer.light(low));
             }
         }

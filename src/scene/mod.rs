@@ -66,7 +66,7 @@ pub mod upsample;
 
 pub use alias::Alias;
 pub use bundled::{bundled, bundled_with};
-pub use coding::{Coding, Light, Origin, Range, Samples, Transfer};
+pub use coding::{Coding, Light, Origin, Range, Samples, Transfer, word_or_auto};
 pub use crop::Crop;
 pub use cropped::Cropped;
 pub use cut::Cut;

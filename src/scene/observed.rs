@@ -39,6 +39,18 @@ impl Observation {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Notes what a scene says of itself.
+    pub fn begin(&self, outline: &Outline) {
+        let mut seen = self.seen();
+        seen.light = Some(outline.coding);
+        seen.gap = outline.gap;
+        seen.alias = outline.alias;
+        seen.unlike = outline.unlike;
+        seen.slice = outline.slice;
+        seen.assumed_fps =
+            (outline.fps_is_assumed && outline.frames != Some(1)).then_some(outline.fps);
+    }
+
     /// Sees a frame, the next one of its scene.
     pub fn see(&self, frame: &Frame) {
         self.seen().see(frame);
@@ -133,16 +145,7 @@ pub struct Observed<S> {
 impl<S: Scene> Observed<S> {
     /// Notes in `observation` what is seen.
     pub fn new(scene: S, observation: &Observation) -> Self {
-        let outline = scene.outline();
-        let mut seen = observation.seen();
-        seen.light = Some(outline.coding);
-        seen.gap = outline.gap;
-        seen.alias = outline.alias;
-        seen.unlike = outline.unlike;
-        seen.slice = outline.slice;
-        seen.assumed_fps =
-            (outline.fps_is_assumed && outline.frames != Some(1)).then_some(outline.fps);
-        drop(seen);
+        observation.begin(&scene.outline());
         Self {
             scene,
             observation: observation.clone(),

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 use super::{Named, Search, Shown, device, kernel, open_on, quantisers};
 use crate::{
-    chip::{effort, memory_named, sum},
+    chip::{effort, named},
     error::raised,
 };
 
@@ -31,10 +31,10 @@ pub fn design(
     let kernels = of.iter().map(kernel).collect::<PyResult<Vec<_>>>()?;
     let names: Vec<String> = of.iter().map(|(name, _)| name.clone()).collect();
     let quantisers = quantisers(how.0)?;
-    let memory: Option<DriveMemory> = how.1.map(memory_named).transpose()?;
+    let memory: Option<DriveMemory> = how.1.map(named).transpose()?;
     let source = scene.source()?;
     let effort = effort(seconds, source.stop())?;
-    let (sum, device) = (sum(sum_to)?, device(chip)?);
+    let (sum, device) = (named(sum_to)?, device(chip)?);
     let answer = source.study(py, Response::IDENTITY, || {
         open_on(&source, &device)?;
         let question = Question {

@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::{Named, Search, Shown, device, kernel, open_on, scan, within};
 use crate::{
-    chip::{effort, quantiser, sum},
+    chip::{effort, named, quantiser},
     error::raised,
     files::json,
     readout,
@@ -48,7 +48,7 @@ pub fn waterfall(
     let ((to, domain), (chips, tiles)) = (how, sample);
     let (sum_to, chip, seconds, seed) = search;
     let (kernel, to) = (kernel(&of)?, quantiser(to)?);
-    let (sum, device) = (sum(sum_to)?, device(chip)?);
+    let (sum, device) = (named(sum_to)?, device(chip)?);
     let arithmetic: Arithmetic = domain.parse().map_err(|e: ArithmeticError| raised(e))?;
     let readout = through.map_or_else(|| scan().map_err(raised), readout::open)?;
     let source = scene.source()?;

@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use super::{Named, Search, Shown, check, device, kernel, open_on, quantisers, within};
 use crate::{
-    chip::{effort, sum},
+    chip::{effort, named},
     error::raised,
     files::json,
 };
@@ -32,7 +32,7 @@ struct Few {
 /// Each kernel in few values, each quantiser with what is lost.
 #[pyfunction]
 pub fn quantise(of: Vec<Named>, to: Vec<String>, sum_to: &str, seed: u64) -> PyResult<String> {
-    let sum = sum(sum_to)?;
+    let sum = named(sum_to)?;
     let to = quantisers(to)?;
     let each = of.iter().map(|named| few(named, &to, sum, seed));
     json(&each.collect::<PyResult<Vec<_>>>()?)
@@ -114,7 +114,7 @@ pub fn on_chip(
 ) -> PyResult<String> {
     let (sum_to, chip, seconds, seed) = search;
     let (kernel, quantisers) = (kernel(&of)?, quantisers(to)?);
-    let (sum, device) = (sum(sum_to)?, device(chip)?);
+    let (sum, device) = (named(sum_to)?, device(chip)?);
     check(threshold)?;
     let source = scene.source()?;
     let effort = effort(seconds, source.stop())?;

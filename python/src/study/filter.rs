@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use super::{Named, Search, device, kernel};
 use crate::{
-    chip::{effort, objective, quantiser, sum},
+    chip::{effort, named, quantiser},
     error::{raised, refused},
     pool,
     stop::Flag,
@@ -31,7 +31,7 @@ pub fn compile_filter(
     let stop = Flag::new();
     let (effort, device) = (effort(seconds, stop.stop())?, device(chip)?);
     check(input, &device)?;
-    let sum = sum(sum_to)?;
+    let sum = named(sum_to)?;
     let mut kernels = of.iter().map(kernel).collect::<PyResult<Vec<_>>>()?;
     let mut scales = vec![1.0; kernels.len()];
     let to = match to {
@@ -57,7 +57,7 @@ pub fn compile_filter(
     if border {
         request.border = Border::Right;
     }
-    request.objective = objective(aim)?;
+    request.objective = named(aim)?;
     let pool = pool::pool()?;
     let found = pool::watched(py, stop.flag(), || pool.install(|| request.filter()))?;
     let filter = found.map_err(raised)?;

@@ -18,7 +18,7 @@ use pyo3::prelude::*;
 
 use super::{Named, Search, Shown, device, kernel, quantisers, scan, within};
 use crate::{
-    chip::{effort, memory_named, quantiser, sum},
+    chip::{effort, named, quantiser},
     error::{raised, refused},
     source::Source,
 };
@@ -57,7 +57,7 @@ pub fn feasibility(
     chips: u64,
 ) -> PyResult<(String, String)> {
     let (to, candidates, memory) = levels;
-    let memory = memory.map(memory_named).transpose()?;
+    let memory = memory.map(named).transpose()?;
     let (sum_to, chip, seconds, seed) = search;
     let (within_us, exposure_us) = times;
     let (link, overlapped) = link;
@@ -68,7 +68,7 @@ pub fn feasibility(
     } else {
         quantisers(candidates)
     }?;
-    let (sum, device) = (sum(sum_to)?, device(chip)?);
+    let (sum, device) = (named(sum_to)?, device(chip)?);
     if !(1..=1024).contains(&chips) {
         return Err(refused(format!("{chips} chips"), "give 1 to 1024"));
     }

@@ -17,7 +17,7 @@ use super::{
     kernel, open_on, quantisers, within,
 };
 use crate::{
-    chip::{effort, sum},
+    chip::{effort, named},
     error::raised,
     files::json,
     source::Source,
@@ -63,7 +63,7 @@ pub fn on_chip_together(
     let (sum_to, chip, seconds, seed) = search;
     let kernels = of.iter().map(kernel).collect::<PyResult<Vec<_>>>()?;
     let to = quantisers(to)?;
-    let (sum, device) = (sum(sum_to)?, device(chip)?);
+    let (sum, device) = (named(sum_to)?, device(chip)?);
     thresholds.iter().try_for_each(|it| check(*it))?;
     let source = scene.source()?;
     let effort = effort(seconds, source.stop())?;

@@ -33,6 +33,7 @@ use crate::{
         Border, CellKind, DriveMemory, Effort, Filter, FilterNoise, Objective, Request,
         SensorProgram, Signal, brightest, naive_cost,
     },
+    config::UnknownWord,
     isa::{Analog, Device, Figure, Source, Value},
     kernel::{Kernel, quantise::Quantiser},
     plane::Plane,
@@ -92,8 +93,8 @@ pub struct Arguments {
     /// What the program remembers: the drive of each kind in `analogue` registers or in `bits:N`
     /// one-bit registers, or in one analogue register the pixel at the last event of any kind,
     /// `shared` by all (raw-snap) [default: as the sensor file says, else analogue]
-    #[arg(long, value_name = "WHERE", conflicts_with = "filter_only")]
-    memory: Option<Remembered>,
+    #[arg(long, value_name = "WHERE", value_parser = memory, conflicts_with = "filter_only")]
+    memory: Option<DriveMemory>,
     /// How many events the busiest frame is expected to have, all signs and kinds together: the
     /// readout is chosen for them
     #[arg(
@@ -332,7 +333,7 @@ impl Asked {
 
     /// What the program is to remember.
     fn remembered(&self, arguments: &Arguments) -> miette::Result<DriveMemory> {
-        let asked = arguments.memory.map(|memory| memory.0);
+        let asked = arguments.memory;
         let Some(own) = self.memory else {
             return Ok(asked.unwrap_or_default());
         };
@@ -363,42 +364,13 @@ impl std::str::FromStr for To {
     }
 }
 
-/// `analogue`, `shared` or `bits:N`.
-#[derive(Clone, Copy, Debug)]
-pub struct Remembered(pub(super) DriveMemory);
-
-impl std::fmt::Display for Remembered {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.0 {
-            DriveMemory::Analogue => f.write_str("analogue"),
-            DriveMemory::Shared => f.write_str("shared"),
-            DriveMemory::Bits(bits) => write!(f, "bits:{bits}"),
-        }
-    }
-}
-
-impl std::str::FromStr for Remembered {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Self, String> {
-        if name == "analogue" {
-            return Ok(Self(DriveMemory::Analogue));
-        }
-        if name == "shared" {
-            return Ok(Self(DriveMemory::Shared));
-        }
-        let bits = name
-            .strip_prefix("bits:")
-            .and_then(|bits| bits.parse().ok());
-        let memory = bits
-            .filter(|bits| (1..=8).contains(bits))
-            .map(DriveMemory::Bits);
-        memory.map(Self).ok_or_else(|| {
-            format!(
-                "`{name}` is none of `analogue`, `shared` and `bits:N` with N from 1 to 8, such as bits:5"
-            )
-        })
-    }
+/// `analogue`, `shared` or `bits:N`: what `--memory` takes.
+pub fn memory(name: &str) -> Result<DriveMemory, String> {
+    name.parse().map_err(|UnknownWord { word, .. }| {
+        format!(
+            "`{word}` is none of `analogue`, `shared` and `bits:N` with N from 1 to 8, such as bits:5"
+        )
+    })
 }
 
 /// A program that was proved.

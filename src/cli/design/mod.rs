@@ -11,7 +11,7 @@ use serde_json::json;
 use super::{
     budget,
     clip::Clip,
-    compile::Remembered,
+    compile::memory,
     content::Content,
     event_rate::event_rate,
     files::{self, Named, Output},
@@ -24,7 +24,7 @@ use super::{
     window::Window,
 };
 use crate::{
-    compile::{Effort, FRAMES},
+    compile::{DriveMemory, Effort, FRAMES},
     isa::Device,
     kernel::quantise::Quantiser,
     photoreceptor::Response,
@@ -63,8 +63,8 @@ pub struct Arguments {
     to: Vec<Quantiser>,
     /// What the program remembers: `analogue`, `shared` or `bits:N` [default: all that the chip
     /// has room for are tried]
-    #[arg(long, value_name = "WHERE")]
-    memory: Option<Remembered>,
+    #[arg(long, value_name = "WHERE", value_parser = memory)]
+    memory: Option<DriveMemory>,
     /// What quantised kernels must sum to
     #[arg(long, value_enum, default_value_t)]
     sum: Total,
@@ -218,7 +218,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             (None, thresholds) => Aim::Thresholds(thresholds),
         },
         quantisers: &arguments.to,
-        memory: arguments.memory.map(|memory| memory.0),
+        memory: arguments.memory,
         sum: arguments.sum.into(),
         device: &device,
         effort: Effort::seconds(arguments.effort),

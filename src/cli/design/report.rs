@@ -3,7 +3,7 @@
 use std::{fmt::Write as _, path::Path};
 
 use super::{
-    super::{compile::Remembered, light, quoted::quoted, readout::Choice},
+    super::{light, quoted::quoted, readout::Choice},
     Arguments, Candidate, Question,
 };
 use crate::{
@@ -88,7 +88,7 @@ fn command(arguments: &Arguments, candidate: &Candidate, sensor: &Path) -> Strin
     add("to", &candidate.to.to_string());
     add("candidates", &candidate.to.to_string());
     add("sum", arguments.sum.name());
-    add("memory", &Remembered(candidate.remembers).to_string());
+    add("memory", &candidate.remembers.to_string());
     add("chip", &arguments.chip);
     let [least, most] = LINK;
     add("link-energy", &format!("{least}..{most}"));

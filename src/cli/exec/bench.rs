@@ -8,12 +8,11 @@ use super::{
     super::{
         budget::{self, Growth},
         opened::Opened,
-        silent,
     },
     arguments::{Arguments, Assignment, Switch},
     beside::{self, Run},
     light::{Lasting, Light, Said},
-    moment::{Moment, Part, begin},
+    moment::{Moment, Part},
     set::Set,
     strip, trace,
 };
@@ -24,17 +23,17 @@ use crate::{
     limit::THREADS,
     memory::Need,
     number::Format,
-    photoreceptor::Response,
-    plane::{At, Size},
-    program::{Action, Expansion, Exposure, Host, Program, Step},
+    plane::Size,
+    program::{Expansion, Exposure, Program, Step},
     rig::{
-        self, Larger,
+        self,
         guard::{Guard, Warning},
     },
     scene::{Observation, Scene, kept::Kept},
     study::{
-        pilot::{Chips, Machine},
-        saturation::{self, Saturation},
+        execution::{CellOptions, Execution, Ran, begin},
+        pilot::Machine,
+        saturation::Saturation,
     },
 };
 
@@ -102,7 +101,7 @@ impl<'a> Bench<'a> {
                 .scene
                 .as_ref()
                 .map_or(0, |scene| scene.outline().bytes),
-            arithmetic: arithmetic(arguments, program)?,
+            arithmetic: cells(arguments).arithmetic(program)?,
             settings: settings(arguments, program, device)?,
             machine: None,
             read: None,
@@ -166,20 +165,23 @@ impl<'a> Bench<'a> {
         self.check_room()
     }
 
+    /// What runs, on what.
+    pub fn execution(&self) -> Execution<'_> {
+        let opened = &self.opened;
+        Execution {
+            program: &opened.program,
+            code: &opened.expansion.code,
+            decides: opened.decides,
+            recorded: &self.recorded,
+            device: &opened.device,
+            arithmetic: self.arithmetic,
+            settings: self.settings,
+        }
+    }
+
     /// The steps of the frames, without those that are others' again.
     pub fn codes(&self) -> Vec<&[Step]> {
-        if self.recorded.is_empty() {
-            let code = &self.opened.expansion.code;
-            return vec![&code.init, &code.frame];
-        }
-        // Frames that are alike share their steps.
-        let mut all: Vec<&Arc<[Step]>> = Vec::new();
-        for steps in &self.recorded {
-            if !all.iter().any(|it| Arc::ptr_eq(it, steps)) {
-                all.push(steps);
-            }
-        }
-        all.into_iter().map(|it| &**it).collect()
+        self.execution().codes()
     }
 
     /// Refuses an array for which there is no room.
@@ -192,7 +194,7 @@ impl<'a> Bench<'a> {
     /// A chip as switched on, its registers set.
     pub fn chip(&self, seed: u64) -> miette::Result<Box<dyn Array + Send>> {
         let arithmetic = self.arithmetic.with_seed(seed);
-        self.chip_in(arithmetic, &self.opened.device, self.machine.clone())
+        self.chip_in(arithmetic, &self.opened.device, self.machine.as_ref())
     }
 
     /// What is left out by hand.
@@ -210,22 +212,16 @@ impl<'a> Bench<'a> {
         &self,
         arithmetic: Arithmetic,
         device: &Device,
-        machine: Option<Machine>,
+        machine: Option<&Machine>,
     ) -> miette::Result<Box<dyn Array + Send>> {
-        let Opened {
-            program, expansion, ..
-        } = &self.opened;
-        let chips = Chips {
-            name: &program.file,
-            code: &expansion.code,
-            device,
-            settings: self.settings,
+        let execution = Execution {
             arithmetic,
+            device,
+            ..self.execution()
         };
-        let machine = machine.unwrap_or_else(|| chips.machine());
-        let mut chip = chips
-            .chip(&machine, self.size, (At { y: 0, x: 0 }, self.size.width))
-            .wrap_err_with(|| format!("{} cannot run", program.file))?;
+        let mut chip = execution
+            .chip(machine, self.size)
+            .wrap_err_with(|| format!("{} cannot run", self.opened.program.file))?;
         for set in &self.planes {
             set.apply(&mut *chip)?;
         }
@@ -248,75 +244,38 @@ impl<'a> Bench<'a> {
     /// What there is to warn of after a run of so many frames.
     pub fn warnings(
         &self,
-        mut guard: Guard,
+        guard: Guard,
         chip: &dyn Array,
         packet: &Packet,
         frames: u64,
-        saturated: Saturation,
+        saturation: Saturation,
     ) -> Vec<Warning> {
-        let program = &self.opened.program.file;
-        for warning in Warning::of_scene(&self.observation, Response::IDENTITY) {
-            guard.warn(warning);
-        }
-        let unheld = self.unheld();
-        if let Some(unheld) = &unheld {
-            saturation::warn_unheld(&mut guard, program, unheld);
-        }
-        if let Err(larger) = Larger::check(program, self.size, &self.opened.device) {
-            guard.warn(Warning::larger(program, &larger));
-        }
-        // A host that decides looks for one pixel after the other, and knows what it leaves.
-        if !self.opened.decides {
-            // A program that reads no events out, and a single frame, have none to miss.
-            if chip.ledger().slots > 0 && frames > 1 {
-                let is_dark =
-                    self.arguments.image.is_none() && self.opened.program.settings.image.is_none();
-                let is_empty = packet.events.is_empty() && packet.dropped.no_slot == 0;
-                // Without its own numbers nothing that it says tells of light or thresholds.
-                if is_dark && is_empty {
-                    guard.warn(Warning::in_the_dark(program, frames));
-                } else if unheld.is_none() {
-                    guard.packet(program, packet);
-                    if let Some(warning) = silent_kinds(program, packet, frames) {
-                        guard.warn(warning);
-                    }
-                }
-            } else if packet.dropped.no_slot > 0 {
-                let kept = packet.events.len() as u64;
-                guard.warn(Warning::slots(program, packet.dropped.no_slot, kept));
-            }
-        }
-        saturated.warn(&mut guard, program, |register| self.loads(register));
-        guard.warnings()
+        self.execution().warnings(Ran {
+            chip,
+            packet,
+            frames,
+            observation: &self.observation,
+            is_dark: self.arguments.image.is_none() && self.opened.program.settings.image.is_none(),
+            exposure: self.said.exposure.get(),
+            saturation,
+            guard,
+        })
     }
 
     /// What of the program's numbers its cells do not hold.
     pub fn unheld(&self) -> Option<Unheld> {
-        let (cells, device) = (self.arithmetic, &self.opened.device);
-        if self.opened.decides && self.recorded.is_empty() {
-            // What it did with light is known after the run, and no more.
-            let reads = self.said.exposure.get().reads();
-            return { reads.then(|| Unheld::of_light(cells, &self.settings)) }.flatten();
-        }
-        Unheld::of_program(cells, &self.codes(), device, &self.settings)
+        self.execution().unheld(self.said.exposure.get())
     }
 
-    /// Whether a register holds a constant that the program loads, whatever the light is.
-    fn loads(&self, register: &str) -> bool {
-        let (steps, device) = (self.codes().concat(), &self.opened.device);
-        saturation::loads(&steps, device, self.settings, register)
-    }
-
-    /// Looks for registers at the end of their range, or, in an arithmetic that has no end, beyond
-    /// that of the chip.
+    /// Looks for registers at the end of their range.
     pub fn saturation(&self) -> Saturation {
-        Saturation::new(self.arithmetic, &self.opened.device, &self.settings)
+        self.execution().saturation()
     }
 
     /// The registers that the program writes: any of them, where its host decides as it goes.
     pub fn written(&self) -> Vec<Register> {
         let device = &self.opened.device;
-        if self.opened.decides && self.recorded.is_empty() {
+        if self.execution().is_unknown() {
             Register::all(device)
         } else {
             Register::written(&self.codes(), device)
@@ -335,11 +294,9 @@ impl<'a> Bench<'a> {
         ))
     }
 
-    /// Whether the program reads events out, as addresses or in whole bit planes; one whose host
-    /// decides may.
+    /// Whether the program reads events out.
     pub fn reads_events(&self) -> bool {
-        let code = &self.opened.expansion.code;
-        self.opened.decides || reads_events(&code.init) || reads_events(&code.frame)
+        self.execution().reads_events()
     }
 
     /// What is to be said beside a run of so many frames.
@@ -473,37 +430,21 @@ impl<'a> Bench<'a> {
     }
 }
 
-fn reads_events(steps: &[Step]) -> bool {
-    steps.iter().any(|step| match &step.action {
-        Action::Word(_) => false,
-        Action::Host(host) => {
-            matches!(
-                host,
-                Host::ScanEvents { .. }
-                    | Host::ScanDigital {
-                        events: Some(_),
-                        ..
-                    }
-            )
-        }
-        Action::Repeat { body, .. } => reads_events(body),
-    })
-}
-
-fn arithmetic(arguments: &Arguments, program: &Program) -> miette::Result<Arithmetic> {
-    let asked = arguments.domain.as_ref();
-    let name = asked.or(program.settings.domain.as_ref());
-    let arithmetic: Arithmetic = name.map_or("exact", String::as_str).parse()?;
-    Ok(arithmetic.with_seed(arguments.seed()))
+/// What the caller says of cells.
+fn cells(arguments: &Arguments) -> CellOptions<'_> {
+    CellOptions {
+        domain: arguments.domain.as_deref(),
+        seed: arguments.seed(),
+        clip: arguments.clip.map(|clip| clip == Switch::On),
+        edge: arguments.edge,
+        gain: arguments.gain,
+    }
 }
 
 fn settings(arguments: &Arguments, program: &Program, device: &Device) -> miette::Result<Settings> {
-    let mut settings = Settings::from_device(device);
-    let clip = arguments.clip.map(|clip| clip == Switch::On);
-    settings.clip = clip.or(program.settings.clip).unwrap_or(settings.clip);
-    let asked = arguments.edge.or(program.settings.edge);
-    settings.edge = finite("--edge", asked.unwrap_or(settings.edge))?;
-    settings.gain = finite("--gain", arguments.gain.unwrap_or(settings.gain))?;
+    let mut settings = cells(arguments).settings(program, device);
+    finite("--edge", settings.edge)?;
+    finite("--gain", settings.gain)?;
     settings.schedule = match &arguments.schedule {
         // One step at a time has no use for any other.
         _ if arguments.debug || arguments.strip.is_some() || arguments.trace.is_some() => {
@@ -515,9 +456,9 @@ fn settings(arguments: &Arguments, program: &Program, device: &Device) -> miette
     Ok(settings)
 }
 
-fn finite(what: &str, value: f64) -> miette::Result<f64> {
+fn finite(what: &str, value: f64) -> miette::Result<()> {
     if value.is_finite() {
-        return Ok(value);
+        return Ok(());
     }
     Err(miette!(help = "give a number", "{what} is {value}"))
 }
@@ -561,19 +502,4 @@ fn checked(size: Size) -> miette::Result<Size> {
         ),
         "an array of {size}"
     ))
-}
-
-/// That some kinds say nothing, where others do. Where slots were lacking, their events may be lost.
-fn silent_kinds(program: &str, packet: &Packet, frames: u64) -> Option<Warning> {
-    if packet.dropped.no_slot > 0 {
-        return None;
-    }
-    let names: Vec<_> = packet
-        .names
-        .iter()
-        .map(|name| Some(name.as_str()))
-        .collect();
-    let events = silent::each_kind(packet).into_iter();
-    let events: Vec<u64> = events.map(|[on, off]| on + off).collect();
-    silent::warning(program, &names, &events, frames)
 }

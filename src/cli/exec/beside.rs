@@ -8,13 +8,14 @@ use super::{
     super::{budget::Growth, complain},
     bench::Bench,
     light::{Lasting, Light},
-    moment::{Moment, Part, begin},
+    moment::{Moment, Part},
 };
 use crate::{
     array::{Array, answered},
     event::Packet,
     program::{Answer, Beside, Exposure, Step},
     scene::{Frame, Scene},
+    study::execution::begin,
     unit::Micros,
 };
 

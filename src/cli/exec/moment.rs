@@ -5,29 +5,8 @@ use crate::{
     event::Packet,
     plane::Plane,
     program::Step,
-    scene::Frame,
     unit::Micros,
 };
-
-/// Lets a frame's light fall on the chip; when that is, and the seconds since the frame before, if
-/// there was one.
-pub fn begin(
-    chip: &mut dyn Array,
-    frame: &Frame,
-    before: Option<f64>,
-    packet: &mut Packet,
-) -> miette::Result<(Micros, Option<f64>)> {
-    let t = Micros::from_seconds(frame.seconds);
-    chip.begin_frame();
-    chip.expose(&frame.light)?;
-    let since = before.map(|before| frame.seconds - before);
-    match since {
-        Some(seconds) => chip.wait(seconds),
-        None => packet.span.0 = t,
-    }
-    packet.span.1 = t;
-    Ok((t, since))
-}
 
 /// A frame to which the chip is exposed already.
 pub struct Moment<'a> {

@@ -18,7 +18,7 @@ use crate::{
     number::Format,
     scene::kept::Kept,
     study::pilot::{
-        Answer, Chips, Machine, Measure, Quicker, order,
+        Answer, Machine, Measure, Quicker, order,
         plan::{BUDGET, TOO_LONG},
     },
 };
@@ -68,13 +68,7 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Planned> {
     let (lit, most) = (light.scene.is_some(), room());
     let read = light.keep(most)?;
     let mut light = Lasting::new(light, bench.size, 2);
-    let family = Chips {
-        name: &opened.program.file,
-        code: &opened.expansion.code,
-        device: &opened.device,
-        settings: bench.settings,
-        arithmetic: bench.arithmetic,
-    };
+    let family = bench.execution().chips();
     let kept = match &read {
         None if lit => None,
         // It is the light as it is: no second copy.

@@ -2,10 +2,7 @@
 
 use serde_json::json;
 
-use super::{
-    super::{light, silent::each_kind},
-    reading,
-};
+use super::{super::light, reading};
 use crate::{
     array::{Arithmetic, Array, Ledger, Readings},
     event::{Packet, Polarity},
@@ -54,7 +51,7 @@ impl Report<'_> {
 
     /// Each kind by its name, where it has one.
     fn kinds(&self) -> Vec<serde_json::Value> {
-        let all = each_kind(self.packet).into_iter().enumerate();
+        let all = self.packet.each_kind().into_iter().enumerate();
         all.map(
             |(kind, [on, off])| json!({"name": self.packet.names.get(kind), "on": on, "off": off}),
         )
@@ -166,7 +163,7 @@ impl Report<'_> {
             };
             lines.push(format!("events   {events} ({on} ON, {off} OFF){slots}"));
             if self.packet.channels > 1 {
-                for (kind, [on, off]) in each_kind(self.packet).into_iter().enumerate() {
+                for (kind, [on, off]) in self.packet.each_kind().into_iter().enumerate() {
                     let name = self.packet.names.get(kind).map_or("", |name| name);
                     lines.push(format!("  channel {kind} {name}: {on} ON, {off} OFF"));
                 }

@@ -71,7 +71,7 @@ impl<'a> Tracer<'a> {
         };
         let quiet = if arithmetic == silicon {
             let device = device.clone().what_if(Figure::StoreNoise, 0.0)?;
-            Some(bench.chip_in(silicon, &device, plainer.clone())?)
+            Some(bench.chip_in(silicon, &device, plainer.as_ref())?)
         } else {
             None
         };
@@ -91,7 +91,7 @@ impl<'a> Tracer<'a> {
         Ok(Self {
             opened,
             machine,
-            chip: bench.chip_in(arithmetic, device, plainer)?,
+            chip: bench.chip_in(arithmetic, device, plainer.as_ref())?,
             twin: bench.chip_in(exact, device, None)?,
             quiet,
             registers,

@@ -4,7 +4,6 @@
 mod form;
 mod table;
 
-pub(crate) use self::table::listed;
 pub use self::{
     form::{build, neighbour_name},
     table::{Clock, HostKind, HostRow, Kind, PrimitiveRow},

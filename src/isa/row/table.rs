@@ -1,30 +1,7 @@
 //! The kinds of primitives and of host operations, and their rows.
 
 use super::super::{figure::Quantity, primitive::Primitive, signature::Signature};
-
-/// An enum, the list of its variants and how each is written, from one list.
-macro_rules! listed {
-    ($(#[$outer:meta])* pub enum $name:ident { $($(#[$doc:meta])* $variant:ident = $word:literal,)* }) => {
-        $(#[$outer])*
-        pub enum $name { $($(#[$doc])* $variant,)* }
-
-        impl $name {
-            /// All of them, in order.
-            pub const ALL: &'static [Self] = &[$(Self::$variant),*];
-
-            /// How they are written, in the same order.
-            pub const WORDS: &'static [&'static str] = &[$($word),*];
-
-            /// How it is written.
-            #[must_use]
-            pub const fn word(self) -> &'static str {
-                match self { $(Self::$variant => $word,)* }
-            }
-        }
-    };
-}
-
-pub(crate) use listed;
+use crate::config::listed;
 
 listed! {
 /// The name of a primitive in `primitives.toml`; one for every variant of [`Primitive`].

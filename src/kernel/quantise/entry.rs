@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::error::QuantiseError;
+use crate::config::listed;
 
 /// How a weight is rounded to a multiple.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,17 +17,19 @@ pub enum Rounding {
     Stochastic,
 }
 
+listed! {
 /// Constraint on the sum of the quantised kernel, which is its response to uniform light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Sum {
+pub enum Sum = "sum" {
     /// No constraint.
     #[default]
-    Free,
+    Free = "free",
     /// 0: uniform light gives nothing.
-    Zero,
+    Zero = "zero",
     /// As near to the sum of the kernel as the levels allow; a Q format that is not rounded to the
     /// nearest stays as it is rounded.
-    Kept,
+    Kept = "kept",
+}
 }
 
 /// The level of each weight, and the scale.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::{isa::row::listed, number::Format, reference::Description};
+use crate::{config::listed, number::Format, reference::Description};
 
 listed! {
 /// What can be left out, besides the digits of a number format.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::{array::Errors, isa::row::listed};
+use crate::{array::Errors, config::listed};
 
 listed! {
 /// A kind of error of analogue cells.

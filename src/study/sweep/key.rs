@@ -10,6 +10,7 @@ pub use crate::config::Absent;
 use super::thresholds;
 use crate::{
     array::Arithmetic,
+    compile::DriveMemory,
     config::{self, Range},
     kernel::quantise::{self, Quantiser},
     number::{FORMAT_PATTERN, Format},
@@ -490,10 +491,8 @@ fn quantisers() -> String {
 const FLOAT_MEMORIES: [&str; 3] = ["filtered-snap", "filtered-step", "raw-snap"];
 
 fn remembered(name: &str) -> Result<String, (String, String)> {
-    let bits = name.strip_prefix("bits:").and_then(|n| n.parse().ok());
-    match bits {
-        _ if matches!(name, "analogue" | "shared") => Ok(name.to_owned()),
-        Some(bits @ 1_u8..=8) => Ok(format!("bits:{bits}")),
+    match name.parse::<DriveMemory>() {
+        Ok(memory) => Ok(memory.to_string()),
         _ if FLOAT_MEMORIES.contains(&name) => Err((
             format!("`{name}` is a memory of a float sensor, and this is that of the array"),
             "write it below the [[side]] of the float sensor; below that of the array give analogue, bits:N or shared".to_owned(),

@@ -8,6 +8,7 @@
 use std::{
     collections::{BTreeMap, HashSet},
     path::Path,
+    str::FromStr,
     sync::Arc,
 };
 
@@ -28,12 +29,12 @@ use super::{
 };
 use crate::{
     bundled,
-    config::{Fault, Faults, Place},
+    config::{Fault, Faults, Place, UnknownWord},
     isa::Device,
     kernel::{Kernel, KernelFileError, SHAPES},
     plane::Size,
     rig::guard::Warning,
-    scene::{Coding, Range, SceneError, Transfer, View},
+    scene::{Coding, SceneError, Transfer, View, word_or_auto},
     source,
 };
 
@@ -165,25 +166,25 @@ fn place(sides: &[Axes], point: &Point, key: &str) -> Place {
         .unwrap_or_default()
 }
 
-/// What a point says about the samples of its scene.
-fn coding(point: &Point) -> Coding {
-    let range = match point.word("range") {
-        Some("limited") => Some(Range::Limited),
-        Some("full") => Some(Range::Full),
-        _ => None,
-    };
-    let transfer = match point.word("transfer") {
-        Some("auto") => None,
-        Some("linear") => Some(Transfer::Linear),
-        Some("srgb") => Some(Transfer::Srgb),
-        Some("bt709") => Some(Transfer::Bt709),
-        _ => Some(Transfer::AsCoded),
-    };
-    Coding {
-        range,
-        transfer,
-        scale: point.number("scale"),
+/// What a point says about the samples of its scene; else the key whose word is unknown.
+fn coding(point: &Point) -> Result<Coding, (&'static str, UnknownWord)> {
+    fn asked<T>(
+        point: &Point,
+        key: &'static str,
+        otherwise: Option<T>,
+    ) -> Result<Option<T>, (&'static str, UnknownWord)>
+    where
+        T: FromStr<Err = UnknownWord>,
+    {
+        point.word(key).map_or(Ok(otherwise), |word| {
+            word_or_auto(word).map_err(|unknown| (key, unknown))
+        })
     }
+    Ok(Coding {
+        range: asked(point, "range", None)?,
+        transfer: asked(point, "transfer", Some(Transfer::AsCoded))?,
+        scale: point.number("scale"),
+    })
 }
 
 /// What a point shows of its scene.
@@ -276,11 +277,14 @@ impl<'a> Opened<'a> {
     }
 
     fn scene(&mut self, point: &Point) -> Result<Arc<CachedScene>, Faults> {
+        let coding = coding(point).map_err(|(key, unknown)| {
+            self.wrong(point, key, &unknown.to_string(), Some(unknown.help))
+        })?;
         let wanted = Wanted {
             spec: point.word("scene").unwrap_or_default().to_owned(),
             fps: point.number("fps"),
             frames: point.whole("frames"),
-            coding: coding(point),
+            coding,
             view: view(point),
             upsample: point.number("upsample"),
         };

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{isa::row::listed, study::pilot::ErrorTerm};
+use crate::{config::listed, study::pilot::ErrorTerm};
 
 listed! {
 /// One step.
