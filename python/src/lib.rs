@@ -1,8 +1,9 @@
 //! The Rust half of the Python package: arrays in, arrays and JSON out.
 //!
 //! What a person meets (names, defaults, docstrings, shapes) is in `amacrine/`; here are the
-//! doors to the library. Frames are read where numpy holds them, results are handed over without
-//! a copy, and the interpreter is released while anything is computed.
+//! doors to the library. Sensors and programs read frames where numpy holds them; studies, which show
+//! them again and again, keep a copy. Results are handed over without a copy, and the interpreter is
+//! released while anything is computed.
 
 mod beside;
 mod chance;
