@@ -143,7 +143,7 @@ mod tests {
             .into_iter()
             .chain(bits)
         {
-            assert_eq!(memory.to_string().parse(), Ok(memory));
+            assert_eq!(memory.to_string().parse::<DriveMemory>(), Ok(memory));
         }
         for wrong in ["bits:0", "bits:9", "bits:", "bits", "analog"] {
             let unknown = wrong.parse::<DriveMemory>().unwrap_err();
