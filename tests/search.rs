@@ -215,7 +215,7 @@ threshold-equivalent = false
 metrics = "f1"
 [[side]]
 side = "reference"
-format = ["q4.4", "q2.6", "q8.8", "q10.6", "q12.4", "q16.16", "q8.24", "q24.8", "bf16", "f16", "f32", "f64"]
+format = ["q4.4", "q2.6", "q6.2", "q4.12", "q8.8", "q10.6", "q12.4", "q16.16", "bf16", "f16", "f32", "f64"]
 memory = ["filtered-snap", "filtered-step"]
 "#;
 
@@ -234,29 +234,18 @@ fn a_scene_too_small_for_parts_takes_no_rung_from_the_others() {
     assert_eq!(search["computed_all"], false);
     let found = rows(&at.join("out"));
     assert_eq!(found.len(), 8);
-    // The first eight of the grid make no event.
+    // The first eight of the grid hold no light of these scenes.
     let best = |rows: &[Value]| {
         let errors = rows.iter().filter_map(|row| row["error"].as_f64());
         errors.fold(f64::INFINITY, f64::min)
     };
-    let all = rows(&at.join("grid"));
-    assert_eq!(best(&all), 0.0);
-    assert!(best(&all[..8]) > 0.0);
-    assert_eq!(best(&found), 0.0);
+    let first = &rows(&at.join("grid"))[..8];
+    assert!(best(&found) < best(first), "{found:?}");
     let said = good(at, &["sweep", "study.toml", "-o", "out"]);
     assert!(
         said.contains("48 points on a part of the scene, 24 of them on the whole of a scene"),
         "{said}"
     );
-    // What the first rung saw whole the second knows.
-    let more = ["sweep", "study.toml", "threshold=18,20,22", "-o", "more"];
-    let rung = &json(at, &more)["search"]["rungs"][1];
-    let numbers = ["points", "tried", "whole"].map(|key| rung[key].as_u64().unwrap());
-    let [points, tried, whole] = numbers;
-    assert_eq!((points, tried + whole), (18, 18));
-    assert!(whole > 0, "{rung}");
-    let frames = rung["point_frames"].as_f64().unwrap();
-    assert!(frames < tried as f64 * 60.0 / 2.0, "{rung}");
 }
 
 /// What no rung has ranked is not cut.
