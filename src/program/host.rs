@@ -97,14 +97,15 @@ pub(super) fn build(
         ));
     }
     if kind == HostKind::ScanEvents {
-        return scan_events(&Values(bound));
+        return scan_events(name, &Values(bound));
     }
     let last_row = (device.value(Figure::Height) - 1.0) as u16;
     operation((kind, name), &Values(bound), drawing, last_row).ok_or_else(misfit)
 }
 
-fn scan_events(values: &Values<'_>) -> Result<Host, String> {
+fn scan_events(statement: &str, values: &Values<'_>) -> Result<Host, String> {
     let misfit = || "the chip's row of scan_events lacks a parameter".to_owned();
+    let by_rows = statement.ends_with("_rc");
     let source = values.digital(0).ok_or_else(misfit)?;
     let name = match values.value(1) {
         Some(Value::Word(name)) => name.as_str(),
@@ -119,7 +120,7 @@ fn scan_events(values: &Values<'_>) -> Result<Host, String> {
     let number = |at| values.number(at).ok_or_else(misfit);
     let slots = number(2)? as u32;
     let (columns_reversed, rows_reversed) = (number(3)? != 0.0, number(4)? != 0.0);
-    Ok(if columns_reversed || rows_reversed {
+    Ok(if columns_reversed || rows_reversed || by_rows {
         Host::ScanEventsFrom {
             source,
             polarity,
@@ -127,6 +128,7 @@ fn scan_events(values: &Values<'_>) -> Result<Host, String> {
             slots,
             columns_reversed,
             rows_reversed,
+            by_rows,
         }
     } else {
         Host::ScanEvents {
@@ -154,7 +156,7 @@ fn operation(
         HostKind::LoadDac => Host::LoadDac {
             code: values.u16(0)?,
         },
-        HostKind::ScanEvents => scan_events(values).ok()?,
+        HostKind::ScanEvents => scan_events(name, values).ok()?,
         HostKind::ReadAnalog => Host::ReadAnalog {
             source: values.analog(0)?,
         },
@@ -332,9 +334,15 @@ impl Host {
                 slots,
                 columns_reversed,
                 rows_reversed,
+                by_rows,
             } => {
                 let reversed = Some((*columns_reversed, *rows_reversed));
-                events_text(&d(source), *polarity, *channel, *slots, reversed)
+                let text = events_text(&d(source), *polarity, *channel, *slots, reversed);
+                if *by_rows {
+                    text.replacen('(', "_rc(", 1)
+                } else {
+                    text
+                }
             }
             Self::ReadAnalog { source } => format!("scamp5_output_image({})", a(source)),
             Self::ReadPixel {

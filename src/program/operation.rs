@@ -40,7 +40,7 @@ pub enum Host {
         /// The code, 0 to 4095.
         code: u16,
     },
-    /// As [`Host::ScanEvents`], from another corner of the array.
+    /// As [`Host::ScanEvents`], from another corner of the array, or row by row.
     ScanEventsFrom {
         /// The one-bit register that is read.
         source: Digital,
@@ -54,6 +54,8 @@ pub enum Host {
         columns_reversed: bool,
         /// Whether rows are read from the last to the first.
         rows_reversed: bool,
+        /// Whether it goes row by row, and not column by column.
+        by_rows: bool,
     },
     /// One sample of an analogue register through the ADC.
     ReadPixel {

@@ -9,7 +9,7 @@ use super::{
     Chip, RunError,
 };
 use crate::{
-    event::{Event, Packet, Polarity},
+    event::{Event, Packet, Polarity, readout::scan::Order},
     program::Host,
     unit::Micros,
 };
@@ -89,9 +89,14 @@ impl<D: RowOps> Chip<D> {
             deliver(&scan, polarity, channel, t, packet);
             return;
         }
-        let mut scan = |source, polarity, channel, slots, from_left, from_bottom| {
+        let mut scan = |source, polarity, channel, slots, by_rows, order: Order| {
             let bits = self.state.digital(source);
-            let scan = Scanned::new(bits, self.state.layout.size, slots, from_left, from_bottom);
+            let size = self.state.layout.size;
+            let scan = if by_rows {
+                Scanned::by_rows(bits, size, slots, order)
+            } else {
+                Scanned::new(bits, size, slots, order.from_left, order.from_bottom)
+            };
             self.ledger.events += scan.found.len() as u64;
             self.ledger.missed += scan.missed;
             self.ledger.ambiguous += u64::from(scan.ambiguous);
@@ -103,7 +108,7 @@ impl<D: RowOps> Chip<D> {
                 polarity,
                 channel,
                 slots,
-            } => scan(source, polarity, channel, slots, false, false),
+            } => scan(source, polarity, channel, slots, false, Order::default()),
             Host::ScanEventsFrom {
                 source,
                 polarity,
@@ -111,14 +116,14 @@ impl<D: RowOps> Chip<D> {
                 slots,
                 columns_reversed,
                 rows_reversed,
-            } => scan(
-                source,
-                polarity,
-                channel,
-                slots,
-                columns_reversed,
-                rows_reversed,
-            ),
+                by_rows,
+            } => {
+                let order = Order {
+                    from_left: columns_reversed,
+                    from_bottom: rows_reversed,
+                };
+                scan(source, polarity, channel, slots, by_rows, order);
+            }
             _ => {
                 let values = host::execute(
                     &self.domain,
