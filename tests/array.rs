@@ -368,6 +368,7 @@ fn events_leave_by_columns_from_the_top_right() {
             slots,
             columns_reversed: false,
             rows_reversed: false,
+            by_rows: false,
         }),
         line: 3,
     };

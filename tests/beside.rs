@@ -760,6 +760,68 @@ fn samples_are_read_column_by_column() {
     assert_eq!(said["posts"][1]["text"], "-93 -115 -79");
 }
 
+/// Row by row, each pair row first; of more events than slots the first rows.
+#[test]
+fn events_are_read_row_by_row_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "int main() { uint8_t e[20]; while (1) { vs_frame_loop_control();\n\
+                scamp5_load_rect(R5, 1, 2, 2, 4);\n\
+                scamp5_scan_events_rc(R5, e, 4);\n\
+                vs_post_text(\"%d %d %d %d %d %d %d %d\", e[0], e[1], e[2], e[3], e[4], e[5], e[6], e[7]);\n\
+                scamp5_scan_events_rc(R5, e, 9, 0, 1);\n\
+                vs_post_text(\"%d %d %d %d %d\", e[0], e[1], e[10], e[11], e[12]);\n\
+                scamp5_scan_events_cr(R5, e, 9);\n\
+                vs_post_text(\"%d %d %d %d\", e[0], e[1], e[2], e[3]); } }";
+    fs::write(folder.path().join("p.cpp"), text).unwrap();
+    let scene = "pattern:disc?width=8&height=8&frames=1";
+    let said = json(
+        folder.path(),
+        &["exec", "p.cpp", "--host", "--image", scene],
+    );
+    let posts = said["posts"].as_array().unwrap();
+    let posts: Vec<_> = posts
+        .iter()
+        .map(|it| it["text"].as_str().unwrap())
+        .collect();
+    assert_eq!(posts, ["1 2 1 3 1 4 2 2", "2 2 1 4 0", "2 1 2 2"]);
+    assert!(!said["warnings"].to_string().contains("row by row"));
+}
+
+/// Whether a point is drawn hangs on its place alone.
+#[test]
+fn a_point_off_the_array_is_not_drawn() {
+    let inside = "int n = 0; scamp5_draw_begin(R6);\n\
+                  for (int i = 0; i < 20; i++) if (scamp5_draw_point(i * 20, 250 + i)) n++;\n\
+                  bool out = scamp5_draw_point(-1, 3); scamp5_draw_end(); vs_post_text(\"%d %d\", n, out);";
+    assert_eq!(posts(inside, 1, &[]), ["6 0"]);
+}
+
+/// Moves change the four registers of directions, and no other one.
+#[test]
+fn bits_move_in_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "int main() { while (1) { vs_frame_loop_control();\n\
+                scamp5_load_rect(RF, 0, 0, 1, 1); scamp5_load_rect(R5, 1, 1, 2, 2); scamp5_load_rect(R6, 1, 1, 2, 2);\n\
+                scamp5_shift(R5, -3, 2); scamp5_shift(R6, 2, -1, 1);\n\
+                uint8_t b[4]; scamp5_scan_boundingbox(RF, b); vs_post_text(\"%d %d %d %d\", b[0], b[1], b[2], b[3]);\n\
+                scamp5_scan_boundingbox(R5, b); vs_post_text(\"%d %d %d %d\", b[0], b[1], b[2], b[3]);\n\
+                uint8_t e[128]; scamp5_scan_events_rc(R6, e, 60); int n = 0;\n\
+                for (int i = 0; i < 120; i += 2) if (e[i] || e[i + 1]) n++;\n\
+                vs_post_text(\"%d %d\", n, scamp5_global_or(R6, 7, 7, 0, 0)); } }";
+    fs::write(folder.path().join("p.cpp"), text).unwrap();
+    let scene = "pattern:disc?width=8&height=8&frames=1";
+    let said = json(
+        folder.path(),
+        &["exec", "p.cpp", "--host", "--image", scene],
+    );
+    let posts = said["posts"].as_array().unwrap();
+    let posts: Vec<_> = posts
+        .iter()
+        .map(|it| it["text"].as_str().unwrap())
+        .collect();
+    assert_eq!(posts, ["0 0 1 1", "0 4 0 5", "23 1"]);
+}
+
 /// What can be laid out runs alike with its host beside the array, on noisy silicon too.
 #[test]
 fn a_host_that_decides_nothing_changes_nothing() {

@@ -49,6 +49,26 @@ fn what_a_program_leaves_out_goes_as_far_as_the_array() {
     }
 }
 
+/// A `uint8_t` would not reach their rows: there C++ is taken at its word.
+#[test]
+fn rows_of_larger_arrays_have_more_than_eight_bits() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let text = "int main() { while (1) { vs_frame_loop_control(); scamp5_load_point(R6, 300, -1); scamp5_draw_begin(R5); scamp5_draw_pixel(300, 5); scamp5_draw_end(); } }";
+    fs::write(folder.join("p.cpp"), text).unwrap();
+    for (chip, row) in [("scamp5", 44), ("scamp5-wide", 300)] {
+        let told = json(folder, &["asm", "p.cpp", "--chip", chip]).to_string();
+        for line in [
+            format!("scamp5_load_point(R6, {row}, 255)"),
+            format!("scamp5_draw_pixel({row}, 5)"),
+        ] {
+            assert!(told.contains(&line), "no {line} in {told}");
+        }
+        let of_300 = told.contains("C++ makes 44 of 300");
+        assert_eq!(of_300, chip == "scamp5", "{told}");
+    }
+}
+
 /// A row of 512 bits takes as long as two of 256, whoever stated the time; and so does its interval.
 #[test]
 fn a_row_of_bits_takes_as_long_as_it_has_bytes() {

@@ -249,6 +249,20 @@ fn a_shift_costs_a_word_a_pixel_and_one_more_when_odd() {
     assert_eq!(words("scamp5_shift(A, 1, 0)"), "bus(XE, A); bus(A, NEWS)");
     assert_eq!(words("scamp5_shift(A, 2, 0)"), "bus(XE, A); bus(A, XW)");
     assert_eq!(words("scamp5_shift(A, 0, -2)"), "bus(XS, A); bus(A, XN)");
+    // Bits in place, so that no register but those of the directions is lost.
+    assert_eq!(
+        words("scamp5_shift(R5, 1, 0)"),
+        "CLR(R1, R2, R3, R4); SET(R2); nop(); DNEWS0(R5, R5); CLR(R2, R4)"
+    );
+    assert_eq!(
+        words("scamp5_shift(R5, 2, 0)"),
+        "CLR(R1, R2, R3, R4); SET(R2); repeat 2; CLR(R2, R4)"
+    );
+    assert_eq!(
+        words("scamp5_shift(R5, 0, -1, 1)"),
+        "CLR(R1, R2, R3, R4); CLR(R2, R4); SET(R3); nop(); DNEWS1(R5, R5)"
+    );
+    assert_eq!(cost("scamp5_shift(R5, -64, 65)"), 2 + 2 + 2 * (64 + 65));
 }
 
 #[test]

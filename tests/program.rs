@@ -263,12 +263,14 @@ const CALLS: &[&str] = &[
     "scamp5_load_dac(A, 77);",
     "scamp5_shift(A, 5, -4);",
     "scamp5_shift(R5, -3, 2);",
+    "scamp5_shift(R5, 3, -2, 1);",
     "scamp5_diffuse(A, 3);",
     "scamp5_diffuse(A, 3, 1, 0, B);",
     "scamp5_flood(R5, R6, 1);",
     "scamp5_flood(R5, R6, 0, 3, true);",
     "scamp5_scan_events(R5, off3, 20);",
     "scamp5_scan_events(R5, buffer, 20, 1, 0);",
+    "scamp5_scan_events_rc(R5, off, 20);",
     "scamp5_output_image(A);",
     "scamp5_read_areg(A, 3, 4);",
     "scamp5_scan_areg(A, buffer, 0, 0, 255, 255, 8, 8);",
@@ -442,6 +444,7 @@ fn a_buffer_says_polarity_and_channel() {
             slots: 1000,
             columns_reversed: false,
             rows_reversed: false,
+            by_rows: false,
         }
     );
     assert!(matches!(
@@ -452,6 +455,18 @@ fn a_buffer_says_polarity_and_channel() {
             slots: 4000,
             columns_reversed: false,
             rows_reversed: true,
+            by_rows: false,
+            ..
+        }
+    ));
+    assert!(matches!(
+        events("scamp5_scan_events_rc(R5, off, 4);"),
+        Host::ScanEvents {
+            polarity: Polarity::Off,
+            slots: 4,
+            columns_reversed: false,
+            rows_reversed: false,
+            by_rows: true,
             ..
         }
     ));

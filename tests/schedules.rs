@@ -34,6 +34,7 @@ fn steps(words: usize, all: bool) -> impl Strategy<Value = Vec<Step>> {
             slots,
             columns_reversed: false,
             rows_reversed: false,
+            by_rows: false,
         }
     });
     let area = prop_oneof![
@@ -406,6 +407,7 @@ fn small_frames() -> impl Strategy<Value = Vec<Step>> {
             slots,
             columns_reversed: false,
             rows_reversed: false,
+            by_rows: false,
         }),
         (0u8..7).prop_map(|source| Host::ReadAnalog {
             source: Analog(source)
@@ -609,6 +611,7 @@ fn a_large_array_agrees_too() {
                 slots: 4000,
                 columns_reversed: false,
                 rows_reversed: false,
+                by_rows: false,
             }),
             line: 2,
         },

@@ -102,6 +102,11 @@ fn kernels_and_calls_of_the_host() {
         "scamp5_load_rect(R5, 1, 2, 3, 4);",
     );
     same("scamp5_shift(R5, -2, 1, 0, 4);", "scamp5_shift(R5, -2, 1);");
+    // Ones come in at the edge.
+    same(
+        "scamp5_shift(R5, -2, 1, true, 4);",
+        "scamp5_shift(R5, -2, 1, 1);",
+    );
     same(
         "scamp5_diffuse(A, 5, true, false);",
         "scamp5_diffuse(A, 5, 1, 0);",
@@ -1895,6 +1900,22 @@ fn addresses_have_eight_bits() {
             "scamp5_global_sum_sparse(A, 0, -1, 124, 124);",
             "scamp5_global_sum_sparse(A, 0, 255, 124, 124);",
         ),
+        (
+            "scamp5_load_point(R6, 300, 5);",
+            "scamp5_load_point(R6, 44, 5);",
+        ),
+        (
+            "scamp5_load_rect(R5, 260, -3, 270, 255);",
+            "scamp5_load_rect(R5, 4, 253, 14, 255);",
+        ),
+        (
+            "scamp5_draw_begin(R5); scamp5_draw_pixel(256, -2); scamp5_draw_end();",
+            "scamp5_draw_begin(R5); scamp5_draw_pixel(0, 254); scamp5_draw_end();",
+        ),
+        (
+            "scamp5_draw_begin(R5); scamp5_draw_rect(224, 64, 256, 96); scamp5_draw_end();",
+            "scamp5_draw_begin(R5); scamp5_draw_rect(224, 64, 0, 96); scamp5_draw_end();",
+        ),
     ] {
         same(cpp, own);
         let text = format!("int main() {{ while (1) {{ vs_frame_loop_control();\n{cpp} }} }}");
@@ -1902,11 +1923,78 @@ fn addresses_have_eight_bits() {
         let told = |it: &amacrine::config::Fault| it.message.contains("C++ makes");
         assert!(warnings.iter().any(told), "{cpp}: {warnings:?}");
     }
+    // A rectangle that ends before it begins, by its end or its start; others do as they did.
+    let turned = |call: &str| {
+        let text = format!("int main() {{ while (1) {{ vs_frame_loop_control();\n{call} }} }}");
+        let mut warnings = expand(&text, &[]).unwrap().warnings.into_iter();
+        warnings.find(|it| it.message.contains("before its start"))
+    };
+    for (call, message, help) in [
+        (
+            "scamp5_load_rect(R5, 250, 0, 260, 9);",
+            "C++ makes 4 of 260, and the rectangle's end, 4, lies before its start, 250",
+            "no pixel",
+        ),
+        (
+            "scamp5_select_rect(0, -2, 9, 9);",
+            "C++ makes 254 of -2, and the rectangle's end, 9, lies before its start, 254",
+            "no pixel",
+        ),
+        (
+            "scamp5_draw_begin(R5); scamp5_draw_rect(224, 64, 256, 96); scamp5_draw_end();",
+            "C++ makes 0 of 256, and the rectangle's end, 0, lies before its start, 224",
+            "between the two is drawn",
+        ),
+    ] {
+        let fault = turned(call).unwrap_or_else(|| panic!("{call}"));
+        assert_eq!(fault.message, message);
+        assert!(fault.help.unwrap().contains(help), "{call}");
+    }
+    assert!(turned("scamp5_load_rect(R5, 260, -3, 270, 255);").is_none());
+    // In a loop, once.
+    let many = "int main() { while (1) { vs_frame_loop_control();\n\
+                for (int i = 250; i < 260; i++) scamp5_load_point(R5, i, 0); } }";
+    let warnings = expand(many, &[]).unwrap().warnings;
+    let told = warnings
+        .iter()
+        .filter(|it| it.message.contains("C++ makes"));
+    assert_eq!(told.count(), 1, "{warnings:?}");
     // Shapes are drawn where they are said to be.
     same(
         "scamp5_draw_begin(R5); scamp5_draw_point(-3, 300); scamp5_draw_end();",
         "scamp5_draw_begin(R5); scamp5_draw_point(-3, 300); scamp5_draw_end();",
     );
+}
+
+/// More slots than the list has, and what no document describes.
+#[test]
+fn calls_that_ask_for_more_than_there_is() {
+    same(
+        "uint8_t on[10000]; scamp5_scan_events(R5, on, 5000);",
+        "scamp5_scan_events(R5, on0, 4000);",
+    );
+    let text = "#define COLLECTED_EVENTS 5000\n\
+                int main() { uint8_t on[2 * COLLECTED_EVENTS]; while (1) { vs_frame_loop_control();\n\
+                scamp5_scan_events(R5, on, COLLECTED_EVENTS); } }";
+    let warned = |set: &[(&str, f64)]| {
+        let warnings = expand(text, set).unwrap().warnings.into_iter();
+        let mut slots = warnings.filter(|it| it.message.contains("4000 events at most"));
+        slots.next().map(|it| it.help.unwrap())
+    };
+    let help = warned(&[]).unwrap();
+    assert!(help.contains("`--const COLLECTED_EVENTS=4000`"), "{help}");
+    assert_eq!(warned(&[("COLLECTED_EVENTS", 4000.0)]), None);
+    let says = [
+        (
+            "int k = scamp5_global_sum_region(A, 0, 0, 63, 63);",
+            "scamp5_global_sum_sparse",
+        ),
+        ("blur_repeat(D, A, 3);", "`gauss(y, x, n)`"),
+    ];
+    for (call, help) in says {
+        let name = call[..call.find('(').unwrap()].rsplit(' ').next().unwrap();
+        told("", call, 1, &format!("unknown statement `{name}`"), help);
+    }
 }
 
 #[test]

@@ -348,9 +348,9 @@ fn messages_name_what_is_wrong() {
         "exec --image FILE",
     );
     told(
-        "int main() { while (1) { int e = 1;\nscamp5_shift(R5, 1, 0, e); } }",
+        "int main() { while (1) { int e = 2;\nscamp5_shift(R5, 1, 0, e); } }",
         2,
-        "`scamp5_shift` with ones at the edge",
+        "argument 4 of `scamp5_shift`",
         "",
     );
     let case = |n| {

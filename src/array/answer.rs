@@ -25,8 +25,9 @@ pub fn answered(
     let kinds = kinds.map(|it| it.channel.saturating_add(1)).max();
     packet.channels = packet.channels.max(kinds.unwrap_or_default());
     let last = steps.last().map(|it| &it.action);
-    if let Some(Action::Host(Host::ScanEvents { slots, .. })) = last {
-        return Ok(list(&packet.events[events..], *slots, chip.size()));
+    if let Some(Action::Host(Host::ScanEvents { slots, by_rows, .. })) = last {
+        let found = &packet.events[events..];
+        return Ok(list(found, *slots, *by_rows, chip.size()));
     }
     let read = chip.readings().get(readings..).unwrap_or_default();
     Ok(read
@@ -34,13 +35,19 @@ pub fn answered(
         .map_or_else(Answer::default, |it| answer(&it.values)))
 }
 
-/// A list of slots as the chip writes it: column and row of each event, zeros in what is unused.
-fn list(events: &[Event], slots: u32, size: Size) -> Answer {
+/// A list of slots as the chip writes it: column and row of each event, of a scan by rows row and
+/// column; zeros in what is unused.
+fn list(events: &[Event], slots: u32, by_rows: bool, size: Size) -> Answer {
     let mut memory = Vec::new();
     for event in events {
         let (y, x) = (event.y.into(), event.x.into());
         let address = Address::from_pixel(At { y, x }, size);
-        memory.extend([address.column as i64, address.row as i64]);
+        let (column, row) = (address.column as i64, address.row as i64);
+        memory.extend(if by_rows {
+            [row, column]
+        } else {
+            [column, row]
+        });
     }
     memory.resize(2 * slots as usize, 0);
     Answer {

@@ -10,7 +10,10 @@ use multiversion::multiversion;
 
 use super::BitPlane;
 pub use crate::event::readout::scan::Address;
-use crate::plane::{At, Size};
+use crate::{
+    event::readout::scan::Order,
+    plane::{At, Size},
+};
 
 /// One readout of set pixels.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,14 +46,26 @@ impl Scanned {
         } else {
             find::<false>(bits, size, from_left, &mut found);
         }
-        let mut scan = Self {
-            missed: (all - some) as u64,
-            found,
-            ambiguous: false,
-        };
+        Self::of_slots(bits, size, found)
+    }
+
+    /// Reads `bits` out into `slots`, row by row.
+    #[must_use]
+    pub fn by_rows(bits: &BitPlane, size: Size, slots: u32, order: Order) -> Self {
+        let pixels =
+            { order.rows(size) }.flat_map(|y| order.columns(size).map(move |x| At { y, x }));
+        let set = pixels.filter(|at| bits.get(at.y, at.x));
+        Self::of_slots(bits, size, set.take(slots as usize).collect())
+    }
+
+    /// Those that found a slot, and what follows from it.
+    fn of_slots(bits: &BitPlane, size: Size, found: Vec<At>) -> Self {
         let origin = Address::ORIGIN.at(size);
-        scan.ambiguous = origin.is_some_and(|at| bits.get(at.y, at.x) && scan.found.contains(&at));
-        scan
+        Self {
+            missed: bits.count() - found.len() as u64,
+            ambiguous: origin.is_some_and(|at| bits.get(at.y, at.x) && found.contains(&at)),
+            found,
+        }
     }
 
     /// All set pixels of some rows, as the host finds them in whole rows of bits: row by row, each
@@ -240,6 +255,15 @@ mod tests {
             prop_assert_eq!(&scan.found[..], &all[..some]);
             prop_assert_eq!(scan.missed, (all.len() - some) as u64);
             let origin = At { y: 0, x: width - 1 };
+            prop_assert_eq!(scan.ambiguous, all[..some].contains(&origin));
+            let all: Vec<_> = order
+                .rows(size)
+                .flat_map(|y| order.columns(size).map(move |x| At { y, x }))
+                .filter(|at| bits.get(at.y, at.x))
+                .collect();
+            let scan = Scanned::by_rows(&bits, size, slots, order);
+            prop_assert_eq!(&scan.found[..], &all[..some]);
+            prop_assert_eq!(scan.missed, (all.len() - some) as u64);
             prop_assert_eq!(scan.ambiguous, all[..some].contains(&origin));
         }
     }

@@ -97,14 +97,15 @@ pub(super) fn build(
         ));
     }
     if kind == HostKind::ScanEvents {
-        return scan_events(&Values(bound));
+        return scan_events(name, &Values(bound));
     }
     let last_row = (device.value(Figure::Height) - 1.0) as u16;
     operation((kind, name), &Values(bound), drawing, last_row).ok_or_else(misfit)
 }
 
-fn scan_events(values: &Values<'_>) -> Result<Host, String> {
+fn scan_events(statement: &str, values: &Values<'_>) -> Result<Host, String> {
     let misfit = || "the chip's row of scan_events lacks a parameter".to_owned();
+    let by_rows = statement.ends_with("_rc");
     let source = values.digital(0).ok_or_else(misfit)?;
     let name = match values.value(1) {
         Some(Value::Word(name)) => name.as_str(),
@@ -125,6 +126,7 @@ fn scan_events(values: &Values<'_>) -> Result<Host, String> {
         slots,
         columns_reversed: number(3)? != 0.0,
         rows_reversed: number(4)? != 0.0,
+        by_rows,
     })
 }
 
@@ -144,7 +146,7 @@ fn operation(
         HostKind::LoadDac => Host::LoadDac {
             code: values.u16(0)?,
         },
-        HostKind::ScanEvents => scan_events(values).ok()?,
+        HostKind::ScanEvents => scan_events(name, values).ok()?,
         HostKind::ReadAnalog => Host::ReadAnalog {
             source: values.analog(0)?,
         },
@@ -316,6 +318,7 @@ impl Host {
                 slots,
                 columns_reversed,
                 rows_reversed,
+                by_rows,
             } => {
                 let (source, name) = (d(source), buffer_name(*polarity, *channel));
                 let corner = if *columns_reversed || *rows_reversed {
@@ -324,7 +327,8 @@ impl Host {
                 } else {
                     String::new()
                 };
-                format!("scamp5_scan_events({source}, {name}, {slots}{corner})")
+                let rows = if *by_rows { "_rc" } else { "" };
+                format!("scamp5_scan_events{rows}({source}, {name}, {slots}{corner})")
             }
             Self::ReadAnalog { source } => format!("scamp5_output_image({})", a(source)),
             Self::ReadPixel {

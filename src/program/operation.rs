@@ -29,6 +29,8 @@ pub enum Host {
         columns_reversed: bool,
         /// Whether rows are read from the last to the first.
         rows_reversed: bool,
+        /// Whether it goes row by row, and not column by column.
+        by_rows: bool,
     },
     /// Read an analogue register through the ADC, for the caller to look at.
     ReadAnalog {

@@ -100,6 +100,7 @@ fn edges(domain: &str, size: Size) -> Box<dyn Array + Send> {
         slots: 4000,
         columns_reversed: false,
         rows_reversed: false,
+        by_rows: false,
     })));
     chip(domain, size, body)
 }

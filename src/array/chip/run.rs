@@ -9,7 +9,7 @@ use super::{
     Chip, RunError,
 };
 use crate::{
-    event::{Event, Packet, Polarity},
+    event::{Event, Packet, Polarity, readout::scan::Order},
     program::Host,
     unit::Micros,
 };
@@ -96,6 +96,7 @@ impl<D: RowOps> Chip<D> {
             slots,
             columns_reversed,
             rows_reversed,
+            by_rows,
         } = *operation
         else {
             let values = host::execute(
@@ -109,7 +110,15 @@ impl<D: RowOps> Chip<D> {
             return;
         };
         let (bits, size) = (self.state.digital(source), self.state.layout.size);
-        let scan = Scanned::new(bits, size, slots, columns_reversed, rows_reversed);
+        let order = Order {
+            from_left: columns_reversed,
+            from_bottom: rows_reversed,
+        };
+        let scan = if by_rows {
+            Scanned::by_rows(bits, size, slots, order)
+        } else {
+            Scanned::new(bits, size, slots, order.from_left, order.from_bottom)
+        };
         self.ledger.events += scan.found.len() as u64;
         self.ledger.missed += scan.missed;
         self.ledger.ambiguous += u64::from(scan.ambiguous);

@@ -1,13 +1,14 @@
 //! Calls of the vendor's library that are other statements here, and names that mean the same.
 
 use super::{
+    address,
     machine::Machine,
     tree::{Kind, Word},
     value::Value,
 };
 use crate::{
     config::{Fault, Place},
-    isa::text::Term,
+    isa::{Figure, Operand, text::Term},
     program::buffer,
 };
 
@@ -30,17 +31,6 @@ pub(super) fn rewritten(
             "scamp5_scan_events"
         }
         "scamp5_scan_events_cr" => "scamp5_scan_events",
-        "scamp5_scan_events_rc" => {
-            machine.fault(
-                Fault::warning(
-                    place,
-                    "events are read column by column here",
-                    "this asks for row by row",
-                )
-                .help("with slots enough for all events the same ones are read"),
-            );
-            "scamp5_scan_events"
-        }
         "scamp5_output_boundingbox" => {
             given.truncate(1);
             given.push(word("box", place));
@@ -49,16 +39,8 @@ pub(super) fn rewritten(
         "scamp5_load_region" => "scamp5_load_rect",
         "scamp5_shift" => {
             // What comes in at the edge, and how often the host refreshes.
-            let edge = given.get(3).map(|it| it.0.number());
-            if edge.is_some_and(|it| it != Some(0.0)) {
-                machine.error(
-                    place,
-                    "`scamp5_shift` with ones at the edge".to_owned(),
-                    "zeros come in here",
-                    "shift with zeros, and set the edge by `scamp5_load_rect` and `OR`",
-                );
-            }
-            given.truncate(3);
+            let edge = given.get(3).and_then(|it| it.0.number());
+            given.truncate(if edge == Some(0.0) { 3 } else { 4 });
             name
         }
         "scamp5_draw_line" => {
@@ -97,21 +79,28 @@ pub(super) fn rewritten(
             );
             return None;
         }
-        name => name,
+        name => {
+            if let (Some(way), true) = (instead(name), machine.device.callables(name).is_empty()) {
+                machine.error(
+                    place,
+                    format!("unknown statement `{name}`"),
+                    "this call",
+                    way,
+                );
+                return None;
+            }
+            name
+        }
     };
     if renamed.starts_with("scamp5_") {
         for (value, at, _) in &mut given {
             in_whole(machine, value, *at);
         }
     }
-    if let Some(first) = addresses(renamed) {
-        for it in given.iter_mut().skip(first) {
-            in_eight_bits(machine, it);
-        }
-    }
-    if matches!(renamed, "scamp5_scan_events") && given.len() > 2 {
-        // C++ counts slots in whole numbers.
-        for (value, ..) in given.iter_mut().skip(2) {
+    address::in_eight_bits(machine, renamed, &mut given);
+    if matches!(renamed, "scamp5_scan_events" | "scamp5_scan_events_rc") {
+        as_many_slots_as_there_are(machine, renamed, &mut given);
+        for (value, ..) in given.iter_mut().skip(3) {
             *value = value.clone().converted(Kind::INT);
         }
     }
@@ -143,44 +132,71 @@ fn in_whole(machine: &mut Machine<'_>, value: &mut Value, at: Place) {
     *value = Value::Whole(real as i64);
 }
 
-/// The first parameter of those that are a `uint8_t`: rows and columns, and their masks.
-fn addresses(name: &str) -> Option<usize> {
-    match name {
-        "scamp5_load_point"
-        | "scamp5_load_rect"
-        | "scamp5_load_pattern"
-        | "scamp5_global_or"
-        | "scamp5_global_sum_sparse"
-        | "scamp5_read_areg" => Some(1),
-        "scamp5_scan_areg" => Some(2),
-        _ if name.starts_with("scamp5_select_") => Some(0),
-        _ => None,
-    }
-}
-
-/// A row or a column as C++ passes it: -1 is 255. Beyond 255 an array may have more of them.
-fn in_eight_bits(machine: &mut Machine<'_>, (value, place, _): &mut Given) {
-    let Some(number) = value.number() else {
+/// Slots as far as the list of the chip's host goes: more of them hold no more events.
+fn as_many_slots_as_there_are(machine: &mut Machine<'_>, name: &str, given: &mut [Given]) {
+    let Some((value, place, _)) = given.get_mut(2) else {
         return;
     };
-    let whole = value.clone().converted(Kind::INT);
-    let passed = if number < 0.0 {
-        whole.converted(Kind::Bits(8, false))
-    } else {
-        whole
+    // C++ counts slots in whole numbers.
+    *value = value.clone().converted(Kind::INT);
+    let forms = machine.device.callables(name);
+    let most = { forms.iter() }
+        .filter_map(|it| it.signature().parameters.get(2))
+        .find_map(|it| match it.operand {
+            Operand::Integer(_, most) => Some(most),
+            _ => None,
+        });
+    let (Some(most), Some(number)) = (most, value.number()) else {
+        return;
     };
-    let made = passed.number().unwrap_or_default();
-    if made != number {
-        machine.fault(
-            Fault::warning(
-                *place,
-                format!("C++ makes {made} of {number}"),
-                "a parameter of 8 bits, without a sign",
-            )
-            .help(format!("write {made}")),
-        );
-        *value = passed;
+    if number <= most {
+        return;
     }
+    *value = Value::Whole(most as i64);
+    let label = "more slots than the chip has";
+    let mut told = machine.faults.iter();
+    if told.any(|it| it.place.start == place.start && it.label == label) {
+        return;
+    }
+    let own = machine.files.own(*place);
+    let written = machine.text.get(own.start..own.end).unwrap_or_default();
+    let named = written.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+        && written
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let way = if named {
+        format!("write {most}, or give `--const {written}={most}`")
+    } else {
+        format!("write {most}")
+    };
+    let message = format!("`{name}` reads {most} events at most, and is asked for {number}");
+    machine.fault(
+        Fault::warning(*place, message, label).help(format!("{most} slots are read here: {way}")),
+    );
+}
+
+/// Whether a call draws a point on the array, where its place is known.
+pub(super) fn draws_point(machine: &Machine<'_>, name: &str, given: &[Given]) -> Option<Value> {
+    if name != "scamp5_draw_point" {
+        return None;
+    }
+    let [row, column] = [0, 1].map(|at| given.get(at)?.0.number());
+    let on = |at: f64, figure| (0.0..machine.device.value(figure)).contains(&at);
+    let inside = on(row?, Figure::Height) && on(column?, Figure::Width);
+    Some(Value::Whole(inside.into()))
+}
+
+/// What to write in the place of a call that the vendor's library has and no document describes.
+fn instead(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "scamp5_global_sum_region" => {
+            "`scamp5_global_sum_sparse(a, row, column, row_ignored, column_ignored)` sums a block whose sides are powers of two: rows and columns 0 to 63 are `(a, 0, 0, 63, 63)`; of any other one `scamp5_scan_areg` reads the samples, for the host to add"
+        }
+        "blur_repeat" => {
+            "`gauss(y, x, n)` spreads x over the network n times, where R1 and R2 are 1; whether `blur_repeat` is the same, the vendor does not say"
+        }
+        _ => return None,
+    })
 }
 
 fn word(name: &str, place: Place) -> Given {

@@ -20,6 +20,7 @@
 //!
 //! Text whose statements end with their lines, as an open simulator takes it, is read as well.
 
+mod address;
 mod algorithm;
 mod ask;
 mod beside;

@@ -238,7 +238,9 @@ impl Machine<'_> {
                 return Value::Whole(0);
             }
         }
-        if let ("scamp5_scan_events", Some((_, at, buffer))) = (&*name, values.get(1)) {
+        if let ("scamp5_scan_events" | "scamp5_scan_events_rc", Some((_, at, buffer))) =
+            (&*name, values.get(1))
+        {
             self.scanned_twice(buffer, *at);
         }
         self.ask(&name, terms, place);
@@ -261,7 +263,7 @@ impl Machine<'_> {
         if let Some(value) = answer.value {
             return Value::Whole(value);
         }
-        Value::Unknown(why)
+        chip::draws_point(self, &name, &values).unwrap_or(Value::Unknown(why))
     }
 
     /// Two buffers of one sign and channel: their events cannot be told apart.

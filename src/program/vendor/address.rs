@@ -1,0 +1,122 @@
+//! Rows and columns of the host's calls, which are a `uint8_t` in the vendor's header.
+
+use std::fmt::Write as _;
+
+use super::{chip::Given, machine::Machine, tree::Kind};
+use crate::{
+    config::{Fault, Place},
+    isa::Figure,
+};
+
+/// Addresses of a `uint8_t`, as far as any array of the vendor goes.
+const SIDE: f64 = 256.0;
+
+const LABEL: &str = "a parameter of 8 bits, without a sign";
+
+/// The first parameter of those that are a `uint8_t`: rows and columns, and their masks.
+fn first(name: &str, narrow: bool) -> Option<usize> {
+    match name {
+        "scamp5_load_point"
+        | "scamp5_load_rect"
+        | "scamp5_load_pattern"
+        | "scamp5_global_or"
+        | "scamp5_global_sum_sparse"
+        | "scamp5_read_areg" => Some(1),
+        "scamp5_scan_areg" => Some(2),
+        // Larger arrays draw where they are told to.
+        "scamp5_draw_pixel" | "scamp5_draw_rect" if narrow => Some(0),
+        _ if name.starts_with("scamp5_select_") => Some(0),
+        _ => None,
+    }
+}
+
+/// Rows and columns as C++ passes them: -1 is 255, 300 is 44. Beyond 255 an array may have more of
+/// them.
+pub(super) fn in_eight_bits(machine: &mut Machine<'_>, name: &str, given: &mut [Given]) {
+    let side = |figure| machine.device.value(figure);
+    let narrow = side(Figure::Height).max(side(Figure::Width)) <= SIDE;
+    let Some(first) = first(name, narrow) else {
+        return;
+    };
+    let given = given.get_mut(first..).unwrap_or_default();
+    let numbers =
+        |given: &[Given]| -> Vec<Option<f64>> { given.iter().map(|it| it.0.number()).collect() };
+    let before = numbers(given);
+    for ((value, ..), number) in given.iter_mut().zip(&before) {
+        let Some(number) = *number else {
+            continue;
+        };
+        let whole = value.clone().converted(Kind::INT);
+        let passed = if narrow || number < 0.0 {
+            whole.converted(Kind::Bits(8, false))
+        } else {
+            whole
+        };
+        if passed.number() != Some(number) {
+            *value = passed;
+        }
+    }
+    let after = numbers(given);
+    let wrapped = before.iter().zip(&after).enumerate();
+    for (index, (number, made)) in wrapped.filter(|(_, (a, b))| a != b) {
+        let (Some(number), Some(made)) = (*number, *made) else {
+            continue;
+        };
+        let turned = if has_corners(name) {
+            turned(index, &before, &after)
+        } else {
+            None
+        };
+        tell(machine, (name, given[index].1), (number, made), turned);
+    }
+}
+
+fn has_corners(name: &str) -> bool {
+    matches!(
+        name,
+        "scamp5_load_rect" | "scamp5_select_rect" | "scamp5_draw_rect" | "scamp5_scan_areg"
+    )
+}
+
+/// The other end of a rectangle along this axis, where the end lies below the start and was written
+/// behind it.
+fn turned(index: usize, before: &[Option<f64>], after: &[Option<f64>]) -> Option<f64> {
+    let (start, end) = match index {
+        0 | 1 => (index, index + 2),
+        2 | 3 => (index - 2, index),
+        _ => return None,
+    };
+    let at = |all: &[Option<f64>], at: usize| all.get(at).copied().flatten();
+    let turns = at(before, start)? <= at(before, end)? && at(after, end)? < at(after, start)?;
+    let other = if index == start { end } else { start };
+    turns.then(|| at(after, other)).flatten()
+}
+
+/// Warns of a number that became another one; in a loop once for all of its numbers.
+fn tell(
+    machine: &mut Machine<'_>,
+    (name, place): (&str, Place),
+    (number, made): (f64, f64),
+    turned: Option<f64>,
+) {
+    let mut told = machine.faults.iter();
+    if told.any(|it| it.place.start == place.start && it.label == LABEL) {
+        return;
+    }
+    let mut message = format!("C++ makes {made} of {number}");
+    let mut help = format!("write {made}");
+    if let Some(other) = turned {
+        let _ = write!(
+            message,
+            ", and the rectangle's end, {}, lies before its start, {}",
+            made.min(other),
+            made.max(other)
+        );
+        help = if name == "scamp5_draw_rect" {
+            "rows and columns go from 0 to 255; what lies between the two is drawn".to_owned()
+        } else {
+            "rows and columns go from 0 to 255; no pixel lies in this rectangle".to_owned()
+        };
+    }
+    machine.fault(Fault::warning(place, message, LABEL).help(help));
+}
