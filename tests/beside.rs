@@ -783,7 +783,10 @@ fn events_are_read_row_by_row_too() {
         .iter()
         .map(|it| it["text"].as_str().unwrap())
         .collect();
-    assert_eq!(posts, ["1 2 1 3 1 4 2 2", "2 2 1 4 0", "2 1 2 2"]);
+    assert_eq!(posts.len(), 6, "two frames");
+    for frame in posts.chunks(3) {
+        assert_eq!(frame, ["1 2 1 3 1 4 2 2", "2 2 1 4 0", "2 1 2 2"]);
+    }
     assert!(!said["warnings"].to_string().contains("row by row"));
 }
 
@@ -819,7 +822,10 @@ fn bits_move_in_place() {
         .iter()
         .map(|it| it["text"].as_str().unwrap())
         .collect();
-    assert_eq!(posts, ["0 0 1 1", "0 4 0 5", "23 1"]);
+    assert_eq!(posts.len(), 6, "two frames");
+    for frame in posts.chunks(3) {
+        assert_eq!(frame, ["0 0 1 1", "0 4 0 5", "23 1"]);
+    }
 }
 
 /// What can be laid out runs alike with its host beside the array, on noisy silicon too.
