@@ -302,10 +302,12 @@ fn compile_and_quantise_say_the_same() {
     assert_eq!(chip["filter_words"], compiled["filter_words"]);
     assert_eq!(chip["prescale_bits"], compiled["prescale_bits"]);
     assert_eq!(chip["time"]["array"]["low"], compiled["array_us"]);
-    near(
-        number(chip, "/time/readout_as_programmed/high"),
-        number(&compiled, "/host_us"),
-    );
+    for (end, at) in [("low", 0), ("high", 1)] {
+        let told = format!("/time/readout_as_programmed/{end}");
+        let compiled = number(&compiled, &format!("/host_us_range/{at}"));
+        near(number(chip, &told), compiled);
+    }
+    assert_eq!(compiled["evidence"]["host_us"], "guess");
     let noise = &compiled["noise_lsb"][0];
     assert_eq!(chip["noise"]["temporal"]["low"], noise["temporal"]);
     assert_eq!(chip["noise"]["fixed"]["low"], noise["fixed"]);
@@ -818,7 +820,7 @@ fn the_least_rate_is_that_of_the_slowest_drawn_chip() {
     let slowest = slowest.fold(f64::INFINITY, f64::min);
     let stated = number(&all, "/fit/on_chip/time/ceiling/low");
     assert!(
-        slowest < 7600.0 && stated > 2.0 * 7600.0,
+        slowest < 7600.0 && stated > 1.7 * 7600.0,
         "{slowest} {stated}"
     );
     assert_eq!(words(&all)["speed"], "in doubt");
