@@ -53,11 +53,13 @@ fn slots_are_taken_for_few_events_and_bits_for_many() {
     let few = asked("100");
     assert_eq!(few["readout"]["chosen"], "busiest_frame");
     assert!(few["text"].as_str().unwrap().contains("const slots = 100;"));
-    // 2 scans of slots of 0.3 to 0.91 us, and 1 us for each value that the host sets.
+    // 2 scans of slots of 0.3 to 0.91 us, and 0 to 13 us for the value that the host sets.
     let [least, most] = ends(&plan(&few, "busiest_frame")["us"]);
-    near(most - least, 2.0 * 100.0 * (0.91 - 0.3));
-    near(few["host_us"].as_f64().unwrap(), most);
-    let rest = most - 182.0;
+    near(least, 2.0 * 100.0 * 0.3);
+    near(most, 2.0 * 100.0 * 0.91 + 13.0);
+    assert_eq!(ends(&few["host_us_range"]), [least, most]);
+    near(few["host_us"].as_f64().unwrap(), 182.0 + 1.0);
+    let rest = 13.0;
     near(
         ends(&plan(&few, "bit_planes")["us"])[1],
         rest + 2.0 * 256.0 * 4.0,
