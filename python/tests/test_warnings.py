@@ -168,7 +168,7 @@ SENSORS = {
     "beyond a format": Case(HEAD + kind(40, "change"), moving(), {"saturation"}, {}, ("q8.8",)),
     "rounded": Case(
         HEAD + kind(4, "change", "[[0.001, 0.001, 0.001], [0.001, 0.4, 0.001], [0, 0, 0.001]]"),
-        moving(),
+        spot(),
         {"rounded"},
         {},
         ("q12.4",),
