@@ -326,6 +326,45 @@ fn a_verdict_names_the_guesses_that_it_rests_on() {
     assert_eq!(told["chips_evidence"], "guess");
 }
 
+/// The time of a call is a number like others: a guess leaves the verdict open, an interval is drawn
+/// from, and both are in the time of every readout.
+#[test]
+fn a_call_of_the_host_is_known_as_well_as_its_data_say() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let call = |name: &str, rest: &str| {
+        let call = format!(
+            "{{ value = 9000, unit = \"us\", source = \"test\", evidence = \"guess\"{rest} }}"
+        );
+        let row = "[[host]]\nname = \"load_in\"\nforms = [\"scamp5_in(v: lsb[-128..127])\"]\nmeaning = \"IN := v\"\n";
+        chip(folder, name, &format!("{row}call = {call}\n"));
+        feasibility(folder, name)
+    };
+    let bare = call("bare", "");
+    assert_eq!(
+        bare["chip"]["guessed_values"],
+        serde_json::json!(["load_in.call"])
+    );
+    let known = call("known", ", low = 20, high = 9000, why = \"test\"");
+    assert_eq!(known["chip"]["guessed_values"], serde_json::json!([]));
+    for plan in known["fit"]["on_chip"]["time"]["plans"].as_array().unwrap() {
+        let [low, high] = ["low", "high"].map(|end| plan["time"][end].as_f64().unwrap());
+        assert!(low >= 20.0 && high >= 9000.0, "{plan}");
+        let inputs = plan["time"]["inputs"].to_string();
+        assert!(inputs.contains("load_in.call"), "{plan}");
+        assert_eq!(plan["time"]["evidence"], "guess", "{plan}");
+    }
+    let drawn = known["drawn"].as_array().unwrap();
+    let calls = drawn.iter().map(|chip| {
+        let values = chip["values"].as_array().unwrap().iter();
+        let mut calls = values.filter(|it| it["figure"] == "load_in.call");
+        calls.next().unwrap()["value"].as_f64().unwrap()
+    });
+    let calls: Vec<f64> = calls.collect();
+    let [least, most] = [f64::min, f64::max].map(|of| calls.iter().copied().reduce(of).unwrap());
+    assert!(20.0 <= least && least < most && most <= 9000.0, "{calls:?}");
+}
+
 /// SCAMP-5 with every number measured, and so without intervals.
 #[test]
 fn what_is_made_of_measurements_is_no_guess() {
