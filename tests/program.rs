@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, fs, path::Path};
 
 use amacrine::{
     config::{Place, Severity},
-    event::Polarity,
+    event::{Polarity, readout::scan::Order},
     isa::{
         Analog, Bit, Device, Digital, Direction, Primitive, Source, Target,
         text::{Argument, Expression, Operator, Statement, Term},
@@ -442,8 +442,7 @@ fn a_buffer_says_polarity_and_channel() {
             polarity: Polarity::Off,
             channel: 2,
             slots: 1000,
-            columns_reversed: false,
-            rows_reversed: false,
+            order: Order::default(),
             by_rows: false,
         }
     );
@@ -453,8 +452,10 @@ fn a_buffer_says_polarity_and_channel() {
             polarity: Polarity::On,
             channel: 0,
             slots: 4000,
-            columns_reversed: false,
-            rows_reversed: true,
+            order: Order {
+                from_left: false,
+                from_bottom: true
+            },
             by_rows: false,
             ..
         }
@@ -464,8 +465,10 @@ fn a_buffer_says_polarity_and_channel() {
         Host::ScanEvents {
             polarity: Polarity::Off,
             slots: 4,
-            columns_reversed: false,
-            rows_reversed: false,
+            order: Order {
+                from_left: false,
+                from_bottom: false
+            },
             by_rows: true,
             ..
         }

@@ -4,7 +4,7 @@
 
 use amacrine::{
     array::{Arithmetic, Array, Ledger, Reading, Schedule, Settings},
-    event::{Event, Packet, Polarity},
+    event::{Event, Packet, Polarity, readout::scan::Order},
     isa::{Analog, Bit, Device, Digital, Direction, Primitive, Source, Target},
     plane::{Plane, Size},
     program::{Action, Area, Code, Host, Pattern, Step, SumOver},
@@ -32,8 +32,7 @@ fn steps(words: usize, all: bool) -> impl Strategy<Value = Vec<Step>> {
             polarity,
             channel: 1,
             slots,
-            columns_reversed: false,
-            rows_reversed: false,
+            order: Order::default(),
             by_rows: false,
         }
     });
@@ -405,8 +404,7 @@ fn small_frames() -> impl Strategy<Value = Vec<Step>> {
             polarity: Polarity::On,
             channel: 1,
             slots,
-            columns_reversed: false,
-            rows_reversed: false,
+            order: Order::default(),
             by_rows: false,
         }),
         (0u8..7).prop_map(|source| Host::ReadAnalog {
@@ -609,8 +607,7 @@ fn a_large_array_agrees_too() {
                 polarity: Polarity::On,
                 channel: 0,
                 slots: 4000,
-                columns_reversed: false,
-                rows_reversed: false,
+                order: Order::default(),
                 by_rows: false,
             }),
             line: 2,

@@ -143,19 +143,24 @@ amacrine.sweep(sys.argv[1], sys.argv[2], jobs=1, set={"threshold": [*range(1, 60
 """
 
 
+def blown(script: str, study: Path, output: Path, kept: Path, blow: signal.Signals) -> str:
+    """What a sweep says that a signal ends once three files are kept."""
+    with subprocess.Popen(
+        [sys.executable, "-c", script, study, output], stderr=subprocess.PIPE, text=True
+    ) as run:
+        until = time.monotonic() + 60
+        while len(list(kept.glob("*.json"))) < 3 and time.monotonic() < until:
+            time.sleep(0.02)
+        os.kill(run.pid, blow)
+        return run.communicate(timeout=60)[1]
+
+
 @pytest.mark.parametrize("blow", [signal.SIGKILL, signal.SIGINT])
 def test_what_is_finished_is_kept(blow: signal.Signals, study: Path, tmp_path: Path) -> None:
     """Killed, or stopped by Ctrl-C, it goes on where it was."""
     output = tmp_path / "out"
-    with subprocess.Popen(
-        [sys.executable, "-c", LONG, study, output], stderr=subprocess.PIPE, text=True
-    ) as run:
-        points = output / "points"
-        until = time.monotonic() + 60
-        while len(list(points.glob("*.json"))) < 3 and time.monotonic() < until:
-            time.sleep(0.02)
-        os.kill(run.pid, blow)
-        said = run.communicate(timeout=60)[1]
+    points = output / "points"
+    said = blown(LONG, study, output, points, blow)
     there = len([p for p in points.iterdir() if len(p.stem) == 32])
     assert 3 <= there < 177, there
     assert ("KeyboardInterrupt" in said) == (blow == signal.SIGINT), said
@@ -186,15 +191,8 @@ amacrine.sweep(sys.argv[1], sys.argv[2], jobs=1)
 def test_ctrl_c_ends_a_search(tmp_path: Path) -> None:
     study, output = tmp_path / "search.toml", tmp_path / "out"
     study.write_text(SEARCH)
-    with subprocess.Popen(
-        [sys.executable, "-c", STOPPED, study, output], stderr=subprocess.PIPE, text=True
-    ) as run:
-        tried = output / "pilots"
-        until = time.monotonic() + 60
-        while len(list(tried.glob("*.json"))) < 3 and time.monotonic() < until:
-            time.sleep(0.02)
-        os.kill(run.pid, signal.SIGINT)
-        said = run.communicate(timeout=60)[1]
+    tried = output / "pilots"
+    said = blown(STOPPED, study, output, tried, signal.SIGINT)
     assert "KeyboardInterrupt" in said, said
     assert 3 <= len(list(tried.glob("*.json"))) < 2000
     assert not list((output / "points").glob("*.json"))

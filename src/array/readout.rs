@@ -31,20 +31,14 @@ impl Scanned {
     /// Reads `bits` out into `slots`, from the chip's origin, or from the far end of the
     /// columns or rows.
     #[must_use]
-    pub fn new(
-        bits: &BitPlane,
-        size: Size,
-        slots: u32,
-        from_left: bool,
-        from_bottom: bool,
-    ) -> Self {
+    pub fn new(bits: &BitPlane, size: Size, slots: u32, order: Order) -> Self {
         let all = bits.count() as usize;
         let some = all.min(slots as usize);
         let mut found = vec![At { y: 0, x: 0 }; some];
-        if from_bottom {
-            find::<true>(bits, size, from_left, &mut found);
+        if order.from_bottom {
+            find::<true>(bits, size, order.from_left, &mut found);
         } else {
-            find::<false>(bits, size, from_left, &mut found);
+            find::<false>(bits, size, order.from_left, &mut found);
         }
         Self::of_slots(bits, size, found)
     }
@@ -251,7 +245,7 @@ mod tests {
                 .filter(|at| bits.get(at.y, at.x))
                 .collect();
             let some = all.len().min(slots as usize);
-            let scan = Scanned::new(&bits, size, slots, from_left, from_bottom);
+            let scan = Scanned::new(&bits, size, slots, order);
             prop_assert_eq!(&scan.found[..], &all[..some]);
             prop_assert_eq!(scan.missed, (all.len() - some) as u64);
             let origin = At { y: 0, x: width - 1 };

@@ -22,7 +22,6 @@ use crate::{
             self, Feasibility, Fit, Question, Several, Snapshot, Stream, chips::OverChips,
             readout::ReadoutOrder,
         },
-        rate::ThresholdFactor,
         report,
     },
     unit::{Micros, frame_rate},
@@ -352,23 +351,18 @@ impl Arguments {
             let each = asked / kinds.kernels.len() as f64;
             let mut thresholds = Vec::new();
             for (name, kernel) in kinds.names.iter().zip(&kinds.kernels) {
-                let found = self.rated(kernel, each, device)?;
-                missed.extend(Warning::rate(name, each, found.rate));
-                let threshold = study::rate::start(kernel) * found.factor;
-                thresholds.push(study::rate::four_digits(threshold));
+                let (threshold, rate) = self.rated(kernel, each, device)?;
+                missed.extend(Warning::rate(name, each, rate));
+                thresholds.push(threshold);
             }
             return Ok(thresholds);
         }
         kinds.thresholds_or_rate("feasibility", &self.threshold)
     }
 
-    /// By what to multiply the first threshold ([`study::rate::start`]) for so many events of the float sensor.
-    fn rated(
-        &self,
-        kernel: &Kernel,
-        asked: f64,
-        device: &Device,
-    ) -> miette::Result<ThresholdFactor> {
+    /// The threshold at which the float sensor of a kernel has so many events per pixel and second, to
+    /// four digits, and how many it has near it.
+    fn rated(&self, kernel: &Kernel, asked: f64, device: &Device) -> miette::Result<(f64, f64)> {
         let design = Design {
             kernel,
             threshold: study::rate::start(kernel),
@@ -379,7 +373,10 @@ impl Arguments {
         let description = design.description(MemoryRule::FilteredSnap)?;
         // What is seen of the scene is noted when the questions are asked.
         let open = || self.clip.open(&Observation::new());
-        study::rate::factor(&description, asked, self.seed, &open).wrap_err("--rate")
+        let found =
+            study::rate::factor(&description, asked, self.seed, &open).wrap_err("--rate")?;
+        let threshold = study::rate::four_digits(design.threshold * found.factor);
+        Ok((threshold, found.rate))
     }
 
     /// The command that gives the same page again, every default written out.

@@ -3,6 +3,7 @@
 
 use std::{fmt::Write as _, path::Path};
 
+use miette::miette;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -220,6 +221,17 @@ pub fn json(observation: &Observation) -> Value {
     json["assumed_fps"] = json!(observation.assumed_fps());
     json["cuts"] = json!(observation.cuts());
     json
+}
+
+/// Refuses a scene of no frame.
+pub fn check_frames(frames: u64) -> miette::Result<()> {
+    if frames > 0 {
+        return Ok(());
+    }
+    Err(miette!(
+        help = "give a scene with at least one frame",
+        "the scene has no frames"
+    ))
 }
 
 /// Says each warning beside the output.

@@ -154,12 +154,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             arguments.scene
         ));
     };
-    if kept.is_empty() {
-        return Err(miette!(
-            help = "give a scene with at least one frame",
-            "the scene has no frames"
-        ));
-    }
+    light::check_frames(kept.len() as u64)?;
     let events = events(arguments, &description, &kept)?;
     let plan = make(&question, Some(&kept))
         .wrap_err_with(|| format!("{} seen by {}", arguments.scene, arguments.sensor.display()))?;

@@ -358,16 +358,6 @@ fn end(scene: &dyn Scene) -> Micros {
     Micros::from_seconds(last as f64 / scene.fps())
 }
 
-fn check_any(frames: u64) -> miette::Result<()> {
-    if frames > 0 {
-        return Ok(());
-    }
-    Err(miette!(
-        help = "give a scene with at least one frame",
-        "the scene has no frames"
-    ))
-}
-
 fn watch(run: Run<'_>) -> miette::Result<Watched> {
     let Run {
         arguments,
@@ -434,7 +424,7 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
         progress.at((frame.seconds * fps).floor() as u64 + 1);
         Ok::<_, miette::Report>(ControlFlow::Continue(()))
     })?;
-    check_any(frames)?;
+    light::check_frames(frames)?;
     if let Some(grid) = &mut grid {
         finish_bin(grid, voxel_stack.as_mut(), &mut paper)?;
     }

@@ -2,7 +2,7 @@
 
 use super::{Area, Host, Pattern, Shape, SumOver, Window};
 use crate::{
-    event::Polarity,
+    event::{Polarity, readout::scan::Order},
     isa::{Analog, Device, Digital, Figure, HostKind, Value, signature::Bound},
 };
 
@@ -124,8 +124,10 @@ fn scan_events(statement: &str, values: &Values<'_>) -> Result<Host, String> {
         polarity,
         channel,
         slots,
-        columns_reversed: number(3)? != 0.0,
-        rows_reversed: number(4)? != 0.0,
+        order: Order {
+            from_left: number(3)? != 0.0,
+            from_bottom: number(4)? != 0.0,
+        },
         by_rows,
     })
 }
@@ -316,16 +318,15 @@ impl Host {
                 polarity,
                 channel,
                 slots,
-                columns_reversed,
-                rows_reversed,
+                order,
                 by_rows,
             } => {
                 let (source, name) = (d(source), buffer_name(*polarity, *channel));
-                let corner = if *columns_reversed || *rows_reversed {
-                    let [columns, rows] = [columns_reversed, rows_reversed].map(|it| u8::from(*it));
-                    format!(", {columns}, {rows}")
-                } else {
+                let corner = if *order == Order::default() {
                     String::new()
+                } else {
+                    let [h, v] = [order.from_left, order.from_bottom].map(u8::from);
+                    format!(", {h}, {v}")
                 };
                 let rows = if *by_rows { "_rc" } else { "" };
                 format!("scamp5_scan_events{rows}({source}, {name}, {slots}{corner})")

@@ -35,23 +35,33 @@ impl HostCalls {
         self.calls * call + self.items * item
     }
 
+    /// The least and the most times of an operation by the chip's data.
+    #[must_use]
+    pub fn times(kind: HostKind, device: &Device) -> [HostTimes; 2] {
+        let row = device.host(kind);
+        let call = row.call.ends();
+        let item = row.item.as_ref().map_or([0.0; 2], Quantity::ends);
+        [0, 1].map(|end| [call[end], item[end]])
+    }
+
     /// The least and the most time that some take by the chip's data, us, and how well that is known.
     #[must_use]
     pub fn between(all: &[Self], device: &Device) -> ([f64; 2], Evidence) {
-        let mut ends = [0.0; 2];
-        let mut evidence = Vec::new();
-        for own in all {
-            let row = device.host(own.kind);
-            let parts = [(own.calls, Some(&row.call)), (own.items, row.item.as_ref())];
-            for (count, quantity) in parts {
-                let Some(quantity) = quantity else { continue };
-                let [least, most] = quantity.ends().map(|us| count * us);
-                ends = [ends[0] + least, ends[1] + most];
-                // What takes no time may be known as badly as it likes.
-                evidence.extend((most > 0.0).then(|| Quantity::interval_evidence(quantity)));
-            }
-        }
-        (ends, Evidence::weakest(evidence))
+        let us = |end: usize| {
+            all.iter()
+                .map(|it| it.us(Self::times(it.kind, device)[end]))
+                .sum()
+        };
+        let parts = all.iter().flat_map(|it| {
+            let row = device.host(it.kind);
+            [(it.calls, Some(&row.call)), (it.items, row.item.as_ref())]
+        });
+        // What takes no time may be known as badly as it likes.
+        let known = parts.filter_map(|(count, quantity)| {
+            let quantity = quantity.filter(|it| count * it.ends()[1] > 0.0)?;
+            Some(quantity.interval_evidence())
+        });
+        ([us(0), us(1)], Evidence::weakest(known))
     }
 }
 

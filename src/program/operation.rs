@@ -1,7 +1,7 @@
 //! What the host can do, and the areas of the array that it can name.
 
 use crate::{
-    event::Polarity,
+    event::{Polarity, readout::scan::Order},
     isa::{Analog, Digital},
 };
 
@@ -25,10 +25,8 @@ pub enum Host {
         channel: u8,
         /// Slots asked; later events are dropped and counted. Cost is proportional to this.
         slots: u32,
-        /// Whether columns are read from the last to the first.
-        columns_reversed: bool,
-        /// Whether rows are read from the last to the first.
-        rows_reversed: bool,
+        /// From which corner.
+        order: Order,
         /// Whether it goes row by row, and not column by column.
         by_rows: bool,
     },

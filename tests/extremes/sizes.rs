@@ -4,7 +4,7 @@
 
 use amacrine::{
     array::Array,
-    event::{Packet, Polarity},
+    event::{Packet, Polarity, readout::scan::Order},
     isa::{Bit, Digital, Direction, Primitive, Source},
     mesh::{Between, Float, Flow, Steady},
     plane::{Plane, Size},
@@ -98,8 +98,7 @@ fn edges(domain: &str, size: Size) -> Box<dyn Array + Send> {
         polarity: Polarity::On,
         channel: 0,
         slots: 4000,
-        columns_reversed: false,
-        rows_reversed: false,
+        order: Order::default(),
         by_rows: false,
     })));
     chip(domain, size, body)

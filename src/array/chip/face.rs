@@ -8,7 +8,7 @@ use super::{
     Array, Body, Chip, RunError, ShapeError,
 };
 use crate::{
-    event::Packet,
+    event::{Packet, readout::scan::Order},
     isa::{Analog, Device, Digital},
     plane::{At, Plane},
     program::Step,
@@ -58,7 +58,7 @@ impl<D: RowOps> Array for Chip<D> {
 
     fn ones(&self, register: Digital) -> Vec<At> {
         let bits = self.state.digital(register);
-        Scanned::new(bits, self.state.layout.size, u32::MAX, false, false).found
+        Scanned::new(bits, self.state.layout.size, u32::MAX, Order::default()).found
     }
 
     fn flag(&self) -> Plane<bool> {

@@ -9,7 +9,7 @@ use super::{
     Chip, RunError,
 };
 use crate::{
-    event::{Event, Packet, Polarity, readout::scan::Order},
+    event::{Event, Packet, Polarity},
     program::Host,
     unit::Micros,
 };
@@ -94,8 +94,7 @@ impl<D: RowOps> Chip<D> {
             polarity,
             channel,
             slots,
-            columns_reversed,
-            rows_reversed,
+            order,
             by_rows,
         } = *operation
         else {
@@ -110,14 +109,10 @@ impl<D: RowOps> Chip<D> {
             return;
         };
         let (bits, size) = (self.state.digital(source), self.state.layout.size);
-        let order = Order {
-            from_left: columns_reversed,
-            from_bottom: rows_reversed,
-        };
         let scan = if by_rows {
             Scanned::by_rows(bits, size, slots, order)
         } else {
-            Scanned::new(bits, size, slots, order.from_left, order.from_bottom)
+            Scanned::new(bits, size, slots, order)
         };
         self.ledger.events += scan.found.len() as u64;
         self.ledger.missed += scan.missed;

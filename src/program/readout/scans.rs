@@ -2,7 +2,7 @@
 
 use super::{Demand, Plan, Way};
 use crate::{
-    isa::{Device, Figure, HostKind, Quantity},
+    isa::{Device, Figure, HostKind},
     program::{Action, Host, HostCalls, HostTimes, Step},
 };
 
@@ -23,13 +23,11 @@ impl Scans {
     /// Of a frame's program; whole bit planes are all rows of the chip, whatever the scene.
     #[must_use]
     pub fn new(frame: &[Step], device: &Device) -> Self {
-        let (mut count, mut slots) = (0, 0);
-        collect(frame, &mut count, &mut slots);
-        let mut rest = HostCalls::of(frame, device);
-        rest.retain(|it| it.kind != HostKind::ScanEvents);
+        let calls = HostCalls::of(frame, device).into_iter();
+        let (scans, rest): (Vec<_>, Vec<_>) = calls.partition(|it| it.kind == HostKind::ScanEvents);
         Self {
-            count,
-            slots,
+            count: scans.iter().map(|it| it.calls as u64).sum(),
+            slots: most_slots(frame),
             rest,
             rows: device.value(Figure::Height) as u64,
         }
@@ -113,14 +111,7 @@ impl Scans {
             us: [0.0; 2],
             lost,
         };
-        let times = |end: usize| {
-            move |kind| {
-                let row = device.host(kind);
-                let item = row.item.as_ref().map_or([0.0; 2], Quantity::ends);
-                [row.call.ends()[end], item[end]]
-            }
-        };
-        plan.us = [self.us(&plan, &times(0)), self.us(&plan, &times(1))];
+        plan.us = [0, 1].map(|end| self.us(&plan, &|kind| HostCalls::times(kind, device)[end]));
         Some(plan)
     }
 
@@ -138,22 +129,14 @@ impl Scans {
     }
 }
 
-/// Scans of events, and the most slots of one.
-fn collect(steps: &[Step], count: &mut u64, most: &mut u64) {
-    for step in steps {
-        match &step.action {
-            Action::Host(Host::ScanEvents { slots, .. }) => {
-                *count += 1;
-                *most = u64::from(*slots).max(*most);
-            }
-            Action::Repeat { body, times } => {
-                for _ in 0..*times {
-                    collect(body, count, most);
-                }
-            }
-            Action::Host(_) | Action::Word(_) => {}
-        }
-    }
+/// The most slots of one scan of events.
+fn most_slots(steps: &[Step]) -> u64 {
+    let slots = steps.iter().map(|step| match &step.action {
+        Action::Host(Host::ScanEvents { slots, .. }) => u64::from(*slots),
+        Action::Repeat { body, times } if *times > 0 => most_slots(body),
+        Action::Repeat { .. } | Action::Host(_) | Action::Word(_) => 0,
+    });
+    slots.max().unwrap_or(0)
 }
 
 #[cfg(test)]
