@@ -41,6 +41,20 @@ fn outer(down: &[f64], across: &[f64], scale: f64) -> Kernel {
     kernel(&down.iter().map(row).collect::<Vec<_>>())
 }
 
+/// As [`compiled`], into these registers; the input is in A.
+fn compiled_into(kernels: &[Kernel], into: &[u8], states: u64) -> usize {
+    let device = Device::scamp5();
+    let mut request = Request::new(kernels, &device).unwrap();
+    request.effort = Effort::states(states);
+    request.objective = Objective::Words;
+    request.into = into.iter().map(|register| Analog(*register)).collect();
+    let filter = request.filter().unwrap();
+    for (kernel, found) in kernels.iter().zip(read_back(&filter, &request)) {
+        assert_eq!(kernel.weights(), found, "{into:?}");
+    }
+    filter.words.len()
+}
+
 /// The kernels that the text of a filter computes from A, framed as the asked-for ones.
 fn read_back(filter: &Filter, request: &Request<'_>) -> Vec<Plane<f64>> {
     let device = request.device;
@@ -131,6 +145,31 @@ fn words_do_not_grow() {
 }
 
 /// The worst that a kernel can be: all weights different, five bits each.
+/// Where the first result replaces the input, which is also a result, or is found last.
+#[test]
+fn an_order_of_results_costs_no_more_than_moves() {
+    let binomial = [1.0, 2.0, 1.0];
+    let five = [1.0, 4.0, 6.0, 4.0, 1.0];
+    let kernels = [
+        outer(&five, &five, 1.0 / 256.0),
+        outer(&binomial, &binomial, 1.0 / 16.0),
+        outer(&[1.0], &[1.0], 1.0),
+    ];
+    let orders = [
+        [2, 1, 0],
+        [2, 0, 1],
+        [1, 2, 0],
+        [1, 0, 2],
+        [0, 1, 2],
+        [0, 2, 1],
+    ];
+    let words = orders.map(|into| compiled_into(&kernels, &into, 400_000));
+    let least = words.iter().min().unwrap();
+    println!("{words:?}");
+    // Two of three results that lie elsewhere, two words each.
+    assert!(words.iter().all(|it| *it <= least + 4), "{words:?}");
+}
+
 #[test]
 fn dense_kernels_cost_two_words_a_place() {
     let weight = |y: i32, x: i32| f64::from((7 * y * y + 11 * x + 3 * x * y) % 31 - 15) / 16.0;
@@ -452,6 +491,20 @@ proptest! {
     #[test]
     fn several_kernels_compile(list in proptest::collection::vec(weights(3, 1, 3), 2..5), states in 0u64..3000) {
         compiled(&list, states);
+    }
+
+    #[test]
+    fn several_kernels_compile_into_any_registers(
+        list in proptest::collection::vec(weights(3, 1, 1), 2..4),
+        has_input: bool,
+        into in Just(vec![0u8, 1, 2, 3]).prop_shuffle(),
+        states in 0u64..3000,
+    ) {
+        let mut list = list;
+        if has_input {
+            list.push(outer(&[1.0], &[1.0], 1.0));
+        }
+        compiled_into(&list, &into[..list.len()], states);
     }
 
     #[test]

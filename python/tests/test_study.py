@@ -101,7 +101,7 @@ def test_feasibility(program: Callable[..., str], tmp_path: Path) -> None:
     of = answer.to_dict()
     assert len(stated) > 15
     said = amacrine.Answer.parse(json.dumps(stated)).to_dict()
-    for name in set(stated) - {"command", "light", "warnings"}:
+    for name in set(stated) - {"command", "light"}:
         assert of[name] == said[name], name
     # What it says is said in arguments.
     assert "(--readout overlapped)" in json.dumps(stated)
@@ -124,6 +124,26 @@ def test_feasibility_at_a_rate(program: Callable[..., str]) -> None:
     theirs = json.loads(stated)["kernels"]
     for own, kernel in zip(answer.to_dict()["kernels"], theirs, strict=True):
         assert own["kernel"] == kernel["kernel"] and own["streams"] == kernel["streams"]
+
+
+def test_a_rate_that_no_threshold_gives_is_told_of(
+    program: Callable[..., str], tmp_path: Path
+) -> None:
+    """In the words of the command line, by the function and in what it returns."""
+    frames = np.zeros((8, 24, 32), np.uint8)
+    frames[1::2, :, :16] = 200
+    np.save(tmp_path / "halves.npy", frames)
+    scene: Any = {"scene": tmp_path / "halves.npy", "fps": 100}
+    words = ("--rate", 20, "--scene", scene["scene"], "--fps", 100, "--effort", 0.05)
+    to = ("--chips", 1, "--to", "ternary", "--candidates", "ternary")
+    stated = json.loads(program("feasibility", "dvs", *words, *to, "--json"))
+    how: Any = {"to": "ternary", "candidates": ["ternary"], "effort": 0.05, "chips": 1}
+    with pytest.warns(amacrine.Caution, match="no threshold gives 20 events"):
+        answer = amacrine.feasibility("dvs", rate=20, **how, **scene)
+    own = answer.to_dict()["warnings"]
+    assert "rate" in {one["about"] for one in own}
+    assert own == amacrine.Answer.parse(json.dumps(stated)).to_dict()["warnings"]
+    assert "no threshold gives 20 events" in answer.page
 
 
 def test_light_of_another_scale_is_told_of() -> None:

@@ -2,24 +2,21 @@
 
 use std::fmt::Write as _;
 
-use miette::{IntoDiagnostic, WrapErr, miette};
+use miette::{IntoDiagnostic, WrapErr};
 
 use crate::{
     compare::metric::Short,
     compile::{DriveMemory, Effort},
     isa::Device,
-    kernel::{Kernel, quantise::Quantiser},
+    kernel::quantise::Quantiser,
     photoreceptor::Response,
-    reference::MemoryRule,
     rig::guard::Warning,
     save::save,
-    scene::{Observation, Scene, SceneError},
+    scene::Observation,
     study::{
-        self,
-        design::Design,
         equivalent::{self, Likeness, RUNGS},
         feasibility::{
-            self, Feasibility, Fit, Question, Several, Snapshot, Stream, chips::OverChips,
+            self, AtRate, Feasibility, Fit, Question, Reply, Several, Stream, chips::OverChips,
             readout::ReadoutOrder,
         },
         report,
@@ -183,8 +180,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let command = arguments.command();
     let Energy(least, most) = arguments.link_energy;
     let mut questions = Vec::new();
-    let mut missed = Vec::new();
-    let thresholds = arguments.thresholds(&kinds, &device, &mut missed)?;
+    let AtRate { thresholds, missed } = arguments.thresholds(&kinds, &device)?;
     if arguments.rate.is_some() && !arguments.json {
         super::say(&format!("threshold {}\n\n", list(&thresholds)));
     }
@@ -219,16 +215,17 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         n => each * n as u64 + 1,
     };
     let progress = Progress::new("watching", frames.map(|frames| shows * frames));
-    let answer = ask(&questions, &open, &progress);
+    let reply = feasibility::ask(&questions, &open, |_| progress.tick());
     progress.finish();
     let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
     warnings.extend(missed);
     light::warn(&warnings);
-    let answer = answer?.with(&warnings, light::words(&observation).as_deref());
-    let explain = |what: &String| answer.explain(what, arguments.json);
+    let mut reply = reply?;
+    warn_and_complete(&mut reply, &warnings, &observation);
+    let explain = |what: &String| explanation(&reply, what, arguments.json);
     let explained = arguments.explain.as_ref().map(explain).transpose()?;
     if let Some(path) = &arguments.output {
-        let page = answer.page();
+        let page = report::page(&reply);
         save(path, |out| out.write_all(page.as_bytes()))?;
     }
     if let Some(chain) = explained {
@@ -236,11 +233,15 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         return Ok(());
     }
     if arguments.json {
-        let json = answer.json(&observation).into_diagnostic()?;
+        let json = serde_json::to_string(&Shown::new(&reply, &observation)).into_diagnostic()?;
         super::say(&format!("{json}\n"));
         return Ok(());
     }
-    let mut text = answer.summary() + &light::line(&observation);
+    let mut text = match &reply {
+        Reply::One(one, _) => summary(one),
+        Reply::Several(several, _) => summary_of_several(several),
+    };
+    text += &light::line(&observation);
     if let Some(path) = &arguments.output {
         let _ = writeln!(text, "\nwrote {}", path.display());
     }
@@ -248,135 +249,52 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
-/// What was answered: of one kernel, or of several together.
-enum Answer {
-    One(Box<(Feasibility, Snapshot)>),
-    Several(Several, Vec<Snapshot>),
+/// Says the warnings of each kernel beside the output, then puts those of the scene before them,
+/// and says of the light what was seen.
+fn warn_and_complete(reply: &mut Reply, of_scene: &[Warning], observation: &Observation) {
+    let is_several = reply.kernels().len() > 1;
+    for all in reply.kernels() {
+        light::warn_of(is_several.then_some(&all.kernel.name), &all.warnings);
+    }
+    reply.saw(of_scene, observation.words().as_deref());
 }
 
-fn ask(
-    questions: &[Question<'_>],
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-    progress: &Progress,
-) -> miette::Result<Answer> {
-    if let Some(question) = feasibility::alone(questions) {
-        let answer = feasibility::ask(question, open, |_| progress.tick())?;
-        return Ok(Answer::One(Box::new(answer)));
+/// From a number of each kernel to its sources, in words or in JSON.
+fn explanation(reply: &Reply, what: &str, in_json: bool) -> miette::Result<String> {
+    let mut chains = Vec::new();
+    for all in reply.kernels() {
+        chains.push((&all.kernel.name, feasibility::explain(all, what)?));
     }
-    let answer = feasibility::ask_several(questions, open, |_| progress.tick())?;
-    match answer {
-        Some((several, snapshots)) => Ok(Answer::Several(several, snapshots)),
-        None => Err(miette!("there is no kernel to ask about")),
+    if let [(_, chain)] = &chains[..] {
+        return Ok(if in_json {
+            serde_json::to_string(chain).into_diagnostic()? + "\n"
+        } else {
+            chain.to_string()
+        });
     }
-}
-
-impl Answer {
-    /// Says the warnings of each kernel beside the output, puts those of the scene before them, and
-    /// says of the light what was seen.
-    fn with(mut self, of_scene: &[Warning], light: Option<&str>) -> Self {
-        let kernels = match &mut self {
-            Self::One(answer) => std::slice::from_mut(&mut answer.0),
-            Self::Several(several, _) => &mut several.kernels,
-        };
-        let is_several = kernels.len() > 1;
-        for all in kernels {
-            light::warn_of(is_several.then_some(&all.kernel.name), &all.warnings);
-            all.saw(of_scene, light);
-        }
-        self
+    if in_json {
+        let chains: Vec<_> = chains.iter().map(|(_, chain)| chain).collect();
+        return Ok(serde_json::to_string(&chains).into_diagnostic()? + "\n");
     }
-
-    fn kernels(&self) -> &[Feasibility] {
-        match self {
-            Self::One(answer) => std::slice::from_ref(&answer.0),
-            Self::Several(several, _) => &several.kernels,
-        }
-    }
-
-    /// From a number of each kernel to its sources, in words or in JSON.
-    fn explain(&self, what: &str, in_json: bool) -> miette::Result<String> {
-        let mut chains = Vec::new();
-        for all in self.kernels() {
-            chains.push((&all.kernel.name, feasibility::explain(all, what)?));
-        }
-        if let [(_, chain)] = &chains[..] {
-            return Ok(if in_json {
-                serde_json::to_string(chain).into_diagnostic()? + "\n"
-            } else {
-                chain.to_string()
-            });
-        }
-        if in_json {
-            let chains: Vec<_> = chains.iter().map(|(_, chain)| chain).collect();
-            return Ok(serde_json::to_string(&chains).into_diagnostic()? + "\n");
-        }
-        let chains: Vec<String> = { chains.iter() }
-            .map(|(name, chain)| format!("{name}:\n{chain}"))
-            .collect();
-        Ok(chains.join("\n"))
-    }
-
-    fn page(&self) -> String {
-        match self {
-            Self::One(answer) => report::page(&answer.0, &answer.1),
-            Self::Several(several, snapshots) => report::page_of_several(several, snapshots),
-        }
-    }
-
-    fn json(&self, observation: &Observation) -> serde_json::Result<String> {
-        match self {
-            Self::One(answer) => serde_json::to_string(&Shown::new(&answer.0, observation)),
-            Self::Several(several, _) => serde_json::to_string(&Shown::new(several, observation)),
-        }
-    }
-
-    fn summary(&self) -> String {
-        match self {
-            Self::One(answer) => summary(&answer.0),
-            Self::Several(several, _) => summary_of_several(several),
-        }
-    }
+    let chains: Vec<String> = { chains.iter() }
+        .map(|(name, chain)| format!("{name}:\n{chain}"))
+        .collect();
+    Ok(chains.join("\n"))
 }
 
 impl Arguments {
-    /// A threshold for each kernel; `missed` gets the kernels whose events no threshold brings to the
-    /// rate.
-    fn thresholds(
-        &self,
-        kinds: &Kinds,
-        device: &Device,
-        missed: &mut Vec<Warning>,
-    ) -> miette::Result<Vec<f64>> {
-        if let Some(asked) = self.rate {
-            let each = asked / kinds.kernels.len() as f64;
-            let mut thresholds = Vec::new();
-            for (name, kernel) in kinds.names.iter().zip(&kinds.kernels) {
-                let (threshold, rate) = self.rated(kernel, each, device)?;
-                missed.extend(Warning::rate(name, each, rate));
-                thresholds.push(threshold);
-            }
-            return Ok(thresholds);
-        }
-        kinds.thresholds_or_rate("feasibility", &self.threshold)
-    }
-
-    /// The threshold at which the float sensor of a kernel has so many events per pixel and second, to
-    /// four digits, and how many it has near it.
-    fn rated(&self, kernel: &Kernel, asked: f64, device: &Device) -> miette::Result<(f64, f64)> {
-        let design = Design {
-            kernel,
-            threshold: study::rate::start(kernel),
-            device,
-            effort: Effort::seconds(self.effort),
-            seed: self.seed,
+    /// A threshold for each kernel, and the kernels whose events no threshold brings to the rate.
+    fn thresholds(&self, kinds: &Kinds, device: &Device) -> miette::Result<AtRate> {
+        let Some(asked) = self.rate else {
+            return Ok(AtRate {
+                thresholds: kinds.thresholds_or_rate("feasibility", &self.threshold)?,
+                missed: Vec::new(),
+            });
         };
-        let description = design.description(MemoryRule::FilteredSnap)?;
+        let kernels = kinds.names.iter().map(String::as_str).zip(&kinds.kernels);
         // What is seen of the scene is noted when the questions are asked.
         let open = || self.clip.open(&Observation::new());
-        let found =
-            study::rate::factor(&description, asked, self.seed, &open).wrap_err("--rate")?;
-        let threshold = study::rate::four_digits(design.threshold * found.factor);
-        Ok((threshold, found.rate))
+        feasibility::at_rate(kernels, (asked, self.seed), device, &open).wrap_err("--rate")
     }
 
     /// The command that gives the same page again, every default written out.

@@ -9,14 +9,12 @@ use serde_json::{Value, json};
 
 use super::{budget, complain, recording};
 use crate::{
-    elementary,
     plane::Size,
     rig::guard::Warning,
     scene::{
         Coding, Crop, Observation, Observed, OpenOptions, Range, Scene, SceneError, Slice,
         Transfer, View, bundled_with, open,
     },
-    unit::counted,
 };
 
 /// The name of the bundled clip.
@@ -151,29 +149,10 @@ pub fn contrast(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "give a number above 0, such as 0.1, which suits 8-bit video".to_owned())
 }
 
-/// How samples became light, and what there was of numbers without a scale of their own; none
-/// where there is no scene.
-pub fn words(observation: &Observation) -> Option<String> {
-    let light = observation.light()?;
-    let mut words = light.to_string();
-    if light.has_free_scale()
-        && let Some((least, most)) = observation.extent()
-    {
-        let _ = write!(
-            words,
-            "; from {} to {} in the {} shown",
-            brief(least),
-            brief(most),
-            counted(observation.frames(), "frame")
-        );
-    }
-    Some(words)
-}
-
 /// What is said of the light in a line, and in another of a frame rate that nobody said; nothing
 /// where there is no scene.
 pub fn line(observation: &Observation) -> String {
-    let Some(words) = words(observation) else {
+    let Some(words) = observation.words() else {
         return String::new();
     };
     let mut line = format!("light    {words}\n");
@@ -184,29 +163,6 @@ pub fn line(observation: &Observation) -> String {
         );
     }
     line
-}
-
-/// A number in four digits, or in all of a whole one.
-fn brief(number: f64) -> String {
-    // -0 is 0.
-    let number = number + 0.0;
-    let size = number.abs();
-    if size != 0.0 && !(1e-6..1e12).contains(&size) && number.is_finite() {
-        let text = format!("{number:.3e}");
-        let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
-        let digits = digits.trim_end_matches('0').trim_end_matches('.');
-        return format!("{digits}e{power}");
-    }
-    if number.fract() == 0.0 || !number.is_finite() {
-        return number.to_string();
-    }
-    let before = elementary::log10(number.abs()).floor().max(-300.0) as i32;
-    let after = usize::try_from(3 - before).unwrap_or(0);
-    let text = format!("{number:.after$}");
-    if !text.contains('.') {
-        return text;
-    }
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// The same for machines.
@@ -261,30 +217,6 @@ impl<'a, T: Serialize> Shown<'a, T> {
         Self {
             answer,
             light: json(observation),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::brief;
-
-    #[test]
-    fn a_number_is_four_digits_or_whole() {
-        for (number, text) in [
-            (0.0, "0"),
-            (-0.0, "0"),
-            (255.0, "255"),
-            (65_535.0, "65535"),
-            (0.123_456, "0.1235"),
-            (-12.5, "-12.5"),
-            (1e-5, "0.00001"),
-            (1e300, "1e300"),
-            (-1.2344e300, "-1.234e300"),
-            (1e-300, "1e-300"),
-            (f64::INFINITY, "inf"),
-        ] {
-            assert_eq!(brief(number), text);
         }
     }
 }

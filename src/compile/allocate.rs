@@ -116,7 +116,29 @@ fn assign_all(plan: &Plan, file: &RegisterFile, pinned: &[Option<Analog>]) -> Op
     assign(&live.ranges, &mut registers, 0, file, &mut tries)?.then_some(())?;
     let registers: Vec<Analog> = registers.into_iter().collect::<Option<_>>()?;
     let mut out = live.words(plan, file, &registers)?;
-    live.copy_goals(&copies, file, &registers, &mut out)?;
+    let goals = plan
+        .goals
+        .iter()
+        .map(|goal| registers[live.of_value[*goal]]);
+    let goals: Vec<_> = goals.collect();
+    let moved = copies.iter().map(|(range, to)| (registers[*range], *to));
+    let hops = moves(
+        moved.filter(|(from, to)| from != to).collect(),
+        file,
+        &goals,
+    )?;
+    let before = live.held(&registers, plan.words.len() as isize);
+    let mut held = before.clone();
+    for hop in hops {
+        out.words.push(hop.word);
+        out.live.push(held.clone());
+        if let Some((from, to)) = hop.moved {
+            held.retain(|(register, _)| *register != to);
+            let value = before.iter().find(|(register, _)| *register == from);
+            held.extend(value.map(|(_, value)| (to, *value)));
+            held.sort_unstable();
+        }
+    }
     Some(out)
 }
 
@@ -177,43 +199,68 @@ impl LiveRanges {
                 sources: views.chain(values).collect(),
             });
             let now = i as isize;
-            out.live
-                .push(live(&self.ranges, registers, &self.of_value, now));
+            out.live.push(self.held(registers, now));
         }
         Some(out)
     }
 
-    /// Adds the words that copy goals to their registers, by way of NEWS, which keeps their sign.
-    /// `None` where a copy would overwrite the source of another.
-    fn copy_goals(
-        &self,
-        copies: &[(usize, Analog)],
-        file: &RegisterFile,
-        registers: &[Analog],
-        out: &mut Allocated,
-    ) -> Option<()> {
-        let end = out.words.len() as isize;
-        for (range, to) in copies {
-            if registers[*range] == *to {
-                continue;
-            }
-            let conflict = copies
-                .iter()
-                .any(|(other, _)| registers[*other] == *to && other != range);
-            if conflict {
-                return None;
-            }
-            let bus = |target, source| Primitive::Bus {
-                targets: vec![Target::Register(target)],
-                sources: vec![Source::Register(source)],
-            };
-            out.words.push(bus(file.news, registers[*range]));
-            out.words.push(bus(*to, file.news));
-            let held = live(&self.ranges, registers, &self.of_value, end);
-            out.live.extend([held.clone(), held]);
-        }
-        Some(())
+    /// The registers that are live while word `now` runs, and the value in each.
+    fn held(&self, registers: &[Analog], now: isize) -> Vec<(Analog, Value)> {
+        let held = self.of_value.iter().enumerate().filter(|(_, range)| {
+            let range = self.ranges[**range];
+            range.born <= now && (now < range.read || range.born == now)
+        });
+        let mut held: Vec<_> = held
+            .map(|(value, range)| (registers[*range], value))
+            .collect();
+        held.sort_unstable();
+        held
     }
+}
+
+/// A word of a move, which takes two, since a store negates.
+struct Hop {
+    word: Primitive,
+    /// What moved from where to where, once it is there.
+    moved: Option<(Analog, Analog)>,
+}
+
+impl Hop {
+    fn new(target: Analog, source: Analog, moved: Option<(Analog, Analog)>) -> Self {
+        let word = Primitive::Bus {
+            targets: vec![Target::Register(target)],
+            sources: vec![Source::Register(source)],
+        };
+        Self { word, moved }
+    }
+}
+
+/// Brings goals to their registers by way of NEWS: those first whose destination no other one still
+/// has to leave. Where they stand in a ring, one of them waits in a free register; `None` where
+/// there is none.
+fn moves(
+    mut left: Vec<(Analog, Analog)>,
+    file: &RegisterFile,
+    goals: &[Analog],
+) -> Option<Vec<Hop>> {
+    let (mut hops, mut waiting) = (Vec::new(), Vec::new());
+    while !left.is_empty() {
+        let leaves = |to: &Analog| left.iter().any(|(from, _)| from == to);
+        if let Some(next) = left.iter().position(|(_, to)| !leaves(to)) {
+            let (from, to) = left.remove(next);
+            hops.push(Hop::new(file.news, from, None));
+            hops.push(Hop::new(to, file.news, Some((from, to))));
+            continue;
+        }
+        let (from, to) = left.remove(0);
+        let is_free =
+            |register: &&Analog| !goals.contains(register) && !file.into.contains(register);
+        let spare = *file.all.iter().find(is_free)?;
+        hops.push(Hop::new(spare, from, None));
+        waiting.push(Hop::new(to, spare, Some((from, to))));
+    }
+    hops.extend(waiting);
+    Some(hops)
 }
 
 /// Whether NEWS is dead at word `at`, so that it can take the unread half of a halving store.
@@ -232,24 +279,6 @@ fn takes_half(plan: &Plan, at: usize) -> bool {
         }
     }
     true
-}
-
-/// The registers that are live while word `now` runs, and the value in each.
-fn live(
-    ranges: &[LiveRange],
-    registers: &[Analog],
-    of_value: &[usize],
-    now: isize,
-) -> Vec<(Analog, Value)> {
-    let held = of_value.iter().enumerate().filter(|(_, range)| {
-        let range = ranges[**range];
-        range.born <= now && (now < range.read || range.born == now)
-    });
-    let mut held: Vec<_> = held
-        .map(|(value, range)| (registers[*range], value))
-        .collect();
-    held.sort_unstable();
-    held
 }
 
 /// Whether two live ranges interfere, so that their values cannot share a register: a word must not

@@ -254,11 +254,20 @@ impl Problem {
             border: self.border,
             stop: self.stop,
         };
+        let mut tries: Vec<_> = heuristics.iter().map(|tried| (&task, *tried)).collect();
+        // All elsewhere, and the goal over the input brought there last.
+        let elsewhere = Task {
+            over_input: None,
+            ..task.clone()
+        };
+        if task.over_input.is_some() && self.goals.len() > 1 {
+            tries.extend(heuristics.iter().map(|tried| (&elsewhere, *tried)));
+        }
         let share = left / 2 + 1;
-        let found: Vec<_> = heuristics
+        let found: Vec<_> = tries
             .par_iter()
-            .map(|heuristic| {
-                let found = search(&task, *heuristic, below, share);
+            .map(|(task, heuristic)| {
+                let found = search(task, *heuristic, below, share);
                 (found.seen, found.plan.and_then(|plan| self.finish(plan)))
             })
             .collect();

@@ -1,13 +1,17 @@
 //! What was seen of a scene while it was watched: the extent of its light, its cuts, and frames
 //! that repeat.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::{
+    fmt::Write as _,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
 
 use super::{
     Alias, Frame, Gap, Light, Outline, Scene, SceneError, Slice, Unlike,
     cut::{Cut, Cuts},
     repeats::{Repeated, Repeats},
 };
+use crate::{elementary, unit::counted};
 
 /// What was seen of a scene. Clones share it, so that it can be asked while somebody else has
 /// the scene, and filled by several passes: a frame counts once.
@@ -60,6 +64,24 @@ impl Observation {
     #[must_use]
     pub fn light(&self) -> Option<Light> {
         self.seen().light
+    }
+
+    /// How samples became light, and what there was of numbers without a scale of their own; none
+    /// before a scene is watched.
+    #[must_use]
+    pub fn words(&self) -> Option<String> {
+        let seen = self.seen();
+        let light = seen.light?;
+        let mut words = light.to_string();
+        if light.has_free_scale()
+            && let Some((least, most)) = seen.extent
+        {
+            let (least, most) = (brief(least), brief(most));
+            let frames = counted(seen.frames, "frame");
+            // Writing to a string cannot fail.
+            let _ = write!(words, "; from {least} to {most} in the {frames} shown");
+        }
+        Some(words)
     }
 
     /// The frame rate, where it is assumed and matters: neither the scene nor the caller said one,
@@ -164,5 +186,51 @@ impl<S: Scene> Scene for Observed<S> {
             self.observation.see(frame);
         }
         Ok(next)
+    }
+}
+/// A number in four digits, or in all of a whole one.
+fn brief(number: f64) -> String {
+    // -0 is 0.
+    let number = number + 0.0;
+    let size = number.abs();
+    if size != 0.0 && !(1e-6..1e12).contains(&size) && number.is_finite() {
+        let text = format!("{number:.3e}");
+        let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
+        let digits = digits.trim_end_matches('0').trim_end_matches('.');
+        return format!("{digits}e{power}");
+    }
+    if number.fract() == 0.0 || !number.is_finite() {
+        return number.to_string();
+    }
+    let before = elementary::log10(number.abs()).floor().max(-300.0) as i32;
+    let after = usize::try_from(3 - before).unwrap_or(0);
+    let text = format!("{number:.after$}");
+    if !text.contains('.') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::brief;
+
+    #[test]
+    fn a_number_is_four_digits_or_whole() {
+        for (number, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (255.0, "255"),
+            (65_535.0, "65535"),
+            (0.123_456, "0.1235"),
+            (-12.5, "-12.5"),
+            (1e-5, "0.00001"),
+            (1e300, "1e300"),
+            (-1.2344e300, "-1.234e300"),
+            (1e-300, "1e-300"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(brief(number), text);
+        }
     }
 }

@@ -1,19 +1,15 @@
 //! Whether kernels can run on a chip.
 
 use amacrine::{
-    compile::Effort,
-    isa::Device,
-    kernel::Kernel,
     photoreceptor::Response,
-    reference::MemoryRule,
+    rig::guard::Warning,
     study::{
-        design::Design,
-        feasibility::{self as feasible, readout::ReadoutOrder},
-        rate, report,
+        feasibility::{self as feasible, AtRate, readout::ReadoutOrder},
+        report,
     },
     unit::Micros,
 };
-use miette::{Report, miette};
+use miette::Report;
 use pyo3::prelude::*;
 
 use super::{Named, Search, Shown, device, kernel, quantisers, scan, within};
@@ -22,26 +18,6 @@ use crate::{
     error::{raised, refused},
     source::Source,
 };
-
-/// The threshold at which the float sensor of a kernel has so many events per pixel and second, to
-/// four digits.
-fn rated(
-    kernel: &Kernel,
-    asked: f64,
-    (device, effort, seed): (&Device, Effort, u64),
-    source: &Source,
-) -> Result<f64, Report> {
-    let design = Design {
-        kernel,
-        threshold: rate::start(kernel),
-        device,
-        effort,
-        seed,
-    };
-    let description = design.description(MemoryRule::FilteredSnap)?;
-    let found = rate::factor(&description, asked, seed, &|| source.open())?;
-    Ok(rate::four_digits(design.threshold * found.factor))
-}
 
 /// Whether kernels can run on a chip: the answer as JSON, and as a page.
 #[pyfunction]
@@ -74,15 +50,19 @@ pub fn feasibility(
     }
     let source = scene.source()?;
     let effort = effort(seconds, source.stop())?;
-    let answer = source.study(py, Response::IDENTITY, || {
+    let answer = source.work(py, || {
         let fps = source.open()?.fps();
-        let (rate, mut thresholds) = aim;
-        if let Some(rate) = rate {
-            let share = rate / kernels.len().max(1) as f64;
-            let rated = |kernel| rated(kernel, share, (&device, effort, seed), &source);
-            thresholds = kernels.iter().map(rated).collect::<Result<_, _>>()?;
-        }
-        let questions: Vec<_> = { of.iter().zip(&kernels).zip(&thresholds) }
+        let (rate, thresholds) = aim;
+        let found = if let Some(rate) = rate {
+            let kernels = { of.iter() }.map(|named| named.0.as_str()).zip(&kernels);
+            feasible::at_rate(kernels, (rate, seed), &device, &|| source.open())?
+        } else {
+            AtRate {
+                thresholds,
+                missed: Vec::new(),
+            }
+        };
+        let questions: Vec<_> = { of.iter().zip(&kernels).zip(&found.thresholds) }
             .map(|((named, kernel), threshold)| {
                 Ok(feasible::Question {
                     name: &named.0,
@@ -110,21 +90,12 @@ pub fn feasibility(
                 })
             })
             .collect::<Result<_, Report>>()?;
-        let open = || source.open();
-        if let Some(question) = feasible::alone(&questions) {
-            let (answer, snapshot) = feasible::ask(question, &open, |_| ())?;
-            return Ok((
-                serde_json::to_string(&answer),
-                report::page(&answer, &snapshot),
-            ));
-        }
-        let several = feasible::ask_several(&questions, &open, |_| ())?;
-        let (several, snapshots) =
-            several.ok_or_else(|| miette!("there is no kernel to ask about"))?;
-        Ok((
-            serde_json::to_string(&several),
-            report::page_of_several(&several, &snapshots),
-        ))
+        let mut reply = feasible::ask(&questions, &|| source.open(), |_| ())?;
+        let observation = source.observation();
+        let mut warnings = Warning::of_scene(observation, Response::IDENTITY);
+        warnings.extend(found.missed);
+        reply.saw(&warnings, observation.words().as_deref());
+        Ok((serde_json::to_string(&reply), report::page(&reply)))
     })?;
     let (answer, page) = answer.map_err(|report: Report| raised(report))?;
     let answer = answer.map_err(|cause| refused(cause, "report this"))?;

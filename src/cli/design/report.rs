@@ -3,7 +3,7 @@
 use std::{fmt::Write as _, path::Path};
 
 use super::{
-    super::{light, quoted::quoted, readout::Choice},
+    super::{quoted::quoted, readout::Choice},
     Arguments, Candidate, Question,
 };
 use crate::{
@@ -56,20 +56,10 @@ pub(super) fn page(
         .collect();
     let observation = Observation::new();
     let open = || arguments.clip.open(&observation);
-    let saw = |answer: &mut feasibility::Feasibility| {
-        let warnings = Warning::of_scene(&observation, Response::IDENTITY);
-        answer.saw(&warnings, light::words(&observation).as_deref());
-    };
-    if let Some(question) = feasibility::alone(&questions) {
-        let (mut answer, snapshot) = feasibility::ask(question, &open, |_| ())?;
-        saw(&mut answer);
-        return Ok(report::page(&answer, &snapshot));
-    }
-    let answer = feasibility::ask_several(&questions, &open, |_| ())?;
-    Ok(answer.map_or_else(String::new, |(mut several, snapshots)| {
-        several.kernels.iter_mut().for_each(saw);
-        report::page_of_several(&several, &snapshots)
-    }))
+    let mut reply = feasibility::ask(&questions, &open, |_| ())?;
+    let warnings = Warning::of_scene(&observation, Response::IDENTITY);
+    reply.saw(&warnings, observation.words().as_deref());
+    Ok(report::page(&reply))
 }
 
 /// The command that gives the same page again.

@@ -41,11 +41,7 @@ const RIDGE: f64 = 1e-4;
 /// crossings, twice for the table and twice for the sensors, for the waterfall, by the drawn chips
 /// some at a time, and up to the moment of the pictures. `seen` is called after each frame of all
 /// but the last.
-///
-/// # Errors
-/// When the threshold is not positive, the kernel is all 0 or not to be had in the values that
-/// were asked for, or the scene cannot be read.
-pub fn ask(
+pub(super) fn ask_one(
     question: &Question<'_>,
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
     seen: impl FnMut(&Frame),

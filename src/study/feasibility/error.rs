@@ -7,13 +7,21 @@ use crate::{
     scene::SceneError,
     study::{
         design::DesignError, equivalent::EquivalentError, quantisation::QuantisationError,
-        waterfall::WaterfallError,
+        rate::RateError, waterfall::WaterfallError,
     },
 };
 
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum FeasibilityError {
+    /// Nothing is asked about.
+    #[error("there is no kernel to ask about")]
+    #[diagnostic(help("give one kernel at least"))]
+    NoKernel,
+    /// There is no threshold for a rate.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Rate(#[from] RateError),
     /// The question makes no sense.
     #[error(transparent)]
     #[diagnostic(transparent)]

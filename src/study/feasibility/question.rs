@@ -56,8 +56,7 @@ pub struct Question<'a> {
 
 /// The question that a program of its own answers, where only one is asked: a program that
 /// remembers otherwise than in analogue registers is that of several kernels, if there is but one.
-#[must_use]
-pub fn alone<'a, 'b>(questions: &'b [Question<'a>]) -> Option<&'b Question<'a>> {
+pub(super) fn alone<'a, 'b>(questions: &'b [Question<'a>]) -> Option<&'b Question<'a>> {
     match questions {
         [one] => one
             .memory

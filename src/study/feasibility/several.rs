@@ -23,16 +23,13 @@ pub struct Several {
 
 /// Asks the question of each kernel, and then of all together; they have one chip, scene and
 /// window. `seen` is called after each frame that is watched for them.
-///
-/// # Errors
-/// As [`ask`](super::ask); nothing is said of no question.
-pub fn ask_several(
+pub(super) fn ask_several(
     questions: &[Question<'_>],
     open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
     mut seen: impl FnMut(&Frame),
-) -> Result<Option<(Several, Vec<Snapshot>)>, FeasibilityError> {
+) -> Result<(Several, Vec<Snapshot>), FeasibilityError> {
     let Some(first) = questions.first() else {
-        return Ok(None);
+        return Err(FeasibilityError::NoKernel);
     };
     let designs: Vec<_> = questions.iter().map(Question::design).collect();
     check_crossings(&designs, &mut *open()?)?;
@@ -50,5 +47,5 @@ pub fn ask_several(
         together,
         kernels,
     };
-    Ok(Some((several, snapshots)))
+    Ok((several, snapshots))
 }

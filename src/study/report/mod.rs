@@ -28,7 +28,7 @@ mod weights;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use self::part::Place;
-use super::feasibility::{Feasibility, Several, Snapshot};
+use super::feasibility::{Feasibility, Reply, Several, Snapshot};
 
 /// How it looks, on a screen and on paper.
 const STYLE: &str = include_str!("style.css");
@@ -38,7 +38,14 @@ const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inlin
 
 /// The whole page.
 #[must_use]
-pub fn page(all: &Feasibility, snapshot: &Snapshot) -> String {
+pub fn page(reply: &Reply) -> String {
+    match reply {
+        Reply::One(one, snapshot) => page_of_one(one, snapshot),
+        Reply::Several(several, snapshots) => page_of_several(several, snapshots),
+    }
+}
+
+fn page_of_one(all: &Feasibility, snapshot: &Snapshot) -> String {
     let place = Place::default();
     let reproduce = reproduce::section(all.amacrine, &all.command, all.seed);
     whole(
@@ -53,8 +60,7 @@ pub fn page(all: &Feasibility, snapshot: &Snapshot) -> String {
 }
 
 /// The page of several kernels: all of them in one program, then a chapter for each.
-#[must_use]
-pub fn page_of_several(all: &Several, snapshots: &[Snapshot]) -> String {
+fn page_of_several(all: &Several, snapshots: &[Snapshot]) -> String {
     let names: Vec<&str> = all
         .kernels
         .iter()

@@ -1,0 +1,78 @@
+//! The reply to a question about one kernel, or about several that share a chip.
+
+use serde::Serialize;
+
+use super::{
+    Feasibility, FeasibilityError, Question, Several, Snapshot, ask::ask_one, question::alone,
+    several::ask_several,
+};
+use crate::{
+    rig::guard::Warning,
+    scene::{Frame, Scene, SceneError},
+};
+
+/// The reply to a question about one kernel, or about several that share a chip. As JSON it is the
+/// numbers without the pictures.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Reply {
+    /// One kernel in a program of its own.
+    One(
+        /// The numbers.
+        Box<Feasibility>,
+        /// The pictures.
+        #[serde(skip)]
+        Snapshot,
+    ),
+    /// Each kernel on its own, and all in one program.
+    Several(
+        /// The numbers.
+        Several,
+        /// The pictures of each kernel.
+        #[serde(skip)]
+        Vec<Snapshot>,
+    ),
+}
+
+/// Asks about each kernel, and where there are several, or the memory asked for is none of a kernel
+/// on its own, about all together; they have one chip, scene and window. The scene is opened again
+/// and again; `seen` is called after each frame that is watched.
+///
+/// # Errors
+/// When there is no kernel, a threshold is not positive, a kernel is all 0 or not to be had in the
+/// values that were asked for, or the scene cannot be read.
+pub fn ask(
+    questions: &[Question<'_>],
+    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    seen: impl FnMut(&Frame),
+) -> Result<Reply, FeasibilityError> {
+    if let Some(question) = alone(questions) {
+        let (numbers, snapshot) = ask_one(question, open, seen)?;
+        return Ok(Reply::One(Box::new(numbers), snapshot));
+    }
+    let (several, snapshots) = ask_several(questions, open, seen)?;
+    Ok(Reply::Several(several, snapshots))
+}
+
+impl Reply {
+    /// Of each kernel on its own.
+    #[must_use]
+    pub fn kernels(&self) -> &[Feasibility] {
+        match self {
+            Self::One(one, _) => std::slice::from_ref(one),
+            Self::Several(several, _) => &several.kernels,
+        }
+    }
+
+    /// Puts the warnings of the scene before those of each kernel, and takes what was seen of the
+    /// light in place of what the scene says beforehand.
+    pub fn saw(&mut self, of_scene: &[Warning], light: Option<&str>) {
+        let kernels = match self {
+            Self::One(one, _) => std::slice::from_mut(&mut **one),
+            Self::Several(several, _) => &mut several.kernels,
+        };
+        for kernel in kernels {
+            kernel.saw(of_scene, light);
+        }
+    }
+}
