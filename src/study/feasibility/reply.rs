@@ -1,6 +1,6 @@
 //! The reply to a question about one kernel, or about several that share a chip.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::{
     Feasibility, FeasibilityError, Question, Several, Snapshot, ask::ask_one, question::alone,
@@ -13,25 +13,21 @@ use crate::{
 
 /// The reply to a question about one kernel, or about several that share a chip. As JSON it is the
 /// numbers without the pictures.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Reply {
-    /// One kernel in a program of its own.
-    One(
-        /// The numbers.
-        Box<Feasibility>,
-        /// The pictures.
-        #[serde(skip)]
-        Snapshot,
-    ),
-    /// Each kernel on its own, and all in one program.
-    Several(
-        /// The numbers.
-        Several,
-        /// The pictures of each kernel.
-        #[serde(skip)]
-        Vec<Snapshot>,
-    ),
+    /// One kernel in a program of its own: the numbers, and the pictures.
+    One(Box<Feasibility>, Snapshot),
+    /// Each kernel on its own, and all in one program: the numbers, and the pictures of each.
+    Several(Several, Vec<Snapshot>),
+}
+
+impl Serialize for Reply {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::One(one, _) => one.serialize(to),
+            Self::Several(several, _) => several.serialize(to),
+        }
+    }
 }
 
 /// Asks about each kernel, and where there are several, or the memory asked for is none of a kernel
