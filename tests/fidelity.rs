@@ -723,6 +723,103 @@ fn a_pilot_stops_when_it_does_not_pay() {
     }
 }
 
+/// What is within the tolerance and no quicker than the full model is not chosen, also where so many
+/// tiles are asked for that nothing is dropped on the way.
+#[test]
+fn no_slower_model_is_chosen() {
+    let description = read(
+        "response = { lin-log = { knee = 20 } }\nmemory = \"filtered-step\"\n[[channel]]\nkernel = \"csdvs-3\"\nthreshold = { on = 0.02, off = 0.02 }",
+    );
+    let kept = pattern("pattern:noise?width=64&height=64&frames=24&fps=1000&speed=300");
+    let mut asked = question(&description, 3);
+    asked.tiles = Some(60);
+    // A clock on which all takes as long.
+    let plan = plan(&asked, Some(&kept), &|| 0.0).unwrap();
+    assert!(plan.offers[0].change.unwrap().is_within(0.01), "{plan:?}");
+    assert_eq!((plan.choice, plan.change), (Choice::full(), None));
+    assert!(!plan.offers[0].left_out);
+    assert!(plan.why.contains("saves enough"), "{}", plan.why);
+}
+
+/// Noise, and a square of few levels in it, whose steps are exactly the threshold: rounding decides
+/// there, and nowhere else.
+fn drawn_square(chance: &mut Chance, side: usize) -> Kept {
+    const SIZE: usize = 64;
+    let corner = [0, 1].map(|_| chance.below(SIZE - side));
+    let mut noise = Plane::from_shape_simple_fn((SIZE, SIZE), || 30.0 + 190.0 * chance.next());
+    let mut step = Plane::from_shape_simple_fn((side, side), || 1.0 + chance.below(4) as f64);
+    let frames = (0..60).map(|index| {
+        for light in &mut noise {
+            if chance.next() < 0.06 {
+                *light = 10.0 + 235.0 * chance.next();
+            }
+        }
+        for step in &mut step {
+            if chance.next() < 0.09 {
+                let up = if chance.next() < 0.5 { 1.0 } else { -1.0 };
+                *step += if (1.0..=4.0).contains(&(*step + up)) {
+                    up
+                } else {
+                    -up
+                };
+            }
+        }
+        let mut light = noise.mapv(f64::round);
+        for ((y, x), step) in step.indexed_iter() {
+            light[(corner[0] + y, corner[1] + x)] = 51.0 * step;
+        }
+        // The darkest and the brightest light, and the largest change, lie elsewhere.
+        light[(0, 0)] = 0.0;
+        light[(0, 5)] = if index % 2 == 0 { 255.0 } else { 0.0 };
+        Frame {
+            index,
+            seconds: index as f64 / 100.0,
+            light: light.into(),
+        }
+    });
+    let size = amacrine::plane::Size::new(SIZE, SIZE);
+    kept(&mut Held::new(frames.collect(), size, 100.0))
+}
+
+/// Also where only a drawn square of 2 to 6 % of the picture changes.
+#[test]
+fn limits_hold_where_rounding_decides_in_one_place() {
+    let description = read(
+        "response = { linear = 255 }\nmemory = \"filtered-snap\"\n[[channel]]\nkernel = \"dvs\"\nthreshold = { on = 0.2, off = 0.2 }",
+    );
+    let base = Choice::full();
+    let (mut above, mut cases) = (0, 0);
+    for seed in 0..40 {
+        let chance = &mut Chance::new(7_000 + seed);
+        let side = 9 + chance.below(8);
+        let kept = drawn_square(chance, side);
+        let asked = question(&description, seed);
+        let full = whole(&asked, &base, &kept).unwrap();
+        let family = Floats {
+            description: &description,
+            seed,
+            base: &base,
+        };
+        let format = chance.of(&["f32", "f16", "q16.16"]).parse().unwrap();
+        let choice = Choice {
+            format,
+            without: Vec::new(),
+        };
+        let plain = whole(&asked, &choice, &kept).unwrap();
+        let truth = Change::between(&full, &plain, Micros(100)).unwrap().share;
+        assert!(truth > 0.005, "{truth}");
+        let how = (&choice, 4, 38, seed);
+        let estimate = sampled((&full, &plain), &kept, &family, how);
+        cases += 1;
+        if truth > estimate.limit.unwrap() {
+            println!("{seed}: {format} {truth:.4}, {estimate:?}");
+            above += 1;
+        }
+    }
+    println!("{above} of {cases}");
+    assert!(20 * above <= cases, "{above} of {cases}");
+}
+
 /// What depends on all of the sensor is not offered.
 #[test]
 fn what_has_no_tiles_is_the_full_model() {

@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use super::{levels::Levels, value::Value};
 use crate::{
     plane::{At, Size},
     rng::Hash,
@@ -66,7 +67,8 @@ pub struct Look {
     /// How much the light of each changes, all frames together; below 0 where it never does.
     pub activity: Vec<f64>,
     /// Tiles of the darkest and the brightest light and of the largest change: numbers saturate
-    /// and sensors fail there first.
+    /// and sensors fail there first. And the tile in which most changes between the fewest levels
+    /// ([`Levels`]).
     pub extremes: Vec<usize>,
     /// The least and the most light.
     pub range: (f64, f64),
@@ -81,25 +83,6 @@ pub struct Look {
 /// How much is looked at for activity, about: so many pixels of all frames together. Rows are left
 /// out, not frames: each tile is looked at in every frame.
 const LOOKED_AT: usize = 1 << 22;
-
-/// Light of a pixel.
-trait Value: Copy + PartialOrd {
-    fn light(self) -> f64;
-}
-
-impl Value for u8 {
-    #[inline]
-    fn light(self) -> f64 {
-        self.into()
-    }
-}
-
-impl Value for f64 {
-    #[inline]
-    fn light(self) -> f64 {
-        self
-    }
-}
 
 impl Look {
     /// Looks at a scene in tiles. `relative`: a change counts for what it is of the light, as
@@ -122,6 +105,7 @@ impl Look {
             grid,
         };
         let mut places = [0; 3];
+        let mut levels = Levels::new(grid.size, kept.len());
         let pairs = kept.len().saturating_sub(1);
         let skip = (grid.size.pixels() * pairs / LOOKED_AT).clamp(1, grid.side);
         for n in 0..frames.min(kept.len()) {
@@ -139,9 +123,13 @@ impl Look {
                 relative,
             };
             match (before, now) {
-                (Pixels::Bytes(a), Pixels::Bytes(b)) => look.compare(a, b, how, &mut places[2]),
+                (Pixels::Bytes(a), Pixels::Bytes(b)) => {
+                    look.compare(a, b, how, &mut places[2]);
+                    levels.see(n, a, b);
+                }
                 (Pixels::Numbers(a), Pixels::Numbers(b)) => {
                     look.compare(a, b, how, &mut places[2]);
+                    levels.see(n, a, b);
                 }
                 (a, b) => {
                     let all = |pixels: Pixels<'_>| -> Vec<f64> {
@@ -150,10 +138,12 @@ impl Look {
                             .collect()
                     };
                     look.compare(&all(a), &all(b), how, &mut places[2]);
+                    levels.see(n, &all(a), &all(b));
                 }
             }
         }
-        look.extremes = places.map(|pixel| grid.tile(pixel)).to_vec();
+        let places = places.into_iter().chain(levels.fewest());
+        look.extremes = places.map(|pixel| grid.tile(pixel)).collect();
         look.extremes.dedup();
         look.bounds();
         look

@@ -369,7 +369,7 @@ impl<F: Family> Pilot<'_, F> {
         if allowed.is_empty() {
             let is_late = |offer: &Offer<F::Model>| offer.change.is_none();
             return because(if answer.offers.iter().any(is_late) {
-                "no plainer model both stays within the tolerance and saves enough"
+                NONE_SAVES
             } else {
                 "no plainer model stays within the tolerance"
             });
@@ -396,18 +396,36 @@ impl<F: Family> Pilot<'_, F> {
             }
             answer.offers.push(offer);
         }
-        let quickest = { answer.offers.iter_mut() }
-            .filter(|offer| offer.change.is_some_and(|c| c.is_within(measure.tolerance)))
-            .min_by(|a, b| {
-                let seconds = |offer: &Offer<_>| offer.seconds.map_or(f64::INFINITY, |[s, _]| s);
-                seconds(a).total_cmp(&seconds(b))
-            });
-        if let Some(offer) = quickest {
-            offer.left_out = true;
-            answer.choice = offer.model.clone();
-            answer.change = offer.change;
-            answer.expected = offer.seconds.map(|[plain, full]| [full, plain]);
+        self.take_quickest(answer)
+    }
+
+    /// Chooses the quickest model within the tolerance: one that is quicker than the full one, since
+    /// what was so on a few tiles need not be on more.
+    fn take_quickest(&self, answer: &mut Answer<F::Model>) -> Step<()> {
+        let Measure {
+            tolerance,
+            limits_only,
+            ..
+        } = *self.measure;
+        let is_allowed =
+            |offer: &Offer<F::Model>| offer.change.is_some_and(|c| c.is_within(tolerance));
+        let mut quickest: Option<(f64, &mut Offer<F::Model>)> = None;
+        for offer in answer.offers.iter_mut().filter(|offer| is_allowed(offer)) {
+            let [plain, full] = offer.seconds.unwrap_or([f64::INFINITY; 2]);
+            let saves = plain < full;
+            if !saves && !limits_only {
+                SAVES_LITTLE.clone_into(&mut offer.why);
+            } else if quickest.as_ref().is_none_or(|(least, _)| plain < *least) {
+                quickest = Some((plain, offer));
+            }
         }
+        let Some((_, offer)) = quickest else {
+            return because(NONE_SAVES);
+        };
+        offer.left_out = true;
+        answer.choice = offer.model.clone();
+        answer.change = offer.change;
+        answer.expected = offer.seconds.map(|[plain, full]| [full, plain]);
         Ok(())
     }
 
@@ -452,6 +470,8 @@ impl<F: Family> Pilot<'_, F> {
 }
 
 const SAVES_LITTLE: &str = "it would save too little";
+
+const NONE_SAVES: &str = "no plainer model both stays within the tolerance and saves enough";
 
 const NOT_TRIED: &str = "there is no time to try it";
 

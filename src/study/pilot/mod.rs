@@ -23,6 +23,7 @@ pub mod family;
 mod first_frames;
 pub mod float;
 pub mod left_out;
+mod levels;
 pub mod look;
 pub mod measure;
 pub mod model;
@@ -34,6 +35,7 @@ pub mod spread;
 mod stage;
 pub mod survey;
 mod trial;
+mod value;
 
 pub use answer::{Answer, Offer};
 pub use change::Change;
