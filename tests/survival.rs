@@ -284,6 +284,39 @@ fn one_register_more_never_costs_words_of_the_same_signal() {
     }
 }
 
+/// A longer search has met many plans that are right at the border, all of them longer than what a
+/// short one finds.
+#[test]
+fn a_longer_search_keeps_the_shorter_plans() {
+    const ROWS: [[i8; 7]; 7] = [
+        [1, 0, 1, -1, 0, -1, 0],
+        [0, 0, 1, 0, 1, -1, 1],
+        [0, 1, 0, -1, 1, 1, 0],
+        [1, -1, 0, 1, -1, 1, -1],
+        [0, 1, 0, 0, 1, -1, 0],
+        [1, 0, 0, 0, 1, 1, 1],
+        [1, 1, 0, -1, 1, 1, 0],
+    ];
+    let rows = ROWS.map(|row| row.map(f64::from).to_vec());
+    let kernels = [Kernel::from_rows(&rows).unwrap()];
+    let device = narrow(4);
+    let found = |states: u64, objective: Objective| {
+        let mut request = Request::new(&kernels, &device).unwrap();
+        request.effort = Effort::states(states);
+        request.objective = objective;
+        let filter = request.filter().unwrap();
+        let registers = (request.input, &request.into[..]);
+        let forecast = filter.best_forecast(&device, registers, &kernels)[0];
+        (filter.words.len(), forecast.snr_db())
+    };
+    let (fewest, db) = found(400_000, Objective::Words);
+    for states in [40_000, 400_000] {
+        let (words, own) = found(states, Objective::Silicon);
+        println!("{states}: {words} words, {own:.1} dB; the fewest {fewest}, {db:.1} dB");
+        assert!(words <= fewest + fewest / 4 && own >= db - 0.5);
+    }
+}
+
 /// A kernel whose result is far below one LSB leaves nothing.
 #[test]
 fn what_leaves_nothing_is_refused() {

@@ -1144,6 +1144,24 @@ fn included_files_lie_beside_and_say_where_they_are_wrong() {
     );
 }
 
+/// Its registers would be numbers.
+#[test]
+fn a_copy_of_the_vendor_s_header_is_not_read() {
+    let mut includes = Includes::new();
+    let header = "typedef enum { A = 1, B, NEWS } areg_t;\nvoid mov(areg_t y, areg_t x);\n";
+    for name in ["scamp5.hpp", "sdk/SCAMP5.hpp"] {
+        includes.insert(name.to_owned(), header.into());
+        let main = format!("#include \"{name}\"\nint main() {{ mov(A, B); }}");
+        assert!(!included(&main).contains(&name.to_owned()));
+        let read = Program::read_with("p.cpp", &main, &includes);
+        let code = read
+            .expand(&Device::scamp5(), &Overrides::new())
+            .unwrap()
+            .code;
+        assert_eq!(bare(code), own_code("mov(A, B);"));
+    }
+}
+
 /// Programs that are written as C++ and read back.
 /// What the chip's converter sets.
 fn in_whole_lsb(steps: &mut [Step]) {

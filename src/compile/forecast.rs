@@ -82,6 +82,9 @@ impl Forecast {
     /// Below this correlation nothing comes out.
     pub const NOTHING: f64 = 0.02;
 
+    /// Below this correlation more noise comes out than signal.
+    pub const NOISE: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
     /// Takes the constant for noise: the correlation becomes that of values round zero.
     pub(super) fn count_offset(&mut self) {
         let all = hypot(hypot(self.signal, self.noise), self.offset);

@@ -610,13 +610,19 @@ pub(super) fn halvings(bits: u32) -> Plan {
     }
 }
 
-/// The shorter plans, each once.
+/// The shorter plans, each once: those first that are right at the border, and beside them some of
+/// the others, which may be shorter by far.
 fn short(mut all: Vec<Solved>) -> Vec<Solved> {
-    all.order_by_key(|solved| (!solved.border, solved.allocated.words.len()));
+    let words = |solved: &Solved| solved.allocated.words.len();
+    all.order_by_key(|solved| (!solved.border, words(solved)));
     all.dedup_by(|a, b| a.plan == b.plan);
-    let fewest = all.iter().map(|s| s.allocated.words.len()).min();
+    let fewest = all.iter().map(words).min();
     let most = fewest.map_or(0, |words| 2 * words + 8);
-    all.retain(|solved| solved.allocated.words.len() <= most);
-    all.truncate(3 * CLOSELY);
+    all.retain(|solved| words(solved) <= most);
+    let mut rest = all.split_off(all.len().min(3 * CLOSELY));
+    let kept = all.iter().filter(|solved| !solved.border).count();
+    rest.retain(|solved| !solved.border);
+    rest.truncate(CLOSELY.saturating_sub(kept));
+    all.extend(rest);
     all
 }

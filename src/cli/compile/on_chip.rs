@@ -113,7 +113,7 @@ impl OnChip {
 }
 
 impl Compiled {
-    /// What to know before a program is taken of which next to nothing comes out of the chip.
+    /// What to know before a program is taken of which hardly anything comes out of the chip.
     pub(super) fn warning(&self, kernels: &[Kernel], aim: Aim) -> Option<String> {
         // Without a word the input is the result.
         if self.filter.words.is_empty() {
@@ -125,11 +125,16 @@ impl Compiled {
             Aim::Silicon => "search longer (--effort)",
             Aim::Events | Aim::Exact | Aim::Words => "leave --objective out",
         };
-        (worst < Forecast::NOTHING).then(|| {
-            format!(
-                "warning: next to nothing of the kernel comes out of the chip, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take fewer digits (--to), or {other}\n"
-            )
-        })
+        let what = if worst < Forecast::NOTHING {
+            "next to nothing of the kernel comes out of the chip"
+        } else if worst < Forecast::NOISE {
+            "more noise than signal comes out of the chip"
+        } else {
+            return None;
+        };
+        Some(format!(
+            "warning: {what}, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take larger weights or fewer digits (--to), or {other}\n"
+        ))
     }
 
     /// What to know of an aim that looks at one kernel's events.

@@ -48,8 +48,8 @@ pub(super) struct Room<'a> {
     pub(super) stop: Stop,
 }
 
-/// The shortest tours of fewer than `fewer` words that are found, with five copies and with fewer,
-/// which leave registers free; and how many nodes were looked at, about `budget` at most.
+/// The shortest tours that are found, of fewer than `fewer` words or a few more, with five copies and
+/// with fewer, which leave registers free; and how many nodes were looked at, about `budget` at most.
 pub(super) fn tours(
     goals: &[LinearForm],
     unit: i64,
@@ -98,7 +98,12 @@ pub(super) fn tours(
         // In turns of a fixed size, so that what is searched does not depend on the threads.
         while at < tries.len() && seen < budget && !room.stop.is_asked() {
             let end = (at + TURN).min(tries.len());
-            let slack = if round == 0 { SLACK } else { 0 };
+            // What a narrow search makes is longer than what a wide one will.
+            let (slack, fewer) = if round == 0 {
+                (SLACK, fewer.saturating_add(fewer / LOOSE))
+            } else {
+                (0, fewer)
+            };
             let below = |copies: usize| {
                 let same = tries
                     .iter()
@@ -146,6 +151,9 @@ const TURN: usize = 8;
 
 /// Words more than the best of as many copies with which a footprint is looked at again.
 const SLACK: usize = 3;
+
+/// The part of the words that a tour of the first round may have more than is asked for.
+const LOOSE: usize = 4;
 
 /// Tours of each number of copies.
 const ALIKE: usize = 2;

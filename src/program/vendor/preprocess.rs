@@ -27,7 +27,15 @@ pub(super) struct Preprocessed {
     pub numbers: BTreeMap<String, f64>,
 }
 
-/// The names of files that a text asks for in quotes.
+/// The header that declares the chip's words: they are known, and a copy of it that lies beside a
+/// file would declare registers as numbers.
+const OF_THE_CHIP: &str = "scamp5.hpp";
+
+fn is_of_the_chip(name: &str) -> bool {
+    plain(name).eq_ignore_ascii_case(OF_THE_CHIP)
+}
+
+/// The names of files that a text asks for in quotes, without the vendor's own.
 pub(super) fn asked(text: &str) -> Vec<String> {
     let lines = text.lines().map(str::trim_start);
     let included = lines.filter_map(|line| {
@@ -35,7 +43,8 @@ pub(super) fn asked(text: &str) -> Vec<String> {
         let line = line.strip_prefix("include")?.trim_start();
         line.strip_prefix('"')?.split('"').next()
     });
-    included.map(str::to_owned).collect()
+    let own = included.filter(|name| !is_of_the_chip(name));
+    own.map(str::to_owned).collect()
 }
 
 /// What only speaks to a compiler: it expands to nothing.
@@ -311,6 +320,9 @@ impl Preprocessor<'_> {
             return;
         };
         let place = place.to(line.last().map_or(place, |t| t.place));
+        if is_of_the_chip(name) {
+            return;
+        }
         let Some(text) = self.includes.get(&**name) else {
             if !vendor_header(name) {
                 self.faults.push(
