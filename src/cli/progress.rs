@@ -1,11 +1,23 @@
 //! A bar on a terminal while something takes its time; nothing elsewhere.
 
-use std::{borrow::Cow, time::Duration};
+use std::{borrow::Cow, fmt, time::Duration};
 
-use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressFinish, ProgressState, ProgressStyle};
 
 /// From one picture of a spinner to the next.
 const TICK: Duration = Duration::from_millis(100);
+
+/// From one time that is shown to the next.
+const SECOND: Duration = Duration::from_secs(1);
+
+/// How long the rest takes; before the first step nothing is known of it.
+fn left(state: &ProgressState, out: &mut dyn fmt::Write) {
+    // What cannot be shown is left out.
+    let _ = match state.pos() {
+        0 => out.write_str("?"),
+        _ => write!(out, "{:#}", HumanDuration(state.eta())),
+    };
+}
 
 /// How far some work has come.
 #[derive(Debug)]
@@ -20,7 +32,8 @@ impl Progress {
             None => ProgressBar::no_length(),
         };
         let style = if steps.is_some() {
-            ProgressStyle::with_template("{msg:10} {bar:40} {pos}/{len} {elapsed} left {eta}")
+            ProgressStyle::with_template("{msg:10} {bar:40} {pos}/{len} {elapsed} left {left}")
+                .map(|style| style.with_key("left", left))
         } else {
             ProgressStyle::with_template("{msg:10} {spinner} {pos} {elapsed}")
         };
@@ -28,6 +41,7 @@ impl Progress {
             bar.set_style(style);
         }
         bar.set_message(what);
+        bar.enable_steady_tick(SECOND);
         Self(bar)
     }
 
