@@ -270,7 +270,7 @@ def write(
     channels: int | None,
     names: list[str],
     span_us: tuple[int, int] | None,
-    dropped: tuple[int, int, int, int],
+    dropped: tuple[int, int, int, int, int],
     to: str | None,
     compression: str,
 ) -> None: ...

@@ -171,7 +171,13 @@ def write(
         kinds,
         called,
         _micros(span),
-        (lost.get("no_slot", 0), lost.get("over_limit", 0), lost.get("queue_full", 0), lost.get("merged", 0)),
+        (
+            lost.get("no_slot", 0),
+            lost.get("over_limit", 0),
+            lost.get("queue_full", 0),
+            lost.get("merged", 0),
+            lost.get("unscanned", 0),
+        ),
         arguments.word_or_none("format", format, "evt3"),
         arguments.word("compression", compression, "zstd"),
     )

@@ -36,7 +36,7 @@ class ProgramRun:
     films: dict[str, npt.NDArray[Any]]
     """The registers that were asked for after every frame, (T,H,W)."""
     lost: int
-    """Events that found no slot of the readout."""
+    """Events that found no slot of the readout, or lie in rows that it does not scan."""
     posts: list[tuple[int, str]]
     """What the host wrote (``vs_post_text``, ``printf``), with the frame, counted from 0: of programs
     whose host decides."""

@@ -135,7 +135,7 @@ pub fn write(
     channels: Option<u8>,
     names: Vec<String>,
     span_us: Option<(u64, u64)>,
-    dropped: (u64, u64, u64, u64),
+    dropped: (u64, u64, u64, u64, u64),
     to: Option<&str>,
     compression: &str,
 ) -> PyResult<()> {
@@ -176,12 +176,13 @@ pub fn write(
                 });
             packet.span = (Micros(first).min(least), Micros(last).max(most));
         }
-        let (no_slot, over_limit, queue_full, merged) = dropped;
+        let (no_slot, over_limit, queue_full, merged, unscanned) = dropped;
         packet.dropped = Dropped {
             no_slot,
             over_limit,
             queue_full,
             merged,
+            unscanned,
         };
         file::write_as(&path, to, compression, &loaded.packet)?;
         Ok(())

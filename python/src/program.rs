@@ -209,7 +209,7 @@ impl Program {
         let steady = if self.decides { 0 } else { count };
         for n in 0..steady {
             let done = pool::work(py, || {
-                self.show(&mut *chip, &light, n, &mut packet)?;
+                self.show(&mut *chip, &light, n, &mut packet, &mut saturation)?;
                 saturation.frame(&*chip);
                 for (register, film) in kept.iter().zip(&mut films) {
                     film.extend(register.values(&*chip));
@@ -499,11 +499,15 @@ impl Program {
         light: &Light<'_>,
         n: usize,
         packet: &mut Packet,
+        saturation: &mut Saturation,
     ) -> Result<(), Report> {
         let t = begin(chip, light, n, packet)?;
+        let code = &self.expansion.code;
         if n == 0 && !self.expansion.bare {
+            saturation.before(chip, &code.init);
             chip.run_init(t, packet)?;
         } else {
+            saturation.before(chip, &code.frame);
             chip.run_frame(t, packet)?;
         }
         Ok(())

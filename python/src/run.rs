@@ -380,6 +380,7 @@ pub fn by_reason(dropped: Dropped) -> BTreeMap<&'static str, u64> {
         ("over_limit", dropped.over_limit),
         ("queue_full", dropped.queue_full),
         ("merged", dropped.merged),
+        ("unscanned", dropped.unscanned),
     ]
     .into()
 }
@@ -391,7 +392,7 @@ impl Watch {
         let done = Done {
             kinds: self.watcher.kinds(),
             kept: self.made as u64,
-            lost: self.packet.dropped.no_slot,
+            dropped: self.packet.dropped,
             silence: self.watcher.silence(),
             overflowed: self.watcher.overflowed(),
         };

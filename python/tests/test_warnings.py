@@ -98,7 +98,27 @@ FULL = "init { get_image(C); }\nframe {\n SET(R5); scamp5_scan_events(R5, on, 10
 
 ALL = "SET(R5); scamp5_scan_events(R5, on, 100);"
 
+ROWS = "init { CLR(R5); }\nframe {\n SET(R5); scamp5_scan_dreg(R5, on, 1, 2); }"
+
+NO_ROW = (
+    "init { CLR(R5); }\nframe {\n scamp5_load_point(R5, 0, 0); scamp5_scan_dreg(R5, on, 1, 2); }"
+)
+
+SILENT = "init { CLR(R5); }\nframe {\n CLR(R5); scamp5_scan_dreg(R5, on, 0, 255); }"
+
+MIDDLE = (
+    "get_image(A);\nmov(B, A); add(A, A, B);\nmov(B, A); add(A, A, B);\n"
+    "divq(B, A); divq(A, B); res(B); res(NEWS);\n"
+)
+
 PROGRAMS = {
+    "rows that are not scanned": Case(ROWS, moving(), {"rows"}),
+    "all in rows that are not scanned": Case(NO_ROW, moving(), {"no-events", "rows"}),
+    "no event in bit planes": Case(SILENT, moving(), {"no-events"}),
+    "beyond registers on the way": Case(MIDDLE, moving(), {"saturation"}),
+    "the end of registers on the way": Case(
+        MIDDLE, moving(), {"saturation"}, {"domain": "silicon"}, ("--domain", "silicon")
+    ),
     "nothing": Case("dvs/snap", spot(), set()),
     "larger than the chip": Case("dvs/snap", moving(6, 300, 300), {"larger", "slots"}),
     "no event": Case("dvs/snap", still(), {"no-events"}),

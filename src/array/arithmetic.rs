@@ -81,6 +81,17 @@ impl Arithmetic {
     /// and the errors of `silicon`.
     #[must_use]
     pub fn bytes(self, device: &Device, size: Size) -> u128 {
+        let planes = u128::from(Layout::new(device, size).analog) + 1;
+        let errors = match self {
+            Self::Silicon { .. } => 2 * 4 * planes + 8,
+            Self::Number(_) => 0,
+        };
+        self.bytes_of_registers(device, size) + size.pixels() as u128 * errors
+    }
+
+    /// Bytes of all that its registers, photodiodes and bits hold.
+    #[must_use]
+    pub fn bytes_of_registers(self, device: &Device, size: Size) -> u128 {
         let layout = Layout::new(device, size);
         let cell = match self {
             Self::Number(Format::F64) => 8,
@@ -89,13 +100,9 @@ impl Arithmetic {
             Self::Number(Format::Fixed(format)) => u128::from(format.bits()) / 8,
         };
         let planes = u128::from(layout.analog) + 1;
-        let errors = match self {
-            Self::Silicon { .. } => 2 * 4 * planes + 8,
-            Self::Number(_) => 0,
-        };
         // In eighths of a byte: three more planes of bits than there are registers.
         let bits = u128::from(layout.digital) + 3;
-        let pixel = 8 * (cell * planes + errors) + bits;
+        let pixel = 8 * cell * planes + bits;
         size.pixels() as u128 * pixel / 8
     }
 

@@ -57,39 +57,54 @@ impl AtBorder {
     /// the range, and those of which every pixel is at the same end.
     #[must_use]
     pub fn registers(chip: &dyn Array, ends: [f64; 2]) -> Vec<Self> {
-        let [low, high] = ends;
-        let near = NEAR * (high - low);
-        Self::where_lies(chip, ends, |value| {
-            value <= low + near || value >= high - near
-        })
+        Self::all(chip, ends, false)
     }
 
     /// The registers of a chip that hold a picture of which at least a twentieth lies beyond these
     /// ends, in an arithmetic that has none.
     #[must_use]
     pub fn beyond(chip: &dyn Array, ends: [f64; 2]) -> Vec<Self> {
-        let [low, high] = ends;
-        Self::where_lies(chip, ends, |value| value < low || value > high)
+        Self::all(chip, ends, true)
     }
 
-    fn where_lies(chip: &dyn Array, ends: [f64; 2], lies: impl Fn(f64) -> bool) -> Vec<Self> {
-        let device = chip.device();
-        let looked = (0..chip.layout().analog)
-            .map(Analog)
-            .filter_map(|register| {
-                let values = chip.analog(register);
-                let first = values.first().copied()?;
-                let alike = values.iter().all(|value| *value == first);
-                let pixels = values.iter().filter(|value| lies(**value)).count();
-                let is_much = pixels as f64 >= SHARE * values.len() as f64;
-                is_much.then(|| Self {
-                    register: device.analog_name(register),
-                    pixels: pixels as u64,
-                    of: values.len() as u64,
-                    ends,
-                    alike,
-                })
-            });
-        looked.collect()
+    fn all(chip: &dyn Array, ends: [f64; 2], beyond: bool) -> Vec<Self> {
+        let registers = (0..chip.layout().analog).map(Analog);
+        registers
+            .filter_map(|register| Self::of(chip, register, ends, beyond))
+            .collect()
+    }
+
+    /// The same of one register, by either rule: beyond these ends, or at them.
+    #[must_use]
+    pub fn of(chip: &dyn Array, register: Analog, ends: [f64; 2], beyond: bool) -> Option<Self> {
+        let [low, high] = ends;
+        if beyond {
+            Self::in_register(chip, register, ends, &|value| value < low || value > high)
+        } else {
+            let near = NEAR * (high - low);
+            Self::in_register(chip, register, ends, &|value| {
+                value <= low + near || value >= high - near
+            })
+        }
+    }
+
+    fn in_register(
+        chip: &dyn Array,
+        register: Analog,
+        ends: [f64; 2],
+        lies: &impl Fn(f64) -> bool,
+    ) -> Option<Self> {
+        let values = chip.analog(register);
+        let first = values.first().copied()?;
+        let alike = values.iter().all(|value| *value == first);
+        let pixels = values.iter().filter(|value| lies(**value)).count();
+        let is_much = pixels as f64 >= SHARE * values.len() as f64;
+        is_much.then(|| Self {
+            register: chip.device().analog_name(register),
+            pixels: pixels as u64,
+            of: values.len() as u64,
+            ends,
+            alike,
+        })
     }
 }

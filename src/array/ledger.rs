@@ -32,6 +32,8 @@ pub struct Ledger {
     pub events: u64,
     /// Set pixels that found no slot.
     pub missed: u64,
+    /// Set pixels in rows that no scan of their frame read.
+    pub unscanned: u64,
     /// Events at the chip's (0,0), which a host cannot tell from the end of the list. They are
     /// in our packets.
     pub ambiguous: u64,

@@ -443,7 +443,7 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     let done = Done {
         kinds: &kinds,
         kept: packet.events.len() as u64,
-        lost: packet.dropped.no_slot,
+        dropped: packet.dropped,
         silence: reference.silence(),
         overflowed: reference.overflowed(),
     };

@@ -74,6 +74,8 @@ pub struct Dropped {
     pub queue_full: u64,
     /// The cell's event before it had not left yet: one request, or one bit, stands for both.
     pub merged: u64,
+    /// It lay in a row that the readout does not scan.
+    pub unscanned: u64,
 }
 
 impl Dropped {
@@ -84,16 +86,18 @@ impl Dropped {
             .saturating_add(self.over_limit)
             .saturating_add(self.queue_full)
             .saturating_add(self.merged)
+            .saturating_add(self.unscanned)
     }
 
     /// Each reason with its count, in words.
     #[must_use]
-    pub const fn reasons(self) -> [(&'static str, u64); 4] {
+    pub const fn reasons(self) -> [(&'static str, u64); 5] {
         [
             ("no slot", self.no_slot),
             ("event list full", self.over_limit),
             ("queue full", self.queue_full),
             ("merged with the cell's event before", self.merged),
+            ("in rows that are not scanned", self.unscanned),
         ]
     }
 }
@@ -105,6 +109,7 @@ impl ops::AddAssign for Dropped {
         self.over_limit = self.over_limit.saturating_add(other.over_limit);
         self.queue_full = self.queue_full.saturating_add(other.queue_full);
         self.merged = self.merged.saturating_add(other.merged);
+        self.unscanned = self.unscanned.saturating_add(other.unscanned);
     }
 }
 
@@ -176,6 +181,7 @@ impl Packet {
                 over_limit: 0,
                 queue_full: 0,
                 merged: 0,
+                unscanned: 0,
             },
         }
     }

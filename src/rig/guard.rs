@@ -11,7 +11,7 @@ use miette::Diagnostic as _;
 use super::Larger;
 use crate::{
     compare::window::can_judge,
-    event::{Event, Packet},
+    event::{Dropped, Event, Packet},
     kernel::quantise::Erasure,
     photoreceptor::{Curve, Response},
     plane::Size,
@@ -41,6 +41,8 @@ pub enum About {
     MostCells,
     /// Events found no slot of the readout.
     Slots,
+    /// Events lie in rows that the readout does not scan.
+    Rows,
     /// Thresholds that differ so much from cell to cell that their floor decides.
     Spread,
     /// Values at the end of the range of what holds them.
@@ -90,6 +92,7 @@ impl About {
             Self::FewEvents => "few-events",
             Self::MostCells => "most-cells",
             Self::Slots => "slots",
+            Self::Rows => "rows",
             Self::Spread => "spread",
             Self::Saturation => "saturation",
             Self::Scale => "scale",
@@ -386,6 +389,37 @@ impl Warning {
             ),
             "more cells fired in a frame than were asked for",
             "ask for more slots, raise the threshold, or read whole bit planes",
+        )
+    }
+
+    /// A readout that scans some rows only, and lost events in others.
+    #[must_use]
+    pub fn rows(subject: &str, lost: u64, kept: u64) -> Self {
+        let all = lost.saturating_add(kept);
+        let share = 100.0 * lost as f64 / all as f64;
+        Self::new(
+            About::Rows,
+            subject,
+            format!(
+                "the readout scans some rows only: {lost} of {all} events ({share:.1} %) lie in others and are lost"
+            ),
+            "cells fired in rows that the program does not read",
+            "compile it for this scene (--scene), read all rows (compile --readout planes, or slots), or leave it so where only these rows are wanted",
+        )
+    }
+
+    /// A readout without an event, since all of them lie in rows that it does not scan.
+    #[must_use]
+    pub fn no_events_in_rows(subject: &str, frames: u64, lost: u64) -> Self {
+        Self::new(
+            About::NoEvents,
+            subject,
+            format!("no event at all in {}", counted(frames, "frame")),
+            format!(
+                "its cells made {}, in rows that the program does not scan",
+                counted(lost, "event")
+            ),
+            "scan the rows in which they lie",
         )
     }
 
@@ -793,7 +827,13 @@ impl Guard {
         let kept = packet.events.len() as u64;
         if kept == 0 && lost == 0 {
             let frames = self.frames.len() as u64;
-            return self.warn(Warning::no_events_of(subject, frames, silence));
+            let unscanned = packet.dropped.unscanned;
+            self.warn(if unscanned > 0 {
+                Warning::no_events_in_rows(subject, frames, unscanned)
+            } else {
+                Warning::no_events_of(subject, frames, silence)
+            });
+            return self.unscanned(subject, packet.dropped, kept);
         }
         let crowd = Crowd::from_packet(packet, &self.frames);
         if crowd.over > 0 {
@@ -801,6 +841,14 @@ impl Guard {
         }
         if lost > 0 {
             self.warn(Warning::slots(subject, lost, kept));
+        }
+        self.unscanned(subject, packet.dropped, kept);
+    }
+
+    /// Events in rows that were not scanned, beside so many that were kept.
+    pub fn unscanned(&mut self, subject: &str, dropped: Dropped, kept: u64) {
+        if dropped.unscanned > 0 {
+            self.warn(Warning::rows(subject, dropped.unscanned, kept));
         }
     }
 
@@ -810,9 +858,10 @@ impl Guard {
         let kept = packet.events.len() as u64;
         if lost > 0 {
             self.warn(Warning::slots(subject, lost, kept));
-        } else if kept == 0 {
+        } else if kept == 0 && packet.dropped.unscanned == 0 {
             self.warn(Warning::no_events(subject, None));
         }
+        self.unscanned(subject, packet.dropped, kept);
     }
 
     /// Another warning. Who is warned of the same is named with the first.

@@ -195,8 +195,8 @@ impl<'a> Execution<'a> {
         // A host that decides looks for one pixel after the other, and knows what it leaves.
         if !self.decides {
             // A program that reads no events out, and a single frame, have none to miss.
-            if ran.chip.ledger().slots > 0 && frames > 1 {
-                let is_empty = packet.events.is_empty() && packet.dropped.no_slot == 0;
+            if self.code.reads_events() && frames > 1 {
+                let is_empty = packet.events.is_empty() && packet.dropped.total() == 0;
                 // Without its own numbers nothing that it says tells of light or thresholds.
                 if ran.is_dark && is_empty {
                     guard.warn(Warning::in_the_dark(subject, frames));
@@ -206,9 +206,12 @@ impl<'a> Execution<'a> {
                         guard.warn(warning);
                     }
                 }
-            } else if packet.dropped.no_slot > 0 {
-                let kept = packet.events.len() as u64;
-                guard.warn(Warning::slots(subject, packet.dropped.no_slot, kept));
+            } else {
+                let (dropped, kept) = (packet.dropped, packet.events.len() as u64);
+                if dropped.no_slot > 0 {
+                    guard.warn(Warning::slots(subject, dropped.no_slot, kept));
+                }
+                guard.unscanned(subject, dropped, kept);
             }
         }
         ran.saturation

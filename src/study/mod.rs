@@ -18,6 +18,7 @@ pub mod report;
 pub mod run_guard;
 pub mod saturation;
 pub mod spread;
+mod stores;
 pub mod sweep;
 pub mod together;
 pub mod trade;

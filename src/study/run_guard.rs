@@ -2,6 +2,7 @@
 
 use crate::{
     array::{Arithmetic, Settings, Unheld},
+    event::Dropped,
     isa::Device,
     number::Format,
     photoreceptor::Response,
@@ -45,8 +46,8 @@ pub struct Done<'a> {
     pub kinds: &'a [u64],
     /// Events that left the readout.
     pub kept: u64,
-    /// Those that found no slot there.
-    pub lost: u64,
+    /// Those that did not.
+    pub dropped: Dropped,
     /// Why no cell fired, where none did.
     pub silence: Silence,
     /// Drives beyond their numbers.
@@ -113,9 +114,11 @@ impl RunGuard {
     pub fn warnings(&self, subject: &str, done: &Done<'_>) -> Vec<Warning> {
         let mut guard = Guard::new();
         let frames = self.crowd.frames;
+        let (lost, unscanned) = (done.dropped.no_slot, done.dropped.unscanned);
         // Without its own numbers nothing that it says tells of light or thresholds, and where slots
-        // were lacking, the events of a kind may be lost.
-        let can_judge = self.unheld.is_none() && !(self.has_slots && done.lost > 0);
+        // were lacking or rows were not scanned, the events of a kind may be lost.
+        let is_whole = !self.has_slots || (lost, unscanned) == (0, 0);
+        let can_judge = self.unheld.is_none() && is_whole;
         let is_silent = can_judge && done.kinds.iter().all(|events| *events == 0);
         let spread = self.spread;
         let rounded = self.rounded.clone();
@@ -123,11 +126,14 @@ impl RunGuard {
         let still = self.still.map(|reached| Warning::still(subject, reached));
         let spread = spread.and_then(|(sigma, least)| Warning::spread(subject, sigma, least));
         let crowd = (self.crowd.over > 0).then(|| Warning::most_cells(subject, &self.crowd));
-        let slots = (done.lost > 0).then(|| Warning::slots("the readout", done.lost, done.kept));
-        let all = [rounded, silent, still, spread, crowd, slots];
+        let slots = (lost > 0).then(|| Warning::slots("the readout", lost, done.kept));
+        let nothing = unscanned > 0 && (done.kept, lost) == (0, 0);
+        let rows = nothing.then(|| Warning::no_events_in_rows(subject, frames, unscanned));
+        let all = [rounded, silent, still, spread, crowd, slots, rows];
         for warning in all.into_iter().flatten() {
             guard.warn(warning);
         }
+        guard.unscanned(subject, done.dropped, done.kept);
         if let Some(unheld) = &self.unheld {
             saturation::warn_unheld(&mut guard, subject, unheld);
         } else if let Some(warning) = self.overflow.warning(subject, done.overflowed) {

@@ -1,6 +1,7 @@
 //! Tells of the registers of a chip that are at the end of their range, after a run or after any frame
 //! of it, and of light that they cannot hold.
 
+use super::stores::{self, Stores};
 use crate::{
     array::{Arithmetic, Array, AtBorder, Settings, Unheld, claim::MOST_EFFORT, effort, taps},
     isa::Device,
@@ -53,6 +54,8 @@ pub struct Saturation {
     held: bool,
     frames: u64,
     worst: Vec<Saturated>,
+    /// What was seen between the words of some frames.
+    stores: Stores,
 }
 
 /// A register, and the frame after which it was worst.
@@ -71,7 +74,15 @@ impl Saturation {
             held: ends.is_none(),
             frames: 0,
             worst: Vec::new(),
+            stores: Stores::default(),
         }
+    }
+
+    /// Looks at what these steps store on the way, if the frame that comes is one of those that are
+    /// looked at. They run aside: the array is then as it was, and they are still to be run.
+    pub fn before(&mut self, chip: &mut dyn Array, steps: &[Step]) {
+        let range = (self.ends, self.held);
+        self.stores.frame(self.frames, chip, steps, range);
     }
 
     /// Looks at the registers after a frame.
@@ -97,6 +108,11 @@ impl Saturation {
     /// Warns of what was seen of a program; `loads` says which registers hold a constant that it
     /// loads.
     pub fn warn(self, guard: &mut Guard, program: &str, loads: impl Fn(&str) -> bool) {
+        let warning = if self.held {
+            Warning::beyond
+        } else {
+            Warning::saturation
+        };
         for it in self.worst {
             let at = it.worst;
             if at.alike && loads(&at.register) {
@@ -109,13 +125,19 @@ impl Saturation {
                 format!("frame {}", it.frame)
             };
             let place = format!("{} after {after}", at.register);
-            guard.warn(if self.held {
-                Warning::beyond(program, &place, counted, at.ends)
-            } else {
-                Warning::saturation(program, &place, counted, at.ends)
-            });
+            guard.warn(warning(program, &place, counted, at.ends));
+        }
+        // Where registers at a frame's end were told of, the guard has no second warning of it.
+        if let Some((at, place)) = self.stores.found() {
+            guard.warn(warning(program, &place, (at.pixels, at.of), at.ends));
         }
     }
+}
+
+/// Whether steps have words whose stores are looked at one by one.
+#[must_use]
+pub fn looks(codes: &[&[Step]], device: &Device) -> bool {
+    codes.iter().any(|steps| stores::looks(steps, device))
 }
 
 /// Whether a register holds a constant that these steps load, whatever the light is.

@@ -130,6 +130,10 @@ pub trait Array: Sensor {
         self.run_body(&body, t, packet)
     }
 
+    /// Lets `run` do with the array what it likes, and takes all of that back: what registers hold, what
+    /// was counted and read. The next word errs as it would have.
+    fn aside(&mut self, run: &mut dyn FnMut(&mut dyn Array));
+
     /// Forgets what was read before, as each frame does.
     fn begin_frame(&mut self);
 

@@ -122,8 +122,20 @@ impl<D: RowOps> Array for Chip<D> {
         self.run(&body.0, t, packet)
     }
 
+    fn aside(&mut self, run: &mut dyn FnMut(&mut dyn Array)) {
+        let state = self.state.clone();
+        let (idle, readings) = (self.idle.clone(), self.readings.clone());
+        let unscanned = self.unscanned.clone();
+        let (step, ledger, watched) = (self.step, self.ledger, self.watched);
+        run(self);
+        (self.state, self.idle, self.readings) = (state, idle, readings);
+        self.unscanned = unscanned;
+        (self.step, self.ledger, self.watched) = (step, ledger, watched);
+    }
+
     fn begin_frame(&mut self) {
         self.readings.clear();
+        self.unscanned.clear();
     }
 
     fn wait(&mut self, seconds: f64) {

@@ -12,12 +12,14 @@ mod error;
 mod face;
 mod run;
 mod time;
+mod unscanned;
 
 pub use self::{
     array::Array,
     error::{RunError, ShapeError},
 };
 
+use self::unscanned::Unscanned;
 use super::{
     CodeError, Layout, Ledger, Reading, RowOps, Schedule, Settings, State, check,
     engine::{Engine, Lowered},
@@ -54,6 +56,7 @@ pub struct Chip<D: RowOps> {
     step: u64,
     ledger: Ledger,
     readings: Vec<Reading>,
+    unscanned: Unscanned,
     engine: Engine<D::Cell>,
     init: Lowered,
     frame: Lowered,
@@ -104,6 +107,7 @@ impl<D: RowOps> Chip<D> {
             step: 0,
             ledger: Ledger::default(),
             readings: Vec::new(),
+            unscanned: Unscanned::default(),
         })
     }
 

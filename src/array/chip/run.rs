@@ -84,8 +84,14 @@ impl<D: RowOps> Chip<D> {
         } = *operation
         {
             let rows = usize::from(first_row)..=usize::from(last_row);
-            let scan = Scanned::of_rows(self.state.digital(source), self.state.layout.size, rows);
+            let (bits, size) = (self.state.digital(source), self.state.layout.size);
+            let scan = Scanned::of_rows(bits, size, rows.clone());
             self.ledger.events += scan.found.len() as u64;
+            let read_as = (source, polarity, channel);
+            let left = self.unscanned.see(read_as, bits, size, &rows);
+            for counted in [&mut self.ledger.unscanned, &mut packet.dropped.unscanned] {
+                *counted = (*counted + left.more).saturating_sub(left.read);
+            }
             deliver(&scan, polarity, channel, t, packet);
             return;
         }

@@ -33,7 +33,7 @@ use crate::{
     study::{
         execution::{CellOptions, Execution, Ran, begin},
         pilot::Machine,
-        saturation::Saturation,
+        saturation::{self, Saturation},
     },
 };
 
@@ -129,9 +129,15 @@ impl<'a> Bench<'a> {
             Some(_) => trace::bytes(device, self.size),
             None => 0,
         };
+        // What registers held is put back.
+        let aside = match saturation::looks(&self.codes(), device) {
+            true => self.arithmetic.bytes_of_registers(device, self.size),
+            false => 0,
+        };
         Need::new()
             .and("frames of the light", self.frames + 8 * pixels)
             .and("the chip", self.arithmetic.bytes(device, self.size))
+            .and("registers that are kept while words are looked at", aside)
             .and("the chips of the trace", traced)
             .and(
                 "registers that are set",

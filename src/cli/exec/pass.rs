@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use super::{bench::Bench, debug::Debugger, shows::Shows, strip::Strip, trace::Tracer};
+use super::{
+    bench::Bench, debug::Debugger, moment::Part, shows::Shows, strip::Strip, trace::Tracer,
+};
 use crate::{array::Array, event::Packet, rig::guard::Guard, study::saturation::Saturation};
 
 /// What a pass leaves.
@@ -49,6 +51,9 @@ impl<'a> Pass<'a> {
         } else {
             bench.watch(&mut *chip, |chip, moment, packet| {
                 guard.frame_at(moment.t);
+                if moment.part != Part::Ran {
+                    saturation.before(chip, moment.steps);
+                }
                 if arguments.strip.is_some() {
                     strip.frame(&bench.opened, chip, moment, packet)?;
                 } else {

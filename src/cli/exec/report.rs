@@ -175,6 +175,12 @@ impl Report<'_> {
                 ledger.missed
             ));
         }
+        if ledger.unscanned > 0 && !self.decides {
+            lines.push(format!(
+                "note     {} set pixels lie in rows that are not scanned",
+                ledger.unscanned
+            ));
+        }
         if ledger.ambiguous > 0 {
             let it = if ledger.ambiguous == 1 { "it" } else { "them" };
             let events = counted(ledger.ambiguous, "event");

@@ -225,12 +225,13 @@ fn ends((first, last): (Micros, Micros)) -> String {
     )
 }
 
-/// Two or four numbers: what only a readout drops may be left out.
+/// Two, four or five numbers: what only a readout drops may be left out.
 fn dropped(text: &str) -> Option<Dropped> {
     let counts: Result<Vec<u64>, _> = text.split(',').map(str::parse).collect();
-    let (no_slot, over_limit, queue_full, merged) = match counts.ok()?[..] {
-        [a, b] => (a, b, 0, 0),
-        [a, b, c, d] => (a, b, c, d),
+    let (no_slot, over_limit, queue_full, merged, unscanned) = match counts.ok()?[..] {
+        [a, b] => (a, b, 0, 0, 0),
+        [a, b, c, d] => (a, b, c, d, 0),
+        [a, b, c, d, e] => (a, b, c, d, e),
         _ => return None,
     };
     Some(Dropped {
@@ -238,6 +239,7 @@ fn dropped(text: &str) -> Option<Dropped> {
         over_limit,
         queue_full,
         merged,
+        unscanned,
     })
 }
 
@@ -273,8 +275,11 @@ impl fmt::Display for About {
         }
         if let Some(d) = self.dropped {
             write!(f, " dropped={},{}", d.no_slot, d.over_limit)?;
-            if (d.queue_full, d.merged) != (0, 0) {
+            if (d.queue_full, d.merged, d.unscanned) != (0, 0, 0) {
                 write!(f, ",{},{}", d.queue_full, d.merged)?;
+            }
+            if d.unscanned != 0 {
+                write!(f, ",{}", d.unscanned)?;
             }
         }
         if let Some(events) = self.events {
