@@ -15,7 +15,7 @@ from typing import Any, TypeVar, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _amacrine, arguments, toml, voxels as voxel
+from . import _amacrine, arguments, notebook, toml, voxels as voxel
 from ._amacrine import Error
 from .caution import OF_ALL, Caution, Said, caution_of
 from .events import NamedEvents, check_side, named, view
@@ -586,6 +586,23 @@ class Sensor(EventSensor):
     def __repr__(self) -> str:
         return f"<Sensor {self.name}: {', '.join(self.channels)}>"
 
+    def _repr_html_(self) -> str:
+        head = {"sensor": self.name, "format": self._format, "seed": self._seed}
+        kinds: list[dict[str, Any]] = []
+        drawn: list[notebook.Plane] = []
+        for name, kernels, limits in zip(
+            self.channels, self._native.kernels, self._native.thresholds
+        ):
+            for n, (kernel, (on, off, sigma)) in enumerate(zip(kernels, limits)):
+                # The four of a 2x2 pattern, in the order of its pixels.
+                kind = name if len(kernels) == 1 else f"{name}, x {n % 2}, y {n // 2}"
+                signs = {"threshold ON": on, "OFF": off, "mismatch": sigma}
+                of_sum = {"kernel": notebook.size(kernel), "sum": float(kernel.sum())}
+                kinds.append({"kind": kind} | of_sum | signs)
+                drawn.append((kind, kernel))
+        tables = notebook.table([head]) + notebook.table(kinds) + notebook.planes(drawn)
+        return tables + notebook.text("its file", self.text)
+
     def without(self, *effects: str) -> Sensor:
         """The sensor without some of its effects: ``"dead-time"``, ``"noise-events"``, ``"jitter"``,
         ``"bandwidth"``, ``"leak"``, ``"mismatch"``, ``"mesh-noise"``. What it does not have it
@@ -791,6 +808,28 @@ class ChipSensor(EventSensor):
     def __repr__(self) -> str:
         return f"<ChipSensor {self.name}: {self.words} words, {self.array_us:.1f} us>"
 
+    def _repr_html_(self) -> str:
+        seed, domain, slots, _ = self._how
+        head = {
+            "program": self.name,
+            "chip": self._native.chip,
+            "words": self.words,
+            "us on the array": self.array_us,
+            "LSB for a unit": self.lsb,
+            "domain": domain,
+            "seed": seed,
+            "readout": "slots" if slots else "all",
+        }
+        named = list(zip(self.channels, self.levels))
+        kinds = [
+            {"kind": kind, "levels": notebook.size(levels), "taps": int(np.count_nonzero(levels))}
+            | {"scale": scale, "sum": float(levels.sum()) * scale}
+            for kind, (levels, scale) in named
+        ]
+        drawn = notebook.planes((f"levels of {kind}", levels) for kind, (levels, _) in named)
+        tables = notebook.table([head]) + notebook.table(kinds) + drawn
+        return tables + notebook.sentences(self.notes) + notebook.text("the program", self.text)
+
 
 def _found_before(
     found: tuple[Any, ...], channels: list[str], how: tuple[int, str, bool, int | None]
@@ -858,6 +897,11 @@ class CompiledFilter:
     def words(self) -> int:
         """Instruction words."""
         return self.program.words
+
+    def _repr_html_(self) -> str:
+        head = {"words": self.words, "us on the array": self.program.array_us}
+        rows = [{"register": name, "of the response": of} for name, of in self.results.items()]
+        return notebook.table([head]) + notebook.table(rows) + notebook.text("the statements", self.text)
 
 
 def compile_filter(
