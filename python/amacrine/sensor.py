@@ -46,7 +46,7 @@ class EventSensor(ABC):
 
     Each call switches the sensor on anew: its first frame sets the memory and makes no event.
     Frame n is at n / fps seconds. Frames are arrays, or tensors in memory, of shape (T,H,W),
-    (T,1,H,W) or (B,T,1,H,W), ``uint8`` or floats with a ``scale``; those that lie row by row are
+    (T,1,H,W) or (B,T,1,H,W), ``uint8``, or floats, whole numbers of other widths or ``bool`` with a ``scale``; those that lie row by row are
     read in place. The interpreter is released meanwhile. The same frames give the same events, on
     any number of threads.
     """
@@ -1011,12 +1011,13 @@ def _refractory(given: Any) -> Any:
 
 
 def _thresholds(given: Any, count: int) -> list[dict[str, Any]]:
-    """A table for each kernel."""
+    """A table for each kernel. What is wrong is told of what was given, once for all kernels: a text
+    that is made of it nobody has written."""
     given = untracked(given)
     if isinstance(given, Mapping) or (
         not isinstance(given, (list, tuple)) and np.ndim(given) == 0
     ):
-        return [_threshold(given)] * count
+        return [_threshold("thresholds", given)] * count
     all = list(given)
     if len(all) != count:
         raise Error(
@@ -1024,22 +1025,59 @@ def _thresholds(given: Any, count: int) -> list[dict[str, Any]]:
             "help: give one threshold for all kernels, or one for each, in their order; a pair (on, "
             "off) is one of them: [(0.2, 0.3)]"
         )
-    return [_threshold(one) for one in all]
+    return [_threshold(f"thresholds[{i}]", one) for i, one in enumerate(all)]
 
 
-def _threshold(given: Any) -> dict[str, Any]:
+THRESHOLD = "in units of the response"
+OF_TABLE = "give a table with on, off and, where there is mismatch, sigma"
+
+
+def _threshold(name: str, given: Any) -> dict[str, Any]:
     if isinstance(given, Mapping):
-        return dict(given)
+        return _of_table(name, given)
     try:
         numbers = np.asarray(untracked(given)).ravel()
     except (TypeError, ValueError):
         numbers = np.zeros(0)
-    if numbers.dtype.kind in "uif" and numbers.size in (1, 2):
-        return {"on": float(numbers[0]), "off": float(numbers[-1])}
-    raise Error(
-        f"{given!r} is no threshold\n"
-        "help: give a number, a pair (on, off), or a table with on, off and sigma"
-    )
+    if numbers.dtype.kind not in "uif" or numbers.size not in (1, 2):
+        raise Error(
+            f"{name} = {given!r} is no threshold\n"
+            "help: give a number, a pair (on, off), or a table with on, off and sigma"
+        )
+    on, off = float(numbers[0]), float(numbers[-1])
+    if not all(0.0 < one < math.inf for one in (on, off)):
+        what = "a number" if numbers.size == 1 else "two numbers"
+        raise Error(f"{name} = {_plain(numbers)}\nhelp: give {what} above 0, {THRESHOLD}")
+    return {"on": on, "off": off}
+
+
+def _of_table(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """A table with a threshold for each sign, and what they are spread by."""
+    found = {str(key): value for key, value in given.items()}
+    unknown = ", ".join(key for key in found if key not in ("on", "off", "sigma"))
+    missing = ", ".join(key for key in ("on", "off") if key not in found)
+    if unknown or missing:
+        has = " and ".join(
+            [f"has {unknown}"] * bool(unknown) + [f"lacks {missing}"] * bool(missing)
+        )
+        raise Error(f"{name} = {given!r} {has}\nhelp: {OF_TABLE}")
+    for key, value in found.items():
+        is_spread = key == "sigma"
+        least = "of 0 or more" if is_spread else "above 0"
+        help = f"give a number {least}, {THRESHOLD}"
+        if isinstance(value, (bool, np.bool_)):
+            raise Error(f'{name}["{key}"] = {value} is no number\nhelp: {help}')
+        number = arguments.number(f'{name}["{key}"]', value, help)
+        if not (0.0 < number < math.inf or is_spread and number == 0.0):
+            raise Error(f'{name}["{key}"] = {number:g}\nhelp: {help}')
+        found[key] = number
+    return found
+
+
+def _plain(numbers: npt.NDArray[Any]) -> str:
+    """A threshold as it was given, without the names of types."""
+    each = [f"{one:g}" for one in numbers.tolist()]
+    return each[0] if len(each) == 1 else f"({', '.join(each)})"
 
 
 def _domain(domain: str) -> str:

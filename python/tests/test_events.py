@@ -76,6 +76,21 @@ def test_numbers_with_a_scale(
     assert sensor.events(given, FPS, scale=4).tobytes() == want["events"].tobytes()
 
 
+def test_frames_of_true_and_false(frames: Frames) -> None:
+    """True is the light that the scale says, however the array lies."""
+    lit = frames > 128
+    sensor = amacrine.Sensor(kernels(2), 0.3)
+    want = sensor.counts(lit * np.uint8(255), FPS)
+    assert np.count_nonzero(want) > 100
+    assert np.array_equal(sensor.counts(lit, FPS, scale=255), want)
+    turned = sensor.events(lit.transpose(0, 2, 1), FPS, scale=255)
+    same = sensor.events((lit * 255.0).transpose(0, 2, 1), FPS, scale=1)
+    assert turned.tobytes() == same.tobytes()
+    snap = amacrine.Program.from_file("dvs/snap")
+    run = snap.run(lit, FPS, scale=200)
+    assert run.events.tobytes() == snap.run(lit * np.uint8(200), FPS).events.tobytes()
+
+
 def test_frames_are_put_in(
     program: Callable[..., str], tmp_path: Path, frames: Frames
 ) -> None:
