@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import importlib
 import json
+import re
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -56,6 +57,7 @@ class Answer:
         if isinstance(data, list):
             return cls({"rows": data}, rows="rows")
         shown = None if show is None else show(data)
+        page = None if page is None else _page_in_python(page)
         return cls(data, page=page, drawing=drawing, rows=rows, shown=shown)
 
     def __getattr__(self, name: str) -> Any:
@@ -174,6 +176,23 @@ def _in_python(of: Any) -> Any:
     if isinstance(of, dict):
         return {name: one if name in TEXTS else _in_python(one) for name, one in of.items()}
     return of
+
+
+NO_TEXT = r"<(style|script|pre)\b.*?</\1>|<!--.*?-->|<[^>]*>"
+"""What a page has besides its texts: tags, and what stands in them; what is to be typed, too."""
+
+OF_JSON = "with <code>--json</code> it prints every number"
+
+
+def _page_in_python(page: str) -> str:
+    """The same with arguments in its texts where the command line has options; names in style sheets
+    begin with two dashes, too."""
+    page = page.replace(OF_JSON, "<code>to_dict()</code> has every number")
+    parts, end = [], 0
+    for tag in re.finditer(NO_TEXT, page, re.DOTALL):
+        parts += [_in_python(page[end : tag.start()]), tag.group()]
+        end = tag.end()
+    return "".join([*parts, _in_python(page[end:])])
 
 
 TEXTS = ("program", "sensor")

@@ -163,12 +163,35 @@ def test_feasibility(program: Callable[..., str], tmp_path: Path) -> None:
     # What it says is said in arguments.
     assert "(--readout overlapped)" in json.dumps(stated)
     assert "(overlapped=True)" in json.dumps(of) and not re.search(r"--[a-z]", json.dumps(of))
+    _check_page(str(answer.page))
     assert "<iframe srcdoc=" in answer._repr_html_()
     answer.save(tmp_path / "report.html")
     assert (tmp_path / "report.html").read_text().startswith("<!DOCTYPE html>")
     assert pickle.loads(pickle.dumps(answer)) == answer
     with pytest.raises(AttributeError, match="verdict"):
         answer.verdicts
+
+
+def _texts(page: str) -> str:
+    """What is read of a page, or a drawing: no tags, no style sheets."""
+    return re.sub(r"<style\b.*?</style>|<[^>]*>", " ", page, flags=re.DOTALL)
+
+
+def _check_page(page: str) -> None:
+    """It speaks of arguments, and its style sheet is as it was."""
+    assert "(overlapped=True)" in page and "to_dict()" in page
+    assert not re.findall(r"--[a-z]+", _texts(page))
+    names = set(re.findall(r"var\((--[a-z-]+)\)", page))
+    assert len(names) > 3 and all(re.search(rf"{name}\s*:", page) for name in names)
+
+
+def test_the_drawing_of_a_trade_speaks_of_arguments() -> None:
+    frames, fps = amacrine.load(SCENE)
+    scale = None if frames.dtype == np.uint8 else 1
+    trade = amacrine.trade(amacrine.Sensor("dvs", 0.3), frames, fps=fps, scale=scale)
+    texts = _texts(str(trade.drawing))
+    assert "verify=True measures them" in texts and "runs=N shares them" in texts
+    assert not re.findall(r"--[a-z]+", texts)
 
 
 def test_feasibility_at_a_rate(program: Callable[..., str]) -> None:
