@@ -7,8 +7,8 @@
 >>> events.dtype.names
 ('t', 'x', 'y', 'p', 'channel')
 
-Frames are arrays of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W): ``uint8`` as they are, floats with an
-explicit ``scale`` to light from 0 to 255. Image coordinates: x to the right, y down. Times of
+Frames are arrays of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W): ``uint8`` as they are, floats (and
+other whole numbers, and ``bool``) with an explicit ``scale`` to light from 0 to 255. Image coordinates: x to the right, y down. Times of
 events are whole microseconds. Whatever is wrong raises :class:`Error`, a ``ValueError``, with the
 words of the command line, its options called as arguments are here.
 """

@@ -5,8 +5,9 @@ from __future__ import annotations
 import html
 import importlib
 import json
+import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from . import _amacrine
 from ._amacrine import Error
 from .arguments import file
 from .caution import Caution
+from .notebook import table
 
 
 class Answer:
@@ -32,19 +34,31 @@ class Answer:
         page: str | None = None,
         drawing: str | None = None,
         rows: str | None = None,
+        shown: list[dict[str, Any]] | None = None,
     ) -> None:
         self._data = data
         self._page = page
         self._drawing = drawing
         self._rows = rows
+        self._shown = shown
 
     @classmethod
-    def parse(cls, text: str, **more: str | None) -> Answer:
-        """From JSON."""
+    def parse(
+        cls,
+        text: str,
+        *,
+        page: str | None = None,
+        drawing: str | None = None,
+        rows: str | None = None,
+        show: Callable[[dict[str, Any]], list[dict[str, Any]]] | None = None,
+    ) -> Answer:
+        """From JSON. ``show`` says which rows a notebook shows, where not all of its table."""
         data = _in_python(json.loads(text))
         if isinstance(data, list):
             return cls({"rows": data}, rows="rows")
-        return cls(data, **more)
+        shown = None if show is None else show(data)
+        page = None if page is None else _page_in_python(page)
+        return cls(data, page=page, drawing=drawing, rows=rows, shown=shown)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
@@ -82,7 +96,7 @@ class Answer:
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _again, (self._data, self._page, self._drawing, self._rows)
+        return _again, (self._data, self._page, self._drawing, self._rows, self._shown)
 
     def to_dict(self) -> dict[str, Any]:
         """All of it as plain dicts and lists."""
@@ -137,14 +151,20 @@ class Answer:
             return f'<iframe srcdoc="{whole}" width="100%" height="800" frameborder="0"></iframe>'
         if self._drawing is not None:
             return self._drawing
+        if self._shown is not None:
+            return table(self._shown)
         rows = self._list(self._rows) if self._rows else [self._data]
         return table(rows or [])
 
 
 def _again(
-    data: dict[str, Any], page: str | None, drawing: str | None, rows: str | None
+    data: dict[str, Any],
+    page: str | None,
+    drawing: str | None,
+    rows: str | None,
+    shown: list[dict[str, Any]] | None = None,
 ) -> Answer:
-    return Answer(data, page=page, drawing=drawing, rows=rows)
+    return Answer(data, page=page, drawing=drawing, rows=rows, shown=shown)
 
 
 def _in_python(of: Any) -> Any:
@@ -156,6 +176,23 @@ def _in_python(of: Any) -> Any:
     if isinstance(of, dict):
         return {name: one if name in TEXTS else _in_python(one) for name, one in of.items()}
     return of
+
+
+NO_TEXT = r"<(style|script|pre)\b.*?</\1>|<!--.*?-->|<[^>]*>"
+"""What a page has besides its texts: tags, and what stands in them; what is to be typed, too."""
+
+OF_JSON = "with <code>--json</code> it prints every number"
+
+
+def _page_in_python(page: str) -> str:
+    """The same with arguments in its texts where the command line has options; names in style sheets
+    begin with two dashes, too."""
+    page = page.replace(OF_JSON, "<code>to_dict()</code> has every number")
+    parts, end = [], 0
+    for tag in re.finditer(NO_TEXT, page, re.DOTALL):
+        parts += [_in_python(page[end : tag.start()]), tag.group()]
+        end = tag.end()
+    return "".join([*parts, _in_python(page[end:])])
 
 
 TEXTS = ("program", "sensor")
@@ -170,28 +207,9 @@ def _wrapped(of: Any) -> Any:
     return of
 
 
-def table(rows: list[dict[str, Any]]) -> str:
-    """Rows of plain values as a table of HTML; what is no plain value is left out."""
-    plain = [
-        {name: of for name, of in row.items() if not isinstance(of, (dict, list))} for row in rows
-    ]
-    columns = list(dict.fromkeys(name for row in plain for name in row))
-    head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{html.escape(_cell(row.get(c)))}</td>" for c in columns) + "</tr>"
-        for row in plain
-    )
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-
-
-def _cell(of: Any) -> str:
-    if of is None:
-        return ""
-    return f"{of:.4g}" if isinstance(of, float) else str(of)
-
-
-def told(answer: Answer) -> Answer:
-    """Warns the caller of whoever asked of what the answer warns of, once of each thing."""
+def told(answer: Answer, *, above: int = 1) -> Answer:
+    """Warns the caller of whoever asked of what the answer warns of, once of each thing; so many calls
+    above."""
     said: dict[str, str] = {}
     for one in _warnings(answer.to_dict()):
         first, *others = one["subjects"] or ["the run"]
@@ -199,7 +217,7 @@ def told(answer: Answer) -> Answer:
         text = f"{first}: {one['seen']}{alike}: {one['why']}; {one['change']}"
         said.setdefault(one["about"], text)
     for text in said.values():
-        warnings.warn(text, Caution, stacklevel=3)
+        warnings.warn(text, Caution, stacklevel=2 + above)
     return answer
 
 

@@ -10,7 +10,7 @@ from typing import Any, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _amacrine, arguments, voxels as voxel
+from . import _amacrine, arguments, notebook, voxels as voxel
 from ._amacrine import Error
 
 EVENT = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "i1")])
@@ -33,6 +33,9 @@ Parts = Union[npt.NDArray[Any], Sequence[npt.NDArray[Any]]]
 
 MOST_SIDE = 1 << 15
 """The longest side whose addresses an event's ``i2`` holds."""
+
+MOST_ROWS = 5
+"""Events that a notebook shows."""
 
 RANGES = {"t": (0, (1 << 63) - 1), "x": (0, 65535), "y": (0, 65535), "channel": (0, 254)}
 """What the library's events hold; `p` is 1, 0 or -1."""
@@ -70,6 +73,35 @@ class NamedEvents(np.ndarray[Any, np.dtype[np.void]]):
         if func is np.concatenate and isinstance(found, np.ndarray) and found.dtype.names:
             return _joined(args[0] if args else kwargs["arrays"], found)
         return found
+
+    def _repr_html_(self) -> str | None:
+        # Parts of it may be of another dtype; they are shown as arrays are.
+        if not set(EVENT.names or ()) <= set(self.dtype.names or ()):
+            return None
+        events = self.view(np.ndarray).ravel()
+        head: dict[str, Any] = {"events": len(events)}
+        if self.sensor_size is not None:
+            head["sensor"] = f"{self.sensor_size[1]}x{self.sensor_size[0]}"
+        if self.span is not None:
+            head["span, s"] = "{:g} to {:g}".format(*self.span)
+        head |= {f"lost: {why}": count for why, count in (self.dropped or {}).items() if count}
+        rows = [dict(zip(events.dtype.names or (), event)) for event in events[:MOST_ROWS].tolist()]
+        more = "" if len(events) <= MOST_ROWS else f"<p>… {len(events) - MOST_ROWS} more</p>"
+        return notebook.table([head]) + notebook.table(self._signs(events)) + notebook.table(rows) + more
+
+    def _signs(self, events: npt.NDArray[Any]) -> list[dict[str, Any]]:
+        """ON and OFF of each kind of cells."""
+        on = events["p"] > 0
+        if "channel" not in (events.dtype.names or ()):
+            return [{"ON": int(on.sum()), "OFF": int((~on).sum())}]
+        kinds = max(self.kinds or 0, int(events["channel"].max(initial=0)) + 1)
+        each = [np.bincount(events["channel"][of], minlength=kinds) for of in (on, ~on)]
+        called = self.names or []
+        each_called = [called[n] if n < len(called) else str(n) for n in range(kinds)]
+        return [
+            {"kind": name, "ON": int(on), "OFF": int(off)}
+            for name, on, off in zip(each_called, *each)
+        ]
 
     def __reduce__(self) -> tuple[Any, ...]:
         known = self.names, self.sensor_size, self.kinds, self.span, self.dropped

@@ -94,6 +94,14 @@ def _numbers(array: npt.NDArray[Any], scale: float | None) -> tuple[npt.NDArray[
         )
     if scale is not None:
         scale = arguments.scale(scale)
+    if kind == "b" and scale is not None:
+        # Dark and lit: a byte each, 0 or 1, and read in place.
+        return array.view(np.uint8), scale
+    if kind == "b":
+        raise Error(
+            "frames of dtype bool have no scale of their own\n"
+            "help: say what light True is, of 255: scale=255; or give uint8, or floats with a scale"
+        )
     if kind not in "uif" or width > 8:
         raise Error(
             f"frames of dtype {array.dtype} are no light\n"

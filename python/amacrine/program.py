@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _amacrine, arguments
+from . import _amacrine, arguments, notebook
 from ._amacrine import Error
-from .answer import table
 from .caution import Caution
 from .events import NamedEvents, check_side, named, view
 from .frames import clips
@@ -45,14 +44,15 @@ class ProgramRun:
         return f"<ProgramRun: {len(self.events)} events, {self.lost} lost>"
 
     def _repr_html_(self) -> str:
-        head = table([{"events": len(self.events), "lost": self.lost}])
+        head = notebook.table([{"events": len(self.events), "lost": self.lost}])
         registers = [
             {"register": name, "least": values.min(), "mean": values.mean(), "most": values.max()}
             for name, values in self.registers.items()
             if values.size
         ]
         posts = [{"frame": frame, "what the host wrote": text} for frame, text in self.posts]
-        return head + table(registers) + (table(posts) if posts else "")
+        written = notebook.table(posts) if posts else ""
+        return head + notebook.table(registers) + written
 
 
 class Program:
@@ -191,6 +191,16 @@ class Program:
         if self.decides:
             return f"<Program {self._native.file}: its host decides the words>"
         return f"<Program {self._native.file}: {self.words} words, {self.array_us:.1f} us>"
+
+    def _repr_html_(self) -> str:
+        row: dict[str, Any] = {"program": self._native.file, "chip": self.chip}
+        if self.decides:
+            row["words"] = "its host decides"
+        else:
+            row |= {"words": self.words, "us on the array": self.array_us}
+        if self._native.fps is not None:
+            row["frames/s"] = self._native.fps
+        return notebook.table([row]) + notebook.text("its text", self.text)
 
 
 def _registers(given: Any, size: tuple[int, int]) -> list[tuple[str, npt.NDArray[np.float64]]]:

@@ -15,7 +15,7 @@ from typing import Any, TypeVar, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _amacrine, arguments, toml, voxels as voxel
+from . import _amacrine, arguments, notebook, toml, voxels as voxel
 from ._amacrine import Error
 from .caution import OF_ALL, Caution, Said, caution_of
 from .events import NamedEvents, check_side, named, view
@@ -46,7 +46,7 @@ class EventSensor(ABC):
 
     Each call switches the sensor on anew: its first frame sets the memory and makes no event.
     Frame n is at n / fps seconds. Frames are arrays, or tensors in memory, of shape (T,H,W),
-    (T,1,H,W) or (B,T,1,H,W), ``uint8`` or floats with a ``scale``; those that lie row by row are
+    (T,1,H,W) or (B,T,1,H,W), ``uint8``, or floats, whole numbers of other widths or ``bool`` with a ``scale``; those that lie row by row are
     read in place. The interpreter is released meanwhile. The same frames give the same events, on
     any number of threads.
     """
@@ -586,6 +586,23 @@ class Sensor(EventSensor):
     def __repr__(self) -> str:
         return f"<Sensor {self.name}: {', '.join(self.channels)}>"
 
+    def _repr_html_(self) -> str:
+        head = {"sensor": self.name, "format": self._format, "seed": self._seed}
+        kinds: list[dict[str, Any]] = []
+        drawn: list[notebook.Plane] = []
+        for name, kernels, limits in zip(
+            self.channels, self._native.kernels, self._native.thresholds
+        ):
+            for n, (kernel, (on, off, sigma)) in enumerate(zip(kernels, limits)):
+                # The four of a 2x2 pattern, in the order of its pixels.
+                kind = name if len(kernels) == 1 else f"{name}, x {n % 2}, y {n // 2}"
+                signs = {"threshold ON": on, "OFF": off, "mismatch": sigma}
+                of_sum = {"kernel": notebook.size(kernel), "sum": float(kernel.sum())}
+                kinds.append({"kind": kind} | of_sum | signs)
+                drawn.append((kind, kernel))
+        tables = notebook.table([head]) + notebook.table(kinds) + notebook.planes(drawn)
+        return tables + notebook.text("its file", self.text)
+
     def without(self, *effects: str) -> Sensor:
         """The sensor without some of its effects: ``"dead-time"``, ``"noise-events"``, ``"jitter"``,
         ``"bandwidth"``, ``"leak"``, ``"mismatch"``, ``"mesh-noise"``. What it does not have it
@@ -791,6 +808,28 @@ class ChipSensor(EventSensor):
     def __repr__(self) -> str:
         return f"<ChipSensor {self.name}: {self.words} words, {self.array_us:.1f} us>"
 
+    def _repr_html_(self) -> str:
+        seed, domain, slots, _ = self._how
+        head = {
+            "program": self.name,
+            "chip": self._native.chip,
+            "words": self.words,
+            "us on the array": self.array_us,
+            "LSB for a unit": self.lsb,
+            "domain": domain,
+            "seed": seed,
+            "readout": "slots" if slots else "all",
+        }
+        named = list(zip(self.channels, self.levels))
+        kinds = [
+            {"kind": kind, "levels": notebook.size(levels), "taps": int(np.count_nonzero(levels))}
+            | {"scale": scale, "sum": float(levels.sum()) * scale}
+            for kind, (levels, scale) in named
+        ]
+        drawn = notebook.planes((f"levels of {kind}", levels) for kind, (levels, _) in named)
+        tables = notebook.table([head]) + notebook.table(kinds) + drawn
+        return tables + notebook.sentences(self.notes) + notebook.text("the program", self.text)
+
 
 def _found_before(
     found: tuple[Any, ...], channels: list[str], how: tuple[int, str, bool, int | None]
@@ -858,6 +897,11 @@ class CompiledFilter:
     def words(self) -> int:
         """Instruction words."""
         return self.program.words
+
+    def _repr_html_(self) -> str:
+        head = {"words": self.words, "us on the array": self.program.array_us}
+        rows = [{"register": name, "of the response": of} for name, of in self.results.items()]
+        return notebook.table([head]) + notebook.table(rows) + notebook.text("the statements", self.text)
 
 
 def compile_filter(
@@ -967,12 +1011,13 @@ def _refractory(given: Any) -> Any:
 
 
 def _thresholds(given: Any, count: int) -> list[dict[str, Any]]:
-    """A table for each kernel."""
+    """A table for each kernel. What is wrong is told of what was given, once for all kernels: a text
+    that is made of it nobody has written."""
     given = untracked(given)
     if isinstance(given, Mapping) or (
         not isinstance(given, (list, tuple)) and np.ndim(given) == 0
     ):
-        return [_threshold(given)] * count
+        return [_threshold("thresholds", given)] * count
     all = list(given)
     if len(all) != count:
         raise Error(
@@ -980,22 +1025,59 @@ def _thresholds(given: Any, count: int) -> list[dict[str, Any]]:
             "help: give one threshold for all kernels, or one for each, in their order; a pair (on, "
             "off) is one of them: [(0.2, 0.3)]"
         )
-    return [_threshold(one) for one in all]
+    return [_threshold(f"thresholds[{i}]", one) for i, one in enumerate(all)]
 
 
-def _threshold(given: Any) -> dict[str, Any]:
+THRESHOLD = "in units of the response"
+OF_TABLE = "give a table with on, off and, where there is mismatch, sigma"
+
+
+def _threshold(name: str, given: Any) -> dict[str, Any]:
     if isinstance(given, Mapping):
-        return dict(given)
+        return _of_table(name, given)
     try:
         numbers = np.asarray(untracked(given)).ravel()
     except (TypeError, ValueError):
         numbers = np.zeros(0)
-    if numbers.dtype.kind in "uif" and numbers.size in (1, 2):
-        return {"on": float(numbers[0]), "off": float(numbers[-1])}
-    raise Error(
-        f"{given!r} is no threshold\n"
-        "help: give a number, a pair (on, off), or a table with on, off and sigma"
-    )
+    if numbers.dtype.kind not in "uif" or numbers.size not in (1, 2):
+        raise Error(
+            f"{name} = {given!r} is no threshold\n"
+            "help: give a number, a pair (on, off), or a table with on, off and sigma"
+        )
+    on, off = float(numbers[0]), float(numbers[-1])
+    if not all(0.0 < one < math.inf for one in (on, off)):
+        what = "a number" if numbers.size == 1 else "two numbers"
+        raise Error(f"{name} = {_plain(numbers)}\nhelp: give {what} above 0, {THRESHOLD}")
+    return {"on": on, "off": off}
+
+
+def _of_table(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+    """A table with a threshold for each sign, and what they are spread by."""
+    found = {str(key): value for key, value in given.items()}
+    unknown = ", ".join(key for key in found if key not in ("on", "off", "sigma"))
+    missing = ", ".join(key for key in ("on", "off") if key not in found)
+    if unknown or missing:
+        has = " and ".join(
+            [f"has {unknown}"] * bool(unknown) + [f"lacks {missing}"] * bool(missing)
+        )
+        raise Error(f"{name} = {given!r} {has}\nhelp: {OF_TABLE}")
+    for key, value in found.items():
+        is_spread = key == "sigma"
+        least = "of 0 or more" if is_spread else "above 0"
+        help = f"give a number {least}, {THRESHOLD}"
+        if isinstance(value, (bool, np.bool_)):
+            raise Error(f'{name}["{key}"] = {value} is no number\nhelp: {help}')
+        number = arguments.number(f'{name}["{key}"]', value, help)
+        if not (0.0 < number < math.inf or is_spread and number == 0.0):
+            raise Error(f'{name}["{key}"] = {number:g}\nhelp: {help}')
+        found[key] = number
+    return found
+
+
+def _plain(numbers: npt.NDArray[Any]) -> str:
+    """A threshold as it was given, without the names of types."""
+    each = [f"{one:g}" for one in numbers.tolist()]
+    return each[0] if len(each) == 1 else f"({', '.join(each)})"
 
 
 def _domain(domain: str) -> str:

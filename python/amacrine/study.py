@@ -12,9 +12,9 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from . import _amacrine, arguments
+from . import _amacrine, arguments, notebook
 from ._amacrine import Error
-from .answer import Answer, table, told
+from .answer import Answer, told
 from .frames import shown
 from .kernels import Kernels, named, one
 from .program import Program
@@ -30,6 +30,9 @@ takes; or None, the clip that comes with the package."""
 THRESHOLD = "give a number above 0, in units of kernel times light (0 to 255)"
 PART = "give a part above 0 and up to 1, such as sample=0.05"
 LINK = "give the least and the most, in pJ, such as link_energy=(1.0, 20.0), or one number"
+
+RENAMED = 2
+"""Calls between a line and a function whose arguments had other names before."""
 
 MOST_CHIPS = 1024
 """Chips that are drawn at most: each is a run."""
@@ -72,11 +75,25 @@ class Quantised:
         return kernel
 
     def _repr_html_(self) -> str:
+        return notebook.table([self._row()]) + notebook.plane(self.levels)
+
+    def _row(self) -> dict[str, Any]:
         columns = "to", "name", "relative_error", "scale", "sum", "taps"
         row = {name: getattr(self, name) for name in columns}
-        levels = [dict(zip(map(str, range(len(line))), line)) for line in self.levels.tolist()]
         erased = "; ".join(self.erased)
-        return table([row | {"erased": erased} if erased else row]) + table(levels)
+        return row | {"erased": erased} if erased else row
+
+
+class QuantisedList(list[Any]):
+    """Quantised kernels, or a list with those of each of several: a list, and a table in a notebook."""
+
+    def _all(self) -> list[Quantised]:
+        few = (one if isinstance(one, list) else [one] for one in self)
+        return [one for several in few for one in several]
+
+    def _repr_html_(self) -> str:
+        drawn = ((f"{one.name}, {one.to}", one.levels) for one in self._all())
+        return notebook.table([one._row() for one in self._all()]) + notebook.planes(drawn)
 
 
 @overload
@@ -126,11 +143,13 @@ def quantise(
 
     Returns:
         A :class:`Quantised`, a list of them where several quantisers were asked for; of several
-        kernels a list with that of each. With ``thresholds`` an :class:`Answer` with the names of
-        ``amacrine quantise --json``: ``kernel``, ``quantised`` (a row for each quantiser: levels,
-        scale, relative error) and ``chip``, whose ``rows``, the table of ``to_frame()``, have words, us,
-        what is kept and the threshold equivalent of each; of several kernels ``kernels``, each with
-        its ``quantised``, and the table ``together``, a row for each quantiser.
+        kernels a list with that of each. These lists are tables in a notebook. With ``thresholds``
+        an :class:`Answer` with the names of ``amacrine quantise --json``: ``kernel``, ``quantised``
+        (a row for each quantiser: levels, scale, relative error) and ``chip``, whose ``rows``, the
+        table of ``to_frame()``, have words, us, what is kept and the threshold equivalent of each; of
+        several kernels ``kernels``, each with its ``quantised``, and the table ``together``, a row for
+        each quantiser. A notebook shows words, us, and what is kept with the chip's errors, also as a
+        threshold equivalent, of each, or why it is not known.
     """
     given, several = named(kernel), not isinstance(to, str)
     values, total = names("to", to), word("sum", sum, "kept")
@@ -145,17 +164,26 @@ def quantise(
             raise Error("to names no quantiser\nhelp: give one, such as to=\"ternary\"")
         found = json.loads(_amacrine.quantise(given, values, total, whole("seed", seed)))
         each = [
-            [_quantised(name, of) for of in few] for (name, _), few in zip(given, found)
+            QuantisedList(_quantised(name, of) for of in few)
+            for (name, _), few in zip(given, found)
         ]
-        of_kernels = each if several else [few[0] for few in each]
+        of_kernels = QuantisedList(each if several else [few[0] for few in each])
         return of_kernels if len(given) > 1 else of_kernels[0]
     limits = _limits(thresholds, len(given))
     how = _search(total, chip, effort, seed), shown(scene, fps, scale), micros("within", within)
     if len(given) > 1:
         text = _amacrine.on_chip_together(given, values, limits, *how)
-        return told(Answer.parse(text, rows="together"))
+        return told(Answer.parse(text, rows="together", show=_together), above=RENAMED)
     text = _amacrine.on_chip(given[0], values, limits[0], *how)
-    return told(Answer.parse(text, rows="chip.rows"))
+    return told(Answer.parse(text, rows="chip.rows", show=_alone), above=RENAMED)
+
+
+def _alone(of: dict[str, Any]) -> list[dict[str, Any]]:
+    return notebook.of_chip(of["chip"]["rows"], of["warnings"])
+
+
+def _together(of: dict[str, Any]) -> list[dict[str, Any]]:
+    return notebook.of_chip(of["together"], of["warnings"])
 
 
 def _quantised(name: str, of: dict[str, Any]) -> Quantised:
@@ -283,7 +311,7 @@ def feasibility(
         (_energy(link_energy), flag("overlapped", overlapped)),
         whole("chips", chips, 1, MOST_CHIPS),
     )
-    return told(Answer.parse(text, page=page, rows="quantisation"))
+    return told(Answer.parse(text, page=page, rows="quantisation"), above=RENAMED)
 
 
 @arguments.renamed(threshold="thresholds")
@@ -345,7 +373,7 @@ def waterfall(
         ),
         readout_of(readout),
     )
-    return told(Answer.parse(text, drawing=drawing, rows="steps" if steps else "rates"))
+    return told(Answer.parse(text, drawing=drawing, rows="steps" if steps else "rates"), above=RENAMED)
 
 
 def trade(

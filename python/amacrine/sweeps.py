@@ -15,7 +15,7 @@ import numpy as np
 
 from . import _amacrine, arguments, toml
 from ._amacrine import Error
-from .answer import table
+from .notebook import table
 from .caution import Caution
 from .names import opened
 

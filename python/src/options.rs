@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 /// What the library says of options that have no argument of their own here, and what is said
 /// instead.
-const PHRASES: [(&str, &str); 21] = [
+const PHRASES: [(&str, &str); 24] = [
     (
         "the limit (--max-events, and --max-memory where there is no room for more); \
          `amacrine run` also has --counts and --voxels instead of --events, and --when-full drop",
@@ -60,6 +60,12 @@ const PHRASES: [(&str, &str); 21] = [
     ),
     ("(--readout overlapped)", "(overlapped=True)"),
     ("(--readout sequential)", "(overlapped=False)"),
+    ("--verify measures them", "verify=True measures them"),
+    (
+        "--verify counts what that changes",
+        "verify=True counts what that changes",
+    ),
+    ("--runs N shares them", "runs=N shares them"),
     ("--threshold", "thresholds"),
     ("--constant", "constants"),
     ("--const ", "constants "),

@@ -416,3 +416,34 @@ def test_a_program_of_an_objective(frames: Frames) -> None:
     assert np.array_equal(exact.counts(frames, FPS), same.counts(frames, FPS))
     with pytest.raises(amacrine.Error, match="`quick` is no objective"):
         compiled("quick")
+
+
+def test_a_notebook_shows_a_program_and_its_levels() -> None:
+    chip = amacrine.compile(["dvs", "sobel-x"], 20, to="ternary", effort=0.1, domain="exact", seed=3)
+    shown = chip._repr_html_()
+    assert f"<td>scamp5</td><td>{chip.words}</td><td>{chip.array_us:.4g}</td>" in shown
+    assert "<td>exact</td><td>3</td><td>all</td>" in shown
+    assert "levels of dvs" in shown or "levels of 0" in shown
+    assert shown.count("<table>") == 4 and "<details>" in shown
+    taps = [int(np.count_nonzero(levels)) for levels, _ in chip.levels]
+    for (levels, scale), count in zip(chip.levels, taps):
+        side = f"{levels.shape[1]}x{levels.shape[0]}"
+        assert f"<td>{side}</td><td>{count}</td><td>{scale:.4g}</td>" in shown
+
+    program = chip.program
+    shown = program._repr_html_()
+    assert f"<td>scamp5</td><td>{program.words}</td>" in shown
+    assert "<details>" in shown and "scamp5_scan_events(" in shown
+
+    filtered = amacrine.compile_filter("sobel-x", effort=0.1)
+    shown = filtered._repr_html_()
+    register, of = next(iter(filtered.results.items()))
+    assert f"<td>{filtered.words}</td>" in shown and f"<td>{register}</td><td>{of:.4g}</td>" in shown
+
+
+def test_a_notebook_says_of_a_program_in_what_it_differs() -> None:
+    sensor = amacrine.Sensor("dvs", 0.2, border="replicate")
+    with pytest.warns(amacrine.Caution):
+        chip = sensor.on_chip("ternary", effort=0.1)
+    shown = chip._repr_html_()
+    assert chip.notes and shown.count("<li>") == len(chip.notes)

@@ -82,6 +82,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "no scale": (lambda: sensor().events(GOOD / 255, 9), "scale=255 where they are 0 to 1"),
     "scale": (lambda: sensor().events(GOOD / 255, 9, scale=-1), "above 0"),
     "bool": (lambda: sensor().events(GOOD > 0, 9), "uint8, or floats with a scale"),
+    "scale of bool": (lambda: sensor().events(GOOD > 0, 9, scale=0), "above 0"),
     "nan": (lambda: sensor().events(GOOD + np.nan, 9, scale=1), "not finite"),
     "dark": (lambda: sensor().events(GOOD - 1.0, 9, scale=1), "below zero"),
     "bins": (lambda: sensor().voxels(GOOD, 9, bins=0), "1 to 1000"),
@@ -449,3 +450,40 @@ def test_no_option_is_told_of_late_times(tmp_path: Path) -> None:
     with pytest.raises(amacrine.Error) as wrong:
         amacrine.write(tmp_path / "late.evt2", late, size=(8, 8))
     assert "--" not in str(wrong.value) and "events['t'] - events['t'].min()" in str(wrong.value)
+
+
+ABOVE = "help: give a number above 0, in units of the response"
+TABLE = "help: give a table with on, off and, where there is mismatch, sigma"
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (0, f"thresholds = 0\n{ABOVE}"),
+        (-1, f"thresholds = -1\n{ABOVE}"),
+        (np.nan, f"thresholds = nan\n{ABOVE}"),
+        (np.inf, f"thresholds = inf\n{ABOVE}"),
+        (np.zeros(4), f"thresholds[0] = 0\n{ABOVE}"),
+        ([1, 2, (3, 0), 4], f"thresholds[2] = (3, 0)\n{ABOVE.replace('a number', 'two numbers')}"),
+        ({"on": 1, "of": 2}, "thresholds = {'on': 1, 'of': 2} has of and lacks off\n" + TABLE),
+        ({"sigma": 2}, "thresholds = {'sigma': 2} lacks on, off\n" + TABLE),
+        ({"on": 1, "off": -2}, f'thresholds["off"] = -2\n{ABOVE}'),
+        ({"on": 1, "off": True}, f'thresholds["off"] = True is no number\n{ABOVE}'),
+        (
+            {"on": 1, "off": 2, "sigma": -1},
+            f'thresholds["sigma"] = -1\n{ABOVE.replace("above 0", "of 0 or more")}',
+        ),
+    ],
+)
+def test_one_wrong_threshold_is_one_message(given: Any, told: str) -> None:
+    """Of what was given, however many kernels it is for, and not of a text that was made of it."""
+    for make in (amacrine.Sensor, amacrine.compile):
+        with pytest.raises(amacrine.Error) as error:
+            make(kernels(4), given)
+        assert str(error.value) == told
+
+
+def test_tables_of_thresholds_are_taken() -> None:
+    table = {"on": 1, "off": np.float32(2), "sigma": 0}
+    limits = amacrine.Sensor(kernels(2), [table, (3, 4)]).thresholds
+    assert [of.tolist() for of in limits] == [[1, 2, 0], [3, 4, 0]]

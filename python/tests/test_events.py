@@ -76,6 +76,21 @@ def test_numbers_with_a_scale(
     assert sensor.events(given, FPS, scale=4).tobytes() == want["events"].tobytes()
 
 
+def test_frames_of_true_and_false(frames: Frames) -> None:
+    """True is the light that the scale says, however the array lies."""
+    lit = frames > 128
+    sensor = amacrine.Sensor(kernels(2), 0.3)
+    want = sensor.counts(lit * np.uint8(255), FPS)
+    assert np.count_nonzero(want) > 100
+    assert np.array_equal(sensor.counts(lit, FPS, scale=255), want)
+    turned = sensor.events(lit.transpose(0, 2, 1), FPS, scale=255)
+    same = sensor.events((lit * 255.0).transpose(0, 2, 1), FPS, scale=1)
+    assert turned.tobytes() == same.tobytes()
+    snap = amacrine.Program.from_file("dvs/snap")
+    run = snap.run(lit, FPS, scale=200)
+    assert run.events.tobytes() == snap.run(lit * np.uint8(200), FPS).events.tobytes()
+
+
 def test_frames_are_put_in(
     program: Callable[..., str], tmp_path: Path, frames: Frames
 ) -> None:
@@ -459,3 +474,43 @@ def test_effects_are_left_out_as_run_does(
         sensor.without("jitter")
     with pytest.raises(amacrine.Error, match="did you mean `leak`"):
         sensor.without("laek")
+
+
+def test_a_notebook_shows_the_first_events() -> None:
+    given = np.array([(5, 1, 2, 1, 0), (6, 3, 2, 0, 1), *[(9, 0, 0, 1, 1)] * 8], amacrine.EVENT_OF_KINDS)
+    random = np.random.default_rng(3).integers(0, 256, (4, 16, 24)).astype(np.uint8)
+    sensor = amacrine.Sensor(kernels(2), 0.3, names=["one<", "other"])
+    seen = sensor.events(random, FPS)
+    shown = seen._repr_html_()
+    assert shown is not None
+    assert f"<td>{len(seen)}</td><td>24x16</td><td>0 to 0.025</td>" in shown
+    assert f"… {len(seen) - 5} more" in shown and shown.count("<tr>") == 3 + 2 + 1 + 1 + 5 - 1
+    for n, name in enumerate(["one&lt;", "other"]):
+        of = seen["p"][seen["channel"] == n]
+        assert f"<td>{name}</td><td>{(of == 1).sum()}</td><td>{(of == 0).sum()}</td>" in shown
+    # Without what is known of a sensor, and with nothing at all.
+    plain = amacrine.events.named(given, None, None)
+    shown = plain._repr_html_()
+    assert shown is not None and "<td>1</td><td>8</td><td>1</td>" in shown
+    assert "span" not in shown and "more" in shown
+    assert seen[:0]._repr_html_() is not None
+    none = amacrine.events.named(np.zeros(0, amacrine.EVENT), None, (4, 4), dropped={"no_slot": 7})
+    assert "<th>lost: no_slot</th>" in str(none._repr_html_())
+    # What is no list of events is shown as arrays are.
+    numbers: Any = seen.view("u1")
+    assert numbers._repr_html_() is None
+
+
+def test_a_notebook_shows_a_sensor() -> None:
+    sensor = amacrine.Sensor(kernels(2, 3), [0.2, (0.3, 0.4)], names=["one", "other"], seed=7)
+    shown = sensor._repr_html_()
+    assert "<td>sensor</td><td>f64</td><td>7</td>" in shown
+    assert "<td>0.3</td><td>0.4</td><td>0</td>" in shown and shown.count("<td>3x3</td>") == 2
+    # The sensor, its kinds, and a kernel each; its file is folded.
+    assert shown.count("<table>") == 4 and "<details>" in shown
+    assert f"<td>{kernels(2, 3)[1, 0, 0, 0]:.4g}</td>" in shown
+    large = amacrine.Sensor(np.ones((17, 17)), 0.2)._repr_html_()
+    assert "1 kernel is not drawn" in large and large.count("<table>") == 2
+    # A kernel for each pixel of two by two.
+    mosaic = amacrine.Sensor.from_file("mosaic")._repr_html_()
+    assert ", x 1, y 0</td>" in mosaic and ", x 1, y 1</td>" in mosaic

@@ -70,6 +70,63 @@ def test_a_quantised_kernel_is_a_table_in_a_notebook() -> None:
     assert "<td>ternary</td>" in shown and shown.count("<td>-1</td>") == 1
 
 
+def test_quantised_kernels_are_a_list_and_a_table() -> None:
+    two = [np.array([[0, 1, 0], [1, -4, 1], [0, 1, 0]]), np.ones((17, 17))]
+    alone: Any = amacrine.quantise(two[0], ["ternary", "int-5"])
+    assert issubclass(type(alone), list) and [one.to for one in alone] == ["ternary", "int-5"]
+    shown = alone._repr_html_()
+    # One for all, and the levels of each.
+    assert shown.count("<table>") == 3 and "the kernel, int-5" in shown
+    table = amacrine.quantise(two, ["ternary", "int-5"])
+    assert [len(few) for few in table] == [2, 2]
+    shown = table._repr_html_()
+    assert shown.count("<td>kernel 1</td>") == 2
+    # Nobody reads a table of 17 columns.
+    assert shown.count("<table>") == 3 and "2 kernels are not drawn" in shown
+    again = pickle.loads(pickle.dumps(alone))
+    assert again._repr_html_() == alone._repr_html_()
+    assert amacrine.quantise(two, "ternary")._repr_html_().count("<td>ternary</td>") == 2
+
+
+def _cells(shown: str) -> list[list[str]]:
+    """The cells of a table, row by row."""
+    rows = re.findall(r"<tr>(.*?)</tr>", shown)
+    return [re.findall(r"<t[hd]>(.*?)</t[hd]>", row) for row in rows]
+
+
+def test_a_notebook_shows_what_is_kept_on_the_chip() -> None:
+    how: Any = {"scene": SCENE, "effort": 0.05}
+    answer = amacrine.quantise("csdvs-3", ["ternary", "int-5"], thresholds=20, **how)
+    head, *rows = _cells(answer._repr_html_())
+    assert head == ["to", "relative error", "words", "us", "registers", "kept", "as threshold, %"]
+    frame = answer.to_frame()
+    assert [row[2] for row in rows] == frame["on_chip.words"].astype(str).tolist()
+    assert [float(row[3]) for row in rows] == pytest.approx(frame["on_chip.array_us"], rel=1e-3)
+    assert [float(row[5]) for row in rows] == pytest.approx(frame["kept"], rel=1e-3)
+    assert pickle.loads(pickle.dumps(answer))._repr_html_() == answer._repr_html_()
+
+    both = amacrine.quantise(["dvs", "sobel-x"], "ternary", thresholds=[20, 30], **how)
+    head, row = _cells(both._repr_html_())
+    kinds = ["kept of dvs", "as threshold, % of dvs", "kept of sobel-x", "as threshold, % of sobel-x"]
+    assert head == ["to", "words", "us", *kinds]
+    assert row[1] == str(both.together[0].on_chip.words)
+    kept = [kind.silicon.kept for kind in both.together[0].on_chip.kinds]
+    assert [float(row[3]), float(row[5])] == pytest.approx(kept, rel=1e-3)
+
+
+def test_a_notebook_says_why_nothing_is_kept() -> None:
+    how: Any = {"scene": SCENE, "effort": 0.05}
+    small = np.array([[0, 1, 0], [1, -4, 1], [0, 1, 0]]) / 300
+    with pytest.warns(amacrine.Caution, match="no event at all") as told:
+        answer = amacrine.quantise(small, ["q3.4", "ternary"], thresholds=20, **how)
+    # They are of the line that asked.
+    assert {one.filename for one in told} == {__file__}
+    head, refused, silent = _cells(answer._repr_html_())
+    assert head[-1] == "why not" and "kept" in head
+    assert refused[-1].startswith("every weight becomes 0 in q3.4")
+    assert silent[-1].startswith("no event at all in")
+
+
 def test_quantise_on_the_chip(program: Callable[..., str]) -> None:
     words = ("--threshold", 20, "--scene", SCENE, "--effort", 0.05)
     stated = json.loads(program("quantise", "csdvs-3", "--to", "ternary", *words, "--json"))
@@ -106,12 +163,35 @@ def test_feasibility(program: Callable[..., str], tmp_path: Path) -> None:
     # What it says is said in arguments.
     assert "(--readout overlapped)" in json.dumps(stated)
     assert "(overlapped=True)" in json.dumps(of) and not re.search(r"--[a-z]", json.dumps(of))
+    _check_page(str(answer.page))
     assert "<iframe srcdoc=" in answer._repr_html_()
     answer.save(tmp_path / "report.html")
     assert (tmp_path / "report.html").read_text().startswith("<!DOCTYPE html>")
     assert pickle.loads(pickle.dumps(answer)) == answer
     with pytest.raises(AttributeError, match="verdict"):
         answer.verdicts
+
+
+def _texts(page: str) -> str:
+    """What is read of a page, or a drawing: no tags, no style sheets."""
+    return re.sub(r"<style\b.*?</style>|<[^>]*>", " ", page, flags=re.DOTALL)
+
+
+def _check_page(page: str) -> None:
+    """It speaks of arguments, and its style sheet is as it was."""
+    assert "(overlapped=True)" in page and "to_dict()" in page
+    assert not re.findall(r"--[a-z]+", _texts(page))
+    names = set(re.findall(r"var\((--[a-z-]+)\)", page))
+    assert len(names) > 3 and all(re.search(rf"{name}\s*:", page) for name in names)
+
+
+def test_the_drawing_of_a_trade_speaks_of_arguments() -> None:
+    frames, fps = amacrine.load(SCENE)
+    scale = None if frames.dtype == np.uint8 else 1
+    trade = amacrine.trade(amacrine.Sensor("dvs", 0.3), frames, fps=fps, scale=scale)
+    texts = _texts(str(trade.drawing))
+    assert "verify=True measures them" in texts and "runs=N shares them" in texts
+    assert not re.findall(r"--[a-z]+", texts)
 
 
 def test_feasibility_at_a_rate(program: Callable[..., str]) -> None:
@@ -143,7 +223,7 @@ def test_a_rate_that_no_threshold_gives_is_told_of(
     own = answer.to_dict()["warnings"]
     assert "rate" in {one["about"] for one in own}
     assert own == amacrine.Answer.parse(json.dumps(stated)).to_dict()["warnings"]
-    assert "no threshold gives 20 events" in answer.page
+    assert "no threshold gives 20 events" in str(answer.page)
 
 
 def test_light_of_another_scale_is_told_of() -> None:

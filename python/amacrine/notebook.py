@@ -1,0 +1,123 @@
+"""What a notebook shows: tables."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+MOST_SIDE = 15
+"""Kernels with longer sides are no table that anybody reads."""
+
+MOST_PLANES = 12
+"""Kernels that are shown at most."""
+
+MOST_TEXT = 20_000
+"""Letters of a file that are shown at most."""
+
+Plane = tuple[str, npt.NDArray[np.float64]]
+"""A kernel, and what stands above it."""
+
+
+def table(rows: Sequence[dict[str, Any]], title: str = "") -> str:
+    """Rows of plain values as a table of HTML; what is no plain value is left out."""
+    plain = [
+        {name: of for name, of in row.items() if not isinstance(of, (dict, list))} for row in rows
+    ]
+    columns = list(dict.fromkeys(name for row in plain for name in row))
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
+    body = "".join(
+        "<tr>" + "".join(f"<td>{html.escape(_cell(row.get(c)))}</td>" for c in columns) + "</tr>"
+        for row in plain
+    )
+    above = f"<caption>{html.escape(title)}</caption>" if title else ""
+    return f"<table>{above}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _cell(of: Any) -> str:
+    if of is None:
+        return ""
+    return f"{of:.4g}" if isinstance(of, float) else str(of)
+
+
+def plane(values: npt.NDArray[np.float64], title: str = "") -> str:
+    """A kernel as a table, row 0 to the north."""
+    rows = [dict(zip(map(str, range(len(row))), row)) for row in values.tolist()]
+    return table(rows, title)
+
+
+def planes(given: Iterable[Plane]) -> str:
+    """Kernels beside one another: the first of them, and those that are small."""
+    all = list(given)
+    small = [(title, values) for title, values in all if max(values.shape) <= MOST_SIDE]
+    shown = "".join(plane(values, title) for title, values in small[:MOST_PLANES])
+    left = len(all) - min(len(small), MOST_PLANES)
+    more = f"<p>{left} {'kernel is' if left == 1 else 'kernels are'} not drawn.</p>" if left else ""
+    return f'<div style="display: flex; flex-wrap: wrap; gap: 1em">{shown}</div>{more}'
+
+
+def size(values: npt.NDArray[np.float64]) -> str:
+    """Columns and rows of a kernel."""
+    return f"{values.shape[1]}x{values.shape[0]}"
+
+
+def sentences(given: Iterable[str]) -> str:
+    """A list of sentences."""
+    found = "".join(f"<li>{html.escape(one)}</li>" for one in given)
+    return f"<ul>{found}</ul>" if found else ""
+
+
+def text(title: str, of: str) -> str:
+    """The text of a file, folded."""
+    cut = of if len(of) <= MOST_TEXT else of[:MOST_TEXT] + "\n…"
+    return f"<details><summary>{html.escape(title)}</summary><pre>{html.escape(cut)}</pre></details>"
+
+
+def of_chip(
+    rows: Sequence[dict[str, Any]], warnings: Iterable[dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """The main columns of quantisers that were run on a chip: what a program costs, what is kept of a
+    kernel or of each of several, and at the end why that is not known, where it is not."""
+    silent = [one["seen"] for one in warnings if one["about"] in NOTHING_KEPT]
+    found = [_row(row) for row in rows]
+    whys = [_why(row, cells, silent) for row, cells in zip(rows, found)]
+    if not any(whys):
+        return found
+    columns = dict.fromkeys(name for cells in found for name in cells)
+    return [
+        {name: cells.get(name) for name in columns} | {"why not": why}
+        for cells, why in zip(found, whys)
+    ]
+
+
+NOTHING_KEPT = ("no-events", "window")
+"""Warnings of what leaves nothing to keep: no event, or accident that scores as much."""
+
+
+def _row(row: dict[str, Any]) -> dict[str, Any]:
+    cells: dict[str, Any] = {"to": row["to"]}
+    if row.get("relative_error") is not None:
+        cells["relative error"] = row["relative_error"]
+    on_chip = row.get("on_chip")
+    if on_chip is None:
+        return cells
+    cells |= {"words": on_chip["words"], "us": on_chip["array_us"]}
+    if "registers" in on_chip:
+        cells["registers"] = on_chip["registers"]
+    each = [(f" of {kind['name']}", kind["silicon"]) for kind in on_chip.get("kinds", [])]
+    for of, likeness in each or [("", row)]:
+        cells["kept" + of] = likeness["kept"]
+        cells["as threshold, %" + of] = likeness["threshold_equivalent_percent"]
+    return cells
+
+
+def _why(row: dict[str, Any], cells: dict[str, Any], silent: list[str]) -> str:
+    """Why there is no program, or why nothing is said of what it keeps."""
+    refused = row.get("refused", [])
+    if refused:
+        return "; ".join([refused] if isinstance(refused, str) else refused)
+    unknown = any(name.startswith("kept") and of is None for name, of in cells.items())
+    return "; ".join(silent) if unknown else ""
