@@ -16,7 +16,6 @@ use super::{Named, Search, Shown, device, kernel, quantisers, scan, within};
 use crate::{
     chip::{effort, named, quantiser},
     error::{raised, refused},
-    source::Source,
 };
 
 /// Whether kernels can run on a chip: the answer as JSON, and as a page.
