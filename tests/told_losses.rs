@@ -5,11 +5,11 @@ mod common;
 
 use std::fs;
 
-use assert_fs::TempDir;
 use common::{amacrine, json, line};
 use ndarray::Array3;
 use ndarray_npy::write_npy;
 use serde_json::Value;
+use tempfile::TempDir;
 
 /// What `exec` of a program warns of, as text and as JSON, with a clip of 5x4 pixels that are bright
 /// to the right.

@@ -130,9 +130,10 @@ impl<'a> Bench<'a> {
             None => 0,
         };
         // What registers held is put back.
-        let aside = match saturation::looks(&self.codes(), device) {
-            true => self.arithmetic.bytes_of_registers(device, self.size),
-            false => 0,
+        let aside = if saturation::looks(&self.codes(), device) {
+            self.arithmetic.bytes_of_registers(device, self.size)
+        } else {
+            0
         };
         Need::new()
             .and("frames of the light", self.frames + 8 * pixels)
