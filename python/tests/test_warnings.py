@@ -108,7 +108,7 @@ SILENT = "init { CLR(R5); }\nframe {\n CLR(R5); scamp5_scan_dreg(R5, on, 0, 255)
 
 MIDDLE = (
     "get_image(A);\nmov(B, A); add(A, A, B);\nmov(B, A); add(A, A, B);\n"
-    "divq(B, A); divq(A, B); res(B); res(NEWS);\n"
+    "divq(B, A); divq(A, B); res(B);\n"
 )
 
 PROGRAMS = {
