@@ -7,8 +7,13 @@ mod common;
 
 use std::{fs, path::Path};
 
-use amacrine::study::{front::Cost, sweep::survivors::hypervolume};
+use amacrine::{
+    rng::Hash,
+    study::{front::Cost, sweep::survivors::hypervolume},
+};
 use common::{amacrine, good, json, line, refused, refused_untouched};
+use ndarray::Array3;
+use ndarray_npy::write_npy;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -39,14 +44,33 @@ fn rows(folder: &Path) -> Vec<Value> {
         .collect()
 }
 
-fn costs(rows: &[Value]) -> Vec<Cost> {
-    let number = |row: &Value, key: &str| row[key].as_f64().unwrap();
-    rows.iter()
-        .map(|row| Cost {
-            x: number(row, "state_memory_bytes"),
-            y: number(row, "error"),
+/// Of the points that have an error.
+fn costs(rows: &[Value], cost: &str) -> Vec<Cost> {
+    let of = |row: &Value| {
+        Some(Cost {
+            x: row[cost].as_f64()?,
+            y: row["error"].as_f64()?,
         })
-        .collect()
+    };
+    rows.iter().filter_map(of).collect()
+}
+
+/// The share of the hypervolume of all points that these have.
+fn share(found: &[Value], all: &[Value], cost: &str) -> f64 {
+    let grid = costs(all, cost);
+    let corner = grid
+        .iter()
+        .fold(Cost { x: 0.0, y: 0.0 }, |corner, cost| Cost {
+            x: corner.x.max(1.05 * cost.x),
+            y: corner.y.max(1.05 * cost.y),
+        });
+    hypervolume(&costs(found, cost), corner) / hypervolume(&grid, corner)
+}
+
+/// What a search cost, as a share of what all points cost.
+fn cost_of(did: &Value) -> f64 {
+    let number = |key: &str| did["search"][key].as_f64().unwrap();
+    number("point_frames") / number("of")
 }
 
 #[test]
@@ -66,20 +90,11 @@ fn a_search_finds_the_front_at_a_fraction_of_its_cost() {
         let same = all.iter().find(|other| other["id"] == row["id"]).unwrap();
         assert_eq!(row["error"], same["error"]);
     }
-    let grid = costs(&all);
-    let corner = grid
-        .iter()
-        .fold(Cost { x: 0.0, y: 0.0 }, |corner, cost| Cost {
-            x: corner.x.max(1.05 * cost.x),
-            y: corner.y.max(1.05 * cost.y),
-        });
-    let share = hypervolume(&costs(&found), corner) / hypervolume(&grid, corner);
+    let share = share(&found, &all, "state_memory_bytes");
     assert!(share >= 0.95, "{share} of the hypervolume");
     // In frames of the whole sensor that points saw, parts of it counted as parts.
-    let search = &did["search"];
-    let number = |key: &str| search[key].as_f64().unwrap();
-    assert_eq!(number("of"), (POINTS * 36) as f64);
-    let cost = number("point_frames") / number("of");
+    assert_eq!(did["search"]["of"], (POINTS * 36) as f64);
+    let cost = cost_of(&did);
     assert!(cost < 0.2, "{cost} of the cost");
     println!("{share} of the hypervolume for {cost} of the point-frames");
 
@@ -138,6 +153,79 @@ fn a_search_finds_the_front_at_a_fraction_of_its_cost() {
     );
 }
 
+/// A search over a study whose parts are likely to show little finds its front, with several seeds.
+fn is_found(study: &str, clip: Option<&Array3<u8>>, name: &str) {
+    let folder = folder(&format!(
+        "sample = {{ method = \"search\", points = 1000, cost = \"bits\" }}\n{study}"
+    ));
+    let at = folder.path();
+    if let Some(clip) = clip {
+        write_npy(at.join("clip.npy"), clip).unwrap();
+    }
+    fs::write(at.join("grid.toml"), study).unwrap();
+    good(at, &["sweep", "grid.toml", "-o", "grid"]);
+    let all = rows(&at.join("grid"));
+    for seed in 0..3 {
+        let output = format!("search{seed}");
+        let seed = format!("sample.seed={seed}");
+        let did = json(at, &["sweep", "study.toml", &seed, "-o", &output]);
+        assert_eq!(did["search"]["computed_all"], false);
+        let (share, cost) = (share(&rows(&at.join(&output)), &all, "bits"), cost_of(&did));
+        println!("{name}, {seed}: {share} of the hypervolume for {cost} of the point-frames");
+        assert!(share >= 0.95, "{name}, {seed}: {share} of the hypervolume");
+        assert!(cost < 0.15, "{name}, {seed}: {cost} of the cost");
+    }
+}
+
+const OFTEN: &str = r#"
+kernel = ["csdvs-3", "dvs"]
+threshold = 16
+threshold-equivalent = false
+metrics = "f1"
+[[side]]
+side = "reference"
+format = ["f64", "f16", "q8.8", "q12.4", "q10.6", "bf16", "q4.12", "q16.16"]
+memory = ["filtered-snap", "filtered-step"]
+refractory = [{ us = 0 }, { us = 5000 }, { us = 30000 }, { us = 60000 }]
+"#;
+
+/// A clip that is still but for ten of its 96 frames; what moves is as far as `side` from the corner.
+fn burst(side: usize) -> Array3<u8> {
+    let draw =
+        |t: usize, y: usize, x: usize| Hash::new(5).with(((t * 96 + y) * 96 + x) as u64).uniform();
+    Array3::from_shape_fn((96, 96, 96), |(t, y, x)| {
+        let moves = y < side && x < side;
+        let steps = if moves { t.clamp(69, 79) - 69 } else { 0 };
+        let start = 40.0 + 170.0 * draw(0, y, x);
+        (1..=steps).fold(start, |light, step| {
+            (light + 60.0 * (draw(step, y, x) - 0.5)).clamp(0.0, 255.0)
+        }) as u8
+    })
+}
+
+#[test]
+fn a_burst_in_a_still_clip_is_found() {
+    let study = format!("scene = \"clip.npy\"\nfps = 100\nwithin = [\"10ms\"]\n{OFTEN}");
+    is_found(&study, Some(&burst(96)), "a burst");
+}
+
+#[test]
+fn what_moves_in_a_corner_alone_is_found() {
+    let study = format!("scene = \"clip.npy\"\nfps = 100\nwithin = [\"10ms\"]\n{OFTEN}");
+    is_found(&study, Some(&burst(16)), "a corner");
+}
+
+/// Where the part is shorter than the window of matches, accident scores as much as anything.
+#[test]
+fn a_scene_that_is_hardly_longer_than_the_window_is_searched() {
+    let scene = "pattern:noise?width=128&height=128&frames=48&fps=240&speed=60&grain=6";
+    is_found(
+        &format!("scene = \"{scene}\"\n{OFTEN}"),
+        None,
+        "240 frames a second",
+    );
+}
+
 /// The study as a search whose cost no clock decides.
 fn searched() -> TempDir {
     folder(&format!(
@@ -191,19 +279,61 @@ fn a_search_names_the_points_that_come_to_nothing() {
         "out",
     ];
     let said = good(at, &sweep);
+    let why = "neither the float sensor nor this one has an event";
     for words in [
-        "nothing  came of 144 points, which the search left out:",
-        "point 0 and 143 more: on a part of the scene: neither the float sensor nor this one has an event",
-        "0 rows",
-        "next     nothing to report",
+        "rung 1   144 points on a part of the scene: ",
+        ", 0 were known, 144 could not be ranked\n",
+        "unranked 136 points, left out behind the others since the parts that were tried do not show",
+        &format!(" and 135 more: on a part of the scene: {why}"),
+        "8 rows",
     ] {
         assert!(said.contains(words), "{words}: {said}");
     }
-    assert!(!said.contains("-0"), "{said}");
-    // What is known to come to nothing is not tried again, and is told again.
+    assert!(!said.contains("-0") && !said.contains("nothing"), "{said}");
+    // Those that are computed are not the first of the grid.
+    let places = |folder: &str| -> Vec<u64> {
+        let rows = rows(&at.join(folder));
+        rows.iter()
+            .filter_map(|row| row["index"].as_u64())
+            .collect()
+    };
+    let chosen = places("out");
+    assert!(chosen.iter().max() > Some(&64), "{chosen:?}");
+    // What was tried is not tried again, and is told again.
     let again = json(at, &sweep);
-    assert_eq!(again["search"]["rungs"][0]["tried"], 0);
-    assert_eq!(again["search"]["nothing"].as_array().unwrap().len(), POINTS);
+    let search = &again["search"];
+    assert_eq!(search["rungs"][0]["tried"], 0);
+    assert_eq!(search["rungs"][0]["unranked"], POINTS);
+    assert_eq!(search["rungs"][1]["points"], POINTS);
+    assert_eq!(search["unranked"].as_array().unwrap().len(), POINTS - 8);
+    assert_eq!(search["nothing"], json!([]));
+    assert_eq!(places("out"), chosen);
+    let other = ["sample.seed=1", "threshold=5000,6000,7000", "-o", "other"];
+    json(at, &[&["sweep", "study.toml"], &other[..]].concat());
+    assert_ne!(places("other"), chosen);
+
+    // What no other part can change is known: a float sensor has no words.
+    let array = "[[side]]\nside = \"array\"\nquantise = \"ternary\"\nreadout = \"all\"\n";
+    let search =
+        "sample = { method = \"search\", points = 1000, cost = \"words\" }\neffort = 0.01\n";
+    fs::write(at.join("words.toml"), format!("{search}{STUDY}{array}")).unwrap();
+    let said = good(
+        at,
+        &[
+            "sweep",
+            "words.toml",
+            "kernel=csdvs-3",
+            "threshold=16",
+            "-o",
+            "words",
+        ],
+    );
+    for words in [
+        "nothing  comes of 24 points, which the search left out:",
+        "point 0 and 23 more: on a part of the scene: it has no words",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
 }
 
 /// A scene of sixty frames, and one that is too small for parts.
@@ -247,6 +377,32 @@ fn a_scene_too_small_for_parts_takes_no_rung_from_the_others() {
         said.contains("48 points on a part of the scene, 24 of them on the whole of a scene"),
         "{said}"
     );
+}
+
+/// Of a still scene that was looked at whole nothing more is to be seen; of a part of one there is.
+#[test]
+fn a_still_scene_beside_another_takes_nothing_from_it() {
+    let search = "sample = { method = \"search\", points = 400, cost = \"bits\" }\n";
+    let study = format!("{search}{UNEQUAL}");
+    let small = "radius=5";
+    let folder = folder(&study.replace(small, "radius=5&speed=0"));
+    let at = folder.path();
+    let did = json(at, &["sweep", "study.toml", "-o", "out"]);
+    let nothing = did["search"]["nothing"].as_array().unwrap();
+    assert_eq!(nothing.len(), 24);
+    let why = "in a rung of the search: neither the float sensor nor this one has an event";
+    assert!(nothing.iter().all(|it| it["reason"] == why), "{nothing:?}");
+    assert_eq!(did["search"]["unranked"], json!([]));
+    let found = rows(&at.join("out"));
+    assert_eq!(costs(&found, "bits").len(), 8);
+    let small = "width=24&height=24&frames=6&radius=5";
+    let large = study.replace(small, "frames=60&speed=0");
+    fs::write(at.join("large.toml"), large).unwrap();
+    let did = json(at, &["sweep", "large.toml", "-o", "large"]);
+    let search = &did["search"];
+    assert_eq!(search["nothing"], json!([]));
+    assert_eq!(search["unranked"].as_array().unwrap().len(), 24);
+    assert_eq!(costs(&rows(&at.join("large")), "bits").len(), 8);
 }
 
 /// What no rung has ranked is not cut.

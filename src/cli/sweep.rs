@@ -397,7 +397,11 @@ fn searched(search: &Searched, all: usize) -> String {
             if is_last {
                 String::new()
             } else {
-                format!(", {} were known", rung.points - rung.tried)
+                format!(
+                    ", {} were known, {} could not be ranked",
+                    rung.points - rung.tried,
+                    rung.unranked
+                )
             }
         );
     }
@@ -412,9 +416,18 @@ fn searched(search: &Searched, all: usize) -> String {
     if !nothing.is_empty() {
         let _ = writeln!(
             text,
-            "nothing  came of {}, which the search left out:{}",
+            "nothing  comes of {}, which the search left out:{}",
             counted(nothing.len(), "point"),
             reasons(nothing)
+        );
+    }
+    let unranked = &search.unranked;
+    if !unranked.is_empty() {
+        let _ = writeln!(
+            text,
+            "unranked {}, left out behind the others since the parts that were tried do not show what they are worth:{}",
+            counted(unranked.len(), "point"),
+            reasons(unranked)
         );
     }
     text
@@ -557,7 +570,7 @@ impl Said<'_> {
         });
         let rows = self.tables.finished + self.tables.failed;
         let next = if rows == 0 && search.is_some() {
-            "nothing to report: lower the thresholds, or show a scene that moves more".to_owned()
+            "nothing to report, for the reasons above".to_owned()
         } else {
             format!("amacrine report {output}{more}")
         };

@@ -13,8 +13,9 @@ use crate::{
     photoreceptor::Response,
     plane::{Plane, Size},
     rig::{self, guard::Warning},
+    rng::Hash,
     scene::{
-        Coding, Frame, Observation, Observed, OpenOptions, SceneError, View, bundled_with,
+        Coding, Frame, Image, Observation, Observed, OpenOptions, SceneError, View, bundled_with,
         held::Held, kept::Kept, open, part::First, upsample,
     },
 };
@@ -42,6 +43,10 @@ pub(super) struct CachedScene {
     pub frames: u64,
     /// Frames a second of the source.
     pub fps: f64,
+    /// From the first frame to the last.
+    pub seconds: f64,
+    /// How much changes from each frame to the next.
+    changes: Vec<f64>,
     /// A digest of its light: two files of the same pictures are one scene.
     pub digest: String,
     /// Whether all light is whole numbers from 0 to 255.
@@ -64,6 +69,9 @@ impl CachedScene {
         let (mut frames, mut size) = (0, Size::new(0, 0));
         let mut bytes = Vec::new();
         let mut is_eight_bit = true;
+        let (mut begin, mut end) = (None, 0.0);
+        let mut before: Option<Image> = None;
+        let mut changes = Vec::new();
         // `as` saturates.
         let is_byte = |light: &f64| f64::from(*light as u8).to_bits() == light.to_bits();
         let observation = Observation::new();
@@ -76,6 +84,10 @@ impl CachedScene {
             bytes.extend(light.iter().flat_map(|light| light.to_le_bytes()));
             digest.update(&bytes);
             is_eight_bit = is_eight_bit && light.iter().all(is_byte);
+            end = frame.seconds;
+            begin.get_or_insert(end);
+            changes.extend(before.as_ref().map(|before| change(before, &light)));
+            before = Some(light);
             frames += 1;
             let room = HELD / (size.pixels() * size_of::<f64>()).max(1);
             held = held.take().filter(|held| held.len() < room);
@@ -92,6 +104,8 @@ impl CachedScene {
             size,
             frames,
             fps,
+            seconds: end - begin.unwrap_or(end),
+            changes,
             digest: hex(&digest.finalize()),
             is_eight_bit,
             observation,
@@ -143,6 +157,40 @@ impl CachedScene {
         Ok(kept)
     }
 
+    /// The frame that a part of so many frames begins with, drawn by the hash in proportion to how
+    /// much changes in the part: where all changes evenly, or nothing does, any is as likely.
+    pub fn start(&self, frames: u64, hash: Hash) -> u64 {
+        let starts = self.frames.saturating_sub(frames) + 1;
+        let mut ends = vec![0.0];
+        let mut sum = 0.0;
+        for change in &self.changes {
+            sum += change;
+            ends.push(sum);
+        }
+        let far = frames.saturating_sub(1) as usize;
+        let in_part = |first: u64| {
+            let at = |frame: usize| ends.get(frame).copied().unwrap_or(sum);
+            at(first as usize + far) - at(first as usize)
+        };
+        let all: f64 = (0..starts).map(in_part).sum();
+        if !(all > 0.0 && all.is_finite()) {
+            return (hash.uniform() * starts as f64) as u64;
+        }
+        let mut left = hash.uniform() * all;
+        let mut last = 0;
+        for first in 0..starts {
+            let own = in_part(first);
+            if own > 0.0 {
+                last = first;
+            }
+            left -= own;
+            if left < 0.0 {
+                break;
+            }
+        }
+        last
+    }
+
     /// Some frames, and of the array the window in which most changes in them.
     pub fn cut(&self, part: &Part) -> Result<Self, SceneError> {
         let (height, width) = part.size;
@@ -172,12 +220,17 @@ impl CachedScene {
             let rows = ndarray::s![top..top + height, left..left + width];
             frame.light = frame.light.slice(rows).to_owned().into();
         }
+        let mut moments = frames.iter().map(|frame| frame.seconds);
+        let first = moments.next().unwrap_or_default();
         Ok(Self {
             wanted: self.wanted.clone(),
             spec: self.spec.clone(),
             size: Size::new(height, width),
             frames: frames.len() as u64,
             fps: self.fps,
+            seconds: moments.last().unwrap_or(first) - first,
+            // Of the whole array: a part is not cut again.
+            changes: Vec::new(),
             digest: hex(&digest.finalize()),
             is_eight_bit: self.is_eight_bit,
             observation: Observation::new(),
@@ -194,6 +247,8 @@ impl CachedScene {
             size: self.size,
             frames: self.frames,
             fps: self.fps,
+            seconds: self.seconds,
+            changes: self.changes.clone(),
             digest,
             is_eight_bit: false,
             observation: Observation::new(),
@@ -229,6 +284,13 @@ impl CachedScene {
 pub(super) struct Part {
     pub frames: Range<u64>,
     pub size: (usize, usize),
+}
+
+/// How much changes from one picture to the next: squares, so that noise of all pixels weighs
+/// little beside what moves in a few.
+fn change(before: &Image, after: &Image) -> f64 {
+    let pairs = before.iter().zip(after.iter());
+    pairs.map(|(a, b)| (b - a) * (b - a)).sum()
 }
 
 /// Steps in which a window is moved, as a part of its side.
@@ -305,4 +367,56 @@ pub(super) struct Drive {
     pub scene: Arc<CachedScene>,
     /// Seconds of computing it.
     pub seconds: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(changes: Vec<f64>) -> CachedScene {
+        let wanted = Wanted {
+            spec: "pattern:disc?width=24&height=24&frames=40".to_owned(),
+            fps: None,
+            frames: None,
+            coding: Coding::default(),
+            view: View::default(),
+            upsample: None,
+        };
+        let opened = CachedScene::open(&wanted, Path::new("")).unwrap();
+        assert_eq!(opened.changes.len(), changes.len());
+        assert!((opened.seconds - 39.0 / opened.fps).abs() < 1e-9);
+        CachedScene { changes, ..opened }
+    }
+
+    #[test]
+    fn parts_are_drawn_in_proportion_to_what_changes_in_them() {
+        // Of 11 frames: 30 of them.
+        let starts = |changes: Vec<f64>| {
+            let scene = scene(changes);
+            let mut drawn = [0; 30];
+            for seed in 0..6000 {
+                drawn[scene.start(11, Hash::new(seed)) as usize] += 1;
+            }
+            drawn
+        };
+        let near =
+            |drawn: i32, expected: f64| (f64::from(drawn) - expected).abs() < 5.0 * expected.sqrt();
+        for changes in [vec![3.0; 39], vec![0.0; 39], vec![f64::NAN; 39]] {
+            let drawn = starts(changes);
+            assert!(drawn.iter().all(|drawn| near(*drawn, 200.0)), "{drawn:?}");
+        }
+        // Between frames 25 and 28: three steps, the first of them seen from frame 15 on.
+        let mut burst = vec![0.0; 39];
+        burst[25..28].fill(7.0);
+        for (start, drawn) in starts(burst).into_iter().enumerate() {
+            let seen = (25..28).filter(|step| (start..start + 10).contains(step));
+            let expected = 6000.0 / 33.0 * seen.count() as f64;
+            assert!(
+                near(drawn, expected) || drawn == 0 && expected == 0.0,
+                "{start}: {drawn}"
+            );
+        }
+        let whole = scene(vec![1.0; 39]);
+        assert_eq!(whole.start(40, Hash::new(1)), 0);
+    }
 }

@@ -1,8 +1,9 @@
 //! Points on parts of their scenes: what a rung of a search looks at.
 //!
-//! A part of a scene is some frames of it, beginning at a frame that a hash draws, and the square
-//! of the array in which most changes there. A scene that is too small for that is looked at whole
-//! beside the parts of others.
+//! A part of a scene is some frames of it, and the square of the array in which most changes there.
+//! A hash draws the frame that it begins with, in proportion to how much changes in the part; and it
+//! lasts long enough that what matches is more than accident. A scene that is too small for that is
+//! looked at whole beside the parts of others.
 
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ use super::{
     plan::{Entry, Plan},
     study::Settings,
 };
-use crate::rng::Hash;
+use crate::{rng::Hash, unit::Micros};
 
 /// More of a scene than this is no part of it, and a rung that sees more of all of them is left
 /// out: it saves too little.
@@ -24,6 +25,20 @@ const MUCH: f64 = 0.5;
 /// The fewest frames of a part, and the fewest rows and columns.
 const LEAST_FRAMES: u64 = 5;
 const LEAST_SIDE: usize = 24;
+
+/// The least time of a part, in windows of matches: within one, any event matches any other of its
+/// cell, and nothing is more than accident.
+const LEAST_WINDOWS: f64 = 2.0;
+
+/// The fewest frames of a part of a scene whose events are matched within a window.
+fn least_frames(scene: &CachedScene, within: Micros) -> u64 {
+    let steps = scene.frames.saturating_sub(1) as f64;
+    let windows = LEAST_WINDOWS * within.0 as f64 / 1e6;
+    // Two windows of ten frames are twenty, however they are rounded; `as` saturates, also where a
+    // scene has no length.
+    let frames = (windows / scene.seconds * steps - 1e-6).ceil() as u64;
+    frames.saturating_add(1).max(LEAST_FRAMES)
+}
 
 /// How much of a scene is looked at.
 #[derive(Clone, Copy, Debug)]
@@ -36,14 +51,12 @@ struct Extent {
 }
 
 impl Extent {
-    /// Of about a part of a scene; `whole_array`: of its frames alone. All of it where that would
-    /// be much.
-    fn new(scene: &CachedScene, part: f64, whole_array: bool) -> Self {
+    /// Of about a part of a scene, and of so many frames at least; `whole_array`: of its frames
+    /// alone. All of it where that would be much.
+    fn new(scene: &CachedScene, part: f64, least: u64, whole_array: bool) -> Self {
         let each = if whole_array { part } else { part.sqrt() };
         let all = scene.frames;
-        let frames = ((each * all as f64).ceil() as u64)
-            .max(LEAST_FRAMES)
-            .min(all);
+        let frames = ((each * all as f64).ceil() as u64).max(least).min(all);
         let space = if whole_array {
             1.0
         } else {
@@ -91,7 +104,7 @@ impl Shown {
             return Ok(Self { extent, scene });
         }
         let Extent { frames, size, .. } = extent;
-        let first = (hash.uniform() * (scene.frames - frames + 1) as f64) as u64;
+        let first = scene.start(frames, hash);
         let part = Part {
             frames: first..first + frames,
             size,
@@ -125,7 +138,9 @@ impl Cut {
             .map(|entry| {
                 // Slots are the whole array's.
                 let whole_array = entry.point.word("readout") == Some("chip");
-                (entry, Extent::new(&entry.scene, part, whole_array))
+                let within = plan.study.settings.headline(entry.scene.fps);
+                let least = least_frames(&entry.scene, within);
+                (entry, Extent::new(&entry.scene, part, least, whole_array))
             })
             .collect();
         let sum = |frames: &dyn Fn(Extent) -> f64| -> f64 {
@@ -263,6 +278,19 @@ mod tests {
         let large = cut(&plan(&format!("\"{LARGE}\""), Path::new(""))).unwrap();
         assert_eq!((large.whole(), large.counted_up(0, "bits")), (0, 1.0));
         assert!(cut(&plan(&format!("\"{SMALL}\""), Path::new(""))).is_none());
+    }
+
+    /// What is longer has less of the array.
+    #[test]
+    fn parts_last_two_windows_where_the_scene_does() {
+        for (frames, seen, side) in [(12, 12, 24), (64, 21, 40), (400, 71, 54)] {
+            let scene = format!("\"pattern:noise?width=128&height=128&frames={frames}\"");
+            let rung = cut(&plan(&scene, Path::new(""))).unwrap();
+            let shown = &rung.plan.entries[0].scene;
+            assert_eq!(shown.frames, seen);
+            assert_eq!(shown.size.width, side);
+            assert!(frames == 12 || shown.seconds > 0.2 - 1e-9);
+        }
     }
 
     /// A scene that is too long to be kept is read again.

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! What is tried on a part of a scene (`cut`) is measured as any point is, and kept by content in
-//! `pilots/` of the folder: a search that is gone on with chooses as before. Points are left out
-//! only once a rung has ranked them: where no rung saves anything, all of them are computed.
+//! `pilots/` of the folder: a search that is gone on with chooses as before. A rung leaves out only
+//! what it has ranked (`contenders`): where no rung saves anything, all points are computed.
 //! Jamieson & Talwalkar 2016 for one objective; here who survives is who is on the front of error
 //! and cost (`survivors`).
 
@@ -18,6 +18,7 @@ use std::{
 };
 
 use super::{
+    contenders::Contenders,
     cut::Cut,
     error::{Kept, StoreError},
     measure::{described, measure, without_figures},
@@ -45,6 +46,8 @@ pub struct Rung {
     pub tried: usize,
     /// Of these, those that saw the whole of their scene, of which a part would be too much.
     pub whole: usize,
+    /// Of these, those that it could not rank: on a part nothing came of them.
+    pub unranked: usize,
     /// What they saw, in frames of the whole sensor; what an earlier rung saw counts there.
     pub point_frames: f64,
 }
@@ -58,8 +61,12 @@ pub struct Searched {
     pub point_frames: f64,
     /// What all candidates would have seen.
     pub of: f64,
-    /// Points that went no further since a rung has no error or no cost of them, with the reason.
+    /// Points that went no further, with the reason: they cannot be, have no such cost, or nothing
+    /// comes of them on the whole of their scene.
     pub nothing: Vec<Failed>,
+    /// Points that were left out behind all others since nothing came of them on parts of their
+    /// scene, with the reason of the last part.
+    pub unranked: Vec<Failed>,
     /// Whether no rung chose, since parts of the scenes would be too much of them: all points are
     /// computed.
     pub computed_all: bool,
@@ -127,6 +134,9 @@ const RUNGS: [(f64, f64); 2] = [(1.0 / 32.0, 1.0), (1.0 / 8.0, 0.125)];
 /// The fewest points that are computed on the whole scene.
 const FEWEST: usize = 8;
 
+/// A cost that each sensor has that watched its scene.
+const WATCHED: &str = "seconds_per_frame";
+
 impl Run<'_> {
     /// Tries candidates rung by rung; where `done` says so, no other is begun.
     pub(super) fn search(
@@ -138,9 +148,7 @@ impl Run<'_> {
         let plan = self.plan;
         let all = plan.entries.len();
         let finish = ((search.finish * all as f64).ceil() as usize).max(FEWEST);
-        let mut left: Vec<usize> = (0..all).collect();
-        // Until a rung has ranked them, `left` is in the order of the grid, which says nothing.
-        let mut is_ranked = false;
+        let mut contenders = Contenders::new(all);
         let mut looked_at = HashSet::new();
         let mut failed = Vec::new();
         let mut did = Searched {
@@ -149,14 +157,12 @@ impl Run<'_> {
         };
         for (number, (part, share)) in (0..).zip(RUNGS) {
             let quota = ((share * all as f64).ceil() as usize).max(finish);
-            if is_ranked {
-                left.truncate(quota);
-            }
-            if left.len() <= finish {
+            contenders.cut_ranked(quota);
+            if contenders.points().len() <= finish {
                 break;
             }
             let hash = Hash::new(search.seed).with(number);
-            let Some(rung) = Cut::new(plan, &left, (part, hash))? else {
+            let Some(rung) = Cut::new(plan, contenders.points(), (part, hash))? else {
                 continue;
             };
             let tried = self.try_rung(&rung, search, store, done)?;
@@ -171,7 +177,7 @@ impl Run<'_> {
             let numbered = |list: Vec<(usize, String)>| {
                 let of = |(i, reason)| {
                     Some(Failed {
-                        point: *left.get(i)?,
+                        point: *contenders.points().get(i)?,
                         reason,
                     })
                 };
@@ -179,19 +185,17 @@ impl Run<'_> {
             };
             did.nothing.extend(numbered(tried.nothing));
             failed.extend(numbered(tried.failed));
-            let ranked = tried.ranked.into_iter();
-            left = ranked.filter_map(|i| left.get(i).copied()).collect();
-            is_ranked = true;
+            contenders.put_in_order(&tried.ranked, tried.unranked, hash);
         }
         did.nothing.order_by_key(|nothing| nothing.point);
-        if is_ranked {
-            left.truncate(finish);
-        }
-        did.computed_all = !is_ranked && all > finish;
+        did.computed_all = !contenders.are_tried() && all > finish;
+        let left;
+        (left, did.unranked) = contenders.finish(finish);
         did.rungs.push(Rung {
             points: left.len(),
             tried: 0,
             whole: left.len(),
+            unranked: 0,
             point_frames: seen(
                 { left.iter() }.filter_map(|i| Some(plan.entries.get(*i)?.scene.frames as f64)),
             ),
@@ -249,7 +253,7 @@ impl Run<'_> {
         let mut made = made.into_inner().unwrap_or_else(PoisonError::into_inner);
         let mut costs = Vec::new();
         let mut numbers = Vec::new();
-        let mut nothing = Vec::new();
+        let (mut nothing, mut unranked) = (Vec::new(), Vec::new());
         for (i, entry) in cut.plan.entries.iter().enumerate() {
             let file = made.remove(&i).or_else(|| known(entry));
             let Some(PilotFile {
@@ -259,13 +263,22 @@ impl Run<'_> {
                 continue;
             };
             let figure = |column: &str| figures.get(column).copied();
-            if let (Some(y), Some(x)) = (figure("error"), figure(search.cost)) {
+            let cost = figure(search.cost);
+            if let (Some(y), Some(x)) = (figure("error"), cost) {
                 let x = x * cut.counted_up(i, search.cost);
                 costs.push(Cost { x, y });
                 numbers.push(i);
+                continue;
+            }
+            // What cannot be has not been watched; that, and which costs a sensor has, is the same
+            // on any scene.
+            let hangs_on_the_part = figures.contains_key(WATCHED) && cost.is_some();
+            let reason = reason.unwrap_or_else(|| format!("it has no {}", search.cost));
+            let told = (i, format!("{}{reason}", in_a_rung(cut.is_whole(i))));
+            if hangs_on_the_part && !cut.is_whole(i) {
+                unranked.push(told);
             } else {
-                let reason = reason.unwrap_or_else(|| format!("it has no {}", search.cost));
-                nothing.push((i, format!("{}{reason}", in_a_rung(cut.is_whole(i)))));
+                nothing.push(told);
             }
         }
         let ranked = survivors(&costs, costs.len()).into_iter();
@@ -275,9 +288,11 @@ impl Run<'_> {
                 points: cut.plan.entries.len(),
                 tried,
                 whole: cut.whole(),
+                unranked: unranked.len(),
                 point_frames: 0.0,
             },
             nothing,
+            unranked,
             failed,
         })
     }
@@ -288,8 +303,10 @@ struct Tried {
     /// The best first.
     ranked: Vec<usize>,
     rung: Rung,
-    /// Points without an error or a cost, and why.
+    /// Points of which nothing comes on any scene or on the whole of theirs, and why.
     nothing: Vec<(usize, String)>,
+    /// Points of which nothing came on a part, and why.
+    unranked: Vec<(usize, String)>,
     /// Points that were given up, and why.
     failed: Vec<(usize, String)>,
 }
