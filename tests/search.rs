@@ -170,6 +170,10 @@ fn is_found(study: &str, clip: Option<&Array3<u8>>, name: &str) {
         let seed = format!("sample.seed={seed}");
         let did = json(at, &["sweep", "study.toml", &seed, "-o", &output]);
         assert_eq!(did["search"]["computed_all"], false);
+        assert_eq!(
+            (&did["finished"], &did["search"]["nothing"]),
+            (&json!(8), &json!([]))
+        );
         let (share, cost) = (share(&rows(&at.join(&output)), &all, "bits"), cost_of(&did));
         println!("{name}, {seed}: {share} of the hypervolume for {cost} of the point-frames");
         assert!(share >= 0.95, "{name}, {seed}: {share} of the hypervolume");
