@@ -50,6 +50,10 @@ pub(super) struct Plain {
 /// The part of a sensor that a pilot runs: its cost is shared by many points.
 const PART: f64 = 0.15;
 
+/// Tiles that every pilot looks at: the darkest, the brightest, the steepest, and that of the fewest
+/// levels.
+const EXTREMES: usize = 4;
+
 /// What may stand for a point; none where it is computed as it is. What is known of the point itself
 /// goes into the row.
 pub(super) fn plain(
@@ -304,6 +308,8 @@ fn measured<F: Family>(
     let tile = crate::study::pilot::look::side(halo) + 2 * halo;
     // `as` saturates.
     let tiles = (PART * kept.size().pixels() as f64 / (tile * tile) as f64).ceil() as usize;
+    // Those that are always looked at come besides: they say little of the others.
+    let tiles = tiles.max(12) + EXTREMES;
     let measure = Measure {
         kept: &kept,
         upsample: None,
@@ -313,7 +319,7 @@ fn measured<F: Family>(
         // What is measured is to be the same everywhere, so no clock decides.
         clock: &|| 0.0,
         budget: (0.0, 0.0),
-        tiles: Some(tiles.max(12)),
+        tiles: Some(tiles),
         look: None,
         limits_only: true,
     };
