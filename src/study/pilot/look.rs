@@ -67,8 +67,8 @@ pub struct Look {
     /// How much the light of each changes, all frames together; below 0 where it never does.
     pub activity: Vec<f64>,
     /// Tiles of the darkest and the brightest light and of the largest change: numbers saturate
-    /// and sensors fail there first. And the tile in which most changes between the fewest levels
-    /// ([`Levels`]).
+    /// and sensors fail there first. And the tile in which most changes between the fewest levels:
+    /// rounding may decide there and nowhere else.
     pub extremes: Vec<usize>,
     /// The least and the most light.
     pub range: (f64, f64),
