@@ -182,7 +182,17 @@ fn nothing_that_comes_out_is_warned_of() {
     ];
     let ran = common::amacrine(folder, &asked).output().unwrap();
     assert!(ran.status.success());
-    assert!(!common::line(&ran.stderr).contains("next to nothing"));
+    let said = common::line(&ran.stderr);
+    assert!(!said.contains("next to nothing") && !said.contains("more noise than signal"));
+    // A thousandth of the input is a fifth of what the chip adds.
+    kernel(folder, "tiny.npy", &[&[1.0 / 1024.0]]);
+    let tiny = ["compile", "tiny.npy", "--filter-only", "--effort", "0.02"];
+    let ran = common::amacrine(folder, &tiny).output().unwrap();
+    let said = common::line(&ran.stderr);
+    assert!(
+        ran.status.success() && said.contains("more noise than signal"),
+        "{said}"
+    );
     kernel(folder, "zero.npy", &[&[0.0; 3]]);
     let zero = ["compile", "zero.npy", "--filter-only"];
     refused(folder, &zero, &["no weight but 0", "nothing comes of it"]);

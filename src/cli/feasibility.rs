@@ -288,7 +288,7 @@ impl Arguments {
         let Some(asked) = self.rate else {
             return Ok(AtRate {
                 thresholds: kinds.thresholds_or_rate("feasibility", &self.threshold)?,
-                missed: Vec::new(),
+                ..AtRate::default()
             });
         };
         let kernels = kinds.names.iter().map(String::as_str).zip(&kinds.kernels);

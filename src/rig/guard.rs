@@ -379,14 +379,11 @@ impl Warning {
     /// A readout that lost events.
     #[must_use]
     pub fn slots(subject: &str, lost: u64, kept: u64) -> Self {
-        let all = lost.saturating_add(kept);
-        let share = 100.0 * lost as f64 / all as f64;
+        let share = share_lost(lost, kept);
         Self::new(
             About::Slots,
             subject,
-            format!(
-                "the readout's slots were full: {lost} of {all} events ({share:.1} %) are lost"
-            ),
+            format!("the readout's slots were full: {share} are lost"),
             "more cells fired in a frame than were asked for",
             "ask for more slots, raise the threshold, or read whole bit planes",
         )
@@ -395,14 +392,11 @@ impl Warning {
     /// A readout that scans some rows only, and lost events in others.
     #[must_use]
     pub fn rows(subject: &str, lost: u64, kept: u64) -> Self {
-        let all = lost.saturating_add(kept);
-        let share = 100.0 * lost as f64 / all as f64;
+        let share = share_lost(lost, kept);
         Self::new(
             About::Rows,
             subject,
-            format!(
-                "the readout scans some rows only: {lost} of {all} events ({share:.1} %) lie in others and are lost"
-            ),
+            format!("the readout scans some rows only: {share} lie in others and are lost"),
             "cells fired in rows that the program does not read",
             "compile it for this scene (--scene), read all rows (compile --readout planes, or slots), or leave it so where only these rows are wanted",
         )
@@ -799,6 +793,13 @@ pub struct Guard {
     warnings: Vec<Warning>,
 }
 
+/// How many of all events were lost.
+fn share_lost(lost: u64, kept: u64) -> String {
+    let all = lost.saturating_add(kept);
+    let share = 100.0 * lost as f64 / all as f64;
+    format!("{lost} of {all} events ({share:.1} %)")
+}
+
 impl Guard {
     /// Nothing seen yet.
     #[must_use]
@@ -823,30 +824,31 @@ impl Guard {
 
     /// The same of a sensor that knows why it is silent, where it is.
     pub fn packet_of(&mut self, subject: &str, packet: &Packet, silence: &Silence) {
-        let lost = packet.dropped.no_slot;
+        let Dropped {
+            no_slot, unscanned, ..
+        } = packet.dropped;
         let kept = packet.events.len() as u64;
-        if kept == 0 && lost == 0 {
+        if kept == 0 && no_slot == 0 {
             let frames = self.frames.len() as u64;
-            let unscanned = packet.dropped.unscanned;
             self.warn(if unscanned > 0 {
                 Warning::no_events_in_rows(subject, frames, unscanned)
             } else {
                 Warning::no_events_of(subject, frames, silence)
             });
-            return self.unscanned(subject, packet.dropped, kept);
+            return self.lost(subject, packet.dropped, kept);
         }
         let crowd = Crowd::from_packet(packet, &self.frames);
         if crowd.over > 0 {
             self.warn(Warning::most_cells(subject, &crowd));
         }
-        if lost > 0 {
-            self.warn(Warning::slots(subject, lost, kept));
-        }
-        self.unscanned(subject, packet.dropped, kept);
+        self.lost(subject, packet.dropped, kept);
     }
 
-    /// Events in rows that were not scanned, beside so many that were kept.
-    pub fn unscanned(&mut self, subject: &str, dropped: Dropped, kept: u64) {
+    /// Events that the scan of a program lost, beside so many that were kept.
+    pub fn lost(&mut self, subject: &str, dropped: Dropped, kept: u64) {
+        if dropped.no_slot > 0 {
+            self.warn(Warning::slots(subject, dropped.no_slot, kept));
+        }
         if dropped.unscanned > 0 {
             self.warn(Warning::rows(subject, dropped.unscanned, kept));
         }
@@ -854,14 +856,14 @@ impl Guard {
 
     /// What is in a file of events, of which no frames are known.
     pub fn recording(&mut self, subject: &str, packet: &Packet) {
-        let lost = packet.dropped.no_slot;
+        let Dropped {
+            no_slot, unscanned, ..
+        } = packet.dropped;
         let kept = packet.events.len() as u64;
-        if lost > 0 {
-            self.warn(Warning::slots(subject, lost, kept));
-        } else if kept == 0 && packet.dropped.unscanned == 0 {
+        if (kept, no_slot, unscanned) == (0, 0, 0) {
             self.warn(Warning::no_events(subject, None));
         }
-        self.unscanned(subject, packet.dropped, kept);
+        self.lost(subject, packet.dropped, kept);
     }
 
     /// Another warning. Who is warned of the same is named with the first.

@@ -188,6 +188,7 @@ impl<S: Scene> Scene for Observed<S> {
         Ok(next)
     }
 }
+
 /// A number in four digits, or in all of a whole one.
 fn brief(number: f64) -> String {
     // -0 is 0.

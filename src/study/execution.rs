@@ -207,11 +207,7 @@ impl<'a> Execution<'a> {
                     }
                 }
             } else {
-                let (dropped, kept) = (packet.dropped, packet.events.len() as u64);
-                if dropped.no_slot > 0 {
-                    guard.warn(Warning::slots(subject, dropped.no_slot, kept));
-                }
-                guard.unscanned(subject, dropped, kept);
+                guard.lost(subject, packet.dropped, packet.events.len() as u64);
             }
         }
         ran.saturation

@@ -128,12 +128,12 @@ impl RunGuard {
         let crowd = (self.crowd.over > 0).then(|| Warning::most_cells(subject, &self.crowd));
         let slots = (lost > 0).then(|| Warning::slots("the readout", lost, done.kept));
         let nothing = unscanned > 0 && (done.kept, lost) == (0, 0);
-        let rows = nothing.then(|| Warning::no_events_in_rows(subject, frames, unscanned));
-        let all = [rounded, silent, still, spread, crowd, slots, rows];
+        let nothing = nothing.then(|| Warning::no_events_in_rows(subject, frames, unscanned));
+        let rows = (unscanned > 0).then(|| Warning::rows(subject, unscanned, done.kept));
+        let all = [rounded, silent, still, spread, crowd, slots, nothing, rows];
         for warning in all.into_iter().flatten() {
             guard.warn(warning);
         }
-        guard.unscanned(subject, done.dropped, done.kept);
         if let Some(unheld) = &self.unheld {
             saturation::warn_unheld(&mut guard, subject, unheld);
         } else if let Some(warning) = self.overflow.warning(subject, done.overflowed) {

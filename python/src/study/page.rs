@@ -58,7 +58,7 @@ pub fn feasibility(
         } else {
             AtRate {
                 thresholds,
-                missed: Vec::new(),
+                ..AtRate::default()
             }
         };
         let questions: Vec<_> = { of.iter().zip(&kernels).zip(&found.thresholds) }

@@ -94,16 +94,16 @@ pub(super) fn tours(
     for round in 0..ROUNDS {
         tries.order_by_key(|one| one.words);
         tries.truncate(left);
+        // What a narrow search makes is longer than what a wide one will.
+        let (slack, fewer) = if round == 0 {
+            (SLACK, fewer.saturating_add(fewer / LOOSE))
+        } else {
+            (0, fewer)
+        };
         let mut at = 0;
         // In turns of a fixed size, so that what is searched does not depend on the threads.
         while at < tries.len() && seen < budget && !room.stop.is_asked() {
             let end = (at + TURN).min(tries.len());
-            // What a narrow search makes is longer than what a wide one will.
-            let (slack, fewer) = if round == 0 {
-                (SLACK, fewer.saturating_add(fewer / LOOSE))
-            } else {
-                (0, fewer)
-            };
             let below = |copies: usize| {
                 let same = tries
                     .iter()

@@ -80,6 +80,9 @@ pub struct Look {
     pub changing: (Range<usize>, Range<usize>),
 }
 
+/// The most extremes: the darkest, the brightest, the steepest, and that of the fewest levels.
+pub const EXTREMES: usize = 4;
+
 /// How much is looked at for activity, about: so many pixels of all frames together. Rows are left
 /// out, not frames: each tile is looked at in every frame.
 const LOOKED_AT: usize = 1 << 22;
@@ -104,7 +107,7 @@ impl Look {
             changing: (0..0, 0..0),
             grid,
         };
-        let mut places = [0; 3];
+        let mut places = [0; EXTREMES - 1];
         let mut levels = Levels::new(grid.size, kept.len());
         let pairs = kept.len().saturating_sub(1);
         let skip = (grid.size.pixels() * pairs / LOOKED_AT).clamp(1, grid.side);
@@ -137,8 +140,9 @@ impl Look {
                             .map(|pixel| pixels.at(pixel))
                             .collect()
                     };
-                    look.compare(&all(a), &all(b), how, &mut places[2]);
-                    levels.see(n, &all(a), &all(b));
+                    let (a, b) = (all(a), all(b));
+                    look.compare(&a, &b, how, &mut places[2]);
+                    levels.see(n, &a, &b);
                 }
             }
         }
@@ -149,14 +153,14 @@ impl Look {
         look
     }
 
-    fn extent(&mut self, pixels: Pixels<'_>, places: &mut [usize; 3]) {
+    fn extent(&mut self, pixels: Pixels<'_>, places: &mut [usize; EXTREMES - 1]) {
         match pixels {
             Pixels::Bytes(bytes) => self.extent_of(bytes, places),
             Pixels::Numbers(numbers) => self.extent_of(numbers, places),
         }
     }
 
-    fn extent_of<T: Value>(&mut self, pixels: &[T], places: &mut [usize; 3]) {
+    fn extent_of<T: Value>(&mut self, pixels: &[T], places: &mut [usize; EXTREMES - 1]) {
         let Some(first) = pixels.first() else { return };
         let less = |a: T, b: T| if b < a { b } else { a };
         let more = |a: T, b: T| if b > a { b } else { a };

@@ -31,7 +31,7 @@ use crate::{
     reference::Description,
     study::{
         design,
-        pilot::{ChangeEstimate, Chips, Choice, Effect, Family, Floats, Machine, Measure},
+        pilot::{ChangeEstimate, Chips, Choice, Effect, Family, Floats, Machine, Measure, look},
     },
     unit::Micros,
 };
@@ -49,10 +49,6 @@ pub(super) struct Plain {
 
 /// The part of a sensor that a pilot runs: its cost is shared by many points.
 const PART: f64 = 0.15;
-
-/// Tiles that every pilot looks at: the darkest, the brightest, the steepest, and that of the fewest
-/// levels.
-const EXTREMES: usize = 4;
 
 /// What may stand for a point; none where it is computed as it is. What is known of the point itself
 /// goes into the row.
@@ -305,11 +301,11 @@ fn measured<F: Family>(
     let (Some(kept), Ok(halo)) = (scene.kept()?, family.halo()) else {
         return Ok(Found::new());
     };
-    let tile = crate::study::pilot::look::side(halo) + 2 * halo;
+    let tile = look::side(halo) + 2 * halo;
     // `as` saturates.
     let tiles = (PART * kept.size().pixels() as f64 / (tile * tile) as f64).ceil() as usize;
     // Those that are always looked at come besides: they say little of the others.
-    let tiles = tiles.max(12) + EXTREMES;
+    let tiles = tiles.max(12) + look::EXTREMES;
     let measure = Measure {
         kept: &kept,
         upsample: None,
