@@ -171,6 +171,21 @@ class Program:
     ]: ...
 
 @final
+class Events:
+    @staticmethod
+    def of(
+        records: npt.NDArray[np.uint8], has_channels: bool, signed: bool
+    ) -> Events | None: ...
+    @property
+    def backwards(self) -> int | None: ...
+    @property
+    def count(self) -> int: ...
+    @property
+    def latest(self) -> int: ...
+    @property
+    def reach(self) -> tuple[int, int]: ...
+
+@final
 class Voxels:
     def __new__(
         cls,
@@ -228,10 +243,15 @@ def learned_text(
 ) -> str: ...
 def check_room(what: str, bytes: int, help: str) -> None: ...
 def voxels(
-    npy: bytes, size: tuple[int, int] | None, channels: int, how: Voxels, end: int | None
+    events: Events,
+    since: int,
+    size: tuple[int, int] | None,
+    channels: int,
+    how: Voxels,
+    end: int | None,
 ) -> tuple[npt.NDArray[np.float32], tuple[int, int, int]]: ...
 def surfaces(
-    npy: bytes,
+    events: Events,
     size: tuple[int, int] | None,
     channels: int,
     times: list[int],
@@ -240,7 +260,7 @@ def surfaces(
     polarity: str,
 ) -> tuple[npt.NDArray[np.float32], tuple[int, int, int]]: ...
 def event_frames(
-    npy: bytes,
+    events: Events,
     size: tuple[int, int] | None,
     channels: int,
     each: int,
@@ -265,7 +285,7 @@ def read(
 ) -> tuple[npt.NDArray[np.uint8], int, str]: ...
 def write(
     path: _Path,
-    npy: bytes,
+    events: Events,
     of: tuple[int, int] | None,
     channels: int | None,
     names: list[str],
@@ -275,8 +295,8 @@ def write(
     compression: str,
 ) -> None: ...
 def compare(
-    a: tuple[_Path, bytes | None, tuple[int, int] | None, tuple[int | None, list[str]]],
-    b: tuple[_Path, bytes | None, tuple[int, int] | None, tuple[int | None, list[str]]],
+    a: tuple[_Path, Events | None, tuple[int, int] | None, tuple[int | None, list[str]]],
+    b: tuple[_Path, Events | None, tuple[int, int] | None, tuple[int | None, list[str]]],
     within_us: int | None,
     fps: float | None,
     bins: int,

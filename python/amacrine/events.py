@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import itertools
 from collections.abc import Iterable, Sequence
 from typing import Any, Union
@@ -223,9 +222,9 @@ def check_addresses(path: Any, events: Events, size: tuple[int, int]) -> None:
             )
 
 
-def records(events: Any) -> npt.NDArray[Any]:
-    """Events of a structured array or a pandas data frame, one after the other, their fields and what
-    stands in them checked."""
+def _array(events: Any) -> npt.NDArray[Any]:
+    """Events of a structured array or a pandas data frame, one after the other, their fields
+    checked."""
     if hasattr(events, "to_records"):
         events = events.to_records(index=False)
     arguments.unmasked("events", events)
@@ -244,8 +243,6 @@ def records(events: Any) -> npt.NDArray[Any]:
                 f"the field {name} of events is of dtype {given.dtype[name]}, not whole\n"
                 "help: give whole numbers; where t is in seconds, t * 1e6, rounded"
             )
-    for name in names:
-        _check_values(name, given[name])
     return given
 
 
@@ -263,61 +260,66 @@ def _check_values(name: str, values: npt.NDArray[Any]) -> None:
         )
 
 
-def _check_order(times: npt.NDArray[Any]) -> None:
-    """Refuses times that run backwards, with the number of the event."""
-    back = times[1:] < times[:-1]
-    if back.any():
-        at = int(back.argmax()) + 1
+def _packed(given: npt.NDArray[Any]) -> _amacrine.Events:
+    """The events of an array, what stands in its fields checked."""
+    names = given.dtype.names or ()
+    own = EVENT_OF_KINDS if "channel" in names else EVENT
+    has_channels = own is EVENT_OF_KINDS
+    if given.dtype == own:
+        packed = _amacrine.Events.of(given.view(np.uint8), has_channels, True)
+        if packed is not None:
+            return packed
+    for name in names:
+        _check_values(name, given[name])
+    # Places of 16 bits without a sign, which are those of the library.
+    wide = np.empty(len(given), [(name, "<u2" if name in "xy" else own[name]) for name in own.names or ()])
+    for name in names:
+        wide[name] = given[name] > 0 if name == "p" else given[name]
+    packed = _amacrine.Events.of(wide.view(np.uint8), has_channels, False)
+    if packed is None:
+        raise AssertionError("each value has been checked")
+    return packed
+
+
+def _off(events: npt.NDArray[Any], size: tuple[int, int]) -> Error:
+    """What refuses events off their sensor, with the number of the first."""
+    off = (events["y"] >= size[0]) | (events["x"] >= size[1])
+    at = int(off.argmax())
+    x, y = events["x"][at], events["y"][at]
+    return Error(
+        f"event {at} of the array: `x` is {x}, `y` is {y}: off the sensor, which is "
+        f"{size[1]}x{size[0]}\nhelp: give size=(height, width) of the sensor, or leave it out"
+    )
+
+
+def _checked(events: Any, size: tuple[int, int] | None) -> _amacrine.Events:
+    """Events in any order, all of them on their sensor."""
+    given = _array(events)
+    packed = _packed(given)
+    if size is not None and (packed.reach[0] > size[0] or packed.reach[1] > size[1]):
+        raise _off(given, size)
+    return packed
+
+
+def _placed(events: _amacrine.Events, size: tuple[int, int] | None) -> _amacrine.Events:
+    """Events whose sensor has a size."""
+    if size is None and events.count == 0:
+        raise Error("no events, and no size of their sensor\nhelp: give size=(height, width)")
+    return events
+
+
+def packed(events: Any, size: tuple[int, int] | None = None) -> _amacrine.Events:
+    """Events that are in the order of their times, for the library."""
+    own = _checked(events, size)
+    at = own.backwards
+    if at is not None:
+        times = _array(events)["t"]
         raise Error(
             f"event {at} of the array: `t` runs backwards: {times[at]} us comes after "
             f"{times[at - 1]} us\n"
             'help: sort the events: events[numpy.argsort(events["t"], kind="stable")]'
         )
-
-
-def _check_places(events: npt.NDArray[Any], size: tuple[int, int] | None) -> None:
-    """Refuses events off their sensor, with the number of the first."""
-    if size is None:
-        return
-    off = (events["y"] >= size[0]) | (events["x"] >= size[1])
-    if off.any():
-        at = int(off.argmax())
-        x, y = events["x"][at], events["y"][at]
-        raise Error(
-            f"event {at} of the array: `x` is {x}, `y` is {y}: off the sensor, which is "
-            f"{size[1]}x{size[0]}\nhelp: give size=(height, width) of the sensor, or leave it out"
-        )
-
-
-def _checked(events: Any, size: tuple[int, int] | None) -> npt.NDArray[Any]:
-    """Events in any order, all of them on their sensor."""
-    given = records(events)
-    _check_places(given, size)
-    return given
-
-
-def _placed(events: npt.NDArray[Any], size: tuple[int, int] | None) -> bytes:
-    """Checked events in the order of their times, whose sensor has a size, as a `.npy`."""
-    if size is None and events.size == 0:
-        raise Error("no events, and no size of their sensor\nhelp: give size=(height, width)")
-    times = events["t"]
-    if (times[1:] < times[:-1]).any():
-        events = events[np.argsort(times, kind="stable")]
-    return _saved(events)
-
-
-def npy(events: npt.NDArray[Any], size: tuple[int, int] | None = None) -> bytes:
-    """Events, in the order of their times, as the bytes of a `.npy`: the library reads any order and
-    width of fields."""
-    events = _checked(events, size)
-    _check_order(events["t"])
-    return _saved(events)
-
-
-def _saved(events: npt.NDArray[Any]) -> bytes:
-    file = io.BytesIO()
-    np.save(file, events, allow_pickle=False)
-    return file.getvalue()
+    return own
 
 
 def voxels(
@@ -363,8 +365,8 @@ def voxels(
         start = (span or (0.0, 0.0))[0]
     since = round(arguments.seconds("start", start, -arguments.SECONDS) * 1e6)
     size, count = size_of(events, size), kinds_of(events, channels) or 1
-    events, number = _after(_checked(events, size), since), voxel.number(dtype)
-    last = int(events["t"].max()) if len(events) else 0
+    given, number = _checked(events, size), voxel.number(dtype)
+    last = max(given.latest - since, 0)
     stop = None if end is None else arguments.seconds("end", end, -arguments.SECONDS)
     if stop is not None:
         until = max(round(stop * 1e6) - since, 0)
@@ -374,7 +376,7 @@ def voxels(
     length = max(until, 1) * 1e-6 if window is None else window
     how = voxel.how(bins, length, every, causal, polarity, share, normalise)
     flat, (height, width, kinds) = _amacrine.voxels(
-        _placed(events, size), size, count, how, until
+        _placed(given, size), since, size, count, how, until
     )
     one = voxel.shape(how, (height, width), kinds, polarity)
     return voxel.narrowed(flat, number).reshape(-1, *one)
@@ -460,14 +462,3 @@ def event_frames(
 def _planes(place: tuple[int, int, int], polarity: str) -> tuple[int, ...]:
     height, width, kinds = place
     return (kinds, *((2,) if polarity == "split" else ()), height, width)
-
-
-def _after(events: npt.NDArray[Any], micros: int) -> npt.NDArray[Any]:
-    """The events from a time on, in microseconds, which becomes 0."""
-    if micros == 0:
-        return events
-    kept = events[events["t"].astype(np.int64) >= micros]
-    fields = [name for name in EVENT_OF_KINDS.names or () if name in (kept.dtype.names or ())]
-    moved = kept[fields].astype([(n, "<i8" if n == "t" else kept.dtype[n]) for n in fields])
-    moved["t"] -= micros
-    return moved

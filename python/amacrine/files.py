@@ -21,7 +21,7 @@ from .events import (
     fields_of,
     kinds_of,
     named,
-    npy,
+    packed,
     size_of,
     view,
     whole,
@@ -166,7 +166,7 @@ def write(
         )
     _amacrine.write(
         arguments.file("path", path, "the path of the file to write"),
-        npy(given, place),
+        packed(given, place),
         place,
         kinds,
         called,
@@ -268,10 +268,10 @@ def _has_kinds(packet: Any) -> bool:
 
 def _side(
     packet: Any, name: str, size: tuple[int, int] | None
-) -> tuple[Path_, bytes | None, tuple[int, int] | None, tuple[int | None, list[str]]]:
+) -> tuple[Path_, _amacrine.Events | None, tuple[int, int] | None, tuple[int | None, list[str]]]:
     """A file, or an array and what it knows: the size of its sensor, its kinds of cells, their names."""
     if isinstance(packet, (str, PathLike)):
         return packet, None, size, (None, [])
     place, kinds = size_of(packet, size), kinds_of(packet, None)
     names = getattr(packet, "names", None) or []
-    return name, npy(packet, place), place, (kinds, names if len(names) == kinds else [])
+    return name, packed(packet, place), place, (kinds, names if len(names) == kinds else [])

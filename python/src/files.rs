@@ -2,6 +2,7 @@
 
 use std::{
     collections::BTreeMap,
+    fs,
     path::{Path, PathBuf},
 };
 
@@ -13,19 +14,20 @@ use amacrine::{
     },
     event::{
         Dropped,
-        file::{self, Compression, Format, FormatError, Loaded, Opening, Reader},
+        file::{self, Compression, Format, FormatError, Head, Loaded, Opening, Reader, Writer},
     },
     plane::Size,
     rig::guard::Warning,
     unit::Micros,
 };
-use miette::{Report, miette};
+use miette::Report;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use serde::Serialize;
 
 use crate::{
     error::{raised, refused},
+    events::{Borrowed, Events, Given},
     pool, record,
 };
 
@@ -67,19 +69,31 @@ fn size(of: Option<(usize, usize)>) -> Option<Size> {
     of.map(|(height, width)| Size::new(height, width))
 }
 
-/// The events of a file, or of the bytes of a `.npy`.
-pub fn load(path: &Path, npy: Option<Vec<u8>>, how: &Opening) -> Result<Loaded, Report> {
-    let Some(bytes) = npy else {
-        return Ok(file::read_as(path, how)?);
-    };
-    let how = Opening {
-        format: Some(Format::Npy),
-        ..*how
-    };
-    match file::all(Reader::of_bytes(path, bytes, &how)?) {
-        (loaded, None) => Ok(loaded),
-        (_, Some(damage)) => Err(damage.into()),
+/// The events of a file as records, and what else it says.
+fn records(path: &Path, how: &Opening) -> Result<(Vec<u8>, Loaded), Report> {
+    let mut reader = Reader::open(path, how)?;
+    let (mut block, mut kinds) = (Vec::new(), 1);
+    let mut bytes = Vec::new();
+    // What the file says of itself may be wrong: no format has more than eight events a byte.
+    let most = fs::metadata(path).map_or(0, |about| about.len().saturating_mul(8));
+    let said = reader.about();
+    let expected = said.events.unwrap_or(0).min(most) as usize;
+    let width = record::width(said.channels.unwrap_or(1));
+    let _ = bytes.try_reserve_exact(expected.saturating_mul(width));
+    while reader.next_block(&mut block)? {
+        let known = reader.about().channels.unwrap_or(reader.kinds());
+        if known > 1 && kinds == 1 {
+            record::widen(&mut bytes);
+        }
+        kinds = known;
+        record::append(&block, kinds, &mut bytes);
     }
+    bytes.shrink_to_fit();
+    let loaded = reader.loaded(Vec::new());
+    if loaded.packet.channels > 1 && kinds == 1 {
+        record::widen(&mut bytes);
+    }
+    Ok((bytes, loaded))
 }
 
 /// The events of a file as the bytes of their records, the number of kinds, and about them in
@@ -97,12 +111,7 @@ pub fn read<'py>(
         size: size(of),
         stream,
     };
-    let read = pool::work(py, || {
-        let loaded = load(&path, None, &how)?;
-        let mut bytes = Vec::new();
-        record::append(&loaded.packet.events, loaded.packet.channels, &mut bytes);
-        Ok((bytes, loaded))
-    })?;
+    let read = pool::work(py, || records(&path, &how))?;
     let (bytes, loaded) = read.map_err(|report: Report| raised(report))?;
     let about = json(&About::new(&loaded))?;
     Ok((PyArray1::from_vec(py, bytes), loaded.packet.channels, about))
@@ -125,12 +134,12 @@ fn unless_contradicted(path: &Path, asked: Format) -> PyResult<Format> {
     ))
 }
 
-/// Writes events, the bytes of a `.npy`, whole or not at all.
+/// Writes events, whole or not at all.
 #[pyfunction]
 pub fn write(
     py: Python<'_>,
     path: PathBuf,
-    npy: Vec<u8>,
+    events: &Events,
     of: Option<(usize, usize)>,
     channels: Option<u8>,
     names: Vec<String>,
@@ -147,44 +156,40 @@ pub fn write(
     let compression = all.into_iter().find(|it| it.name() == compression);
     let compression =
         compression.ok_or_else(|| refused("unknown compression", "give lz4, zstd or none"))?;
-    let how = Opening {
-        size: size(of),
-        ..Opening::default()
+    let events = events.borrowed(py)?;
+    let given = events.given()?;
+    let stated = channels.map_or(names.len(), usize::from);
+    let mut packet = given.head(size(of), stated.min(255) as u8);
+    if !names.is_empty() && names.len() != usize::from(packet.channels) {
+        let kinds = packet.channels;
+        return Err(refused(
+            format!("{} names for {kinds} kinds of cells", names.len()),
+            "give one name for each kind, or names=[] for none",
+        ));
+    }
+    packet.names = names;
+    if let Some((first, last)) = span_us {
+        // Nothing happened before or after.
+        let (least, most) = match given.events() {
+            0 => (Micros(first), Micros(last)),
+            _ => packet.span,
+        };
+        packet.span = (Micros(first).min(least), Micros(last).max(most));
+    }
+    let (no_slot, over_limit, queue_full, merged, unscanned) = dropped;
+    packet.dropped = Dropped {
+        no_slot,
+        over_limit,
+        queue_full,
+        merged,
+        unscanned,
     };
     let written = pool::work(py, || {
-        let mut loaded = load(Path::new("events"), Some(npy), &how)?;
-        let packet = &mut loaded.packet;
-        let stated = channels.map_or(names.len(), usize::from);
-        packet.channels = packet.channels.max(stated.min(255) as u8);
-        if !names.is_empty() && names.len() != usize::from(packet.channels) {
-            return Err(miette!(
-                help = "give one name for each kind, or names=[] for none",
-                "{} names for {} kinds of cells",
-                names.len(),
-                packet.channels
-            ));
+        let mut writer = Writer::create(&path, to, compression, &Head::from_packet(&packet))?;
+        for events in given.blocks() {
+            writer.put(&events)?;
         }
-        packet.names = names;
-        if let Some((first, last)) = span_us {
-            // Nothing happened before or after.
-            let (least, most) = packet
-                .events
-                .first()
-                .zip(packet.events.last())
-                .map_or((Micros(first), Micros(last)), |(first, last)| {
-                    (first.t, last.t)
-                });
-            packet.span = (Micros(first).min(least), Micros(last).max(most));
-        }
-        let (no_slot, over_limit, queue_full, merged, unscanned) = dropped;
-        packet.dropped = Dropped {
-            no_slot,
-            over_limit,
-            queue_full,
-            merged,
-            unscanned,
-        };
-        file::write_as(&path, to, compression, &loaded.packet)?;
+        writer.finish()?;
         Ok(())
     })?;
     written.map_err(|report: Report| raised(report))
@@ -221,29 +226,32 @@ struct Ruled {
     lost: Option<f64>,
 }
 
-/// One of the two: a file, or the bytes of a `.npy`; the size of its sensor where it is known, and
-/// what an array knows of its kinds of cells: how many there are, and their names.
+/// One of the two: a file, or the events of an array, and what it is called; the size of its sensor
+/// where it is known, and what an array knows of its kinds of cells: how many there are, and their
+/// names.
 type Side = (
     PathBuf,
-    Option<Vec<u8>>,
+    Option<Py<Events>>,
     Option<(usize, usize)>,
     (Option<u8>, Vec<String>),
 );
 
-fn side((path, npy, of, (kinds, names)): Side) -> Result<Loaded, Report> {
-    let how = Opening {
-        size: size(of),
-        ..Opening::default()
+fn side((path, _, of, (kinds, names)): &Side, events: Option<Given<'_>>) -> Result<Loaded, Report> {
+    let Some(events) = events else {
+        let how = Opening {
+            size: size(*of),
+            ..Opening::default()
+        };
+        return Ok(file::read_as(path, &how)?);
     };
-    let mut loaded = load(&path, npy, &how)?;
-    if let Some(kinds) = kinds {
-        loaded.packet.channels = loaded.packet.channels.max(kinds);
-        loaded.channels_known = true;
-    }
-    if !names.is_empty() {
-        loaded.packet.names = names;
-    }
+    let mut loaded = events.load(size(*of), *kinds);
+    loaded.packet.names.clone_from(names);
     Ok(loaded)
+}
+
+/// The events of an array, where it is none of a file.
+fn array<'py>(py: Python<'py>, (_, events, ..): &Side) -> PyResult<Option<Borrowed<'py>>> {
+    events.as_ref().map(|it| it.get().borrowed(py)).transpose()
 }
 
 /// Judges one packet against another, as `amacrine compare --json` does.
@@ -263,9 +271,12 @@ pub fn compare(
     if let Some(fps) = fps.filter(|fps| !(*fps > 0.0 && fps.is_finite())) {
         return Err(raised(amacrine::scene::SceneError::BadRate { fps }));
     }
+    let (one, other) = (array(py, &a)?, array(py, &b)?);
+    let one = one.as_ref().map(Borrowed::given).transpose()?;
+    let other = other.as_ref().map(Borrowed::given).transpose()?;
     let compared = pool::work(py, || {
-        let mut reference = side(a)?;
-        let mut judged = side(b)?;
+        let mut reference = side(&a, one)?;
+        let mut judged = side(&b, other)?;
         reference.widen_to(&judged.packet);
         judged.widen_to(&reference.packet);
         let pair = Pair::new(&reference.packet, &judged.packet)?;

@@ -9,6 +9,7 @@ mod beside;
 mod chance;
 mod chip;
 mod error;
+mod events;
 mod files;
 mod frames;
 mod gradient;
@@ -42,6 +43,7 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<run::Run>()?;
     module.add_class::<program::Program>()?;
     module.add_class::<gradient::Seen>()?;
+    module.add_class::<events::Events>()?;
     module.add_class::<tensor::Voxels>()?;
     module.add_class::<tensor::Stream>()?;
     module.add_function(wrap_pyfunction!(pool::set_threads, module)?)?;

@@ -1,14 +1,10 @@
 //! Events as networks are fed: the doors to the library's tensors.
 
-use std::{
-    path::Path,
-    sync::{Mutex, PoisonError},
-};
+use std::sync::{Mutex, PoisonError};
 
 use amacrine::{
     event::{
-        Packet,
-        file::Opening,
+        Event, Packet,
         tensor::{
             self, Sides, TensorError, TimeSurface, VoxelStream, Windows, frames as frames_of,
         },
@@ -21,7 +17,7 @@ use miette::{Report, miette};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::{error::raised, files, pool};
+use crate::{error::raised, events::Events, pool};
 
 /// How events become voxels.
 #[pyclass(frozen, module = "amacrine._amacrine")]
@@ -102,17 +98,6 @@ pub fn arrays(py: Python<'_>, all: Vec<Vec<f32>>) -> Vec<Bound<'_, PyArray1<f32>
         .collect()
 }
 
-/// The packet of an array of events.
-fn packet(npy: Vec<u8>, size: Option<(usize, usize)>, channels: u8) -> Result<Packet, Report> {
-    let how = Opening {
-        size: size.map(|(height, width)| Size::new(height, width)),
-        ..Opening::default()
-    };
-    let mut packet = files::load(Path::new("events"), Some(npy), &how)?.packet;
-    packet.channels = packet.channels.max(channels);
-    Ok(packet)
-}
-
 const FEWER: &str = "take fewer of them, or a part of the events";
 
 /// Whether there is room for so many values of four bytes.
@@ -134,6 +119,19 @@ pub fn check_room(what: &str, bytes: u64, help: &str) -> PyResult<()> {
     within(&need, what, help).map_err(raised)
 }
 
+fn sized(size: Option<(usize, usize)>) -> Option<Size> {
+    size.map(|(height, width)| Size::new(height, width))
+}
+
+/// Leaves out what is before a time, in microseconds, which becomes 0.
+fn start_at(micros: i64, events: &mut Vec<Event>) {
+    events.retain_mut(|event| {
+        let t = event.t.0.cast_signed().saturating_sub(micros);
+        event.t = Micros(t.max(0).cast_unsigned());
+        t >= 0
+    });
+}
+
 /// Rows, columns and kinds of cells.
 type Place = (usize, usize, u8);
 
@@ -147,18 +145,23 @@ fn place(packet: &Packet) -> Place {
     (packet.size.height, packet.size.width, packet.channels)
 }
 
-/// The voxels of an array of events, up to `end` microseconds or the last of them.
+/// The voxels of an array of events from `since` microseconds on, which become 0, up to `end` or the
+/// last of them.
 #[pyfunction]
 pub fn voxels<'py>(
     py: Python<'py>,
-    npy: Vec<u8>,
+    events: &Events,
+    since: i64,
     size: Option<(usize, usize)>,
     channels: u8,
     how: &Voxels,
     end: Option<u64>,
 ) -> PyResult<(Bound<'py, PyArray1<f32>>, Place)> {
+    let events = events.borrowed(py)?;
+    let given = events.given()?;
     let made = pool::work(py, || {
-        let mut packet = packet(npy, size, channels)?;
+        let mut packet = given.packet(sized(size), channels);
+        start_at(since, &mut packet.events);
         let times = || packet.events.iter().map(|event| event.t);
         let (first, last) = (times().min(), times().max());
         packet.span.1 = end.map_or(last.unwrap_or_default(), Micros);
@@ -186,7 +189,7 @@ pub fn voxels<'py>(
 #[pyfunction]
 pub fn surfaces<'py>(
     py: Python<'py>,
-    npy: Vec<u8>,
+    events: &Events,
     size: Option<(usize, usize)>,
     channels: u8,
     times: Vec<u64>,
@@ -197,8 +200,10 @@ pub fn surfaces<'py>(
     let mut how = TimeSurface::new(tau).map_err(raised)?;
     how.decay = named(decay)?;
     how.sides = named(polarity)?;
+    let events = events.borrowed(py)?;
+    let given = events.given()?;
     let made = pool::work(py, || {
-        let packet = packet(npy, size, channels)?;
+        let packet = given.packet(sized(size), channels);
         room(
             "time surfaces",
             planes(&packet, how.sides) * times.len() as u128,
@@ -214,7 +219,7 @@ pub fn surfaces<'py>(
 #[pyfunction]
 pub fn event_frames<'py>(
     py: Python<'py>,
-    npy: Vec<u8>,
+    events: &Events,
     size: Option<(usize, usize)>,
     channels: u8,
     each: usize,
@@ -222,8 +227,10 @@ pub fn event_frames<'py>(
     fill: &str,
 ) -> PyResult<(Bound<'py, PyArray1<i32>>, Place)> {
     let (sides, fill) = (named(polarity)?, named(fill)?);
+    let events = events.borrowed(py)?;
+    let given = events.given()?;
     let made = pool::work(py, || {
-        let packet = packet(npy, size, channels)?;
+        let packet = given.packet(sized(size), channels);
         let frames = packet.events.len().div_ceil(each.max(1));
         room("event frames", planes(&packet, sides) * frames as u128)?;
         Ok((frames_of(&packet, each, sides, fill)?, place(&packet)))

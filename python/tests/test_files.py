@@ -130,6 +130,38 @@ def test_names_of_kinds_are_kept(ending: str, tmp_path: Path, frames: Frames) ->
         amacrine.write(again, read, names=["a", "b"])
 
 
+def test_kinds_that_come_late_are_told(tmp_path: Path) -> None:
+    """A text says by its events how many kinds there are."""
+    path = tmp_path / "late.csv"
+    rows = "".join(f"{t},1,0,1,0\n" for t in range(20_000))
+    path.write_text(f"t,x,y,p,channel\n{rows}20000,0,0,0,1\n")
+    read = amacrine.read(path)
+    assert read.dtype == amacrine.EVENT_OF_KINDS and read.kinds == 2
+    assert read["t"].tolist() == list(range(20_001))
+    assert read["channel"].tolist() == [0] * 20_000 + [1] and not read["p"][-1]
+
+
+@pytest.mark.parametrize("t", ["<i8", "<u8", ">i4", "<u2"])
+@pytest.mark.parametrize("x", ["<u2", "<i2", ">u2", "<i4", "u1"])
+@pytest.mark.parametrize("p", ["u1", "i1", "?", "<i8"])
+def test_columns_of_any_numbers(tmp_path: Path, events: Any, t: str, x: str, p: str) -> None:
+    path = tmp_path / "columns.npz"
+    events = events[events["t"] < 1 << 16]
+    columns = dict(t=events["t"].astype(t), x=events["x"].astype(x), y=events["y"], p=events["p"].astype(p))
+    np.savez(path, **columns)
+    assert amacrine.read(path).tobytes() == events.tobytes()
+    signs = [name for name, of in (("t", t), ("x", x), ("p", p)) if np.dtype(of).kind == "i"]
+    if "p" in signs:
+        np.savez(path, **{**columns, "p": np.where(events["p"] > 0, 1, -1).astype(p)})
+        assert amacrine.read(path).tobytes() == events.tobytes()
+    for name, value in [*((name, -2) for name in signs), *([] if p == "?" else [("p", 2)])]:
+        column = columns[name].copy()
+        column[2] = value
+        np.savez(path, **{**columns, name: column})
+        with pytest.raises(amacrine.Error, match=f"event 2.*{value}"):
+            amacrine.read(path)
+
+
 def test_any_fields(tmp_path: Path, events: Any) -> None:
     other = np.zeros(len(events), [("p", "?"), ("y", ">u4"), ("x", "<u8"), ("t", "<u4")])
     for name in ("t", "x", "y", "p"):

@@ -24,6 +24,7 @@ pub enum Polarity {
 
 impl Polarity {
     /// +1 or -1.
+    #[inline]
     #[must_use]
     pub const fn sign(self) -> i32 {
         match self {
@@ -33,6 +34,7 @@ impl Polarity {
     }
 
     /// 1 for ON, 0 for OFF: the `p` of event files.
+    #[inline]
     #[must_use]
     pub const fn bit(self) -> u8 {
         match self {
@@ -42,6 +44,7 @@ impl Polarity {
     }
 
     /// What [`Polarity::bit`] says: ON for a bit that is set.
+    #[inline]
     #[must_use]
     pub const fn of(is_on: bool) -> Self {
         if is_on { Self::On } else { Self::Off }

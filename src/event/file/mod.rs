@@ -179,24 +179,5 @@ pub fn up_to(mut reader: Reader, most: usize) -> (Loaded, Option<FileError>, boo
             Err(error) => break Some(error),
         }
     };
-    let (gate, about) = (reader.gate(), reader.about());
-    let packet = Packet {
-        size: about.size.unwrap_or(gate.reach),
-        channels: about.channels.unwrap_or(gate.channels),
-        names: about.names.clone(),
-        span: about
-            .span
-            .or(gate.first.map(|first| (first, gate.last)))
-            .unwrap_or_default(),
-        dropped: about.dropped.unwrap_or_default(),
-        events,
-    };
-    let loaded = Loaded {
-        packet,
-        size_known: about.size.is_some(),
-        channels_known: about.channels.is_some(),
-        dropped_known: about.dropped.is_some(),
-        skipped: reader.skipped(),
-    };
-    (loaded, damage, more)
+    (reader.loaded(events), damage, more)
 }

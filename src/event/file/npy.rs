@@ -215,6 +215,8 @@ impl Source for Reading {
 pub(super) struct Column {
     chunks: Chunks,
     field: Field,
+    /// The bytes of the numbers that were taken last.
+    block: Vec<u8>,
     /// How many there are.
     pub events: u64,
 }
@@ -229,14 +231,16 @@ pub(super) fn column(mut chunks: Chunks) -> Result<Column, Stop> {
     Ok(Column {
         chunks,
         field,
+        block: Vec::new(),
         events,
     })
 }
 
 impl Column {
-    /// Appends the next `count` numbers, or those before the array breaks off; what each is,
-    /// [`Column::exact`] says.
-    pub(super) fn take(&mut self, count: usize, numbers: &mut Vec<i64>) -> Result<(), Stop> {
+    /// Takes the next `count` numbers in place of the last ones, or those before the array breaks
+    /// off.
+    pub(super) fn take(&mut self, count: usize) -> Result<(), Stop> {
+        self.block.clear();
         let (width, mut left) = (self.field.width, count);
         while left > 0 {
             let here = self.chunks.ahead(width)?;
@@ -244,16 +248,33 @@ impl Column {
             let Some(bytes) = here.get(..whole * width).filter(|_| whole > 0) else {
                 return Err(self.chunks.truncated("an array".into()));
             };
-            self.field.read_all(bytes, numbers);
+            self.block.extend_from_slice(bytes);
             self.chunks.eat(whole * width);
             left -= whole;
         }
         Ok(())
     }
 
-    /// The number that was taken as this one.
-    pub(super) fn exact(&self, taken: i64) -> i128 {
-        self.field.exact(taken)
+    /// How many numbers were taken last.
+    pub(super) fn taken(&self) -> usize {
+        self.block.len() / self.field.width
+    }
+
+    /// One of them.
+    pub(super) fn value(&self, n: usize) -> i128 {
+        let bytes = self.block.get(n * self.field.width..).unwrap_or_default();
+        self.field.read(bytes)
+    }
+
+    /// All of them, where each has `N` bytes, the lowest first.
+    pub(super) fn plain<const N: usize>(&self) -> Option<&[[u8; N]]> {
+        let plain = self.field.width == N && (N == 1 || !self.field.big);
+        plain.then(|| self.block.as_chunks().0)
+    }
+
+    /// Whether they have a sign.
+    pub(super) const fn is_signed(&self) -> bool {
+        self.field.signed
     }
 
     /// Checks that the file ends here.
@@ -386,23 +407,6 @@ impl Field {
             signed,
             big: order == b'>',
         })
-    }
-
-    /// Appends the numbers of an array that holds nothing else; what each is, [`Field::exact`] says.
-    fn read_all(self, bytes: &[u8], numbers: &mut Vec<i64>) {
-        match (self.width, self.signed, self.big) {
-            // As numpy writes times, places, and signs.
-            (8, true, false) => {
-                let times = bytes.as_chunks().0.iter();
-                numbers.extend(times.map(|bytes| i64::from_le_bytes(*bytes)));
-            }
-            (2, false, false) => {
-                let places = bytes.as_chunks().0.iter();
-                numbers.extend(places.map(|bytes| i64::from(u16::from_le_bytes(*bytes))));
-            }
-            (1, false, _) => numbers.extend(bytes.iter().map(|byte| i64::from(*byte))),
-            _ => numbers.extend(bytes.chunks_exact(self.width).map(|one| self.bits(one))),
-        }
     }
 
     /// The number of a record.

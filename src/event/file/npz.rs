@@ -4,15 +4,13 @@
 //! t is `<i8`, x and y `<u2`, p and channel `|u1`; stored as they are. Size, channels, time
 //! watched and drops travel as the comment of the archive. Archives are read stored or deflated, with
 //! integers of any width; also one of one structured array. While a file is written its columns wait
-//! in temporary files. Layout:
+//! in memory, long ones in temporary files. Layout:
 //! <https://numpy.org/doc/stable/reference/generated/numpy.savez.html>.
 
-use std::{
-    fs::File,
-    io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write},
-};
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 
 use flate2::read::DeflateDecoder;
+use tempfile::{SpooledTempFile, spooled_tempfile};
 use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 use super::{
@@ -21,13 +19,16 @@ use super::{
     chunks::Chunks,
     entry::{Entry, Limits, Sign, Streams},
     fault::{Fault, Stop},
-    gate::{Numbers, Raw, hold_kinds},
+    gate::{Raw, hold_kinds},
     head::Head,
     npy::{self, Column},
     origin::Origin,
     source::{BLOCK, Out, Sink, Source},
 };
-use crate::event::Event;
+use crate::{
+    event::{Event, Polarity},
+    unit::Micros,
+};
 
 /// The format's entry in the list of formats.
 pub(super) const ENTRY: Entry = Entry {
@@ -41,7 +42,7 @@ pub(super) const ENTRY: Entry = Entry {
     index_at_end: true,
     streams: Some(Streams {
         source: |origin, _| source(origin),
-        sink: |head, _| Ok(Box::new(sink(head)?)),
+        sink: |head, _| Ok(Box::new(sink(head))),
     }),
     ..Entry::PLAIN
 };
@@ -137,7 +138,6 @@ pub(super) fn source(origin: &Origin) -> Result<Box<dyn Source>, Stop> {
     Ok(Box::new(Reading {
         about: about.unwrap_or_default(),
         columns: columns.into_iter().map(|(_, column)| column).collect(),
-        numbers: Vec::new(),
         left: events,
         first: 0,
         read: 0,
@@ -393,8 +393,6 @@ struct Reading {
     about: About,
     /// t, x, y, p, and perhaps the channel.
     columns: Vec<Column>,
-    /// A block of each.
-    numbers: Vec<Vec<i64>>,
     left: u64,
     /// Number of the first event of the last block, and of the next.
     first: u64,
@@ -404,11 +402,7 @@ struct Reading {
 impl Reading {
     /// An event of the block, as wide as the file has it.
     fn exact(&self, event: usize) -> Raw {
-        let of = |column: usize| {
-            let taken = self.numbers.get(column).and_then(|it| it.get(event));
-            let column = self.columns.get(column);
-            { taken.zip(column) }.map_or(0, |(taken, column)| column.exact(*taken))
-        };
+        let of = |column: usize| self.columns.get(column).map_or(0, |it| it.value(event));
         Raw {
             t: of(0),
             x: of(1),
@@ -416,6 +410,48 @@ impl Reading {
             p: of(3),
             channel: of(4),
         }
+    }
+
+    /// Adds all events of the block where its columns have the widths that numpy and this program
+    /// give them, and all are good; else none.
+    fn plain(&self, events: &mut Vec<Event>) -> Option<()> {
+        let [t, x, y, p, channels @ ..] = &self.columns[..] else {
+            return None;
+        };
+        let limit = |column: &Column| if column.is_signed() { 0x7F } else { 0xFF };
+        let highest = |column: &Column| u16::from_le_bytes([0xFF, limit(column)]);
+        let (highest_x, highest_y, signed) = (highest(x), highest(y), p.is_signed());
+        let (t, x, y, p) = (t.plain()?, x.plain()?, y.plain()?, p.plain()?);
+        let rows = t.iter().zip(x).zip(y).zip(p);
+        let (mut good, before) = (true, events.len());
+        events.extend(rows.map(|(((t, x), y), [p])| {
+            let t = u64::from_le_bytes(*t);
+            let (x, y) = (u16::from_le_bytes(*x), u16::from_le_bytes(*y));
+            good &= i64::try_from(t).is_ok();
+            good &= x <= highest_x;
+            good &= y <= highest_y;
+            // 255 is -1 where there is a sign.
+            good &= *p <= 1 || (signed && *p == u8::MAX);
+            Event {
+                t: Micros(t),
+                x,
+                y,
+                polarity: Polarity::of(*p == 1),
+                channel: 0,
+            }
+        }));
+        if let [column] = channels {
+            // One less than a byte holds, since their number is a byte too.
+            let most = limit(column).min(u8::MAX - 1);
+            for (event, [channel]) in events[before..].iter_mut().zip(column.plain()?) {
+                good &= *channel <= most;
+                event.channel = *channel;
+            }
+        }
+        if !good {
+            events.truncate(before);
+        }
+        good.then_some(())
     }
 }
 
@@ -433,35 +469,18 @@ impl Source for Reading {
             return Ok(false);
         }
         let count = usize::try_from(self.left).unwrap_or(BLOCK).min(BLOCK);
-        self.numbers.resize_with(self.columns.len(), Vec::new);
         // Events before a damage are whole: they are told before it is.
         let (mut whole, mut damage) = (count, None);
-        for (column, numbers) in self.columns.iter_mut().zip(&mut self.numbers) {
-            numbers.clear();
-            damage = column.take(whole, numbers).err().or(damage);
-            whole = numbers.len();
+        for column in &mut self.columns {
+            damage = column.take(whole).err().or(damage);
+            whole = column.taken();
         }
-        let (columns, channels) = self.numbers.split_at(4);
-        let [t, x, y, p] = columns else {
-            return Err(wrong("has too few arrays"));
-        };
-        let channels = channels.first().map(Vec::as_slice);
-        events.reserve(whole);
-        for (k, (((t, x), y), p)) in t.iter().zip(x).zip(y).zip(p).take(whole).enumerate() {
-            let numbers = Numbers {
-                t: *t,
-                x: *x,
-                y: *y,
-                p: *p,
-                channel: channels.map_or(0, |channels| channels[k]),
-            };
-            if let Some(event) = numbers.event() {
-                events.push(event);
-                continue;
+        if damage.is_some() || self.plain(events).is_none() {
+            for k in 0..whole {
+                let place = self.place(k);
+                let event = self.exact(k).event();
+                events.push(event.map_err(|fault| Stop::Fault(place, fault))?);
             }
-            let place = self.place(k);
-            let event = self.exact(k).event();
-            events.push(event.map_err(|fault| Stop::Fault(place, fault))?);
         }
         self.read += whole as u64;
         self.left -= whole as u64;
@@ -532,20 +551,37 @@ impl Seek for Steady<'_> {
     }
 }
 
+/// Bytes of a column that wait in memory: more do in a temporary file.
+const WAITING: usize = 1 << 23;
+
 /// A writer of events.
-pub(super) fn sink(head: &Head) -> io::Result<Writing> {
+pub(super) fn sink(head: &Head) -> Writing {
     let count = if head.channels > 1 { 5 } else { 4 };
-    let columns = (0..count).map(|_| tempfile::tempfile().map(BufWriter::new));
-    Ok(Writing {
+    Writing {
         events: 0,
-        columns: columns.collect::<io::Result<_>>()?,
-    })
+        columns: (0..count).map(|_| spooled_tempfile(WAITING)).collect(),
+        block: Vec::new(),
+    }
 }
 
 #[derive(Debug)]
 pub(super) struct Writing {
     events: u64,
-    columns: Vec<BufWriter<File>>,
+    columns: Vec<SpooledTempFile>,
+    /// The bytes of one column, of the last events.
+    block: Vec<u8>,
+}
+
+/// Puts each event's bytes after one another, in place of what `block` holds.
+fn gather<const N: usize>(
+    block: &mut Vec<u8>,
+    events: &[Event],
+    bytes: impl Fn(&Event) -> [u8; N],
+) {
+    block.resize(N * events.len(), 0);
+    for (place, event) in block.as_chunks_mut::<N>().0.iter_mut().zip(events) {
+        *place = bytes(event);
+    }
 }
 
 impl Sink for Writing {
@@ -555,16 +591,16 @@ impl Sink for Writing {
 
     fn put(&mut self, _: &mut dyn Out, events: &[Event]) -> io::Result<()> {
         self.events += events.len() as u64;
+        let block = &mut self.block;
         for (number, column) in self.columns.iter_mut().enumerate() {
-            for e in events {
-                match number {
-                    0 => column.write_all(&e.t.0.to_le_bytes())?,
-                    1 => column.write_all(&e.x.to_le_bytes())?,
-                    2 => column.write_all(&e.y.to_le_bytes())?,
-                    3 => column.write_all(&[e.polarity.bit()])?,
-                    _ => column.write_all(&[e.channel])?,
-                }
+            match number {
+                0 => gather(block, events, |e| e.t.0.to_le_bytes()),
+                1 => gather(block, events, |e| e.x.to_le_bytes()),
+                2 => gather(block, events, |e| e.y.to_le_bytes()),
+                3 => gather(block, events, |e| [e.polarity.bit()]),
+                _ => gather(block, events, |e| [e.channel]),
             }
+            column.write_all(block)?;
         }
         Ok(())
     }
@@ -588,10 +624,8 @@ impl Writing {
         for (column, (name, kind)) in self.columns.iter_mut().zip(COLUMNS) {
             zip.start_file(format!("{name}.npy"), options)?;
             zip.write_all(&npy::written_header(kind, self.events, "")?)?;
-            column.flush()?;
-            let file = column.get_mut();
-            file.seek(SeekFrom::Start(0))?;
-            io::copy(file, &mut zip)?;
+            column.rewind()?;
+            io::copy(column, &mut zip)?;
         }
         zip.finish()?;
         Ok(())

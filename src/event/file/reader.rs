@@ -6,9 +6,13 @@ use std::{
 };
 
 use super::{
-    FileError, Format, about::About, fault::Stop, gate::Gate, origin::Origin, source::Source,
+    FileError, Format, Loaded, about::About, fault::Stop, gate::Gate, origin::Origin,
+    source::Source,
 };
-use crate::{event::Event, plane::Size};
+use crate::{
+    event::{Event, Packet},
+    plane::Size,
+};
 
 /// What a file does not say itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -188,9 +192,25 @@ impl Reader {
         self.gate.channels
     }
 
-    /// How far the events reached so far.
-    pub(super) const fn gate(&self) -> &Gate {
-        &self.gate
+    /// All that is known so far of these events, which came from here.
+    #[must_use]
+    pub fn loaded(&self, events: Vec<Event>) -> Loaded {
+        let (gate, about) = (&self.gate, &self.gate.about);
+        let packet = Packet {
+            size: about.size.unwrap_or(gate.reach),
+            channels: about.channels.unwrap_or(gate.channels),
+            names: about.names.clone(),
+            span: about.span.or(gate.times()).unwrap_or_default(),
+            dropped: about.dropped.unwrap_or_default(),
+            events,
+        };
+        Loaded {
+            packet,
+            size_known: about.size.is_some(),
+            channels_known: about.channels.is_some(),
+            dropped_known: about.dropped.is_some(),
+            skipped: self.skipped(),
+        }
     }
 
     fn listen(&mut self) {
