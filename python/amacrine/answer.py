@@ -6,7 +6,6 @@ import html
 import importlib
 import json
 import re
-import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from typing import Any
 from . import _amacrine
 from ._amacrine import Error
 from .arguments import file
-from .caution import Caution
+from .caution import caution
 from .notebook import table
 
 
@@ -207,9 +206,8 @@ def _wrapped(of: Any) -> Any:
     return of
 
 
-def told(answer: Answer, *, above: int = 1) -> Answer:
-    """Warns the caller of whoever asked of what the answer warns of, once of each thing; so many calls
-    above."""
+def told(answer: Answer) -> Answer:
+    """Warns the caller of what the answer warns of, once of each thing."""
     said: dict[str, str] = {}
     for one in _warnings(answer.to_dict()):
         first, *others = one["subjects"] or ["the run"]
@@ -217,7 +215,7 @@ def told(answer: Answer, *, above: int = 1) -> Answer:
         text = f"{first}: {one['seen']}{alike}: {one['why']}; {one['change']}"
         said.setdefault(one["about"], text)
     for text in said.values():
-        warnings.warn(text, Caution, stacklevel=2 + above)
+        caution(text)
     return answer
 
 

@@ -21,8 +21,20 @@ class Caution(UserWarning):
     once, a rate that is assumed, a program that cannot follow its sensor in something."""
 
 
+PACKAGE = str(Path(__file__).parent)
+
+
+def caution(text: str, kind: type[Warning] = Caution) -> None:
+    """Warns of it at the line that called this package."""
+    # The first is the line that calls this.
+    frame, level = sys._getframe(1), 2
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(PACKAGE):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, kind, stacklevel=level)
+
+
 def caution_of(runs: Iterable[Said]) -> None:
-    """Warns the caller of a sensor's method of what its runs say: once of each thing, and of no event
+    """Warns the caller of what its runs say: once of each thing, and of no event
     or small light only where that holds of all of them."""
     said = list(runs)
     first: dict[str, str] = {}
@@ -33,10 +45,7 @@ def caution_of(runs: Iterable[Said]) -> None:
         if not all(any(about == of_all for about, _ in run) for run in said):
             first.pop(of_all, None)
     for text in first.values():
-        warnings.warn(text, Caution, stacklevel=3)
-
-
-PACKAGE = str(Path(__file__).parent)
+        caution(text)
 
 
 class Place:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,7 +11,7 @@ import numpy.typing as npt
 
 from . import _amacrine, arguments
 from ._amacrine import Error
-from .caution import Caution
+from .caution import caution
 from .tensor import widened
 
 SHAPES = "give an array of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W)"
@@ -181,13 +180,9 @@ def load(
     )
     light, rate, is_assumed, told = _amacrine.scene(name, rate, by, first, coded, part)
     if is_assumed:
-        warnings.warn(
-            f"{name}: {rate:g} frames per second are assumed; say fps=… otherwise",
-            Caution,
-            stacklevel=2,
-        )
+        caution(f"{name}: {rate:g} frames per second are assumed; say fps=… otherwise")
     for text in told:
-        warnings.warn(text, Caution, stacklevel=2)
+        caution(text)
     return light, rate
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +13,7 @@ import numpy.typing as npt
 
 from . import _amacrine, arguments, notebook
 from ._amacrine import Error
-from .caution import Caution
+from .caution import caution
 from .events import NamedEvents, check_side, named, view
 from .frames import clips
 from .names import opened
@@ -64,7 +63,7 @@ class Program:
         self._given = given, chip, constants
         self._native = native = _amacrine.Program(*given, chip, constants)
         if native.warnings is not None:
-            warnings.warn(native.warnings, stacklevel=3)
+            caution(native.warnings, UserWarning)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Program, self._given
@@ -181,7 +180,7 @@ class Program:
         )
         records, channels, dropped, registers, films, posts, warned = found
         for text in warned:
-            warnings.warn(text, Caution, stacklevel=2)
+            caution(text)
         seconds = max(given.frames - 1, 0) / rate
         read = view(records, channels)
         events = named(read, None, given.size, channels, (0.0, seconds), dropped)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -17,7 +16,7 @@ import numpy.typing as npt
 
 from . import _amacrine, arguments, notebook, toml, voxels as voxel
 from ._amacrine import Error
-from .caution import OF_ALL, Caution, Said, caution_of
+from .caution import OF_ALL, Said, caution, caution_of
 from .events import NamedEvents, check_side, named, view
 from .frames import Clips, clips
 from .kernels import Kernel, Kernels, kernels as each, named as files, npy
@@ -342,7 +341,7 @@ class Stream:
             early = about in OF_ALL and not over and self.seen < PART
             if about not in self._told and not early:
                 self._told.add(about)
-                warnings.warn(text, Caution, stacklevel=3)
+                caution(text)
 
     def events(self, frames: Any) -> NamedEvents:
         """The events of the next frames."""
@@ -955,7 +954,7 @@ INPUT = "give the least and the most, in LSB, such as input=(0, 127)"
 def _cautioned(chip: ChipSensor) -> ChipSensor:
     """Warns the caller of whoever found it."""
     for note in chip.notes:
-        warnings.warn(note, Caution, stacklevel=3)
+        caution(note)
     return chip
 
 

@@ -31,9 +31,6 @@ THRESHOLD = "give a number above 0, in units of kernel times light (0 to 255)"
 PART = "give a part above 0 and up to 1, such as sample=0.05"
 LINK = "give the least and the most, in pJ, such as link_energy=(1.0, 20.0), or one number"
 
-RENAMED = 2
-"""Calls between a line and a function whose arguments had other names before."""
-
 MOST_CHIPS = 1024
 """Chips that are drawn at most: each is a run."""
 
@@ -173,9 +170,9 @@ def quantise(
     how = _search(total, chip, effort, seed), shown(scene, fps, scale), micros("within", within)
     if len(given) > 1:
         text = _amacrine.on_chip_together(given, values, limits, *how)
-        return told(Answer.parse(text, rows="together", show=_together), above=RENAMED)
+        return told(Answer.parse(text, rows="together", show=_together))
     text = _amacrine.on_chip(given[0], values, limits[0], *how)
-    return told(Answer.parse(text, rows="chip.rows", show=_alone), above=RENAMED)
+    return told(Answer.parse(text, rows="chip.rows", show=_alone))
 
 
 def _alone(of: dict[str, Any]) -> list[dict[str, Any]]:
@@ -311,7 +308,7 @@ def feasibility(
         (_energy(link_energy), flag("overlapped", overlapped)),
         whole("chips", chips, 1, MOST_CHIPS),
     )
-    return told(Answer.parse(text, page=page, rows="quantisation"), above=RENAMED)
+    return told(Answer.parse(text, page=page, rows="quantisation"))
 
 
 @arguments.renamed(threshold="thresholds")
@@ -373,7 +370,7 @@ def waterfall(
         ),
         readout_of(readout),
     )
-    return told(Answer.parse(text, drawing=drawing, rows="steps" if steps else "rates"), above=RENAMED)
+    return told(Answer.parse(text, drawing=drawing, rows="steps" if steps else "rates"))
 
 
 def trade(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import json
 import math
-import warnings
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -16,7 +15,7 @@ import numpy as np
 from . import _amacrine, arguments, toml
 from ._amacrine import Error
 from .notebook import table
-from .caution import Caution
+from .caution import caution
 from .names import opened
 
 MOST_JOBS = (1 << 16) - 1
@@ -159,7 +158,7 @@ def sweep(
 def _caution(told: list[str]) -> None:
     """Warns the caller of :func:`sweep` of what it warns of, once of each thing."""
     for text in dict.fromkeys(told):
-        warnings.warn(_amacrine.in_python(text), Caution, stacklevel=3)
+        caution(_amacrine.in_python(text))
 
 
 def _shard(

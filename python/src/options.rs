@@ -1,7 +1,5 @@
 //! The options of the command line in the words of Python.
 
-use std::ffi::CString;
-
 use amacrine::rig::guard::Warning;
 use pyo3::prelude::*;
 
@@ -143,9 +141,10 @@ pub fn in_words(text: &str) -> String {
 
 /// Warns whoever called the function of Python that called.
 pub fn caution(py: Python<'_>, warning: &Warning) -> PyResult<()> {
-    let category = py.import("amacrine.caution")?.getattr("Caution")?;
     let words = in_python(&warning.to_string());
-    PyErr::warn(py, &category, &CString::new(words)?, 2)
+    py.import("amacrine.caution")?
+        .call_method1("caution", (words,))?;
+    Ok(())
 }
 
 /// Whether a command begins with a verb of the program: `exec --set …`.

@@ -234,8 +234,12 @@ def test_light_of_another_scale_is_told_of() -> None:
     with pytest.warns(amacrine.Caution, match="all light lies between") as said:
         amacrine.trade(snap, formats=["f32"], **light)
     assert {Path(one.filename).name for one in said} == {"test_study.py"}
-    with pytest.warns(amacrine.Caution, match="give scale=255"):
+    with pytest.warns(amacrine.Caution, match="give scale=255") as said:
         amacrine.waterfall("csdvs-3", 0.1, steps=True, effort=0.01, **light)
+    assert {Path(one.filename).name for one in said} == {"test_study.py"}
+    with pytest.warns(amacrine.Caution, match="give scale=255") as said:
+        amacrine.quantise("csdvs-3", ["int-5"], effort=0.01, **light)
+    assert {Path(one.filename).name for one in said} == {"test_study.py"}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         amacrine.trade(snap, frames, fps=fps, scale=1, formats=["f32"])
