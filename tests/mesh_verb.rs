@@ -256,6 +256,10 @@ fn fit_and_show_say_what_a_mesh_can_do() {
     let text = String::from_utf8(out.stdout).unwrap();
     assert_eq!(text.matches("1.000 P: a pixel alone, no sheet").count(), 1);
     assert_eq!(text.matches("H(").count(), 3, "{text}");
+    // Without a ridge the gains of two sheets would grow for ever.
+    let out = mesh(&["fit", "dog", "--ridge", "0"], here);
+    let text = String::from_utf8(out.stdout).unwrap();
+    assert!(text.contains("with a ridge of 1e-"), "{text}");
     refused(&["fit", "no-such-kernel"], here);
     refused(&["fit", "dvs", "--sheets", "4"], here);
     refused(&["fit", "dvs", "--ridge", "-1"], here);

@@ -12,13 +12,15 @@ def names(of: str) -> list[str]:
     """The names of what comes with the package.
 
     Args:
-        of: ``sensors``, ``programs``, ``kernels``, ``studies``, ``readouts`` or ``chips``.
+        of: ``sensors``, ``programs``, ``kernels``, ``studies``, ``readouts``, ``chips`` or
+            ``patterns``.
     """
     return _amacrine.names(arguments.word("of", of, "sensors"))
 
 
 def text(of: str, name: str) -> str:
-    """The text of a file that comes with the package, such as ``text("sensors", "rgc-4")``."""
+    """The text of what comes with the package, such as ``text("sensors", "rgc-4")``: of a chip its
+    numbers, of a pattern its parameters."""
     known = names(of)
     found = _amacrine.text(of, arguments.word("name", name, known[0]))
     if found is None:

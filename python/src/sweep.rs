@@ -5,7 +5,6 @@ use std::{
     path::{Path, PathBuf},
     sync::atomic::{AtomicBool, Ordering},
     thread,
-    time::Instant,
 };
 
 use amacrine::{
@@ -17,6 +16,7 @@ use amacrine::{
         request::Swept,
         run::ShardError,
         store::{self, Tables},
+        thread_seconds,
     },
 };
 use miette::Report;
@@ -73,8 +73,6 @@ fn complete(
     (shard, jobs, seconds): (Option<Shard>, usize, Option<f64>),
     stop: &AtomicBool,
 ) -> Result<serde_json::Value, Report> {
-    let start = Instant::now();
-    let clock = || start.elapsed().as_secs_f64();
     let request = Request {
         shard,
         jobs: match jobs {
@@ -83,7 +81,7 @@ fn complete(
         },
         seconds,
         budget: Budget::from_machine(),
-        clock: &clock,
+        clock: &thread_seconds,
     };
     let plan = request.plan(study, folder)?;
     let run = request.run(&plan)?;

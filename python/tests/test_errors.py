@@ -490,3 +490,11 @@ def test_tables_of_thresholds_are_taken() -> None:
     table = {"on": 1, "off": np.float32(2), "sigma": 0}
     limits = amacrine.Sensor(kernels(2), [table, (3, 4)]).thresholds
     assert [of.tolist() for of in limits] == [[1, 2, 0], [3, 4, 0]]
+
+
+@pytest.mark.parametrize("of", ["sensors", "programs", "kernels", "studies", "readouts", "chips", "patterns"])
+def test_all_that_has_a_name_has_a_text(of: str) -> None:
+    names = amacrine.names(of)
+    assert names and all(amacrine.text(of, name) for name in names)
+    with pytest.raises(amacrine.Error, match=f"there is no neither in {of}"):
+        amacrine.text(of, "neither")

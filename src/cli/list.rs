@@ -5,11 +5,10 @@ use std::path::Path;
 use clap::ValueEnum as _;
 use miette::miette;
 
-use super::patterns;
 use crate::{
     bundled::{self, File, Kind},
     isa::Device,
-    scene::pattern::PATTERNS,
+    scene::pattern::{PATTERNS, told},
 };
 
 /// What `list` is asked to do.
@@ -73,7 +72,7 @@ impl Of {
             (_, Some(kind)) => { bundled::find(kind, name) }
                 .map(|file| file.text.to_owned())
                 .ok_or_else(|| nothing(kind, name)),
-            (Self::Patterns, None) => patterns::one(name),
+            (Self::Patterns, None) => Ok(told::one(name)?),
             (_, None) => { Device::shipped_text(name) }
                 .map(str::to_owned)
                 .ok_or_else(|| no_chip(name)),
@@ -160,7 +159,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let of = arguments.of;
     let text = match &arguments.name {
         Some(name) => of.text(name)?,
-        None if of == Of::Patterns => patterns::all(),
+        None if of == Of::Patterns => told::all(),
         None => of.names().join("\n") + "\n",
     };
     super::say(&text);

@@ -34,7 +34,6 @@ pub mod new;
 mod npy;
 mod opened;
 pub mod packets;
-mod patterns;
 pub mod plan;
 mod print;
 mod progress;

@@ -29,7 +29,7 @@ use crate::{
   amacrine show sensor rgc-4")]
 pub struct Arguments {
     /// An event file; or what kind of thing is to be shown by name: sensor, program, kernel, study,
-    /// readout, chip
+    /// readout, chip, pattern
     file: Input,
     /// The name of one that comes with the program (`amacrine list sensors`): its text
     #[arg(conflicts_with_all = ["output", "view", "from", "to", "window", "at", "title", "hold", "json", "size", "stream"])]

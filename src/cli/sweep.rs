@@ -30,6 +30,7 @@ use crate::study::sweep::{
     schema,
     search::{Rung, Searched},
     store::Tables,
+    thread_seconds,
     verify::{Share, Verified},
 };
 use crate::{limit::POINT_BYTES, memory::Need, source, unit::counted};
@@ -162,7 +163,6 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         return tell(arguments, &study, folder);
     }
     let start = Instant::now();
-    let clock = || start.elapsed().as_secs_f64();
     let jobs = arguments
         .jobs
         .map_or_else(rayon::current_num_threads, usize::from);
@@ -171,7 +171,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         jobs,
         seconds: arguments.max_seconds_per_point,
         budget: budget::budget(),
-        clock: &clock,
+        clock: &thread_seconds,
     };
     let plan = request.plan(study, folder)?;
     light::warn(&plan.warnings());
@@ -202,7 +202,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         did,
         tables,
         jobs,
-        seconds: clock(),
+        seconds: start.elapsed().as_secs_f64(),
         shard: arguments.shard,
     };
     super::say(&if arguments.json {
@@ -231,10 +231,8 @@ fn tell(arguments: &Arguments, study: &Study, folder: &Path) -> miette::Result<(
     }
     let study = study.clone().in_full();
     let mut asked = Asked::new(&study, folder);
-    let start = Instant::now();
-    let clock = || start.elapsed().as_secs_f64();
     let limits = Limits {
-        clock: &clock,
+        clock: &thread_seconds,
         seconds: arguments.max_seconds_per_point,
         bytes: Some(Need::new().left(budget::budget())),
     };

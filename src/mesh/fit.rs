@@ -61,6 +61,8 @@ pub struct Fit {
     pub gain: f64,
     /// Norm of the fitted field outside the kernel's window, relative to the field.
     pub tail: f64,
+    /// The ridge: that which was asked for, or the least of [`RIDGES`] that keeps the sheets apart.
+    pub ridge: f64,
 }
 
 /// One sheet of a fit.
@@ -81,6 +83,9 @@ const GRID: usize = 96;
 const LAMBDAS: (f64, f64, usize) = (0.05, 24.0, 40);
 /// Space constants within this factor are one sheet: resistors on silicon differ as much.
 const SAME: f64 = 1.05;
+/// Ridges that are tried where a smaller one lets two sheets run together with gains that grow
+/// without bound, and fewer sheets would reach less.
+pub const RIDGES: [f64; 8] = [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5];
 /// Sheets at most.
 const MOST_SHEETS: usize = 3;
 
@@ -102,7 +107,7 @@ pub fn fit(kernel: &Kernel, how: Fitting) -> Result<Fit, MeshError> {
         &parts.turned
     };
     let best = match alone(target) {
-        Some(weight) => Candidate::pixel(weight / norm),
+        Some(weight) => Candidate::pixel(weight / norm, how.ridge),
         None => distinct(&(spectrum(target) / norm), how),
     };
     let rest = |part: &Plane<f64>| {
@@ -121,6 +126,7 @@ pub fn fit(kernel: &Kernel, how: Fitting) -> Result<Fit, MeshError> {
         gain: sizes.sum(),
         error: (floor * floor + best.left).max(0.0).sqrt(),
         tail,
+        ridge: best.ridge,
         sheets: best
             .lambdas
             .iter()
@@ -231,16 +237,18 @@ struct Candidate {
     left: f64,
     /// Squared norm of the residual and the ridge's penalty: what is minimised.
     price: f64,
+    ridge: f64,
 }
 
 impl Candidate {
     /// The pixel itself with this gain, which is all that is to be reached.
-    fn pixel(gain: f64) -> Self {
+    fn pixel(gain: f64, ridge: f64) -> Self {
         Self {
             lambdas: Vec::new(),
             gains: vec![gain],
             left: 0.0,
             price: 0.0,
+            ridge,
         }
     }
 
@@ -259,9 +267,12 @@ impl Candidate {
 /// The best candidate whose sheets are different ones. The ridge alone would split a sheet: two
 /// halves of a gain have half the sum of squares.
 fn distinct(target: &Plane<f64>, how: Fitting) -> Candidate {
-    let found = search(target, how);
-    if how.sheets == 1 || !found.repeats() {
-        return found;
+    let larger = RIDGES.into_iter().filter(|ridge| *ridge > how.ridge);
+    for ridge in std::iter::once(how.ridge).chain(larger) {
+        let found = search(target, Fitting { ridge, ..how });
+        if how.sheets == 1 || !found.repeats() {
+            return found;
+        }
     }
     let sheets = how.sheets - 1;
     distinct(target, Fitting { sheets, ..how })
@@ -425,6 +436,7 @@ fn gains(
         gains,
         left,
         price,
+        ridge,
     }
 }
 
@@ -486,6 +498,35 @@ mod tests {
         }
         near(fitted(&named("laplacian"), 1).sheets[0].lambda_x, 0.275);
         near(fitted(&named("csdvs-5"), 1).sheets[0].lambda_x, 1.89);
+    }
+
+    /// Without a ridge two sheets run together: the least one that keeps them apart is taken, so that
+    /// more sheets never reach less than with a larger ridge.
+    #[test]
+    fn no_ridge_is_no_reason_for_fewer_sheets() {
+        let kernel = named("dog");
+        let of = |sheets, ridge| {
+            let how = Fitting {
+                sheets,
+                anisotropic: false,
+                ridge,
+            };
+            fit(&kernel, how).unwrap()
+        };
+        for sheets in [2, 3] {
+            let (none, some) = (of(sheets, 0.0), of(sheets, 1e-9));
+            assert_eq!([none.sheets.len(), some.sheets.len()], [sheets; 2]);
+            assert!(none.ridge > 0.0 && none.ridge <= 1e-9 && some.ridge == 1e-9);
+            assert!(
+                none.error <= some.error * 1.001,
+                "{} {}",
+                none.error,
+                some.error
+            );
+        }
+        assert_eq!(of(1, 0.0).ridge, 0.0);
+        let sheet = fitted(&named("csdvs-5"), 2);
+        assert_eq!(sheet.ridge, 1e-4);
     }
 
     /// A kernel that is a sheet's is found again, on every space constant between.

@@ -260,7 +260,8 @@ impl<'a> Bench<'a> {
         self.execution().warnings(Ran {
             chip,
             packet,
-            frames,
+            // In the middle of a frame nothing is read out yet.
+            frames: frames.saturating_sub(self.said.stopped.get().into()),
             observation: &self.observation,
             is_dark: self.arguments.image.is_none() && self.opened.program.settings.image.is_none(),
             exposure: self.said.exposure.get(),

@@ -82,7 +82,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if arguments.json {
         return say_json(&rows);
     }
-    say(&table(&rows));
+    say(&table(&rows, arguments.ridge));
     Ok(())
 }
 
@@ -95,7 +95,7 @@ fn fitted(arguments: &Arguments, kernel: &Kernel, sheets: usize) -> miette::Resu
     Ok(fit(kernel, how)?)
 }
 
-fn table(rows: &[Row]) -> String {
+fn table(rows: &[Row], ridge: f64) -> String {
     let mut text = format!(
         "{:<20} {:>6} {:>8} {:>6}  {:>6} {:>6} {:>6} {:>6} {:>7}  {}\n",
         "", "odd", "mirrored", "turned", "sheets", "error", "gain", "tail", "uniform", "the sensor"
@@ -116,18 +116,30 @@ fn table(rows: &[Row]) -> String {
         };
         let _ = writeln!(
             text,
-            "  {:>6} {:>6.3} {:>6.2} {:>6.3} {:>7.3}  {}",
+            "  {:>6} {:>6.3} {:>6.2} {:>6.3} {:>7.3}  {}{}",
             fit.sheets.len(),
             fit.error,
             fit.gain,
             fit.tail,
             fit.uniform,
-            formula(fit)
+            formula(fit),
+            raised(fit, ridge)
         );
     }
     text + "\nodd, mirrored, turned: parts of the kernel that no resistors, no sheet, no sheet of equal resistors can have.\n\
         error: what is not reached, on the whole plane, over the kernel. gain: sum of the gains in size over the kernel's norm.\n\
         tail: what of the field lies outside the kernel's window, over the field. uniform: the answer to uniform light.\n"
+}
+
+/// That a fit took another ridge than was asked for.
+fn raised(fit: &Fit, asked: f64) -> String {
+    if fit.ridge == asked {
+        return String::new();
+    }
+    format!(
+        ", with a ridge of {:e}: with less, two sheets become one with gains that grow for ever",
+        fit.ridge
+    )
 }
 
 /// `1.15 P - 1.45 H(1.89)`.

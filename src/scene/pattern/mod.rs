@@ -16,6 +16,7 @@ mod draw;
 mod motif;
 mod parameters;
 mod texture;
+pub mod told;
 
 pub use parameters::{PARAMETERS, PATTERNS};
 

@@ -13,6 +13,7 @@ use super::{
     plan::{Opened, Plan},
     point::Point,
     read,
+    run::alone,
     shared::Shared,
     study::{COSTS, Study},
     table::Row,
@@ -151,7 +152,7 @@ impl<'a> Asked<'a> {
         if let Some(row) = self.known.get(&entry.id) {
             return Ok(row.clone());
         }
-        let row = measure(&self.plan, &entry, &self.shared, limits);
+        let row = alone(|| measure(&self.plan, &entry, &self.shared, limits));
         self.known.insert(entry.id, row.clone());
         Ok(row)
     }

@@ -274,7 +274,7 @@ fn task_by_task(work: &mut [(usize, &Entry)]) {
 }
 
 /// Does work in a pool of one thread, so that what would spread over the cores does not.
-fn alone(work: impl FnOnce() + Send) {
+pub(super) fn alone<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
         Ok(pool) => pool.install(work),
         // No thread can be had: then here.

@@ -2,9 +2,11 @@
 
 use std::fmt::Write as _;
 
-use crate::scene::pattern::{PARAMETERS, PATTERNS, Pattern};
+use super::{PARAMETERS, PATTERNS, Pattern};
+use crate::scene::SceneError;
 
-/// All patterns, and all parameters.
+/// All patterns, and all parameters, as text.
+#[must_use]
 pub fn all() -> String {
     let mut text = String::new();
     for (name, what) in PATTERNS {
@@ -17,11 +19,11 @@ pub fn all() -> String {
     text
 }
 
-/// One pattern, and what it takes.
+/// One pattern, and what it takes, as text.
 ///
 /// # Errors
 /// When there is none of this name.
-pub fn one(name: &str) -> miette::Result<String> {
+pub fn one(name: &str) -> Result<String, SceneError> {
     let mut keys = Pattern::parameters(name)?;
     if keys.iter().any(|key| key == "image") {
         keys.push("border".to_owned());
