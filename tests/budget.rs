@@ -497,6 +497,53 @@ fn lists_end_where_the_memory_does() {
     assert!(!Path::new(&out).exists());
 }
 
+/// Verbs that hold all events of a file say how much memory that takes, and it does.
+#[test]
+fn what_a_refusal_of_a_file_advises_is_enough() {
+    let folder = Folder::new();
+    let (events, other) = (folder.path("a.npy"), folder.path("b.csv"));
+    let (events, other) = (events.display().to_string(), other.display().to_string());
+    let scene = "pattern:noise?width=64&height=64&speed=2000&low=0&high=255&frames=200";
+    let dvs = root("sensors/dvs.toml");
+    let made = [
+        "run", "--scene", scene, "--sensor", &dvs, "--events", &events,
+    ];
+    assert_eq!(amacrine(&made, PATIENCE).code, Some(0));
+    // What says how many events it has, and what does not.
+    let told = amacrine(&["convert", &events, &other], PATIENCE);
+    assert_eq!(told.code, Some(0), "{}", told.errors);
+    let sorted = folder.path("s.npy").display().to_string();
+    let size = ["--size", "64x64"];
+    for verb in [
+        vec!["packets", &events],
+        vec!["packets", &other, size[0], size[1]],
+        vec!["compare", &events, &other, size[0], size[1]],
+        vec!["convert", &other, &sorted, "--sort", size[0], size[1]],
+    ] {
+        let little = [&verb[..], &["--max-memory", "27M"]].concat();
+        let ran = amacrine(&little, PATIENCE);
+        let errors = words(&ran.errors);
+        assert_eq!(ran.code, Some(2), "{verb:?}: {errors}");
+        assert_eq!(errors.matches("--max-memory SIZE").count(), 1, "{errors}");
+        // Each file that is read may be the first for which there is no room.
+        let mut most = errors.clone();
+        for _ in 0..2 {
+            let advised = most.rsplit("such as --max-memory ").next().unwrap();
+            let advised: String = advised
+                .chars()
+                .take_while(|c| c.is_alphanumeric())
+                .collect();
+            let ran = amacrine(&[&verb[..], &["--max-memory", &advised]].concat(), PATIENCE);
+            if ran.code == Some(0) {
+                most.clear();
+                break;
+            }
+            most = words(&ran.errors);
+        }
+        assert_eq!(most, "", "{verb:?}");
+    }
+}
+
 /// The prediction in a refusal, in KiB.
 fn predicted(arguments: &[&str]) -> u64 {
     // As much as lets the scene be opened, and no more: where it is not, that is another refusal.

@@ -766,10 +766,10 @@ fn a_cut_is_found_where_it_is_and_nowhere_else() {
 
 #[test]
 fn a_clip_that_repeats_frames_says_so() {
-    let size = Size::new(8, 8);
+    let size = Size::new(32, 32);
     // A line that moves by a column a picture; each picture is shown so many times.
     let clip = |shown: &[usize]| {
-        let picture = |at: usize| (0..64).map(|n| u8::from(n % 8 == at % 8) * 200).collect();
+        let picture = |at: usize| (0..1024).map(|n| u8::from(n % 8 == at % 8) * 200).collect();
         let frames = shown.iter().enumerate();
         let frames = frames.flat_map(|(at, times)| vec![picture(at); *times]);
         let bytes = y4m(size, "Cmono", &frames.collect::<Vec<Vec<u8>>>());
@@ -859,6 +859,20 @@ fn gaps_and_scales_are_told() {
     }
     let above = scaled(Samples::Floats, (0.0, 2.772)).unwrap();
     assert!(above.contains("with light above it"), "{above}");
+}
+
+#[test]
+fn frames_less_than_a_microsecond_apart_are_told_of() {
+    let told = |fps: u64| {
+        let text = format!("pattern:bar?fps={fps}&frames=4");
+        let observation = observed(open(&text, &OpenOptions::default()).unwrap());
+        let mut told = Warning::of_pictures(&observation);
+        told.retain(|warning| warning.about == About::SameTime);
+        told.first().map(ToString::to_string)
+    };
+    assert_eq!([told(1000), told(1_000_000)], [None, None]);
+    let text = told(10_000_000).unwrap();
+    assert!(text.contains("frames are 0.100 us apart"), "{text}");
 }
 
 #[test]

@@ -568,11 +568,11 @@ fn files_have_the_mode_that_the_user_wants() {
     }
 }
 
-/// A run that takes minutes and little of the disk, with something half-written in a folder
-/// that is new.
+/// A run that takes minutes and little of the disk, with two files half-written in a folder that is
+/// new.
 fn endless(work: &Path, shell: &str) -> Child {
     let script = format!(
-        "{shell} exec {} run --scene 'pattern:disc?width=64&height=48&frames=5000&radius=6' --upsample 0.0001 --sensor ../in/sensor.toml --counts new/c.npy --voxels v.npy",
+        "{shell} exec {} run --scene 'pattern:disc?width=64&height=48&frames=5000&radius=6' --upsample 0.0001 --sensor ../in/sensor.toml --counts new/c.npy --voxels new/v.npy",
         assert_cmd::cargo::cargo_bin("amacrine").display()
     );
     let mut child = Command::new("bash")

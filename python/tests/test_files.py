@@ -211,7 +211,7 @@ def test_missing_pictures_and_repeats_are_said(tmp_path: Path) -> None:
         (tmp_path / f"f{n}.pgm").write_bytes(b"P5 4 3 255\n" + picture)
     with pytest.warns(amacrine.Caution, match="by their numbers 2 pictures are missing"):
         amacrine.load(tmp_path, fps=50)
-    clip = np.random.default_rng(1).integers(0, 255, (10, 1, 16, 16)).astype(np.uint8)
+    clip = np.random.default_rng(1).integers(0, 255, (10, 1, 32, 32)).astype(np.uint8)
     twice = np.repeat(clip[:, 0], 2, axis=0)
     header = b"YUV4MPEG2 W16 H16 F10:1 Cmono\n"
     frames = b"".join(b"FRAME\n" + frame.tobytes() for frame in twice)

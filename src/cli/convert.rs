@@ -273,7 +273,8 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
         (true, Some((from, _))) => Some(from),
         (true, None) => None,
     };
-    let progress = Progress::new("looking", None);
+    let progress = Progress::new("looking at events", reader.about().events);
+    let mut count = 0;
     loop {
         let about = reader.about();
         let channels = about.channels.or((!format.limits().channels).then_some(1));
@@ -302,7 +303,8 @@ fn look(arguments: &Arguments) -> miette::Result<Seen> {
         if !more {
             break;
         }
-        progress.tick();
+        count += events.len() as u64;
+        progress.at(count);
     }
     progress.finish();
     if seen.size.pixels() == 0 && !arguments.salvage {
@@ -381,7 +383,8 @@ fn pass(
         let writer = Writer::create(path, format, compression, &head)?;
         writers.push((writer, *kind, None::<(Micros, Micros)>));
     }
-    let progress = Progress::new("converting", None);
+    let progress = Progress::new("converting events", about.events);
+    let mut count = 0;
     let (mut events, mut chosen) = (Vec::new(), Vec::new());
     loop {
         match reader.next_block(&mut events) {
@@ -393,6 +396,7 @@ fn pass(
             }
             Err(error) => return Err(error.into()),
         }
+        count += events.len() as u64;
         if let (Some(first), Some(last)) = (events.first(), events.last()) {
             seen.ends = Some((seen.ends.map_or(first.t, |(first, _)| first), last.t));
         }
@@ -408,7 +412,7 @@ fn pass(
                 *ends = Some((ends.map_or(first.t, |(first, _)| first), last.t));
             }
         }
-        progress.tick();
+        progress.at(count);
         if events.last().is_some_and(|e| e.t >= to) {
             break;
         }

@@ -13,6 +13,7 @@ use crate::{
         file::{FileError, Opening, Reader},
     },
     memory::Need,
+    unit::counted,
 };
 
 /// Bytes of an event that is sorted: as it was read, what the sort takes, and what is chosen.
@@ -74,11 +75,12 @@ impl Events {
                 }
             }
             if all.len() as u128 > room {
-                let read = format!("its first {} events, sorted", all.len());
+                let events = all.len() as u64 + self.reader.count()?;
+                let sorted = format!("{}, sorted", counted(events, "event"));
                 check(
-                    &Need::new().and(read, EACH * all.len() as u128),
+                    &Need::new().and(sorted, EACH * u128::from(events)),
                     &format!("--sort of {}", path.display()),
-                    "allow more with --max-memory SIZE",
+                    "sort where there is more memory",
                 )?;
             }
         }

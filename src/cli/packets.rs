@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use super::{
     content::Content,
     files::{Input, Output},
+    progress::Progress,
     readout,
     recording::{self, Recording},
 };
@@ -67,9 +68,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     arguments.readout.open()?.map(|d| d.readout()).transpose()?;
     let each = EACH + READ * u128::from(arguments.readout.is_asked());
     let loaded = arguments.recording.read(&arguments.file, 0, each)?;
+    let progress = Progress::spinner("counting");
     let read = arguments.readout.apply(&loaded.packet)?;
     let packet = read.as_ref().map_or(&loaded.packet, |(_, r)| &r.packet);
     let counted = Counted::new(packet, arguments)?;
+    progress.finish();
     if let Some(output) = &arguments.output {
         output.write(packet)?;
     }

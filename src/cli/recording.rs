@@ -4,12 +4,16 @@ use std::{fs, path::Path};
 
 use miette::miette;
 
-use super::budget::{budget, check};
+use super::{
+    budget::{budget, check},
+    progress::Progress,
+};
 use crate::{
     event::file::{self, FileError, Format, Loaded, Opening, Reader},
     limit::ARRAY_SIDE,
     memory::Need,
     plane::Size,
+    unit::counted,
 };
 
 /// What an event file may leave open.
@@ -69,23 +73,21 @@ impl Recording {
     /// where there is room for it beside `held` bytes.
     pub fn read(&self, path: &Path, held: u128, each: u128) -> miette::Result<Loaded> {
         let room = u128::from(Need::new().and("", held).left(budget())) / each;
-        let reader = Reader::open(path, &self.opening(None))?;
-        let (loaded, damage, more) = file::up_to(reader, room as usize);
+        let mut reader = Reader::open(path, &self.opening(None))?;
+        let _progress = Progress::spinner(format!("reading {}", path.display()));
+        let (loaded, damage, more) = file::up_to(&mut reader, room as usize);
         if let Some(damage) = damage {
             return Err(damage.into());
         }
         if more {
-            let events = loaded.packet.events.len();
-            let need = Need::new()
-                .and("what is read already", held)
-                .and(format!("its first {events} events"), each * events as u128);
-            let what = format!(
-                "{}, which holds more events than there is room for,",
-                path.display()
-            );
+            let events = loaded.packet.events.len() as u64 + reader.count()?;
+            let mut need = Need::new().and(counted(events, "event"), each * u128::from(events));
+            if held > 0 {
+                need = need.and("what is read already", held);
+            }
             check(
                 &need,
-                &what,
+                &path.display().to_string(),
                 "take a part of it: amacrine convert A B --slice FROM..TO",
             )?;
         }

@@ -212,7 +212,7 @@ impl Extent {
         }
         let stated = reader.about().span.map(|(start, _)| start);
         let (packet, size_known) = {
-            let (loaded, damage, _) = file::up_to(reader, 0);
+            let (loaded, damage, _) = file::up_to(&mut reader, 0);
             if let Some(damage) = damage {
                 return Err(damage.into());
             }

@@ -57,6 +57,8 @@ pub enum About {
     Gap,
     /// A pattern finer than pixels, or faster than frames.
     Alias,
+    /// Frames less than a microsecond apart, which times of events do not tell apart.
+    SameTime,
     /// A clip that players show in another shape.
     Shape,
     /// A frame rate that nobody said.
@@ -100,6 +102,7 @@ impl About {
             Self::Repeats => "repeats",
             Self::Gap => "gap",
             Self::Alias => "alias",
+            Self::SameTime => "same-time",
             Self::Shape => "shape",
             Self::AssumedRate => "assumed-rate",
             Self::Short => "short",
@@ -575,6 +578,21 @@ impl Warning {
         )
     }
 
+    /// A clip whose frames are less than a microsecond apart, the unit of times of events.
+    #[must_use]
+    pub fn same_time(interval: f64) -> Option<Self> {
+        // A microsecond that was rounded is one.
+        (interval < 1e-6 * (1.0 - 1e-9)).then(|| {
+            Self::new(
+                About::SameTime,
+                "the scene",
+                format!("frames are {:.3} us apart", interval * 1e6),
+                "times of events are whole microseconds: events of several frames have the same time (counts and voxels take the exact times)",
+                "give the frame rate of the camera (--fps)",
+            )
+        })
+    }
+
     /// A pattern that is seen as another, since it is finer than pixels or faster than frames.
     #[must_use]
     pub fn alias(alias: Alias) -> Self {
@@ -672,11 +690,13 @@ impl Warning {
         let gap = observation.gap().map(Self::gap);
         let alias = observation.alias().map(Self::alias);
         let shape = observation.unlike().map(Self::shape);
+        let same_time = observation.interval().and_then(Self::same_time);
         { cuts.into_iter() }
             .chain(repeats)
             .chain(gap)
             .chain(alias)
             .chain(shape)
+            .chain(same_time)
             .collect()
     }
 }

@@ -36,8 +36,11 @@ fn all() -> MutexGuard<'static, Vec<Entry>> {
 /// for ever. For a process that is about to end.
 pub fn remove_all() {
     let list = all();
-    for Entry { path, made } in &*list {
+    for Entry { path, .. } in &*list {
         let _ = fs::remove_file(path);
+    }
+    // A folder may have held several of them.
+    for Entry { made, .. } in &*list {
         folder::unmake(made);
     }
     std::mem::forget(list);

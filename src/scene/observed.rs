@@ -27,6 +27,8 @@ struct Seen {
     unlike: Option<Unlike>,
     slice: Option<Slice>,
     frames: u64,
+    /// Times of the first and the last frame, in seconds.
+    ends: (f64, f64),
     extent: Option<(f64, f64)>,
     cuts: Cuts,
     repeats: Repeats,
@@ -121,6 +123,13 @@ impl Observation {
         self.seen().frames
     }
 
+    /// The mean time from frame to frame, in seconds; none of a single frame.
+    #[must_use]
+    pub fn interval(&self) -> Option<f64> {
+        let Seen { frames, ends, .. } = *self.seen();
+        (frames > 1).then(|| (ends.1 - ends.0) / (frames - 1) as f64)
+    }
+
     /// The least and the most light of all frames that were seen.
     #[must_use]
     pub fn extent(&self) -> Option<(f64, f64)> {
@@ -146,6 +155,10 @@ impl Seen {
         if frame.index != self.frames {
             return;
         }
+        if self.frames == 0 {
+            self.ends.0 = frame.seconds;
+        }
+        self.ends.1 = frame.seconds;
         self.frames += 1;
         let (low, high) = self.extent.unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
         let ends = frame.light.extent();

@@ -5,7 +5,7 @@
 //! bursts. Video that was coded with loss changes a little where it repeats: a frame that changes by
 //! less than a part ([`LITTLE`]) of what frames do before and after it repeats the one before. A
 //! scene that stands still for long repeats frames too, and rightly: only short runs between frames
-//! that change are counted. What holds numbers, not codes, is not looked at.
+//! that change are counted. What holds numbers, not codes, or few pixels, is not looked at.
 
 use super::{Image, image::Codes};
 
@@ -15,6 +15,10 @@ const LONGEST: usize = 4;
 /// The part of the change before and of the change after that coding with loss makes of none:
 /// x264 at its default quality makes 0.01 to 0.06 of it in clips that move.
 const LITTLE: f64 = 0.1;
+
+/// Pixels of the smallest picture that is looked at: a few pixels of a still scene often hold their
+/// value while the others of the clip change.
+const FEWEST: usize = 32 * 32;
 
 /// Frames that are looked at; a clip that is longer is not looked at to its end.
 const MOST: usize = 1 << 20;
@@ -54,7 +58,7 @@ impl Repeats {
         let Some(coded) = light.coded() else {
             return;
         };
-        if self.changes.len() == MOST {
+        if self.changes.len() == MOST || light.size().pixels() < FEWEST {
             return;
         }
         let codes = coded.codes();
@@ -105,9 +109,9 @@ mod tests {
     fn found(pictures: &[u8]) -> Option<(u64, u64)> {
         let mut repeats = Repeats::default();
         for picture in pictures {
-            let codes = vec![*picture; 4];
-            let image = Image::of_bytes(Size::new(2, 2), codes, Levels::bytes());
-            repeats.see(&image.expect("four codes"));
+            let codes = vec![*picture; FEWEST];
+            let image = Image::of_bytes(Size::new(32, 32), codes, Levels::bytes());
+            repeats.see(&image.expect("as many codes"));
         }
         repeats.found().map(|found| (found.frames, found.of))
     }
@@ -139,7 +143,13 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_not_looked_at() {
+    fn few_pixels_and_numbers_are_not_looked_at() {
+        let mut repeats = Repeats::default();
+        for code in [1, 2, 2, 3, 3, 4, 4] {
+            let few = Image::of_bytes(Size::new(31, 32), vec![code; 31 * 32], Levels::bytes());
+            repeats.see(&few.expect("as many codes"));
+        }
+        assert_eq!(repeats.found(), None);
         let mut repeats = Repeats::default();
         for _ in 0..8 {
             repeats.see(&crate::plane::Plane::zeros((2, 2)).into());

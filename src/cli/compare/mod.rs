@@ -12,6 +12,7 @@ use super::{
     clip::Clip,
     content::Content,
     files, light,
+    progress::Progress,
     recording::{self, Recording},
     window::Window,
 };
@@ -82,14 +83,17 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let mut judged = of_b.read(&arguments.b, held, EACH)?;
     reference.widen_to(&judged.packet);
     judged.widen_to(&reference.packet);
+    let progress = Progress::spinner("comparing");
     let pair = Pair::new(&reference.packet, &judged.packet)?;
     let redraws = Redraws::new(&pair, arguments.seed);
     let mut headline = Headline::new(arguments, &pair, &redraws, arguments.fps()?)?;
+    progress.finish();
     if let Some(sensor) = &arguments.sensor {
         let packets = [&reference.packet, &judged.packet];
         let equivalent = arguments.equivalent(sensor, packets, headline.window())?;
         headline = headline.with(equivalent);
     }
+    let progress = Progress::spinner("comparing");
     let curve = headline.curve(&pair, &redraws);
     let comparison = Comparison::from_pair(&pair, headline.window());
     let warnings = headline.warnings([&reference.packet, &judged.packet]);
@@ -106,6 +110,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         scores: scores_beside(&pair, &scales, &redraws),
         scales,
     };
+    progress.finish();
     if let Some(path) = &arguments.output {
         path.draw(&headline.drawing(arguments, &curve))?;
     }

@@ -156,15 +156,15 @@ pub fn salvage(path: &Path, how: &Opening) -> Result<(Loaded, Option<FileError>)
 
 /// Reads the events that are left, up to the first damage, and says what the damage is.
 #[must_use]
-pub fn all(reader: Reader) -> (Loaded, Option<FileError>) {
-    let (loaded, damage, _) = up_to(reader, usize::MAX);
+pub fn all(mut reader: Reader) -> (Loaded, Option<FileError>) {
+    let (loaded, damage, _) = up_to(&mut reader, usize::MAX);
     (loaded, damage)
 }
 
 /// As [`all`], but no more than `most` events and those of one block; and whether the file went
 /// on after them.
 #[must_use]
-pub fn up_to(mut reader: Reader, most: usize) -> (Loaded, Option<FileError>, bool) {
+pub fn up_to(reader: &mut Reader, most: usize) -> (Loaded, Option<FileError>, bool) {
     let mut block: Vec<Event> = Vec::new();
     let mut events = Vec::new();
     let mut more = false;

@@ -230,6 +230,20 @@ impl Reader {
         })
     }
 
+    /// How many events are left; they are read where the file does not say it.
+    ///
+    /// # Errors
+    /// As [`Reader::next_block`].
+    pub fn count(&mut self) -> Result<u64, FileError> {
+        let before = self.gate.events;
+        if let Some(all) = self.gate.about.events {
+            return Ok(all.saturating_sub(before));
+        }
+        let mut block = Vec::new();
+        while self.next_block(&mut block)? {}
+        Ok(self.gate.events - before)
+    }
+
     /// Puts the next events into `events`, in place of what was there; false at the end.
     ///
     /// # Errors
