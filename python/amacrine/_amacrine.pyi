@@ -353,8 +353,8 @@ def feasibility(
     chips: int,
 ) -> tuple[str, str]: ...
 def waterfall(
-    of: _Named,
-    threshold: float,
+    of: list[_Named],
+    thresholds: list[float],
     how: tuple[str, str],
     search: _Search,
     scene: _Shown,
@@ -362,7 +362,7 @@ def waterfall(
     rates: list[float] | None,
     sample: tuple[int, int | None],
     through: _Readout | None,
-) -> tuple[str, str]: ...
+) -> list[tuple[str, str]]: ...
 def trade_program(
     program: Program,
     domain: str,

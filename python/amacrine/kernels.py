@@ -96,11 +96,3 @@ def named(given: Any) -> list[tuple[str, bytes | None]]:
         else:
             all.append((kernel, None))
     return all
-
-
-def one(given: Any) -> tuple[str, bytes | None]:
-    """The kernel where there may be one alone."""
-    found = named(given)
-    if len(found) != 1:
-        raise Error(f"{len(found)} kernels\nhelp: give one of them, an array of shape (k,k)")
-    return found[0]

@@ -16,7 +16,7 @@ from . import _amacrine, arguments, notebook
 from ._amacrine import Error
 from .answer import Answer, told
 from .frames import shown
-from .kernels import Kernels, named, one
+from .kernels import Kernels, named
 from .program import Program
 from .readout import Readout, readout_of
 from .sensor import Sensor
@@ -311,6 +311,13 @@ def feasibility(
     return told(Answer.parse(text, page=page, rows="quantisation"))
 
 
+class Waterfalls(list[Answer]):
+    """Waterfalls of several kernels: a list, and all their drawings in a notebook."""
+
+    def _repr_html_(self) -> str:
+        return "".join(one._repr_html_() or "" for one in self)
+
+
 @arguments.renamed(threshold="thresholds")
 def waterfall(
     kernel: Kernels,
@@ -331,13 +338,15 @@ def waterfall(
     within: float | None = None,
     effort: float = 1.0,
     seed: int = 0,
-) -> Answer:
+) -> Any:
     """Where the events of the float sensor go on the way to the chip, over frame rate and step by
     step.
 
     Args:
-        kernel: A name, a file, or an array (k,k).
-        thresholds: Events where kernel times light (0 to 255) moved by more than this: one number.
+        kernel: A name, a file, an array (k,k), or several as for :class:`Sensor`, all of them in one
+            program.
+        thresholds: Events where kernel times light (0 to 255) moved by more than this: one number for
+            all kernels, or one for each.
         to: How the kernel comes into few values.
         domain: What the cells of the array hold.
         readout: How the chip's events are read out, as for :meth:`Sensor.events`; the scan that a
@@ -349,16 +358,18 @@ def waterfall(
         tiles: Tiles of the scene on which they are run; as many as take some seconds if left out.
 
     Returns:
-        ``kept``, ``steps`` and, over frame rate, ``rates``; ``drawing`` is the picture, which a
-        notebook shows. ``docs/waterfall.md`` says what each cause is.
+        An :class:`Answer` with ``kept``, ``steps`` and, over frame rate, ``rates``; ``drawing`` is the
+        picture, which a notebook shows. Of several kernels a list with that of each, which has its
+        ``name`` and the ``memory`` of the program too. ``docs/waterfall.md`` says what each cause is.
     """
     if flag("steps", steps) and rates is not None:
         raise Error(
             "steps are told at the clip's own rate\nhelp: leave rates out, or steps"
         )
-    text, drawing = _amacrine.waterfall(
-        one(kernel),
-        _limits(thresholds, 1)[0],
+    given = named(kernel)
+    found = _amacrine.waterfall(
+        given,
+        _limits(thresholds, len(given)),
         (word("to", to, "int-5"), word("domain", domain, "exact")),
         _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
@@ -370,7 +381,9 @@ def waterfall(
         ),
         readout_of(readout),
     )
-    return told(Answer.parse(text, drawing=drawing, rows="steps" if steps else "rates"))
+    rows = "steps" if steps else "rates"
+    all = Waterfalls(told(Answer.parse(text, drawing=svg, rows=rows)) for text, svg in found)
+    return all if len(given) > 1 else all[0]
 
 
 def trade(

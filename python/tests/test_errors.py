@@ -144,7 +144,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: amacrine.quantise("dvs", "ternary", fps=3),  # type: ignore[call-overload]
         "give thresholds, too",
     ),
-    "two kernels": (lambda: amacrine.waterfall(kernels(2), 1), "give one of them"),
+    "two kernels": (lambda: amacrine.waterfall(kernels(2), [1, 2, 3]), "3 thresholds for 2 kernels"),
     "old name": (
         lambda: _any(amacrine.quantise)("dvs", "ternary", threshold=20), "give thresholds=20"
     ),

@@ -213,7 +213,7 @@ def test_missing_pictures_and_repeats_are_said(tmp_path: Path) -> None:
         amacrine.load(tmp_path, fps=50)
     clip = np.random.default_rng(1).integers(0, 255, (10, 1, 32, 32)).astype(np.uint8)
     twice = np.repeat(clip[:, 0], 2, axis=0)
-    header = b"YUV4MPEG2 W16 H16 F10:1 Cmono\n"
+    header = b"YUV4MPEG2 W32 H32 F10:1 Cmono\n"
     frames = b"".join(b"FRAME\n" + frame.tobytes() for frame in twice)
     (tmp_path / "twice.y4m").write_bytes(header + frames)
     with pytest.warns(amacrine.Caution, match="10 of 20 frames are the frame before once more"):

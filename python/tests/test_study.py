@@ -238,7 +238,7 @@ def test_light_of_another_scale_is_told_of() -> None:
         amacrine.waterfall("csdvs-3", 0.1, steps=True, effort=0.01, **light)
     assert {Path(one.filename).name for one in said} == {"test_study.py"}
     with pytest.warns(amacrine.Caution, match="give scale=255") as said:
-        amacrine.quantise("csdvs-3", ["int-5"], effort=0.01, **light)
+        amacrine.quantise("csdvs-3", ["int-5"], thresholds=0.1, effort=0.01, **light)
     assert {Path(one.filename).name for one in said} == {"test_study.py"}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -276,6 +276,18 @@ def test_waterfall(program: Callable[..., str], tmp_path: Path) -> None:
     answer.save(tmp_path / "fall.svg")
     with pytest.raises(ValueError, match="there is no .html"):
         answer.save(tmp_path / "fall.html")
+
+
+def test_a_waterfall_of_several_kernels(program: Callable[..., str]) -> None:
+    """All of them in one program, as on the command line."""
+    words = ["--threshold", "20,64", "--scene", SCENE, "--effort", "0.05", "--steps"]
+    stated = json.loads(program("waterfall", "csdvs-3", "sobel-x", *words, "--json"))
+    all = amacrine.waterfall(["csdvs-3", "sobel-x"], [20, 64], scene=SCENE, effort=0.05, steps=True)
+    assert [one.name for one in all] == [one["name"] for one in stated] == ["csdvs-3", "sobel-x"]
+    for own, its in zip(all, stated):
+        assert own.to_dict()["steps"] == its["steps"] and own.kept == its["kept"]
+        assert own.memory and str(own.drawing).startswith("<svg")
+    assert all._repr_html_().count("<svg") == 2
 
 
 def test_a_waterfall_behind_a_readout(program: Callable[..., str]) -> None:

@@ -2,10 +2,12 @@
 
 use amacrine::{
     array::{Arithmetic, ArithmeticError},
+    kernel::Kernel,
     photoreceptor::Response,
     picture::svg,
     study::{
         design::Design,
+        together,
         waterfall::{self as falls, Fall},
     },
     unit::Micros,
@@ -17,7 +19,7 @@ use serde::Serialize;
 use super::{Named, Search, Shown, device, kernel, open_on, scan, within};
 use crate::{
     chip::{effort, named, quantiser},
-    error::raised,
+    error::{raised, refused},
     files::json,
     readout,
 };
@@ -25,18 +27,25 @@ use crate::{
 /// Both answers as one object.
 #[derive(Serialize)]
 struct Fallen<'a> {
+    /// Where there are several kernels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<&'a str>,
+    /// What the program of several remembers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    memory: Option<String>,
     #[serde(flatten)]
     steps: &'a falls::Waterfall,
     #[serde(flatten)]
     rates: Option<&'a falls::Rates>,
 }
 
-/// Where the events of the float sensor go on the way to the chip: as JSON, and drawn.
+/// Where the events of float sensors go on the way to the chip, those of several kernels in one
+/// program: of each as JSON, and drawn.
 #[pyfunction]
 pub fn waterfall(
     py: Python<'_>,
-    of: Named,
-    threshold: f64,
+    of: Vec<Named>,
+    thresholds: Vec<f64>,
     how: (&str, &str),
     search: Search<'_>,
     scene: Shown<'_>,
@@ -44,20 +53,28 @@ pub fn waterfall(
     rates: Option<Vec<f64>>,
     sample: (u64, Option<usize>),
     through: Option<readout::Asked>,
-) -> PyResult<(String, String)> {
+) -> PyResult<Vec<(String, String)>> {
     let ((to, domain), (chips, tiles)) = (how, sample);
     let (sum_to, chip, seconds, seed) = search;
-    let (kernel, to) = (kernel(&of)?, quantiser(to)?);
+    let kernels: Vec<Kernel> = of.iter().map(kernel).collect::<PyResult<_>>()?;
+    let to = quantiser(to)?;
     let (sum, device) = (named(sum_to)?, device(chip)?);
     let arithmetic: Arithmetic = domain.parse().map_err(|e: ArithmeticError| raised(e))?;
     let readout = through.map_or_else(|| scan().map_err(raised), readout::open)?;
     let source = scene.source()?;
     let effort = effort(seconds, source.stop())?;
-    let title = format!(
-        "Where the events of {} went: {chip}, threshold {threshold}, {}",
-        of.0,
-        source.name()
-    );
+    let designs: Vec<Design<'_>> = { kernels.iter().zip(&thresholds) }
+        .map(|(kernel, threshold)| Design {
+            kernel,
+            threshold: *threshold,
+            device: &device,
+            effort,
+            seed,
+        })
+        .collect();
+    let [first, ..] = designs[..] else {
+        return Err(refused("no kernel", "give one, or several"));
+    };
     let answer = source.study(py, Response::IDENTITY, || {
         let mut shown = open_on(&source, &device)?;
         let choice = rates.map(|rates| falls::Choice {
@@ -69,33 +86,56 @@ pub fn waterfall(
         if let (Some(choice), Some(frames)) = (&choice, shown.frames()) {
             choice.check(frames, shown.fps())?;
         }
-        let fall = Fall::new(falls::Question {
-            design: Design {
-                kernel: &kernel,
-                threshold,
-                device: &device,
-                effort,
-                seed,
-            },
+        let question = falls::Question {
+            design: first,
             to,
             sum,
             arithmetic: arithmetic.with_seed(seed),
             readout,
             within: within(within_us, shown.fps()),
-        })?;
-        let steps = fall.steps(&mut *shown, |_| ())?;
-        let Some(choice) = choice else {
-            let drawing = svg(&steps.drawing(&title));
-            return Ok((steps, None, drawing));
         };
-        let rates = fall.rates(&choice, &|| source.open(), &|| ())?;
-        let drawing = svg(&rates.drawing(&title));
-        Ok((steps, Some(rates), drawing))
+        falls::check_crossings(&designs, &mut *source.open()?)?;
+        let falls = match &designs[..] {
+            [_] => vec![Fall::new(question)?],
+            several => Fall::together(several, question, None)?,
+        };
+        let steps = falls::steps_together(&falls, &mut *shown, |_| ())?;
+        let mut rates = Vec::new();
+        if let Some(choice) = choice {
+            for fall in &falls {
+                rates.push(fall.rates(&choice, &|| source.open(), &|| ())?);
+            }
+        }
+        let memory = falls.first().and_then(Fall::remembered);
+        Ok((steps, rates, memory))
     })?;
-    let (steps, rates, drawing) = answer.map_err(|report: Report| raised(report))?;
-    let fallen = Fallen {
-        steps: &steps,
-        rates: rates.as_ref(),
+    let (steps, rates, memory) = answer.map_err(|report: Report| raised(report))?;
+    let title = |kind: usize| {
+        let one = if of.len() > 1 {
+            ", of one program,"
+        } else {
+            ""
+        };
+        format!(
+            "Where the events of {}{one} went: {chip}, threshold {}, {}",
+            of[kind].0,
+            thresholds[kind],
+            source.name()
+        )
     };
-    Ok((json(&fallen)?, drawing))
+    let told = |(kind, steps): (usize, &falls::Waterfall)| {
+        let rates = rates.get(kind);
+        let fallen = Fallen {
+            name: (of.len() > 1).then(|| of[kind].0.as_str()),
+            memory: memory.map(together::name),
+            steps,
+            rates,
+        };
+        let drawing = match rates {
+            Some(rates) => rates.drawing(&title(kind)),
+            None => steps.drawing(&title(kind)),
+        };
+        Ok((json(&fallen)?, svg(&drawing)))
+    };
+    steps.iter().enumerate().map(told).collect()
 }
