@@ -16,8 +16,8 @@ use crate::{
     unit::counted,
 };
 
-/// Bytes of an event that is sorted: as it was read, what the sort takes, and what is chosen.
-const EACH: u128 = 3 * size_of::<Event>() as u128;
+/// Bytes of an event that is sorted: as it was read, and what the sort takes, a half of it.
+const EACH: u128 = 2 * size_of::<Event>() as u128;
 
 /// A reader, and what it gave where that is sorted.
 pub struct Events {

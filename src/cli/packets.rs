@@ -48,10 +48,10 @@ pub struct Arguments {
 }
 
 /// Bytes of an event: as it was read, and what its word costs.
-const EACH: u128 = 40;
+const EACH: u128 = 24;
 
 /// Bytes of an event in a readout: its requests, its way through the queues, its delay.
-const READ: u128 = 90;
+const READ: u128 = 80;
 
 /// Runs the verb.
 ///

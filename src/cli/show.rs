@@ -187,7 +187,7 @@ const PAGES: u64 = 2000;
 const WINDOWS: u64 = 1_000_000;
 
 /// Bytes of an event: as it was read, and by its cell.
-const EACH: u128 = 60;
+const EACH: u128 = 48;
 
 /// Bytes of the page, as it is drawn and as it is packed.
 const PAGE: u128 = 20 << 20;

@@ -167,6 +167,9 @@ pub fn all(mut reader: Reader) -> (Loaded, Option<FileError>) {
 pub fn up_to(reader: &mut Reader, most: usize) -> (Loaded, Option<FileError>, bool) {
     let mut block: Vec<Event> = Vec::new();
     let mut events = Vec::new();
+    // What a file says of itself may be wrong: where there is no such room, it grows.
+    let said = reader.about().events.unwrap_or(0);
+    let _ = events.try_reserve_exact(usize::try_from(said).unwrap_or(most).min(most));
     let mut more = false;
     let damage = loop {
         if events.len() > most {
