@@ -257,6 +257,9 @@ fn suggested(need: &Need) -> String {
     let total = need.total();
     if total < 1 << 30 {
         format!("{}M", total.div_ceil(1 << 20))
+    } else if total < 10 << 30 {
+        let tenths = (10 * total).div_ceil(1 << 30);
+        format!("{}.{}G", tenths / 10, tenths % 10)
     } else {
         format!("{}G", total.div_ceil(1 << 30))
     }
@@ -265,6 +268,28 @@ fn suggested(need: &Need) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_advised_is_enough_and_little_more() {
+        for bytes in [
+            1,
+            5 << 20,
+            (1 << 30) - 1,
+            1 << 30,
+            1_395_864_372,
+            9_999_999_999,
+            77 << 30,
+        ] {
+            let need = Need::new().and("it", bytes);
+            let advised = suggested(&need).parse::<Budget>().unwrap().bytes;
+            let program = need.total();
+            assert!(u128::from(advised) >= program, "{bytes}");
+            assert!(
+                advised as f64 <= 1.1 * program as f64 + f64::from(1 << 20),
+                "{bytes}"
+            );
+        }
+    }
 
     #[test]
     fn sizes_are_read() {
@@ -333,7 +358,7 @@ mod tests {
         );
         assert_eq!(
             help,
-            "make it smaller, or allow more with --max-memory SIZE, such as --max-memory 5G"
+            "make it smaller, or allow more with --max-memory SIZE, such as --max-memory 4.1G"
         );
         let endless = Need::new().and("a", u128::MAX);
         assert_eq!(endless.total(), u128::MAX);

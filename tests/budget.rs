@@ -664,13 +664,11 @@ fn enough(arguments: &[&str]) -> u64 {
         }
         let errors = words(&ran.errors);
         let advised = errors.rsplit("such as --max-memory ").next().unwrap();
-        most = advised
-            .chars()
-            .take_while(|c| c.is_alphanumeric())
-            .collect();
+        most = advised.split_whitespace().next().unwrap().to_owned();
     }
     let (number, unit) = most.split_at(most.len() - 1);
-    number.parse::<u64>().unwrap() << if unit == "G" { 20 } else { 10 }
+    let kib = if unit == "G" { 1024.0 * 1024.0 } else { 1024.0 };
+    (number.parse::<f64>().unwrap() * kib) as u64
 }
 
 /// Voxels are written window by window, into any container, however far apart events are:
