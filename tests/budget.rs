@@ -664,7 +664,7 @@ fn enough(arguments: &[&str]) -> u64 {
         }
         let errors = words(&ran.errors);
         let advised = errors.rsplit("such as --max-memory ").next().unwrap();
-        most = advised.split_whitespace().next().unwrap().to_owned();
+        most = advised.split_whitespace().next().unwrap().into();
     }
     let (number, unit) = most.split_at(most.len() - 1);
     let kib = if unit == "G" { 1024.0 * 1024.0 } else { 1024.0 };

@@ -8,6 +8,7 @@
 mod beside;
 mod chance;
 mod chip;
+mod clock;
 mod error;
 mod events;
 mod files;

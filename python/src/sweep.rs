@@ -16,14 +16,13 @@ use amacrine::{
         request::Swept,
         run::ShardError,
         store::{self, Tables},
-        thread_seconds,
     },
 };
 use miette::Report;
 use pyo3::prelude::*;
 use serde_json::json;
 
-use crate::{error::raised, files::json, pool};
+use crate::{clock::thread_seconds, error::raised, files::json, pool};
 
 /// What stands in a folder of results.
 fn told(title: &str, points: usize, tables: &Tables) -> serde_json::Value {

@@ -4,6 +4,7 @@ pub mod asm;
 mod budget;
 mod changed;
 mod clip;
+mod clock;
 pub mod compare;
 pub mod compile;
 pub mod completions;

@@ -14,6 +14,7 @@ use serde_json::json;
 
 use super::{
     budget,
+    clock::thread_seconds,
     content::Content,
     files::{Input, Output},
     light,
@@ -30,7 +31,6 @@ use crate::study::sweep::{
     schema,
     search::{Rung, Searched},
     store::Tables,
-    thread_seconds,
     verify::{Share, Verified},
 };
 use crate::{limit::POINT_BYTES, memory::Need, source, unit::counted};

@@ -64,7 +64,7 @@ pub mod verify;
 pub use ask::Asked;
 pub use damage::Damage;
 pub use error::StoreError;
-pub use limits::{Clock, Limits, thread_seconds};
+pub use limits::{Clock, Limits};
 pub use manifest::Manifest;
 pub use merge::merge;
 pub use overrides::Override;

@@ -230,7 +230,7 @@ const FIDELITY: [(&str, Holds, &str); 2] = [
 const MACHINE: [(&str, Holds, &str); 4] = [
     real(
         "seconds_per_frame",
-        "seconds of computing a frame on one thread of this machine, the mean over the scene",
+        "seconds that one thread of this machine had a processor for a frame, the mean over the scene: other work on the machine lengthens it little",
     ),
     real("frames_per_s", "frames a second of computing"),
     real("events_per_s", "events a second of computing"),
