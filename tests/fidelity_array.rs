@@ -1,13 +1,16 @@
 //! The pilot on the array: tiles of a program have the events of the whole array, to the bit, errors
 //! of the chip included, and limits hold.
 
-use std::sync::{
-    LazyLock,
-    atomic::{AtomicU64, Ordering},
+use std::{
+    collections::HashMap,
+    sync::{
+        LazyLock,
+        atomic::{AtomicU64, Ordering},
+    },
 };
 
 use amacrine::{
-    array::{Arithmetic, Settings},
+    array::{Arithmetic, Schedule, Settings},
     compile::Effort,
     event::{Event, Packet},
     isa::Device,
@@ -18,15 +21,17 @@ use amacrine::{
     mosaic::{Mosaic, Outside},
     number::Format,
     plane::{At, Plane, Size},
-    program::{Overrides, Program},
+    program::{Code, Overrides, Program},
     rng::Hash,
     scene::{Frame, Scene, held::Held, kept::Kept},
+    stop::Stop,
     study::{
         design::{Compiled, Design},
         pilot::{
-            Change, ChangeEstimate, Chips, ErrorTerm, Family, Grid, Look, Machine, Measure, change,
-            draw,
+            Change, ChangeEstimate, Chips, ErrorTerm, Family, Grid, History, Look, Machine,
+            Measure, Survey, change, draw, estimate::Tile,
         },
+        trade::{Ask, Programs, Setup, trade},
     },
     unit::Micros,
 };
@@ -56,22 +61,26 @@ fn kept(seed: u64, height: usize, width: usize, frames: u64) -> Kept {
     let chance = |n: u64| Hash::new(seed).with(n).uniform();
     let (speed, size) = (0.5 + 3.0 * chance(0), 2.0 + 4.0 * chance(1));
     let texture = 20.0 * chance(2);
+    shown(Size::new(height, width), frames, |index, y, x| {
+        let (dy, dx) = (
+            y as f64 - height as f64 / 2.0,
+            x as f64 - speed * index as f64,
+        );
+        let spot = 130.0 * (-(dy * dy + dx * dx) / (2.0 * size * size)).exp();
+        let grain = texture * chance(1000 + (y * width + x) as u64 + (index / 3) * 100_000);
+        (60.0 + spot + grain).clamp(0.0, 255.0)
+    })
+}
+
+/// A scene of the light of each frame, row and column.
+fn shown(size: Size, frames: u64, light: impl Fn(u64, usize, usize) -> f64) -> Kept {
     let frame = |index: u64| Frame {
         index,
         seconds: index as f64 / 200.0,
-        light: Plane::from_shape_fn((height, width), |(y, x)| {
-            let (dy, dx) = (
-                y as f64 - height as f64 / 2.0,
-                x as f64 - speed * index as f64,
-            );
-            let spot = 130.0 * (-(dy * dy + dx * dx) / (2.0 * size * size)).exp();
-            let grain = texture * chance(1000 + (y * width + x) as u64 + (index / 3) * 100_000);
-            (60.0 + spot + grain).clamp(0.0, 255.0)
-        })
-        .into(),
+        light: Plane::from_shape_fn(size.shape(), |(y, x)| light(index, y, x)).into(),
     };
     let frames = (0..frames).map(frame).collect();
-    let mut scene = Held::new(frames, Size::new(height, width), 200.0);
+    let mut scene = Held::new(frames, size, 200.0);
     Kept::new(&mut scene, 1 << 26).unwrap().unwrap()
 }
 
@@ -86,21 +95,57 @@ fn chips(compiled: &Compiled, arithmetic: Arithmetic) -> Chips<'_> {
             ..compiled.settings()
         },
         arithmetic,
+        reads_all: false,
     }
 }
 
 fn whole(chips: &Chips<'_>, machine: &Machine, kept: &Kept) -> Packet {
-    let size = kept.size();
-    let mut chip = chips
-        .chip(machine, size, (At { y: 0, x: 0 }, size.width))
-        .unwrap();
-    let mut packet = Packet::new(size, chip.channels());
-    let mut scene = kept.scene();
-    while let Some(frame) = scene.next_frame().unwrap() {
-        chip.watch(&frame, &mut packet).unwrap();
-    }
+    let packet = read(chips, machine, kept);
     assert_eq!(packet.dropped.no_slot, 0);
     packet
+}
+
+/// What is read of the whole array.
+fn read<F: Family>(family: &F, model: &F::Model, kept: &Kept) -> Packet {
+    let mut sensor = family.whole(model, kept.size()).unwrap();
+    let mut packet = Packet::new(kept.size(), sensor.channels());
+    let mut scene = kept.scene();
+    while let Some(frame) = scene.next_frame().unwrap() {
+        sensor.watch(&frame, &mut packet).unwrap();
+    }
+    packet
+}
+
+/// A program of one kind whose cells fire where light moves by more than a threshold, with so many
+/// slots for each sign.
+fn snap(slots: usize) -> (Code, Device) {
+    let text = format!(
+        "//! channels = 1\ninit {{ get_image(A); neg(C, A); }}\nframe {{ get_image(A); scamp5_in(D, -12); bus(NEWS); bus(B, NEWS, A, C); where(B, D); MOV(R6, FLAG); all(); where(A, C, D); MOV(R5, FLAG); WHERE(R5, R6); neg(C, A); all(); scamp5_scan_events(R5, on, {slots}); scamp5_scan_events(R6, off, {slots}); }}"
+    );
+    let device = Device::scamp5();
+    let program = Program::parse("snap", &text).unwrap();
+    let code = program.expand(&device, &Overrides::default()).unwrap().code;
+    (code, device)
+}
+
+fn silicon((code, device): &(Code, Device), reads_all: bool) -> Chips<'_> {
+    Chips {
+        name: "snap",
+        code,
+        device,
+        settings: Settings::from_device(device),
+        arithmetic: Arithmetic::Silicon { seed: 0 },
+        reads_all,
+    }
+}
+
+/// The most events of a sign at one time.
+fn busiest(packet: &Packet) -> usize {
+    let mut counts = HashMap::new();
+    for event in &packet.events {
+        *counts.entry((event.t, event.polarity.bit())).or_insert(0) += 1;
+    }
+    counts.into_values().max().unwrap_or(0)
 }
 
 fn all_tiles(kept: &Kept, side: usize, halo: usize, across: usize) -> Mosaic {
@@ -286,6 +331,7 @@ fn programs_without_tiles_are_left_alone() {
             device: &device,
             settings: Settings::from_device(&device),
             arithmetic: Arithmetic::Silicon { seed: 0 },
+            reads_all: false,
         };
         let told = chips.halo().unwrap_err();
         assert!(told.contains(why), "{told}");
@@ -308,4 +354,151 @@ fn programs_without_tiles_are_left_alone() {
         assert_eq!(answer.choice, chips.machine());
         assert!(answer.why.contains(why) && answer.offers.iter().all(|o| o.change.is_none()));
     }
+}
+
+/// Bursts late in a clip, in one frame alone, in one corner alone; slots that are just enough, or one
+/// too few.
+#[test]
+fn a_trade_is_not_fooled_by_slots_that_are_full_in_some_frame() {
+    let size = Size::new(60, 72);
+    let spot = |index: u64, y: usize, x: usize| {
+        let across = (20 + index as usize) % 72;
+        60.0 + 90.0 * f64::from(u8::from(y / 6 == 3 && x.abs_diff(across) < 4))
+    };
+    let spread = Hash::new(3);
+    let step = |is_late: bool, is_lit: bool| 45.0 * f64::from(u8::from(is_late && is_lit));
+    let late = shown(size, 16, |t, y, x| spot(t, y, x) + step(t >= 12, true));
+    let corner = shown(size, 16, |t, y, x| {
+        spot(t, y, x) + step(t >= 14, y >= 48 && x >= 60)
+    });
+    let alone = shown(size, 16, |t, y, x| {
+        let lit = spread.with((y * 72 + x) as u64).uniform() < 0.06;
+        spot(t, y, x) + step(t == 13, lit)
+    });
+    let (mut full, mut fitting) = (0, 0);
+    for (name, kept) in [("late", late), ("corner", corner), ("alone", alone)] {
+        let roomy = snap(4000);
+        let roomy = silicon(&roomy, true);
+        let most = busiest(&read(&roomy, &roomy.machine(), &kept)).min(4000);
+        for slots in [most - 1, most, most / 2] {
+            let code = snap(slots);
+            let family = Programs {
+                chips: silicon(&code, false),
+                schedule: Schedule::Plain,
+            };
+            let survey = Survey {
+                kept: &kept,
+                upsample: None,
+                within: Micros(100),
+                seed: 0,
+                clock: &|| 0.0,
+                sample: 0.3,
+                stop: Stop::NEVER,
+            };
+            let ask = Ask {
+                survey,
+                models: family.models(&[Format::F32]),
+                alternative: &|setup: &Setup| family.alternative(setup),
+                free: &|setup: &Setup, _: &_| family.free(setup),
+                verify: false,
+                runs: 1,
+                begin: &|_| (),
+            };
+            let trade = trade(&family, &ask).unwrap();
+            let own = read(&family, &family.full(), &kept);
+            assert_eq!(trade.without_slot, own.dropped.no_slot, "{name}, {slots}");
+            full += usize::from(trade.without_slot > 0);
+            fitting += usize::from(trade.without_slot == 0);
+            for point in &trade.points {
+                let plain = read(&family, &point.model, &kept);
+                let truth = Change::between(&own, &plain, Micros(100)).unwrap().share;
+                let limit = point.error();
+                assert!(
+                    limit.is_none_or(|limit| truth <= limit),
+                    "{name}, {slots} slots: {}: {truth}, {limit:?}",
+                    point.name
+                );
+            }
+        }
+    }
+    assert!(full >= 6 && fitting > 0, "{full} {fitting}");
+}
+
+/// Where a plainer model just fits into the slots, the full one may lose an event for each change.
+#[test]
+fn limits_hold_behind_slots() {
+    let (mut lost, mut more) = (0, 0);
+    let roomy = snap(4000);
+    for seed in 0..40u64 {
+        let kept = kept(seed, 36, 40, 10);
+        let all = silicon(&roomy, true);
+        let term = ErrorTerm::ALL[seed as usize % ErrorTerm::ALL.len()];
+        let plain = Machine {
+            format: (seed % 3 == 0).then_some(Format::F32),
+            without: if seed % 3 == 0 { vec![] } else { vec![term] },
+        };
+        let [a, b] = [all.machine(), plain].map(|machine| whole(&all, &machine, &kept));
+        let Change {
+            events,
+            missing,
+            extra,
+            share,
+        } = Change::between(&a, &b, Micros(100)).unwrap();
+        let tile = Tile {
+            probability: 1.0,
+            events,
+            changes: missing + extra,
+            ..Tile::default()
+        };
+        let estimate = ChangeEstimate::new(&[tile], History::Cell.into(), 0.05);
+        assert_eq!(estimate.limit, Some(share));
+        // As many as the plainer one needs.
+        let code = snap(busiest(&b));
+        let few = silicon(&code, false);
+        let own = read(&few, &few.machine(), &kept);
+        let truth = Change::between(&own, &b, Micros(100)).unwrap().share;
+        let limit = estimate.behind_slots().limit.unwrap();
+        assert!(truth <= limit, "{seed}: {truth} {limit}");
+        lost += usize::from(own.dropped.no_slot > 0);
+        more += usize::from(truth > share);
+    }
+    println!("{lost} lose events, {more} change more than before the readout");
+    assert!(lost > 5 && more > 2, "{lost} {more}");
+}
+
+/// What a pilot says before a run has room for what slots may lose, and says nothing where they are
+/// full in a tile.
+#[test]
+fn a_pilot_counts_what_slots_may_lose() {
+    let kept = kept(5, 72, 80, 10);
+    let asked = |slots, reads_all| {
+        let code = snap(slots);
+        let family = silicon(&code, reads_all);
+        let measure = Measure {
+            kept: &kept,
+            upsample: None,
+            tolerance: 0.2,
+            within: Micros(100),
+            seed: 0,
+            clock: &|| 0.0,
+            budget: (0.0, 0.0),
+            tiles: Some(30),
+            look: None,
+            limits_only: true,
+        };
+        measure
+            .ask(&family, &family.candidates(&[Format::F32]))
+            .unwrap()
+    };
+    let [before, behind] = [true, false].map(|reads_all| asked(4000, reads_all));
+    let mut counted = 0;
+    for (before, behind) in before.offers.iter().zip(&behind.offers) {
+        let want = before.change.map(ChangeEstimate::behind_slots);
+        assert_eq!(behind.change, want, "{}", before.what);
+        counted += usize::from(want.is_some_and(|change| change.limit > Some(0.0)));
+    }
+    assert!(counted > 1, "{:?}", before.offers);
+    let full = asked(3, false);
+    assert!(full.why.contains("full in a tile"), "{}", full.why);
+    assert!(full.offers.iter().all(|offer| offer.change.is_none()));
 }

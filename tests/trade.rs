@@ -475,3 +475,92 @@ fn a_model_that_stops_on_the_whole_scene_is_told_beside_the_others() {
     assert!(find(&trade, "f16")["error"].is_null());
     assert_eq!(find(&trade, "f32")["error"], 0.0);
 }
+
+/// Light that moves less than any threshold: what is not known says why, everywhere in the same
+/// words, and a sample of every tile is no sample.
+#[test]
+fn no_limit_has_its_reason() {
+    let at = tempfile::tempdir().unwrap();
+    let at = at.path();
+    let light = Array3::from_shape_fn((8, 96, 88), |(t, y, x)| 250 + ((t * (y + x)) % 2) as u8);
+    ndarray_npy::write_npy(at.join("s.npy"), &light).unwrap();
+    let ask = [
+        "trade",
+        "--scene",
+        "s.npy",
+        "--fps",
+        "25",
+        "--sensor",
+        "centre-off",
+        "--formats",
+        "f32,f16",
+    ];
+    let why = "too few events to say anything";
+    let trade = json(at, &ask);
+    let f32 = find(&trade, "f32");
+    assert!(f32["error"].is_null());
+    assert_eq!(f32["no_limit"], why);
+    assert_eq!(f32["sampled"]["change"]["no_limit"], why);
+    let text = good(at, &[&ask[..], &["-o", "trade.svg"]].concat());
+    let told = format!("{why}: take a larger --sample");
+    assert_eq!(text.matches(&told).count(), 2, "{text}");
+    assert!(
+        text.contains("no event there: take a larger --sample, lower the thresholds"),
+        "{text}"
+    );
+    let svg = fs::read_to_string(at.join("trade.svg")).unwrap();
+    assert!(svg.contains("not drawn: `") && svg.contains(&told));
+    let all = [&ask[..], &["--sample", "100%"]].concat();
+    let trade = json(at, &all);
+    for point in points(&trade) {
+        assert_eq!(number(&point["error"]), 0.0, "{point}");
+        assert!(point["no_limit"].is_null());
+    }
+    let moving = good(at, &all);
+    let still = Array3::<u8>::from_elem((8, 96, 88), 250);
+    ndarray_npy::write_npy(at.join("s.npy"), &still).unwrap();
+    for text in [moving, good(at, &ask)] {
+        let told = "so nothing that is left out changes anything: lower the thresholds";
+        assert!(text.contains(told) && !text.contains("larger"), "{text}");
+    }
+}
+
+/// Events that find no slot are counted in every frame, and every limit is of the whole scene.
+#[test]
+fn slots_that_are_full_are_counted_on_the_whole_scene() {
+    let at = tempfile::tempdir().unwrap();
+    let at = at.path();
+    fs::write(at.join("few.scamp"), PROGRAM.replace("4000", "50")).unwrap();
+    // Only the last frame has more than fifty events.
+    let light = Array3::from_shape_fn((14, 64, 64), |(t, y, x)| {
+        let spot = (4..8).contains(&y) && x / 4 == t;
+        60 + 90 * u8::from(spot) + 60 * u8::from(t == 13 && y >= 40)
+    });
+    ndarray_npy::write_npy(at.join("s.npy"), &light).unwrap();
+    let scene = ["s.npy", "--fps", "100"];
+    let ask = ["--program", "few.scamp", "--formats", "f32", "--scene"];
+    let ask = [&["trade"], &ask[..], &scene].concat();
+    let trade = json(at, &ask);
+    let run = ["exec", "few.scamp", "--domain", "silicon", "--image"];
+    let run = json(at, &[&run[..], &scene].concat());
+    let lost = run["dropped"]["no_slot"].as_u64().unwrap();
+    assert!(lost > 1000, "{lost}");
+    assert_eq!(trade["without_slot"], lost);
+    assert!(trade["tiles"].is_null());
+    let all = lost + run["events"].as_u64().unwrap();
+    for point in points(&trade) {
+        assert!(
+            point["error"].is_number() && point["no_limit"].is_null(),
+            "{point}"
+        );
+        assert_eq!(point["error"], point["whole"]["change"]["share"]);
+    }
+    let text = good(at, &ask);
+    for words in [
+        format!("slots of the readout are full: {lost} of the {all} events"),
+        "no sample: the readout has fewer slots than the array has pixels".to_owned(),
+    ] {
+        assert!(text.contains(&words), "{words}: {text}");
+    }
+    assert!(!text.contains("larger --sample"), "{text}");
+}

@@ -10,6 +10,7 @@ objectives are the error (1 - kept) and a cost; what comes out is their front.
 import argparse
 import json
 import subprocess
+import sys
 
 import optuna
 
@@ -35,7 +36,13 @@ def main():
     given = arguments.parse_args()
 
     sweep = [given.program, "sweep", given.study]
-    space = json.loads(subprocess.run([*sweep, "--space"], capture_output=True, check=True).stdout)
+    try:
+        said = subprocess.run([*sweep, "--space"], stdout=subprocess.PIPE, check=True).stdout
+    except OSError as error:
+        sys.exit(f"{given.program} cannot be run ({error.strerror}): give --program PATH")
+    except subprocess.CalledProcessError as error:
+        sys.exit(error.returncode)  # amacrine has said why
+    space = json.loads(said)
     sides = {str(side["number"]): side for side in space["sides"]}
     server = subprocess.Popen(
         [*sweep, "--tell"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True

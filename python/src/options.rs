@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 /// What the library says of options that have no argument of their own here, and what is said
 /// instead.
-const PHRASES: [(&str, &str); 24] = [
+const PHRASES: [(&str, &str); 23] = [
     (
         "the limit (--max-events, and --max-memory where there is no room for more); \
          `amacrine run` also has --counts and --voxels instead of --events, and --when-full drop",
@@ -59,10 +59,6 @@ const PHRASES: [(&str, &str); 24] = [
     ("(--readout overlapped)", "(overlapped=True)"),
     ("(--readout sequential)", "(overlapped=False)"),
     ("--verify measures them", "verify=True measures them"),
-    (
-        "--verify counts what that changes",
-        "verify=True counts what that changes",
-    ),
     ("--runs N shares them", "runs=N shares them"),
     ("--threshold", "thresholds"),
     ("--constant", "constants"),
@@ -71,7 +67,7 @@ const PHRASES: [(&str, &str); 24] = [
 
 /// Arguments of Python that are called as the option is, with underscores for dashes. Those that
 /// are true take a word; behind the others a word goes on with the sentence.
-const ARGUMENTS: [(&str, bool); 31] = [
+const ARGUMENTS: [(&str, bool); 32] = [
     ("bins", false),
     ("candidates", false),
     ("chip", true),
@@ -94,6 +90,7 @@ const ARGUMENTS: [(&str, bool); 31] = [
     ("rate", false),
     ("resize", true),
     ("range", true),
+    ("sample", false),
     ("scale", false),
     ("seed", false),
     ("size", false),

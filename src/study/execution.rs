@@ -111,6 +111,7 @@ impl<'a> Execution<'a> {
             device: self.device,
             settings: self.settings,
             arithmetic: self.arithmetic,
+            reads_all: false,
         }
     }
 

@@ -288,7 +288,7 @@ fn optuna_searches_a_study() {
     fs::write(folder.path().join("study.toml"), study).unwrap();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/optuna/search.py");
     let said = Command::new("python3")
-        .arg(script)
+        .arg(&script)
         .args(["study.toml", "--trials", "12", "--program"])
         .arg(assert_cmd::cargo::cargo_bin("amacrine"))
         .current_dir(folder.path())
@@ -296,6 +296,16 @@ fn optuna_searches_a_study() {
         .unwrap();
     let errors = String::from_utf8_lossy(&said.stderr);
     assert!(said.status.success(), "{errors}");
+    let nowhere = Command::new("python3")
+        .arg(script)
+        .args(["study.toml", "--program", "nowhere/amacrine"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let errors = String::from_utf8(nowhere.stderr).unwrap();
+    assert!(!nowhere.status.success());
+    assert_eq!(errors.lines().count(), 1, "{errors}");
+    assert!(errors.contains("nowhere/amacrine") && errors.contains("give --program PATH"));
     let text = String::from_utf8(said.stdout).unwrap();
     let front: Vec<[f64; 2]> = { text.lines().skip(1) }
         .map(|line| {

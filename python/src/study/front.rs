@@ -12,7 +12,8 @@ use amacrine::{
     scene::{Scene as _, kept::Kept},
     study::{
         pilot::{
-            Chips, Choice, Effect, Floats, Look, PlanError, Sampled, Survey, plan::KEPT, rule,
+            Chips, Choice, Effect, Floats, Look, NoLimit, PlanError, Sampled, Survey, plan::KEPT,
+            rule,
         },
         trade::{Ask, Point, Programs, Setup, Trade, told::Told, trade as survey_all},
     },
@@ -221,6 +222,7 @@ fn as_json<M>(trade: &Trade<M>, command: &dyn Fn(&M) -> String) -> PyResult<Stri
             let seconds = point.known().map(|known| known.seconds);
             Placed {
                 error: point.error(),
+                no_limit: point.no_limit(),
                 seconds: seconds.map(|seconds| seconds.median),
                 seconds_range: seconds.map(|seconds| [seconds.least, seconds.most]),
                 planning_seconds: point.planning(),
@@ -258,6 +260,7 @@ struct Placed<'a, M> {
     #[serde(flatten)]
     point: &'a Point<M>,
     error: Option<f64>,
+    no_limit: Option<NoLimit>,
     seconds: Option<f64>,
     seconds_range: Option<[f64; 2]>,
     planning_seconds: f64,

@@ -16,11 +16,12 @@ use super::{
 };
 use crate::{
     number::Format,
-    scene::kept::Kept,
+    scene::{Scene as _, kept::Kept},
     study::pilot::{
         Answer, Machine, Measure, Quicker, order,
         plan::{BUDGET, TOO_LONG},
     },
+    unit::Micros,
 };
 
 /// Domains that may be taken in place of the one that was asked for, beside `exact`.
@@ -82,11 +83,13 @@ pub fn plan(bench: &Bench<'_>) -> miette::Result<Planned> {
     let formats: Vec<Format> = formats.chain([Format::F64]).collect();
     let start = Instant::now();
     let clock = || start.elapsed().as_secs_f64();
+    // An event that the full model loses is a change of its own frame.
+    let within = WITHIN.min(Micros::from_seconds(0.5 / kept.scene().fps()));
     let measure = Measure {
         kept: &kept,
         upsample: None,
         tolerance: arguments.fidelity.tolerance(),
-        within: WITHIN,
+        within,
         seed: arguments.seed(),
         clock: &clock,
         budget: BUDGET,

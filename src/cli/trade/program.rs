@@ -56,6 +56,7 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
             device: &opened.device,
             settings,
             arithmetic: domain,
+            reads_all: false,
         },
         schedule: Schedule::for_size(size),
     };

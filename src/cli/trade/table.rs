@@ -92,7 +92,7 @@ impl<M> Table<'_, M> {
             (None, Some(by)) => format!("no, {by} is better"),
             (None, None) if point.is_knee => "yes, the knee".to_owned(),
             (None, None) if point.on_front => "yes".to_owned(),
-            (None, None) => "too few events to say anything: take a larger --sample".to_owned(),
+            (None, None) => Told::no_limit(point).unwrap_or_default(),
         };
         let front = match point.free {
             Some(why) => format!("{front}; free: {why}"),
@@ -131,6 +131,7 @@ impl<M> Table<'_, M> {
         let points = trade.points.iter().map(|point| {
             let mut json = serde_json::to_value(point).into_diagnostic()?;
             json["error"] = json!(point.error());
+            json["no_limit"] = json!(point.no_limit());
             let seconds = point.known().map(|known| known.seconds);
             json["seconds"] = json!(seconds.map(|seconds| seconds.median));
             json["seconds_range"] = json!(seconds.map(|seconds| [seconds.least, seconds.most]));

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::{
     array::{Arithmetic, Array, Chip, CodeError, Errors, Layout, Settings, Silicon},
-    event::{Event, Packet},
+    event::{Dropped, Event, Packet},
     isa::Device,
     mosaic::Mosaic,
     number::Format,
@@ -60,6 +60,8 @@ pub struct Chips<'a> {
     pub settings: Settings,
     /// The full model.
     pub arithmetic: Arithmetic,
+    /// Whether every event is read, however many slots the program has.
+    pub reads_all: bool,
 }
 
 impl Chips<'_> {
@@ -226,6 +228,15 @@ impl Family for Chips<'_> {
         Some(all)
     }
 
+    /// Where each pixel has a slot, none is lost.
+    fn loses(&self, size: Size) -> Option<&'static str> {
+        let Code { init, frame, .. } = self.code;
+        let slots = fewest_slots(init).min(fewest_slots(frame));
+        (!self.reads_all && slots < size.pixels()).then_some(
+            "the readout has fewer slots than the array has pixels, and which events are lost where they are full depends on the whole array",
+        )
+    }
+
     /// Tiles are worked on side by side, and so are the rows of the array.
     fn parts(&self, size: Size) -> usize {
         (size.height / 16).max(1)
@@ -322,6 +333,7 @@ impl Sensor for Tiled {
             let light = frame.light.slice(ndarray::s![y..y + height, x..x + width]);
             let light = light.to_owned().into();
             part.seen.events.clear();
+            part.seen.dropped = Dropped::default();
             part.chip.watch(&Frame { light, ..*frame }, &mut part.seen)
         })?;
         for part in &self.chips {
@@ -333,6 +345,7 @@ impl Sensor for Tiled {
             };
             packet.events.extend(part.seen.events.iter().map(there));
             packet.span = part.seen.span;
+            packet.dropped += part.seen.dropped;
         }
         Ok(())
     }
@@ -369,6 +382,7 @@ mod tests {
             device: &device,
             settings: Settings::from_device(&device),
             arithmetic: Arithmetic::Number(Format::F64),
+            reads_all: false,
         };
         let (family, roomy) = (family(&code), family(&roomy));
         let (whole, halo) = (Size::new(40, 48), family.halo().unwrap());

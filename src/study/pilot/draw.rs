@@ -54,9 +54,11 @@ pub fn draw(activity: &[f64], certain: &[usize], count: usize, seed: u64) -> Vec
     tiles.retain(|tile| !drawn.iter().any(|one| one.tile == *tile));
     let mut left: f64 = tiles.iter().map(|tile| size(*tile)).sum();
     let mut first = 0;
+    // Rounding is not to leave out one of all.
+    let all = tiles.len() <= count - drawn.len();
     while let Some(tile) = tiles.get(first)
         && drawn.len() < count
-        && size(*tile) * (count - drawn.len()) as f64 >= left
+        && (all || size(*tile) * (count - drawn.len()) as f64 >= left)
     {
         drawn.push(sure(*tile));
         left -= size(*tile);
@@ -127,6 +129,16 @@ mod tests {
         assert_eq!(tiles, [4, 7, 20]);
         assert!(drawn.iter().all(|one| one.probability == 1.0));
         assert!(draw(&[], &[], 10, 1).is_empty() && draw(&activity, &[], 0, 1).is_empty());
+    }
+
+    /// Of tiles of one size, too, whose sums are rounded.
+    #[test]
+    fn a_sample_of_every_tile_is_certain() {
+        for tiles in [30, 690, 1000] {
+            let drawn = draw(&vec![0.1; tiles], &[7, 3], tiles, 0);
+            assert_eq!(drawn.len(), tiles);
+            assert!(drawn.iter().all(|one| one.probability == 1.0));
+        }
     }
 
     #[test]

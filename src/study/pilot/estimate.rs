@@ -29,6 +29,10 @@
 //! **Events.** `X` is known from the same tiles. Its error is taken for normal, and both errors are
 //! added as if they did not know each other, although tiles of many events have many changes.
 
+use std::fmt;
+
+use serde::Serialize;
+
 use crate::elementary;
 
 /// What a tile that was run showed.
@@ -50,19 +54,55 @@ pub struct Tile {
 pub(super) const RISK: f64 = 0.05;
 
 /// What is known of the share of changed events.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ChangeEstimate {
     /// Changed events for each event of the full model, about.
     pub share: f64,
-    /// The upper confidence limit of the share (95 %); none where hardly anything fired in the
-    /// sample, or one tile alone was drawn.
+    /// The upper confidence limit of the share (95 %).
     pub limit: Option<f64>,
+    /// Why there is none.
+    pub no_limit: Option<NoLimit>,
     /// Tiles that were run.
     pub tiles: u64,
     /// Events of the full model in them.
     pub events: u64,
     /// Changes in them.
     pub changes: u64,
+}
+
+/// Why a change has no limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoLimit {
+    /// Hardly anything fired in the sample.
+    FewEvents,
+    /// One tile says nothing of how tiles differ.
+    OneTile,
+    /// Changes are no share of no events.
+    NoEvents,
+}
+
+impl NoLimit {
+    /// Whether more tiles may give one.
+    #[must_use]
+    pub const fn is_of_sample(self) -> bool {
+        matches!(self, Self::FewEvents | Self::OneTile)
+    }
+}
+
+impl fmt::Display for NoLimit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::FewEvents => "too few events to say anything",
+            Self::OneTile => "one tile says nothing of how tiles differ",
+            Self::NoEvents => "the full model has no event, so that changes are no share of any",
+        })
+    }
+}
+
+impl Serialize for NoLimit {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 /// A change that nobody has seen yet.
@@ -114,7 +154,15 @@ impl ChangeEstimate {
             .collect();
         let limit = if drawn.is_empty() {
             // All of it was run.
-            (events > 0 || changes == 0).then_some(share)
+            if events > 0 || changes == 0 {
+                Ok(share)
+            } else {
+                Err(NoLimit::NoEvents)
+            }
+        } else if events < LEAST_EVENTS {
+            Err(NoLimit::FewEvents)
+        } else if drawn.len() == 1 {
+            Err(NoLimit::OneTile)
         } else {
             let known = changed - { drawn.iter() }
                 .map(|tile| weight(tile) * tile.changes as f64)
@@ -124,16 +172,33 @@ impl ChangeEstimate {
             let upper = known + upper(&drawn, unseen, most, risk);
             let error = share * spread(&drawn) / total * deviations(risk);
             let more = upper / total - share;
-            // One tile says nothing of how tiles differ.
-            (events >= LEAST_EVENTS && drawn.len() > 1)
-                .then(|| share + (more * more + error * error).sqrt())
+            Ok(share + (more * more + error * error).sqrt())
         };
         Self {
             share,
-            limit,
+            limit: limit.ok(),
+            no_limit: limit.err(),
             tiles: tiles.len() as u64,
             events,
             changes,
+        }
+    }
+
+    /// The same of what a readout delivers whose slots the plainer model never fills. An event that
+    /// the full model loses there is one that it has more of, a change: each counts once more, and
+    /// there are as many events fewer.
+    #[must_use]
+    pub fn behind_slots(self) -> Self {
+        let twice = |limit: f64| {
+            if limit < 1.0 {
+                2.0 * limit / (1.0 - limit)
+            } else {
+                f64::INFINITY
+            }
+        };
+        Self {
+            limit: self.limit.map(twice),
+            ..self
         }
     }
 
@@ -297,6 +362,9 @@ mod tests {
         let estimate = ChangeEstimate::new(&tiles, History::Tile.into(), 0.01);
         assert_eq!((estimate.share, estimate.limit), (0.04, Some(0.04)));
         assert!(estimate.is_within(0.04) && !estimate.is_within(0.039));
+        let of_none = ChangeEstimate::new(&[tile(1.0, 0, 1)], History::Tile.into(), 0.01);
+        assert_eq!(of_none.limit, None);
+        assert_eq!(of_none.no_limit, Some(NoLimit::NoEvents));
         let silent = ChangeEstimate::new(&[tile(1.0, 0, 0)], History::Tile.into(), 0.01);
         assert_eq!((silent.share, silent.limit), (0.0, Some(0.0)));
     }

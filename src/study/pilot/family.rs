@@ -74,6 +74,11 @@ pub trait Family: Sync {
         None
     }
 
+    /// Why tiles do not show which events of the whole sensor are read, where they do not.
+    fn loses(&self, _size: Size) -> Option<&'static str> {
+        None
+    }
+
     /// Into how many parts a sensor of this size is cut for several threads.
     fn parts(&self, size: Size) -> usize;
 }

@@ -6,8 +6,8 @@ use crate::{
     sensor::{Sensor, SensorError},
 };
 
-/// Seconds of each of so many frames behind the first, which is another body, and the events of all;
-/// none where the scene has fewer. `clock`: seconds since any moment.
+/// Seconds of each of so many frames behind the first, which is another body; none where the scene
+/// has fewer. `clock`: seconds since any moment.
 ///
 /// # Errors
 /// When the sensor cannot go on.
@@ -16,7 +16,7 @@ pub(super) fn clocked(
     kept: &Kept,
     frames: usize,
     clock: &(dyn Fn() -> f64 + Sync),
-) -> Result<Option<(Vec<f64>, Packet)>, SensorError> {
+) -> Result<Option<Vec<f64>>, SensorError> {
     let mut packet = Packet::new(sensor.size(), sensor.channels());
     let mut scene = kept.scene();
     let mut seconds = Vec::with_capacity(frames);
@@ -31,5 +31,5 @@ pub(super) fn clocked(
             seconds.push(clock() - start);
         }
     }
-    Ok(Some((seconds, packet)))
+    Ok(Some(seconds))
 }

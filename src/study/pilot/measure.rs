@@ -312,7 +312,7 @@ impl<F: Family> Pilot<'_, F> {
         let Self { trial, measure, .. } = self;
         let kept = measure.kept;
         let sensor = trial.family.on_the_whole(model, kept.size())?.ok()?;
-        let (seconds, _) = clocked(sensor, kept, TRIED_WHOLE, measure.clock).ok()??;
+        let seconds = clocked(sensor, kept, TRIED_WHOLE, measure.clock).ok()??;
         let each = seconds.iter().sum::<f64>() / TRIED_WHOLE as f64;
         let [all, _] = Stage::frames(kept, trial.between);
         Some(each * all as f64)
@@ -511,6 +511,10 @@ impl<F: Family> Judge<'_, F> {
                 let tiles = change::of_pair(self.mosaic, &self.probabilities, &pair, within);
                 let unseen = trial.family.unseen(&ran.model, look);
                 let change = ChangeEstimate::new(&tiles, unseen, self.risk);
+                let change = match trial.family.loses(measure.kept.size()) {
+                    Some(_) => change.behind_slots(),
+                    None => change,
+                };
                 offer.change = Some(change);
                 offer.why = said(change, measure.tolerance);
             }
@@ -540,9 +544,9 @@ fn said(change: ChangeEstimate, tolerance: f64) -> String {
         counted(events, "event"),
         counted(tiles, "tile")
     );
-    match change.limit {
-        None => format!("{measured}: too few events to say anything"),
-        Some(limit) if limit <= tolerance => measured,
-        Some(_) => format!("{measured}: that may be more than is tolerated"),
+    match (change.limit, change.no_limit) {
+        (None, Some(why)) => format!("{measured}: {why}"),
+        (Some(limit), _) if limit <= tolerance => measured,
+        _ => format!("{measured}: that may be more than is tolerated"),
     }
 }

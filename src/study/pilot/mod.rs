@@ -42,7 +42,7 @@ pub use change::Change;
 pub use chips::{Chips, Machine};
 pub use effect::{Choice, Effect};
 pub use error_term::ErrorTerm;
-pub use estimate::{ChangeEstimate, History, Unseen};
+pub use estimate::{ChangeEstimate, History, NoLimit, Unseen};
 pub use family::Family;
 pub use float::Floats;
 pub use left_out::{Absent, UnknownPart};

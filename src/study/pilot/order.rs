@@ -61,7 +61,7 @@ fn per_frame(
     let mut family = *family;
     family.settings.schedule = Some(schedule);
     let sensor = family.whole(machine, kept.size()).ok()?;
-    let (seconds, _) = clocked(sensor, kept, TIMED, clock).ok()??;
+    let seconds = clocked(sensor, kept, TIMED, clock).ok()??;
     Some(seconds.into_iter().fold(f64::INFINITY, f64::min))
 }
 
@@ -95,6 +95,7 @@ mod tests {
                 ..Settings::from_device(&device)
             },
             arithmetic: Arithmetic::Number(Format::F64),
+            reads_all: false,
         };
         let size = Size::new(4, 4);
         let frames = (0..4).map(|index| Frame {

@@ -283,7 +283,7 @@ impl Floats<'_> {
     ) -> Result<bool, PlanError> {
         let pairs = kept.len().saturating_sub(1) as f64;
         let sensor = self.whole(&self.full(), grid.size)?;
-        let Some((seconds, _)) = clocked(sensor, kept, TIMED, clock)? else {
+        let Some(seconds) = clocked(sensor, kept, TIMED, clock)? else {
             return Ok(true);
         };
         let each = seconds.iter().sum::<f64>() / TIMED as f64;

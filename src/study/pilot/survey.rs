@@ -2,8 +2,9 @@
 //!
 //! A pilot drops what does not pay as early as it can; who wants to choose sees all of it. Tiles,
 //! estimates and limits are the pilot's. Times are those of the tiles, stretched to the whole
-//! sensor and the whole scene; of what is timed on the whole sensor, a few frames. A model that has
-//! no tiles can only be run whole, and a second survey runs everything whole to verify.
+//! sensor and the whole scene; of what is timed on the whole sensor, a few frames. A sensor that has
+//! no tiles, or a readout that may lose events, can only be run whole, and a second survey runs
+//! everything whole to verify.
 
 use std::ops::ControlFlow;
 
@@ -96,8 +97,6 @@ pub struct Begun<'a, F: Family> {
     /// Seconds that the light takes: with the inserted frames, and without.
     light: [f64; 2],
     full_seconds: Spread,
-    /// Events of the full model that found no slot, in the frames that were timed.
-    dropped: u64,
     /// How many limits are to hold together.
     models: usize,
 }
@@ -131,6 +130,9 @@ impl<'a> Survey<'a> {
         let start = (self.clock)();
         let kept = self.kept;
         let halo = family.halo().map_err(str::to_owned)?;
+        if let Some(why) = family.loses(kept.size()) {
+            return Err(why.to_owned());
+        }
         let grid = Grid::new(kept.size(), halo);
         if grid.tiles() < 2 * LEAST_TILES {
             return Err("the sensor is too small to be sampled".to_owned());
@@ -180,10 +182,9 @@ impl<'a> Survey<'a> {
             look,
             mosaic,
             full,
-            dropped: 0,
             models,
         };
-        (begun.full_seconds, begun.dropped) = begun.whole_sensor(&begun.full);
+        begun.full_seconds = begun.whole_sensor(&begun.full);
         begun.spent = (self.clock)() - start;
         begun.floor = begun.floor()?;
         Ok(begun)
@@ -198,13 +199,6 @@ impl<F: Family> Begun<'_, F> {
             tiles: self.probabilities.len(),
             of: self.trial.grid.tiles(),
         }
-    }
-
-    /// Events of the full model that found no slot of its readout in the frames that were timed:
-    /// if there are any, tiles do not stand for the sensor.
-    #[must_use]
-    pub const fn dropped(&self) -> u64 {
-        self.dropped
     }
 
     /// What was seen of the light.
@@ -223,6 +217,7 @@ impl<F: Family> Begun<'_, F> {
             change: ChangeEstimate {
                 share: 0.0,
                 limit: Some(0.0),
+                no_limit: None,
                 tiles: self.probabilities.len() as u64,
                 events,
                 changes: 0,
@@ -253,7 +248,7 @@ impl<F: Family> Begun<'_, F> {
             return Err(why.clone());
         }
         let start = (self.survey.clock)();
-        let (seconds, _) = self.whole_sensor(ran);
+        let seconds = self.whole_sensor(ran);
         let timing = (self.survey.clock)() - start;
         let within = self.survey.within;
         let packets = (&self.full.packet, &ran.packet);
@@ -261,11 +256,7 @@ impl<F: Family> Begun<'_, F> {
         let tiles = change::of_pair(&self.mosaic, &self.probabilities, &pair, within);
         let unseen = self.trial.family.unseen(&ran.model, &self.look);
         let headline = self.headline();
-        let mut change = ChangeEstimate::new(&tiles, unseen, RISK / self.models.max(1) as f64);
-        if self.dropped > 0 {
-            // Which events find a slot depends on the whole sensor.
-            change.limit = None;
-        }
+        let change = ChangeEstimate::new(&tiles, unseen, RISK / self.models.max(1) as f64);
         Ok(Known {
             change,
             f1: self.f1(&pair, within),
@@ -280,16 +271,15 @@ impl<F: Family> Begun<'_, F> {
         window::headline(self.survey.kept.scene().fps())
     }
 
-    /// Seconds for the whole scene on the whole sensor, and the events that found no slot where
-    /// some of it was run.
-    fn whole_sensor(&self, ran: &Ran<F::Model>) -> (Spread, u64) {
+    /// Seconds for the whole scene on the whole sensor.
+    fn whole_sensor(&self, ran: &Ran<F::Model>) -> Spread {
         let Self { trial, survey, .. } = self;
         let frames = trial.frames(&ran.model);
-        if let Some((each, dropped)) = per_frame_on_the_whole(trial.family, &ran.model, survey) {
-            return (each.scaled(frames, 0.0), dropped);
+        if let Some(each) = per_frame_on_the_whole(trial.family, &ran.model, survey) {
+            return each.scaled(frames, 0.0);
         }
         let times = trial.larger_than(&self.mosaic) * frames;
-        (ran.parts.per_frame().scaled(times, 0.0), 0)
+        ran.parts.per_frame().scaled(times, 0.0)
     }
 
     /// Seconds that the light of a model takes.
@@ -321,18 +311,17 @@ impl<F: Family> Begun<'_, F> {
     }
 }
 
-/// Seconds of a frame on the whole sensor, of its first ones, and events without a slot; none where
-/// tiles tell.
+/// Seconds of a frame on the whole sensor, of its first ones; none where tiles tell.
 fn per_frame_on_the_whole<F: Family>(
     family: &F,
     model: &F::Model,
     survey: &Survey<'_>,
-) -> Option<(Spread, u64)> {
+) -> Option<Spread> {
     let kept = survey.kept;
     let sensor = family.on_the_whole(model, kept.size())?.ok()?;
     let frames = TIMED.min(kept.len().saturating_sub(1));
-    let (seconds, packet) = clocked(sensor, kept, frames, survey.clock).ok()??;
-    Some((Spread::of(seconds), packet.dropped.no_slot))
+    let seconds = clocked(sensor, kept, frames, survey.clock).ok()??;
+    Some(Spread::of(seconds))
 }
 
 /// The full model on the whole sensor: what everything is verified against.

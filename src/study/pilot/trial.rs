@@ -187,6 +187,8 @@ impl<F: Family> Trial<'_, F> {
         let start = (self.clock)();
         if let Err(error) = sensor.watch(frame, &mut ran.packet) {
             ran.given_up = Some(error.to_string());
+        } else if ran.packet.dropped.no_slot > 0 {
+            ran.given_up = Some("slots of the readout are full in a tile".to_owned());
         }
         if timed {
             let seconds = (self.clock)() - start;

@@ -206,6 +206,7 @@ fn array(
             device: &made.compiled.device,
             settings: made.settings,
             arithmetic: exact,
+            reads_all: true,
         };
         let domains = words(plan, Side::Array, "domain").into_iter();
         let candidates = domains.filter_map(|name| match name.parse().ok()? {

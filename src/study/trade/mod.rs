@@ -22,7 +22,7 @@ use crate::{elementary, order::Order};
 use super::{
     front::Cost,
     pilot::{
-        Known, Look, PlanError, Sampled, Spread, Survey,
+        Grid, Known, Look, NoLimit, PlanError, Sampled, Spread, Survey,
         family::Family,
         survey::{Whole, inserted},
     },
@@ -66,7 +66,8 @@ pub struct Trade<M> {
     pub tiles: Option<Sampled>,
     /// Why there are no tiles.
     pub no_tiles: Option<String>,
-    /// Events of the full model that found no slot of its readout.
+    /// Events of the full model that found no slot of its readout, in the whole scene: where there
+    /// may be any, there are no tiles.
     pub without_slot: u64,
 }
 
@@ -87,13 +88,20 @@ impl<M> Point<M> {
     }
 
     /// The share of changed events, or its upper confidence limit (95 %) where that was not measured
-    /// whole; none where too few events say anything.
+    /// whole.
     #[must_use]
     pub fn error(&self) -> Option<f64> {
         match self.free {
             Some(_) if self.whole.is_none() => Some(0.0),
             _ => self.known()?.change.limit,
         }
+    }
+
+    /// Why that is not known of a model that was run.
+    #[must_use]
+    pub fn no_limit(&self) -> Option<NoLimit> {
+        let change = self.known()?.change;
+        change.no_limit.filter(|_| self.error().is_none())
     }
 
     /// Seconds that it took to know that, of each run that shares them.
@@ -186,10 +194,14 @@ where
             trade.run_whole(&whole, ask);
             trade.add_together(family, ask);
             trade.run_whole(&whole, ask);
+            let grid = Grid::new(survey.kept.size(), family.halo().unwrap_or(0));
+            let look = Look::new(survey.kept, grid, family.is_relative());
+            for point in trade.points.iter_mut().filter(|it| it.model != full) {
+                point.free = (ask.free)(&point.model, &look);
+            }
         }
         Ok(begun) => {
             trade.tiles = Some(begun.sampled());
-            trade.without_slot = begun.dropped();
             for _ in 0..2 {
                 let todo: Vec<usize> = trade.unknown();
                 let models: Vec<F::Model> = { todo.iter() }
@@ -401,6 +413,7 @@ mod tests {
             change: ChangeEstimate {
                 share,
                 limit,
+                no_limit: limit.is_none().then_some(NoLimit::FewEvents),
                 tiles,
                 events,
                 changes,

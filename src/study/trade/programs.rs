@@ -148,6 +148,10 @@ impl Family for Programs<'_> {
         Some(self.whole(model, size))
     }
 
+    fn loses(&self, size: Size) -> Option<&'static str> {
+        self.chips.loses(size)
+    }
+
     fn parts(&self, size: Size) -> usize {
         self.chips.parts(size)
     }

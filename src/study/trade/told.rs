@@ -5,7 +5,7 @@ use crate::{
     compare::window,
     picture::{self, Drawing, TradeDot, TradeShow},
     rig::guard::Warning,
-    study::pilot::{Spread, change::share},
+    study::pilot::{NoLimit, Spread, change::share},
     unit::counted,
 };
 
@@ -32,18 +32,16 @@ impl<M> Told<'_, M> {
     #[must_use]
     pub fn ground(&self, trade: &Trade<M>) -> Vec<String> {
         let mut lines = Vec::new();
+        let full = { trade.points.iter() }.find(|point| point.name == FULL);
+        let known = full.and_then(|full| full.sampled.or(full.whole));
+        let events = known.map_or(0, |known| known.change.events);
         if let Some(tiles) = trade.tiles {
-            let events = trade.points.iter().find_map(|point| point.sampled);
-            let events = events.map_or(0, |known| known.change.events);
             lines.push(format!(
                 "{} of {}, {} of the full model in them",
                 tiles.tiles,
                 counted(tiles.of, "tile"),
                 counted(events, "event")
             ));
-            if events == 0 {
-                lines.push("nothing happens there, so nothing that is left out changes anything: lower the thresholds, or show a scene that moves".to_owned());
-            }
         }
         lines.push(match (&trade.no_tiles, self.verify) {
             (Some(why), _) => format!(
@@ -52,6 +50,9 @@ impl<M> Told<'_, M> {
             (None, true) => "run: seconds, measured on the whole scene; changes are those of the whole scene".to_owned(),
             (None, false) => "run: seconds, stretched from these tiles to the whole scene; --verify measures them".to_owned(),
         });
+        if events == 0 {
+            lines.push(Self::nothing(trade));
+        }
         lines.push("each is the median of five parts of its frames, ± half of what the three in the middle are apart; what lies within that decides no knee".to_owned());
         if trade.tiles.is_some() {
             let shared = match self.runs {
@@ -66,17 +67,64 @@ impl<M> Told<'_, M> {
             lines.push(format!("kept says nothing here: {}", warning.seen));
         }
         if trade.without_slot > 0 {
-            let more = if trade.no_tiles.is_none() && !self.verify {
-                "; --verify counts what that changes"
-            } else {
-                ""
-            };
             lines.push(format!(
-                "{} found no slot of the readout: which ones depends on the whole array{more}",
-                counted(trade.without_slot, "event")
+                "slots of the readout are full: {} of the {} that the full model has in the whole scene {} lost, and changes are those of what is read",
+                trade.without_slot,
+                counted(events + trade.without_slot, "event"),
+                if trade.without_slot == 1 { "is" } else { "are" }
             ));
         }
         lines
+    }
+
+    /// What is said of a full model that has no event.
+    fn nothing(trade: &Trade<M>) -> String {
+        let of_sample = |point: &Point<M>| point.no_limit().is_some_and(NoLimit::is_of_sample);
+        let mut points = trade.points.iter();
+        let so = if points.all(|point| point.no_limit().is_none()) {
+            ", so nothing that is left out changes anything"
+        } else {
+            ""
+        };
+        let more = if trade.points.iter().any(of_sample) {
+            "take a larger --sample, "
+        } else {
+            ""
+        };
+        format!(
+            "the full model has no event{}{so}: {more}lower the thresholds, or show a scene that moves",
+            if trade.tiles.is_some() { " there" } else { "" }
+        )
+    }
+
+    /// Why the limit of a model that was run is not known, and what gives one.
+    #[must_use]
+    pub fn no_limit(point: &Point<M>) -> Option<String> {
+        let why = point.no_limit()?;
+        Some(if why.is_of_sample() {
+            format!("{why}: take a larger --sample")
+        } else {
+            why.to_string()
+        })
+    }
+
+    /// The models that have no place in a drawing, each reason once.
+    fn unplaced(trade: &Trade<M>) -> Vec<String> {
+        let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
+        for point in &trade.points {
+            let Some(why) = Self::no_limit(point) else {
+                continue;
+            };
+            match lines.iter_mut().find(|(known, _)| *known == why) {
+                Some((_, names)) => names.push(&point.name),
+                None => lines.push((why, vec![&point.name])),
+            }
+        }
+        let told = |(why, names): (String, Vec<&str>)| {
+            let names: Vec<_> = names.into_iter().map(|name| format!("`{name}`")).collect();
+            format!("not drawn: {}: {why}", names.join(", "))
+        };
+        lines.into_iter().map(told).collect()
     }
 
     /// A point beside the full model, in a sentence.
@@ -113,6 +161,7 @@ impl<M> Told<'_, M> {
         );
         let mut captions = vec![format!("the full model is {}", self.full)];
         captions.extend(self.ground(trade));
+        captions.extend(Self::unplaced(trade));
         let dots = trade.points.iter().filter_map(|point| {
             let known = point.known()?;
             let Spread {
