@@ -163,10 +163,7 @@ def forward(
         phase: Begins each memory between two thresholds, at a place of each cell's own that this moves
             on (1 is once around). Left out, memories begin at the first frame.
     """
-    if not isinstance(sensor, Sensor):
-        raise Error(
-            f"the gradient of a {type(sensor).__name__}\nhelp: give a Sensor, the float model"
-        )
+    check_float(sensor)
     try:
         number = np.dtype(dtype)
     except TypeError:
@@ -183,6 +180,21 @@ def forward(
         sensor._native, None, light, seconds(given.frames, fps, times), sensor._seed, shift
     )
     return Forward(seen, given.batched)
+
+
+def check_float(sensor: Any) -> None:
+    """Refuses what is no float model in single or double precision: there are gradients of nothing
+    else."""
+    if not isinstance(sensor, Sensor):
+        raise Error(
+            f"the gradient of a {type(sensor).__name__}\n"
+            "help: give a Sensor, the float model: amacrine.Sensor.from_file(…) for a name or a file"
+        )
+    if sensor._format not in ("f32", "f64"):
+        raise Error(
+            f"{sensor.name} computes in {sensor._format}, and gradients in float32 or float64\n"
+            'help: give sensor.in_format("f64")'
+        )
 
 
 def seconds(frames: int, fps: float | None, times: npt.ArrayLike | None) -> list[float]:

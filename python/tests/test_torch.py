@@ -75,6 +75,41 @@ us = 20000
         EventSensor.from_sensor(amacrine.Sensor.from_file("mosaic"), fps=120)
 
 
+@pytest.mark.parametrize("dtype", [torch.float32, torch.float64])
+def test_its_thresholds_are_those_that_were_given_to_the_bit(dtype: Any) -> None:
+    """A step of light by a whole threshold decides the same in both."""
+    for first in range(1, 256, 15):
+        given = [float(n) for n in range(first, first + 15)]
+        sensor = amacrine.Sensor(["dvs"] * 15, given, response="identity", memory="filtered-snap")
+        layer = EventSensor.from_sensor(sensor, fps=10, dtype=dtype)
+        assert layer.thresholds[:, 0].tolist() == given
+        assert [own[0] for own in layer.to_sensor().thresholds] == given
+        steps = np.zeros((2, 1, 255), np.uint8)
+        steps[1, 0] = np.arange(1, 256)
+        seen = layer(torch.from_numpy(steps)).counts.detach().numpy()
+        assert np.array_equal(seen, sensor.counts(steps, 10))
+    # They are learned as before.
+    torch.autograd.backward(layer.thresholds.sum())
+    torch.testing.assert_close(layer.log_thresholds.grad, layer.thresholds.detach())
+    with torch.no_grad():
+        layer.log_thresholds.add_(0.5)
+    torch.testing.assert_close(layer.thresholds, layer.log_thresholds.exp(), rtol=0, atol=0)
+
+
+def test_what_no_layer_begins_as() -> None:
+    for wrong in ("rgc-4", amacrine.Sensor("dvs", 0.1, format="q8.8")):
+        with pytest.raises(amacrine.Error, match="give "):
+            EventSensor.from_sensor(wrong, fps=10)  # type: ignore[arg-type]
+    layer = EventSensor("dvs", 0.1, fps=10, scale=255)
+    clip = np.random.default_rng(0).integers(0, 2, (4, 8, 8)).astype(bool)
+    both = [layer(frames).counts for frames in (torch.from_numpy(clip), clip, clip[:, ::-1, ::-1][:, ::-1, ::-1])]
+    assert both[0].any() and all(torch.equal(one, both[0]) for one in both)
+    with pytest.raises(amacrine.Error, match="no light"):
+        layer("clip.mp4")
+    text = EventSensor("dvs", 0.1, fps=10, mismatch=0.1, seed=7).to_sensor().text
+    assert "--seed 7" in text and "seed" not in layer.to_sensor().text
+
+
 def test_kernels_of_several_sizes_have_zeros_round_them(frames: Frames) -> None:
     sensor = amacrine.Sensor(["dvs", "csdvs-5"], 0.1, memory="filtered-snap")
     layer = EventSensor.from_sensor(sensor, fps=120, dtype=torch.float64)
@@ -170,7 +205,7 @@ def test_state_goes_round(frames: Frames) -> None:
     want = layer(given).voxels
     for same in (other, copy.deepcopy(layer), pickle.loads(pickle.dumps(layer))):
         assert torch.equal(same(given).voxels, want)
-    assert set(layer.state_dict()) == {"kernels", "log_thresholds"}
+    assert set(layer.state_dict()) == {"kernels", "log_thresholds", "given_thresholds"}
 
 
 def test_the_same_on_any_number_of_threads(frames: Frames) -> None:
@@ -361,6 +396,10 @@ def test_mistakes_of_data_sets(videos: Path, tmp_path: Path) -> None:
         (lambda: _dataset(videos, mismatch=2), "mismatch = 2"),
         (lambda: _dataset(videos, mismatch="a"), "mismatch = 'a'"),
         (lambda: _dataset(videos, frames="a"), "frames = 'a'"),
+        (
+            lambda: _dataset(videos, quantisers=["int-5"], voxels={"bins": 3, "upsample": 0.1}),
+            "upsample",
+        ),
         (lambda: _dataset(videos, thresholds=3), "thresholds = 3"),
         (lambda: _dataset(videos, frames=99)[0], "where 99 of 32x24"),
         (lambda: _dataset(videos, kernels="dvs"), "kernels to draw from"),

@@ -170,10 +170,14 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         if self._crop is not None and 0 in self._crop:
             raise Error(f"crop = {self._crop}\nhelp: give a height and a width above 0")
         self._any = sensors[0]
+        self._try(sensors[0])
+
+    def _try(self, sensor: EventSensor) -> None:
+        """Tells which voxels it does not make."""
         still = np.zeros((self._frames, 16, 16), np.uint8)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Caution)
-            sensors[0].voxels(still, self._fps or 30.0, **self._voxels)
+            sensor.voxels(still, self._fps or 30.0, **self._voxels)
 
     def _check_chips(self) -> None:
         """Compiles the first sensor of each kernel, quantiser and chip that are drawn: tells here what
@@ -187,6 +191,8 @@ class EventDataset(torch.utils.data.Dataset[Item]):
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always", Caution)
                 self._made[number] = self._make(number)
+            if len(tried) == 1:
+                self._try(self._made[number])
             for caution in caught:
                 text = str(caution.message)
                 if text not in told:
@@ -310,7 +316,10 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         with warnings.catch_warnings():
             # A part of a video in which nothing moves is no mistake.
             warnings.simplefilter("ignore", Caution)
-            voxels = sensor.voxels(part, fps, scale=scale, **self._voxels)
+            try:
+                voxels = sensor.voxels(part, fps, scale=scale, **self._voxels)
+            except Error as cause:
+                raise Error(f"{self.videos[video]}, from frame {start}, y {y} and x {x} on: {cause}") from None
         item = Item(
             voxels=torch.from_numpy(voxels),
             frames=torch.from_numpy(part)[:, None],

@@ -13,7 +13,7 @@ from torch.autograd.function import once_differentiable
 from .. import _amacrine, arguments
 from .._amacrine import Error
 from ..frames import shaped
-from ..gradient import Rule, Slope, seconds
+from ..gradient import Rule, Slope, check_float, seconds
 from ..kernels import Kernels
 from ..sensor import Sensor, Thresholds, stacked
 
@@ -74,6 +74,11 @@ class EventSensor(torch.nn.Module):
         kernels: The parameter (K,k,k), row 0 to the north; kernels of several sizes have zeros round
             them up to the largest.
         log_thresholds: The parameter (K,2): the logarithms of the ON and the OFF threshold.
+
+        given_thresholds: The buffer (K,2): the thresholds with which learning began.
+
+    A ``state_dict`` holds these; ``fps``, ``scale``, rule, mismatch and seed are those of the layer
+    that takes it.
     """
 
     def __init__(
@@ -133,6 +138,7 @@ class EventSensor(torch.nn.Module):
 
     def _begin(self, sensor: Sensor, dtype: torch.dtype) -> None:
         _check_dtype(dtype)
+        check_float(sensor)
         kernels = sensor.kernels
         if not sensor._native.plain:
             raise Error(
@@ -141,9 +147,11 @@ class EventSensor(torch.nn.Module):
             )
         weights = torch.from_numpy(stacked(kernels))
         limits = [limit[:2].tolist() for limit in sensor.thresholds]
-        logarithms = torch.tensor(limits, dtype=torch.float64).log()
+        given = torch.tensor(limits, dtype=torch.float64).to(dtype)
         self.kernels = torch.nn.Parameter(weights.to(dtype))
-        self.log_thresholds = torch.nn.Parameter(logarithms.to(dtype))
+        self.log_thresholds = torch.nn.Parameter(_logarithms(given))
+        self.given_thresholds: torch.Tensor
+        self.register_buffer("given_thresholds", given)
         self._template = sensor
 
     def _set(
@@ -182,8 +190,15 @@ class EventSensor(torch.nn.Module):
         return self._limits().to(self.log_thresholds.device)
 
     def _limits(self) -> torch.Tensor:
-        """The thresholds on the processor: other devices round an exponential in another way."""
-        return self.log_thresholds.cpu().exp()
+        """The thresholds on the processor: other devices round an exponential in another way. Where
+        nothing was learned yet, those that were given, to the bit."""
+        logarithms, given = self.log_thresholds.cpu(), self.given_thresholds.cpu()
+        limits = logarithms.exp()
+        # Of many a number the exponential of its logarithm is the one beside it. Numbers that are so
+        # near differ by what needs no rounding.
+        at_first = (logarithms == _logarithms(given)) & limits.isfinite()
+        rest = torch.where(at_first, given - limits, 0.0)
+        return limits + rest.detach()
 
     def forward(self, frames: torch.Tensor) -> Watched:
         """The events of clips: light of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W), two frames at
@@ -219,9 +234,14 @@ class EventSensor(torch.nn.Module):
     def _light(self, frames: torch.Tensor) -> tuple[torch.Tensor, bool]:
         """Light from 0 to 255, (B,T,H,W), and whether there are several clips."""
         if not isinstance(frames, torch.Tensor):
-            frames = torch.as_tensor(frames)
+            try:
+                frames = torch.as_tensor(np.ascontiguousarray(frames))
+            except (TypeError, ValueError, RuntimeError) as cause:
+                raise Error(
+                    f"frames of type {type(frames).__name__} are no light\nhelp: give a tensor or an array"
+                ) from cause
         shape = tuple(frames.shape)
-        if frames.dtype == torch.bool or frames.is_complex():
+        if frames.is_complex():
             raise Error(f"frames of dtype {frames.dtype} are no light\nhelp: give uint8 or floats")
         if frames.dtype != torch.uint8 and self.scale is None:
             raise Error(
@@ -245,11 +265,14 @@ class EventSensor(torch.nn.Module):
 
     def to_sensor(self, name: str | None = None) -> Sensor:
         """The sensor as it is now, which makes the same counts and voxels where the layer has no
-        ``phase``; its ``text`` is the file that ``amacrine run --sensor`` takes."""
+        ``phase``; its ``text`` is the file that ``amacrine run --sensor`` takes, of a layer with
+        mismatch with ``--seed``, which a comment in it says."""
         limits = self._limits().detach().double()
         sigma = self.mismatch * limits.mean(1, keepdim=True)
         parameters = _parameters(self.kernels, limits, sigma)
         text = _amacrine.learned_text(self._template._native, parameters, name)
+        if self.mismatch > 0:
+            text = f"# The seed that chose the mismatch is not in here: --seed {self.seed}\n{text}"
         format = "f32" if self.kernels.dtype == torch.float32 else "f64"
         return Sensor.from_text(text, seed=self.seed, format=format)
 
@@ -258,6 +281,11 @@ class EventSensor(torch.nn.Module):
         kinds, rows, columns = self.kernels.shape
         count = "1 kind" if kinds == 1 else f"{kinds} kinds"
         return f"{count} of {rows}x{columns}, fps={self.fps}, rule={self.rule or 'by memory'}"
+
+
+def _logarithms(thresholds: torch.Tensor) -> torch.Tensor:
+    """Where learning begins from such thresholds."""
+    return thresholds.double().log().to(thresholds.dtype)
 
 
 def _check_dtype(dtype: torch.dtype) -> None:
