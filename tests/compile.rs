@@ -360,35 +360,59 @@ fn levels_are_as_close_as_the_threshold_needs() {
     let kernels = [outer(&[1.0], &[1.0], 1.0)];
     let mut request = Request::new(&kernels, &device).unwrap();
     request.effort = Effort::states(0);
-    // Light in half LSB: a threshold of 2 LSB, a range of 127.5.
-    let kinds = |count| {
+    // Light in half LSB: a range of 127.5.
+    let kinds = |count, on: f64| {
         let kind = CellKind {
             name: None,
             kernel: kernels[0].clone(),
-            on: 4.0,
-            off: 6.0,
+            on,
+            off: 1.5 * on,
         };
         vec![kind; count]
     };
-    let program =
-        |count, bits| SensorProgram::new(&kinds(count), DriveMemory::Bits(bits), "bits", &request);
-    for bits in [2, 4] {
-        let Err(CompileError::Levels { needed, advice, .. }) = program(1, bits) else {
+    let program = |count, on, bits| {
+        SensorProgram::new(&kinds(count, on), DriveMemory::Bits(bits), "bits", &request)
+    };
+    // A threshold of 10 LSB.
+    for bits in [1, 2] {
+        let Err(CompileError::Levels { needed, advice, .. }) = program(1, 20.0, bits) else {
             panic!("{bits} bits")
         };
-        assert_eq!(needed, 5);
-        assert!(advice.contains("bits:5"), "{advice}");
+        assert_eq!(needed, Some(4));
+        assert!(advice.contains("bits:4"), "{advice}");
     }
-    let five = program(1, 5).unwrap();
-    assert!(five.steps[0].step / 2.0 <= 2.0);
-    // Two kinds have not five bits each: no number of bits is suggested.
-    let Err(CompileError::Levels { advice, .. }) = program(2, 4) else {
-        panic!("two kinds of four bits")
-    };
+    let [three, four] = [3, 4].map(|bits| program(1, 20.0, bits).unwrap().steps.remove(0));
+    assert!(four.step / 2.0 <= 10.0);
+    assert_eq!(four.restless, None);
+    // Half a step of 8 LSB would do without the chip's errors.
+    let restless = three.restless.unwrap();
+    assert!((1e-3..1e-2).contains(&restless.firing), "{restless:?}");
+    assert_eq!(restless.bits, Some(4));
     assert!(
-        advice.contains("--memory shared") && !advice.contains("bits:"),
-        "{advice}"
+        (10.5..14.0).contains(&restless.least.unwrap()),
+        "{restless:?}"
     );
+    // Of 2 LSB: without errors five bits do, on the chip none.
+    for bits in [2, 4] {
+        let Err(CompileError::Levels { needed, advice, .. }) = program(1, 4.0, bits) else {
+            panic!("{bits} bits")
+        };
+        assert_eq!(needed, None);
+        assert!(!advice.contains("bits:"), "{advice}");
+    }
+    let five = program(1, 4.0, 5).unwrap();
+    assert!(five.steps[0].step / 2.0 <= 2.0);
+    assert!(five.steps[0].restless.is_some());
+    // Three kinds have not four bits each: no number of bits is suggested.
+    for refused in [program(2, 4.0, 4), program(3, 20.0, 2)] {
+        let Err(CompileError::Levels { advice, .. }) = refused else {
+            panic!("several kinds")
+        };
+        assert!(
+            advice.contains("--memory shared") && !advice.contains("bits:"),
+            "{advice}"
+        );
+    }
 }
 
 fn weights(side: usize, bits: u32, most: i32) -> impl Strategy<Value = Kernel> {

@@ -7,7 +7,7 @@ mod common;
 
 use std::{collections::BTreeSet, fmt::Write as _, fs, path::Path};
 
-use common::{good, json, refused};
+use common::{amacrine, good, json, line, refused};
 use ndarray::{Array2, Array3};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -586,6 +586,41 @@ fn what_no_program_follows_is_refused_by_every_verb() {
         "own.toml: each kind has a memory of the pixel of its own, which the compiler has for no chip",
     ];
     refused(folder, &["compile", "--sensor", "own.toml"], &words);
+}
+
+/// What can never fit is said alone; of what can be mended, all.
+#[test]
+fn all_that_is_to_be_mended_is_said_at_once() {
+    let folder = TempDir::new().unwrap();
+    let told = |sensor: &str| {
+        let asked = ["compile", "--sensor", sensor];
+        let done = amacrine(folder.path(), &asked).assert().failure();
+        line(&done.get_output().stderr)
+    };
+    for (sensor, never) in [
+        (
+            "csdvs-mesh",
+            "sees through a resistor mesh, which is no program",
+        ),
+        ("mosaic", "has a pattern of kernels"),
+    ] {
+        let told = told(sensor);
+        assert!(told.contains(never), "{told}");
+        assert!(!told.contains("its memory steps"), "{told}");
+    }
+    let mended = told("raw-snap");
+    for words in [
+        "its events have the sign of the pixel",
+        "`polarity = \"filtered\"`",
+        "is not a whole number of 1/4096",
+        "quantise the kernel with --to",
+    ] {
+        assert!(mended.contains(words), "{mended}");
+    }
+    let mended = told("dvs");
+    for words in ["its response is not linear", "its memory steps"] {
+        assert!(mended.contains(words), "{mended}");
+    }
 }
 
 /// With a memory of the pixel a result is the change itself: half of what a drive changes by. A kind

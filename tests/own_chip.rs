@@ -135,6 +135,149 @@ fn thresholds_clear_of_a_memory_in_bits_by_noise() {
     assert_eq!(asked(&format!("{:.1}", from + 0.2)), "[]");
 }
 
+/// Events of a picture that stays, on the chip.
+fn still(folder: &Path, program: &str) -> u64 {
+    let picture = "pattern:static?width=128&height=128&frames=20";
+    let run = [
+        "exec", program, "--image", picture, "--domain", "silicon", "--json",
+    ];
+    let done = amacrine(folder, &run).assert().success();
+    let told: serde_json::Value = serde_json::from_slice(&done.get_output().stdout).unwrap();
+    told["events"].as_u64().unwrap()
+}
+
+/// The number in the advice behind these words.
+fn advised(told: &str, words: &str) -> String {
+    let (_, number) = told.split_once(words).unwrap_or_else(|| panic!("{told}"));
+    number.split(' ').next().unwrap().to_owned()
+}
+
+/// `compile` with a memory of so many bits into a program: whether it is made, and what it says on
+/// stderr.
+fn in_bits(folder: &Path, kernel: &str, threshold: &str, memory: &str) -> (bool, String) {
+    let asked = [
+        "compile",
+        kernel,
+        "--threshold",
+        threshold,
+        "--memory",
+        memory,
+        "--effort",
+        "0.05",
+        "-o",
+        "bits.scamp",
+    ];
+    let done = amacrine(folder, &asked).output().unwrap();
+    (done.status.success(), line(&done.stderr))
+}
+
+/// The threshold that counts is that of the chip's converter, in whole LSB.
+#[test]
+fn memories_in_bits_are_warned_of_by_the_threshold_that_the_chip_sets() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let told = |threshold: &str| {
+        let (made, told) = in_bits(folder, "sobel-x", threshold, "bits:4");
+        assert!(made, "{told}");
+        (told, still(folder, "bits.scamp"))
+    };
+    for threshold in ["64", "69.4", "72", "80"] {
+        let (told, events) = told(threshold);
+        let warned = "warning: threshold of kind 0: half a step of its memory is 4.00 LSB, on the chip its threshold is ";
+        assert!(told.contains(warned), "{threshold}: {told}");
+        assert!(events > 300, "{threshold}: {events} events");
+        // No other number is advised to those who are nearer.
+        assert_eq!(advised(&told, "thresholds from "), "88", "{told}");
+    }
+    let (silent, events) = told("88");
+    assert_eq!(silent, "");
+    assert!(events < 20, "{events} events");
+    // A little less is another whole LSB.
+    assert!(told("87.9").0.contains("fires again and again"));
+    // With --json it is on stderr, too.
+    let asked = [
+        "compile",
+        "sobel-x",
+        "--threshold",
+        "64",
+        "--memory",
+        "bits:4",
+    ];
+    let asked = [&asked[..], &["--effort", "0.05", "--json"]].concat();
+    let done = amacrine(folder, &asked).assert().success();
+    let told = line(&done.get_output().stderr);
+    assert!(told.contains("fires again and again"), "{told}");
+}
+
+/// Bits and factors that a refusal advises serve on the chip: more bits alone may not, since what the
+/// stores of each err by adds up.
+#[test]
+fn what_a_refused_memory_in_bits_is_advised_serves_on_the_chip() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let (made, told) = in_bits(folder, "sobel-x", "64", "bits:2");
+    assert!(!made);
+    let none = "on the chip no number of bits serves this threshold";
+    assert!(
+        told.contains(none) && !told.contains("--memory bits:"),
+        "{told}"
+    );
+    let times: f64 = advised(&told, "take higher thresholds: ").parse().unwrap();
+    let (made, told) = in_bits(folder, "sobel-x", &(64.0 * times).to_string(), "bits:2");
+    assert!(made && told.is_empty(), "{told}");
+    assert!(still(folder, "bits.scamp") < 20);
+    let (_, told) = in_bits(folder, "sobel-x", "100", "bits:2");
+    let bits = advised(&told, "--memory bits:");
+    let bits = format!("bits:{}", bits.trim_end_matches([')', ';']));
+    let (made, told) = in_bits(folder, "sobel-x", "100", &bits);
+    assert!(made && told.is_empty(), "{bits}: {told}");
+    assert!(still(folder, "bits.scamp") < 20);
+}
+
+/// Without errors half a step is enough.
+#[test]
+fn a_chip_without_errors_needs_half_a_step() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let none = [
+        ("transfer", "LSB"),
+        ("loss", "1"),
+        ("division", "LSB"),
+        ("gain_mismatch", "1"),
+        ("offset_mismatch", "LSB"),
+        ("division_mismatch", "1"),
+        ("noise", "LSB"),
+    ];
+    let none = none.map(|(key, unit)| figure(key, 0.0, unit, "measured"));
+    chip(
+        folder,
+        "exact",
+        &format!("[figure.error]\n{}", none.concat()),
+    );
+    let compile = |threshold: &str| {
+        let asked = [
+            "compile",
+            "sobel-x",
+            "--memory",
+            "bits:4",
+            "--effort",
+            "0.05",
+            "--chip",
+            "exact",
+            "-o",
+            "bits.scamp",
+            "--threshold",
+            threshold,
+        ];
+        let done = amacrine(folder, &asked).output().unwrap();
+        (done.status.success(), line(&done.stderr))
+    };
+    assert_eq!(compile("64"), (true, String::new()));
+    assert_eq!(still(folder, "bits.scamp"), 0);
+    let (made, told) = compile("50");
+    assert!(!made && told.contains("5 bits are needed"), "{told}");
+}
+
 #[test]
 fn a_wide_range_is_used() {
     let folder = TempDir::new().unwrap();

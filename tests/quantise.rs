@@ -289,8 +289,8 @@ fn kernels_are_told_by_their_files() {
     refused(at, &all, &["stack.npy[2] has no weight but 0"]);
 }
 
-/// The thresholds that are suggested for a memory in bits are the least that work, of all kinds
-/// together and of quantised weights.
+/// The thresholds that are suggested for a memory in bits are the least that work on the chip, of all
+/// kinds together and of quantised weights.
 #[test]
 fn suggested_thresholds_work() {
     let folder = TempDir::new().unwrap();
@@ -312,11 +312,13 @@ fn suggested_thresholds_work() {
         let said = line(&refused.stderr);
         let (_, advice) = said.split_once("take higher thresholds: ").expect(&said);
         let factor: f64 = advice.split(' ').next().unwrap().parse().unwrap();
-        assert!(compiled(request, &times(factor)).status.success(), "{said}");
-        assert!(
-            !compiled(request, &times(factor * 0.998)).status.success(),
-            "{said}"
-        );
+        // Refused, or taken with a warning.
+        let works = |thresholds: &str| {
+            let done = compiled(request, thresholds);
+            done.status.success() && !line(&done.stderr).contains("fires again and again")
+        };
+        assert!(works(&times(factor)), "{said}");
+        assert!(!works(&times(factor * 0.998)), "{said}");
     }
 }
 

@@ -317,6 +317,34 @@ fn a_longer_search_keeps_the_shorter_plans() {
     }
 }
 
+/// On chips of few registers a short search for the fewest words is no shorter than another.
+#[test]
+fn the_fewest_words_in_few_registers_are_the_fewest() {
+    const ROWS: [[i8; 7]; 7] = [
+        [0, 0, -1, 0, 1, 0, 0],
+        [0, 0, 0, 1, -1, 1, -1],
+        [0, -1, -1, 1, 0, 1, 1],
+        [1, -1, 0, -1, 1, -1, 1],
+        [0, 0, 1, -1, 0, 0, 0],
+        [1, 1, -1, 1, 0, 0, 1],
+        [0, -1, 1, -1, -1, 1, 0],
+    ];
+    let rows = ROWS.map(|row| row.map(f64::from).to_vec());
+    let kernels = [Kernel::from_rows(&rows).unwrap()];
+    let device = narrow(4);
+    let words = |objective| {
+        let mut request = Request::new(&kernels, &device).unwrap();
+        request.effort = Effort::states(40_000);
+        request.objective = objective;
+        request.filter().unwrap().words.len()
+    };
+    let fewest = words(Objective::Words);
+    for objective in [Objective::Silicon, Objective::Exact] {
+        let other = words(objective);
+        assert!(fewest <= other, "{fewest} words, {other} for {objective:?}");
+    }
+}
+
 /// A kernel whose result is far below one LSB leaves nothing.
 #[test]
 fn what_leaves_nothing_is_refused() {

@@ -301,18 +301,14 @@ impl Domain for Silicon {
         value as f32
     }
 
-    /// The converter steps. The host's table is calibrated so that the plane arrives right
-    /// after two stores of an average cell; raw codes are not.
+    /// The converter steps. The host's table is calibrated; raw codes are not.
     fn input(&self, value: f64, calibrated: bool) -> f32 {
-        let step = match self.errors.input_step {
-            0.0 => value,
-            step => (value / step).round_ties_even() * step,
-        };
-        if !calibrated {
-            return step as f32;
+        let held = self.errors.held(value);
+        if calibrated {
+            self.errors.calibrated(held) as f32
+        } else {
+            held as f32
         }
-        let gain = 1.0 - self.errors.loss;
-        ((step - (1.0 - gain) * self.errors.transfer) / (gain * gain)) as f32
     }
 
     fn value(&self, cell: &f32) -> f64 {

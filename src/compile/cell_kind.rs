@@ -38,7 +38,7 @@ pub enum DriveMemory {
 
 impl DriveMemory {
     /// The most bits of a drive.
-    const MOST_BITS: u8 = 8;
+    pub(super) const MOST_BITS: u8 = 8;
 }
 
 impl fmt::Display for DriveMemory {

@@ -37,12 +37,38 @@ fn part_that_fits(lsb: f64, most: f64) -> String {
 
 /// How many times as high a threshold must be, in four digits, rounded up.
 pub(super) fn times_that_fit(times: f64) -> String {
+    // What a product rounds must not make it lower.
+    four_digits(times, |it| it >= times * (1.0 + 1e-9)).to_string()
+}
+
+/// The first number of four digits, from about this one on, that serves.
+#[must_use]
+pub fn four_digits(from: f64, serves: impl Fn(f64) -> bool) -> f64 {
     let mut place = 1000.0;
-    while times * place >= 10_000.0 && place > 1e-9 {
+    while from * place >= 10_000.0 && place > 1e-9 {
         place /= 10.0;
     }
-    // What a product rounds is no reason for another digit.
-    ((times * place * (1.0 - 1e-12)).ceil() / place).to_string()
+    while from * place < 1000.0 && place < 1e300 {
+        place *= 10.0;
+    }
+    let first = (from * place).floor();
+    let near = [first - 1.0, first, first + 1.0].map(|it| it / place);
+    { near.into_iter() }
+        .find(|it| serves(*it))
+        .unwrap_or_else(|| (first + 2.0) / place)
+}
+
+/// How many bits are needed.
+fn bits_needed(needed: Option<u8>) -> String {
+    needed.map_or_else(
+        || "on the chip no number of bits serves this threshold".to_owned(),
+        |needed| {
+            format!(
+                "{} are needed for each kind",
+                crate::unit::counted(needed, "bit")
+            )
+        },
+    )
 }
 
 /// That so many memories do not fit.
@@ -159,22 +185,25 @@ pub enum CompileError {
     },
     /// Memories in bits whose levels are farther apart than the threshold allows.
     #[error(
-        "a memory of {} has levels {step:.1} LSB apart: what lies between two of them is up to {:.1} LSB from both, more than the threshold of {threshold:.2} LSB, and cells fire for ever; {needed} bits are needed for each kind",
+        "a memory of {} has levels {step:.1} LSB apart: what lies between two of them is up to {:.1} LSB from both, more than the threshold of {threshold} LSB that the chip sets, and cells fire for ever; {}",
         crate::unit::counted(*bits, "bit"),
-        step / 2.0
+        step / 2.0,
+        bits_needed(*needed)
     )]
     #[diagnostic(help("{advice}"))]
     Levels {
         /// Bits of each memory.
         bits: u8,
-        /// Bits that the threshold needs.
-        needed: u8,
+        /// The fewest bits with which no kind fires on the chip while the picture stays; none where
+        /// what its stores err by is too much for the thresholds with any.
+        needed: Option<u8>,
         /// The distance of two levels, LSB.
         step: f64,
-        /// The lower of a kind's thresholds, LSB.
+        /// The lower of a kind's thresholds, as the chip's converter sets it, LSB.
         threshold: f64,
-        /// How many times as high the thresholds of all kinds must be for these bits to serve.
-        times: f64,
+        /// How many times as high the thresholds of all kinds must be for these bits to serve; none
+        /// where the chip can set none that do.
+        times: Option<f64>,
         /// What was tried and works.
         advice: String,
     },

@@ -22,6 +22,7 @@
 
 mod allocate;
 mod beam;
+mod bit_memory;
 mod border_safe;
 pub mod bound;
 mod cell_kind;
@@ -62,10 +63,11 @@ mod walk;
 mod wired;
 mod words;
 
+pub use bit_memory::{BitMemory, Restless};
 pub use cell_kind::{CellKind, DriveMemory, FRAMES};
 pub use decided::Decided;
 pub use decision::{Compared, Decision};
-pub use error::{CompileError, largest_of_both_signs};
+pub use error::{CompileError, four_digits, largest_of_both_signs};
 pub use event_readout::EventReadout;
 pub use filter::Filter;
 pub use forecast::{Forecast, Signal};
@@ -73,5 +75,5 @@ pub use naive_cost::naive_cost;
 pub use need::{MEMORY_BITS, Need, carried, like_these};
 pub use noise::FilterNoise;
 pub use request::{Border, Effort, Objective, Request};
-pub use sensor::{BitMemory, SensorProgram, brightest};
+pub use sensor::{SensorProgram, brightest};
 pub use words::check_words;

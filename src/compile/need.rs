@@ -116,10 +116,23 @@ pub(super) fn advice(
     memory: DriveMemory,
     request: &Request<'_>,
 ) -> CompileError {
+    let is_short_of_bits = matches!(error, CompileError::Levels { .. });
     let own = match &error {
-        CompileError::Levels { times, .. } => {
-            let times = times_that_fit(*times);
-            format!("take higher thresholds: {times} times these, or more")
+        CompileError::Levels { needed, times, .. } => {
+            // Its filter is known, and the same for any number of bits.
+            let works = |bits: &DriveMemory| {
+                let built = SensorProgram::build(kinds, *bits, "", request);
+                built.is_ok_and(|it| !it.is_restless())
+            };
+            let bits = needed.map(DriveMemory::Bits).filter(works);
+            let bits = bits.map(|bits| format!("take more bits (--memory {bits})"));
+            let times = times.map(|times| {
+                let times = times_that_fit(times);
+                format!("take higher thresholds: {times} times these, or more")
+            });
+            { bits.into_iter().chain(times) }
+                .collect::<Vec<_>>()
+                .join("; or ")
         }
         CompileError::Store { .. } => {
             "search longer (--effort), or take fewer digits (--to)".to_owned()
@@ -131,7 +144,7 @@ pub(super) fn advice(
         if is_slow {
             own
         } else {
-            ways(kinds, memory, request, &own)
+            ways(kinds, (memory, is_short_of_bits), request, &own)
         }
     })
 }
@@ -145,8 +158,14 @@ fn weights(kinds: &[CellKind]) -> usize {
     all.filter(|weight| **weight != 0.0).count()
 }
 
-/// Ways out that were compiled, as a sentence; `own` needs no trial.
-fn ways(kinds: &[CellKind], memory: DriveMemory, request: &Request<'_>, own: &str) -> String {
+/// Ways out that were compiled, as a sentence; `own` has those that are known already: where it is
+/// bits that are too few, how many would do.
+fn ways(
+    kinds: &[CellKind],
+    (memory, is_short_of_bits): (DriveMemory, bool),
+    request: &Request<'_>,
+    own: &str,
+) -> String {
     let works = |kinds: &[CellKind], memory, device: &Device| {
         // The plans that need no search are there in no time; more effort makes them shorter.
         let quick = Request {
@@ -155,7 +174,9 @@ fn ways(kinds: &[CellKind], memory: DriveMemory, request: &Request<'_>, own: &st
             objective: Objective::Words,
             ..request.clone()
         };
-        SensorProgram::build(kinds, memory, "", &quick).is_ok()
+        let built = SensorProgram::build(kinds, memory, "", &quick);
+        // What fires for ever on the chip is no way out.
+        built.is_ok_and(|it| !it.is_restless())
     };
     let mut all = Vec::new();
     if memory != DriveMemory::Shared && works(kinds, DriveMemory::Shared, request.device) {
@@ -165,7 +186,7 @@ fn ways(kinds: &[CellKind], memory: DriveMemory, request: &Request<'_>, own: &st
     }
     let most = OneBit::memories(request.device) / kinds.len().max(1);
     let bits = (1..=most as u8).map(DriveMemory::Bits);
-    let mut bits = bits.filter(|_| !kinds.is_empty());
+    let mut bits = bits.filter(|_| !kinds.is_empty() && !is_short_of_bits);
     if let Some(DriveMemory::Bits(bits)) =
         bits.find(|bits| *bits != memory && works(kinds, *bits, request.device))
     {

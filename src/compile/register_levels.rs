@@ -8,7 +8,9 @@
 //!
 //! What comes out of the chip is found by one search of the whole effort. So smaller numbers are tried
 //! on chips of fewer registers than usual alone, the fewest with a part of the effort, and what
-//! they give is taken where it is shorter and no less comes out of it.
+//! they give is taken where it is shorter and no less comes out of it. There the words as the
+//! objective are sought with the same effort in each number, so that who asks for the fewest gets no
+//! more than who does not.
 
 use super::{
     allocate::ordinary_registers,
@@ -74,7 +76,7 @@ impl Request<'_> {
             // Where fewer do not suffice, the first that do have the whole effort.
             let effort = match &best {
                 None if count > USUAL => self.effort,
-                _ if is_narrow && self.objective != Objective::Words => self.narrow_share(count),
+                _ if is_narrow => self.narrow_share(count),
                 _ => self.share(count),
             };
             match self.filter_in(&all[..count], effort) {

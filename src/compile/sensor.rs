@@ -4,34 +4,24 @@ use std::fmt::Write as _;
 
 use super::{
     allocate::ordinary_registers,
+    bit_memory::{self, BitMemory, InBits},
     cell_kind::{CellKind, DriveMemory, constants, header, number, thresholds},
     decision::{Compared, Decision},
-    error::{CompileError, largest_of_both_signs, most_threshold},
+    error::{CompileError, most_threshold},
     event_readout::EventReadout,
     filter::Filter,
     need::{Need, advice},
+    noise::FilterNoise,
     one_bit::OneBit,
     request::{Border, Request},
     shared_memory,
     words::check_words,
 };
 use crate::{
-    elementary,
     isa::{Analog, Device, Figure},
     kernel::Kernel,
     unit::counted,
 };
-
-/// A memory in one-bit registers: the range of the drive in equal steps.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BitMemory {
-    /// The lowest drive that light of 0 to 255 can give, LSB.
-    pub low: f64,
-    /// The size of a step, LSB.
-    pub step: f64,
-    /// The one-bit registers, the lowest bit first.
-    pub registers: Vec<String>,
-}
 
 /// A sensor as a program for the chip.
 #[derive(Clone, Debug)]
@@ -66,6 +56,12 @@ impl SensorProgram {
         } else {
             &self.filters
         }
+    }
+
+    /// Whether cells fire again and again on the chip while the picture stays ([`Restless`](super::Restless)).
+    #[must_use]
+    pub fn is_restless(&self) -> bool {
+        self.steps.iter().any(|own| own.restless.is_some())
     }
 }
 
@@ -163,16 +159,18 @@ impl SensorProgram {
             });
         }
         let scale = device.value(Figure::LightScale) * filter.scale();
-        let host = (scale, largest_of_both_signs(device));
-        let steps: Vec<BitMemory> = match memory {
+        let steps = match memory {
             DriveMemory::Analogue | DriveMemory::Shared => Vec::new(),
             DriveMemory::Bits(own) => {
-                let registers = bits.chunks(usize::from(own));
-                let steps = |(kind, own)| BitMemory::new(kind, host, own);
-                kinds.iter().zip(registers).map(steps).collect()
+                let noises =
+                    filter.noise(device, request.input, FilterNoise::MIDDLE, &request.into);
+                let in_bits = |(kind, noise): (_, &FilterNoise)| {
+                    InBits::new(kind, device, (scale, noise.temporal))
+                };
+                let kinds: Vec<InBits<'_>> = kinds.iter().zip(&noises).map(in_bits).collect();
+                bit_memory::memories(&kinds, own, bits)?
             }
         };
-        BitMemory::check(&steps, kinds, host)?;
         check_thresholds(device, kinds, &vec![scale; count])?;
         let mut program = Self {
             text: String::new(),
@@ -322,72 +320,6 @@ fn memory_registers(
         });
     }
     Ok(remembered)
-}
-
-/// The most bits that a memory is tried with.
-const MOST_BITS: u8 = 16;
-
-impl BitMemory {
-    fn new(kind: &CellKind, host: (f64, f64), registers: &[String]) -> Self {
-        let (low, step) = Self::range(kind, host, registers.len() as i32);
-        Self {
-            low,
-            step,
-            registers: registers.to_vec(),
-        }
-    }
-
-    /// The lowest level's end, and the distance of levels, LSB, of so many bits: a whole number of
-    /// LSB where the range is wide enough, as the host can set no others; `largest`: the largest
-    /// constant that it can set.
-    fn range(kind: &CellKind, (scale, largest): (f64, f64), bits: i32) -> (f64, f64) {
-        let sum = |sign: f64| -> f64 {
-            let weights = kind.kernel.weights().iter();
-            weights.filter(|w| **w * sign > 0.0).sum::<f64>() * 255.0 * scale
-        };
-        let (low, high) = (sum(-1.0), sum(1.0));
-        let step = (high - low) / 2f64.powi(bits);
-        let step = if step > 1.0 {
-            // The largest constant that is added must lie within the host's range.
-            step.ceil().min(largest / 2f64.powi(bits - 1))
-        } else {
-            // The next power of two; of a kernel of zeros, any.
-            2f64.powi(elementary::log2(step).ceil().max(-16.0) as i32)
-        };
-        // As far as the host can set it.
-        (low.floor().max(-largest), step)
-    }
-
-    /// Checks that drives that stay are silent: each is remembered as the middle of its step, from
-    /// which it may be half a step away.
-    fn check(steps: &[Self], kinds: &[CellKind], host: (f64, f64)) -> Result<(), CompileError> {
-        let (scale, _) = host;
-        // Thresholds are products of scales: what they round is no reason to refuse.
-        let least = |kind: &CellKind| kind.on.min(kind.off) * scale * (1.0 + 1e-12);
-        let serves = |kind: &CellKind, step: f64| step / 2.0 <= least(kind);
-        let short: Vec<_> = { kinds.iter().zip(steps) }
-            .filter(|(kind, own)| !serves(kind, own.step))
-            .collect();
-        let times = |kind: &CellKind, own: &Self| own.step / 2.0 / scale / kind.on.min(kind.off);
-        let Some((kind, own)) =
-            { short.iter() }.max_by(|a, b| times(a.0, a.1).total_cmp(&times(b.0, b.1)))
-        else {
-            return Ok(());
-        };
-        let bits = own.registers.len() as u8;
-        let all_serve = |bits: &u8| {
-            let step = |kind| Self::range(kind, host, i32::from(*bits)).1;
-            short.iter().all(|(kind, _)| serves(kind, step(kind)))
-        };
-        Err(CompileError::Levels {
-            bits,
-            needed: (bits + 1..MOST_BITS).find(all_serve).unwrap_or(MOST_BITS),
-            step: own.step,
-            threshold: kind.on.min(kind.off) * scale,
-            times: times(kind, own),
-            advice: String::new(),
-        })
-    }
 }
 
 /// The text of a program, part by part.
@@ -551,6 +483,7 @@ impl Writer<'_> {
             low,
             step,
             registers,
+            ..
         } = &self.steps[i];
         let name = |register: Analog| self.device.analog_name(register);
         let (memory, level) = (name(self.memories[0]), name(self.threshold));
@@ -575,6 +508,7 @@ impl Writer<'_> {
             low,
             step,
             registers,
+            ..
         } = &self.steps[i];
         let name = |register: Analog| self.device.analog_name(register);
         let (drive, below, level) = (

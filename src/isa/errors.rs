@@ -115,6 +115,23 @@ impl Errors {
         }
     }
 
+    /// What the converter that sets the global input makes of a value, LSB.
+    #[must_use]
+    pub fn held(&self, lsb: f64) -> f64 {
+        match self.input_step {
+            0.0 => lsb,
+            step => (lsb / step).round_ties_even() * step,
+        }
+    }
+
+    /// What the host's calibrated table puts on the bus for a value, so that it arrives right after
+    /// two stores of an average cell.
+    #[must_use]
+    pub fn calibrated(&self, lsb: f64) -> f64 {
+        let gain = 1.0 - self.loss;
+        (lsb - (1.0 - gain) * self.transfer) / (gain * gain)
+    }
+
     /// The gain of a cell, with its mismatch: `-(1 - loss + m_g)`; `own` is the cell's normal
     /// number.
     #[must_use]

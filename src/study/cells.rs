@@ -13,9 +13,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use miette::Diagnostic as _;
+
 use crate::{
-    compile::{CellKind, DriveMemory},
-    kernel::KernelError,
+    compile::{CellKind, CompileError, DriveMemory, naive_cost},
+    kernel::{Kernel, KernelError},
     photoreceptor::Curve,
     reference::{Border, Channel, Description, MemoryRule, Noise, PolarityRule},
 };
@@ -123,6 +125,50 @@ pub enum CellsError {
         /// The sensor.
         sensor: String,
     },
+    /// Weights that no program computes.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Weights(CompileError),
+    /// Several of these.
+    #[error("{}", each(all, ToString::to_string))]
+    #[diagnostic(help("{}", each(all, help)))]
+    Several {
+        /// Which.
+        all: Vec<Self>,
+    },
+}
+
+/// What is said of each, as one sentence.
+fn each(all: &[CellsError], said: impl Fn(&CellsError) -> String) -> String {
+    all.iter().map(said).collect::<Vec<_>>().join("; and ")
+}
+
+/// What to do about one.
+fn help(error: &CellsError) -> String {
+    error
+        .help()
+        .map_or_else(String::new, |help| help.to_string())
+}
+
+impl CellsError {
+    /// The same behind those before it: all that is to be mended, or what can never fit.
+    fn behind(self, before: Option<Self>) -> Self {
+        let never = |it: &Self| matches!(it, Self::Mesh { .. } | Self::Pattern { .. });
+        match before {
+            None => self,
+            Some(before) if never(&before) => before,
+            Some(_) if never(&self) => self,
+            Some(before) => {
+                let flat = [before, self].into_iter().flat_map(|it| match it {
+                    Self::Several { all } => all,
+                    one => vec![one],
+                });
+                Self::Several {
+                    all: flat.collect(),
+                }
+            }
+        }
+    }
 }
 
 /// The cells of a sensor, whatever it remembers; it is called `sensor` in messages.
@@ -132,37 +178,46 @@ pub enum CellsError {
 /// logarithm of its drive.
 pub fn cells(sensor: &str, description: &Description) -> Result<Cells, CellsError> {
     let called = || sensor.to_owned();
+    let mut faults = None;
+    let mut add = |fault: CellsError| faults = Some(fault.behind(faults.take()));
     if description.channels.iter().any(|it| it.surrounds.is_some()) {
-        return Err(CellsError::Mesh { sensor: called() });
+        add(CellsError::Mesh { sensor: called() });
     }
     let white = match description.response.curve {
         Curve::Identity => 1.0,
         Curve::Linear { white } => white,
         Curve::Log { .. } | Curve::LinLog { .. } => {
-            return Err(CellsError::Response { sensor: called() });
+            add(CellsError::Response { sensor: called() });
+            1.0
         }
     };
-    let mut cells = Cells {
-        kinds: Vec::new(),
-        notes: Vec::new(),
-    };
+    let mut kinds = Vec::new();
     for (i, channel) in description.channels.iter().enumerate() {
-        cells.kinds.push(kind(sensor, i, channel, white)?);
+        match kind(sensor, i, channel, white) {
+            Ok(kind) => kinds.push(kind),
+            Err(fault) => add(fault),
+        }
     }
-    Ok(cells)
+    match faults {
+        Some(faults) => Err(faults),
+        None => Ok(Cells {
+            kinds,
+            notes: Vec::new(),
+        }),
+    }
 }
 
 fn kind(sensor: &str, channel: usize, of: &Channel, white: f64) -> Result<CellKind, CellsError> {
     let sensor = || sensor.to_owned();
+    let ([kernel], [threshold]) = (&of.kernels[..], &of.thresholds[..]) else {
+        return Err(CellsError::Pattern { sensor: sensor() });
+    };
     if of.log_temporal {
         return Err(CellsError::LogTemporal {
             sensor: sensor(),
             channel,
         });
     }
-    let ([kernel], [threshold]) = (&of.kernels[..], &of.thresholds[..]) else {
-        return Err(CellsError::Pattern { sensor: sensor() });
-    };
     kernel.workable().map_err(|cause| CellsError::Kernel {
         sensor: sensor(),
         channel,
@@ -214,6 +269,47 @@ pub fn memory_of(sensor: &str, description: &Description) -> Result<DriveMemory,
     }
 }
 
+/// What a program has to remember to follow a sensor, and its cells, as [`memory_of`] and
+/// [`compiled_cells`] have them. What can never fit is said first, else all that is to be mended: of
+/// kernels that are taken as they are, `exact`, their weights too.
+///
+/// # Errors
+/// As of both.
+pub fn of_program(
+    sensor: &str,
+    description: &Description,
+    exact: bool,
+) -> Result<(DriveMemory, Cells), CellsError> {
+    let memory = memory_of(sensor, description);
+    let own = *memory.as_ref().unwrap_or(&DriveMemory::Analogue);
+    let fault = match (memory, compiled_cells(sensor, description, own)) {
+        (Ok(memory), Ok(cells)) => return Ok((memory, cells)),
+        (memory, Err(fault)) => fault.behind(memory.err()),
+        (Err(fault), Ok(_)) => fault,
+    };
+    let weights = { weights(sensor, description).into_iter() }.filter(|_| exact);
+    Err(weights.fold(fault, |before, own| own.behind(Some(before))))
+}
+
+/// The kernels whose weights no program computes as they are.
+fn weights(sensor: &str, description: &Description) -> Vec<CellsError> {
+    let several = description.channels.len() > 1;
+    let channels = description.channels.iter().enumerate();
+    let kernels = channels.flat_map(|(i, channel)| channel.kernels.iter().map(move |it| (i, it)));
+    let fault = |(i, kernel): (usize, &Kernel)| {
+        let called = if several {
+            format!("{sensor}[{i}]")
+        } else {
+            sensor.to_owned()
+        };
+        let refused = naive_cost(std::slice::from_ref(kernel)).err()?;
+        Some(CellsError::Weights(refused.of_kernel(&called)))
+    };
+    { kernels.filter(|(_, kernel)| kernel.workable().is_ok()) }
+        .filter_map(fault)
+        .collect()
+}
+
 /// The cells of a sensor for a program that remembers in this way, with notes of all that it does
 /// otherwise than the sensor.
 ///
@@ -224,11 +320,15 @@ pub fn compiled_cells(
     description: &Description,
     memory: DriveMemory,
 ) -> Result<Cells, CellsError> {
-    let mut cells = cells(sensor, description)?;
-    if description.polarity == PolarityRule::Pixel {
-        let sensor = sensor.to_owned();
-        return Err(CellsError::SignOfPixel { sensor });
-    }
+    let cells = cells(sensor, description);
+    let sign = (description.polarity == PolarityRule::Pixel).then(|| CellsError::SignOfPixel {
+        sensor: sensor.to_owned(),
+    });
+    let mut cells = match (cells, sign) {
+        (Ok(cells), None) => cells,
+        (cells, Some(sign)) => return Err(sign.behind(cells.err())),
+        (Err(fault), None) => return Err(fault),
+    };
     let (rule, stored) = match memory {
         DriveMemory::Shared => (MemoryRule::RawSnap, "raw-snap"),
         DriveMemory::Analogue | DriveMemory::Bits(_) => (MemoryRule::FilteredSnap, "filtered-snap"),

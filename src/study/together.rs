@@ -199,7 +199,11 @@ fn other_memory(
     let others: Vec<_> = { others.iter() }
         .map(|design| Design { effort, ..*design })
         .collect();
-    let holds = |other: &DriveMemory| first.compile_with(&others, *other, "").is_ok();
+    // What fires for ever on the chip is no way out.
+    let holds = |other: &DriveMemory| {
+        let compiled = first.compile_with(&others, *other, "");
+        compiled.is_ok_and(|it| !it.program.is_restless())
+    };
     memories(others.len() + 1)
         .into_iter()
         .find(|other| *other != memory && holds(other))

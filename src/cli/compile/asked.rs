@@ -29,7 +29,7 @@ impl Asked {
     /// The kernels and thresholds as they are, before they are brought to few values.
     pub(super) fn as_given(arguments: &Arguments) -> miette::Result<Self> {
         if let Some(path) = &arguments.sensor {
-            return Self::of_sensor(path);
+            return Self::of_sensor(path, arguments.to.0.is_none());
         }
         let (mut kernels, mut sources) = (Vec::new(), Vec::new());
         let mut stacked = arguments.kernels.len() > 1;
@@ -71,11 +71,11 @@ impl Asked {
         })
     }
 
-    pub(super) fn of_sensor(path: &Path) -> miette::Result<Self> {
+    /// The kinds of a sensor file; `exact`: with its weights as they are.
+    fn of_sensor(path: &Path, exact: bool) -> miette::Result<Self> {
         let description = super::super::run::read_sensor(path)?;
         let shown = path.display().to_string();
-        let memory = cells::memory_of(&shown, &description)?;
-        let cells = cells::compiled_cells(&shown, &description, memory)?;
+        let (memory, cells) = cells::of_program(&shown, &description, exact)?;
         for note in &cells.notes {
             complain(&format!("note: {note}\n"));
         }

@@ -11,8 +11,8 @@ use super::{
 use crate::{
     array::Errors,
     compile::{
-        Decided, DriveMemory, Filter, Need, bound::LowerBound, brightest, carried,
-        largest_of_both_signs, like_these,
+        BitMemory, Decided, DriveMemory, Filter, Need, Restless, bound::LowerBound, brightest,
+        carried, four_digits, largest_of_both_signs, like_these,
     },
     isa::{Analog, Device, Evidence, Figure, Kind},
     plane::Plane,
@@ -107,13 +107,13 @@ impl Compiled {
         })
     }
 
-    /// What to know of each kind, that the table says on its way.
+    /// What to know of each kind: what the table says on its way, and what is warned of.
     fn notes(&self, asked: &Asked, device: &Device) -> Vec<String> {
         let units = self.scales.iter().zip(&asked.scales);
         let kinds = self.thresholds.iter().zip(units).enumerate();
         let of_kind = |(kind, (lsb, (own, few))): (usize, (&[f64; 2], (&f64, &f64)))| {
-            let unit = few / own;
-            let notes = [any_fires(*lsb, unit, device), self.chatters(kind, unit)];
+            let fires = any_fires(*lsb, few / own, device);
+            let notes = [fires, self.chatters(kind, (*own, *few), device)];
             { notes.into_iter().flatten() }
                 .map(|note| format!("threshold of kind {kind}: {note}"))
                 .collect::<Vec<_>>()
@@ -124,31 +124,62 @@ impl Compiled {
             .collect()
     }
 
-    /// That noise makes a cell fire again and again whose drive stays between two levels of its
-    /// memory in bits; `unit`: kernel times light for each LSB.
-    fn chatters(&self, kind: usize, unit: f64) -> Option<String> {
-        let [on, off] = *self.thresholds.get(kind)?;
-        let (half, noise) = (self.steps.get(kind)? / 2.0, self.noises.get(kind)?.temporal);
-        // What is remembered is up to half a step from what stays.
-        let needed = half + CLEAR * noise;
-        (on.min(off) < needed).then(|| {
-            format!(
-                "half a step of its memory is {half:.2} LSB, and the filter's noise {noise:.2} LSB from frame to frame: on the chip a cell between two levels fires again and again; take more bits, or thresholds from {:.1} on",
-                needed * unit
-            )
-        })
+    /// Warns of memories in bits with which cells fire again and again on the chip.
+    pub(super) fn restless(&self, asked: &Asked, device: &Device) -> Vec<String> {
+        let units = self.scales.iter().zip(&asked.scales).enumerate();
+        let note = |(kind, (own, few)): (usize, (&f64, &f64))| {
+            let note = self.chatters(kind, (*own, *few), device)?;
+            Some(format!("warning: threshold of kind {kind}: {note}\n"))
+        };
+        units.filter_map(note).collect()
+    }
+
+    /// That a cell fires again and again on the chip whose drive stays between two levels of its
+    /// memory in bits; its scale, and what few values took from its kernel.
+    fn chatters(&self, kind: usize, (own, few): (f64, f64), device: &Device) -> Option<String> {
+        let BitMemory { step, restless, .. } = self.in_bits.get(kind)?;
+        let Restless {
+            firing,
+            least,
+            bits,
+        } = (*restless)?;
+        let thresholds = *self.thresholds.get(kind)?;
+        let [on, off] = held(thresholds, device);
+        let kinds = self.kernels.len();
+        let bits = bits.filter(|it| Need::new(DriveMemory::Bits(*it), kinds, device).fits(device));
+        let errors = Errors::from_device(device);
+        // Where both signs have one threshold, what the converter makes of it is what counts.
+        let is_one = thresholds[0] == thresholds[1];
+        let from = |least: f64| {
+            four_digits(least * few / own, |it| {
+                let lsb = it / few * own;
+                lsb >= least || is_one && errors.held(lsb) >= errors.held(least)
+            })
+        };
+        let ways = [
+            bits.map(|bits| format!("take --memory bits:{bits}")),
+            least.map(|least| format!("take thresholds from {} on", from(least))),
+        ];
+        let ways: Vec<String> = ways.into_iter().flatten().collect();
+        let ways = match &ways[..] {
+            [] => "take another memory (--memory analogue or shared)".to_owned(),
+            ways => ways.join(", or "),
+        };
+        Some(format!(
+            "half a step of its memory is {:.2} LSB, on the chip its threshold is {} LSB, and what is recalled errs: a cell between two levels fires again and again, about {:.1} % of the cells in each frame of a picture that stays (predicted); {ways}",
+            step / 2.0,
+            on.min(off),
+            100.0 * firing,
+        ))
     }
 
     /// What the chip makes of the thresholds of each kind.
     fn threshold_lines(&self, asked: &Asked, device: &Device) -> Vec<String> {
         let units = self.scales.iter().zip(&asked.scales);
-        let kinds = self.thresholds.iter().zip(units).enumerate();
-        let line = |(kind, (lsb, (own, few))): (usize, (&[f64; 2], (&f64, &f64)))| {
-            let note = self.chatters(kind, few / own);
-            let note = note.map_or_else(String::new, |note| format!(": {note}"));
-            threshold(*lsb, few / own, device) + &note
-        };
-        kinds.map(line).collect()
+        let kinds = self.thresholds.iter().zip(units);
+        kinds
+            .map(|(lsb, (own, few))| threshold(*lsb, few / own, device))
+            .collect()
     }
 
     /// Whether registers hold what the program takes of the photodiode, so that its events are as
@@ -487,9 +518,6 @@ fn kept(filter: &Filter) -> Option<Decided> {
     filter.decided.filter(Decided::has_events)
 }
 
-/// Standard deviations of noise by which a threshold is clear of what stays.
-const CLEAR: f64 = 3.0;
-
 /// That no register holds the reset level of the photodiode, negated, as a capture stores it.
 fn capture_cut_off(device: &Device) -> Option<String> {
     let (_, high) = device.register_range();
@@ -516,8 +544,8 @@ fn noise(added: &Added, device: &Device) -> String {
 
 /// The thresholds that the chip's converter sets, LSB.
 fn held(thresholds: [f64; 2], device: &Device) -> [f64; 2] {
-    let step = Errors::from_device(device).input_step;
-    thresholds.map(|lsb| (lsb / step).round_ties_even() * step)
+    let errors = Errors::from_device(device);
+    thresholds.map(|lsb| errors.held(lsb))
 }
 
 /// What to do about thresholds of which one is 0 on the chip; `unit`: kernel times light for each

@@ -30,7 +30,7 @@ use crate::{
         range::{Inputs, Interval},
     },
     compile::{
-        Border, CellKind, DriveMemory, Effort, Filter, FilterNoise, Objective, Request,
+        BitMemory, Border, CellKind, DriveMemory, Effort, Filter, FilterNoise, Objective, Request,
         SensorProgram, Signal, brightest, naive_cost,
     },
     config::UnknownWord,
@@ -264,6 +264,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         .into_iter()
         .chain(compiled.aimed(&asked.kernels, arguments.objective))
         .chain(compiled.unreached(&asked.names, &device))
+        .chain(compiled.restless(&asked, &device))
     {
         super::complain(&warning);
     }
@@ -401,8 +402,8 @@ struct Compiled {
     filters: Vec<Filter>,
     /// What a whole program remembers.
     memory: Option<DriveMemory>,
-    /// Of a memory in bits, how far apart the levels of each kind are, LSB.
-    steps: Vec<f64>,
+    /// The memory of each kind, where it is in bits.
+    in_bits: Vec<BitMemory>,
     /// The ways to read its events; of the filter alone none.
     readouts: Option<readout::Readouts>,
 }
@@ -573,7 +574,7 @@ fn apart(
     let text = program.text_with(kinds, &asked.title, device, readout);
     let mut compiled = proof.compiled(text, program.filter, false)?;
     compiled.readouts = Some(readouts);
-    compiled.steps = program.steps.iter().map(|memory| memory.step).collect();
+    compiled.in_bits = program.steps;
     let light = Signal::from_range((0.0, brightest(device) * device.value(Figure::LightScale)));
     compiled.on_chip = OnChip::run(&compiled.filter, device, &compiled.results_in, light)?;
     compiled.ranged = true;

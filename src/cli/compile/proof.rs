@@ -99,7 +99,7 @@ impl Proof<'_> {
             noises: noises(&filter, self.device, Analog(0), self.results, self.kernels),
             filters: vec![filter.clone()],
             memory: None,
-            steps: Vec::new(),
+            in_bits: Vec::new(),
             readouts: None,
             saturations,
             snake: naive_cost(self.kernels)? * self.device.row(Kind::Bus).words(),

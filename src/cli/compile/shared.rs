@@ -62,7 +62,7 @@ pub(super) fn whole(
         filter: program.filter.clone(),
         filters: program.filters.clone(),
         memory: None,
-        steps: Vec::new(),
+        in_bits: Vec::new(),
         readouts: Some(readouts),
     };
     for (i, filter) in program.filters.iter().enumerate() {
