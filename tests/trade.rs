@@ -482,7 +482,7 @@ fn a_model_that_stops_on_the_whole_scene_is_told_beside_the_others() {
 fn no_limit_has_its_reason() {
     let at = tempfile::tempdir().unwrap();
     let at = at.path();
-    let light = Array3::from_shape_fn((8, 96, 88), |(t, y, x)| 250 + ((t * (y + x)) % 2) as u8);
+    let light = Array3::from_shape_fn((8, 180, 240), |(t, y, x)| 250 + ((t * (y + x)) % 2) as u8);
     ndarray_npy::write_npy(at.join("s.npy"), &light).unwrap();
     let ask = [
         "trade",
@@ -517,7 +517,7 @@ fn no_limit_has_its_reason() {
         assert!(point["no_limit"].is_null());
     }
     let moving = good(at, &all);
-    let still = Array3::<u8>::from_elem((8, 96, 88), 250);
+    let still = Array3::<u8>::from_elem((8, 180, 240), 250);
     ndarray_npy::write_npy(at.join("s.npy"), &still).unwrap();
     for text in [moving, good(at, &ask)] {
         let told = "so nothing that is left out changes anything: lower the thresholds";
