@@ -925,6 +925,30 @@ mod verb {
         assert!(picture.width() > 1500 && picture.height() > 1000);
     }
 
+    /// Of a scan no figure tells how late it is.
+    #[test]
+    fn what_cannot_keep_up_is_warned_of() {
+        let folder = TempDir::new().unwrap();
+        let told = |more: &[&str]| {
+            let said = amacrine(folder.path(), &asked(more)).assert().success();
+            let json: Value = serde_json::from_slice(&said.get_output().stdout).unwrap();
+            let warnings = json["warnings"].as_array().unwrap().clone();
+            let about = warnings.iter().map(|one| one["about"].clone());
+            about.filter(|about| about == "late").count()
+        };
+        let steps = ["--steps", "--json"];
+        let slow = [
+            "--readout",
+            "scan",
+            "--with",
+            "slots=4000",
+            "--with",
+            "slot=100us",
+        ];
+        assert_eq!(told(&steps), 0);
+        assert_eq!(told(&[&steps[..], &slow].concat()), 1);
+    }
+
     #[test]
     fn mistakes_are_named_and_leave_no_file() {
         let folder = TempDir::new().unwrap();

@@ -100,7 +100,10 @@ pub enum MeshError {
         most: u64,
     },
     /// A kernel that cannot be fitted.
-    #[error("a kernel of zeros, or one that is to be fitted by {sheets} sheets")]
+    #[error("{}", match sheets {
+        1..=3 => "a kernel of zeros cannot be fitted".to_owned(),
+        _ => format!("a kernel is to be fitted by {}", crate::unit::counted(*sheets, "sheet")),
+    })]
     #[diagnostic(help("give a kernel with a weight that is not 0, and 1 to 3 sheets"))]
     Fit {
         /// How many sheets were asked for.

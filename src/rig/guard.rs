@@ -43,6 +43,8 @@ pub enum About {
     Slots,
     /// Events lie in rows that the readout does not scan.
     Rows,
+    /// A readout that is busy all the time.
+    Late,
     /// Thresholds that differ so much from cell to cell that their floor decides.
     Spread,
     /// Values at the end of the range of what holds them.
@@ -95,6 +97,7 @@ impl About {
             Self::MostCells => "most-cells",
             Self::Slots => "slots",
             Self::Rows => "rows",
+            Self::Late => "late",
             Self::Spread => "spread",
             Self::Saturation => "saturation",
             Self::Scale => "scale",
@@ -575,6 +578,18 @@ impl Warning {
             ),
             "pictures are shown one after another: what comes behind a gap is too early, and what moves jumps",
             "add them, or show the parts before and behind as scenes of their own (--slice)",
+        )
+    }
+
+    /// A readout of which this stage cannot keep up.
+    #[must_use]
+    pub fn late(subject: &str, stage: &str) -> Self {
+        Self::new(
+            About::Late,
+            subject,
+            format!("the {stage} of the readout is busy all the time and cannot keep up"),
+            "events are lost or leave later and later; what a scan reads keeps the time of its frame, so that no figure tells how late it is",
+            "take fewer slots, a faster readout, or a lower frame rate",
         )
     }
 

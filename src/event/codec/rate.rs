@@ -73,7 +73,13 @@ impl Rate {
             bits,
             bits_per_event: per_event,
             mean: (seconds > 0.0).then(|| bits as f64 / seconds),
-            peak: most as f64 / window.seconds(),
+            // What is shorter than the window has no more in it.
+            peak: most as f64
+                / if seconds > 0.0 {
+                    window.seconds().min(seconds)
+                } else {
+                    window.seconds()
+                },
             peak_from: from,
             crossover: per_event.map(|b| Frame::crossover(packet.size, packet.channels, b)),
             above: above as u64,

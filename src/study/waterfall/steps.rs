@@ -15,7 +15,7 @@ use crate::{
         fate::{Fate, Windows},
         window,
     },
-    event::Packet,
+    event::{Packet, readout::ReadOut},
     reference::MemoryRule,
     rig::{
         self,
@@ -223,11 +223,19 @@ pub fn steps_together(
         guard.warn(warning);
     }
     let floats = fired.split_off(plan.setups.len());
-    let read: Vec<Option<Packet>> = { fired.iter().enumerate() }
+    let read: Vec<Option<ReadOut>> = { fired.iter().enumerate() }
         .map(|(i, packet)| {
-            let read = || question.readout.read(packet).packet;
-            plan.is_read((i, true)).then(read)
+            plan.is_read((i, true))
+                .then(|| question.readout.read(packet))
         })
+        .collect();
+    let of_chip = read.get(plan.chip.0).and_then(Option::as_ref);
+    let mut stages = of_chip.into_iter().flat_map(|read| &read.statistics.stages);
+    if let Some(stage) = stages.find(|stage| stage.falls_behind) {
+        guard.warn(Warning::late("the chip", stage.name));
+    }
+    let read: Vec<Option<Packet>> = { read.into_iter() }
+        .map(|read| read.map(|read| read.packet))
         .collect();
     let shown = Shown {
         plan: &plan,
