@@ -436,7 +436,7 @@ def test_options_are_arguments() -> None:
         "a lower --threshold, or --objective exact": 'a lower thresholds, or objective="exact"',
         "help: take less, or allow more with --max-memory SIZE, such as --max-memory 5G\nx": "help: take less\nx",
         "whole scene; --verify measures them": "whole scene; verify=True measures them",
-        "array; --verify counts what that changes": "array; verify=True counts what that changes",
+        "few events: take a larger --sample": "few events: take a larger sample",
         "the tiles, --runs N shares them": "the tiles, runs=N shares them",
         "; `convert --salvage` keeps": "; `amacrine convert --salvage` keeps",
         "`exec --set A=FILE.npy`; or": "`amacrine exec --set A=FILE.npy`; or",
