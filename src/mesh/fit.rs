@@ -61,7 +61,8 @@ pub struct Fit {
     pub gain: f64,
     /// Norm of the fitted field outside the kernel's window, relative to the field.
     pub tail: f64,
-    /// The ridge: that which was asked for, or the least of [`RIDGES`] that keeps the sheets apart.
+    /// The ridge: that which was asked for, or where that lets two sheets run
+    /// together the least power of ten that keeps them apart.
     pub ridge: f64,
 }
 
@@ -85,7 +86,7 @@ const LAMBDAS: (f64, f64, usize) = (0.05, 24.0, 40);
 const SAME: f64 = 1.05;
 /// Ridges that are tried where a smaller one lets two sheets run together with gains that grow
 /// without bound, and fewer sheets would reach less.
-pub const RIDGES: [f64; 8] = [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5];
+const RIDGES: [f64; 8] = [1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5];
 /// Sheets at most.
 const MOST_SHEETS: usize = 3;
 
