@@ -554,6 +554,24 @@ fn predicted(arguments: &[&str]) -> u64 {
     (number * kib) as u64
 }
 
+/// What is said of each run, in KiB, it holds, within a factor of two.
+fn within_two(cases: &[&[&str]], said: fn(&[&str]) -> u64) {
+    let mut wrong = Vec::new();
+    for case in cases {
+        let said = said(case);
+        let ran = amacrine(case, PATIENCE);
+        assert_eq!(ran.code, Some(0), "{case:?}: {}", ran.errors);
+        eprintln!("{case:?}: predicted {said} KiB, held {} KiB", ran.peak);
+        if said < ran.peak || said > 2 * ran.peak.max(50 << 10) {
+            wrong.push(format!(
+                "{case:?}: predicted {said} KiB, held {} KiB",
+                ran.peak
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
 /// What is predicted is held, within a factor of two, and never much more.
 #[test]
 fn predictions_are_what_is_measured() {
@@ -596,20 +614,7 @@ fn predictions_are_what_is_measured() {
             "mesh", "step", "--lambda", "3", "--tau", "1ms", "--scene", scene, "-o", &out,
         ],
     ];
-    let mut wrong = Vec::new();
-    for case in cases {
-        let said = predicted(case);
-        let ran = amacrine(case, PATIENCE);
-        assert_eq!(ran.code, Some(0), "{case:?}: {}", ran.errors);
-        eprintln!("{case:?}: predicted {said} KiB, held {} KiB", ran.peak);
-        if said < ran.peak || said > 2 * ran.peak.max(50 << 10) {
-            wrong.push(format!(
-                "{case:?}: predicted {said} KiB, held {} KiB",
-                ran.peak
-            ));
-        }
-    }
-    assert!(wrong.is_empty(), "{wrong:#?}");
+    within_two(cases, predicted);
 }
 
 /// What verbs that hold all events of a file say that they need, they need, within a factor of two:
@@ -637,20 +642,7 @@ fn predictions_of_events_are_what_is_measured() {
         &["packets", &bare, "--size", "256x256"],
         &["convert", &bare, &out, "--sort", "--size", "256x256"],
     ];
-    let mut wrong = Vec::new();
-    for case in cases {
-        let said = enough(case);
-        let ran = amacrine(case, PATIENCE);
-        assert_eq!(ran.code, Some(0), "{case:?}: {}", ran.errors);
-        eprintln!("{case:?}: predicted {said} KiB, held {} KiB", ran.peak);
-        if said < ran.peak || said > 2 * ran.peak.max(50 << 10) {
-            wrong.push(format!(
-                "{case:?}: predicted {said} KiB, held {} KiB",
-                ran.peak
-            ));
-        }
-    }
-    assert!(wrong.is_empty(), "{wrong:#?}");
+    within_two(cases, enough);
 }
 
 /// The memory that refusals advise in the end, in KiB.

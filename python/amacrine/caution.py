@@ -6,6 +6,7 @@ import sys
 import warnings
 from collections.abc import Iterable
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 Said = list[tuple[str, str]]
@@ -24,18 +25,23 @@ class Caution(UserWarning):
 PACKAGE = str(Path(__file__).parent)
 
 
-def caution(text: str, kind: type[Warning] = Caution) -> None:
-    """Warns of it at the line that called this package."""
-    # The first is the line that calls this.
-    frame, level = sys._getframe(1), 2
+def _caller() -> tuple[FrameType, int]:
+    """The line that called this package, and its level for whoever asks here."""
+    # The first is the line that called who asks.
+    frame, level = sys._getframe(2), 2
     while frame.f_back is not None and frame.f_code.co_filename.startswith(PACKAGE):
         frame, level = frame.f_back, level + 1
-    warnings.warn(text, kind, stacklevel=level)
+    return frame, level
+
+
+def caution(text: str, kind: type[Warning] = Caution) -> None:
+    """Warns of it at the line that called this package."""
+    warnings.warn(text, kind, stacklevel=_caller()[1])
 
 
 def caution_of(runs: Iterable[Said]) -> None:
-    """Warns the caller of what its runs say: once of each thing, and of no event
-    or small light only where that holds of all of them."""
+    """Warns the caller of what its runs say: once of each thing, and of no event or small light only
+    where that holds of all of them."""
     said = list(runs)
     first: dict[str, str] = {}
     for run in said:
@@ -53,9 +59,7 @@ class Place:
     in a worker process, where none of the caller's lines runs."""
 
     def __init__(self) -> None:
-        frame = sys._getframe(1)
-        while frame.f_back is not None and frame.f_code.co_filename.startswith(PACKAGE):
-            frame = frame.f_back
+        frame, _ = _caller()
         self._file, self._line = frame.f_code.co_filename, frame.f_lineno
         self._module = frame.f_globals.get("__name__")
         self._told: dict[Any, Any] = {}

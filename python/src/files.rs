@@ -65,7 +65,8 @@ fn format(name: Option<&str>) -> PyResult<Option<Format>> {
     parsed.map_err(|e: FormatError| raised(e))
 }
 
-fn size(of: Option<(usize, usize)>) -> Option<Size> {
+/// Height and width.
+pub fn size(of: Option<(usize, usize)>) -> Option<Size> {
     of.map(|(height, width)| Size::new(height, width))
 }
 

@@ -17,7 +17,7 @@ use miette::{Report, miette};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::{error::raised, events::Events, pool};
+use crate::{error::raised, events::Events, files, pool};
 
 /// How events become voxels.
 #[pyclass(frozen, module = "amacrine._amacrine")]
@@ -119,10 +119,6 @@ pub fn check_room(what: &str, bytes: u64, help: &str) -> PyResult<()> {
     within(&need, what, help).map_err(raised)
 }
 
-fn sized(size: Option<(usize, usize)>) -> Option<Size> {
-    size.map(|(height, width)| Size::new(height, width))
-}
-
 /// Leaves out what is before a time, in microseconds, which becomes 0.
 fn start_at(micros: i64, events: &mut Vec<Event>) {
     events.retain_mut(|event| {
@@ -160,7 +156,7 @@ pub fn voxels<'py>(
     let events = events.borrowed(py)?;
     let given = events.given()?;
     let made = pool::work(py, || {
-        let mut packet = given.packet(sized(size), channels);
+        let mut packet = given.packet(files::size(size), channels);
         start_at(since, &mut packet.events);
         let times = || packet.events.iter().map(|event| event.t);
         let (first, last) = (times().min(), times().max());
@@ -203,7 +199,7 @@ pub fn surfaces<'py>(
     let events = events.borrowed(py)?;
     let given = events.given()?;
     let made = pool::work(py, || {
-        let packet = given.packet(sized(size), channels);
+        let packet = given.packet(files::size(size), channels);
         room(
             "time surfaces",
             planes(&packet, how.sides) * times.len() as u128,
@@ -230,7 +226,7 @@ pub fn event_frames<'py>(
     let events = events.borrowed(py)?;
     let given = events.given()?;
     let made = pool::work(py, || {
-        let packet = given.packet(sized(size), channels);
+        let packet = given.packet(files::size(size), channels);
         let frames = packet.events.len().div_ceil(each.max(1));
         room("event frames", planes(&packet, sides) * frames as u128)?;
         Ok((frames_of(&packet, each, sides, fill)?, place(&packet)))

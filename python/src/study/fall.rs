@@ -6,7 +6,6 @@ use amacrine::{
     photoreceptor::Response,
     picture::svg,
     study::{
-        design::Design,
         together,
         waterfall::{self as falls, Fall},
     },
@@ -16,7 +15,7 @@ use miette::Report;
 use pyo3::prelude::*;
 use serde::Serialize;
 
-use super::{Named, Search, Shown, device, kernel, open_on, scan, within};
+use super::{Named, Search, Shown, designs, device, kernel, open_on, scan, within};
 use crate::{
     chip::{effort, named, quantiser},
     error::{raised, refused},
@@ -63,15 +62,7 @@ pub fn waterfall(
     let readout = through.map_or_else(|| scan().map_err(raised), readout::open)?;
     let source = scene.source()?;
     let effort = effort(seconds, source.stop())?;
-    let designs: Vec<Design<'_>> = { kernels.iter().zip(&thresholds) }
-        .map(|(kernel, threshold)| Design {
-            kernel,
-            threshold: *threshold,
-            device: &device,
-            effort,
-            seed,
-        })
-        .collect();
+    let designs = designs(&kernels, &thresholds, (&device, effort, seed));
     let [first, ..] = designs[..] else {
         return Err(refused("no kernel", "give one, or several"));
     };

@@ -18,6 +18,7 @@ pub use several::on_chip_together;
 
 use amacrine::{
     compare::window,
+    compile::Effort,
     event::readout::{
         Readout,
         scan::SLOTS,
@@ -27,6 +28,7 @@ use amacrine::{
     kernel::{Kernel, quantise::Quantiser},
     rig::Larger,
     scene::Scene,
+    study::design::Design,
     unit::Micros,
 };
 use miette::Report;
@@ -71,6 +73,23 @@ fn kernel((name, bytes): &Named) -> PyResult<Kernel> {
         )
     })?;
     Ok(kernel)
+}
+
+/// Each kernel with its threshold, on one chip.
+fn designs<'a>(
+    kernels: &'a [Kernel],
+    thresholds: &[f64],
+    (device, effort, seed): (&'a Device, Effort, u64),
+) -> Vec<Design<'a>> {
+    { kernels.iter().zip(thresholds) }
+        .map(|(kernel, threshold)| Design {
+            kernel,
+            threshold: *threshold,
+            device,
+            effort,
+            seed,
+        })
+        .collect()
 }
 
 fn quantisers(names: Vec<String>) -> PyResult<Vec<Quantiser>> {

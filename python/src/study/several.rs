@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use serde::Serialize;
 
 use super::{
-    Named, Search, Shown, check, device,
+    Named, Search, Shown, check, designs, device,
     few::{Row, weights},
     kernel, open_on, quantisers, within,
 };
@@ -69,18 +69,9 @@ pub fn on_chip_together(
     let effort = effort(seconds, source.stop())?;
     let answer = source.study(py, Response::IDENTITY, || {
         let fps = open_on(&source, &device)?.fps();
-        let floats = kernels.iter().zip(&thresholds);
         let question = Question {
             names: of.iter().map(|(name, _)| name.clone()).collect(),
-            floats: floats
-                .map(|(kernel, threshold)| Design {
-                    kernel,
-                    threshold: *threshold,
-                    device: &device,
-                    effort,
-                    seed,
-                })
-                .collect(),
+            floats: designs(&kernels, &thresholds, (&device, effort, seed)),
             sum,
             source: &source,
             within: within(within_us, fps),
