@@ -104,7 +104,7 @@ fn learned(description: &Description, (kernels, limits): &Learned<'_>) -> PyResu
         let kernel = Kernel::new(weights).map_err(|error| {
             refused(
                 format!("kernels[{k}]: {error}"),
-                "a kernel that was learned must stay finite: take a smaller learning rate",
+                "kernels must be finite; where they are learned, take a smaller learning rate",
             )
         })?;
         channel.kernels = vec![kernel];
@@ -121,7 +121,7 @@ fn learned(description: &Description, (kernels, limits): &Learned<'_>) -> PyResu
                         "thresholds[{k}] are {} (ON) and {} (OFF), sigma {}",
                         threshold.on, threshold.off, threshold.sigma
                     ),
-                    "thresholds must be finite and above 0, and sigma not below: take a smaller learning rate",
+                    "thresholds must be finite and above 0, and sigma 0 or above; where they are learned, take a smaller learning rate",
                 ));
             }
         }

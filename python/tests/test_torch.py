@@ -242,7 +242,7 @@ MISTAKES: dict[str, tuple[Any, str]] = {
     "mismatch": (lambda f: EventSensor("dvs", 0.1, fps=9, mismatch=_any("a")), "mismatch = 'a'"),
     "scale of text": (lambda f: EventSensor("dvs", 0.1, fps=9, scale=_any("a")), "scale = 'a'"),
     "memory": (lambda f: EventSensor("dvs", 0.1, fps=9, memory="raw-snap")(f), "holds pixels"),
-    "diverged": (lambda f: _diverged(f), "must stay finite"),
+    "diverged": (lambda f: _diverged(f), "kernels must be finite"),
     "loss": (lambda f: _loss(f), "has NaN at"),
 }
 
@@ -492,3 +492,21 @@ def test_a_data_set_that_cannot_be_is_told_at_once(
     np.save(tmp_path / "clip.npy", np.zeros((4, 16, 16), np.uint8))
     with pytest.raises(amacrine.Error, match=said):
         EventDataset(tmp_path, frames=4, **how)
+
+
+def test_what_the_way_back_needs_is_freed_with_it_and_not_with_the_outputs() -> None:
+    batch = torch.rand(1, 6, 1, 16, 16)
+    layer = EventSensor("csdvs-3", 4.0, fps=9, scale=255)
+    seen = layer(batch)
+    held = _any(seen.voxels.grad_fn).held
+    assert held() is not None
+    loss = seen.voxels.sum()
+    loss.backward(retain_graph=True)
+    assert layer.kernels.grad is not None
+    once = layer.kernels.grad.clone()
+    loss.backward()
+    assert torch.equal(layer.kernels.grad, 2 * once)
+    assert held() is None
+    with pytest.raises(RuntimeError, match="second time"):
+        loss.backward()
+    assert torch.isfinite(seen.voxels).all()

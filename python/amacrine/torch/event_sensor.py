@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import weakref
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -326,6 +327,19 @@ class _How(NamedTuple):
     slope: Slope
 
 
+class _Held:
+    """What the way back needs, held by a tensor that PyTorch frees with what it saved itself."""
+
+    def __init__(self, seen: _amacrine.Seen) -> None:
+        self.seen = seen
+        self._byte = np.zeros(1, np.uint8)
+        self.__array_interface__ = self._byte.__array_interface__
+
+    def tensor(self) -> torch.Tensor:
+        """A tensor of one byte whose memory is this object's."""
+        return torch.from_numpy(np.asarray(self))
+
+
 class _Watch(torch.autograd.Function):
     """Light, kernels and thresholds to voxels, counts and the number of events, on the processor."""
 
@@ -347,7 +361,9 @@ class _Watch(torch.autograd.Function):
             how.phase,
         )
         clips, frames, *rest = seen.shape
-        ctx.seen, ctx.how, ctx.dtype = seen, how, kernels.dtype
+        held = _Held(seen)
+        ctx.save_for_backward(held.tensor())
+        ctx.held, ctx.how, ctx.dtype = weakref.ref(held), how, kernels.dtype
         ctx.set_materialize_grads(False)
         # Not a view of another tensor, which could not be changed in place.
         voxels = torch.from_numpy(seen.voxels.reshape(seen.shape))
@@ -363,7 +379,9 @@ class _Watch(torch.autograd.Function):
         counts: torch.Tensor | None,
         events: torch.Tensor | None,
     ) -> tuple[torch.Tensor | None, ...]:
-        seen: _amacrine.Seen = ctx.seen
+        # Freed after the first backward without retain_graph: PyTorch then says so here.
+        _ = ctx.saved_tensors
+        seen: _amacrine.Seen = ctx.held().seen
         asked = 0.0 if events is None else float(events)
         if not math.isfinite(asked):
             raise Error(

@@ -162,8 +162,8 @@ impl Search<'_> {
     }
 
     /// Values that may be one of the sources of `word`: those held and the input, without the one
-    /// that it stores; then single taps near by that the sum needs in any case. The number is that
-    /// of the former.
+    /// that it stores; then single taps near by that the sum needs in any case, or the negated input
+    /// where all is at the pixel itself. The number is that of the former.
     fn addends(&self, word: &OpenWord<'_>) -> (Vec<Rc<Item>>, usize) {
         let stored = word.at.map(|at| word.state.live[at].hash);
         let mut addends: Vec<Rc<Item>> = Vec::new();
@@ -182,6 +182,9 @@ impl Search<'_> {
                     addends.push(self.item(form));
                 }
             }
+        }
+        if self.at_home && !addends.iter().any(|known| known.form == self.minus.form) {
+            addends.push(self.minus.clone());
         }
         (addends, held)
     }

@@ -142,6 +142,10 @@ struct Search<'a> {
     task: &'a Task,
     heuristic: Heuristic,
     input: Rc<Item>,
+    /// The negated input.
+    minus: Rc<Item>,
+    /// Whether all goals are multiples of the input.
+    at_home: bool,
     /// The goal that ends in the register of the input.
     over: Option<LinearForm>,
     /// Hashes of the states seen before.
@@ -157,14 +161,18 @@ impl<'a> Search<'a> {
             let places = (0..5).filter(|i| mask >> i & 1 == 1).map(|i| NEWS_CELLS[i]);
             (mask, places.collect::<Vec<_>>())
         };
+        let none = Rc::new(Item {
+            form: LinearForm::unit(task.unit),
+            hash: 0,
+            cost: OnceCell::new(),
+        });
+        let mut taps = task.goals.iter().flat_map(LinearForm::taps);
         let mut search = Self {
             task,
             heuristic,
-            input: Rc::new(Item {
-                form: LinearForm::unit(task.unit),
-                hash: 0,
-                cost: OnceCell::new(),
-            }),
+            input: none.clone(),
+            minus: none,
+            at_home: taps.all(|tap| (tap.y, tap.x) == (0, 0)),
             over: task
                 .over_input
                 .and_then(|goal| task.goals.get(goal).cloned()),
@@ -176,6 +184,7 @@ impl<'a> Search<'a> {
                 .collect(),
         };
         search.input = search.item(LinearForm::unit(task.unit));
+        search.minus = search.item(LinearForm::unit(-task.unit));
         search
     }
 

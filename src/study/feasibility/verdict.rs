@@ -106,22 +106,15 @@ impl Verdict {
             // The stretch that the chips watched may be still where the scene is not.
             (true, _, "kept" | "mostly kept", "") | (true, _, _, FEASIBLE) => "Feasible",
             (true, _, "half kept", "") | (true, _, _, WITH_LOSS) => "Feasible, with loss",
-            (true, _, _, IN_SOME) => "Feasible on some of the chips that the public data allow",
+            (true, _, _, IN_SOME) => some_of(&all.over_chips),
             (true, ..) => "Runs, but what comes out is mostly not what the kernel says",
         };
         // What is drawn is in the headline only where it decided it.
-        let share = all
-            .over_chips
-            .chips_feasible
-            .filter(|_| fits && speed_word != "too slow" && kept_word != SILENT);
-        let share = share.map_or(String::new(), |share| {
-            let (count, chips) = (all.over_chips.count(share), all.over_chips.chips);
-            let events = all.streams.float.events;
-            let few = Warning::few_events(events).map_or(String::new(), |_| {
-                format!(", judged by no more than {}", counted(events, "event"))
-            });
-            format!(" (feasible without loss on {count} of {chips} chips{few})")
-        });
+        let share = if fits && speed_word != "too slow" && kept_word != SILENT {
+            share(all)
+        } else {
+            String::new()
+        };
         let [nearly, hardly] = SHARES.map(percent);
         let guesses = &all.chip.guessed_values;
         let decide: Vec<&str> = { guesses.iter().map(String::as_str) }
@@ -166,6 +159,34 @@ fn guessed(all: &Feasibility) -> Option<Finding> {
         ),
         rule: "not known: a number on which events, time or room rest is a guess, and no interval is stated; or what is needed lies within the interval of such a number of the room.".to_owned(),
     })
+}
+
+/// The headline where it is feasible on some of the chips, whether or not without loss.
+fn some_of(over: &OverChips) -> &'static str {
+    match over.chips_feasible {
+        Some(clean) if over.count(clean) > 0 => {
+            "Feasible on some of the chips that the public data allow"
+        }
+        _ => "Feasible, with loss, on some of the chips that the public data allow",
+    }
+}
+
+/// On how many of the chips it is feasible, for the headline.
+fn share(all: &Feasibility) -> String {
+    let over = &all.over_chips;
+    let (Some(clean), Some(with_loss)) = (over.chips_feasible, over.chips_feasible_with_loss)
+    else {
+        return String::new();
+    };
+    let [clean, with_loss] = [clean, with_loss].map(|share| over.count(share));
+    let events = all.streams.float.events;
+    let few = Warning::few_events(events).map_or(String::new(), |_| {
+        format!(", judged by no more than {}", counted(events, "event"))
+    });
+    format!(
+        " (without loss on {clean} of {} chips, with loss or without on {with_loss}{few})",
+        over.chips
+    )
 }
 
 /// The words on the chips.
