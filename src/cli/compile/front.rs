@@ -33,6 +33,8 @@ pub(super) fn print(arguments: &Arguments, asked: &Asked, device: &Device) -> mi
     }
     let mut text = "words  halvings  correlation  at ±LSB  signal  noise  offset, LSB\n".to_owned();
     for (words, bits, on_chip) in rows {
+        let correlation =
+            { on_chip.correlation }.map_or("none".to_owned(), |it| format!("{it:.4}"));
         let OnChip {
             amplitude,
             signal,
@@ -42,8 +44,7 @@ pub(super) fn print(arguments: &Arguments, asked: &Asked, device: &Device) -> mi
         } = on_chip;
         let _ = writeln!(
             text,
-            "{words:>5}{bits:>10}{:>13.4}{amplitude:>9.1}{signal:>8.2}{noise:>7.2}{offset:>13.1}",
-            on_chip.kept()
+            "{words:>5}{bits:>10}{correlation:>13}{amplitude:>9.1}{signal:>8.2}{noise:>7.2}{offset:>13.1}"
         );
     }
     let evidence = Errors::evidence_with_range(device).word();
