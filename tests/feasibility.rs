@@ -1293,3 +1293,89 @@ fn halvings_are_for_what_compile_says() {
     assert!(page.contains("for the most events on the chip: large sums may leave the range"));
     assert!(page.contains("Halvings of the change, kind by kind"));
 }
+
+/// A frame with more events than one scan delivers is read as whole bit planes: what is kept is of
+/// all events, of one kernel as of several, and the same as `quantise` tells.
+#[test]
+fn what_is_judged_is_read_as_it_is_told() {
+    let folder = folder();
+    let scene = "pattern:noise?width=128&height=128&frames=6&fps=10&grain=2";
+    let of = |kernels: &[&str]| {
+        let rest = [
+            "--to",
+            "ternary",
+            "--candidates",
+            "ternary",
+            "--threshold",
+            "20",
+            "--scene",
+            scene,
+            "--effort",
+            "0.01",
+            "--chips",
+            "1",
+            "-o",
+            "report.html",
+            "--json",
+        ];
+        json(folder.path(), &[&["feasibility"], kernels, &rest].concat())
+    };
+    let one = of(&["sobel-x"]);
+    let plans = one["fit"]["on_chip"]["time"]["plans"].as_array().unwrap();
+    let chosen = plans.iter().find(|plan| plan["is_chosen"] == true).unwrap();
+    assert_eq!(chosen["lost"], 0.0);
+    let slots = plans.iter().find(|plan| plan["plan"] == "busiest_frame");
+    let lost = number(slots.unwrap(), "/lost");
+    let (all, dropped) = (
+        number(&one, "/streams/silicon/events"),
+        number(&one, "/streams/silicon/dropped"),
+    );
+    assert!(
+        dropped > 0.2 * all && (lost - dropped / all).abs() < 1e-9,
+        "{lost} {dropped} {all}"
+    );
+    assert!((0.9..1.1).contains(&(all / number(&one, "/streams/float/events"))));
+    let exact = number(&one, "/streams/exact/judged/f1/value");
+    let kept = number(&one, "/streams/silicon/judged/kept");
+    let drawn = number(&one, "/drawn/0/kept");
+    let rates = number(&one, "/over_rates/rates/0/kept");
+    assert!(
+        kept > 0.8 && drawn > 0.8 && rates > 0.4,
+        "{kept} {drawn} {rates}"
+    );
+    let said = one["verdict"]["findings"].to_string();
+    assert!(said.contains(&format!(
+        "All slots of the program would lose {dropped:.0} of them"
+    )));
+
+    let two = of(&["sobel-x", "sobel-y"]);
+    let together = &two["together"]["kinds"][0];
+    assert!(
+        (number(together, "/kept") - kept).abs() < 0.05,
+        "{together}"
+    );
+    for kernels in [&["sobel-x"][..], &["sobel-x", "sobel-y"]] {
+        let ask = [
+            "--to",
+            "ternary",
+            "--threshold",
+            "20",
+            "--scene",
+            scene,
+            "--effort",
+            "0.01",
+            "--json",
+        ];
+        let said = json(folder.path(), &[&["quantise"], kernels, &ask].concat());
+        let warned = said["warnings"].to_string();
+        assert!(
+            warned.contains("all slots of the program would lose"),
+            "{warned}"
+        );
+        let own = match kernels {
+            [_] => &said["chip"]["rows"][0]["on_chip"]["exact"],
+            _ => &said["together"][0]["on_chip"]["kinds"][0]["exact"],
+        };
+        assert!((number(own, "/f1") - exact).abs() < 1e-12, "{own}");
+    }
+}

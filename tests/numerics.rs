@@ -577,3 +577,23 @@ fn ties_fire_in_every_float() {
     );
     assert!(packet.events.iter().all(|e| e.polarity == Polarity::On));
 }
+
+/// The memory holds the drive and what has leaked; where that is too much the counts mean nothing,
+/// and are told of.
+#[test]
+fn a_leak_that_the_format_does_not_hold_is_counted() {
+    let q8_8 = Q::<i16>::new(8);
+    for memory in ["filtered-step", "filtered-snap"] {
+        let rules =
+            format!("response = \"identity\"\nmemory = \"{memory}\"\nnoise = {{ leak-hz = 1 }}");
+        let description = sensor(&rules, "kernel = [[1]]\nthreshold = { on = 1, off = 1 }");
+        let overflowed = |light: f64| {
+            let still: Vec<_> = (0..=50).map(|t| (f64::from(t), light)).collect();
+            let mut tally = Tally::new(1);
+            let reference = pixel(q8_8, description.clone(), &still, &mut tally).unwrap();
+            reference.report().overflowed.at
+        };
+        assert_eq!(overflowed(70.0), 0, "{memory}");
+        assert!(overflowed(100.0) > 10, "{memory}");
+    }
+}

@@ -210,6 +210,15 @@ impl Source {
         for (figure, value) in figures {
             device = device.what_if(*figure, *value)?;
         }
+        let given = || self.constants.iter().chain(constants).map(|(name, _)| name);
+        if let Some((_, twice)) =
+            { given().enumerate() }.find(|(n, name)| given().take(*n).any(|other| other == *name))
+        {
+            return Err(miette!(
+                help = "give each constant once",
+                "the constant `{twice}` is set twice"
+            ));
+        }
         let mut overrides = self.overrides();
         overrides.extend(constants.iter().cloned());
         Ok((program, device, overrides))

@@ -132,12 +132,12 @@ pub enum CompileError {
     },
     /// Too few registers.
     #[error(
-        "{what}: {needed} analogue registers are needed, {free} {} free: {} too few",
+        "{what}: no program was found in the {} that {} free; in {needed} there is one",
+        crate::unit::counted(*free, "analogue register"),
         if *free == 1 { "is" } else { "are" },
-        needed.saturating_sub(*free)
     )]
     #[diagnostic(help(
-        "{}keep fewer registers, or try a chip with more, such as --chip scamp5-wide",
+        "search longer (--effort), {}keep fewer registers (--keep), or try a chip with more, such as --chip scamp5-wide",
         if what.starts_with("one ") { "" } else { "ask for fewer kinds or kernels, " }
     ))]
     Registers {
@@ -150,8 +150,9 @@ pub enum CompileError {
     },
     /// Too few registers for a whole program.
     #[error(
-        "{}, with {memory}: {needed} analogue registers are needed, {free} are free: {} too few",
+        "{}, with {memory}: {needed} analogue registers are needed, {free} {} free: {} too few",
         crate::unit::counted(*count, "kind"),
+        if *free == 1 { "is" } else { "are" },
         needed.saturating_sub(*free)
     )]
     #[diagnostic(help("{advice}"))]

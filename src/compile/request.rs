@@ -246,10 +246,24 @@ impl<'a> Request<'a> {
             strict: true,
         }
         .front()?;
-        for filter in &front {
-            check_words(&filter.text(self.device, 0), self.device)?;
+        let shortest = self.fewest(&goals, unit, (&all, self.effort))?;
+        let mut found = front;
+        if found.iter().all(|it| shortest.words.len() < it.words.len()) {
+            found.insert(0, shortest);
         }
-        Ok(front)
+        // Those that the chip stores; where there is none, why the shortest does not fit.
+        let mut front = Vec::new();
+        let mut refused = None;
+        for filter in found {
+            match check_words(&filter.text(self.device, 0), self.device) {
+                Ok(()) => front.push(filter),
+                Err(error) => refused = refused.or(Some(error)),
+            }
+        }
+        match refused {
+            Some(error) if front.is_empty() => Err(error),
+            _ => Ok(front),
+        }
     }
 
     /// The filter in these registers.

@@ -81,6 +81,9 @@ impl<'a> Node<'a> {
             DeValue::Float(_) if self.as_number().is_none() => {
                 "infinite: beyond the largest number of 64 bits"
             }
+            DeValue::Integer(_) if self.as_number().is_none() => {
+                "a whole number beyond 64 bits; write it with a point or an exponent"
+            }
             DeValue::Integer(_) | DeValue::Float(_) => "a number",
             DeValue::Boolean(_) => "true or false",
             DeValue::Datetime(_) => "a date",

@@ -25,9 +25,11 @@
 
 use multiversion::multiversion;
 
+use super::drive;
 use crate::{
     aligned::Aligned,
     number::{Number, Real},
+    sensor::Overflowed,
 };
 
 /// The memories of the cells of a band of rows.
@@ -87,6 +89,22 @@ impl<N: Number> Stepped<N> {
         for (out, (((&base, &net), &steps), (&on, &off))) in out.iter_mut().zip(cells) {
             *out = apart(number, base, (f64::from(net) + steps, steps), on, off);
         }
+    }
+
+    /// How many memories of the cells in `range` the format does not hold, which are `held` in it.
+    pub(crate) fn overflowed(
+        &self,
+        number: &N,
+        range: std::ops::Range<usize>,
+        (on, off): (&[N::Real], &[N::Real]),
+        held: &[N::Held],
+    ) -> Overflowed {
+        let reals = range.zip(on.iter().zip(off)).map(|(cell, (on, off))| {
+            let steps = self.off.as_ref().map_or(0.0, |off| off[cell]);
+            let ways = (f64::from(self.net[cell]) + steps, steps);
+            number.value(self.base[cell]) + moved(ways, (on.to_f64(), off.to_f64()))
+        });
+        drive::held(number, held, &reals.collect::<Vec<_>>())
     }
 
     /// Moves the memories of the cells in `range` by `counts` steps; the error is the column of the

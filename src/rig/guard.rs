@@ -395,6 +395,19 @@ impl Warning {
         )
     }
 
+    /// A program whose events were all counted, and whose own readout loses some of them.
+    #[must_use]
+    pub fn own_slots(subject: &str, lost: u64, all: u64) -> Self {
+        let share = share_lost(lost, all.saturating_sub(lost));
+        Self::new(
+            About::Slots,
+            subject,
+            format!("all slots of the program would lose {share}; what is told counts them"),
+            "more cells fire in a frame than one scan delivers",
+            "have the program read whole bit planes (amacrine compile --readout planes), or raise the threshold",
+        )
+    }
+
     /// A readout that scans some rows only, and lost events in others.
     #[must_use]
     pub fn rows(subject: &str, lost: u64, kept: u64) -> Self {

@@ -2,7 +2,7 @@
 
 use crate::{
     array::{Array, Body, RunError},
-    event::{Event, Packet, Polarity},
+    event::{Dropped, Event, Packet, Polarity},
     isa::Digital,
     plane::Size,
     program::{Action, Host, Step},
@@ -50,6 +50,18 @@ impl AllEvents {
             delivered: Packet::new(chip.size(), chip.channels()),
             chip,
         }
+    }
+
+    /// The chip.
+    #[must_use]
+    pub fn chip(&self) -> &dyn Array {
+        &*self.chip
+    }
+
+    /// How many of its events its own readout has lost so far.
+    #[must_use]
+    pub fn lost(&self) -> Dropped {
+        self.delivered.dropped
     }
 
     /// Runs the steps of a frame, and looks at each register that is scanned.

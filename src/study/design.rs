@@ -35,7 +35,10 @@ use std::ops::Deref;
 use super::expanded::Expanded;
 use crate::{
     array::{CaptureError, CodeError, check_capture},
-    compile::{CellKind, CompileError, DriveMemory, Effort, Request, SensorProgram, check_words},
+    compile::{
+        CellKind, CompileError, DriveMemory, Effort, EventReadout, Request, SensorProgram,
+        check_words,
+    },
     config::Faults,
     isa::Device,
     kernel::{
@@ -308,6 +311,16 @@ impl Compiled {
         check_words(text, device)?;
         let expanded = Expanded::from_text(title, text, device)?;
         Ok(Self { program, expanded })
+    }
+
+    /// Of a program that was found for these kinds, written with another readout.
+    ///
+    /// # Errors
+    /// When there is no room for it in the chip's store.
+    pub fn reading(&self, kinds: &[CellKind], readout: EventReadout) -> Result<Self, DesignError> {
+        let (title, device) = (&self.title, &self.device);
+        let text = self.program.text_with(kinds, title, device, readout);
+        Self::from_text(title, self.program.clone(), &text, device)
     }
 
     /// Analogue registers that the filter holds at a time.

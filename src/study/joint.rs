@@ -12,7 +12,8 @@ use crate::{
     compile::DriveMemory,
     isa::Figure,
     kernel::quantise::{Quantised, Quantiser, Sum},
-    rig::guard::Guard,
+    program::readout::{Demand, Scans},
+    rig::guard::{Guard, Warning},
     scene::Scene,
     unit::Micros,
 };
@@ -163,13 +164,22 @@ fn run(
     // The frames of this run alone.
     let mut own = Guard::new();
     let seed = floats.first().map_or(0, |float| float.seed);
-    let (judged, _) = program.judge(floats, (within, seed), scene, |frame| {
+    let (judged, frames) = program.judge(floats, (within, seed), scene, |frame| {
         own.frame(frame);
         seen();
     })?;
+    let compiled = &program.compiled;
+    let slots = Scans::new(&compiled.code.frame, &compiled.device).slots;
     let mut kinds = Vec::new();
     for (name, kind) in names.iter().zip(judged) {
-        own.packet(&format!("{to} silicon, {name}"), &kind.packet);
+        let subject = format!("{to} silicon, {name}");
+        own.packet(&subject, &kind.packet);
+        let all = kind.packet.events.len() as u64;
+        // A share of whole events.
+        let lost = Demand::new(&kind.packet, frames).lost(slots) * all as f64;
+        if lost > 0.0 {
+            own.warn(Warning::own_slots(&subject, lost.round() as u64, all));
+        }
         if let Some(warning) = kind.exact.warning(name) {
             own.warn(warning);
         }

@@ -6,7 +6,7 @@
 //! `silicon` what the chip does besides.
 
 use crate::{
-    array::{Arithmetic, Array},
+    array::Arithmetic,
     compare::CompareError,
     compile::Effort,
     event::Packet,
@@ -28,6 +28,7 @@ use crate::{
 };
 
 use super::{
+    all_events::AllEvents,
     design::{Compiled, Design, DesignError},
     equivalent::{self, EquivalentError, Ladder, Likeness},
     saturation,
@@ -195,8 +196,8 @@ pub(super) struct Ran {
     /// The program.
     pub compiled: Compiled,
     /// It in exact arithmetic, and as silicon, after the last frame.
-    pub chips: [Box<dyn Array + Send>; 2],
-    /// What these said.
+    pub chips: [AllEvents; 2],
+    /// What these said: all of their events.
     pub packets: [Packet; 2],
 }
 
@@ -220,7 +221,7 @@ pub(super) fn ask_keeping(
             guard.warn(Warning::erased(&one.to, *erasure));
         }
         let chips = one.program.iter().flat_map(|program| &program.both);
-        subjects.extend(chips.map(|chip| format!("{} {}", one.to, chip.domain())));
+        subjects.extend(chips.map(|it| format!("{} {}", one.to, it.chip().domain())));
     }
     let mut floats = vec![design.reference(size, MEMORY, Format::F64)?];
     floats.extend(equivalent::sensors(&design, size, MEMORY)?);
@@ -258,7 +259,11 @@ pub(super) fn ask_keeping(
         .flat_map(|program| program.both.iter().zip(program.ends));
     for ((packet, subject), (chip, ends)) in chips.iter().zip(subjects).zip(ran) {
         guard.packet(&subject, packet);
-        saturation::warn(&mut guard, &subject, &**chip, ends);
+        let (lost, all) = (chip.lost().total(), packet.events.len() as u64);
+        if lost > 0 {
+            guard.warn(Warning::own_slots(&subject, lost, all));
+        }
+        saturation::warn(&mut guard, &subject, chip.chip(), ends);
         judged.push(ladder.judge(packet)?);
     }
     let mut pairs: Vec<_> = chips.iter().zip(&mut judged).collect();
@@ -351,8 +356,8 @@ impl Built {
 struct Chips {
     compiled: Compiled,
     cost: Costs,
-    /// In exact arithmetic, and as silicon.
-    both: [Box<dyn Array + Send>; 2],
+    /// In exact arithmetic, and as silicon: every event, however many slots the program has.
+    both: [AllEvents; 2],
     /// The ends of their registers' range.
     ends: [Option<[f64; 2]>; 2],
 }
@@ -404,7 +409,10 @@ impl Question<'_> {
 
     fn chips(&self, compiled: Compiled, size: Size) -> Result<Chips, DesignError> {
         let settings = compiled.settings();
-        let chip = |arithmetic| compiled.chip(arithmetic, size, settings);
+        let chip = |arithmetic| {
+            let chip = compiled.chip(arithmetic, size, settings)?;
+            Ok::<_, DesignError>(compiled.all_events(chip))
+        };
         let exact = Arithmetic::Number(Format::F64);
         let silicon = Arithmetic::Silicon { seed: self.seed };
         let both = [chip(exact)?, chip(silicon)?];

@@ -126,11 +126,7 @@ impl Together {
     ) -> Result<Self, DesignError> {
         let kinds = levels.iter().map(Design::kind);
         let kinds: Vec<_> = kinds.collect::<Result<_, _>>()?;
-        let (title, device) = (&compiled.title, &compiled.device);
-        let all = EventReadout::BitPlanes(0, u16::MAX);
-        let text = compiled.program.text_with(&kinds, title, device, all);
-        let read = Compiled::from_text(title, compiled.program.clone(), &text, device);
-        let every_event = match read {
+        let every_event = match compiled.reading(&kinds, EventReadout::BitPlanes(0, u16::MAX)) {
             // A few words more than the chip stores.
             Err(error) if error.is_refusal() => compiled.clone(),
             read => read?,

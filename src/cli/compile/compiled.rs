@@ -72,8 +72,8 @@ impl Compiled {
             "bounds": self.bounds(asked, device).map(|bounds| bounds.json()),
             "filter_words": self.filter.word_count(device),
             "snake_words": self.snake,
-            "border": self.filter.border,
-            "wrong_from_border_px": self.wrong_within(),
+            "border": self.wrong_within(device) == 0,
+            "wrong_from_border_px": self.wrong_within(device),
             "array_us": cost.array_us,
             "array_us_range": self.array(device).map(|it| it.ends()),
             "host_us": cost.host_us,
@@ -340,7 +340,7 @@ impl Compiled {
             line("noise", noise(added, device));
         }
         line("energy", self.energy_line(device));
-        line("border", self.border());
+        line("border", self.border(device));
         line(
             "search",
             format!("{} states in {seconds:.1} s", self.filter.states),
@@ -354,16 +354,31 @@ impl Compiled {
         text
     }
 
-    /// How many pixels in from the border the results may be wrong.
-    fn wrong_within(&self) -> usize {
-        let own = self.filters.iter().map(Filter::wrong_from_border);
+    /// How many pixels in from the border the results may be wrong: where registers beyond it hold
+    /// no 0, as far as a result looks.
+    fn wrong_within(&self, device: &Device) -> usize {
+        let own = self.filters.iter().map(|filter| {
+            if device.value(Figure::Edge) == 0.0 {
+                filter.wrong_from_border()
+            } else {
+                filter.from_border
+            }
+        });
         own.max().unwrap_or(0)
     }
 
     /// Whether the results are right at the border, and what follows where they are not.
-    fn border(&self) -> String {
-        let far = match self.wrong_within() {
+    fn border(&self, device: &Device) -> String {
+        let edge = device.value(Figure::Edge);
+        let far = match self.wrong_within(device) {
             0 => return "right up to the border, zeros beyond it".to_owned(),
+            far if edge != 0.0 => {
+                return format!(
+                    "not right at the border, within {} of it: beyond it registers of {} hold {edge} LSB (edge.analogue), and the kernel takes zeros; exec --edge 0 runs it without",
+                    counted(far, "pixel"),
+                    device.name()
+                );
+            }
             1 => "in the outermost rows and columns".to_owned(),
             far => format!("within {} of it", counted(far, "pixel")),
         };

@@ -17,6 +17,7 @@ use miette::{IntoDiagnostic, miette};
 use on_chip::OnChip;
 
 use super::{
+    complain,
     content::Content,
     event_rate::NoRate,
     files::{self, Named, Output},
@@ -30,8 +31,8 @@ use crate::{
         range::{Inputs, Interval},
     },
     compile::{
-        BitMemory, Border, CellKind, DriveMemory, Effort, Filter, FilterNoise, Objective, Request,
-        SensorProgram, Signal, brightest, naive_cost,
+        BitMemory, Border, CellKind, CompileError, DriveMemory, Effort, Filter, FilterNoise,
+        Objective, Request, SensorProgram, Signal, brightest, naive_cost,
     },
     config::UnknownWord,
     isa::{Analog, Device, Figure, Source, Value},
@@ -41,6 +42,7 @@ use crate::{
     rig::guard::Warning,
     save::save,
     unit,
+    unit::counted,
 };
 
 /// What `compile` is asked to do.
@@ -453,11 +455,41 @@ fn bare<'a>(
     Ok(request)
 }
 
+/// A filter that the chip stores; the shortest where the best is too long.
+fn stored(filter: Filter, request: &Request<'_>) -> miette::Result<Filter> {
+    let device = request.device;
+    let room = device.value(Figure::Store) as u64;
+    let words = filter.word_count(device);
+    if words <= room {
+        return Ok(filter);
+    }
+    let shortest = Request {
+        objective: Objective::Words,
+        ..request.clone()
+    };
+    let shortest = shortest.filter()?;
+    if shortest.word_count(device) > room {
+        return Err(CompileError::Store {
+            words: shortest.word_count(device),
+            room,
+            chip: device.name().to_owned(),
+            advice: "take fewer digits (--to), or a chip with a larger store (--chip)".to_owned(),
+        }
+        .into());
+    }
+    complain(&format!(
+        "warning: the best program has {}, and {} holds {room}: this is the shortest, as of --objective words\n",
+        counted(words, "instruction word"),
+        device.name()
+    ));
+    Ok(shortest)
+}
+
 fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<Compiled> {
     // Nothing comes out of one of zeros, and nothing is to be measured of it.
     check_weights(asked)?;
     let request = bare(arguments, asked, device)?;
-    let filter = request.filter()?;
+    let filter = stored(request.filter()?, &request)?;
     let on_chip = OnChip::run(
         &filter,
         device,

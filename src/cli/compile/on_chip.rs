@@ -132,8 +132,13 @@ impl Compiled {
         } else {
             return None;
         };
+        let narrower = if self.memory.is_some() {
+            "a higher threshold"
+        } else {
+            "a narrower range of the input (--input)"
+        };
         Some(format!(
-            "warning: {what}, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take larger weights or fewer digits (--to), or {other}\n"
+            "warning: {what}, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take fewer digits (--to), {narrower}, or {other}\n"
         ))
     }
 

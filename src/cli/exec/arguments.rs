@@ -42,7 +42,7 @@ pub struct Arguments {
     /// Limit every store to the chip's range
     #[arg(long, value_enum)]
     pub(super) clip: Option<Switch>,
-    /// What registers off the array hold, in LSB [default: what the program says, else 0]
+    /// What registers off the array hold, in LSB [default: what the program says, else what the chip has]
     #[arg(long)]
     pub(super) edge: Option<f64>,
     /// LSB that PIX rises by for one level of light [default: what the chip's data say]

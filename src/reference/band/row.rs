@@ -122,8 +122,17 @@ impl<N: Number> Row<'_, N> {
             }
             Memory::FilteredStep(stepped) => {
                 let (on, off) = self.plan.thresholds[self.channel].row(self.y);
-                stepped.values(number, range, on, off, &mut scratch.memory);
-                drive::differences(number, drive, &scratch.memory)
+                stepped.values(number, range.clone(), on, off, &mut scratch.memory);
+                let differences = drive::differences(number, drive, &scratch.memory);
+                if self.plan.description.noise.leak_hz <= 0.0 {
+                    return differences;
+                }
+                // It holds all that has leaked, too.
+                let memories = stepped.overflowed(number, range, (on, off), &scratch.memory);
+                Overflowed {
+                    at: differences.at.max(memories.at),
+                    ..differences
+                }
             }
             // Those from a memory of pixels were counted where they were laid out.
             Memory::RawSnap { .. } | Memory::PixelStep(_) => Overflowed::default(),
@@ -262,7 +271,13 @@ impl<N: Number> Row<'_, N> {
                     let fallen = cells.leak.get(cell).map_or(N::Real::ZERO, |leak| {
                         *leak * N::Real::from_f64(self.input.elapsed)
                     });
-                    filtered[cell] = number.hold_real(number.real(drive[x]) + fallen);
+                    let memory = number.real(drive[x]) + fallen;
+                    filtered[cell] = number.hold_real(memory);
+                    if !self.plan.exact.is_empty() && !cells.leak.is_empty() {
+                        let held = &filtered[cell..=cell];
+                        let lost = drive::held(number, held, &[memory.to_f64()]);
+                        report.overflowed.at += lost.at;
+                    }
                     if let Some(pixels) = pixels {
                         let now = self.signal.inner(self.y)[x];
                         let own = number.real(number.sub(now, pixels[cell]));

@@ -342,14 +342,13 @@ impl Question<'_> {
         let kinds: Vec<CellKind> = kinds.collect();
         let search = (self.effort, self.seed);
         let compiled = Compiled::new(self.title, (&kinds, memory), self.device, search);
-        let program = match compiled {
-            Ok(compiled) => compiled.program,
+        let compiled = match compiled {
+            Ok(compiled) => compiled,
             Err(error) if error.is_refusal() => return Ok(Err(refused(Some(memory), &error))),
             Err(error) => return Err(error.into()),
         };
-        let all = EventReadout::BitPlanes(0, u16::MAX);
-        let text = program.text_with(&kinds, self.title, self.device, all);
-        let every_event = Compiled::from_text(self.title, program.clone(), &text, self.device)?;
+        let every_event = compiled.reading(&kinds, EventReadout::BitPlanes(0, u16::MAX))?;
+        let program = compiled.program;
         Ok(Ok(Found {
             to,
             memory,

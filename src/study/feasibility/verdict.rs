@@ -183,8 +183,13 @@ fn share(all: &Feasibility) -> String {
     let few = Warning::few_events(events).map_or(String::new(), |_| {
         format!(", judged by no more than {}", counted(events, "event"))
     });
+    let lossy = if with_loss > clean {
+        format!(", with loss or without on {with_loss}")
+    } else {
+        String::new()
+    };
     format!(
-        " (without loss on {clean} of {} chips, with loss or without on {with_loss}{few})",
+        " (without loss on {clean} of {} chips{lossy}{few})",
         over.chips
     )
 }
@@ -542,7 +547,9 @@ fn against_dvs(chip: &Stream, dvs: &Stream) -> Finding {
     };
     let says = match chip.dropped {
         0 => says,
-        dropped => format!("{says} Besides, {dropped} found no slot in the readout."),
+        dropped => format!(
+            "{says} All slots of the program would lose {dropped} of them; the readout that is told of loses none."
+        ),
     };
     Finding {
         about: "events",

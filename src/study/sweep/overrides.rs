@@ -10,7 +10,7 @@ use std::{fmt, str::FromStr};
 
 use super::{
     key::{KEYS, Side},
-    sides::takes_none,
+    sides::{no_side_has, sides_with, takes_none},
     study::SETTINGS,
 };
 use crate::{
@@ -147,13 +147,22 @@ impl Override {
             let sides = root.get("side").and_then(Node::as_list).unwrap_or_default();
             // Above the sides it is for those that have it and do not set it themselves.
             let mut edits = Vec::new();
-            if root.get(first).is_some() || !sides.iter().all(|side| takes_none(*side, first)) {
+            if sides.is_empty()
+                || root.get(first).is_some()
+                || !sides.iter().all(|side| takes_none(*side, first))
+            {
                 edits = self.within(root, &self.key, text, 0)?;
             }
             for side in sides {
                 if side.get(first).is_some() {
                     edits.extend(self.within(side, &self.key, text, 0)?);
                 }
+            }
+            if edits.is_empty() {
+                return Err(self.fault(
+                    no_side_has(first),
+                    format!("leave it out, or add a [[side]] with {}", sides_with(first)),
+                ));
             }
             return Ok(edits);
         }
@@ -360,6 +369,20 @@ mod tests {
         );
         // A side's own is another key.
         assert!(twice(&["threshold=40", "reference.threshold=50"]).is_ok());
+    }
+
+    #[test]
+    fn a_key_that_no_side_has_is_refused() {
+        for text in ["lambda=-1", "solver=ramp", "tau-us=500"] {
+            let one: Override = text.parse().unwrap();
+            let error = overridden("study.toml", STUDY, &[one]).unwrap_err();
+            let told = format!("{error:?}");
+            assert!(told.contains("no side of this study has it"), "{told}");
+            assert!(told.contains("side = \\\"mesh\\\""), "{told}");
+        }
+        let one: Override = "domain=silicn".parse().unwrap();
+        let study = STUDY.replace("\"array\"", "\"mesh\"");
+        assert!(overridden("study.toml", &study, &[one]).is_err());
     }
 
     #[test]

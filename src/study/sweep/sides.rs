@@ -76,16 +76,11 @@ impl Reader<'_> {
             let name = key.text;
             let has = |axes: &Axes| Key::on_side(axes.side).any(|key| key.name == name);
             if !sides.iter().any(has) {
-                let who: Vec<_> = Side::ALL
-                    .iter()
-                    .filter(|side| Key::on_side(**side).any(|key| key.name == name))
-                    .map(|side| format!("\"{side}\""))
-                    .collect();
-                let what = format!("`{name}` is set, and no side of this study has it");
+                let what = no_side_has(name);
                 self.faults
                     .push(Fault::error(key.place, what, CHANGES_NOTHING).help(format!(
-                        "leave it out, or add a [[side]] with side = {}",
-                        who.join(" or ")
+                        "leave it out, or add a [[side]] with {}",
+                        sides_with(name)
                     )));
             } else if tables.iter().all(|side| takes_none(*side, name)) {
                 let what = format!("`{name}` is set, and every side that has it sets its own");
@@ -94,6 +89,21 @@ impl Reader<'_> {
             }
         }
     }
+}
+
+/// That a key is of no use, in words.
+pub(super) fn no_side_has(name: &str) -> String {
+    format!("`{name}` is set, and no side of this study has it")
+}
+
+/// The sides that have a key, as they are written.
+pub(super) fn sides_with(name: &str) -> String {
+    let has = |side: &&Side| Key::on_side(**side).any(|key| key.name == name);
+    let who = Side::ALL
+        .iter()
+        .filter(has)
+        .map(|side| format!("\"{side}\""));
+    format!("side = {}", who.collect::<Vec<_>>().join(" or "))
 }
 
 /// Whether a side does without a key that stands above the sides.
