@@ -64,7 +64,10 @@ pub fn pattern() -> String {
 /// A question, where a name is like none and yet near to one.
 fn meant(name: &str, why: &str) -> String {
     let forms = ENTRIES.iter().map(|entry| entry.form);
-    if why.is_empty() {
+    let small = name.to_lowercase();
+    if small != name && small.parse::<Quantiser>().is_ok() {
+        format!("did you mean `{small}`? ")
+    } else if why.is_empty() {
         asked(name, forms)
     } else {
         String::new()
