@@ -131,6 +131,18 @@ fn a_setting_is_given_once() {
             "exec dvs/snap --set error.noise=1 --set error.noise=5",
             ["--set error.noise is given twice", "each name once"],
         ),
+        (
+            "exec dvs/snap --image bundled --const threshold=5 --const threshold=40",
+            ["the constant `threshold` is set twice", "each constant once"],
+        ),
+        (
+            "exec dvs/snap --image bundled --set threshold=5 --const threshold=40",
+            ["the constant `threshold` is set twice", "each constant once"],
+        ),
+        (
+            "asm dvs/snap --const threshold=5 --const threshold=9",
+            ["the constant `threshold` is set twice", "each constant once"],
+        ),
     ] {
         let arguments: Vec<&str> = command.split(' ').collect();
         common::refused_untouched(at, &arguments, &words);

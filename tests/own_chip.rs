@@ -7,6 +7,8 @@ mod common;
 use std::{fs, path::Path};
 
 use common::{amacrine, chip, good, json, line, refused};
+use ndarray::Array2;
+use ndarray_npy::{read_npy, write_npy};
 use tempfile::TempDir;
 
 /// A line of `device.toml`.
@@ -936,4 +938,122 @@ fn advice_for_a_larger_scene_can_be_followed() {
         let told = said(&words);
         assert!(!told.contains("processors"), "{told}");
     }
+}
+
+/// Beyond the border of a chip whose registers hold something there, results are not the kernel's as
+/// far in as is told.
+#[test]
+fn a_border_that_holds_something_is_told_of() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let edge = [
+        "[figure.edge]\n".to_owned(),
+        figure("analogue", 15.0, "LSB", "guess"),
+    ];
+    chip(folder, "lit", &edge.concat());
+    fs::write(
+        folder.join("k.toml"),
+        "weights = [[1, 1, 1], [1, 1, 1], [1, 1, 1]]\nname = \"k\"\nsource = \"test\"\n",
+    )
+    .unwrap();
+    let of = |chip: &str| {
+        let ask = [
+            "compile",
+            "k.toml",
+            "--filter-only",
+            "--effort",
+            "0.05",
+            "--chip",
+            chip,
+        ];
+        let told = good(folder, &ask);
+        (told, json(folder, &[&ask[..], &["--json"]].concat()))
+    };
+    let (told, numbers) = of("scamp5");
+    assert!(
+        told.contains("right up to the border, zeros beyond it"),
+        "{told}"
+    );
+    assert_eq!(
+        (&numbers["border"], &numbers["wrong_from_border_px"]),
+        (&true.into(), &0.into())
+    );
+    let (told, numbers) = of("lit");
+    assert!(
+        told.contains("beyond it registers of lit hold 15 LSB"),
+        "{told}"
+    );
+    assert_eq!(numbers["border"], false);
+    let far = numbers["wrong_from_border_px"].as_u64().unwrap() as usize;
+    fs::write(folder.join("k.scamp"), numbers["text"].as_str().unwrap()).unwrap();
+    let zeros = Array2::<f64>::zeros((16, 16));
+    write_npy(folder.join("z.npy"), &zeros).unwrap();
+    let run = [
+        "exec", "k.scamp", "--chip", "lit", "--set", "A=z.npy", "--dump", "dump",
+    ];
+    good(folder, &run);
+    let result: Array2<f64> = read_npy(folder.join("dump/A.npy")).unwrap();
+    let wrong = result.indexed_iter().filter(|(_, value)| **value != 0.0);
+    let wrong: Vec<usize> = wrong
+        .map(|((y, x), _)| y.min(x).min(15 - y).min(15 - x))
+        .collect();
+    assert!(
+        !wrong.is_empty() && wrong.iter().all(|at| *at < far),
+        "{wrong:?} {far}"
+    );
+}
+
+/// Where the best filter is too long for the store, the shortest is taken, and a front has what fits.
+#[test]
+fn a_filter_that_does_not_fit_gives_way_to_the_shortest() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    fs::write(
+        folder.join("k.toml"),
+        "weights = [[0, 3, -4], [-3, 0, 1], [4, -1, 0]]\nname = \"k\"\nsource = \"test\"\n",
+    )
+    .unwrap();
+    let words = |more: &[&str]| {
+        let ask = [
+            "compile",
+            "k.toml",
+            "--filter-only",
+            "--effort",
+            "0.1",
+            "--json",
+        ];
+        let json = json(folder, &[&ask[..], more].concat());
+        json["words"].as_u64().unwrap()
+    };
+    let (best, fewest) = (words(&[]), words(&["--objective", "words"]));
+    let ask = [
+        "compile",
+        "k.toml",
+        "--filter-only",
+        "--effort",
+        "0.1",
+        "--front",
+        "--json",
+    ];
+    let front = json(folder, &ask);
+    assert_eq!(front[0]["words"], fewest);
+    assert!(fewest < best, "{fewest} {best}: this kernel tries nothing");
+    for (name, room) in [("small", fewest), ("tiny", fewest - 1)] {
+        let words = figure("words", room as f64, "words", "guess");
+        chip(folder, name, &format!("[figure.store]\n{words}"));
+    }
+    assert_eq!(words(&["--chip", "small"]), fewest);
+    let front = json(folder, &[&ask[..], &["--chip", "small"]].concat());
+    assert_eq!(front.as_array().unwrap().len(), 1);
+    let ask = [
+        "compile",
+        "k.toml",
+        "--filter-only",
+        "--effort",
+        "0.1",
+        "--chip",
+        "tiny",
+    ];
+    let why = format!("the program has {fewest} instruction words, 1 more than the");
+    refused(folder, &ask, &[&why, "--to"]);
 }

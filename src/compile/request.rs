@@ -246,7 +246,11 @@ impl<'a> Request<'a> {
             strict: true,
         }
         .front()?;
-        let shortest = self.fewest(&goals, unit, (&all, self.effort))?;
+        let shortest = Self {
+            objective: Objective::Words,
+            ..self.clone()
+        };
+        let shortest = shortest.filter()?;
         let mut found = front;
         if found.iter().all(|it| shortest.words.len() < it.words.len()) {
             found.insert(0, shortest);
