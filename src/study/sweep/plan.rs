@@ -297,6 +297,7 @@ impl<'a> Opened<'a> {
                 SceneError::EmptySlice { .. } => "slice",
                 SceneError::CropOutside { .. } => "crop",
                 SceneError::Enlarged { .. } => "resize",
+                SceneError::BadRate { .. } if wanted.fps.is_some() => "fps",
                 _ => "scene",
             };
             self.wrong(point, key, &e.to_string(), help)
