@@ -715,5 +715,8 @@ fn what_takes_no_time_takes_no_negative_time() {
     let compile = ["compile", "sobel-x", "--filter-only", "--effort", "0"];
     let compiled = json(folder.path(), &compile);
     ranges.push(compiled["host_us_range"].to_string());
-    assert!(ranges.len() > 1 && ranges.iter().all(|it| it == "[0.0,0.0]"), "{ranges:?}");
+    assert!(
+        ranges.len() > 1 && ranges.iter().all(|it| it == "[0.0,0.0]"),
+        "{ranges:?}"
+    );
 }

@@ -100,7 +100,9 @@ fn a_rate_is_reached() {
     assert_eq!(without["rate"]["sigma"][0], 0.0);
     let two = sensor("[[1]]", "0.3").replace("off = 0.3", "off = 0.15");
     fs::write(folder.join("two.toml"), two).unwrap();
-    let two = ["run", "--scene", SCENE, "--sensor", "two.toml", "--rate", "8"];
+    let two = [
+        "run", "--scene", SCENE, "--sensor", "two.toml", "--rate", "8",
+    ];
     let two = &json(folder, &two)["rate"];
     let half = number(&two["off"][0]) / number(&two["thresholds"][0]);
     assert!((half - 0.5).abs() < 1e-12, "{two}");

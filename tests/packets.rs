@@ -594,7 +594,10 @@ fn what_a_file_cannot_say_of_its_losses_is_not_known() {
     assert_eq!(seen["judged"]["dropped_known"], false);
     assert_eq!(seen["reference"]["dropped_known"], true);
     assert_eq!(seen["dropped"], serde_json::json!([3, null]));
-    for (file, known, lost) in [("out.npy", true, Value::from(3)), ("again.csv", false, Value::Null)] {
+    for (file, known, lost) in [
+        ("out.npy", true, Value::from(3)),
+        ("again.csv", false, Value::Null),
+    ] {
         let seen = json(here, &["packets", file]);
         assert_eq!(seen["dropped_known"], known, "{file}");
         assert_eq!(seen["dropped"]["queue_full"], lost, "{file}");
@@ -625,9 +628,14 @@ fn a_full_queue_is_warned_of_until_the_advice_is_taken() {
     let lossy = ["fifo=1", "link=15us", "when-full=drop-newest"];
     let with = |changed: &[&'static str]| {
         let key = |of: &str| of.split('=').next().unwrap().to_owned();
-        let kept = lossy.iter().filter(|it| changed.iter().all(|new| key(new) != key(it)));
+        let kept = lossy
+            .iter()
+            .filter(|it| changed.iter().all(|new| key(new) != key(it)));
         let all = kept.chain(changed).flat_map(|it| ["--with", it]);
-        ["--readout", "arbiter"].into_iter().chain(all).collect::<Vec<_>>()
+        ["--readout", "arbiter"]
+            .into_iter()
+            .chain(all)
+            .collect::<Vec<_>>()
     };
     let run = |changed: &[&'static str]| {
         let all = [&MOVING[..], &["read.npy"], &with(changed)].concat();
@@ -641,7 +649,10 @@ fn a_full_queue_is_warned_of_until_the_advice_is_taken() {
     let (lost, kept) = (lost.as_u64().unwrap(), kept.as_u64().unwrap());
     assert!(lost > 100, "{told}");
     let full = format!("queue was full: {lost} of {} events", lost + kept);
-    assert!(about(&told).contains(&"queue") && text.contains(&full), "{text}");
+    assert!(
+        about(&told).contains(&"queue") && text.contains(&full),
+        "{text}"
+    );
     let later = [&read[..], &with(&[])].concat();
     let of_packets = json(here, &later);
     let of_run = told["warnings"].as_array().unwrap();
@@ -649,7 +660,12 @@ fn a_full_queue_is_warned_of_until_the_advice_is_taken() {
     assert_eq!(of_packets["warnings"], serde_json::json!(queue));
     let said = amacrine(here, &later).output().unwrap();
     assert!(String::from_utf8(said.stderr).unwrap().contains(&full));
-    for words in ["fifo=unlimited", "when-full=stall", "requests=all", "faster link"] {
+    for words in [
+        "fifo=unlimited",
+        "when-full=stall",
+        "requests=all",
+        "faster link",
+    ] {
         assert!(text.contains(words), "{text}");
     }
     // What is in the file is warned of where it is judged, too.
@@ -662,7 +678,10 @@ fn a_full_queue_is_warned_of_until_the_advice_is_taken() {
         &["when-full=stall", "requests=all"],
     ] {
         let (told, text) = run(advice);
-        assert!(!about(&told).contains(&"queue") && !text.contains("queue"), "{text}");
+        assert!(
+            !about(&told).contains(&"queue") && !text.contains("queue"),
+            "{text}"
+        );
         let told = json(here, &[&read[..], &with(advice)].concat());
         assert!(about(&told).is_empty(), "{advice:?}: {told}");
     }
@@ -679,7 +698,14 @@ fn lost_slots_are_warned_of_by_packets_too() {
     let folder = TempDir::new().unwrap();
     let here = folder.path();
     good(here, &[&MOVING[..], &["fired.npy"]].concat());
-    let scan = ["--readout", "scan", "--with", "slots=10", "--with", "period=40ms"];
+    let scan = [
+        "--readout",
+        "scan",
+        "--with",
+        "slots=10",
+        "--with",
+        "period=40ms",
+    ];
     let of_run = json(here, &[&MOVING[..], &["read.npy"], &scan].concat());
     let packets = [&["packets", "fired.npy"][..], &scan].concat();
     let told = json(here, &packets);
@@ -706,12 +732,22 @@ fn arrived_means_the_same_in_every_verb() {
     let few = json(here, &[&MOVING[..], &most].concat());
     assert_eq!(of(&few, "arrived"), events("few.npy"));
     assert!(of(&few, "arrived") < of(&few, "events"));
-    let scan = ["--readout", "scan", "--with", "slots=10", "--with", "period=40ms"];
+    let scan = [
+        "--readout",
+        "scan",
+        "--with",
+        "slots=10",
+        "--with",
+        "period=40ms",
+    ];
     let read = json(here, &[&MOVING[..], &["read.npy"], &scan].concat());
     assert_eq!(of(&read, "events"), of(&plain, "events"));
     assert_eq!(of(&read, "arrived"), events("read.npy"));
     assert!(of(&read, "arrived") < of(&read, "events"));
-    assert_eq!(of(&read, "bits"), of(&read, "events") * of(&read, "bits_per_event"));
+    assert_eq!(
+        of(&read, "bits"),
+        of(&read, "events") * of(&read, "bits_per_event")
+    );
     let packets = ["packets", "fired.npy", "-o", "again.npy"];
     let again = json(here, &[&packets[..], &scan].concat());
     assert_eq!(of(&again, "arrived"), of(&read, "arrived"));
@@ -784,9 +820,14 @@ fn crossing_times_need_a_period() {
         let (table, told) = (good(here, command), json(here, command));
         let notes = told["notes"].as_array().unwrap();
         let late = notes.iter().filter_map(Value::as_str);
-        let late: Vec<_> = late.filter(|it| it.contains("give --with period=TIME")).collect();
+        let late: Vec<_> = late
+            .filter(|it| it.contains("give --with period=TIME"))
+            .collect();
         assert_eq!(late.len(), 1, "{told}");
-        assert!(table.contains(&format!("\nnote     {}\n", late[0])), "{table}");
+        assert!(
+            table.contains(&format!("\nnote     {}\n", late[0])),
+            "{table}"
+        );
     }
     let told = note("crossings.csv", &["--with", "period=10us"]);
     assert!(told.contains("the scan cannot keep up"), "{told}");

@@ -236,7 +236,9 @@ impl Shown<'_> {
         if !self.loaded.dropped_known
             && let Some(reasons) = dropped.as_object_mut()
         {
-            reasons.values_mut().for_each(|count| *count = Value::Null);
+            for count in reasons.values_mut() {
+                *count = Value::Null;
+            }
         }
         dropped
     }

@@ -22,8 +22,14 @@ pub use arguments::Arguments;
 use miette::miette;
 
 use self::{
-    arguments::Assignment, bench::Bench, pass::Pass, pilot::Planned, report::{Report, Written}, shows::Shows,
-    statistics::Statistics, trace::Tracer,
+    arguments::Assignment,
+    bench::Bench,
+    pass::Pass,
+    pilot::Planned,
+    report::{Report, Written},
+    shows::Shows,
+    statistics::Statistics,
+    trace::Tracer,
 };
 use super::files;
 use crate::{picture::write_png, program::Cost, save::save};
