@@ -41,10 +41,12 @@ pub const KERNEL_SIDE: usize = 127;
 /// Kernels of one command, and kinds of cells of a sensor.
 pub const KERNELS: usize = 16;
 
-/// Size of the largest weight of a kernel that is quantised, compiled or fitted: at least.
+/// Size of the largest weight of a kernel that a command names, or that is quantised, compiled or
+/// fitted: at least.
 pub const LEAST_WEIGHT: f64 = 1e-30;
 
-/// Size of the largest weight of a kernel that is quantised, compiled or fitted: at most.
+/// Size of the largest weight of a kernel that a command names, or that is quantised, compiled or
+/// fitted: at most.
 pub const MOST_WEIGHT: f64 = 1e30;
 
 /// Steps of the search for a kernel's levels.
@@ -189,9 +191,9 @@ table! {
         "Gaussians of the largest sigma, 20 px, have 121", "a side of a kernel is at most";
     KERNELS, "kernels of one file or command, kinds of cells of a sensor", "kernels",
         "as many as the paper's largest sensor has", "kernels at most";
-    LEAST_WEIGHT, "the largest weight of a kernel that is quantised, compiled or fitted: least", "",
+    LEAST_WEIGHT, "the largest weight of a kernel that a command names (`run --kernel` too) or that is quantised, compiled or fitted: least", "",
         "its square is still a number", "is too small";
-    MOST_WEIGHT, "the largest weight of a kernel that is quantised, compiled or fitted: most", "",
+    MOST_WEIGHT, "the largest weight of a kernel that a command names (`run --kernel` too) or that is quantised, compiled or fitted: most", "",
         "sums of squares are still numbers", "is too large";
     QUANTISER_STEPS, "the search for the levels of a kernel", "steps",
         "ten seconds, about", "steps of search";

@@ -703,3 +703,20 @@ fn thirds_are_linear() {
         "{lines:?}"
     );
 }
+
+/// No host, no time of it: the sum of nothing has no sign.
+#[test]
+fn what_takes_no_time_takes_no_negative_time() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("p.scamp"), "mov(B, A);\n").unwrap();
+    let asm = &json(folder.path(), &["asm", "p.scamp", "--json"])["cost"];
+    let each = asm.as_object().unwrap().values();
+    let mut ranges: Vec<_> = each.map(|cost| cost["host_us_range"].to_string()).collect();
+    let compile = ["compile", "sobel-x", "--filter-only", "--effort", "0"];
+    let compiled = json(folder.path(), &compile);
+    ranges.push(compiled["host_us_range"].to_string());
+    assert!(
+        ranges.len() > 1 && ranges.iter().all(|it| it == "[0.0,0.0]"),
+        "{ranges:?}"
+    );
+}

@@ -76,6 +76,8 @@ fn a_rate_is_reached() {
     assert_eq!(said["rate"]["asked"], 12.0);
     assert!(said["rate"]["factor"].as_f64().unwrap() > 0.0);
     assert_eq!(said["rate"]["thresholds"].as_array().unwrap().len(), 4);
+    assert_eq!(said["rate"]["off"].as_array().unwrap().len(), 4);
+    assert_eq!(said["rate"]["sigma"].as_array().unwrap().len(), 4);
     assert!(good(folder, &asked).contains("asked for: threshold"));
     // Of the sensor that runs, whose thresholds are scaled with their spread.
     let plain = [
@@ -92,6 +94,18 @@ fn a_rate_is_reached() {
     let without = json(folder, &plain);
     let with = json(folder, &plain[..7]);
     assert_ne!(without["rate"]["thresholds"], with["rate"]["thresholds"]);
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let factor = number(&with["rate"]["factor"]);
+    assert!((number(&with["rate"]["sigma"][0]) / factor - 0.03).abs() < 1e-12);
+    assert_eq!(without["rate"]["sigma"][0], 0.0);
+    let two = sensor("[[1]]", "0.3").replace("off = 0.3", "off = 0.15");
+    fs::write(folder.join("two.toml"), two).unwrap();
+    let two = [
+        "run", "--scene", SCENE, "--sensor", "two.toml", "--rate", "8",
+    ];
+    let two = &json(folder, &two)["rate"];
+    let half = number(&two["off"][0]) / number(&two["thresholds"][0]);
+    assert!((half - 0.5).abs() < 1e-12, "{two}");
     let rate = without["events"].as_f64().unwrap() / pixels / seconds;
     let told = good(folder, &plain);
     let told = told.lines().next().unwrap();

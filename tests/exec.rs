@@ -567,6 +567,9 @@ fn what_was_written_is_listed_and_saturation_is_told() {
         said.contains("wrote s.png") && said.contains("wrote out (42 files)"),
         "{said}"
     );
+    let told = run(&["--dump", "out", "--strip", "s.png", "--json"]);
+    let told: serde_json::Value = serde_json::from_slice(&told.stdout).unwrap();
+    assert_eq!(told["written"], serde_json::json!(["s.png", "out"]));
     assert!(
         warned
             .contains("in B after the last frame lie beyond the range of a register, -128 to 127"),

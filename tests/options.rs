@@ -4,10 +4,12 @@
 #![cfg(feature = "cli")]
 
 mod common;
+mod verbs;
 
-use std::fs;
+use std::{collections::BTreeSet, fs};
 
 use common::{good, line, refused};
+use verbs::CASES;
 
 const EVENTS: &str = "t,x,y,p\n1000,3,5,1\n2000,9,2,0\n30000,4,4,1\n";
 
@@ -236,4 +238,32 @@ fn pipes_and_outputs_are_not_to_be_renamed() {
     ];
     let said = refused(at, &run, &["give a name that ends in one of these"]);
     assert!(!said.contains("rename"), "{said}");
+}
+
+/// Some verbs print an object, some a list where several are asked for: all say the same of it.
+#[test]
+fn json_is_described_alike() {
+    let folder = tempfile::tempdir().unwrap();
+    let verbs: BTreeSet<Vec<&str>> = { CASES.iter() }
+        .map(|case| {
+            let words = if case.line.starts_with("mesh ") { 2 } else { 1 };
+            case.line.split(' ').take(words).collect()
+        })
+        .collect();
+    let mut described = 0;
+    for verb in verbs {
+        let help = good(folder.path(), &[&verb[..], &["--help"]].concat());
+        let mut lines = help.lines().map(str::trim);
+        let Some(line) = lines.find_map(|line| line.strip_prefix("--json")) else {
+            continue;
+        };
+        // On the same line, or the next.
+        let told = format!("{line} {}", lines.next().unwrap_or_default());
+        assert!(
+            told.trim().starts_with("Print JSON in place of text"),
+            "{verb:?}: {told}"
+        );
+        described += 1;
+    }
+    assert!(described > 15, "{described}");
 }

@@ -568,8 +568,13 @@ fn what_a_file_cannot_say_of_its_losses_is_not_known() {
         "-o",
     ];
     let to = |name| [&lossy[..], &[name]].concat();
-    let silent = amacrine(here, &to("out.npy")).output().unwrap();
-    assert!(silent.stderr.is_empty());
+    let warned = amacrine(here, &to("out.npy")).output().unwrap();
+    let warned = String::from_utf8(warned.stderr).unwrap();
+    assert!(
+        warned.starts_with("warning: the readout: the readout's queue was full: 3 of 5 events")
+            && warned.lines().count() == 1,
+        "{warned}"
+    );
     let said = amacrine(here, &to("out.csv")).output().unwrap();
     let said = String::from_utf8(said.stderr).unwrap();
     assert!(said.contains("out.csv: 3 events lost on the way"), "{said}");
@@ -588,6 +593,171 @@ fn what_a_file_cannot_say_of_its_losses_is_not_known() {
     );
     assert_eq!(seen["judged"]["dropped_known"], false);
     assert_eq!(seen["reference"]["dropped_known"], true);
+    assert_eq!(seen["dropped"], serde_json::json!([3, null]));
+    for (file, known, lost) in [
+        ("out.npy", true, Value::from(3)),
+        ("again.csv", false, Value::Null),
+    ] {
+        let seen = json(here, &["packets", file]);
+        assert_eq!(seen["dropped_known"], known, "{file}");
+        assert_eq!(seen["dropped"]["queue_full"], lost, "{file}");
+        assert_eq!(seen["dropped"].as_object().unwrap().len(), 5, "{file}");
+    }
+}
+
+fn about(told: &Value) -> Vec<&str> {
+    let all = told["warnings"].as_array().unwrap().iter();
+    all.map(|it| it["about"].as_str().unwrap()).collect()
+}
+
+const MOVING: [&str; 6] = [
+    "run",
+    "--scene",
+    "pattern:disc?width=24&height=20&frames=6&radius=6",
+    "--sensor",
+    "rgc-4",
+    "-o",
+];
+
+/// What a queue loses is warned of by `run` and by `packets`, and each advice ends it.
+#[test]
+fn a_full_queue_is_warned_of_until_the_advice_is_taken() {
+    let folder = TempDir::new().unwrap();
+    let here = folder.path();
+    good(here, &[&MOVING[..], &["fired.npy"]].concat());
+    let lossy = ["fifo=1", "link=15us", "when-full=drop-newest"];
+    let with = |changed: &[&'static str]| {
+        let key = |of: &str| of.split('=').next().unwrap().to_owned();
+        let kept = lossy
+            .iter()
+            .filter(|it| changed.iter().all(|new| key(new) != key(it)));
+        let all = kept.chain(changed).flat_map(|it| ["--with", it]);
+        ["--readout", "arbiter"]
+            .into_iter()
+            .chain(all)
+            .collect::<Vec<_>>()
+    };
+    let run = |changed: &[&'static str]| {
+        let all = [&MOVING[..], &["read.npy"], &with(changed)].concat();
+        let said = amacrine(here, &all).output().unwrap();
+        assert!(said.status.success());
+        (json(here, &all), String::from_utf8(said.stderr).unwrap())
+    };
+    let read = ["packets", "fired.npy", "-o", "again.npy"];
+    let (told, text) = run(&[]);
+    let (lost, kept) = (&told["dropped"]["queue_full"], &told["arrived"]);
+    let (lost, kept) = (lost.as_u64().unwrap(), kept.as_u64().unwrap());
+    assert!(lost > 100, "{told}");
+    let full = format!("queue was full: {lost} of {} events", lost + kept);
+    assert!(
+        about(&told).contains(&"queue") && text.contains(&full),
+        "{text}"
+    );
+    let later = [&read[..], &with(&[])].concat();
+    let of_packets = json(here, &later);
+    let of_run = told["warnings"].as_array().unwrap();
+    let queue: Vec<_> = of_run.iter().filter(|it| it["about"] == "queue").collect();
+    assert_eq!(of_packets["warnings"], serde_json::json!(queue));
+    let said = amacrine(here, &later).output().unwrap();
+    assert!(String::from_utf8(said.stderr).unwrap().contains(&full));
+    for words in [
+        "fifo=unlimited",
+        "when-full=stall",
+        "requests=all",
+        "faster link",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    // What is in the file is warned of where it is judged, too.
+    let judged = json(here, &["compare", "fired.npy", "again.npy"]);
+    assert!(about(&judged).contains(&"queue"), "{judged}");
+    for advice in [
+        &["fifo=100000"][..],
+        &["fifo=unlimited"],
+        &["link=36ns"],
+        &["when-full=stall", "requests=all"],
+    ] {
+        let (told, text) = run(advice);
+        assert!(
+            !about(&told).contains(&"queue") && !text.contains("queue"),
+            "{text}"
+        );
+        let told = json(here, &[&read[..], &with(advice)].concat());
+        assert!(about(&told).is_empty(), "{advice:?}: {told}");
+    }
+    let threshold = ["read.npy", "--threshold", "0.5"];
+    let higher = json(here, &[&MOVING[..], &threshold, &with(&[])].concat());
+    assert!(higher["events"].as_u64() > Some(0));
+    assert!(!about(&higher).contains(&"queue"), "{higher}");
+}
+
+/// A scan of too few slots is warned of in `packets` as in `run`.
+#[test]
+fn lost_slots_are_warned_of_by_packets_too() {
+    let folder = TempDir::new().unwrap();
+    let here = folder.path();
+    good(here, &[&MOVING[..], &["fired.npy"]].concat());
+    let scan = [
+        "--readout",
+        "scan",
+        "--with",
+        "slots=10",
+        "--with",
+        "period=40ms",
+    ];
+    let of_run = json(here, &[&MOVING[..], &["read.npy"], &scan].concat());
+    let packets = [&["packets", "fired.npy"][..], &scan].concat();
+    let told = json(here, &packets);
+    assert_eq!(about(&told), ["slots"]);
+    let of_run = of_run["warnings"].as_array().unwrap();
+    assert!(of_run.contains(&told["warnings"][0]), "{of_run:?}");
+    let said = amacrine(here, &packets).output().unwrap();
+    let said = String::from_utf8(said.stderr).unwrap();
+    assert!(said.contains("the readout's slots were full"), "{said}");
+    assert!(about(&json(here, &["packets", "fired.npy"])).is_empty());
+}
+
+/// One key is the events that left the readout, whoever ran it.
+#[test]
+fn arrived_means_the_same_in_every_verb() {
+    let folder = TempDir::new().unwrap();
+    let here = folder.path();
+    let of = |told: &Value, key: &str| told[key].as_u64().unwrap();
+    let events = |name: &str| file::read(&here.join(name)).unwrap().packet.events.len() as u64;
+    let plain = json(here, &[&MOVING[..], &["fired.npy"]].concat());
+    assert_eq!(of(&plain, "arrived"), of(&plain, "events"));
+    assert_eq!(of(&plain, "arrived"), events("fired.npy"));
+    let most = ["few.npy", "--max-events", "20", "--when-full", "drop"];
+    let few = json(here, &[&MOVING[..], &most].concat());
+    assert_eq!(of(&few, "arrived"), events("few.npy"));
+    assert!(of(&few, "arrived") < of(&few, "events"));
+    let scan = [
+        "--readout",
+        "scan",
+        "--with",
+        "slots=10",
+        "--with",
+        "period=40ms",
+    ];
+    let read = json(here, &[&MOVING[..], &["read.npy"], &scan].concat());
+    assert_eq!(of(&read, "events"), of(&plain, "events"));
+    assert_eq!(of(&read, "arrived"), events("read.npy"));
+    assert!(of(&read, "arrived") < of(&read, "events"));
+    assert_eq!(
+        of(&read, "bits"),
+        of(&read, "events") * of(&read, "bits_per_event")
+    );
+    let packets = ["packets", "fired.npy", "-o", "again.npy"];
+    let again = json(here, &[&packets[..], &scan].concat());
+    assert_eq!(of(&again, "arrived"), of(&read, "arrived"));
+    assert_eq!(of(&again, "arrived"), events("again.npy"));
+    let program = "init { CLR(R5); }\nframe { SET(R5); scamp5_scan_events(R5, on, 5); }\n";
+    fs::write(here.join("p.scamp"), program).unwrap();
+    let scene = "pattern:disc?width=24&height=20&frames=6";
+    let exec = ["exec", "p.scamp", "--image", scene, "-o", "chip.npy"];
+    let chip = json(here, &exec);
+    assert_eq!(of(&chip, "arrived"), 25);
+    assert_eq!(events("chip.npy"), 25);
 }
 
 #[test]
@@ -646,6 +816,33 @@ fn crossing_times_need_a_period() {
         "{told}"
     );
     assert!(note("frames.csv", &[]).contains("the scan cannot keep up"));
+    // The same sentences are in the answers for machines.
+    let run = [
+        "run",
+        "--scene",
+        "bundled",
+        "--slice",
+        "..6",
+        "--sensor",
+        "rgc-4",
+        "-o",
+        "read.npy",
+        "--readout",
+        "scan",
+    ];
+    for command in [&["packets", "crossings.csv", "--readout", "scan"][..], &run] {
+        let (table, told) = (good(here, command), json(here, command));
+        let notes = told["notes"].as_array().unwrap();
+        let late = notes.iter().filter_map(Value::as_str);
+        let late: Vec<_> = late
+            .filter(|it| it.contains("give --with period=TIME"))
+            .collect();
+        assert_eq!(late.len(), 1, "{told}");
+        assert!(
+            table.contains(&format!("\nnote     {}\n", late[0])),
+            "{table}"
+        );
+    }
     let told = note("crossings.csv", &["--with", "period=10us"]);
     assert!(told.contains("the scan cannot keep up"), "{told}");
 }

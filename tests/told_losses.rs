@@ -5,7 +5,7 @@ mod common;
 
 use std::fs;
 
-use common::{amacrine, json, line};
+use common::{amacrine, good, json, line};
 use ndarray::Array3;
 use ndarray_npy::write_npy;
 use serde_json::Value;
@@ -108,6 +108,48 @@ fn a_sum_beyond_the_range_is_told_where_it_happens() {
             "{more:?}: {text}"
         );
     }
+}
+
+/// Runs are warned of as one run is, in the same words and places, each thing once; what they lost
+/// has a mean and a deviation.
+#[test]
+fn repeated_runs_tell_what_one_run_tells() {
+    let set = |scan: &str| format!("init {{ CLR(R5); }}\nframe {{\n SET(R5);\n {scan}\n}}");
+    let silent = "init { CLR(R5); }\nframe { CLR(R5); scamp5_scan_dreg(R5, on, 0, 3); }";
+    let infinite = "get_image(A);\nrepeat 1100 { mov(B, A); add(A, A, B); }\n".to_owned();
+    for (program, about) in [
+        (set("scamp5_scan_dreg(R5, on, 1, 2);"), "rows"),
+        (set("scamp5_scan_events(R5, on, 5);"), "slots"),
+        (silent.to_owned(), "no-events"),
+        (MIDDLE.to_owned(), "saturation"),
+        (infinite, "saturation"),
+    ] {
+        let (text, told) = warned(&program, &[]);
+        let (of_runs, runs) = warned(&program, &["--repeat", "3"]);
+        assert!(abouts(&runs).contains(&about), "{about}: {runs}");
+        assert_eq!(runs["warnings"], told["warnings"], "{about}");
+        assert_eq!(of_runs, text, "{about}");
+        for (reason, lost) in told["dropped"].as_object().unwrap() {
+            let of_runs = &runs["dropped"][reason];
+            assert_eq!(of_runs["mean"].as_f64(), lost.as_f64(), "{about}, {reason}");
+            assert_eq!(of_runs["sd"], 0.0, "{about}, {reason}");
+        }
+    }
+    // Chips that err in other ways say it of the first.
+    let (text, runs) = warned(MIDDLE, &["--domain", "silicon", "--repeat", "3"]);
+    let (_, first) = warned(MIDDLE, &["--domain", "silicon"]);
+    assert_eq!(runs["warnings"], first["warnings"]);
+    assert_eq!(text.matches("warning: ").count(), 1, "{text}");
+    let folder = TempDir::new().unwrap();
+    let program = set("scamp5_scan_events(R5, on, 5);");
+    fs::write(folder.path().join("p.scamp"), program).unwrap();
+    let scene = "pattern:disc?width=5&height=4&frames=3";
+    let runs = ["exec", "p.scamp", "--image", scene, "--repeat", "2"];
+    let table = good(folder.path(), &runs);
+    assert!(
+        table.contains("\ndropped  30.0 a run, sd 0.0000: no slot\n"),
+        "{table}"
+    );
 }
 
 /// What is compared alone keeps its sign, and what is halved as it is summed is never stored.

@@ -123,6 +123,20 @@ fn a_sensor_s_trade_has_its_front_and_commands_that_run() {
     let trade = json(at, &ask);
     check_front(&trade);
     assert_eq!(trade["times"], "whole");
+    assert_eq!(trade["f1_within_us"], trade["within_us"]);
+    assert_eq!(trade["kept_within_us"], 100_000);
+    // Accident scores the same of all, which are measured against one model.
+    for known in ["sampled", "whole"] {
+        let floors = points(&trade)
+            .iter()
+            .filter_map(|it| it[known]["floor"].as_f64());
+        let floors: Vec<f64> = floors.collect();
+        assert!(floors.len() > 3 && floors[0] > 0.0, "{known}: {floors:?}");
+        assert!(
+            floors.iter().all(|floor| *floor == floors[0]),
+            "{known}: {floors:?}"
+        );
+    }
     // Limits hold together but for one case in twenty; these are always the same.
     for point in points(&trade) {
         let limit = point["sampled"]["change"]["limit"].as_f64();

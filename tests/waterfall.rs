@@ -145,6 +145,10 @@ fn the_classes_part_every_packet() {
             events = forward.after();
         }
         assert_eq!(events, all.chip_events);
+        // The first line is of another float sensor, with events of its own.
+        let ratio = all.chip_events as f64 / all.reference_events as f64;
+        assert_eq!(all.likeness.event_ratio, Some(ratio));
+        assert_ne!(all.reference_events, all.float_events);
         assert_eq!(all.ends.before(), all.float_events);
         assert_eq!(all.ends.after(), all.chip_events);
         // The float model's steps end in one sensor, the chip's in another.

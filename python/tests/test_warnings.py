@@ -262,3 +262,28 @@ def test_a_stream_that_was_interrupted_has_stopped() -> None:
         for again in (None, 0.5):
             with pytest.raises(amacrine.Error, match=f"the stream stopped at frame {run.seen}"):
                 run.events(clip[:2], again, None)
+
+
+def test_a_full_queue_is_told_until_the_advice_is_taken(
+    program: Callable[..., str], tmp_path: Path
+) -> None:
+    np.save(tmp_path / "clip.npy", moving())
+    lossy = {"fifo": 1, "link": "15us", "when-full": "drop-newest"}
+    shown = ("--sensor", "rgc-4", "--scene", tmp_path / "clip.npy", "--fps", FPS)
+    read = ("-o", tmp_path / "e.npy", "--readout", "arbiter")
+    settings = [word for key, value in lossy.items() for word in ("--with", f"{key}={value}")]
+    told = json.loads(program("run", *shown, *read, *settings, "--json"))["warnings"]
+    sensor = amacrine.Sensor.from_file("rgc-4")
+
+    def got(changed: dict[str, str]) -> set[str]:
+        readout = {"readout": "arbiter", **lossy, **changed}
+        return said(lambda: sensor.events(moving(), FPS, readout=readout))
+
+    assert got({}) == {words(one) for one in told}
+    assert "queue" in {one["about"] for one in told}
+    for advice in (
+        {"fifo": "unlimited"},
+        {"link": "36ns"},
+        {"when-full": "stall", "requests": "all"},
+    ):
+        assert not any("queue" in one for one in got(advice)), advice

@@ -220,10 +220,12 @@ impl Found {
     }
 
     pub fn json(&self) -> serde_json::Value {
-        let on: Vec<f64> = self.thresholds.iter().map(|own| own.on).collect();
+        let each = |of: fn(&Threshold) -> f64| self.thresholds.iter().map(of).collect::<Vec<f64>>();
         serde_json::json!({
             "asked": self.asked,
-            "thresholds": on,
+            "thresholds": each(|own| own.on),
+            "off": each(|own| own.off),
+            "sigma": each(|own| own.sigma),
             "factor": self.rated.factor,
             "in_f64": self.rated.rate,
             "options": self.options(),

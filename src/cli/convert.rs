@@ -73,7 +73,7 @@ pub struct Arguments {
     /// Keep the events before the first damage, and say what the damage is
     #[arg(long)]
     salvage: bool,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

@@ -104,7 +104,7 @@ pub struct Arguments {
     /// Write the page here
     #[arg(short, long, value_name = "REPORT.html", value_parser = Content::Page)]
     output: Option<Output>,
-    /// Print one JSON object instead of the summary
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
     /// Print what a number is made of instead: a name such as `array_us`, ceiling or power.busy, a

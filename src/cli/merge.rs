@@ -25,7 +25,7 @@ pub struct Arguments {
     /// Also write results.parquet
     #[arg(long)]
     parquet: bool,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use super::{
     content::Content,
     files::{Input, Output},
+    light,
     progress::Progress,
     readout,
     recording::{self, Recording},
@@ -18,6 +19,7 @@ use crate::{
         file::Loaded,
         readout::{Frame, ReadOut, settings::Description},
     },
+    rig::guard::{Guard, Warning},
     unit::{Micros, counted},
 };
 
@@ -42,7 +44,7 @@ pub struct Arguments {
     /// Write the packet behind the readout: the events that arrive
     #[arg(short, long, value_name = "FILE", requires = "readout", value_parser = Content::Events)]
     output: Option<Output>,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }
@@ -76,12 +78,17 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     if let Some(output) = &arguments.output {
         output.write(packet)?;
     }
+    let mut lost = Guard::new();
+    lost.lost("the readout", packet.dropped, packet.events.len() as u64);
+    let warnings = lost.warnings();
+    light::warn(&warnings);
     let shown = Shown {
         arguments,
         loaded: &loaded,
         read: read.as_ref(),
         packet,
         counted,
+        warnings,
     };
     if arguments.json {
         super::say(&format!("{}\n", shown.json()));
@@ -157,6 +164,7 @@ struct Shown<'a> {
     read: Option<&'a (Description, ReadOut)>,
     packet: &'a Packet,
     counted: Counted,
+    warnings: Vec<Warning>,
 }
 
 impl Shown<'_> {
@@ -202,9 +210,11 @@ impl Shown<'_> {
             "channels": p.channels,
             "seconds": self.seconds(),
             "events": p.events.len(),
+            "arrived": p.events.len(),
             "on": c.on,
             "off": p.events.len() as u64 - c.on,
-            "dropped": p.dropped,
+            "dropped": self.dropped(),
+            "dropped_known": self.loaded.dropped_known,
             "window_us": a.window.0,
             "windows": self.frames(),
             "bit_map_bits": map,
@@ -214,8 +224,23 @@ impl Shown<'_> {
             "mean_word_bits": c.book.mean_length(&c.kinds),
             "book_hex": hex(&c.book.to_bytes()),
             "readout": self.read.map(|(d, r)| json!({"settings": d, "statistics": r.statistics})),
+            "notes": self.read.map_or_else(Vec::new, |(d, r)| readout::notes(d, &r.statistics)),
+            "warnings": self.warnings,
             "output": a.output,
         })
+    }
+
+    /// What was lost, by reason: nothing is known of it where the file does not say.
+    fn dropped(&self) -> Value {
+        let mut dropped = json!(self.packet.dropped);
+        if !self.loaded.dropped_known
+            && let Some(reasons) = dropped.as_object_mut()
+        {
+            for count in reasons.values_mut() {
+                *count = Value::Null;
+            }
+        }
+        dropped
     }
 
     fn table(&self) -> String {

@@ -66,7 +66,7 @@ pub struct Arguments {
     /// is memory for]
     #[arg(long)]
     max_events: Option<usize>,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

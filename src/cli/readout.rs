@@ -8,7 +8,7 @@ use super::files::Named;
 use crate::{
     event::{
         Packet,
-        readout::{Latency, ReadOut, Statistics, scan::SLOTS, settings::Description},
+        readout::{Latency, ReadOut, Stage, Statistics, scan::SLOTS, settings::Description},
     },
     source,
     unit::{Picos, counted},
@@ -119,10 +119,6 @@ pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> 
             time(l.max),
         ));
     }
-    let mut settings = description.settings();
-    let frames_of_stamps = settings.any(|(key, setting)| {
-        key == "period" && setting.value.trim_end_matches(char::is_alphabetic).trim() == "0"
-    });
     for stage in &statistics.stages {
         lines.push(format!(
             "busy     {:<8} {:.3} % of the time, at most {} waiting",
@@ -130,25 +126,49 @@ pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> 
             100.0 * stage.busy,
             stage.most
         ));
-        if stage.falls_behind && frames_of_stamps && statistics.lone {
-            lines.push(format!(
-                "note     the {} is late because each time stamp is a frame of its own (period=0us), and these are crossing times: give --with period=TIME, from one frame to the next",
-                stage.name
-            ));
-        } else if stage.falls_behind {
-            lines.push(format!(
-                "note     the {} cannot keep up: it is busy all the time, and events are lost or wait longer and longer",
-                stage.name
-            ));
-        }
+        lines.extend(late(description, statistics, stage).map(noted));
     }
-    if statistics.ambiguous > 0 {
-        lines.push(format!(
-            "note     {} at the chip's (0,0): a host that takes (0,0) for the end of the list loses what comes from there on",
-            counted(statistics.ambiguous, "event")
-        ));
-    }
+    lines.extend(ambiguous(statistics).map(noted));
     lines
+}
+
+/// What is to be said of it beside its figures.
+pub fn notes(description: &Description, statistics: &Statistics) -> Vec<String> {
+    let stages = statistics.stages.iter();
+    let late = stages.filter_map(|stage| late(description, statistics, stage));
+    late.chain(ambiguous(statistics)).collect()
+}
+
+fn noted(note: String) -> String {
+    "note     ".to_owned() + &note
+}
+
+/// That a stage cannot keep up, and why.
+fn late(description: &Description, statistics: &Statistics, stage: &Stage) -> Option<String> {
+    let mut settings = description.settings();
+    let frames_of_stamps = settings.any(|(key, setting)| {
+        key == "period" && setting.value.trim_end_matches(char::is_alphabetic).trim() == "0"
+    });
+    let name = stage.name;
+    stage.falls_behind.then(|| if frames_of_stamps && statistics.lone {
+        format!(
+            "the {name} is late because each time stamp is a frame of its own (period=0us), and these are crossing times: give --with period=TIME, from one frame to the next"
+        )
+    } else {
+        format!(
+            "the {name} cannot keep up: it is busy all the time, and events are lost or wait longer and longer"
+        )
+    })
+}
+
+/// That a host may take an event for the end of the list.
+fn ambiguous(statistics: &Statistics) -> Option<String> {
+    (statistics.ambiguous > 0).then(|| {
+        format!(
+            "{} at the chip's (0,0): a host that takes (0,0) for the end of the list loses what comes from there on",
+            counted(statistics.ambiguous, "event")
+        )
+    })
 }
 
 /// A latency.

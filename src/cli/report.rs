@@ -41,7 +41,7 @@ pub struct Arguments {
     /// threshold is a sensor of its own, and means are over what else differs
     #[arg(long)]
     pool: bool,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

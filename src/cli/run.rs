@@ -94,7 +94,7 @@ pub struct Arguments {
     /// What to do when a frame pair's events are too many [default: stop]
     #[arg(long, value_enum)]
     when_full: Option<Full>,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }
@@ -587,11 +587,13 @@ impl Watched {
             "livelocked": self.report.livelocked,
             "without_sign": self.report.without_sign,
             "dropped": self.dropped,
+            "arrived": self.arrived(),
+            "notes": self.all_notes(),
             "readout": self.read_out.as_ref().map(|(settings, statistics)| json!({"settings": settings, "statistics": statistics})),
         })
     }
 
-    /// What became of crossings, a line for each of which there is any.
+    /// What became of crossings, a sentence for each of which there is any.
     fn notes(&self) -> Vec<String> {
         let is = |count: u64| if count == 1 { "is" } else { "are" };
         let Report {
@@ -642,8 +644,24 @@ impl Watched {
         ];
         { notes.into_iter() }
             .filter(|(count, _)| *count > 0)
-            .map(|(_, told)| format!("note     {told}"))
+            .map(|(_, told)| told)
             .collect()
+    }
+
+    /// These, and those of the readout.
+    fn all_notes(&self) -> Vec<String> {
+        let read = self.read_out.iter();
+        let of_readout = read.flat_map(|(chosen, read)| readout::notes(chosen, read));
+        self.notes().into_iter().chain(of_readout).collect()
+    }
+
+    /// Events that left the readout, or that the cells fired where there is none, but for those
+    /// beyond a limit.
+    fn arrived(&self) -> u64 {
+        match &self.read_out {
+            Some((_, read)) => read.events[1],
+            None => self.tally.total() - self.dropped.over_limit,
+        }
     }
 
     fn table(&self, arguments: &Arguments, description: &Description, light: &str) -> String {
@@ -694,7 +712,7 @@ impl Watched {
                 lines.push(format!("  channel {channel} {name}: {on} ON, {off} OFF"));
             }
         }
-        lines.extend(self.notes());
+        lines.extend(self.notes().iter().map(|note| format!("note     {note}")));
         if let Some((chosen, statistics)) = &self.read_out {
             lines.extend(readout::lines(chosen, statistics));
         }

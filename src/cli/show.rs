@@ -61,7 +61,7 @@ pub struct Arguments {
     /// How long each frame of an animation is shown [default: 100ms]
     #[arg(long, value_name = "TIME")]
     hold: Option<Micros>,
-    /// Print one JSON object instead of the line
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

@@ -84,7 +84,7 @@ pub struct Arguments {
     /// Print the JSON Schema of study files, and do nothing else
     #[arg(long, conflicts_with_all = ["study", "sets", "output", "shard", "jobs", "max_seconds_per_point", "verify", "parquet", "space", "points", "tell"])]
     schema: bool,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

@@ -71,7 +71,7 @@ pub struct Arguments {
     /// Numbers of 16 bits in place of 32
     #[arg(long)]
     half: bool,
-    /// Print one JSON object instead of the line
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

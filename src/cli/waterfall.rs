@@ -103,7 +103,7 @@ pub struct Arguments {
     /// or its name
     #[arg(long, value_name = "N|NAME", requires = "output")]
     kind: Option<String>,
-    /// Print one JSON object instead
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

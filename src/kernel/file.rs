@@ -62,7 +62,16 @@ pub const FILE: File = File {
 };
 
 /// Weights as they are written: rows of numbers, row 0 to the north.
-pub const ROWS: Kind = Kind::list(&Kind::list(&Kind::Number(Range::FREE)));
+pub const ROWS: Kind = some(&some(&Kind::Number(Range::FREE)));
+
+/// A list that is not empty.
+const fn some(of: &'static Kind) -> Kind {
+    Kind::List {
+        of,
+        least: 1,
+        most: usize::MAX,
+    }
+}
 
 const KERNEL: Table = Table {
     one_of: &["weights", "centre-surround", "gaussians"],

@@ -50,7 +50,8 @@ impl HostCalls {
         let us = |end: usize| {
             all.iter()
                 .map(|it| it.us(Self::times(it.kind, device)[end]))
-                .sum()
+                // A sum of nothing would be -0.
+                .fold(0.0, |all, us| all + us)
         };
         let parts = all.iter().flat_map(|it| {
             let row = device.host(it.kind);

@@ -41,6 +41,8 @@ pub enum About {
     MostCells,
     /// Events found no slot of the readout.
     Slots,
+    /// Events found the queue of the readout full.
+    Queue,
     /// Events lie in rows that the readout does not scan.
     Rows,
     /// A readout that is busy all the time.
@@ -96,6 +98,7 @@ impl About {
             Self::FewEvents => "few-events",
             Self::MostCells => "most-cells",
             Self::Slots => "slots",
+            Self::Queue => "queue",
             Self::Rows => "rows",
             Self::Late => "late",
             Self::Spread => "spread",
@@ -405,6 +408,19 @@ impl Warning {
             format!("all slots of the program would lose {share}; what is told counts them"),
             "more cells fire in a frame than one scan delivers",
             "have the program read whole bit planes (amacrine compile --readout planes), or raise the threshold",
+        )
+    }
+
+    /// A readout whose queue lost events.
+    #[must_use]
+    pub fn queue(subject: &str, lost: u64, kept: u64) -> Self {
+        let share = share_lost(lost, kept);
+        Self::new(
+            About::Queue,
+            subject,
+            format!("the readout's queue was full: {share} are lost"),
+            "events came faster than the link sends them, and more than the queue holds",
+            "give a longer queue (fifo, or fifo=unlimited) or a faster link, let the arbiter wait (when-full=stall, with requests=all so that a cell's events do not merge meanwhile), or raise the threshold",
         )
     }
 
@@ -873,10 +889,13 @@ impl Guard {
     /// The same of a sensor that knows why it is silent, where it is.
     pub fn packet_of(&mut self, subject: &str, packet: &Packet, silence: &Silence) {
         let Dropped {
-            no_slot, unscanned, ..
+            no_slot,
+            queue_full,
+            unscanned,
+            ..
         } = packet.dropped;
         let kept = packet.events.len() as u64;
-        if kept == 0 && no_slot == 0 {
+        if (kept, no_slot, queue_full) == (0, 0, 0) {
             let frames = self.frames.len() as u64;
             self.warn(if unscanned > 0 {
                 Warning::no_events_in_rows(subject, frames, unscanned)
@@ -892,10 +911,13 @@ impl Guard {
         self.lost(subject, packet.dropped, kept);
     }
 
-    /// Events that the scan of a program lost, beside so many that were kept.
+    /// Events that a readout lost, beside so many that were kept.
     pub fn lost(&mut self, subject: &str, dropped: Dropped, kept: u64) {
         if dropped.no_slot > 0 {
             self.warn(Warning::slots(subject, dropped.no_slot, kept));
+        }
+        if dropped.queue_full > 0 {
+            self.warn(Warning::queue(subject, dropped.queue_full, kept));
         }
         if dropped.unscanned > 0 {
             self.warn(Warning::rows(subject, dropped.unscanned, kept));
@@ -905,10 +927,13 @@ impl Guard {
     /// What is in a file of events, of which no frames are known.
     pub fn recording(&mut self, subject: &str, packet: &Packet) {
         let Dropped {
-            no_slot, unscanned, ..
+            no_slot,
+            queue_full,
+            unscanned,
+            ..
         } = packet.dropped;
         let kept = packet.events.len() as u64;
-        if (kept, no_slot, unscanned) == (0, 0, 0) {
+        if (kept, no_slot, queue_full, unscanned) == (0, 0, 0, 0) {
             self.warn(Warning::no_events(subject, None));
         }
         self.lost(subject, packet.dropped, kept);

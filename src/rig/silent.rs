@@ -44,11 +44,12 @@ impl Warning {
         })
     }
 
-    /// The same of a packet. Where slots were lacking, or rows were not scanned, the events of a kind
-    /// may be lost.
+    /// The same of a packet. Where slots were lacking, the queue was full, or rows were not scanned, the
+    /// events of a kind may be lost.
     #[must_use]
     pub fn silent_kinds_in(subject: &str, packet: &Packet, frames: u64) -> Option<Self> {
-        if packet.dropped.no_slot > 0 || packet.dropped.unscanned > 0 {
+        let lost = packet.dropped;
+        if (lost.no_slot, lost.queue_full, lost.unscanned) != (0, 0, 0) {
             return None;
         }
         let names: Vec<_> = packet.names.iter().map(|name| Some(&**name)).collect();

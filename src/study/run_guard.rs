@@ -127,10 +127,14 @@ impl RunGuard {
         let spread = spread.and_then(|(sigma, least)| Warning::spread(subject, sigma, least));
         let crowd = (self.crowd.over > 0).then(|| Warning::most_cells(subject, &self.crowd));
         let slots = (lost > 0).then(|| Warning::slots("the readout", lost, done.kept));
-        let nothing = unscanned > 0 && (done.kept, lost) == (0, 0);
+        let full = done.dropped.queue_full;
+        let queue = (full > 0).then(|| Warning::queue("the readout", full, done.kept));
+        let nothing = unscanned > 0 && (done.kept, lost, full) == (0, 0, 0);
         let nothing = nothing.then(|| Warning::no_events_in_rows(subject, frames, unscanned));
         let rows = (unscanned > 0).then(|| Warning::rows(subject, unscanned, done.kept));
-        let all = [rounded, silent, still, spread, crowd, slots, nothing, rows];
+        let all = [
+            rounded, silent, still, spread, crowd, slots, queue, nothing, rows,
+        ];
         for warning in all.into_iter().flatten() {
             guard.warn(warning);
         }

@@ -34,7 +34,7 @@ pub struct Arguments {
     /// Which chip of the model, and which noise, with --input
     #[arg(long, default_value_t = 0, requires = "input")]
     seed: u64,
-    /// Print JSON
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

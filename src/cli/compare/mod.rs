@@ -63,7 +63,7 @@ pub struct Arguments {
     /// Draw F1 over the window, between its floor and its ceiling
     #[arg(short, long, value_name = "FILE.svg|FILE.png", value_parser = Content::Drawing)]
     output: Option<files::Output>,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }
@@ -125,7 +125,12 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             ruler: &ruler,
             warnings: &warnings,
         };
-        let json = serde_json::to_string(&json).map_err(|e| miette::miette!("{e}"))?;
+        let mut json = serde_json::to_value(&json).map_err(|e| miette::miette!("{e}"))?;
+        for (side, loaded) in [&reference, &judged].into_iter().enumerate() {
+            if !loaded.dropped_known {
+                json["dropped"][side] = serde_json::Value::Null;
+            }
+        }
         super::say(&format!("{json}\n"));
     } else {
         super::say(&headline.line());

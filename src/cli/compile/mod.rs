@@ -137,7 +137,7 @@ pub struct Arguments {
     /// Another seed may find another program
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Chooses the silicon's mismatch and noise
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

@@ -89,7 +89,7 @@ pub struct Arguments {
     /// Write sensor.toml, program.scamp and report.html into this folder
     #[arg(short, long, value_name = "DIR", value_parser = Content::Folder)]
     output: Option<Output>,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

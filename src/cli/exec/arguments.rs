@@ -87,7 +87,7 @@ pub struct Arguments {
     /// Step through the program; commands are read from standard input, `help` lists them
     #[arg(long, conflicts_with_all = ["json", "strip", "trace"])]
     pub(super) debug: bool,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     pub(super) json: bool,
 }

@@ -17,7 +17,7 @@ use super::{
     strip, trace,
 };
 use crate::{
-    array::{Arithmetic, Array, Register, Schedule, Settings, Unheld},
+    array::{Arithmetic, Array, Register, Schedule, Settings},
     event::Packet,
     isa::{Device, Figure},
     limit::THREADS,
@@ -268,11 +268,6 @@ impl<'a> Bench<'a> {
             saturation,
             guard,
         })
-    }
-
-    /// What of the program's numbers its cells do not hold.
-    pub fn unheld(&self) -> Option<Unheld> {
-        self.execution().unheld(self.said.exposure.get())
     }
 
     /// Looks for registers at the end of their range.

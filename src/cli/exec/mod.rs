@@ -22,13 +22,17 @@ pub use arguments::Arguments;
 use miette::miette;
 
 use self::{
-    arguments::Assignment, bench::Bench, pass::Pass, pilot::Planned, report::Report, shows::Shows,
-    statistics::Statistics, trace::Tracer,
+    arguments::Assignment,
+    bench::Bench,
+    pass::Pass,
+    pilot::Planned,
+    report::{Report, Written},
+    shows::Shows,
+    statistics::Statistics,
+    trace::Tracer,
 };
 use super::files;
-use crate::{
-    picture::write_png, program::Cost, rig::guard::Guard, save::save, study, unit::counted,
-};
+use crate::{picture::write_png, program::Cost, save::save};
 
 /// Runs the verb.
 ///
@@ -139,11 +143,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 fn repeat(bench: &Bench<'_>, runs: u64) -> miette::Result<()> {
     let arguments = bench.arguments;
     let statistics = Statistics::from_runs(bench, arguments.seed(), runs)?;
-    if let Some(unheld) = bench.unheld() {
-        let mut guard = Guard::new();
-        study::saturation::warn_unheld(&mut guard, &bench.opened.program.file, &unheld);
-        super::light::warn(&guard.warnings());
-    }
+    super::light::warn(&statistics.warnings);
     if arguments.json {
         super::say(&format!("{}\n", statistics.json()));
     } else {
@@ -172,14 +172,14 @@ fn print(arguments: &Arguments, report: &Report<'_>, plan: Option<&Planned>) -> 
 }
 
 /// The files of a run.
-fn written(arguments: &Arguments, bench: &Bench<'_>, shows: &Shows<'_>) -> Vec<String> {
+fn written(arguments: &Arguments, bench: &Bench<'_>, shows: &Shows<'_>) -> Vec<Written> {
     let files = [&arguments.events, &arguments.strip, &arguments.trace];
-    let names = files.into_iter().flatten();
-    let mut written: Vec<String> = names.map(|path| path.display().to_string()).collect();
-    if let Some(folder) = &arguments.dump {
-        let count = dump::files(&bench.opened.device, folder).len();
-        written.push(format!("{} ({})", folder.display(), counted(count, "file")));
-    }
+    let files = files.into_iter().flatten();
+    let mut written: Vec<Written> = files.map(|path| Written::from(&**path)).collect();
+    written.extend(arguments.dump.as_ref().map(|folder| Written {
+        path: folder.to_path_buf(),
+        files: Some(dump::files(&bench.opened.device, folder).len()),
+    }));
     written.extend(shows.written());
     written
 }

@@ -1,5 +1,10 @@
 //! What came of it, for machines and for people.
 
+use std::{
+    fmt,
+    path::{Path, PathBuf},
+};
+
 use serde_json::json;
 
 use super::{super::light, reading};
@@ -39,7 +44,32 @@ pub struct Report<'a> {
     /// What the host wrote, and in which frame.
     pub posts: &'a [(u64, String)],
     /// What was written.
-    pub written: &'a [String],
+    pub written: &'a [Written],
+}
+
+/// A file that was written, or a folder with so many of them.
+pub struct Written {
+    pub path: PathBuf,
+    pub files: Option<usize>,
+}
+
+impl From<&Path> for Written {
+    fn from(path: &Path) -> Self {
+        Self {
+            path: path.to_owned(),
+            files: None,
+        }
+    }
+}
+
+impl fmt::Display for Written {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let path = self.path.display();
+        match self.files {
+            None => write!(f, "{path}"),
+            Some(files) => write!(f, "{path} ({})", counted(files, "file")),
+        }
+    }
 }
 
 impl Report<'_> {
@@ -103,6 +133,7 @@ impl Report<'_> {
             "host_us": cost.host_us,
             "slots": ledger.slots,
             "events": self.packet.events.len(),
+            "arrived": self.packet.events.len(),
             "on": on,
             "off": off,
             "kinds": self.kinds(),
@@ -116,7 +147,7 @@ impl Report<'_> {
             "posts": self.posts.iter()
                 .map(|(frame, text)| json!({"frame": frame, "text": text}))
                 .collect::<Vec<_>>(),
-            "written": self.written,
+            "written": self.written.iter().map(|it| &it.path).collect::<Vec<_>>(),
         })
     }
 

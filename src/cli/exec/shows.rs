@@ -2,12 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::opened::Opened;
+use super::{super::opened::Opened, report::Written};
 use crate::{
     array::{Array, Readings},
     picture::{panel, write_png},
     plane::Plane,
-    unit::counted,
 };
 
 /// The pictures of a run.
@@ -53,14 +52,13 @@ impl<'a> Shows<'a> {
         Ok(())
     }
 
-    /// What was written, in words.
-    pub fn written(&self) -> Option<String> {
+    /// What was written.
+    pub fn written(&self) -> Option<Written> {
         let folder = self.folder.filter(|_| !self.written.is_empty())?;
-        Some(format!(
-            "{} ({})",
-            folder.display(),
-            counted(self.written.len(), "file")
-        ))
+        Some(Written {
+            path: folder.to_path_buf(),
+            files: Some(self.written.len()),
+        })
     }
 
     /// What is said where there was nothing to write.

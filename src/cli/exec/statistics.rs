@@ -3,10 +3,16 @@
 use std::ops::ControlFlow;
 
 use miette::miette;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::bench::Bench;
-use crate::{event::Polarity, limit::RUNS, plane::Plane};
+use super::{bench::Bench, moment::Part};
+use crate::{
+    event::{Dropped, Polarity},
+    limit::RUNS,
+    plane::Plane,
+    rig::guard::{Guard, Warning},
+    unit::counted,
+};
 
 /// What many runs gave.
 ///
@@ -18,8 +24,18 @@ pub struct Statistics {
     first_seed: u64,
     runs: u64,
     registers: Vec<Sums>,
-    /// ON and OFF events of each run.
-    events: Vec<(u64, u64)>,
+    /// Each run's events.
+    events: Vec<Events>,
+    /// What there is to warn of, each of the first run in which it comes.
+    pub warnings: Vec<Warning>,
+}
+
+/// Events of one run.
+#[derive(Clone, Copy)]
+struct Events {
+    on: u64,
+    off: u64,
+    dropped: Dropped,
 }
 
 /// Sums over the runs of one register.
@@ -45,12 +61,22 @@ impl Statistics {
         let mut registers: Vec<Sums> = Vec::new();
         let mut events = Vec::new();
         let mut domain = String::new();
+        let mut warnings = Guard::new();
         for run in 0..runs {
             let mut chip = bench.chip(first_seed.wrapping_add(run))?;
-            let (packet, _) = bench.watch(&mut *chip, |chip, moment, packet| {
+            let (mut guard, mut saturation) = (Guard::new(), bench.saturation());
+            let (packet, frames) = bench.watch(&mut *chip, |chip, moment, packet| {
+                guard.frame_at(moment.t);
+                if moment.part != Part::Ran {
+                    saturation.before(chip, moment.steps);
+                }
                 moment.run(chip, packet)?;
+                saturation.frame(chip);
                 Ok(ControlFlow::Continue(()))
             })?;
+            for warning in bench.warnings(guard, &*chip, &packet, frames, saturation) {
+                warnings.warn(warning);
+            }
             for (at, register) in written.iter().enumerate() {
                 let values = register.values(&*chip);
                 if registers.len() == at {
@@ -65,7 +91,11 @@ impl Statistics {
             }
             let on = packet.events.iter().filter(|e| e.polarity == Polarity::On);
             let on = on.count() as u64;
-            events.push((on, packet.events.len() as u64 - on));
+            events.push(Events {
+                on,
+                off: packet.events.len() as u64 - on,
+                dropped: packet.dropped,
+            });
             domain = chip.domain();
         }
         Ok(Self {
@@ -75,22 +105,29 @@ impl Statistics {
             runs,
             registers,
             events,
+            warnings: warnings.warnings(),
         })
     }
 
     /// Mean and standard deviation of a number of each run; no deviation of a single run.
-    fn over_runs(&self, number: impl Fn(&(u64, u64)) -> u64) -> (f64, Option<f64>) {
-        let numbers = || self.events.iter().map(|e| number(e) as f64);
-        let runs = self.runs as f64;
-        let mean = numbers().sum::<f64>() / runs;
-        let square = numbers().map(|n| (n - mean).powi(2)).sum::<f64>();
-        (
-            mean,
-            (self.runs > 1).then(|| (square / (runs - 1.0)).sqrt()),
-        )
+    fn over_runs(&self, number: impl Fn(&Events) -> u64 + Clone) -> (f64, Option<f64>) {
+        spread(self.events.iter().map(number))
     }
 
-    pub fn json(&self) -> serde_json::Value {
+    /// What was lost, by reason.
+    fn dropped(&self) -> serde_json::Map<String, Value> {
+        let each: Vec<Value> = self.events.iter().map(|it| json!(it.dropped)).collect();
+        let reasons = each.first().and_then(Value::as_object);
+        let reasons = reasons.into_iter().flat_map(serde_json::Map::keys);
+        let told = reasons.map(|reason| {
+            let number = |run: &Value| run[reason].as_u64().unwrap_or_default();
+            let (mean, sd) = spread(each.iter().map(number));
+            (reason.clone(), json!({"mean": mean, "sd": sd}))
+        });
+        told.collect()
+    }
+
+    pub fn json(&self) -> Value {
         let registers: serde_json::Map<_, _> = self
             .registers
             .iter()
@@ -110,21 +147,33 @@ impl Statistics {
             "runs": self.runs,
             "first_seed": self.first_seed,
             "registers": registers,
-            "events": events(self.over_runs(|(on, off)| on + off)),
-            "on": events(self.over_runs(|(on, _)| *on)),
-            "off": events(self.over_runs(|(_, off)| *off)),
+            "events": events(self.over_runs(|it| it.on + it.off)),
+            "on": events(self.over_runs(|it| it.on)),
+            "off": events(self.over_runs(|it| it.off)),
+            "dropped": self.dropped(),
+            "warnings": self.warnings,
         })
+    }
+
+    /// A line for each reason for which events were lost.
+    fn lost(&self) -> Vec<String> {
+        let reasons = Dropped::default().reasons().into_iter().enumerate();
+        let lines = reasons.filter_map(|(at, (reason, _))| {
+            let (mean, sd) = self.over_runs(|it| it.dropped.reasons()[at].1);
+            let sd = shown(sd);
+            (mean > 0.0).then(|| format!("dropped  {mean:.1} a run, sd {sd}: {reason}"))
+        });
+        lines.collect()
     }
 
     pub fn table(&self) -> String {
         let last = self.first_seed.wrapping_add(self.runs - 1);
-        let shown = |sd: Option<f64>| sd.map_or_else(|| "-".to_owned(), |sd| format!("{sd:.4}"));
         let mut lines = vec![
             format!(
                 "program  {}, {}, {}, seeds {} to {last}",
                 self.program,
                 self.domain,
-                crate::unit::counted(self.runs, "run"),
+                counted(self.runs, "run"),
                 self.first_seed
             ),
             format!(
@@ -141,20 +190,34 @@ impl Statistics {
                 shown(sums.temporal(self.runs))
             ));
         }
-        let (mean, sd) = self.over_runs(|(on, off)| on + off);
-        let of = |number: fn(&(u64, u64)) -> u64| self.over_runs(number).0;
+        let (mean, sd) = self.over_runs(|it| it.on + it.off);
+        let of = |number: fn(&Events) -> u64| self.over_runs(number).0;
         lines.push(format!(
             "events   {mean:.1} a run, sd {} ({:.1} ON, {:.1} OFF)",
             shown(sd),
-            of(|e| e.0),
-            of(|e| e.1)
+            of(|e| e.on),
+            of(|e| e.off)
         ));
+        lines.extend(self.lost());
         lines.push(
             "spatial: over the pixels of a run; temporal: of a pixel from run to run, each a chip of its own"
                 .to_owned(),
         );
         lines.join("\n") + "\n"
     }
+}
+
+/// Mean and standard deviation; none of a single number.
+fn spread(numbers: impl ExactSizeIterator<Item = u64> + Clone) -> (f64, Option<f64>) {
+    let count = numbers.len() as f64;
+    let numbers = numbers.map(|n| n as f64);
+    let mean = numbers.clone().sum::<f64>() / count;
+    let square = numbers.map(|n| (n - mean).powi(2)).sum::<f64>();
+    (mean, (count > 1.0).then(|| (square / (count - 1.0)).sqrt()))
+}
+
+fn shown(sd: Option<f64>) -> String {
+    sd.map_or_else(|| "-".to_owned(), |sd| format!("{sd:.4}"))
 }
 
 impl Sums {

@@ -29,7 +29,7 @@ pub struct Arguments {
     /// What holds the gains down: added to the squared relative error for each squared gain, gains over the kernel's norm
     #[arg(long, default_value_t = 1e-4)]
     ridge: f64,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

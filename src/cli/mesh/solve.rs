@@ -38,7 +38,7 @@ pub struct Arguments {
     /// What to write
     #[arg(long, value_enum, default_value = "surround")]
     show: Show,
-    /// Print one JSON object instead of a line
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

@@ -61,7 +61,7 @@ pub struct Arguments {
     /// Where to: a .npy of shape (T,H,W), float64
     #[arg(short, long, value_name = "FILE.npy", value_parser = Content::Array)]
     output: Output,
-    /// Print one JSON object instead of a line
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

@@ -85,7 +85,7 @@ pub struct Arguments {
     effort: Option<f64>,
     #[command(flatten)]
     window: Window,
-    /// Print one JSON object instead
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

@@ -88,7 +88,7 @@ pub struct Arguments {
     /// Draw error against seconds; .svg or .png
     #[arg(short, long, value_name = "FILE", value_parser = Content::Drawing)]
     output: Option<Output>,
-    /// Print one JSON object instead of the table
+    /// Print JSON in place of text
     #[arg(long)]
     json: bool,
 }

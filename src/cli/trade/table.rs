@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::{Arguments, Scened};
 use crate::{
+    compare::window,
     study::{
         pilot::{Known, change::share},
         trade::{
@@ -147,6 +148,8 @@ impl<M> Table<'_, M> {
             "full": self.told.full,
             "frames": self.scened.kept.len(),
             "within_us": self.arguments.within.0,
+            "f1_within_us": self.arguments.within.0,
+            "kept_within_us": window::headline(self.told.fps).0,
             "reading_seconds": self.scened.reading,
             "runs": self.arguments.runs,
             "times": if trade.no_tiles.is_some() || self.arguments.verify { "whole" } else { "tiles" },

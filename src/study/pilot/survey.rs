@@ -60,7 +60,7 @@ pub struct Known {
     pub f1: f64,
     /// What of F1 is more than accident, within 100 ms or the time from frame to frame.
     pub kept: Option<f64>,
-    /// What accident scores within that time; 0 of the full model.
+    /// What accident scores within that time.
     pub floor: f64,
     /// Seconds that it takes for the whole scene, the making of its light included.
     pub seconds: Spread,
@@ -116,6 +116,11 @@ pub fn inserted(kept: &Kept, upsample: Option<f64>) -> Result<Option<Between>, S
 }
 
 impl<'a> Survey<'a> {
+    /// Within what `kept` and its floor are.
+    fn headline(&self) -> Micros {
+        window::headline(self.kept.scene().fps())
+    }
+
     /// Looks, draws, and runs the full model on the tiles. `models`: how many limits are to hold
     /// together.
     ///
@@ -224,7 +229,7 @@ impl<F: Family> Begun<'_, F> {
             },
             f1: 1.0,
             kept: Some(1.0),
-            floor: 0.0,
+            floor: self.floor,
             seconds: { self.full_seconds }.scaled(1.0, self.light_of(&self.full.model)),
             // Nothing need be known to run it.
             planning: Some(0.0),
@@ -255,7 +260,7 @@ impl<F: Family> Begun<'_, F> {
         let pair = Pair::new(packets.0, packets.1).map_err(|error| error.to_string())?;
         let tiles = change::of_pair(&self.mosaic, &self.probabilities, &pair, within);
         let unseen = self.trial.family.unseen(&ran.model, &self.look);
-        let headline = self.headline();
+        let headline = self.survey.headline();
         let change = ChangeEstimate::new(&tiles, unseen, RISK / self.models.max(1) as f64);
         Ok(Known {
             change,
@@ -265,10 +270,6 @@ impl<F: Family> Begun<'_, F> {
             seconds: seconds.scaled(1.0, self.light_of(&ran.model)),
             planning: Some(self.spent + self.trial.whole_scene(ran) + timing),
         })
-    }
-
-    fn headline(&self) -> Micros {
-        window::headline(self.survey.kept.scene().fps())
     }
 
     /// Seconds for the whole scene on the whole sensor.
@@ -291,7 +292,7 @@ impl<F: Family> Begun<'_, F> {
     fn floor(&self) -> Result<f64, String> {
         let packet = &self.full.packet;
         let pair = Pair::new(packet, packet).map_err(|error| error.to_string())?;
-        let headline = self.headline();
+        let headline = self.survey.headline();
         let redraws = (0..REDRAWS).map(|seed| baseline::redraw(&pair, seed));
         let sum: f64 = redraws.map(|redraw| self.f1(&redraw, headline)).sum();
         Ok(sum / REDRAWS as f64)
@@ -360,7 +361,7 @@ impl<'a, F: Family> Whole<'a, F> {
             change: all_of(self.full.events.len() as u64, 0),
             f1: 1.0,
             kept: Some(1.0),
-            floor: 0.0,
+            floor: self.redraws.floor(self.survey.headline()),
             seconds: self.seconds,
             planning: None,
         }
@@ -385,8 +386,7 @@ impl<'a, F: Family> Whole<'a, F> {
         })?;
         let [full, plain] = pair.events();
         let matched = matching::matched(&pair, within);
-        let headline = window::headline(self.survey.kept.scene().fps());
-        let point = window::Point::new(&pair, &self.redraws, headline);
+        let point = window::Point::new(&pair, &self.redraws, self.survey.headline());
         Ok(Known {
             change: all_of(full, full + plain - 2 * matched),
             f1: window::f1(&pair, within),

@@ -16,7 +16,7 @@ use super::{
     run::alone,
     shared::Shared,
     study::{COSTS, Study},
-    table::Row,
+    table::{self, Row},
     thresholds::{PerKind, Thresholds},
     value::{Value, Values},
 };
@@ -132,7 +132,8 @@ impl<'a> Asked<'a> {
         self.opened.warnings()
     }
 
-    /// Computes a point, written as a JSON object: `side` (a name, or a number of the space), and
+    /// Computes a point; the row has every column, `null` where it has no value. It is written as a
+    /// JSON object: `side` (a name, or a number of the space), and
     /// a value for each key that the study gives several for. A key of the side that is not
     /// written has the study's value.
     ///
@@ -152,7 +153,10 @@ impl<'a> Asked<'a> {
         if let Some(row) = self.known.get(&entry.id) {
             return Ok(row.clone());
         }
-        let row = alone(|| measure(&self.plan, &entry, &self.shared, limits));
+        let mut row = alone(|| measure(&self.plan, &entry, &self.shared, limits));
+        for column in table::names(&self.study.settings) {
+            row.entry(column).or_insert(Json::Null);
+        }
         self.known.insert(entry.id, row.clone());
         Ok(row)
     }

@@ -41,7 +41,9 @@ pub struct Waterfall {
     /// of `quantise` and `feasibility`.
     #[serde(flatten)]
     pub likeness: Likeness,
-    /// Events of the float sensor.
+    /// Events of that float sensor, which `event_ratio` is for each of.
+    pub reference_events: u64,
+    /// Events of the float sensor at the times of its crossings, with which the steps begin.
     pub float_events: u64,
     /// Events that leave the chip.
     pub chip_events: u64,
@@ -450,6 +452,7 @@ impl Packets<'_> {
         let filter = fall.kinds.filter(fall.kind);
         Ok(Waterfall {
             likeness: decided.judge(self.at(plan.chip)?)?,
+            reference_events: decided.reference().events.len() as u64,
             float_events,
             chip_events: self.at(plan.chip)?.events.len() as u64,
             windows: self.windows,
