@@ -135,15 +135,24 @@ fn a_setting_is_given_once() {
         ),
         (
             "exec dvs/snap --image bundled --const threshold=5 --const threshold=40",
-            ["the constant `threshold` is set twice", "each constant once"],
+            [
+                "the constant `threshold` is set twice",
+                "each constant once",
+            ],
         ),
         (
             "exec dvs/snap --image bundled --set threshold=5 --const threshold=40",
-            ["the constant `threshold` is set twice", "each constant once"],
+            [
+                "the constant `threshold` is set twice",
+                "each constant once",
+            ],
         ),
         (
             "asm dvs/snap --const threshold=5 --const threshold=9",
-            ["the constant `threshold` is set twice", "each constant once"],
+            [
+                "the constant `threshold` is set twice",
+                "each constant once",
+            ],
         ),
     ] {
         let arguments: Vec<&str> = command.split(' ').collect();
