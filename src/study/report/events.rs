@@ -59,7 +59,7 @@ pub(super) fn emitted(all: &Feasibility) -> Part {
                         th.n scope="col" { "a pixel and s" }
                         th.n scope="col" { "kbit/s" }
                         th.n scope="col" { "kbit/s, busiest frame" }
-                        th.n scope="col" { "no slot" }
+                        th.n scope="col" { "beyond all slots" }
                     } }
                     tbody {
                         @for (name, at, stream) in &rows {
