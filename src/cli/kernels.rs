@@ -179,7 +179,7 @@ pub(super) fn check_number(kernels: usize) -> miette::Result<()> {
     Err(miette!(help = FEWER, "{}", wrong_number(kernels)))
 }
 
-/// Whether a file is a sensor: its kinds stand under `[[channel]]`; or there is none, and a sensor
+/// Whether a file is a sensor, which has a `channel`, or would but for what is wrong with it; or there is none, and a sensor
 /// of this name comes with the program.
 fn is_sensor(name: &str) -> bool {
     let path = Path::new(name);
@@ -193,8 +193,11 @@ fn is_sensor(name: &str) -> bool {
     let Ok(text) = source::text(path, "") else {
         return false;
     };
-    text.lines()
-        .any(|line| line.trim_start().starts_with("[[channel]]"))
+    let has = |line: &str| line.trim_start().starts_with("[[channel]]");
+    text.lines().any(has)
+        || text
+            .parse::<toml::Table>()
+            .is_ok_and(|it| it.contains_key("channel"))
 }
 
 /// The kernels of a file or of a name, and how many axes they came with.

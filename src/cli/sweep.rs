@@ -20,6 +20,7 @@ use super::{
     light,
     list::{bundled, meant},
     progress::Progress,
+    quoted::quoted,
 };
 use crate::bundled::Kind;
 use crate::study::sweep::{
@@ -570,7 +571,7 @@ impl Said<'_> {
         let next = if rows == 0 && search.is_some() {
             "nothing to report, for the reasons above".to_owned()
         } else {
-            format!("amacrine report {output}{more}")
+            format!("amacrine report {}{more}", quoted(&output.to_string()))
         };
         let _ = write!(
             text,

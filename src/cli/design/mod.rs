@@ -383,11 +383,19 @@ impl Arguments {
             other => format!(" --chip {}", quoted(other)),
         };
         let program = path(&written.program);
-        // A scene that ends before the program would stand still.
-        let most = match frames {
-            FRAMES.. => String::new(),
-            _ => format!(" --frames {frames}"),
-        };
+        // A scene that ends before the program would stand still; of a pattern without a length of its
+        // own the program would show as much as it has itself.
+        let is_endless = self
+            .clip
+            .given()
+            .is_some_and(|scene| scene.starts_with("pattern:") && !scene.contains("frames="));
+        let mut most = String::new();
+        if frames < FRAMES || is_endless {
+            most = format!(" --frames {frames}");
+        }
+        if self.seed != 0 {
+            most += &format!(" --seed {}", self.seed);
+        }
         [
             format!(
                 "amacrine run --scene {scene}{options} --sensor {} --events events.npy",

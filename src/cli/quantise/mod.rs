@@ -421,7 +421,8 @@ fn write(path: &Output, arguments: &Arguments, quantised: &Quantised) -> miette:
         arguments.sum.name(),
         quantised.scale
     );
-    let mut text = format!("name = {name:?}\nsource = {source:?}\nweights = [\n");
+    let [name, source] = [name.into_owned(), source].map(toml::Value::from);
+    let mut text = format!("name = {name}\nsource = {source}\nweights = [\n");
     for row in rows_of(quantised.levels.weights()) {
         let _ = writeln!(text, "  {row:?},");
     }
