@@ -167,8 +167,16 @@ impl Mosaic {
     }
 
     /// A plane as a mosaic.
+    ///
+    /// # Panics
+    /// When the plane is not of the size that the tiles lie in.
     #[must_use]
     pub fn shown(&self, plane: &Plane<f64>, outside: Outside) -> Plane<f64> {
+        let (got, want) = (Size::of(plane), self.whole);
+        assert!(
+            got == want,
+            "the plane is {got}, and the tiles lie in {want}"
+        );
         Plane::from_shape_fn(self.size().shape(), |(y, x)| {
             let (y, x, own) = self.place(y, x);
             match outside {
@@ -186,6 +194,13 @@ mod tests {
     fn mosaic() -> Mosaic {
         let tiles = [(0, 0), (4, 8), (8, 12)].map(|(y, x)| At { y, x });
         Mosaic::new(Size::new(10, 14), Size::new(4, 4), 1, tiles.to_vec(), 2)
+    }
+
+    #[test]
+    #[should_panic(expected = "the plane is 14x9, and the tiles lie in 14x10")]
+    fn a_plane_of_another_size_is_no_mosaic() {
+        let plane = Plane::zeros((9, 14));
+        let _ = mosaic().shown(&plane, Outside::Nearest);
     }
 
     #[test]

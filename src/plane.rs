@@ -53,10 +53,10 @@ impl Size {
         Self { height, width }
     }
 
-    /// Number of pixels.
+    /// Number of pixels; the largest number there is where they are more.
     #[must_use]
     pub const fn pixels(self) -> usize {
-        self.height * self.width
+        self.height.saturating_mul(self.width)
     }
 
     /// `(height, width)`, the shape that ndarray takes.

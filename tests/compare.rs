@@ -12,13 +12,14 @@ use amacrine::{
         intervals, matching,
         metric::Metric,
         rates,
-        score::{Scales, measure, scores},
+        score::{Scales, Score, measure, scores},
         van_rossum, victor_purpura,
         voxel::{self, Bins, voxels},
         window::{self, Redraws},
     },
     event::{Event, Packet, Polarity},
     plane::Size,
+    stop::Stop,
     unit::Micros,
 };
 use proptest::prelude::*;
@@ -326,7 +327,7 @@ proptest! {
 mod scales {
     //! Every metric against its twin, and against streams whose answer is known.
 
-    use std::collections::BTreeMap;
+    use std::{collections::BTreeMap, sync::atomic::AtomicBool};
 
     use super::*;
 
@@ -342,7 +343,36 @@ mod scales {
             victor_purpura: vec![Micros(1), Micros(9)],
             bins: 4,
             seed: 5,
+            ..Scales::default()
         }
+    }
+
+    /// A size that no file has: addresses end long before.
+    #[test]
+    fn a_size_beyond_all_addresses_is_compared() {
+        let mut packet = Packet::new(Size::new(1 << 32, 1 << 32), 1);
+        packet.events = vec![Event {
+            t: Micros(5),
+            x: 3,
+            y: 7,
+            polarity: Polarity::On,
+            channel: 0,
+        }];
+        let scores = scores(&pair(&packet, &packet), &small());
+        let own = |score: &&Score| score.value != score.identical;
+        assert_eq!(scores.iter().find(own), None);
+    }
+
+    #[test]
+    fn metrics_after_a_stop_have_no_value() {
+        static STOP: AtomicBool = AtomicBool::new(true);
+        let scales = Scales {
+            stop: Stop::when(&STOP),
+            ..small()
+        };
+        let packet = Packet::new(Size::new(3, 3), 1);
+        let scores = scores(&pair(&packet, &packet), &scales);
+        assert!(scores.iter().all(|score| score.value.is_none()));
     }
 
     fn measured(a: &Packet, b: &Packet) -> Vec<(Metric, Option<f64>)> {

@@ -131,15 +131,14 @@ class Answer:
         return self._drawing
 
     def save(self, path: str | Path) -> None:
-        """Writes the report (.html), the drawing (.svg) or all of it (.json)."""
+        """Writes the report (.html), the drawing (.svg) or all of it (.json), whole or not at all."""
         ending = Path(file("path", path, "the path of the file to write")).suffix.lower()
         texts = {".html": self._page, ".svg": self._drawing, ".json": json.dumps(self._data)}
         text = texts.get(ending)
         if text is None:
             has = ", ".join(name for name, of in texts.items() if of is not None)
             raise Error(f"{path}: there is no {ending or 'ending'} of this\nhelp: end the name in {has}")
-        Path(path).parent.mkdir(parents=True, exist_ok=True)
-        Path(path).write_text(text, encoding="utf-8")
+        _amacrine.save(path, text)
 
     def __repr__(self) -> str:
         return f"Answer({', '.join(self._data)})"

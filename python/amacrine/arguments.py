@@ -22,6 +22,9 @@ File = Union[str, "PathLike[str]"]
 MOST = (1 << 64) - 1
 """The largest whole number that the library takes."""
 
+MOST_SIDE = 1 << 16
+"""Rows or columns of a sensor: addresses have 16 bits."""
+
 SECONDS = (1 << 63) // 10**6
 """No time is longer: microseconds are kept in 63 bits."""
 
@@ -157,6 +160,18 @@ def word(name: str, given: Any, such_as: str) -> str:
     """A name."""
     if not isinstance(given, str):
         raise Error(f"{name} = {given!r} is no name\nhelp: give one, such as {name}={such_as!r}")
+    return letters(name, given)
+
+
+def letters(name: str, given: str) -> str:
+    """A text that a file can hold."""
+    try:
+        given.encode()
+    except UnicodeEncodeError:
+        raise Error(
+            f"{name} = {given!r} has half of a letter (a surrogate), which no file holds\n"
+            "help: give whole letters"
+        ) from None
     return given
 
 
@@ -203,19 +218,27 @@ def size(given: Any, name: str = "size") -> tuple[int, int] | None:
         found = operator.index(height), operator.index(width)
     except (TypeError, ValueError):
         found = -1, -1
-    if min(found) < 0 or max(found) > MOST:
-        raise Error(f"{name} = {given!r}\nhelp: give {name}=(height, width), whole numbers")
+    help = f"give {name}=(height, width), whole numbers from 1 to {MOST_SIDE}"
+    if min(found) < 0:
+        raise Error(f"{name} = {given!r}\nhelp: {help}")
+    if not 1 <= min(found) <= max(found) <= MOST_SIDE:
+        what = "the sensor" if name == "size" else "it"
+        end = f"most {MOST_SIDE}" if min(found) else "least 1"
+        raise Error(
+            f"{name} = {given!r}: {what} is {found[1]}x{found[0]}; a side is at {end}\n"
+            f"help: {help}"
+        )
     return found
 
 
 def names(name: str, given: Any) -> list[str]:
     """A list of names; one name alone is a list of one."""
     if isinstance(given, str):
-        return [given]
+        return [letters(name, given)]
     if isinstance(given, Iterable):
         all = list(given)
         if not any(isinstance(one, (bytes, Mapping)) or np.ndim(one) for one in all):
-            return [str(one) for one in all]
+            return [letters(name, str(one)) for one in all]
     raise Error(f"{name} = {given!r}\nhelp: give a name, or a list of names")
 
 
@@ -236,4 +259,4 @@ def table(name: str, given: Any, such_as: str) -> dict[str, Any]:
         raise Error(
             f"{name} = {given!r}\nhelp: give names with their values, such as {name}={such_as}"
         )
-    return {str(key): value for key, value in given.items()}
+    return {letters(name, str(key)): value for key, value in given.items()}

@@ -24,6 +24,11 @@ FIELDS = (
     "kinds of cells channel, too"
 )
 
+ONE_DTYPE = (
+    "give parts of one dtype: require_fields(part, amacrine.EVENT_OF_KINDS), which is in "
+    "numpy.lib.recfunctions, has channel 0 where a part has no channel"
+)
+
 Events = npt.NDArray[np.void]
 """A structured array of :data:`EVENT` or :data:`EVENT_OF_KINDS`."""
 
@@ -153,16 +158,17 @@ def whole(events: Any) -> Any:
         return np.concatenate(parts)
     except TypeError as error:
         told = " and ".join(dict.fromkeys(", ".join(fields_of(part)) for part in parts))
+        all_there = all(set(EVENT.names or ()) <= set(fields_of(part)) for part in parts)
         raise Error(
             f"parts of events that cannot be joined: with the fields {told}\n"
-            "help: give parts of one dtype, such as part.astype(amacrine.EVENT)"
+            f"help: {ONE_DTYPE if all_there else FIELDS}"
         ) from error
 
 
 def size_of(events: Any, size: tuple[int, int] | None) -> tuple[int, int] | None:
     """The size of the sensor, as it is given, else as the events know it."""
     given = arguments.size(size)
-    return getattr(events, "sensor_size", None) if given is None else given
+    return arguments.size(getattr(events, "sensor_size", None)) if given is None else given
 
 
 def fields_of(events: Any) -> Iterable[str]:
@@ -181,7 +187,7 @@ def kinds_of(events: Any, channels: int | None) -> int | None:
     if given is None:
         known: int | None = getattr(events, "kinds", None)
         return known
-    least = int(max(events["channel"], default=0)) + 1
+    least = int(np.max(events["channel"], initial=0)) + 1
     if given < least:
         raise Error(
             f"channels = {given}, and there are events of channel {least - 1}\n"
@@ -375,8 +381,9 @@ def voxels(
         until = max(last, round(span[1] * 1e6) - since if span else 0)
     length = max(until, 1) * 1e-6 if window is None else window
     how = voxel.how(bins, length, every, causal, polarity, share, normalise)
+    other = 0 if number == np.float32 else number.itemsize
     flat, (height, width, kinds) = _amacrine.voxels(
-        _placed(given, size), since, size, count, how, until
+        _placed(given, size), since, size, count, how, until, other
     )
     one = voxel.shape(how, (height, width), kinds, polarity)
     return voxel.narrowed(flat, number).reshape(-1, *one)

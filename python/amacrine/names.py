@@ -36,7 +36,8 @@ def opened(
     path = Path(arguments.file(argument, name, "the path of a file, or a name"))
     if path.is_file():
         try:
-            return str(path), path.read_text(encoding="utf-8"), path.parent
+            # It is found from another folder, too.
+            return str(path), path.read_text(encoding="utf-8"), path.parent.absolute()
         except (OSError, UnicodeDecodeError) as cause:
             raise Error(f"{path}: {cause}\nhelp: give a file of text that can be read") from cause
     found = _amacrine.text(of, str(name))
@@ -46,3 +47,10 @@ def opened(
             f"package: {', '.join(names(of))}"
         )
     return *found, None
+
+
+def chip(given: arguments.File) -> str:
+    """A chip by its name, or its folder, which is found from another folder, too."""
+    named = str(arguments.file("chip", given, "the name of a chip, or its folder"))
+    is_folder = named not in names("chips") and Path(named).is_dir()
+    return str(Path(named).absolute()) if is_folder else named

@@ -16,7 +16,7 @@ from ._amacrine import Error
 from .caution import caution
 from .events import NamedEvents, check_side, named, view
 from .frames import clips
-from .names import opened
+from .names import chip as found_chip, opened
 
 FPS = 30.0
 """Frames per second where neither the caller nor the program says so, as on the command line."""
@@ -60,8 +60,9 @@ class Program:
     def __init__(
         self, given: tuple[str, str, Path | None], chip: str | None, constants: dict[str, float]
     ) -> None:
-        self._given = given, chip, constants
         self._native = native = _amacrine.Program(*given, chip, constants)
+        # A chip that the text names is to be found from another folder, too.
+        self._given = given, native.chip_folder or chip, constants
         if native.warnings is not None:
             caution(native.warnings, UserWarning)
 
@@ -229,8 +230,7 @@ def _finite(name: str, given: float | None) -> float | None:
 
 def _chip(given: str | Path | None) -> str | None:
     """A chip by name, or its folder."""
-    what = "the name of a chip, or its folder"
-    return None if given is None else str(arguments.file("chip", given, what))
+    return None if given is None else found_chip(given)
 
 
 def _constants(given: Mapping[str, float] | None) -> dict[str, float]:

@@ -20,7 +20,7 @@ from .caution import OF_ALL, Said, caution, caution_of
 from .events import NamedEvents, check_side, named, view
 from .frames import Clips, clips
 from .kernels import Kernel, Kernels, kernels as each, named as files, npy
-from .names import opened
+from .names import chip as found_chip, opened
 from .program import Program
 from .readout import Readout, readout_of
 from .tensor import untracked
@@ -39,6 +39,10 @@ PART = 16
 
 FEWER = "take them window by window (voxel_windows), or fewer or narrower ones"
 """What to do about voxels for which there is no room."""
+
+OWN = ("_native", "_text", "_from", "_seed", "_format", "_max_events", "channels")
+"""What every float sensor has, and is made of anew in another process."""
+
 
 class EventSensor(ABC):
     """What watches frames: a float sensor, or its program on a chip.
@@ -75,6 +79,21 @@ class EventSensor(ABC):
             return []
         pairs = zip(self.channels, own)
         return [f"kind {i}" if name == i else name for name, i in pairs]
+
+    def _each(
+        self, given: Clips, fps: float, watch: Callable[[int, _amacrine.Run], T]
+    ) -> list[T]:
+        """What is made of every clip, each by a run of its own, which the caller is warned of."""
+        halt = _amacrine.Halt()
+
+        def one(b: int) -> tuple[T, Said]:
+            run = self._watch(given.size, fps, given.scale)
+            run.heed(halt)
+            return watch(b, run), run.warnings(self.name)
+
+        seen = _all(len(given.all), one, halt)
+        caution_of(said for _, said in seen)
+        return [made for made, _ in seen]
 
     def _contrast(self, upsample: Any) -> float | None:
         """The contrast for which frames are put in."""
@@ -116,15 +135,11 @@ class EventSensor(ABC):
 
         span = 0.0, max(given.frames - 1, 0) / fps
 
-        def watch(b: int) -> tuple[NamedEvents, Said]:
-            run = self._watch(given.size, fps, given.scale)
+        def watch(b: int, run: _amacrine.Run) -> NamedEvents:
             records = view(run.events(given.clip(b), contrast, through), kinds)
-            events = named(records, called, given.size, kinds, span, run.dropped)
-            return events, run.warnings(self.name)
+            return named(records, called, given.size, kinds, span, run.dropped)
 
-        seen = _all(given, watch)
-        caution_of(said for _, said in seen)
-        all: Any = [events for events, _ in seen]
+        all: Any = self._each(given, fps, watch)
         found: NamedEvents = all if given.batched else all[0]
         return found
 
@@ -154,14 +169,12 @@ class EventSensor(ABC):
         out = _zeros("counts", shape, np.int32, "take them part by part (stream)")
         contrast = self._contrast(upsample)
 
-        def watch(b: int) -> Said:
-            run = self._watch(given.size, fps, given.scale)
+        def watch(b: int, run: _amacrine.Run) -> None:
             # Arrays of nothing all lie at one place, and are borrowed one at a time.
             into = out[b].reshape(-1) if pairs else np.zeros(0, np.int32)
             run.counts(given.clip(b), contrast, into)
-            return run.warnings(self.name)
 
-        caution_of(_all(given, watch))
+        self._each(given, fps, watch)
         return out if given.batched else out[0]
 
     def voxels(
@@ -221,14 +234,13 @@ class EventSensor(ABC):
                     "help: give bins, such as bins=9"
                 )
             shape = (len(given.all), given.frames, kinds, *size)
-            out = _zeros("voxels", shape, np.float32, FEWER)
+            again = 0 if number == np.float32 else math.prod(shape) * number.itemsize
+            out = _zeros("voxels", shape, np.float32, FEWER, again)
 
-            def watch(b: int) -> Said:
-                run = self._watch(size, fps, given.scale)
+            def watch(b: int, run: _amacrine.Run) -> None:
                 run.voxels(given.clip(b), out[b].reshape(-1))
-                return run.warnings(self.name)
 
-            caution_of(_all(given, watch))
+            self._each(given, fps, watch)
             cast = voxel.narrowed(out, number)
             return cast if given.batched else cast[0]
         seconds = max(given.frames - 1, 0) / fps
@@ -236,20 +248,22 @@ class EventSensor(ABC):
         how = voxel.how(bins, length, every, causal, polarity, share, normalise)
         one = voxel.shape(how, size, kinds, polarity)
         windows = how.count(round(seconds * 1e6))
-        shared = _zeros("voxels", (len(given.all), windows, *one), number, FEWER)
         contrast = self._contrast(upsample)
+        step = PART if contrast is None else max(given.frames, 1)
+        # Sums of windows that have begun, and windows that end within a part.
+        held = how.held(size, kinds, windows, step / fps)
+        held += 0 if number == np.float32 else math.prod(one) * number.itemsize
+        beside = held * min(len(given.all), _amacrine.threads())
+        shared = _zeros("voxels", (len(given.all), windows, *one), number, FEWER, beside)
 
-        def bin(b: int) -> Said:
-            run = self._watch(size, fps, given.scale)
+        def bin(b: int, run: _amacrine.Run) -> None:
             clip = given.clip(b)
-            step = PART if contrast is None else max(len(clip), 1)
             parts = (clip[n : n + step] for n in range(0, len(clip), step))
             over = _windows(run, (parts, contrast), how, (size, kinds), seconds)
             for to, values in zip(shared[b], over):
                 to[...] = voxel.narrowed(values, number).reshape(one)
-            return run.warnings(self.name)
 
-        caution_of(_all(given, bin))
+        self._each(given, fps, bin)
         return shared if given.batched else shared[0]
 
     def voxel_windows(
@@ -321,7 +335,7 @@ class Stream:
         self._sensor, self._scale = sensor, scale
         self.fps = arguments.rate(fps)
         """Frames per second."""
-        self._run: _amacrine.Run | None = None
+        self._begun: dict[str, _amacrine.Run] = {}
         self._told: set[str] = set()
 
     def _next(self, frames: Any) -> tuple[_amacrine.Run, npt.NDArray[Any]]:
@@ -329,8 +343,14 @@ class Stream:
         if given.batched:
             raise Error("a stream is of one clip\nhelp: give an array of shape (T,H,W)")
         if self._run is None:
-            self._run = self._sensor._watch(given.size, self.fps, given.scale)
-        return self._run, given.clip(0)
+            run = self._sensor._watch(given.size, self.fps, given.scale)
+            # Of several threads one begins it.
+            self._begun.setdefault("run", run)
+        return self._begun["run"], given.clip(0)
+
+    @property
+    def _run(self) -> _amacrine.Run | None:
+        return self._begun.get("run")
 
     def _caution(self, *, over: bool = False) -> None:
         """Warns once of each thing; of no event and of small light where so much was seen, or the
@@ -496,7 +516,6 @@ class Sensor(EventSensor):
         """A sensor file, or one that comes with the package by name, such as ``"rgc-4"``
         (:func:`amacrine.names` lists them)."""
         file, text, folder = opened("sensors", path)
-        folder = None if folder is None else folder.absolute()
         return cls._of_text(file, text, folder, (seed, format, max_events))
 
     @classmethod
@@ -529,9 +548,24 @@ class Sensor(EventSensor):
         )
 
     def _reseeded(self, seed: int) -> Sensor:
-        other = Sensor.__new__(Sensor)
-        other.__dict__.update(self.__dict__, _seed=seed)
+        return self._with(_seed=seed)
+
+    def _with(self, **others: Any) -> Sensor:
+        """The same, of the same class, but for these."""
+        other = type(self).__new__(type(self))
+        other.__dict__.update(self.__dict__, **others)
         return other
+
+    def _rewritten(self, text: str) -> Sensor:
+        """The same with another text, which needs no files."""
+        how = (self._seed, self._format, self._max_events)
+        made = type(self)._of_text(self._from[0], text, None, how)
+        made.__dict__.update(self._added())
+        return made
+
+    def _added(self) -> dict[str, Any]:
+        """What a subclass, or whoever has it, has put into it."""
+        return {name: of for name, of in self.__dict__.items() if name not in OWN}
 
     @property
     def name(self) -> str:
@@ -565,7 +599,7 @@ class Sensor(EventSensor):
 
     def __reduce__(self) -> tuple[Any, ...]:
         (file, folder), how = self._from, (self._seed, self._format, self._max_events)
-        return Sensor._of_text, (file, self._text, folder, how)
+        return type(self)._of_text, (file, self._text, folder, how), self._added() or None
 
     def __eq__(self, other: object) -> bool:
         """Whether text, kernels, seed, number format and limit are the same: they then make the same
@@ -606,9 +640,7 @@ class Sensor(EventSensor):
         """The sensor without some of its effects: ``"dead-time"``, ``"noise-events"``, ``"jitter"``,
         ``"bandwidth"``, ``"leak"``, ``"mismatch"``, ``"mesh-noise"``. What it does not have it
         cannot leave out."""
-        text = self._native.without(arguments.names("effects", effects))
-        how = (self._seed, self._format, self._max_events)
-        return Sensor._of_text(self._from[0], text, None, how)
+        return self._rewritten(self._native.without(arguments.names("effects", effects)))
 
     def with_seed(self, seed: int) -> Sensor:
         """The sensor with another mismatch and other noise: those of this seed."""
@@ -616,10 +648,7 @@ class Sensor(EventSensor):
 
     def in_format(self, format: str) -> Sensor:
         """The sensor in another number format: ``f64``, ``f32``, ``f16``, ``bf16``, ``q8.8``, …"""
-        other = Sensor.__new__(Sensor)
-        found = arguments.word("format", format, "f32")
-        other.__dict__.update(self.__dict__, _format=found)
-        return other
+        return self._with(_format=arguments.word("format", format, "f32"))
 
     def for_rate(
         self, frames: Any, fps: float, rate: float, *, scale: float | None = None
@@ -641,8 +670,7 @@ class Sensor(EventSensor):
             raise Error("several clips where one is watched\nhelp: give an array of shape (T,H,W)")
         rate = arguments.number("rate", rate, "give events per pixel and second, such as rate=2")
         text = self._native.for_rate(given.clip(0), fps, given.scale, rate, self._seed)
-        how = (self._seed, self._format, self._max_events)
-        return Sensor._of_text(self._from[0], text, None, how)
+        return self._rewritten(text)
 
     def on_chip(
         self,
@@ -716,7 +744,7 @@ class Sensor(EventSensor):
         to, domain = arguments.word("to", to, "int-5"), _domain(domain)
         sum, memory = arguments.word("sum", sum, "kept"), arguments.word_or_none("memory", memory, "shared")
         objective = arguments.word("objective", objective, "silicon")
-        on = str(arguments.file("chip", chip, "the name of a chip, or its folder"))
+        on = found_chip(chip)
         aim = (objective, arguments.flag("border", border))
         native = self._native.on_chip(to, sum, memory, on, aim, busiest, effort, seed)
         watched = (seed, domain, readout == "slots", self._max_events)
@@ -811,7 +839,7 @@ class ChipSensor(EventSensor):
         seed, domain, slots, _ = self._how
         head = {
             "program": self.name,
-            "chip": self._native.chip,
+            "chip": Path(self._native.chip).name,
             "words": self.words,
             "us on the array": self.array_us,
             "LSB for a unit": self.lsb,
@@ -929,7 +957,7 @@ def compile_filter(
     ends = None if input is None else arguments.numbers("input", input, INPUT)
     if ends is not None and len(ends) != 2:
         raise Error(f"input = {input!r}\nhelp: {INPUT}")
-    on = str(arguments.file("chip", chip, "the name of a chip, or its folder"))
+    on = found_chip(chip)
     text, results = _amacrine.compile_filter(
         files(kernels),
         (
@@ -958,11 +986,14 @@ def _cautioned(chip: ChipSensor) -> ChipSensor:
     return chip
 
 
-def _zeros(what: str, shape: tuple[int, ...], dtype: npt.DTypeLike, help: str) -> npt.NDArray[Any]:
-    """An array of zeros that this machine's memory holds: numpy would ask for it only as it fills."""
+def _zeros(
+    what: str, shape: tuple[int, ...], dtype: npt.DTypeLike, help: str, beside: int = 0
+) -> npt.NDArray[Any]:
+    """An array of zeros that this machine's memory holds, with so many bytes beside it: numpy would
+    ask for it only as it fills."""
     number = np.dtype(dtype)
-    bytes = min(math.prod(shape) * number.itemsize, (1 << 64) - 1)
-    _amacrine.check_room(f"{what} of shape {shape}", bytes, help)
+    bytes = min(math.prod(shape) * number.itemsize, arguments.MOST)
+    _amacrine.check_room(f"{what} of shape {shape}", bytes, min(beside, arguments.MOST), help)
     return np.zeros(shape, number)
 
 
@@ -980,9 +1011,8 @@ def _windows(
     yield from stream.rest(round(seconds * 1e6))
 
 
-def _all(given: Clips, watch: Callable[[int], T]) -> list[T]:
+def _all(count: int, watch: Callable[[int], T], halt: _amacrine.Halt) -> list[T]:
     """Every clip; several at a time, since a small one does not fill all threads."""
-    count = len(given.all)
     if count == 1:
         return [watch(0)]
 
@@ -993,7 +1023,12 @@ def _all(given: Clips, watch: Callable[[int], T]) -> list[T]:
             raise Error(f"clip {b}: {error}") from None
 
     with ThreadPoolExecutor(max_workers=max(1, min(count, _amacrine.threads()))) as pool:
-        return list(pool.map(one, range(count)))
+        try:
+            return list(pool.map(one, range(count)))
+        except BaseException:
+            # The threads of the pool hear of no signal, and the pool waits for them.
+            halt.ask()
+            raise
 
 
 def _how(seed: Any, format: Any, max_events: Any) -> tuple[int, str, int | None]:

@@ -17,6 +17,7 @@ from ._amacrine import Error
 from .answer import Answer, told
 from .frames import shown
 from .kernels import Kernels, named
+from .names import chip as found_chip
 from .program import Program
 from .readout import Readout, readout_of
 from .sensor import Sensor
@@ -459,7 +460,7 @@ def trade(
 def _search(sum: str, chip: str | Path, effort: float, seed: int) -> tuple[str, str, float, int]:
     """How a program is searched."""
     seconds = arguments.number("effort", effort, "give seconds, such as effort=1")
-    on = str(arguments.file("chip", chip, "the name of a chip, or its folder"))
+    on = found_chip(chip)
     return word("sum", sum, "kept"), on, seconds, whole("seed", seed)
 
 

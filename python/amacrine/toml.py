@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ._amacrine import Error
+from .arguments import letters
 
 
 def value(of: Any) -> str:
@@ -16,7 +17,8 @@ def value(of: Any) -> str:
     if isinstance(of, (bool, np.bool_)):
         return "true" if of else "false"
     if isinstance(of, str):
-        return json.dumps(of, ensure_ascii=False)
+        # What JSON leaves as it is, and TOML does not take.
+        return json.dumps(letters("a text", of), ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(of, (int, np.integer)):
         return str(int(of))
     if isinstance(of, (float, np.floating)):
@@ -33,7 +35,7 @@ def value(of: Any) -> str:
 
 def key(name: str) -> str:
     """A key: underscores are the dashes of the file."""
-    return str(name).replace("_", "-")
+    return letters("a key", str(name)).replace("_", "-")
 
 
 def table(of: Mapping[str, Any]) -> str:

@@ -59,7 +59,8 @@ def number(dtype: npt.DTypeLike) -> np.dtype[Any]:
 def narrowed(values: npt.NDArray[Any], number: np.dtype[Any]) -> npt.NDArray[Any]:
     """Voxels in this type, which must hold them."""
     if number.itemsize == 2:
-        most = float(np.abs(values).max(initial=0.0))
+        # An array of what is without its sign would be as large again.
+        most = max(float(values.max(initial=0.0)), -float(values.min(initial=0.0)))
         # What is nearer to 65504 than to the number after it is rounded to it.
         if most >= 65520:
             raise Error(

@@ -18,9 +18,11 @@ use amacrine::{
     },
     plane::Size,
     rig::guard::Warning,
+    save::save as save_file,
+    stop::Stop,
     unit::Micros,
 };
-use miette::Report;
+use miette::{Report, miette};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -29,6 +31,7 @@ use crate::{
     error::{raised, refused},
     events::{Borrowed, Events, Given},
     pool, record,
+    stop::Flag,
 };
 
 /// What a file, or an array, says of its events.
@@ -196,6 +199,12 @@ pub fn write(
     written.map_err(|report: Report| raised(report))
 }
 
+/// Writes a text, whole or not at all; a folder that is missing is made.
+#[pyfunction]
+pub fn save(path: PathBuf, text: &str) -> PyResult<()> {
+    save_file(&path, |file| file.write_all(text.as_bytes())).map_err(raised)
+}
+
 /// All that is said of a pair.
 #[derive(Serialize)]
 struct Compared {
@@ -255,7 +264,16 @@ fn array<'py>(py: Python<'py>, (_, events, ..): &Side) -> PyResult<Option<Borrow
     events.as_ref().map(|it| it.get().borrowed(py)).transpose()
 }
 
-/// Judges one packet against another, as `amacrine compare --json` does.
+/// The error is not shown: what the signal raised is.
+fn check(stop: Stop) -> Result<(), Report> {
+    if stop.is_asked() {
+        return Err(miette!("nobody waits for it"));
+    }
+    Ok(())
+}
+
+/// Judges one packet against another, as `amacrine compare --json` does. On Ctrl-C it ends with the
+/// metric that it is at.
 #[pyfunction]
 pub fn compare(
     py: Python<'_>,
@@ -275,13 +293,18 @@ pub fn compare(
     let (one, other) = (array(py, &a)?, array(py, &b)?);
     let one = one.as_ref().map(Borrowed::given).transpose()?;
     let other = other.as_ref().map(Borrowed::given).transpose()?;
-    let compared = pool::work(py, || {
+    let flag = Flag::new();
+    let stop = flag.stop();
+    let judge = || {
         let mut reference = side(&a, one)?;
+        check(stop)?;
         let mut judged = side(&b, other)?;
+        check(stop)?;
         reference.widen_to(&judged.packet);
         judged.widen_to(&reference.packet);
         let pair = Pair::new(&reference.packet, &judged.packet)?;
         let redraws = Redraws::new(&pair, seed);
+        check(stop)?;
         let interval = match fps {
             Some(fps) => Some(window::interval(fps)),
             None => window::frame_interval(&pair),
@@ -290,12 +313,14 @@ pub fn compare(
         let mut scales = Scales {
             bins,
             seed,
+            stop,
             ..Scales::default()
         };
         scales.within.push(within);
         scales.within.sort_unstable();
         scales.within.dedup();
         let scores = scores_beside(&pair, &scales, &redraws).into_iter();
+        check(stop)?;
         let ruler = scores.map(|score| {
             let ruled = Ruled {
                 value: score.value,
@@ -322,7 +347,9 @@ pub fn compare(
             judged: About::new(&judged),
             warnings,
         })
-    })?;
+    };
+    let pool = pool::pool()?;
+    let compared = pool::watched(py, flag.flag(), || pool.install(judge))?;
     json(&compared.map_err(|report: Report| raised(report))?)
 }
 

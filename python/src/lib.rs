@@ -42,6 +42,7 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<sensor::Sensor>()?;
     module.add_class::<chip::Chip>()?;
     module.add_class::<run::Run>()?;
+    module.add_class::<stop::Halt>()?;
     module.add_class::<program::Program>()?;
     module.add_class::<gradient::Seen>()?;
     module.add_class::<events::Events>()?;
@@ -56,6 +57,7 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(files::read, module)?)?;
     module.add_function(wrap_pyfunction!(files::write, module)?)?;
     module.add_function(wrap_pyfunction!(files::compare, module)?)?;
+    module.add_function(wrap_pyfunction!(files::save, module)?)?;
     module.add_function(wrap_pyfunction!(source::scene, module)?)?;
     module.add_function(wrap_pyfunction!(study::compile_filter, module)?)?;
     module.add_function(wrap_pyfunction!(study::quantise, module)?)?;

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 /// What the library says of options that have no argument of their own here, and what is said
 /// instead.
-const PHRASES: [(&str, &str); 23] = [
+const PHRASES: [(&str, &str); 27] = [
     (
         "the limit (--max-events, and --max-memory where there is no room for more); \
          `amacrine run` also has --counts and --voxels instead of --events, and --when-full drop",
@@ -21,7 +21,7 @@ const PHRASES: [(&str, &str); 23] = [
         "or give format",
     ),
     (
-        "or one channel with `convert --kind N`, or one file a channel with `convert --each-kind`",
+        "or one kind with `convert --kind N`, or one file a kind with `convert --each-kind`",
         "or one kind: events[events['channel'] == 0][['t', 'x', 'y', 'p']]",
     ),
     (
@@ -38,6 +38,20 @@ const PHRASES: [(&str, &str); 23] = [
         "(events['t'] - events['t'].min()), and cut what is longer",
     ),
     ("(`--upsample`, or `upsample` in a study)", "(upsample)"),
+    (
+        "(--slice, or `slice` in a study, in frames of the clip)",
+        "(slice of load, and of a study, in frames of the clip)",
+    ),
+    (", or `slice` in a study", " of load, and of a study"),
+    ("(--slice)", "(slice of load)"),
+    (
+        "(in the sensor file, or run --sigma)",
+        "(in thresholds, or the sensor file)",
+    ),
+    (
+        "--stream N, in Python read(path, stream=N)",
+        "read(path, stream=N)",
+    ),
     (
         "; a sensor beside a packet needs a scene (`--scene`) of the packet's size",
         "",
@@ -61,13 +75,12 @@ const PHRASES: [(&str, &str); 23] = [
     ("--verify measures them", "verify=True measures them"),
     ("--runs N shares them", "runs=N shares them"),
     ("--threshold", "thresholds"),
-    ("--constant", "constants"),
     ("--const ", "constants "),
 ];
 
 /// Arguments of Python that are called as the option is, with underscores for dashes. Those that
 /// are true take a word; behind the others a word goes on with the sentence.
-const ARGUMENTS: [(&str, bool); 32] = [
+const ARGUMENTS: [(&str, bool); 34] = [
     ("bins", false),
     ("candidates", false),
     ("chip", true),
@@ -94,6 +107,8 @@ const ARGUMENTS: [(&str, bool); 32] = [
     ("scale", false),
     ("seed", false),
     ("size", false),
+    ("slice", true),
+    ("stream", false),
     ("sum", true),
     ("to", true),
     ("transfer", true),
@@ -162,6 +177,11 @@ fn renamed(text: &str) -> String {
             .find(|c: char| !(c.is_ascii_lowercase() || c == '-'))
             .unwrap_or(name.len());
         let (name, after) = name.split_at(end);
+        if let Some((call, behind)) = of_sensor(&out, name, after) {
+            out += &call;
+            rest = behind;
+            continue;
+        }
         let Some((_, is_word)) = ARGUMENTS.iter().find(|(known, _)| *known == name) else {
             out.push_str("--");
             out.push_str(name);
@@ -185,13 +205,28 @@ fn renamed(text: &str) -> String {
     out
 }
 
+/// `(--without leak,mismatch)`, which of a sensor is a call of its own, and what stands behind it.
+fn of_sensor<'a>(before: &str, name: &str, after: &'a str) -> Option<(String, &'a str)> {
+    if name != "without" || !before.ends_with('(') {
+        return None;
+    }
+    let (effects, _) = after.strip_prefix(' ')?.split_once(')')?;
+    let each: Vec<_> = effects.split(',').map(|one| format!("\"{one}\"")).collect();
+    let behind = &after[1 + effects.len()..];
+    Some((format!("sensor.without({})", each.join(", ")), behind))
+}
+
 /// What an option is given: a number, a placeholder, or a word where it takes one.
 fn value(after: &str, is_word: bool) -> Option<&str> {
     let after = after.strip_prefix(' ')?;
     let end = after
         .find(|c: char| !(c.is_ascii_alphanumeric() || matches!(c, '-' | ':' | '.')))
         .unwrap_or(after.len());
-    let value = after[..end].trim_end_matches(['.', ':']);
+    // Of a slice the points are a part.
+    let value = match &after[..end] {
+        slice if slice.ends_with("..") => slice,
+        word => word.trim_end_matches(['.', ':']),
+    };
     let is_number = value.parse::<f64>().is_ok();
     (!value.is_empty() && (is_number || is_word || is_placeholder(value))).then_some(value)
 }

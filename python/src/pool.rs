@@ -68,7 +68,7 @@ pub fn work<T: Send>(py: Python<'_>, what: impl FnOnce() -> T + Send) -> PyResul
 }
 
 /// How often it is looked whether the person wants to stop.
-const LOOK: Duration = Duration::from_millis(50);
+pub const LOOK: Duration = Duration::from_millis(50);
 
 /// Does it on a thread of its own, with the interpreter released. Meanwhile this thread looks for
 /// signals, such as that of Ctrl-C: on one that raises, `stop` is set, for the work to end by, and

@@ -51,6 +51,18 @@ pub struct Program {
     /// Whether its host decides in the run, beside the array, what the array does.
     decides: bool,
     overrides: Overrides,
+    /// The folder of the chip that its text names, where that is none that comes with the package.
+    chip_folder: Option<PathBuf>,
+}
+
+/// The folder of a chip that a program in `folder` names, as [`Device::find_for`] finds it.
+fn chip_folder(name: &str, folder: &Path) -> Option<PathBuf> {
+    if Device::shipped().any(|shipped| shipped == name) {
+        return None;
+    }
+    let places = [PathBuf::from(name), folder.join(name)];
+    let found = places.into_iter().find(|place| place.is_dir())?;
+    std::path::absolute(found).ok()
 }
 
 /// What the cells of the array are: where nothing is given, what the program or the chip says.
@@ -81,13 +93,15 @@ impl Program {
             let read = |folder: &PathBuf| included_files(text, folder);
             let includes = folder.as_ref().map(read).unwrap_or_default();
             let program = Text::read_with(file, text, &includes);
-            let device = match (chip, program.settings.chip.as_deref()) {
-                (Some(chip), _) => Device::find(chip)?,
+            let (device, chip_folder) = match (chip, program.settings.chip.as_deref()) {
+                (Some(chip), _) => (Device::find(chip)?, None),
                 (None, Some(chip)) => {
                     let folder = folder.as_deref().or(Path::new(file).parent());
-                    Device::find_for(chip, file, folder.unwrap_or(Path::new("")))?
+                    let folder = folder.unwrap_or(Path::new(""));
+                    let device = Device::find_for(chip, file, folder)?;
+                    (device, chip_folder(chip, folder))
                 }
-                (None, None) => Device::scamp5(),
+                (None, None) => (Device::scamp5(), None),
             };
             let overrides: Overrides = constants.into_iter().collect();
             let Runnable { expansion, decides } = program.layout(&device, &overrides)?;
@@ -98,6 +112,7 @@ impl Program {
                 expansion: steady.unwrap_or_default(),
                 decides,
                 overrides,
+                chip_folder,
             })
         })?;
         made.map_err(|report: Report| raised(report))
@@ -117,6 +132,12 @@ impl Program {
     #[getter]
     fn chip(&self) -> &str {
         self.device.name()
+    }
+
+    /// Where the chip that its text names lies, where that is none that comes with the package.
+    #[getter]
+    fn chip_folder(&self) -> Option<&str> {
+        self.chip_folder.as_deref()?.to_str()
     }
 
     /// Instruction words of `init` and of `frame`.

@@ -2,7 +2,11 @@
 
 use std::{
     collections::BTreeMap,
-    sync::{Mutex, PoisonError},
+    sync::{
+        Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::Instant,
 };
 
 use amacrine::{
@@ -23,18 +27,30 @@ use crate::{
     error::{raised, refused},
     frames::{Borrowed, Frames},
     options::in_python,
-    pool, readout, record,
+    pool::{self, LOOK},
+    readout, record,
     source::{Source, outline},
+    stop::Halt,
     tensor::{Stream, arrays},
     watcher::Watcher,
 };
 
-/// Frames between two looks at whether the person wants to stop.
-const PART: usize = 16;
-
 /// A sensor that watches a clip, part by part; times go on from part to part.
 #[pyclass(frozen, module = "amacrine._amacrine")]
-pub struct Run(Mutex<Watch>);
+pub struct Run {
+    watch: Mutex<Watch>,
+    /// Whether a thread shows it frames.
+    is_taken: AtomicBool,
+}
+
+/// What a thread holds that shows frames.
+struct Turn<'a>(&'a AtomicBool);
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        self.0.store(false, Ordering::Release);
+    }
+}
 
 struct Watch {
     watcher: Box<dyn Watcher>,
@@ -53,6 +69,8 @@ struct Watch {
     levels: Levels,
     /// Whether frames were begun and did not come to their end: what cells hold is then not known.
     is_stopped: bool,
+    /// What ends it with others.
+    halt: Halt,
 }
 
 impl Run {
@@ -71,7 +89,7 @@ impl Run {
                 "give a number above 0, such as 255 for light from 0 to 1",
             ));
         }
-        Ok(Self(Mutex::new(Watch {
+        let watch = Mutex::new(Watch {
             watcher,
             fps,
             scale,
@@ -88,16 +106,31 @@ impl Run {
             observation: Observation::new(),
             levels: Levels::bytes().map(|code| code * scale),
             is_stopped: false,
-        })))
+            halt: Halt::default(),
+        });
+        let is_taken = AtomicBool::new(false);
+        Ok(Self { watch, is_taken })
     }
 
     fn with<T>(&self, what: impl FnOnce(&mut Watch) -> T) -> T {
-        what(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+        what(&mut self.watch.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Refuses a second thread: which of the frames come first, nobody has said.
+    fn turn(&self) -> PyResult<Turn<'_>> {
+        if self.is_taken.swap(true, Ordering::Acquire) {
+            return Err(refused(
+                "another thread is in this stream: frames come one after the other",
+                "call it from one thread at a time, or give each thread a stream of its own",
+            ));
+        }
+        Ok(Turn(&self.is_taken))
     }
 
     /// Takes frames, all of them or no more at all: whatever ends it early, the frames that were seen
     /// are lost, and nothing more may follow them.
     fn whole(&self, take: impl FnOnce() -> PyResult<()>) -> PyResult<()> {
+        let _turn = self.turn()?;
         self.with(|watch| {
             if watch.is_stopped {
                 return Err(refused(
@@ -113,8 +146,8 @@ impl Run {
         Ok(())
     }
 
-    /// Gives the frames to `see` with the watch, some at a time; in between the interpreter may
-    /// break off.
+    /// Gives the frames to `see` with the watch; between two of them, after each that takes long,
+    /// the interpreter may break off.
     fn play(
         &self,
         py: Python<'_>,
@@ -131,17 +164,22 @@ impl Run {
         let frames = borrowed.frames()?;
         self.whole(|| {
             self.with(|watch| watch.begin(frames.samples()));
-            for from in (0..count).step_by(PART) {
-                let part = from..(from + PART).min(count);
-                let see = &mut see;
+            let mut rest = 0..count;
+            while !rest.is_empty() {
+                let (see, rest) = (&mut see, &mut rest);
                 let seen = pool::work(py, || {
+                    let since = Instant::now();
                     self.with(|watch| {
-                        part.into_iter().try_for_each(|n| {
+                        for n in rest {
+                            watch.unless_halted()?;
                             watch.take(frames, n);
                             see(watch, n)?;
                             watch.seen += 1;
-                            Ok(())
-                        })
+                            if since.elapsed() >= LOOK {
+                                break;
+                            }
+                        }
+                        Ok(())
                     })
                 })?;
                 seen.map_err(|error: SensorError| raised(error))?;
@@ -170,6 +208,7 @@ impl Run {
                 let mut n = 0;
                 self.with(|watch| {
                     while let Some(frame) = scene.next_frame()? {
+                        watch.unless_halted()?;
                         let is_own = frame.seconds >= n as f64 / fps;
                         watch.frame = frame;
                         see(watch, n)?;
@@ -199,6 +238,17 @@ impl Run {
 }
 
 impl Watch {
+    /// Ends a run that was told to; who told it says why.
+    fn unless_halted(&self) -> Result<(), SensorError> {
+        if !self.halt.is_asked() {
+            return Ok(());
+        }
+        Err(SensorError::Stopped {
+            sensor: "the run".to_owned(),
+            why: "another of its clips has ended them all".to_owned(),
+        })
+    }
+
     /// Frames of such numbers follow.
     fn begin(&self, samples: Samples) {
         let frames = (0, self.packet.size);
@@ -288,7 +338,10 @@ impl Run {
         let mut own = vec![0; each];
         self.play_with(py, frames, contrast, |watch, n| {
             let place = if begun { Some(n) } else { n.checked_sub(1) };
-            let place = place.and_then(|n| out.get_mut(n * each..(n + 1) * each));
+            let place = match place {
+                Some(n) => Some(out.get_mut(n * each..(n + 1) * each).ok_or_else(between)?),
+                None => None,
+            };
             let Watch { watcher, frame, .. } = watch;
             let firing = watcher.counts(frame, &mut own)?;
             for (sum, own) in place.into_iter().flatten().zip(&own) {
@@ -352,6 +405,11 @@ impl Run {
         Ok(arrays(py, over))
     }
 
+    /// It ends at the next frame once this is asked.
+    fn heed(&self, halt: &Halt) {
+        self.with(|watch| watch.halt = halt.clone());
+    }
+
     /// Frames seen.
     #[getter]
     fn seen(&self) -> u64 {
@@ -403,6 +461,14 @@ impl Watch {
     /// Cells of all kinds.
     fn cells(&self) -> usize {
         self.packet.size.pixels() * usize::from(self.packet.channels)
+    }
+}
+
+/// There is no room for the counts of all these frames: they are not the first, as the caller thought.
+fn between() -> SensorError {
+    SensorError::Stopped {
+        sensor: "the stream".to_owned(),
+        why: "another thread has shown it frames meanwhile".to_owned(),
     }
 }
 

@@ -1,11 +1,12 @@
 //! Flags by which work is told that nobody waits for it any longer.
 
 use std::sync::{
-    Mutex, PoisonError,
+    Arc, Mutex, PoisonError,
     atomic::{AtomicBool, Ordering},
 };
 
 use amacrine::stop::Stop;
+use pyo3::prelude::*;
 
 /// Flags of calls that are over, for those that come.
 static FREE: Mutex<Vec<&'static AtomicBool>> = Mutex::new(Vec::new());
@@ -35,5 +36,29 @@ impl Drop for Flag {
         self.0.store(false, Ordering::Relaxed);
         let mut free = FREE.lock().unwrap_or_else(PoisonError::into_inner);
         free.push(self.0);
+    }
+}
+
+/// The flag of several runs at once, on threads of Python: signals reach its main thread alone.
+#[pyclass(frozen, module = "amacrine._amacrine")]
+#[derive(Clone, Default)]
+pub struct Halt(Arc<AtomicBool>);
+
+impl Halt {
+    pub fn is_asked(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+#[pymethods]
+impl Halt {
+    #[new]
+    fn new() -> Self {
+        Self::default()
+    }
+
+    /// Ends all of them at their next frame.
+    fn ask(&self) {
+        self.0.store(true, Ordering::Relaxed);
     }
 }

@@ -55,6 +55,19 @@ impl Voxels {
         self.how.windows.count(Micros(end))
     }
 
+    /// Bytes of the windows of a clip that are held at once beside those that are done with, of so
+    /// many windows, when it comes in parts of so many seconds.
+    fn held(&self, size: (usize, usize), channels: u8, windows: u64, part: f64) -> u64 {
+        let of = self.how.windows;
+        let ((from, to), (_, next)) = (of.bounds(1), of.bounds(2));
+        let every = next.saturating_sub(to).max(1);
+        let reach = to.saturating_sub(from).saturating_add((part * 1e6) as i64);
+        let at_once = (reach / every).saturating_add(2) as u64;
+        let each = self.how.held(Size::new(size.0, size.1), channels, 1);
+        let bytes = each.saturating_mul(at_once.min(windows).into());
+        u64::try_from(bytes).unwrap_or(u64::MAX)
+    }
+
     /// Start and end of window `n`, in microseconds.
     fn bounds(&self, n: u64) -> (i64, i64) {
         self.how.windows.bounds(n)
@@ -100,9 +113,9 @@ pub fn arrays(py: Python<'_>, all: Vec<Vec<f32>>) -> Vec<Bound<'_, PyArray1<f32>
 
 const FEWER: &str = "take fewer of them, or a part of the events";
 
-/// Whether there is room for so many values of four bytes.
-fn room(what: &str, values: u128) -> Result<(), Report> {
-    within(&Need::new().and(what, values * 4), what, FEWER)
+/// Whether there is room for so many bytes.
+fn room(what: &str, bytes: u128) -> Result<(), Report> {
+    within(&Need::new().and(what, bytes), what, FEWER)
 }
 
 /// Refuses what this machine's memory does not hold.
@@ -112,10 +125,11 @@ fn within(need: &Need, what: &str, help: &str) -> Result<(), Report> {
     held.map_err(|much| miette!(help = help.to_owned(), "{much}"))
 }
 
-/// Refuses an array of so many bytes where this machine has less memory.
+/// Refuses an array of so many bytes, and what is held beside it, where this machine has less memory.
 #[pyfunction]
-pub fn check_room(what: &str, bytes: u64, help: &str) -> PyResult<()> {
+pub fn check_room(what: &str, bytes: u64, beside: u64, help: &str) -> PyResult<()> {
     let need = Need::new().and("the array", bytes.into());
+    let need = need.and("what it is made of", beside.into());
     within(&need, what, help).map_err(raised)
 }
 
@@ -134,7 +148,7 @@ type Place = (usize, usize, u8);
 /// Values of all kinds and sides.
 fn planes(packet: &Packet, sides: Sides) -> u128 {
     let kinds = usize::from(packet.channels) * sides.count();
-    packet.size.pixels() as u128 * kinds as u128
+    (packet.size.pixels() as u128).saturating_mul(kinds as u128)
 }
 
 fn place(packet: &Packet) -> Place {
@@ -142,7 +156,7 @@ fn place(packet: &Packet) -> Place {
 }
 
 /// The voxels of an array of events from `since` microseconds on, which become 0, up to `end` or the
-/// last of them.
+/// last of them; they will be held once more in another type, of so many bytes each.
 #[pyfunction]
 pub fn voxels<'py>(
     py: Python<'py>,
@@ -152,6 +166,7 @@ pub fn voxels<'py>(
     channels: u8,
     how: &Voxels,
     end: Option<u64>,
+    other: u64,
 ) -> PyResult<(Bound<'py, PyArray1<f32>>, Place)> {
     let events = events.borrowed(py)?;
     let given = events.given()?;
@@ -162,7 +177,8 @@ pub fn voxels<'py>(
         let (first, last) = (times().min(), times().max());
         packet.span.1 = end.map_or(last.unwrap_or_default(), Micros);
         let count = how.how.windows.count(packet.span.1);
-        let each = how.how.len(packet.size, packet.channels);
+        let (of, kinds) = (packet.size, packet.channels);
+        let each = how.how.len(of, kinds) as u128;
         // Recordings with times of the day begin with years of nothing.
         let first = first.filter(|first| first.0 > packet.span.1.0 / 2);
         let help = first.map_or(FEWER.to_owned(), |first| {
@@ -171,10 +187,13 @@ pub fn voxels<'py>(
                 "windows begin {first} s before the first event: give a later `start`, in seconds"
             )
         });
-        let need = Need::new().and("voxels", u128::from(count) * each as u128 * 4);
-        within(&need, "voxels", &help)?;
-        let mut voxels = vec![0.0; count as usize * each];
-        how.how.fill(&packet, &mut voxels)?;
+        let all = each.saturating_mul(count.into());
+        let first = how.how.held(of, kinds, count);
+        // In the other type they are made when the sums are gone.
+        let then = all.saturating_mul(u128::from(other) + 4);
+        let most = if other > 0 { first.max(then) } else { first };
+        within(&Need::new().and("voxels", most), "voxels", &help)?;
+        let voxels = how.how.first(&packet, count)?;
         Ok((voxels, place(&packet)))
     })?;
     let (voxels, place) = made.map_err(|report: Report| raised(report))?;
@@ -200,10 +219,8 @@ pub fn surfaces<'py>(
     let given = events.given()?;
     let made = pool::work(py, || {
         let packet = given.packet(files::size(size), channels);
-        room(
-            "time surfaces",
-            planes(&packet, how.sides) * times.len() as u128,
-        )?;
+        let held = how.held(packet.size, packet.channels, times.len());
+        room("time surfaces", held)?;
         let times: Vec<_> = times.into_iter().map(Micros).collect();
         Ok((how.of(&packet, &times)?, place(&packet)))
     })?;
@@ -228,7 +245,8 @@ pub fn event_frames<'py>(
     let made = pool::work(py, || {
         let packet = given.packet(files::size(size), channels);
         let frames = packet.events.len().div_ceil(each.max(1));
-        room("event frames", planes(&packet, sides) * frames as u128)?;
+        let values = planes(&packet, sides).saturating_mul(frames as u128);
+        room("event frames", values.saturating_mul(4))?;
         Ok((frames_of(&packet, each, sides, fill)?, place(&packet)))
     })?;
     let (frames, place) = made.map_err(|report: Report| raised(report))?;

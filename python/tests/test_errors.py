@@ -3,6 +3,7 @@ line."""
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from typing import Any, Callable
@@ -10,7 +11,7 @@ from typing import Any, Callable
 import amacrine
 import numpy as np
 import pytest
-from conftest import Frames, kernels
+from conftest import ROOT, Frames, kernels
 
 GOOD = np.zeros((3, 8, 8), np.uint8)
 
@@ -438,6 +439,17 @@ def test_options_are_arguments() -> None:
         "whole scene; --verify measures them": "whole scene; verify=True measures them",
         "few events: take a larger --sample": "few events: take a larger sample",
         "the tiles, --runs N shares them": "the tiles, runs=N shares them",
+        "first 6 frames (--slice ..6, or `slice` in a study), the next is the rest (--slice 6..)": (
+            'first 6 frames (slice="..6" of load, and of a study), the next is the rest (slice="6..")'
+        ),
+        "6 frames (--slice, or `slice` in a study, in frames of the clip)": (
+            "6 frames (slice of load, and of a study, in frames of the clip)"
+        ),
+        "leave it out (--without noise-events,leak)": 'leave it out (sensor.without("noise-events", "leak"))',
+        "--without mismatch in the domain exact": 'without="mismatch" in the domain exact',
+        "as scenes of their own (--slice)": "as scenes of their own (slice of load)",
+        "leave the number out (--stream): it": "leave the number out (stream): it",
+        "choose one by its number: --stream N, in Python read(path, stream=N)": "choose one by its number: read(path, stream=N)",
         "; `convert --salvage` keeps": "; `amacrine convert --salvage` keeps",
         "`exec --set A=FILE.npy`; or": "`amacrine exec --set A=FILE.npy`; or",
         "`ffmpeg -i A.gif --x`": "`ffmpeg -i A.gif --x`",
@@ -445,6 +457,46 @@ def test_options_are_arguments() -> None:
     }.items():
         assert said(text) == want
         assert said(want) == want
+
+
+def test_each_option_that_is_renamed_is_told_of() -> None:
+    """What stands in the lists of options and is in no message is renamed in vain, and the message
+    that it was for keeps its option."""
+    files = [path.read_text(encoding="utf-8") for path in (ROOT / "src").rglob("*.rs")]
+    messages = _unbroken("".join(files)).replace('\\"', '"')
+    own = _unbroken((ROOT / "python/src/options.rs").read_text(encoding="utf-8"))
+    lists = re.findall(r"const (PHRASES|ARGUMENTS): .*? = \[(.*?)\n\];", own, re.DOTALL)
+    (_, phrases), (_, arguments) = lists
+    pair = r'\(\s*"((?:[^"\\]|\\.)*)",\s*"(?:[^"\\]|\\.)*",?\s*\)'
+    said = [one.replace('\\"', '"') for one in re.findall(pair, phrases)]
+    said += [f"--{name}" for name in re.findall(r'\("([a-z-]+)", (?:true|false)\)', arguments)]
+    assert len(said) == sum(int(n) for n in re.findall(r"\[\(&str, [^\]]*; (\d+)\]", own))
+    assert [one for one in said if one not in messages] == []
+
+
+def _unbroken(rust: str) -> str:
+    """Texts of Rust that go on in the next line, in one."""
+    return re.sub(r"\\\n\s*", "", rust)
+
+
+def test_options_that_are_calls_here(tmp_path: Path, frames: Frames) -> None:
+    """What the messages say to do is what can be done."""
+    spread = amacrine.Sensor("dvs", {"on": 0.1, "off": 0.1, "sigma": 0.05})
+    with pytest.warns(amacrine.Caution) as caught:
+        spread.events(frames, 30)
+    told = " ".join(str(one.message) for one in caught)
+    assert 'leave it out (sensor.without("mismatch"))' in told and "--" not in told
+    assert "sigma" not in spread.without("mismatch").text
+    two = np.zeros(2, amacrine.EVENT_OF_KINDS)
+    two["channel"] = 0, 1
+    with pytest.raises(amacrine.Error) as wrong:
+        amacrine.write(tmp_path / "two.evt3", two)
+    told = str(wrong.value)
+    assert "or one kind: events[events['channel'] == 0][['t', 'x', 'y', 'p']]" in told
+    assert "--" not in told
+    amacrine.write(tmp_path / "two.evt3", two[two["channel"] == 0][["t", "x", "y", "p"]])
+    with pytest.raises(amacrine.Error, match=r"leave the number out \(stream\)"):
+        amacrine.read(tmp_path / "two.evt3", stream=1)
 
 
 def test_no_option_is_told_of_late_times(tmp_path: Path) -> None:
@@ -498,3 +550,94 @@ def test_all_that_has_a_name_has_a_text(of: str) -> None:
     assert names and all(amacrine.text(of, name) for name in names)
     with pytest.raises(amacrine.Error, match=f"there is no neither in {of}"):
         amacrine.text(of, "neither")
+
+
+HUGE = 1 << 32
+
+
+@pytest.mark.parametrize(
+    ("size", "told"),
+    [
+        ((HUGE, HUGE), "the sensor is 4294967296x4294967296; a side is at most 65536"),
+        ((8, 65537), "the sensor is 65537x8; a side is at most 65536"),
+        ((0, 0), "the sensor is 0x0; a side is at least 1"),
+        ((0, 9), "the sensor is 9x0; a side is at least 1"),
+        ((-1, 9), "size = (-1, 9)"),
+        ((3.5, 9), "size = (3.5, 9)"),
+    ],
+)
+def test_sizes_that_no_sensor_has(size: Any, told: str, tmp_path: Path) -> None:
+    few, none = _few(), np.zeros(0, amacrine.EVENT)
+    for wrong in (
+        lambda: amacrine.compare(few, few, size=size),
+        lambda: amacrine.events.voxels(few, bins=1, size=size),
+        lambda: amacrine.events.voxels(none, bins=1, size=size),
+        lambda: amacrine.events.event_frames(few, 1, size=size),
+        lambda: amacrine.events.event_frames(none, 1, size=size),
+        lambda: amacrine.events.time_surfaces(none, [0.1], tau=0.1, size=size),
+        lambda: amacrine.write(tmp_path / "e.npz", few, size=size),
+    ):
+        with pytest.raises(amacrine.Error, match=re.escape(told)) as error:
+            wrong()
+        assert "give size=(height, width), whole numbers from 1 to 65536" in str(error.value)
+    known = few.view(amacrine.events.NamedEvents)
+    known.sensor_size = size
+    with pytest.raises(amacrine.Error, match=re.escape(told)):
+        amacrine.events.event_frames(known, 1)
+
+
+def test_what_there_is_no_room_for_is_refused() -> None:
+    """Sides that a sensor may have, and an array that no machine holds."""
+    size = (65536, 65536)
+    for wrong in (
+        lambda: amacrine.events.voxels(_few(), bins=1000, size=size),
+        lambda: amacrine.events.event_frames(np.repeat(_few(), 999), 1, size=size),
+        lambda: amacrine.events.time_surfaces(_few(), np.arange(999), tau=0.1, size=size),
+    ):
+        with pytest.raises(amacrine.Error, match="TiB"):
+            wrong()
+
+
+HALF = "\ud800"
+
+
+def test_letters_that_no_file_holds() -> None:
+    threshold = '[[channel]]\nkernel = "dvs"\nthreshold = 1\n'
+    for wrong in (
+        lambda: amacrine.Sensor("dvs", 0.1, name=HALF),
+        lambda: amacrine.Sensor("dvs", 0.1, names=[HALF]),
+        lambda: amacrine.Sensor("dvs", 0.1, noise={HALF: 1}),
+        lambda: amacrine.Sensor("dvs", 0.1, format=HALF),
+        lambda: amacrine.Sensor.from_text(f'name = "{HALF}"\n{threshold}'),
+        lambda: amacrine.Program.from_text(f"// {HALF}"),
+        lambda: amacrine.Program.from_file("dvs/snap", constants={HALF: 1}),
+        lambda: amacrine.names(HALF),
+    ):
+        with pytest.raises(amacrine.Error, match="half of a letter"):
+            wrong()
+    for name in ("a\x7f", 'b"\\\n\t\x01é😀\x7f\x7f'):
+        assert amacrine.Sensor("dvs", 0.1, name=name).name == name
+
+
+def test_an_answer_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
+    answer = amacrine.compare(_few(), _few(), size=(8, 8))
+    path = tmp_path / "new/one.json"
+    answer.save(path)
+    assert json.loads(path.read_text()) == answer.to_dict()
+    path.chmod(0o400)
+    answer.save(path)
+    assert [one.name for one in path.parent.iterdir()] == ["one.json"]
+    for wrong in (path / "two.json", tmp_path / "new.json"):
+        if wrong.name == "new.json":
+            wrong.mkdir()
+        with pytest.raises(amacrine.Error, match="(?s)cannot write .*help: check that its folder") as told:
+            answer.save(wrong)
+        assert str(wrong) in str(told.value)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device without room")
+def test_an_answer_that_finds_no_room(tmp_path: Path) -> None:
+    answer = amacrine.compare(_few(), _few(), size=(8, 8))
+    with pytest.raises(amacrine.Error, match="No space left"):
+        (tmp_path / "full.json").symlink_to("/dev/full")
+        answer.save(tmp_path / "full.json")

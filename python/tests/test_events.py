@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import multiprocessing
+import threading
+import time
 import warnings
 from pathlib import Path
 from typing import Any, Callable
@@ -514,3 +516,51 @@ def test_a_notebook_shows_a_sensor() -> None:
     # A kernel for each pixel of two by two.
     mosaic = amacrine.Sensor.from_file("mosaic")._repr_html_()
     assert ", x 1, y 0</td>" in mosaic and ", x 1, y 1</td>" in mosaic
+
+
+def test_channels_are_counted_by_numpy() -> None:
+    """Python's own `max` over a column of a million takes as long as all the rest."""
+    events = np.zeros(1_000_000, amacrine.EVENT_OF_KINDS)
+    events["channel"][7] = 3
+    begin = time.process_time()
+    assert max(events["channel"]) == 3
+    middle = time.process_time()
+    assert amacrine.events.kinds_of(events, 4) == 4
+    assert time.process_time() - middle < (middle - begin) / 4
+    with pytest.raises(amacrine.Error, match="channels = 3, and there are events of channel 3"):
+        amacrine.events.kinds_of(events, 3)
+    assert amacrine.events.kinds_of(events[:0], 1) == 1
+
+
+@pytest.mark.filterwarnings("ignore::amacrine.Caution")
+def test_a_stream_is_of_one_thread_at_a_time() -> None:
+    """Who comes while another is in it is told so, and nothing is lost of what that one shows it."""
+    few = np.random.default_rng(0).integers(0, 255, (4, 96, 96), dtype=np.uint8)
+    long = np.tile(few, (100, 1, 1))
+    sensor = amacrine.Sensor("dvs", 0.3)
+    stream = sensor.stream(FPS)
+    wrong: list[str] = []
+    seen: list[Any] = []
+
+    def watch() -> None:
+        try:
+            seen.append(stream.counts(long))
+        except amacrine.Error as error:
+            wrong.append(str(error))
+
+    threads = [threading.Thread(target=watch) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert seen and wrong and stream.seen == len(seen) * len(long)
+    assert set(wrong) <= {
+        "another thread is in this stream: frames come one after the other\n"
+        "help: call it from one thread at a time, or give each thread a stream of its own"
+    }
+    alone = sensor.stream(FPS)
+    first = next(one for one in seen if len(one) == len(long) - 1)
+    assert np.array_equal(first, alone.counts(long))
+    for _ in seen[1:]:
+        alone.counts(long)
+    assert np.array_equal(stream.counts(few), alone.counts(few))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import pickle
+import re
 import warnings
 from pathlib import Path
 from typing import Any, Callable
@@ -368,6 +370,22 @@ def test_parts_of_events_are_one_after_the_other(tmp_path: Path) -> None:
     wide = read.astype([(name, "<i8") for name in "tpxy"])[["t", "p", "x", "y"]]
     with pytest.raises(amacrine.Error, match="parts of events that cannot be joined"):
         amacrine.write(tmp_path / "c.npy", [read, wide])
+
+
+def test_the_advice_on_parts_joins_them() -> None:
+    one, two = np.zeros(3, amacrine.EVENT), np.zeros(2, amacrine.EVENT_OF_KINDS)
+    two["channel"] = 1
+    for parts in ([two, one], [one, two], [one[["t", "p", "x", "y"]], two]):
+        with pytest.raises(amacrine.Error, match="parts of events that cannot be joined") as wrong:
+            amacrine.events.voxels(parts, bins=1)
+        said = re.search(r"dtype: ((\w+)\(part, \S+\)), which is in ([\w.]+),", str(wrong.value))
+        assert said is not None, wrong.value
+        call, name, module = said.groups()
+        names = {"amacrine": amacrine, name: getattr(importlib.import_module(module), name)}
+        mended = [eval(call, {**names, "part": part}) for part in parts]
+        assert amacrine.events.voxels(mended, bins=1).sum(axis=(0, 2, 3, 4)).tolist() == [-3, -2]
+    with pytest.raises(amacrine.Error, match="give a structured array with the fields t, x, y and p"):
+        amacrine.events.voxels([one, one[["t", "x"]]], bins=1)
 
 
 def test_one_camera_of_several_is_read() -> None:

@@ -70,6 +70,68 @@ def test_a_program_travels(frames: Frames) -> None:
         assert run.events.tobytes() == snap.run(frames, FPS).events.tobytes()
 
 
+def _chip_of_mine(folder: Path) -> None:
+    """A chip called `mine`, with the numbers of another."""
+    shutil.copytree(ROOT / "isa/scamp5", folder / "mine")
+    data = folder / "mine/device.toml"
+    data.write_text(data.read_text().replace('name = "scamp5"', 'name = "mine"', 1))
+
+
+def test_a_chip_of_a_relative_folder_is_found_from_another(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _chip_of_mine(tmp_path)
+    said = amacrine.text("programs", "dvs/snap").replace('chip = "scamp5"', 'chip = "mine"')
+    (tmp_path / "own.scamp").write_text(said)
+    monkeypatch.chdir(tmp_path)
+    chip = _chip(chip="mine")
+    programs = [
+        amacrine.Program.from_file("dvs/snap", chip="mine"),
+        amacrine.Program.from_file("dvs/snap", chip=Path("mine")),
+        amacrine.Program.from_text(said),
+        amacrine.Program.from_file("own.scamp"),
+        amacrine.compile_filter("csdvs-3", to="ternary", chip="mine", effort=0.02).program,
+    ]
+    sent = pickle.dumps((chip, programs))
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    assert chip.program.chip == "mine"
+    again, others = pickle.loads(sent)
+    assert again.program.words == chip.words
+    assert [other.chip for other in others] == ["mine"] * len(programs)
+    assert [repr(other) for other in others] == [repr(one) for one in programs]
+
+
+class Own(amacrine.Sensor):
+    """A sensor that knows more."""
+
+    gain: float
+
+    def half(self) -> float:
+        return self.gain / 2
+
+
+@pytest.mark.parametrize(
+    "again",
+    [
+        copy.copy,
+        copy.deepcopy,
+        lambda of: pickle.loads(pickle.dumps(of)),
+        lambda of: of.with_seed(4),
+        lambda of: of.in_format("f32"),
+        lambda of: of.without("mismatch"),
+        lambda of: of.for_rate(np.arange(3 * 8 * 8, dtype=np.uint8).reshape(3, 8, 8), FPS, 1.0),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::amacrine.Caution")
+def test_a_subclass_stays_what_it_is(again: Any) -> None:
+    sensor = Own("dvs", {"on": 0.1, "off": 0.1, "sigma": 0.01}, seed=3)
+    sensor.gain = 5.0
+    assert sensor.channels == ["0"]
+    other = again(sensor)
+    assert type(other) is Own and other.half() == 2.5 and other.channels == ["0"]
+
+
 def test_sensors_of_the_same_text_are_equal() -> None:
     sensor = _float()
     assert sensor == amacrine.Sensor.from_text(sensor.text, seed=3)

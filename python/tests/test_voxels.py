@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -236,3 +238,56 @@ def test_what_half_precision_does_not_hold_is_refused() -> None:
     with pytest.raises(amacrine.Error, match="70000 events is beyond float16"):
         amacrine.events.voxels(many, bins=1, dtype=np.float16, size=(2, 2))
     assert amacrine.events.voxels(many, bins=1, size=(2, 2)).max() == 70000
+
+
+OF_EVENTS = """
+events = np.zeros(3, amacrine.EVENT)
+voxels = amacrine.events.voxels(events, bins=25, window=1.0, size=(512, 1024), {})
+"""
+OF_FRAMES = """
+frames = np.random.default_rng(0).integers(0, 255, (4, 256, 512), dtype=np.uint8)
+voxels = amacrine.Sensor("dvs", 0.5).voxels(frames, 30, {})
+"""
+HOLDS = """
+import numpy as np, amacrine
+from amacrine import _amacrine
+
+def peak():
+    return int(open("/proc/self/status").read().split("VmHWM:")[1].split()[0]) * 1024
+
+room, said = _amacrine.check_room, []
+def check_room(what, bytes, beside, help):
+    said.append(bytes + beside)
+    room(what, bytes, beside, help)
+_amacrine.check_room = check_room
+amacrine.set_threads(2)
+before = peak()
+%s
+print(peak() - before, sum(said), voxels.nbytes)
+"""
+
+
+def _held(what: str) -> list[int]:
+    """The most that was held more than before, what was asked for, and what came of it, in bytes."""
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", HOLDS % what], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    return [int(one) for one in done.stdout.split()]
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="needs what Linux tells")
+def test_what_voxels_hold_is_asked_for() -> None:
+    """One window is made in place; whatever else is held is a part of what is asked for."""
+    held, _, made = _held(OF_EVENTS.format(""))
+    assert made == 25 * 512 * 1024 * 4 and held < 1.2 * made
+    held, _, made = _held(OF_EVENTS.format("dtype=np.float16"))
+    assert held < 1.2 * 3 * made
+    for how in (
+        "bins=100", "bins=50, normalise='std'", "bins=50, dtype=np.float16", "bins=25, window=0.02",
+        "bins=25, window=0.1, every=0.02", "bins=25, window=0.02, upsample=0.3", "dtype=np.float64",
+    ):
+        held, asked, made = _held(OF_FRAMES.format(how))
+        # Events, and what the interpreter takes, are not asked for.
+        assert made / 2 < held < asked + (64 << 20), how
+        assert asked < 4.1 * made, how

@@ -99,7 +99,8 @@ impl BitPlane {
     #[must_use]
     pub fn columns(&self) -> Vec<bool> {
         let mut any = vec![0; self.stride];
-        for row in self.words.chunks_exact(self.stride) {
+        // Rows of no pixels have no words.
+        for row in self.words.chunks_exact(self.stride.max(1)) {
             for (any, word) in any.iter_mut().zip(row) {
                 *any |= word;
             }
@@ -283,6 +284,12 @@ fn or_all<const N: usize, const KEPT: bool>(words: &mut [u64], others: [&[u64]; 
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn a_plane_of_no_pixels_has_no_columns() {
+        assert_eq!(BitPlane::zeros(Size::new(3, 0)).columns(), [false; 0]);
+        assert_eq!(BitPlane::zeros(Size::new(0, 3)).columns(), [false; 3]);
+    }
 
     proptest! {
         #[test]

@@ -4,7 +4,7 @@ use super::{BitPlane, Domain, Layout};
 use crate::{
     aligned::Aligned,
     isa::{Analog, Bit, Digital},
-    plane::Plane,
+    plane::{Plane, Size},
 };
 
 /// Every register of every pixel, and the global input.
@@ -81,20 +81,25 @@ impl<C: Clone> State<C> {
     /// Sets an analogue register to the nearest to these values, in LSB.
     ///
     /// # Panics
-    /// When the array has no such register.
+    /// When the array has no such register, or the plane another size.
     pub fn set_analog<D: Domain<Cell = C>>(
         &mut self,
         domain: &D,
         register: Analog,
         values: &Plane<f64>,
     ) {
+        self.check_size(values);
         for (cell, value) in self.analog_mut(register).iter_mut().zip(values) {
             *cell = domain.hold(*value);
         }
     }
 
     /// Sets the photodiodes to the nearest to these values, in LSB.
+    ///
+    /// # Panics
+    /// When the plane has another size.
     pub fn set_light<D: Domain<Cell = C>>(&mut self, domain: &D, values: &Plane<f64>) {
+        self.check_size(values);
         for (cell, value) in self.pix.iter_mut().zip(values) {
             *cell = domain.hold(*value);
         }
@@ -105,8 +110,15 @@ impl<C: Clone> State<C> {
     /// # Panics
     /// When the array has no such register, or the plane another size.
     pub fn set_digital(&mut self, register: Digital, bits: &Plane<bool>) {
+        self.check_size(bits);
         let words = self.digital_mut(register).words_mut();
         words.copy_from_slice(BitPlane::from_plane(bits).words());
+    }
+
+    /// A plane of another size would be shifted, or a part of it.
+    fn check_size<T>(&self, plane: &Plane<T>) {
+        let (got, want) = (Size::of(plane), self.layout.size);
+        assert!(got == want, "the plane is {got}, and the array {want}");
     }
 
     pub(super) fn analog_mut(&mut self, register: Analog) -> &mut Aligned<C> {
@@ -152,5 +164,34 @@ impl<C: Clone> State<C> {
         Plane::from_shape_fn(self.layout.size.shape(), |(y, x)| {
             domain.value(&cells[y * width + x])
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{array::Exact, isa::Device};
+
+    fn state() -> State<<Exact as Domain>::Cell> {
+        let size = Size::new(3, 4);
+        State::new(&Exact, Layout::new(&Device::scamp5(), size), 0.0)
+    }
+
+    #[test]
+    #[should_panic(expected = "the plane is 3x4, and the array 4x3")]
+    fn a_register_of_another_size() {
+        state().set_analog(&Exact, Analog(0), &Plane::zeros((4, 3)));
+    }
+
+    #[test]
+    #[should_panic(expected = "the plane is 4x2, and the array 4x3")]
+    fn light_of_another_size() {
+        state().set_light(&Exact, &Plane::zeros((2, 4)));
+    }
+
+    #[test]
+    #[should_panic(expected = "the plane is 5x3, and the array 4x3")]
+    fn bits_of_another_size() {
+        state().set_digital(Digital(0), &Plane::from_elem((3, 5), true));
     }
 }

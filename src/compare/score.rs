@@ -14,7 +14,7 @@ use super::{
     voxel::Bins,
     window::Redraws,
 };
-use crate::unit::Micros;
+use crate::{stop::Stop, unit::Micros};
 
 /// The scales at which to measure.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,6 +29,8 @@ pub struct Scales {
     pub bins: usize,
     /// Seed of the redraw and the permutation.
     pub seed: u64,
+    /// Whether to end early: metrics that are left then have no value.
+    pub stop: Stop,
 }
 
 impl Scales {
@@ -63,6 +65,7 @@ impl Default for Scales {
             victor_purpura: [5_000, 50_000].map(Micros).to_vec(),
             bins: 8,
             seed: 0,
+            stop: Stop::NEVER,
         }
     }
 }
@@ -141,6 +144,14 @@ pub fn measure(
 ) -> Vec<(Metric, Option<f64>)> {
     let measured = Measured::new(pair, bins, redraws);
     { scales.metrics().into_iter() }
-        .map(|metric| (metric, metric.value(&measured)))
+        .map(|metric| {
+            let is_left = scales.stop.is_asked();
+            let value = if is_left {
+                None
+            } else {
+                metric.value(&measured)
+            };
+            (metric, value)
+        })
         .collect()
 }

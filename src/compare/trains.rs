@@ -106,7 +106,7 @@ impl Trains {
 /// The first event outside of its size and channels.
 pub(super) fn sorted(packet: &Packet) -> Result<Trains, &Event> {
     let (size, channels) = (packet.size, packet.channels);
-    let cells = 2 * usize::from(channels) * size.height * size.width;
+    let cells = size.pixels().saturating_mul(2 * usize::from(channels));
     if cells <= FEW_CELLS.max(packet.events.len()) && u32::try_from(packet.events.len()).is_ok() {
         return by_cell(packet, cells);
     }

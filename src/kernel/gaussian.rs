@@ -21,6 +21,10 @@ impl Gaussian {
     }
 
     /// A row of it, not normalised: `exp(-x² / 2 sigma²)`.
+    ///
+    /// # Panics
+    /// When sigma is so large, or infinite, that memory does not hold [`Gaussian::side`] numbers.
+    /// [`Kernel::from_gaussians`] refuses such a sigma.
     #[must_use]
     pub fn line(&self) -> Vec<f64> {
         let own = self.side();

@@ -90,9 +90,16 @@ impl Levels {
         Self::new((0..=u16::MAX).map(light))
     }
 
-    /// Codes of so many bits, 0 to the largest, that are light from 0 to 255.
+    /// Codes of so many bits, 1 to 16, from 0 to the largest, that are light from 0 to 255.
+    ///
+    /// # Panics
+    /// When there are no bits, or more than 16: codes have no more.
     #[must_use]
     pub fn of_bits(bits: u32) -> Self {
+        assert!(
+            (1..=u16::BITS).contains(&bits),
+            "codes of {bits} bits, and they have 1 to 16"
+        );
         if bits == 8 {
             return Self::bytes();
         }
@@ -393,6 +400,15 @@ mod tests {
 
     fn bits(plane: &Plane<f64>) -> Vec<u64> {
         plane.iter().map(|light| light.to_bits()).collect()
+    }
+
+    #[test]
+    fn codes_have_one_to_sixteen_bits() {
+        assert_eq!(Levels::of_bits(1).light()[..2], [0.0, 255.0]);
+        assert_eq!(Levels::of_bits(16).light()[65535], 255.0);
+        for bits in [0, 17, 32] {
+            assert!(std::panic::catch_unwind(|| Levels::of_bits(bits)).is_err());
+        }
     }
 
     proptest! {

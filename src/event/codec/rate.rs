@@ -47,11 +47,15 @@ pub fn frames(packet: &Packet, window: Micros) -> u64 {
 }
 
 impl Rate {
-    /// Of a packet whose events take `costs` bits each. The busiest window is the one with the
+    /// Of a packet whose events, in any order, take `costs` bits each. The busiest window is the one with the
     /// most bits of all `from <= t < from + window`; a window of 0 counts as 1 us. Bit maps are
     /// sent at whole multiples of `window`.
     #[must_use]
     pub fn from_packet(packet: &Packet, costs: &[u32], window: Micros) -> Self {
+        if !packet.events.is_sorted_by_key(|event| event.t) {
+            let (packet, costs) = in_order(packet, costs);
+            return Self::from_packet(&packet, &costs, window);
+        }
         let window = Micros(window.0.max(1));
         let bits: u64 = costs.iter().map(|c| u64::from(*c)).sum();
         let per_event = (!costs.is_empty()).then(|| bits as f64 / costs.len() as f64);
@@ -85,6 +89,16 @@ impl Rate {
             above: above as u64,
         }
     }
+}
+
+/// The same in the order of time, each event with what it takes.
+fn in_order(packet: &Packet, costs: &[u32]) -> (Packet, Vec<u32>) {
+    let mut packet = packet.clone();
+    let mut both: Vec<_> = packet.events.drain(..).zip(costs.iter().copied()).collect();
+    both.sort_by_key(|(event, _)| event.t);
+    let costs;
+    (packet.events, costs) = both.into_iter().unzip();
+    (packet, costs)
 }
 
 /// The most bits in a window, and the start of that window.
@@ -125,6 +139,18 @@ mod tests {
         assert_eq!((rate.crossover, rate.above), (Some(12.8), 0));
         // At 40 bits an event, the four of 501 to 600 cost more than a map.
         assert_eq!(Rate::from_packet(&packet, &[40; 7], Micros(100)).above, 1);
+    }
+
+    #[test]
+    fn the_order_does_not_matter() {
+        let times = [0, 500, 501, 502, 503, 600, 1000];
+        let costs = [10, 20, 30, 40, 50, 60, 70];
+        let of = |order: [usize; 7]| {
+            let events = order.map(|n| event(times[n], 0, 0));
+            let costs = order.map(|n| costs[n]);
+            Rate::from_packet(&packet(8, 8, &events), &costs, Micros(100))
+        };
+        assert_eq!(of([6, 1, 3, 0, 2, 5, 4]), of([0, 1, 2, 3, 4, 5, 6]));
     }
 
     #[test]

@@ -79,7 +79,12 @@ pub(super) fn named<T: Copy>(
 /// How many values so many parts of `each` have, of four bytes, where this machine holds them.
 pub(super) fn room(parts: u64, what: &'static str, each: usize) -> Result<usize, TensorError> {
     let values = u128::from(parts) * each as u128;
-    let bytes = values.saturating_mul(4);
+    check_room(parts, what, values.saturating_mul(4))?;
+    Ok(values as usize)
+}
+
+/// Refuses so many bytes for so many parts where this machine does not hold them.
+pub(super) fn check_room(parts: u64, what: &'static str, bytes: u128) -> Result<(), TensorError> {
     // What is as small as this is never asked for.
     if bytes > SMALL {
         let most = Budget::from_machine().bytes;
@@ -92,7 +97,7 @@ pub(super) fn room(parts: u64, what: &'static str, each: usize) -> Result<usize,
             });
         }
     }
-    Ok(values as usize)
+    Ok(())
 }
 
 /// Bytes that every machine has.

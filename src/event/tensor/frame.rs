@@ -42,7 +42,8 @@ pub fn frames(
 ) -> Result<Vec<i32>, TensorError> {
     outside::check(&packet.events, packet.size, packet.channels)?;
     let pixels = packet.size.pixels();
-    let cells = usize::from(packet.channels) * sides.count() * pixels;
+    let planes = usize::from(packet.channels) * sides.count();
+    let cells = pixels.saturating_mul(planes);
     let events = sorted(&packet.events);
     let parts = events.chunks(each.max(1));
     let mut out = vec![0; room(parts.len() as u64, "event frames", cells)?];

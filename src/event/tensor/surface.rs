@@ -3,13 +3,14 @@
 use std::str::FromStr;
 
 use super::{
-    error::{TensorError, named, room, time},
+    error::{TensorError, check_room, named, time},
     sides::Sides,
     sorted,
 };
 use crate::{
     elementary,
     event::{Packet, outside},
+    plane::Size,
     unit::Micros,
 };
 
@@ -50,6 +51,9 @@ pub struct TimeSurface {
 /// A cell that has not fired.
 const NEVER: u64 = u64::MAX;
 
+/// When a cell fired last, and the sign of that event.
+type Last = (u64, f32);
+
 impl TimeSurface {
     /// Surfaces that forget within `tau` seconds.
     ///
@@ -71,12 +75,15 @@ impl TimeSurface {
     pub fn of(&self, packet: &Packet, times: &[Micros]) -> Result<Vec<f32>, TensorError> {
         outside::check(&packet.events, packet.size, packet.channels)?;
         let pixels = packet.size.pixels();
-        let each = usize::from(packet.channels) * self.sides.count() * pixels;
+        let planes = usize::from(packet.channels) * self.sides.count();
+        let each = pixels.saturating_mul(planes);
+        let held = self.held(packet.size, packet.channels, times.len());
+        check_room(times.len() as u64, "time surfaces", held)?;
         let events = sorted(&packet.events);
         let mut order: Vec<usize> = (0..times.len()).collect();
         order.sort_by_key(|n| times[*n]);
-        let mut out = vec![0.0; room(times.len() as u64, "time surfaces", each)?];
-        let mut last = vec![(NEVER, 0.0f32); each];
+        let mut out = vec![0.0; times.len() * each];
+        let mut last: Vec<Last> = vec![(NEVER, 0.0); each];
         let mut events = events.iter().peekable();
         for n in order {
             let now = times[n];
@@ -95,6 +102,14 @@ impl TimeSurface {
             }
         }
         Ok(out)
+    }
+
+    /// Bytes that are held when so many surfaces are made: they, and when each cell fired last.
+    #[must_use]
+    pub fn held(&self, size: Size, channels: u8, count: usize) -> u128 {
+        let planes = usize::from(channels) * self.sides.count();
+        let cells = size.pixels() as u128 * planes as u128;
+        cells.saturating_mul(count as u128 * 4 + size_of::<Last>() as u128)
     }
 
     fn left(&self, age: Micros) -> f32 {

@@ -14,7 +14,7 @@ use std::str::FromStr;
 use rayon::prelude::*;
 
 use super::{
-    error::{MOST_BINS, TensorError, named, room},
+    error::{MOST_BINS, TensorError, check_room, named},
     normalise::Normalise,
     sides::Sides,
     sorted,
@@ -96,7 +96,24 @@ impl Voxels {
     /// Values of a window.
     #[must_use]
     pub fn len(&self, size: Size, channels: u8) -> usize {
-        self.shape(size, channels).iter().product()
+        let sides = self.shape(size, channels);
+        sides.into_iter().fold(1, usize::saturating_mul)
+    }
+
+    /// Bytes that are held when the first `count` windows are made: their voxels, and the sums of
+    /// the windows that are worked on at once.
+    #[must_use]
+    pub fn held(&self, size: Size, channels: u8, count: u64) -> u128 {
+        let each = self.len(size, channels) as u128;
+        // Wide sums do not become voxels in place.
+        let is_wide = self.places(0).parts > NARROW_PARTS;
+        let sum = if is_wide { 8 + 4 } else { 4 };
+        if count == 1 {
+            return each.saturating_mul(sum);
+        }
+        let at_once = u128::from(count).min(rayon::current_num_threads() as u128);
+        let bytes = u128::from(count) * 4 + at_once * sum;
+        each.saturating_mul(bytes)
     }
 
     /// The voxels of all windows of a packet, up to the end of what was watched.
@@ -106,27 +123,36 @@ impl Voxels {
     pub fn of(&self, packet: &Packet) -> Result<Vec<f32>, TensorError> {
         let last = packet.events.iter().map(|event| event.t).max();
         let end = last.unwrap_or_default().max(packet.span.1);
-        let each = self.len(packet.size, packet.channels);
-        let mut voxels = vec![0.0; room(self.windows.count(end), "windows of voxels", each)?];
-        self.fill(packet, &mut voxels)?;
-        Ok(voxels)
+        self.first(packet, self.windows.count(end))
     }
 
-    /// Writes the voxels of a packet's first windows, as many as `out` has room for.
+    /// The voxels of a packet's first `count` windows.
     ///
     /// # Errors
-    /// When an event lies outside of the packet.
-    pub fn fill(&self, packet: &Packet, out: &mut [f32]) -> Result<(), TensorError> {
+    /// When an event lies outside of the packet, or the windows are more than this machine holds.
+    pub fn first(&self, packet: &Packet, count: u64) -> Result<Vec<f32>, TensorError> {
+        let place = (packet.size, packet.channels);
+        let each = self.len(place.0, place.1);
+        check_room(
+            count,
+            "windows of voxels",
+            self.held(place.0, place.1, count),
+        )?;
         outside::check(&packet.events, packet.size, packet.channels)?;
         let events = sorted(&packet.events);
-        let place = (packet.size, packet.channels);
-        let each = self.len(place.0, place.1).max(1);
-        out.par_chunks_mut(each).enumerate().for_each(|(n, out)| {
-            let mut sums = Sums::new(out.len());
-            self.add(&events, n as u64, place, &mut sums);
-            out.copy_from_slice(&self.finish(place, n as u64, sums));
-        });
-        Ok(())
+        let window = |n| {
+            let mut sums = Sums::new(each);
+            self.add(&events, n, place, &mut sums);
+            self.finish(place, n, sums)
+        };
+        // The sums of one become its voxels: no second array.
+        if count == 1 {
+            return Ok(window(0));
+        }
+        let mut voxels = vec![0.0; count as usize * each];
+        let windows = voxels.par_chunks_mut(each.max(1)).enumerate();
+        windows.for_each(|(n, out)| out.copy_from_slice(&window(n as u64)));
+        Ok(voxels)
     }
 
     /// Adds what these events, in the order of their times, give to window `n`.
@@ -196,6 +222,9 @@ struct Places {
 /// cut to such a part. 2^31 whole events then fit in a sum.
 const MOST_PARTS: i64 = 1 << 32;
 
+/// From more parts on a few events in one voxel are more than a narrow sum holds.
+const NARROW_PARTS: i64 = 1 << 27;
+
 impl Places {
     fn new(steps: i64, length: i64) -> Self {
         let common = greatest_common_divisor(steps, length).max(1);
@@ -231,6 +260,7 @@ impl Places {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use rayon::ThreadPoolBuilder;
 
     use super::*;
     use crate::{
@@ -397,6 +427,32 @@ mod tests {
             event(250_000_000_000_000, off),
         ];
         assert_eq!(window(1e9, 3).of(&packet).unwrap(), [-0.25, 0.25, 0.0]);
+    }
+
+    /// One window is made in place, several beside the sums of those that are worked on at once.
+    #[test]
+    fn what_is_held_is_counted() {
+        let one = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        one.install(|| {
+            let held = |seconds, bins, count| {
+                let windows = Windows::new(seconds, seconds, Alignment::Causal).unwrap();
+                Voxels::new(bins, windows).unwrap().held(SIZE, 2, count)
+            };
+            let values = 5 * 12 * 2;
+            assert_eq!(held(0.1, 5, 1), values * 4);
+            assert_eq!(held(0.1, 5, 9), values * (9 * 4 + 4));
+            assert_eq!(held(7200.0, 5, 1), values * 12);
+            assert_eq!(held(7200.0, 5, 2), values * (2 * 4 + 12));
+        });
+        let mut packet = packet(vec![]);
+        packet.size = Size::new(1 << 31, 1 << 31);
+        let windows = Windows::new(0.1, 0.1, Alignment::Causal).unwrap();
+        let voxels = Voxels::new(5, windows).unwrap();
+        let refused = voxels.of(&packet);
+        assert!(
+            matches!(refused, Err(TensorError::Room { .. })),
+            "{refused:?}"
+        );
     }
 
     #[test]

@@ -11,6 +11,7 @@ use crate::{
         address::{self, AddressWord},
         codec::Rate,
     },
+    stop::Stop,
     study::{equivalent::Likeness, quantisation::Headline},
     unit::Micros,
 };
@@ -131,6 +132,7 @@ impl Judged {
             victor_purpura: Vec::new(),
             bins: 1,
             seed: window.seed,
+            stop: Stop::NEVER,
         };
         let scores = score::scores(&pair, &scales);
         let scored = |metric: Metric| {
