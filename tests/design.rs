@@ -702,3 +702,75 @@ fn a_silent_kind_is_no_part_of_what_is_kept() {
         );
     }
 }
+
+/// The commands that are printed show what was judged: all frames of a pattern without a length of its
+/// own, on the chip of the seed, whatever the folder is called.
+#[test]
+fn the_commands_run_what_was_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let ask = [
+        "design",
+        "csdvs-3",
+        "--threshold",
+        "25",
+        "--to",
+        "int-5",
+        "--memory",
+        "analogue",
+        "--seed",
+        "5",
+        "--effort",
+        "0.02",
+        "--chips",
+        "1",
+        "--scene",
+        "pattern:noise?width=16&height=12",
+    ];
+    let said = json(folder, &ask);
+    let picked = &said["candidates"][said["picked"].as_u64().unwrap() as usize];
+    let ratio = picked["kinds"][0]["silicon"]["event_ratio"]
+        .as_f64()
+        .unwrap();
+    let told = good(folder, &[&ask[..], &["-o", "cafe\u{301}"]].concat());
+    let run = |verb: &str| {
+        let start = told.find(&format!("amacrine {verb} ")).unwrap();
+        let command = told[start..].lines().next().unwrap();
+        let words = command.split_whitespace().skip(1);
+        let words: Vec<&str> = words.map(|word| word.trim_matches('\'')).collect();
+        json(folder, &words)["events"].as_u64().unwrap() as f64
+    };
+    let (float, chip) = (run("run"), run("exec"));
+    assert!(
+        (chip / float - ratio).abs() < 1e-9,
+        "{chip} {float} {ratio}: {told}"
+    );
+    good(
+        folder,
+        &[
+            "quantise",
+            "csdvs-3",
+            "--to",
+            "ternary",
+            "-o",
+            "cafe\u{301}.toml",
+        ],
+    );
+    good(folder, &["quantise", "cafe\u{301}.toml", "--to", "ternary"]);
+}
+
+/// The kinds of a sensor may stand in a list as well as under their heads.
+#[test]
+fn a_sensor_whose_kinds_are_a_list_is_one() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("s.toml"),
+        "response = \"identity\"\nmemory = \"filtered-snap\"\nborder = \"zero\"\nchannel = [{ kernel = [[-1.0, 1.0, 0.0]], threshold = { on = 25.0, off = 25.0 } }]\n",
+    )
+    .unwrap();
+    let said = json(folder.path(), &["quantise", "s.toml", "--to", "ternary"]);
+    assert_eq!(
+        said["quantised"][0]["levels"],
+        serde_json::json!([[-1.0, 1.0, 0.0]])
+    );
+}
