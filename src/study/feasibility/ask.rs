@@ -101,7 +101,7 @@ pub(super) fn answered(
                 [0, 0] => question.readout,
                 _ => Readout::Ideal(Ideal),
             };
-            question.waterfall((&design, to), found, readout, (open, &mut seen))?
+            question.waterfall((&design, to), found, readout, open, &mut seen)?
         }
         None => (None, None),
     };
@@ -219,10 +219,8 @@ impl Question<'_> {
         (design, to): (&Design<'_>, Quantiser),
         (quantised, compiled): (Quantised, Compiled),
         readout: Readout,
-        (open, seen): (
-            &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-            &mut dyn FnMut(&Frame),
-        ),
+        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+        seen: &mut dyn FnMut(&Frame),
     ) -> Result<(Option<Waterfall>, Option<Rates>), FeasibilityError> {
         let asked = waterfall::Question {
             design: *design,
