@@ -148,7 +148,9 @@ mod tests {
         let of = |order: [usize; 7]| {
             let events = order.map(|n| event(times[n], 0, 0));
             let costs = order.map(|n| costs[n]);
-            Rate::from_packet(&packet(8, 8, &events), &costs, Micros(100))
+            let mut packet = packet(8, 8, &events);
+            packet.span = (Micros(0), Micros(1000));
+            Rate::from_packet(&packet, &costs, Micros(100))
         };
         assert_eq!(of([6, 1, 3, 0, 2, 5, 4]), of([0, 1, 2, 3, 4, 5, 6]));
     }
