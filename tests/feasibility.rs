@@ -1374,10 +1374,11 @@ fn what_is_judged_is_read_as_it_is_told() {
             warned.contains("all slots of the program would lose"),
             "{warned}"
         );
-        let own = match kernels {
-            [_] => &said["chip"]["rows"][0]["on_chip"]["exact"],
-            _ => &said["together"][0]["on_chip"]["kinds"][0]["exact"],
+        // The filter of two kernels is another, and so is what its sums round.
+        let (own, within) = match kernels {
+            [_] => (&said["chip"]["rows"][0]["on_chip"]["exact"], 1e-12),
+            _ => (&said["together"][0]["on_chip"]["kinds"][0]["exact"], 0.01),
         };
-        assert!((number(own, "/f1") - exact).abs() < 1e-12, "{own}");
+        assert!((number(own, "/f1") - exact).abs() < within, "{own}");
     }
 }
