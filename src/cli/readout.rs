@@ -126,9 +126,9 @@ pub fn lines(description: &Description, statistics: &Statistics) -> Vec<String> 
             100.0 * stage.busy,
             stage.most
         ));
-        lines.extend(late(description, statistics, stage).map(noted));
+        lines.extend(late(description, statistics, stage).map(|note| noted(&note)));
     }
-    lines.extend(ambiguous(statistics).map(noted));
+    lines.extend(ambiguous(statistics).map(|note| noted(&note)));
     lines
 }
 
@@ -139,8 +139,8 @@ pub fn notes(description: &Description, statistics: &Statistics) -> Vec<String> 
     late.chain(ambiguous(statistics)).collect()
 }
 
-fn noted(note: String) -> String {
-    "note     ".to_owned() + &note
+fn noted(note: &str) -> String {
+    format!("note     {note}")
 }
 
 /// That a stage cannot keep up, and why.

@@ -389,12 +389,13 @@ impl Arguments {
             .clip
             .given()
             .is_some_and(|scene| scene.starts_with("pattern:") && !scene.contains("frames="));
-        let mut most = String::new();
-        if frames < FRAMES || is_endless {
-            most = format!(" --frames {frames}");
-        }
+        let mut most = match frames {
+            FRAMES.. if !is_endless => String::new(),
+            _ => format!(" --frames {frames}"),
+        };
         if self.seed != 0 {
-            most += &format!(" --seed {}", self.seed);
+            most += " --seed ";
+            most += &self.seed.to_string();
         }
         [
             format!(
