@@ -1,6 +1,6 @@
 //! Why there is no program.
 
-use crate::isa::Device;
+use crate::isa::{Device, Figure};
 
 /// The largest value that a register holds with either sign, LSB.
 #[must_use]
@@ -281,6 +281,18 @@ pub enum CompileError {
 }
 
 impl CompileError {
+    /// Of a filter of so many words, where the chip does not hold them.
+    #[must_use]
+    pub fn of_store(words: u64, device: &Device) -> Option<Self> {
+        let room = device.value(Figure::Store) as u64;
+        (words > room).then(|| Self::Store {
+            words,
+            room,
+            chip: device.name().to_owned(),
+            advice: "take fewer digits (--to), or a chip with a larger store (--chip)".to_owned(),
+        })
+    }
+
     /// The same with another advice, where it is one that was tried; any other as it is.
     #[must_use]
     pub(super) fn with_advice(mut self, advised: impl FnOnce() -> String) -> Self {

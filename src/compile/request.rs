@@ -259,7 +259,12 @@ impl<'a> Request<'a> {
         let mut front = Vec::new();
         let mut refused = None;
         for filter in found {
-            match check_words(&filter.text(self.device, 0), self.device) {
+            let long = CompileError::of_store(filter.word_count(self.device), self.device);
+            let checked = match long {
+                Some(error) => Err(error),
+                None => check_words(&filter.text(self.device, 0), self.device),
+            };
+            match checked {
                 Ok(()) => front.push(filter),
                 Err(error) => refused = refused.or(Some(error)),
             }

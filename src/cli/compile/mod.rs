@@ -458,9 +458,8 @@ fn bare<'a>(
 /// A filter that the chip stores; the shortest where the best is too long.
 fn stored(filter: Filter, request: &Request<'_>) -> miette::Result<Filter> {
     let device = request.device;
-    let room = device.value(Figure::Store) as u64;
     let words = filter.word_count(device);
-    if words <= room {
+    if CompileError::of_store(words, device).is_none() {
         return Ok(filter);
     }
     let shortest = Request {
@@ -468,17 +467,11 @@ fn stored(filter: Filter, request: &Request<'_>) -> miette::Result<Filter> {
         ..request.clone()
     };
     let shortest = shortest.filter()?;
-    if shortest.word_count(device) > room {
-        return Err(CompileError::Store {
-            words: shortest.word_count(device),
-            room,
-            chip: device.name().to_owned(),
-            advice: "take fewer digits (--to), or a chip with a larger store (--chip)".to_owned(),
-        }
-        .into());
+    if let Some(error) = CompileError::of_store(shortest.word_count(device), device) {
+        return Err(error.into());
     }
     complain(&format!(
-        "warning: the best program has {}, and {} holds {room}: this is the shortest, as of --objective words\n",
+        "warning: the best program has {}, more than {} holds: this is the shortest, as of --objective words\n",
         counted(words, "instruction word"),
         device.name()
     ));
