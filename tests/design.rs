@@ -727,7 +727,7 @@ fn the_commands_run_what_was_judged() {
         "--scene",
         "pattern:noise?width=16&height=12",
     ];
-    let said = json(folder, &ask);
+    let said = json(folder, &[&ask[..], &["-o", "out"]].concat());
     let picked = &said["candidates"][said["picked"].as_u64().unwrap() as usize];
     let ratio = picked["kinds"][0]["silicon"]["event_ratio"]
         .as_f64()
