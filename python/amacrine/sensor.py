@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from threading import Lock
 from typing import Any, TypeVar, Union
 
 import numpy as np
@@ -335,22 +336,19 @@ class Stream:
         self._sensor, self._scale = sensor, scale
         self.fps = arguments.rate(fps)
         """Frames per second."""
-        self._begun: dict[str, _amacrine.Run] = {}
+        self._run: _amacrine.Run | None = None
+        self._first = Lock()
         self._told: set[str] = set()
 
     def _next(self, frames: Any) -> tuple[_amacrine.Run, npt.NDArray[Any]]:
         given = clips(frames, self._scale)
         if given.batched:
             raise Error("a stream is of one clip\nhelp: give an array of shape (T,H,W)")
-        if self._run is None:
-            run = self._sensor._watch(given.size, self.fps, given.scale)
-            # Of several threads one begins it.
-            self._begun.setdefault("run", run)
-        return self._begun["run"], given.clip(0)
-
-    @property
-    def _run(self) -> _amacrine.Run | None:
-        return self._begun.get("run")
+        # Of several threads one begins it.
+        with self._first:
+            if self._run is None:
+                self._run = self._sensor._watch(given.size, self.fps, given.scale)
+        return self._run, given.clip(0)
 
     def _caution(self, *, over: bool = False) -> None:
         """Warns once of each thing; of no event and of small light where so much was seen, or the

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
+import sys
+import time
 from pathlib import Path
 from typing import Any, Callable
 
@@ -45,3 +48,23 @@ def kernels(count: int, side: int = 5) -> npt.NDArray[np.float64]:
     weights = random.normal(size=(count, 1, side, side))
     weights -= weights.mean(axis=(2, 3), keepdims=True)
     return weights
+
+
+def ends_on_ctrl_c(code: str, seconds: float) -> None:
+    """Runs code that prints ``begun`` and goes on for long: it ends within so many seconds of the
+    signal."""
+    with subprocess.Popen(
+        [sys.executable, "-W", "ignore", "-c", code],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    ) as run:
+        assert run.stdout is not None and run.stdout.readline() == "begun\n"
+        time.sleep(2)
+        assert run.poll() is None, "it was over before it could be stopped"
+        begun = time.monotonic()
+        os.kill(run.pid, signal.SIGINT)
+        try:
+            said = run.communicate(timeout=seconds + 10)[1]
+        finally:
+            run.kill()
+    assert "KeyboardInterrupt" in said, said
+    assert time.monotonic() - begun < seconds

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
-import sys
-import time
-
 import pytest
+from conftest import ends_on_ctrl_c
 
 BEGIN = """
 import numpy as np, amacrine
@@ -43,29 +38,10 @@ IN_SECONDS = 10.0
 """Within which it ends on a busy machine; each goes on for longer by itself."""
 
 
-def _stopped(code: str) -> None:
-    """Sends a signal to what has begun, and waits for its end."""
-    with subprocess.Popen(
-        [sys.executable, "-W", "ignore", "-c", BEGIN + code],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    ) as run:
-        assert run.stdout is not None and run.stdout.readline() == "begun\n"
-        time.sleep(1.5)
-        assert run.poll() is None, "it was over before it could be stopped"
-        begun = time.monotonic()
-        os.kill(run.pid, signal.SIGINT)
-        try:
-            said = run.communicate(timeout=2 * IN_SECONDS)[1]
-        finally:
-            run.kill()
-    assert "KeyboardInterrupt" in said, said
-    assert time.monotonic() - begun < IN_SECONDS
-
-
 @pytest.mark.parametrize("work", WORK)
 def test_sensors_end_at_the_next_frame(work: str) -> None:
-    _stopped(f'print("begun", flush=True)\n{WORK[work]}')
+    ends_on_ctrl_c(f'{BEGIN}print("begun", flush=True)\n{WORK[work]}', IN_SECONDS)
 
 
 def test_a_comparison_ends_with_its_metric() -> None:
-    _stopped(COMPARED)
+    ends_on_ctrl_c(BEGIN + COMPARED, IN_SECONDS)

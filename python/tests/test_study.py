@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import json
-import os
 import pickle
 import re
-import signal
-import subprocess
-import sys
-import time
 import warnings
 from pathlib import Path
 from typing import Any, Callable
@@ -17,6 +12,7 @@ from typing import Any, Callable
 import amacrine
 import numpy as np
 import pytest
+from conftest import ends_on_ctrl_c
 
 SCENE = "pattern:disc?width=48&height=40&frames=12&fps=50"
 
@@ -417,17 +413,4 @@ print("begun", flush=True)
 def test_studies_end_on_ctrl_c(study: str) -> None:
     """At the next frame of their scene; searches after what they look at."""
     code = ENDLESS.format((STUDIES | SEARCHES)[study])
-    with subprocess.Popen(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as run:
-        assert run.stdout is not None and run.stdout.readline() == "begun\n"
-        time.sleep(2)
-        assert run.poll() is None, "the study was over before it could be stopped"
-        begun = time.monotonic()
-        os.kill(run.pid, signal.SIGINT)
-        try:
-            said = run.communicate(timeout=30)[1]
-        finally:
-            run.kill()
-    assert "KeyboardInterrupt" in said, said
-    assert time.monotonic() - begun < 20
+    ends_on_ctrl_c(code, 20)

@@ -11,6 +11,12 @@ use crate::{
 /// What the scene is called where none was given.
 const BUNDLED: &str = "the bundled clip";
 
+/// Whether a scene is a pattern that does not say how many frames it has: a program then shows as
+/// many of it as it has itself.
+pub(super) fn goes_on(scene: &str) -> bool {
+    scene.starts_with("pattern:") && !scene.contains("frames=")
+}
+
 /// `--scene`, `--fps`, and what its samples mean.
 #[derive(Clone, Debug, clap::Args)]
 pub(super) struct Clip {

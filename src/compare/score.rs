@@ -145,13 +145,8 @@ pub fn measure(
     let measured = Measured::new(pair, bins, redraws);
     { scales.metrics().into_iter() }
         .map(|metric| {
-            let is_left = scales.stop.is_asked();
-            let value = if is_left {
-                None
-            } else {
-                metric.value(&measured)
-            };
-            (metric, value)
+            let goes_on = !scales.stop.is_asked();
+            (metric, goes_on.then(|| metric.value(&measured)).flatten())
         })
         .collect()
 }

@@ -5,7 +5,12 @@ use std::{
     str::FromStr,
 };
 
-use crate::{config::UnknownWord, event::kind_names, isa::Device, kernel::Kernel};
+use crate::{
+    config::{UnknownWord, on_one_line},
+    event::kind_names,
+    isa::Device,
+    kernel::Kernel,
+};
 
 /// One kind of cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,23 +105,17 @@ pub(super) fn constants(kinds: &[CellKind], i: usize) -> (String, String) {
 /// Frames that a program runs by itself, of its own pattern.
 pub const FRAMES: u64 = 8;
 
-/// A text of TOML on one line: one of JSON, in which DEL is not escaped.
-fn text_of(text: &str) -> String {
-    let text = serde_json::Value::from(text).to_string();
-    text.replace('\u{7f}', "\\u007f")
-}
-
 /// The settings at the head of a program.
 pub(super) fn header(title: &str, device: &Device, kinds: &[CellKind]) -> String {
     let mut text = format!(
         "//! title = {}\n//! chip = {}\n//! image = \"pattern:disc?width=64&height=48\"\n//! frames = {FRAMES}\n//! channels = {}\n",
-        text_of(title),
-        text_of(device.name()),
+        on_one_line(title),
+        on_one_line(device.name()),
         kinds.len()
     );
     let names = kind_names(kinds.iter().map(|kind| kind.name.as_deref()));
     if !names.is_empty() {
-        let names: Vec<String> = names.iter().map(|name| text_of(name)).collect();
+        let names: Vec<String> = names.iter().map(|name| on_one_line(name)).collect();
         let _ = writeln!(text, "//! names = [{}]", names.join(", "));
     }
     text

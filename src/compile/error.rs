@@ -281,7 +281,7 @@ pub enum CompileError {
 }
 
 impl CompileError {
-    /// Of a filter of so many words, where the chip does not hold them.
+    /// Of so many words, where the chip does not hold them.
     #[must_use]
     pub fn of_store(words: u64, device: &Device) -> Option<Self> {
         let room = device.value(Figure::Store) as u64;

@@ -146,17 +146,8 @@ impl SensorProgram {
         };
         let filter = request.filter()?;
         // The filter is in `init` (for the first memory) and in `frame`.
-        let (words, room) = (
-            2 * filter.word_count(device),
-            device.value(Figure::Store) as u64,
-        );
-        if words > room {
-            return Err(CompileError::Store {
-                words,
-                room,
-                chip: device.name().to_owned(),
-                advice: String::new(),
-            });
+        if let Some(error) = CompileError::of_store(2 * filter.word_count(device), device) {
+            return Err(error);
         }
         let scale = device.value(Figure::LightScale) * filter.scale();
         let steps = match memory {

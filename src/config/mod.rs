@@ -25,6 +25,7 @@ mod place;
 mod range;
 pub mod schema;
 mod section;
+mod text;
 mod unknown;
 mod word;
 
@@ -38,6 +39,7 @@ pub use nearest::{asked, nearest, suggestion, suggestion_or};
 pub use place::{Lines, Place, line_column};
 pub use range::Range;
 pub use section::Section;
+pub use text::on_one_line;
 pub use unknown::{choice, unknown_key};
 pub(crate) use word::listed;
 pub use word::{UnknownWord, variant};

@@ -7,7 +7,8 @@ use serde::Serialize;
 
 use crate::{
     config::{
-        Fault, File, Key, Kind, Name, Node, Place, Range, Read, Section, Spelling, Table, schema,
+        Fault, File, Key, Kind, Name, Node, Place, Range, Read, Section, Spelling, Table,
+        on_one_line, schema,
     },
     kernel,
     limit::ARRAY_SIDE,
@@ -316,10 +317,7 @@ impl Settings {
         if self.names.is_empty() {
             return String::new();
         }
-        // A text of JSON is one of TOML, and stays on its line.
-        let names = self.names.iter();
-        let names = names.map(|name| serde_json::Value::from(name.as_str()).to_string());
-        let names: Vec<String> = names.collect();
+        let names: Vec<String> = self.names.iter().map(|name| on_one_line(name)).collect();
         format!("//! names = [{}]\n", names.join(", "))
     }
 

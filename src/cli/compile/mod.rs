@@ -41,7 +41,6 @@ use crate::{
     program::{Cost, Expansion, Program, Step, cpp, is_cpp},
     rig::guard::Warning,
     save::save,
-    unit,
     unit::counted,
 };
 
@@ -268,7 +267,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         .chain(compiled.unreached(&asked.names, &device))
         .chain(compiled.restless(&asked, &device))
     {
-        super::complain(&warning);
+        complain(&warning);
     }
     light::warn(&asked.warnings);
     if arguments.json {
@@ -650,8 +649,8 @@ fn check_registers(request: &Request<'_>, asked: &Asked) -> miette::Result<()> {
         return Err(miette!(
             help = "give --into as many registers as there are kernels",
             "there are {} and {} for them",
-            unit::counted(count, "kernel"),
-            unit::counted(request.into.len(), "register")
+            counted(count, "kernel"),
+            counted(request.into.len(), "register")
         ));
     }
     let twice = |(i, register): (usize, &Analog)| request.into[..i].contains(register);

@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::{
     budget,
-    clip::Clip,
+    clip::{Clip, goes_on},
     compile::memory,
     content::Content,
     event_rate::event_rate,
@@ -383,14 +383,9 @@ impl Arguments {
             other => format!(" --chip {}", quoted(other)),
         };
         let program = path(&written.program);
-        // A scene that ends before the program would stand still; of a pattern without a length of its
-        // own the program would show as much as it has itself.
-        let is_endless = self
-            .clip
-            .given()
-            .is_some_and(|scene| scene.starts_with("pattern:") && !scene.contains("frames="));
+        // A scene that ends before the program would stand still.
         let mut most = match frames {
-            FRAMES.. if !is_endless => String::new(),
+            FRAMES.. if !self.clip.given().is_some_and(goes_on) => String::new(),
             _ => format!(" --frames {frames}"),
         };
         if self.seed != 0 {

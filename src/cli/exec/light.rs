@@ -7,7 +7,10 @@ use std::{
 
 use miette::miette;
 
-use super::{super::files, arguments::Arguments};
+use super::{
+    super::{clip::goes_on, files},
+    arguments::Arguments,
+};
 use crate::{
     limit::FRAMES,
     plane::{Plane, Size},
@@ -132,7 +135,6 @@ impl Light {
         let own = program.settings.frames;
         // A clip that was asked for is shown as it is, whatever the program says of its own; a pattern
         // is one where it says how many frames it has.
-        let goes_on = |image: &str| image.starts_with("pattern:") && !image.contains("frames=");
         let clip = arguments.image.is_some()
             && scene
                 .as_deref()

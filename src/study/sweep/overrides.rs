@@ -14,7 +14,7 @@ use super::{
     study::SETTINGS,
 };
 use crate::{
-    config::{Document, Fault, Faults, Node, Place, suggestion_or},
+    config::{Document, Fault, Faults, Node, Place, on_one_line, suggestion_or},
     order::Order,
 };
 
@@ -102,8 +102,7 @@ fn toml(text: &str) -> String {
     let text = text.trim();
     match Document::value(text) {
         Ok(_) if !text.contains('\n') => text.to_owned(),
-        // A JSON text is a TOML text.
-        _ => serde_json::Value::from(text).to_string(),
+        _ => on_one_line(text),
     }
 }
 
