@@ -15,6 +15,23 @@ const EVENTS: &str = "t,x,y,p\n1000,3,5,1\n2000,9,2,0\n30000,4,4,1\n";
 
 const SCENE: &str = "pattern:bar?width=24&height=24&frames=5";
 
+/// A clip is cut by other words here than in other programs: they are named, where the verb has them.
+#[test]
+fn how_a_clip_is_cut_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = ["run", "--scene", SCENE, "--sensor", "dvs"];
+    let with = |more: &[&'static str]| [&run[..], more].concat();
+    let words = ["unexpected argument '--frames'", "'--slice ..100' shows"];
+    let said = refused(folder.path(), &with(&["--frames", "3"]), &words);
+    assert!(!said.contains("--rate"), "{said}");
+    let words = ["'--resize 128x96' shows"];
+    refused(folder.path(), &with(&["--width=9"]), &words);
+    good(folder.path(), &with(&["--slice", "..3", "--resize", "12x12"]));
+    let convert = ["convert", "e.csv", "f.csv", "--frames", "3"];
+    let said = refused(folder.path(), &convert, &[]);
+    assert!(!said.contains("--slice"), "{said}");
+}
+
 #[test]
 fn options_without_effect_are_refused() {
     let folder = tempfile::tempdir().unwrap();

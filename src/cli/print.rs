@@ -92,6 +92,7 @@ pub(super) fn failed(report: &miette::Report) -> ExitCode {
 /// Prints help, a version, or what is wrong with the command line; the exit code.
 pub(super) fn usage(mut error: clap::Error, command: fn() -> clap::Command) -> ExitCode {
     suggest_verb(&mut error, &command());
+    suggest_option(&mut error, &command());
     if let Some(plain) = unread_number(&error, command) {
         complain(&plain);
         return ExitCode::from(2);
@@ -120,6 +121,36 @@ fn suggest_verb(error: &mut clap::Error, command: &clap::Command) {
     if let Some(near) = nearest(given, verbs) {
         let near = ContextValue::Strings(vec![near.to_owned()]);
         error.insert(ContextKind::SuggestedSubcommand, near);
+    }
+}
+
+/// What other programs call the cut of a clip, and how ours is asked for.
+const CUTS: [(&[&str], &str, &str); 2] = [
+    (
+        &["--frames", "--start", "--stop", "--end", "--duration"],
+        "slice",
+        "'--slice ..100' shows the first 100 frames, '--slice 2s..5s' three seconds",
+    ),
+    (
+        &["--width", "--height", "--size"],
+        "resize",
+        "'--resize 128x96' shows the scene to so many pixels, '--crop 128x96' its middle",
+    ),
+];
+
+/// Says how a clip is cut where an option of another program was given, and this verb cuts clips.
+fn suggest_option(error: &mut clap::Error, command: &clap::Command) {
+    let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidArg) else {
+        return;
+    };
+    let given = given.split('=').next().unwrap_or_default();
+    let verb = std::env::args().find_map(|word| command.find_subcommand(word));
+    let has = |id: &str| verb.is_some_and(|verb| verb.get_arguments().any(|it| it.get_id() == id));
+    let cut = { CUTS.iter() }.find(|(names, ours, _)| names.contains(&given) && has(ours));
+    if let Some((.., tip)) = cut.filter(|_| error.kind() == ErrorKind::UnknownArgument) {
+        error.remove(ContextKind::SuggestedArg);
+        let tip = ContextValue::StyledStrs(vec![(*tip).into()]);
+        error.insert(ContextKind::Suggested, tip);
     }
 }
 
