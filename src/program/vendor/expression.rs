@@ -10,7 +10,7 @@ use crate::config::{Fault, Place};
 const HELP: &str = "a value is a name, a number, a call or what they make together";
 
 /// Operators, from those that bind least.
-const LEVELS: [&[&str]; 10] = [
+pub(super) const LEVELS: [&[&str]; 10] = [
     &["||"],
     &["&&"],
     &["|"],
