@@ -20,7 +20,7 @@ use super::{
     forecast::{Forecast, Signal, forecasts, worst},
     found::{Found, found},
     linear_form::LinearForm,
-    plan::{Plan, Store, StoreErrors, Word},
+    plan::{Plan, StoreErrors, Word},
     request::{Border, Effort, Objective, Request},
     separable::compose,
     solve::{FINE, Problem, Solved, slack},
@@ -598,12 +598,7 @@ fn steps_of_db(db: f64) -> i64 {
 
 /// Halvings of the input, one after the other.
 pub(super) fn halvings(bits: u32) -> Plan {
-    let half = |value| Word {
-        store: Store::Register,
-        views: Vec::new(),
-        values: vec![value],
-        halved: true,
-    };
+    let half = |value| Word::register(vec![value], true);
     Plan {
         words: (0..bits as usize).map(half).collect(),
         goals: vec![bits as usize],
