@@ -21,7 +21,7 @@ use self::{
     search::{Digit, MOST_DIGITS, Scaled, Search, Stage, Task},
 };
 use super::{
-    digit::{Plane, grouped, magnitudes, planes},
+    digit::{Plane, grouped, magnitudes, planes, scaling},
     linear_form::LinearForm,
     plan::Plan,
 };
@@ -188,7 +188,6 @@ fn task(
     room: Room<'_>,
     (form, held): (fn(&LinearForm) -> Vec<Plane>, usize),
 ) -> Option<Task> {
-    let one = unit.trailing_zeros() as usize;
     let mut stages = Vec::new();
     let mut scaled = Vec::new();
     for (goal, at) in room.order.iter().enumerate() {
@@ -214,9 +213,10 @@ fn task(
             });
         }
         stages.last_mut()?.ends = true;
+        let (up, down) = scaling(unit, last);
         scaled.push(Scaled {
-            up: last.saturating_sub(one),
-            down: one.saturating_sub(last),
+            up,
+            down,
             steps: goals.len() > 1,
         });
     }
