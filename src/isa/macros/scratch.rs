@@ -55,9 +55,7 @@ impl Macro {
                     _ => {}
                 }
                 for (i, argument) in call.arguments.iter().enumerate() {
-                    let last = signature.parameters.len().saturating_sub(1);
-                    let parameter = signature.parameters.get(i.min(last));
-                    if parameter.is_none_or(|p| p.mode == Mode::In) {
+                    if signature.at(i).is_none_or(|p| p.mode == Mode::In) {
                         continue;
                     }
                     let Argument::One(Expression { term, .. }) = argument else {
