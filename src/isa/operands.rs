@@ -214,6 +214,12 @@ impl Operands {
         self.accesses.iter().filter(|a| a.mode == Mode::Read)
     }
 
+    /// Whether it reads the photodiode.
+    #[must_use]
+    pub fn reads_light(&self) -> bool {
+        self.reads().any(|it| it.terminal == Terminal::Pix)
+    }
+
     /// Its destinations.
     pub fn writes(&self) -> impl Iterator<Item = &Access> {
         self.accesses.iter().filter(|a| a.mode == Mode::Write)
