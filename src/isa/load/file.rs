@@ -106,7 +106,7 @@ fn row(row: &Section<'_>) -> Read<RowFile> {
         forms: row.list("forms").into_iter().map(placed).collect(),
         equation: row.text("equation")?.to_owned(),
         words: row.whole("words")?,
-        clock: row.needed_word("clock", &Clock::ALL)?,
+        clock: row.needed_word("clock", Clock::ALL)?,
         source: row.text("source")?.to_owned(),
         evidence: row.needed_word("evidence", &Evidence::ALL)?,
     })

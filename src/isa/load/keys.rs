@@ -181,7 +181,7 @@ const PRIMITIVE: Table = Table::new(&[
     ),
     Key::required(
         "clock",
-        Kind::Choice(&Clock::WORDS),
+        Kind::Choice(Clock::WORDS),
         "the clock that it runs under",
     ),
     SOURCE,

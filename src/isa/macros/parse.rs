@@ -155,23 +155,12 @@ fn clause(cursor: &mut Cursor<'_>, it: &mut Macro) -> Result<(), Fault> {
         });
     } else if cursor.take_word("evidence") {
         let (name, place) = cursor.name("measured, quoted, modelled or guess", HELP)?;
-        let evidence = match name.as_str() {
-            "measured" => Evidence::Measured,
-            "quoted" => Evidence::Quoted,
-            "modelled" => Evidence::Modelled,
-            "guess" => Evidence::Guess,
-            _ => {
-                let known = ["measured", "quoted", "modelled", "guess"];
-                return Err(
-                    Fault::error(place, format!("unknown evidence `{name}`"), "here").help(
-                        suggestion_or(
-                            &name,
-                            known,
-                            "evidence is measured, quoted, modelled or guess",
-                        ),
-                    ),
-                );
-            }
+        let Some(evidence) = Evidence::ALL.into_iter().find(|it| it.word() == name) else {
+            let otherwise = "evidence is measured, quoted, modelled or guess";
+            return Err(
+                Fault::error(place, format!("unknown evidence `{name}`"), "here")
+                    .help(suggestion_or(&name, Evidence::WORDS, otherwise)),
+            );
         };
         it.evidence = Some((evidence, quoted(cursor, "the source in quotes", HELP)?));
     } else {

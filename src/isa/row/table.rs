@@ -42,25 +42,19 @@ pub enum Kind {
 }
 }
 
+listed! {
 /// The clock that an instruction word runs under.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
     /// Analogue words.
-    Analog,
+    Analog = "analog",
     /// One-bit words.
-    Digital,
+    Digital = "digital",
     /// One-bit words that reach the neighbours.
-    Dnews,
+    Dnews = "dnews",
     /// Propagation.
-    Prop,
+    Prop = "prop",
 }
-
-impl Clock {
-    /// All, in the order of [`Clock::WORDS`].
-    pub const ALL: [Self; 4] = [Self::Analog, Self::Digital, Self::Dnews, Self::Prop];
-
-    /// How they are written.
-    pub const WORDS: [&str; 4] = ["analog", "digital", "dnews", "prop"];
 }
 
 /// A row of `primitives.toml`.
