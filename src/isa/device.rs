@@ -5,8 +5,8 @@ use std::{cmp::Reverse, sync::Arc};
 use crate::order::Order as _;
 
 use super::{
-    Analog, Evidence, Figure, HostKind, HostRow, Interval, Kind, LeftOut, Macro, Operands,
-    Primitive, PrimitiveRow, Quantity, Registers, Signature,
+    Analog, Evidence, Figure, HostKind, HostRow, Interval, LeftOut, Macro, Operands, Primitive,
+    PrimitiveKind, PrimitiveRow, Quantity, Registers, Signature,
 };
 
 /// A number about the chip that makes no sense.
@@ -50,7 +50,7 @@ pub struct Device {
 #[derive(Clone, Copy, Debug)]
 pub enum Callable<'a> {
     /// An instruction word.
-    Primitive(Kind, &'a Signature),
+    Primitive(PrimitiveKind, &'a Signature),
     /// A sequence of statements.
     Macro(&'a Macro),
     /// Something that the host does.
@@ -167,7 +167,7 @@ impl Device {
 
     /// The row of a primitive.
     #[must_use]
-    pub fn row(&self, kind: Kind) -> &PrimitiveRow {
+    pub fn row(&self, kind: PrimitiveKind) -> &PrimitiveRow {
         // Loading sorts the rows by kind and checks that none is missing.
         &self.primitives[kind as usize]
     }

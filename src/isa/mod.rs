@@ -36,6 +36,6 @@ pub use macros::Macro;
 pub use operands::{Cell, Operands};
 pub use primitive::Primitive;
 pub use registers::{Registers, Roles};
-pub use row::{Clock, HostKind, HostRow, Kind, PrimitiveRow};
+pub use row::{Clock, HostKind, HostRow, PrimitiveKind, PrimitiveRow};
 pub use signature::{Operand, Signature};
 pub use value::Value;

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use super::super::{Clock, Evidence, Figure, HostKind, Kind as Primitive};
+use super::super::{Clock, Evidence, Figure, HostKind, PrimitiveKind};
 use crate::config::{File, Key, Kind, Range, Spelling, Table, schema};
 use crate::isa::names::is_writable;
 
@@ -171,7 +171,11 @@ pub(super) const PRIMITIVES: Table = Table::new(&[Key::required(
 )]);
 
 const PRIMITIVE: Table = Table::new(&[
-    Key::required("name", Kind::Choice(Primitive::WORDS), "which primitive"),
+    Key::required(
+        "name",
+        Kind::Choice(PrimitiveKind::WORDS),
+        "which primitive",
+    ),
     FORMS,
     Key::required("equation", Kind::Text, "what it does"),
     Key::required(

@@ -8,8 +8,8 @@ use crate::order::Order as _;
 
 use super::{
     super::{
-        Analog, Digital, Domain, HostKind, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity,
-        Signature, Value, macros, row, signature::Parameter,
+        Analog, Digital, Domain, HostKind, HostRow, Macro, Operand, PrimitiveKind, PrimitiveRow,
+        Quantity, Signature, Value, macros, row, signature::Parameter,
     },
     figures::wrong,
     file::Placed,
@@ -66,7 +66,7 @@ fn twice(rows: impl Iterator<Item = (&'static str, Place)>, faults: &mut Vec<Fau
 }
 
 pub(super) fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faults> {
-    let mut rows: BTreeMap<Kind, PrimitiveRow> = BTreeMap::new();
+    let mut rows: BTreeMap<PrimitiveKind, PrimitiveRow> = BTreeMap::new();
     for layer in layers {
         let mut faults = Vec::new();
         let names = { layer.primitives.iter() }.map(|row| (row.kind.value.word(), row.kind.place));
@@ -98,7 +98,7 @@ pub(super) fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faul
     }
     let top = &layers[layers.len() - 1];
     let mut faults = Vec::new();
-    for kind in Kind::ALL {
+    for kind in PrimitiveKind::ALL {
         if !rows.contains_key(kind) {
             faults.push(
                 Fault::error(
@@ -249,7 +249,7 @@ pub(super) fn all_macros(layers: &[Layer]) -> Result<(Vec<Macro>, Vec<usize>), F
 }
 
 /// Tries a form once, with values that fit.
-pub(super) fn can_be_built(kind: Kind, form: &Signature) -> bool {
+pub(super) fn can_be_built(kind: PrimitiveKind, form: &Signature) -> bool {
     let example = |p: &Parameter| vec![example(p.operand); p.count.0.max(1)];
     let bound: Vec<Vec<Value>> = form.parameters.iter().map(example).collect();
     row::build(kind, &form.name, &bound).is_some()

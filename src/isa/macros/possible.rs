@@ -3,7 +3,7 @@
 use crate::{
     config::Fault,
     isa::{
-        Analog, Callable, Cell, Device, Kind, Operand, Source, Value,
+        Analog, Callable, Cell, Device, Operand, PrimitiveKind, Source, Value,
         operands::Terminal,
         row,
         signature::{Parameter, Signature},
@@ -135,7 +135,7 @@ fn twice(
     device: &Device,
     it: &Macro,
     statement: &Statement,
-    (kind, form): (Kind, &Signature),
+    (kind, form): (PrimitiveKind, &Signature),
 ) -> Option<String> {
     let bound = bound(device, it, statement, form)?;
     let word = row::build(kind, &form.name, &bound)?;

@@ -2,7 +2,7 @@
 
 use super::{
     expression::LEVELS,
-    token::{Kind, Token},
+    token::{Token, TokenKind},
 };
 
 /// The value of an expression; names are 0. `None` where it is no expression.
@@ -60,8 +60,10 @@ impl At<'_> {
         let (first, rest) = self.tokens.split_first()?;
         self.tokens = rest;
         match &first.kind {
-            Kind::Whole(value) | Kind::Character(value) | Kind::Wide(value, _) => Some(*value),
-            Kind::Name(name) => Some(i64::from(&**name == "true")),
+            TokenKind::Whole(value) | TokenKind::Character(value) | TokenKind::Wide(value, _) => {
+                Some(*value)
+            }
+            TokenKind::Name(name) => Some(i64::from(&**name == "true")),
             _ => None,
         }
     }

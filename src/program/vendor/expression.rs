@@ -2,7 +2,7 @@
 
 use super::{
     parse::{Parsed, Parser},
-    token::{Kind as TokenKind, Token, unescaped},
+    token::{Token, TokenKind, unescaped},
     tree::{Expr, ExprNode, FILLED, Kind, LIMIT, TemplateArgument},
 };
 use crate::config::{Fault, Place};
