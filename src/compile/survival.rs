@@ -55,7 +55,7 @@ const DEAR_DB: f64 = 1.0;
 const ENOUGH: f64 = 0.95;
 
 /// A request as the choice sees it.
-pub(super) struct Survival<'a> {
+pub(super) struct Choice<'a> {
     pub(super) request: &'a Request<'a>,
     pub(super) goals: &'a [LinearForm],
     pub(super) unit: i64,
@@ -140,7 +140,7 @@ impl Request<'_> {
     }
 }
 
-impl<'a> Survival<'a> {
+impl<'a> Choice<'a> {
     /// Of these registers, with this effort; nothing may saturate.
     pub(super) const fn new(
         request: &'a Request<'a>,
@@ -181,7 +181,7 @@ impl<'a> Survival<'a> {
             objective: Objective::Events,
             ..self.request.clone()
         };
-        let anyhow = Survival {
+        let anyhow = Choice {
             request: &request,
             ..*self
         };

@@ -22,11 +22,11 @@ pub struct FigureError {
 
 impl FigureError {
     fn help(&self) -> String {
-        if self.figure.domain().holds(self.value) {
+        if self.figure.range().holds(self.value) {
             return "the low end of the range lies below the high one, and the range holds 0"
                 .to_owned();
         }
-        format!("give {}", self.figure.domain().instead_of(self.value))
+        format!("give {}", self.figure.range().instead_of(self.value))
     }
 }
 
@@ -124,7 +124,7 @@ impl Device {
     /// # Errors
     /// When the value makes no sense for it.
     pub fn what_if(mut self, figure: Figure, value: f64) -> Result<Self, FigureError> {
-        if !figure.domain().holds(value) {
+        if !figure.range().holds(value) {
             return Err(FigureError { figure, value });
         }
         // Loading fills the list in the order of the enum.

@@ -28,7 +28,7 @@ pub use connection::{Analog, Bit, Digital, Source, Target};
 pub use device::{Callable, Device, FigureError};
 pub use direction::Direction;
 pub use errors::{Errors, added, split, stored, uneven};
-pub use figure::{Domain, Evidence, Figure, Quantity};
+pub use figure::{Evidence, Figure, FigureRange, Quantity};
 pub use interval::Interval;
 pub use left_out::LeftOut;
 pub use load::{LoadError, keys};

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use self::{
     footprint::Footprint,
-    search::{Digit, MOST_DIGITS, Scaled, Search, Stage, Task},
+    search::{MOST_DIGITS, PlacedDigit, Scaled, Search, Stage, Task},
 };
 use super::{
     digit::{Plane, grouped, magnitudes, planes, scaling},
@@ -194,12 +194,11 @@ fn task(
         let (groups, last) = grouped(&form(goals.get(*at)?), held)?;
         let begun = groups.iter().skip_while(|visits| visits.is_empty());
         for visits in begun {
-            let digits: Vec<Digit> = { visits.iter() }
+            let digits: Vec<PlacedDigit> = { visits.iter() }
                 .flat_map(|(place, digits)| {
-                    digits.iter().map(|digit| Digit {
+                    digits.iter().map(|digit| PlacedDigit {
                         place: *place,
-                        halved: digit.halved,
-                        negative: digit.negative,
+                        digit: *digit,
                     })
                 })
                 .collect();

@@ -199,7 +199,7 @@ pub fn json_schema() -> Json {
     let mut sections: Map<String, Json> = Map::new();
     for figure in Figure::ALL {
         let (section, key) = figure.key();
-        let (range, whole) = figure.domain().range();
+        let (range, whole) = figure.range().numbers();
         let mut value = schema::kind(&Kind::Number(range));
         if whole {
             schema::add(&mut value, "type", "integer");

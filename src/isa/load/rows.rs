@@ -8,14 +8,14 @@ use crate::order::Order as _;
 
 use super::{
     super::{
-        Analog, Digital, Domain, HostKind, HostRow, Macro, Operand, PrimitiveKind, PrimitiveRow,
-        Quantity, Signature, Value, macros, row, signature::Parameter,
+        Analog, Digital, FigureRange, HostKind, HostRow, Macro, Operand, PrimitiveKind,
+        PrimitiveRow, Quantity, Signature, Value, macros, row, signature::Parameter,
     },
     figures::wrong,
     file::Placed,
     host_form,
     layers::Layer,
-    row_form,
+    primitive_form,
 };
 
 /// Parses the forms of a row.
@@ -51,7 +51,7 @@ pub(super) fn forms(
 }
 
 /// What a host operation costs.
-const HOST_COST: (&str, Domain) = ("us", Domain::NotNegative);
+const HOST_COST: (&str, FigureRange) = ("us", FigureRange::NotNegative);
 
 /// Rows of one name in one file: only one of them would count.
 fn twice(rows: impl Iterator<Item = (&'static str, Place)>, faults: &mut Vec<Fault>) {
@@ -75,7 +75,7 @@ pub(super) fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faul
             let kind = row.kind.value;
             let own = { row.forms.iter() }.filter_map(|it| {
                 let form = Signature::parse(&it.value).ok()?;
-                row_form::misfit(kind, &form, it.place)
+                primitive_form::misfit(kind, &form, it.place)
             });
             faults.extend(own);
             let built = PrimitiveRow {
