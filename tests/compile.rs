@@ -977,9 +977,9 @@ fn a_memory_in_bits_is_its_twin() {
             assert_eq!(steps.registers.len(), usize::from(bits));
             let drives: Vec<Plane<f64>> = clip
                 .iter()
-                .map(|light| zero_padded(kind.kernel.weights(), light).mapv(|d| d * sensor.scale))
+                .map(|light| zero_padded(kind.kernel.weights(), light).mapv(|d| d * sensor.scale()))
                 .collect();
-            let said = in_bits(&drives, steps, kind.on * sensor.scale);
+            let said = in_bits(&drives, steps, kind.on * sensor.scale());
             let own = found.events.iter().filter(|e| usize::from(e.channel) == i);
             let own: Vec<_> = own
                 .map(|e| {

@@ -7,6 +7,8 @@
 
 #[path = "extremes/array.rs"]
 mod array;
+#[path = "extremes/bound.rs"]
+mod bound;
 #[path = "extremes/light.rs"]
 mod light;
 #[path = "extremes/mesh.rs"]

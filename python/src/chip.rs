@@ -197,7 +197,7 @@ impl Chip {
             expanded,
             text: program.text,
             device: asked.chip.to_owned(),
-            scale: program.scale,
+            scale: program.scale(),
             levels,
             notes,
         })

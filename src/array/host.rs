@@ -52,12 +52,12 @@ pub(super) fn execute<D: Domain>(
     state: &mut State<D::Cell>,
     host: &Host,
 ) -> Option<Readings> {
+    if let Some(cell) = input(domain, converters, host) {
+        state.input = cell;
+        return None;
+    }
     let size = state.layout.size;
     match host {
-        Host::LoadIn { .. } | Host::LoadInRaw { .. } | Host::LoadDac { .. } => {
-            let before = || state.input.clone();
-            state.input = input(domain, converters, host).unwrap_or_else(before);
-        }
         Host::Load { target, area } => {
             let bits = covered(*area, size);
             propagate::write(state, *target, &bits);

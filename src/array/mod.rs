@@ -14,8 +14,8 @@
 
 mod answer;
 mod arithmetic;
+mod at_end;
 mod bits;
-mod border;
 mod check;
 mod chip;
 pub mod claim;
@@ -43,8 +43,8 @@ mod unheld;
 pub use crate::isa::Errors;
 pub use answer::answered;
 pub use arithmetic::{Arithmetic, ArithmeticError};
+pub use at_end::AtEnd;
 pub use bits::BitPlane;
-pub use border::AtBorder;
 pub use check::{CodeError, CodeProblem, check};
 pub use chip::{Array, Body, Chip, RunError, ShapeError};
 pub use domain::{Ageing, Domain, Place, RowOps, Share, Undecided};

@@ -12,7 +12,7 @@
 //! that of both pictures, `sign(gain) · sqrt(1 - noise² / var(silicon))`.
 
 use super::{
-    Arithmetic, Array, CodeError, RunError, Settings, ShapeError,
+    Arithmetic, CodeError, Register, RunError, Settings, ShapeError,
     range::{Inputs, Interval},
     symbolic::reach,
 };
@@ -134,7 +134,8 @@ pub fn survival(
             continue;
         }
         for (sums, cell) in sums.iter_mut().zip(cells) {
-            let (a, b) = (held(&*exact, *cell), held(&*silicon, *cell));
+            let register = Register::from(*cell);
+            let (a, b) = (register.values(&*exact), register.values(&*silicon));
             for y in margin..margin + SIDE {
                 for x in margin..margin + SIDE {
                     sums.add(a[(y, x)], b[(y, x)]);
@@ -155,15 +156,6 @@ fn random(within: Interval, (seed, run, input): (u64, u64, u64), size: Size) -> 
         let place = (y * size.width + x) as u64;
         within.low + (within.high - within.low) * uniform(mix(reason ^ mix(place)))
     })
-}
-
-fn held(chip: &dyn Array, cell: Cell) -> Plane<f64> {
-    let numbers = |bits: Plane<bool>| bits.mapv(|bit| f64::from(u8::from(bit)));
-    match cell {
-        Cell::Analog(register) => chip.analog(register),
-        Cell::Digital(register) => numbers(chip.digital(register)),
-        Cell::Flag => numbers(chip.flag()),
-    }
 }
 
 /// What both pictures are judged by.

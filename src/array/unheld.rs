@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::{Arithmetic, Settings};
 use crate::{
-    isa::{Device, operands::Terminal},
+    isa::Device,
     number::{FixedFormat, Format, Overflow},
     program::{Action, Host, Step},
 };
@@ -142,7 +142,7 @@ impl Numbers {
             let loaded = match &step.action {
                 Action::Word(word) => {
                     let operands = device.operands(word);
-                    self.reads_light |= operands.reads().any(|it| it.terminal == Terminal::Pix);
+                    self.reads_light |= operands.reads_light();
                     None
                 }
                 Action::Repeat { body, .. } => {

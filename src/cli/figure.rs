@@ -18,7 +18,7 @@ pub(super) fn figure(name: &str, value: &str) -> Result<(Figure, f64), String> {
     let number = value.parse().map_err(|_| {
         format!(
             "`{value}` is not a number: {name} is {}",
-            figure.domain().expected()
+            figure.range().expected()
         )
     })?;
     Ok((figure, number))

@@ -88,7 +88,7 @@ impl LiveRanges {
                 read: now,
                 pinned: None,
             };
-            if let Store::Register | Store::Both(_) = word.store {
+            if word.makes_value() {
                 of_value.push(ranges.len());
                 ranges.push(stored);
             }
@@ -175,7 +175,7 @@ impl LiveRanges {
         let mut stored = 0;
         for (i, word) in plan.words.iter().enumerate() {
             let mut targets = Vec::new();
-            if let Store::Register | Store::Both(_) = word.store {
+            if word.makes_value() {
                 stored += 1;
                 targets.push(Target::Register(registers[*self.of_value.get(stored)?]));
             }
@@ -266,15 +266,14 @@ fn moves(
 /// Whether NEWS is dead at word `at`, so that it can take the unread half of a halving store.
 fn takes_half(plan: &Plan, at: usize) -> bool {
     let word = &plan.words[at];
-    let writes = |word: &Word| matches!(word.store, Store::News(_) | Store::Both(_));
-    if writes(word) || !word.views.is_empty() {
+    if word.writes_news() || !word.views.is_empty() {
         return false;
     }
     for later in &plan.words[at + 1..] {
         if !later.views.is_empty() {
             return false;
         }
-        if writes(later) {
+        if later.writes_news() {
             break;
         }
     }

@@ -5,30 +5,18 @@
 //! are added at both ends of a move.
 
 use super::{
-    digit::{Digit, Visits, groups, most_halved},
+    digit::{Digit, Visits, groups, most_halved, scaling},
     linear_form::LinearForm,
     plan::{Plan, SOURCES, Value},
     plan_builder::{PlanBuilder, Sum},
-    walk::MOST_EXPONENTS,
 };
 use crate::isa::Direction;
 
 /// Plans for one goal that differ in words and in registers.
 pub(super) fn border_safe_plans(goal: &LinearForm, unit: i64) -> Vec<Plan> {
-    let mut plans = Vec::new();
-    for held in 1..=MOST_EXPONENTS {
-        for choice in 0..8 {
-            let [minus, columns_first, steady] = [1, 2, 4].map(|bit| choice & bit != 0);
-            plans.push(plan(
-                goal,
-                unit,
-                held,
-                PlanBuilder::new(minus, steady),
-                columns_first,
-            ));
-        }
-    }
-    plans
+    PlanBuilder::variants(|held, builder, columns_first| {
+        plan(goal, unit, held, builder, columns_first)
+    })
 }
 
 fn plan(
@@ -57,9 +45,7 @@ fn plan(
     let Some(total) = total else {
         return writer.builder.zero();
     };
-    let one = unit.trailing_zeros() as usize;
-    let (up, down) = (last.saturating_sub(one), one.saturating_sub(last));
-    writer.builder.finished(total, up, down)
+    writer.builder.finished(total, scaling(unit, last))
 }
 
 #[derive(Clone)]
@@ -218,7 +204,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn combs_make_what_is_asked_up_to_the_border(goal in forms(5, 300), exponent in 0u32..9) {
+        fn border_safe_plans_make_what_is_asked_up_to_the_border(goal in forms(5, 300), exponent in 0u32..9) {
             let unit = 1i64 << exponent;
             let fine = 1 << 20;
             for plan in border_safe_plans(&goal, unit) {

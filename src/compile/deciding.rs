@@ -21,7 +21,7 @@ use super::{
     separable::compose,
     solve::Problem,
     steady::{Reads, balanced, steadied, trimmed},
-    survival::{Candidate, HALVINGS, HALVINGS_IN_ALL, Survival, halvings},
+    survival::{Candidate, Choice, HALVINGS, HALVINGS_IN_ALL, halvings},
 };
 use crate::{elementary, isa::Figure};
 
@@ -37,7 +37,7 @@ const LOWEST_THRESHOLD: f64 = 1.0;
 /// The part of the effort that a search has, in eighths.
 const EIGHTHS: u64 = 2;
 
-impl Survival<'_> {
+impl Choice<'_> {
     /// The filter of one goal that decides best. `None` where events in exact arithmetic count as
     /// well and no plan keeps enough of them: of weights of many digits, nothing may be in range.
     pub(super) fn deciding(

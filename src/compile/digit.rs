@@ -86,6 +86,13 @@ pub(super) fn magnitudes(goal: &LinearForm) -> Vec<Plane> {
     (0..exponents.unwrap_or(0)).map(plane).collect()
 }
 
+/// How often a sum is doubled and halved whose last group's input has the exponent `last`, so that
+/// it counts in units.
+pub(super) const fn scaling(unit: i64, last: usize) -> (usize, usize) {
+    let one = unit.trailing_zeros() as usize;
+    (last.saturating_sub(one), one.saturating_sub(last))
+}
+
 /// The most halvings of the input among these digits.
 pub(super) fn most_halved(visits: &Visits) -> usize {
     let all = visits.iter().flat_map(|(_, digits)| digits);

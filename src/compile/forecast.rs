@@ -455,14 +455,7 @@ impl Filter {
         (input, results): (Analog, &[Analog]),
         kernels: &[Kernel],
     ) -> Vec<Forecast> {
-        let tried = Signal::AMPLITUDES.map(|amplitude| {
-            let signal = Signal::around_zero(amplitude);
-            self.forecast(device, (input, results), kernels, signal)
-        });
-        let best = tried
-            .into_iter()
-            .max_by(|a, b| worst(a).total_cmp(&worst(b)));
-        best.unwrap_or_default()
+        best(|signal| self.forecast(device, (input, results), kernels, signal))
     }
 
     /// The signal of [`best_forecast`](Self::best_forecast).
@@ -476,6 +469,13 @@ impl Filter {
         let best = self.best_forecast(device, registers, kernels);
         Signal::around_zero(best.first().map_or(1.0, |it| it.amplitude))
     }
+}
+
+/// The forecasts at the amplitude of [`Signal::AMPLITUDES`] at which the worst of them is best.
+pub(super) fn best(at: impl Fn(Signal) -> Vec<Forecast>) -> Vec<Forecast> {
+    let tried = Signal::AMPLITUDES.map(|amplitude| at(Signal::around_zero(amplitude)));
+    let best = { tried.into_iter() }.max_by(|a, b| worst(a).total_cmp(&worst(b)));
+    best.unwrap_or_default()
 }
 
 /// The least correlation of several results; 1 without any.

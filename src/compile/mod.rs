@@ -26,6 +26,7 @@ mod bit_memory;
 mod border_safe;
 pub mod bound;
 mod cell_kind;
+mod comparison;
 mod decided;
 mod deciding;
 mod decision;

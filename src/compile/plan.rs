@@ -70,6 +70,31 @@ impl Word {
     pub(super) const fn splits(&self) -> bool {
         self.halved || matches!(self.store, Store::Both(_))
     }
+
+    /// A word of values alone that stores in an ordinary register.
+    pub(super) const fn register(values: Vec<Value>, halved: bool) -> Self {
+        Self {
+            store: Store::Register,
+            views: Vec::new(),
+            values,
+            halved,
+        }
+    }
+
+    /// Whether what it stores is a value: in an ordinary register.
+    pub(super) const fn makes_value(&self) -> bool {
+        matches!(self.store, Store::Register | Store::Both(_))
+    }
+
+    /// Whether it stores in NEWS, of this pixel or of a neighbour.
+    pub(super) const fn writes_news(&self) -> bool {
+        matches!(self.store, Store::News(_) | Store::Both(_))
+    }
+}
+
+/// The values that words make.
+pub(super) fn values_made(words: &[Word]) -> usize {
+    words.iter().filter(|word| word.makes_value()).count()
 }
 
 /// Straight-line code that makes the goals from the input.
@@ -108,7 +133,7 @@ impl Plan {
                     *last = i.max(*last);
                 }
             }
-            if !matches!(word.store, Store::News(_)) {
+            if word.makes_value() {
                 last.push(i);
             }
         }
@@ -119,7 +144,7 @@ impl Plan {
         }
         let mut stored = 1;
         let held = self.words.iter().enumerate().map(|(i, word)| {
-            stored += usize::from(!matches!(word.store, Store::News(_)));
+            stored += usize::from(word.makes_value());
             last.iter().take(stored).filter(|last| **last >= i).count()
         });
         held.collect()
@@ -139,10 +164,10 @@ impl Plan {
                 .filter_map(|v| values.get(*v))
                 .sum::<f64>();
             let stored = errors.stored(sum, word.splits());
-            if let Store::News(_) | Store::Both(_) = word.store {
+            if word.writes_news() {
                 news = stored;
             }
-            if let Store::Register | Store::Both(_) = word.store {
+            if word.makes_value() {
                 values.push(stored);
             }
             all.push(stored);
@@ -178,7 +203,7 @@ impl Plan {
                 trace.border &= stored.is_outward(step(from));
                 news = stored.shifted(step(from));
             }
-            if let Store::Register | Store::Both(_) = word.store {
+            if word.makes_value() {
                 trace.values.push(stored.clone());
             }
             trace.stored.push(stored);

@@ -24,6 +24,9 @@ impl Sum {
     }
 }
 
+/// The most exponents of digits that are added at a time.
+const MOST_EXPONENTS: usize = 6;
+
 /// A plan under construction: the words so far, and the multiples of the input that are held.
 #[derive(Clone, Debug)]
 pub(super) struct PlanBuilder {
@@ -60,6 +63,19 @@ impl PlanBuilder {
         builder
     }
 
+    /// The plans that `one` makes with each number of exponents held at a time, from each empty plan,
+    /// and of both kinds that it has.
+    pub(super) fn variants(one: impl Fn(usize, Self, bool) -> Plan) -> Vec<Plan> {
+        let mut plans = Vec::new();
+        for held in 1..=MOST_EXPONENTS {
+            for choice in 0..8 {
+                let [minus, other, steady] = [1, 2, 4].map(|bit| choice & bit != 0);
+                plans.push(one(held, Self::new(minus, steady), other));
+            }
+        }
+        plans
+    }
+
     /// Adds a word that stores in a register.
     pub(super) fn register(
         &mut self,
@@ -68,10 +84,8 @@ impl PlanBuilder {
         halved: bool,
     ) -> Value {
         self.plan.words.push(Word {
-            store: Store::Register,
             views,
-            values,
-            halved,
+            ..Word::register(values, halved)
         });
         self.values += 1;
         self.values - 1
@@ -167,7 +181,7 @@ impl PlanBuilder {
     }
 
     /// The finished plan. The goal counts 2^`up` of the sum, or 2^-`down`.
-    pub(super) fn finished(mut self, mut sum: Sum, up: usize, down: usize) -> Plan {
+    pub(super) fn finished(mut self, mut sum: Sum, (up, down): (usize, usize)) -> Plan {
         for _ in 0..down {
             sum = self.halved(sum);
         }

@@ -10,7 +10,7 @@ use super::{
     linear_form::LinearForm,
     plan::StoreErrors,
     solve::{FINE, Limits, Problem, Solved},
-    survival::Survival,
+    survival::Choice,
     walk,
     words::{Buses, check_words},
 };
@@ -237,15 +237,7 @@ impl<'a> Request<'a> {
         let (goals, unit) = goals(self.kernels)?;
         let mut all = ordinary_registers(self.device);
         all.retain(|register| !self.keep.contains(register));
-        let front = Survival {
-            request: self,
-            goals: &goals,
-            unit,
-            all: &all,
-            effort: self.effort,
-            strict: true,
-        }
-        .front()?;
+        let front = Choice::new(self, &goals, unit, (&all, self.effort)).front()?;
         let shortest = Self {
             objective: Objective::Words,
             ..self.clone()
@@ -280,15 +272,9 @@ impl<'a> Request<'a> {
         let (goals, unit) = goals(self.kernels)?;
         match self.objective {
             Objective::Words => self.fewest(&goals, unit, (all, effort)),
-            Objective::Silicon | Objective::Events | Objective::Exact => Survival {
-                request: self,
-                goals: &goals,
-                unit,
-                all,
-                effort,
-                strict: true,
+            Objective::Silicon | Objective::Events | Objective::Exact => {
+                Choice::new(self, &goals, unit, (all, effort)).filter()
             }
-            .filter(),
         }
     }
 
@@ -329,14 +315,7 @@ impl<'a> Request<'a> {
             objective: Objective::Exact,
             ..self.clone()
         };
-        let other = Survival {
-            request,
-            goals,
-            unit,
-            all,
-            effort,
-            strict: true,
-        };
+        let other = Choice::new(request, goals, unit, (all, effort));
         let Ok(Some(other)) = other.shortest() else {
             return front;
         };

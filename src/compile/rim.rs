@@ -15,7 +15,7 @@
 
 use super::{
     linear_form::step,
-    plan::{Plan, Store, StoreErrors, Word},
+    plan::{Plan, Store, StoreErrors, Word, values_made},
     steady::{Reads, greedy, room},
 };
 
@@ -211,9 +211,8 @@ impl Rim {
                     let news = &dark.news[dark.news.len() - cells..];
                     // As it is read, up to the next that is stored there.
                     let mut last = false;
-                    let later = plan.words[at + 1..].iter().take_while(|word| {
-                        !std::mem::replace(&mut last, !matches!(word.store, Store::Register))
-                    });
+                    let later = { plan.words[at + 1..].iter() }
+                        .take_while(|word| !std::mem::replace(&mut last, word.writes_news()));
                     let seen = later.flat_map(|word| &word.views);
                     seen.map(|view| self.cost(|at| news[self.beside(at, step(*view))]))
                         .sum()
@@ -229,8 +228,7 @@ impl Rim {
     /// What becomes of a result where a word is changed.
     fn change(&self, plan: &Plan, (reads, dark): (&[bool], &Dark), at: usize) -> Change {
         let cells = self.cells();
-        let stores = |word: &&Word| !matches!(word.store, Store::News(_));
-        let values = 1 + plan.words[..at].iter().filter(stores).count();
+        let values = 1 + values_made(&plan.words[..at]);
         let mut other = Dark {
             values: dark.values[..values * cells].to_vec(),
             news: dark.news[at * cells..][..cells].to_vec(),

@@ -6,6 +6,7 @@ use super::{
     allocate::ordinary_registers,
     bit_memory::{self, BitMemory, InBits},
     cell_kind::{CellKind, DriveMemory, constants, header, number, thresholds},
+    comparison::Comparison,
     decision::{Compared, Decision},
     error::{CompileError, most_threshold},
     event_readout::EventReadout,
@@ -33,9 +34,7 @@ pub struct SensorProgram {
     pub filter: Filter,
     /// The register of each kind's drive, after its filter.
     pub drives: Vec<Analog>,
-    /// Scale of the first drive: LSB for each unit of kernel times light.
-    pub scale: f64,
-    /// Scale of each drive; one filter gives all the same.
+    /// Scale of each drive: LSB for each unit of kernel times light. One filter gives all the same.
     pub scales: Vec<f64>,
     /// With a shared memory, the words before each filter, which leave the light less the memory
     /// in the register of the drives.
@@ -48,6 +47,12 @@ pub struct SensorProgram {
 }
 
 impl SensorProgram {
+    /// Scale of the first drive.
+    #[must_use]
+    pub fn scale(&self) -> f64 {
+        self.scales.first().copied().unwrap_or(1.0)
+    }
+
     /// Its filters: one for each kind where they share a memory, else one for all.
     #[must_use]
     pub fn each_filter(&self) -> &[Filter] {
@@ -162,13 +167,13 @@ impl SensorProgram {
                 bit_memory::memories(&kinds, own, bits)?
             }
         };
-        check_thresholds(device, kinds, &vec![scale; count])?;
+        let scales = vec![scale; count];
+        check_thresholds(device, kinds, &scales)?;
         let mut program = Self {
             text: String::new(),
             drives: all[..count].to_vec(),
             filter,
-            scale,
-            scales: vec![scale; count],
+            scales,
             steps,
             difference: String::new(),
             filters: Vec::new(),
@@ -205,7 +210,7 @@ impl SensorProgram {
                 device,
                 kinds,
                 filter: &self.filter,
-                scale: self.scale,
+                scales: &self.scales,
                 drives: &self.drives,
                 memories,
                 threshold: *threshold,
@@ -319,7 +324,7 @@ struct Writer<'a> {
     device: &'a Device,
     kinds: &'a [CellKind],
     filter: &'a Filter,
-    scale: f64,
+    scales: &'a [f64],
     drives: &'a [Analog],
     memories: &'a [Analog],
     threshold: Analog,
@@ -332,7 +337,7 @@ impl Writer<'_> {
     fn text(&self, title: &str) -> String {
         let mut text = self.header(title);
         let name = |register: &Analog| self.device.analog_name(*register);
-        text += &thresholds(self.kinds, &vec![self.scale; self.kinds.len()]);
+        text += &thresholds(self.kinds, self.scales);
         if !self.steps.is_empty() {
             text += "const zero = 0; // what the drive is in the dark, LSB: on a chip, its transfer errors\n";
         }
@@ -394,12 +399,14 @@ impl Writer<'_> {
             counted(self.filter.prescale, "time"),
         );
         // A count writes to a register what depends on the place, so that no frame is read back.
-        if let ([kind], false) = (self.kinds, self.readout == EventReadout::Counts) {
+        if let ([kind], [scale]) = (self.kinds, self.scales)
+            && self.readout != EventReadout::Counts
+        {
             text += "//! [computes]\n//! kernel = [\n";
             for row in kind.kernel.weights().rows() {
                 let _ = writeln!(text, "//!     {:?},", row.to_vec());
             }
-            let _ = writeln!(text, "//! ]\n//! scale = {:?}", self.scale);
+            let _ = writeln!(text, "//! ]\n//! scale = {scale:?}");
             if kind.on == kind.off {
                 text += "//! threshold = \"threshold\"\n";
             }
@@ -432,31 +439,23 @@ impl Writer<'_> {
         let [on_bit, off_bit] = self.bits.events.each_ref().map(String::as_str);
         let (on, off) = constants(self.kinds, i);
         let number = number(self.kinds, i);
-        let mut line = |what: &str| {
-            let _ = writeln!(text, "    {what}");
-        };
-        line(&format!("scamp5_in({threshold}, -{off});"));
-        line(&format!("bus({news});"));
-        line(&format!("bus({scratch}, {news}, {drive}, {memory});"));
-        line(&format!(
-            "where({scratch}, {threshold}); // memory - drive > threshold"
-        ));
-        line(&format!("MOV({off_bit}, FLAG);"));
-        if on != off {
-            line("all();");
-            line(&format!("scamp5_in({threshold}, -{on});"));
+        Comparison {
+            news: &news,
+            scratch: &scratch,
+            drive: &drive,
+            threshold: &threshold,
+            memory: Some(&memory),
+            bits: [on_bit, off_bit],
         }
-        line(&format!(
-            "where({drive}, {memory}, {threshold}); // drive - memory > threshold"
-        ));
-        line(&format!("MOV({on_bit}, FLAG);"));
+        .write(text, [&on, &off]);
         if !in_bits {
-            line(&format!(
-                "WHERE({on_bit}, {off_bit}); // where it fired, the memory becomes the drive"
-            ));
-            line(&format!("neg({memory}, {drive});"));
+            let _ = writeln!(
+                text,
+                "    WHERE({on_bit}, {off_bit}); // where it fired, the memory becomes the drive"
+            );
+            let _ = writeln!(text, "    neg({memory}, {drive});");
         }
-        line("all();");
+        text.push_str("    all();\n");
         self.readout
             .write(text, [on_bit, off_bit], &number, (&drive, &scratch));
         if in_bits {

@@ -3,7 +3,7 @@
 use super::{
     digit::Place,
     linear_form::{LinearForm, Tap},
-    plan::{Plan, Store},
+    plan::{Plan, values_made},
 };
 use crate::number::greatest_common_divisor;
 
@@ -51,11 +51,7 @@ pub(super) fn factors(goal: &LinearForm, unit: i64) -> Option<[Factor; 2]> {
 /// Composition: the second plan on the result of the first.
 pub(super) fn compose(first: &Plan, second: &Plan) -> Option<Plan> {
     let result = *first.goals.first()?;
-    let stores = first
-        .words
-        .iter()
-        .filter(|word| !matches!(word.store, Store::News(_)))
-        .count();
+    let stores = values_made(&first.words);
     let renamed = |value: usize| if value == 0 { result } else { value + stores };
     let mut words = first.words.clone();
     for word in &second.words {

@@ -19,6 +19,7 @@ use std::fmt::Write as _;
 use super::{
     allocate::ordinary_registers,
     cell_kind::{CellKind, DriveMemory, constants, header, number, thresholds},
+    comparison::Comparison,
     decision::{Compared, Decision},
     error::CompileError,
     event_readout::EventReadout,
@@ -93,7 +94,6 @@ pub(super) fn program(
         filter: Filter::joined(&filters),
         drives: vec![registers.drive; kinds.len()],
         registers: sensor::Registers::Shared(registers),
-        scale: scales.first().copied().unwrap_or(1.0),
         scales,
         steps: Vec::new(),
         difference,
@@ -336,7 +336,7 @@ impl Writer<'_> {
     }
 
     /// Writes one kind's part of a frame: filter, and comparison with both thresholds.
-    fn kind(&self, text: &mut String, i: usize, [on_bit, off_bit]: [&str; 2]) {
+    fn kind(&self, text: &mut String, i: usize, bits: [&str; 2]) {
         let name = |register: Analog| self.device.analog_name(register);
         let Registers {
             drive,
@@ -353,25 +353,16 @@ impl Writer<'_> {
         let _ = writeln!(text, "\n    // kind {i}{called}");
         text.push_str(&self.difference());
         text.push_str(&self.filters[i].text(self.device, 4));
-        let mut line = |what: &str| {
-            let _ = writeln!(text, "    {what}");
-        };
-        line(&format!("scamp5_in({threshold}, -{off});"));
-        line(&format!("bus({news});"));
-        line(&format!("bus({scratch}, {news}, {drive});"));
-        line(&format!(
-            "where({scratch}, {threshold}); // -drive > threshold"
-        ));
-        line(&format!("MOV({off_bit}, FLAG);"));
-        if on != off {
-            line("all();");
-            line(&format!("scamp5_in({threshold}, -{on});"));
+        Comparison {
+            news: &news,
+            scratch: &scratch,
+            drive: &drive,
+            threshold: &threshold,
+            memory: None,
+            bits,
         }
-        line(&format!(
-            "where({drive}, {threshold}); // drive > threshold"
-        ));
-        line(&format!("MOV({on_bit}, FLAG);"));
-        line("all();");
+        .write(text, [&on, &off]);
+        text.push_str("    all();\n");
     }
 
     /// Writes what collects the bits of kinds in the spare register; with those of the kinds

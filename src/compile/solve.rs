@@ -9,7 +9,7 @@ use super::{
     border_safe::border_safe_plans,
     linear_form::LinearForm,
     listed::listed,
-    plan::{Plan, StoreErrors, Trace, Value},
+    plan::{Plan, StoreErrors, Trace, Value, values_made},
     scale::scale,
     separable::{Factor, compose, factors},
     tour::{NODES, Room, tours},
@@ -156,7 +156,7 @@ impl Problem {
             && better(&proved, best.as_ref(), self.border)
         {
             // No search can make it shorter.
-            if self.shortest && proved.holds && (proved.border || !self.border) {
+            if self.shortest && self.is_sound(&proved) {
                 return Some(proved);
             }
             all.push(proved.clone());
@@ -198,6 +198,30 @@ impl Problem {
         best.map(|best| Solved { seen, ..best })
     }
 
+    /// Whether a plan is what was asked for: right at the border if it must be, and nothing
+    /// saturates.
+    const fn is_sound(&self, solved: &Solved) -> bool {
+        (solved.border || !self.border) && solved.holds
+    }
+
+    /// What the beam searches for.
+    const fn task(
+        &self,
+        goals: Vec<LinearForm>,
+        unit: i64,
+        registers: usize,
+        over_input: Option<usize>,
+    ) -> Task {
+        Task {
+            goals,
+            unit,
+            registers,
+            over_input,
+            border: self.border,
+            stop: self.stop,
+        }
+    }
+
     /// Tours that are preferred to the best of what was found, with a third more of the effort at
     /// most.
     fn toured(&self, best: Option<&Solved>) -> (u64, Vec<Solved>) {
@@ -209,8 +233,8 @@ impl Problem {
             over_input: last == Some(&self.registers.input),
             stop: self.stop,
         };
-        let fits = |solved: &&Solved| (solved.border || !self.border) && solved.holds;
-        let below = best.filter(fits).map(|best| best.allocated.words.len());
+        let below = best.filter(|best| self.is_sound(best));
+        let below = below.map(|best| best.allocated.words.len());
         let budget = self.states.saturating_mul(NODES) / 3;
         let limits = (below.unwrap_or(usize::MAX), budget);
         let (nodes, plans) = tours(&self.goals, self.unit, room, limits);
@@ -230,30 +254,22 @@ impl Problem {
         (best, slack): (Option<&Solved>, fn(usize) -> usize),
         left: u64,
     ) -> (u64, Vec<Solved>) {
-        let fits = |solved: &&Solved| (solved.border || !self.border) && solved.holds;
-        let below = best.filter(fits).map_or(usize::MAX, |b| {
-            let words = b.allocated.words.len();
+        let below = { best.filter(|best| self.is_sound(best)) }.map_or(usize::MAX, |best| {
+            let words = best.allocated.words.len();
             words.saturating_add(slack(words))
         });
         let below = below.min(2048);
-        let over = |goals: &[usize]| {
-            let over = goals
-                .iter()
-                .position(|g| self.registers.into[*g] == self.registers.input);
-            over.filter(|_| goals.len() == self.goals.len())
-        };
         let heuristics: Vec<Heuristic> = (0..SEARCHES)
             .map(|i| heuristic(self.seed, width, round * SEARCHES + i))
             .collect();
-        let all: Vec<usize> = (0..self.goals.len()).collect();
-        let task = Task {
-            goals: self.goals.clone(),
-            unit: self.unit,
-            registers: self.registers.all.len(),
-            over_input: over(&all),
-            border: self.border,
-            stop: self.stop,
-        };
+        let into = &self.registers.into;
+        let over = into.iter().position(|it| *it == self.registers.input);
+        let task = self.task(
+            self.goals.clone(),
+            self.unit,
+            self.registers.all.len(),
+            over,
+        );
         let mut tries: Vec<_> = heuristics.iter().map(|tried| (&task, *tried)).collect();
         // All elsewhere, and the goal over the input brought there last.
         let elsewhere = Task {
@@ -296,14 +312,7 @@ impl Problem {
         left: u64,
     ) -> (u64, Option<Plan>) {
         let found = parts.map(|(goal, unit)| {
-            let task = Task {
-                goals: vec![goal],
-                unit,
-                registers: self.registers.all.len(),
-                over_input: None,
-                border: self.border,
-                stop: self.stop,
-            };
+            let task = self.task(vec![goal], unit, self.registers.all.len(), None);
             let tries = heuristics.par_iter();
             let found: Vec<_> = tries
                 .map(|t| search(&task, *t, 2048, left / 2 + 1))
@@ -333,14 +342,8 @@ impl Problem {
                     goals.push(LinearForm::unit(self.unit));
                 }
                 let over = last && self.registers.into[goal] == self.registers.input;
-                let task = Task {
-                    goals,
-                    unit: self.unit,
-                    registers: self.registers.all.len().saturating_sub(done),
-                    over_input: over.then_some(0),
-                    border: self.border,
-                    stop: self.stop,
-                };
+                let registers = self.registers.all.len().saturating_sub(done);
+                let task = self.task(goals, self.unit, registers, over.then_some(0));
                 (task, goal)
             })
             .collect();
@@ -381,11 +384,7 @@ impl Problem {
         let mut next: Value = 0;
         for (goal, part) in parts {
             let renamed = |value: Value| if value == 0 { 0 } else { value + next };
-            let stores = part
-                .words
-                .iter()
-                .filter(|word| !matches!(word.store, super::plan::Store::News(_)));
-            let count = stores.count();
+            let made = values_made(&part.words);
             for mut word in part.words {
                 for value in &mut word.values {
                     *value = renamed(*value);
@@ -393,7 +392,7 @@ impl Problem {
                 whole.words.push(word);
             }
             whole.goals[goal] = part.goals.first().map_or(0, |value| renamed(*value));
-            next += count;
+            next += made;
         }
         whole
     }

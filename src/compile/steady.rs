@@ -7,7 +7,7 @@
 
 use crate::order::Order;
 
-use super::plan::{Plan, SOURCES, SOURCES_SPLIT, Store, StoreErrors, Word};
+use super::plan::{Plan, SOURCES, SOURCES_SPLIT, StoreErrors, Word, values_made};
 
 /// For each word, whether it reads the constant too.
 pub(super) type Reads = Vec<bool>;
@@ -40,10 +40,10 @@ pub(super) fn greedy(plan: &Plan, errors: StoreErrors) -> Reads {
         let with = errors.stored(sum + constant, word.splits());
         let read = room(word) && with.abs() < without.abs() - 1.0;
         let stored = if read { with } else { without };
-        if let Store::News(_) | Store::Both(_) = word.store {
+        if word.writes_news() {
             news = stored;
         }
-        if let Store::Register | Store::Both(_) = word.store {
+        if word.makes_value() {
             values.push(stored);
         }
         reads.push(read);
@@ -136,24 +136,17 @@ pub(super) fn trimmed(plan: &Plan, errors: StoreErrors) -> Option<Plan> {
     }
     let [goal] = plan.goals[..] else { return None };
     let mut out = plan.clone();
-    let stores = |word: &&Word| !matches!(word.store, Store::News(_));
-    let first = 1 + plan.words.iter().filter(stores).count();
-    let word = |values: Vec<usize>, halved| Word {
-        store: Store::Register,
-        views: Vec::new(),
-        values,
-        halved,
-    };
+    let first = 1 + values_made(&plan.words);
     let count = needed(best);
     for i in 0..count {
         out.words.push(match i {
-            0 => word(Vec::new(), false),
-            _ => word(vec![first + i - 1], true),
+            0 => Word::register(Vec::new(), false),
+            _ => Word::register(vec![first + i - 1], true),
         });
     }
     let copy = |value: usize, set: usize| {
         let own = (0..count).filter(|i| set >> i & 1 == 1).map(|i| first + i);
-        word([value].into_iter().chain(own).collect(), false)
+        Word::register([value].into_iter().chain(own).collect(), false)
     };
     out.words.push(copy(goal, best.0));
     out.words.push(copy(first + count, best.1));
@@ -194,12 +187,7 @@ pub(super) fn steadied(plan: &Plan, reads: &[bool], registers: usize) -> Option<
         }
         let read = free && reads.get(at) == Some(&true) && room(word);
         if read && held.is_none() {
-            out.words.push(Word {
-                store: Store::Register,
-                views: Vec::new(),
-                values: Vec::new(),
-                halved: false,
-            });
+            out.words.push(Word::register(Vec::new(), false));
             held = Some(values);
             values += 1;
         }
@@ -211,7 +199,7 @@ pub(super) fn steadied(plan: &Plan, reads: &[bool], registers: usize) -> Option<
             own.values.extend(held);
             any = true;
         }
-        if !matches!(word.store, Store::News(_)) {
+        if word.makes_value() {
             renamed.push(values);
             values += 1;
         }
@@ -276,12 +264,7 @@ mod tests {
 
     #[test]
     fn a_row_of_copies_stays_at_zero() {
-        let copy = |value| Word {
-            store: Store::Register,
-            views: vec![],
-            values: vec![value],
-            halved: false,
-        };
+        let copy = |value| Word::register(vec![value], false);
         let plan = Plan {
             words: (0..5).map(copy).collect(),
             goals: vec![5],

@@ -17,10 +17,10 @@ use super::{
     decision::Compared,
     error::CompileError,
     filter::Filter,
-    forecast::{Forecast, Signal, forecasts, worst},
+    forecast::{Forecast, Signal, best, forecasts, worst},
     found::{Found, found},
     linear_form::LinearForm,
-    plan::{Plan, Store, StoreErrors, Word},
+    plan::{Plan, StoreErrors, Word},
     request::{Border, Effort, Objective, Request},
     separable::compose,
     solve::{FINE, Problem, Solved, slack},
@@ -55,7 +55,7 @@ const DEAR_DB: f64 = 1.0;
 const ENOUGH: f64 = 0.95;
 
 /// A request as the choice sees it.
-pub(super) struct Survival<'a> {
+pub(super) struct Choice<'a> {
     pub(super) request: &'a Request<'a>,
     pub(super) goals: &'a [LinearForm],
     pub(super) unit: i64,
@@ -136,15 +136,28 @@ impl Request<'_> {
         if let Some(amplitude) = amplitude {
             return at(Signal::around_zero(amplitude));
         }
-        let tried = Signal::AMPLITUDES.map(|amplitude| at(Signal::around_zero(amplitude)));
-        let best = tried
-            .into_iter()
-            .max_by(|a, b| worst(a).total_cmp(&worst(b)));
-        best.unwrap_or_default()
+        best(at)
     }
 }
 
-impl Survival<'_> {
+impl<'a> Choice<'a> {
+    /// Of these registers, with this effort; nothing may saturate.
+    pub(super) const fn new(
+        request: &'a Request<'a>,
+        goals: &'a [LinearForm],
+        unit: i64,
+        (all, effort): (&'a [Analog], Effort),
+    ) -> Self {
+        Self {
+            request,
+            goals,
+            unit,
+            all,
+            effort,
+            strict: true,
+        }
+    }
+
     /// The same, where nothing may saturate without the chip's errors, whatever does with them.
     pub(super) const fn lenient(&self) -> Self {
         Self {
@@ -168,7 +181,7 @@ impl Survival<'_> {
             objective: Objective::Events,
             ..self.request.clone()
         };
-        let anyhow = Survival {
+        let anyhow = Choice {
             request: &request,
             ..*self
         };
@@ -192,10 +205,7 @@ impl Survival<'_> {
                 return Ok(filter);
             }
         }
-        let (candidates, seen) = match self.request.range {
-            None => self.anywhere()?,
-            Some(range) => self.within(range)?,
-        };
+        let (candidates, seen) = self.candidates()?;
         let best = self.best(candidates);
         // Where nothing stays in range with the errors: what does without them.
         let best = match (best, self.request.range) {
@@ -234,10 +244,7 @@ impl Survival<'_> {
 
     /// The shortest of the candidates.
     pub(super) fn shortest(&self) -> Result<Option<Filter>, CompileError> {
-        let (mut all, seen) = match self.request.range {
-            None => self.anywhere()?,
-            Some(range) => self.within(range)?,
-        };
+        let (mut all, seen) = self.candidates()?;
         self.keep_usable(&mut all);
         let shortest = all.into_iter().min_by_key(|c| (c.words(), -c.quality()));
         Ok(shortest.map(|candidate| self.built(candidate, seen)))
@@ -289,10 +296,7 @@ impl Survival<'_> {
 
     /// Filters none of which is worse in words and in signal than another.
     pub(super) fn front(&self) -> Result<Vec<Filter>, CompileError> {
-        let (mut all, seen) = match self.request.range {
-            None => self.anywhere()?,
-            Some(range) => self.within(range)?,
-        };
+        let (mut all, seen) = self.candidates()?;
         self.keep_usable(&mut all);
         all.extend(self.best(all.clone()));
         all.order_by_key(|c| (c.words(), -c.quality()));
@@ -326,6 +330,14 @@ impl Survival<'_> {
             peak: filter.peak * 2f64.powi(best.bits as i32),
             decided: best.decided,
             ..filter
+        }
+    }
+
+    /// The candidates, and how many states were looked at for them.
+    fn candidates(&self) -> Result<(Vec<Candidate>, u64), CompileError> {
+        match self.request.range {
+            None => self.anywhere(),
+            Some(range) => self.within(range),
         }
     }
 
@@ -598,12 +610,7 @@ fn steps_of_db(db: f64) -> i64 {
 
 /// Halvings of the input, one after the other.
 pub(super) fn halvings(bits: u32) -> Plan {
-    let half = |value| Word {
-        store: Store::Register,
-        views: Vec::new(),
-        values: vec![value],
-        halved: true,
-    };
+    let half = |value| Word::register(vec![value], true);
     Plan {
         words: (0..bits as usize).map(half).collect(),
         goals: vec![bits as usize],

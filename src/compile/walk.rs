@@ -8,7 +8,7 @@
 //! those that are held are added first, on a walk of their own, and are halved with the sum.
 
 use super::{
-    digit::{Place, Visits, groups, most_halved},
+    digit::{Place, Visits, groups, most_halved, scaling},
     linear_form::LinearForm,
     plan::{Plan, SOURCES, Value},
     plan_builder::{PlanBuilder, Sum},
@@ -19,25 +19,9 @@ use crate::isa::Direction;
 /// Registers that the narrowest walk needs, the input's included.
 pub(super) const FEWEST_REGISTERS: usize = 3;
 
-/// The most exponents of digits that one walk adds.
-pub(super) const MOST_EXPONENTS: usize = 6;
-
 /// Plans for one goal that differ in words and in registers.
 pub(super) fn walks(goal: &LinearForm, unit: i64) -> Vec<Plan> {
-    let mut plans = Vec::new();
-    for held in 1..=MOST_EXPONENTS {
-        for choice in 0..8 {
-            let [minus, negative, steady] = [1, 2, 4].map(|bit| choice & bit != 0);
-            plans.push(walk(
-                goal,
-                unit,
-                held,
-                PlanBuilder::new(minus, steady),
-                negative,
-            ));
-        }
-    }
-    plans
+    PlanBuilder::variants(|held, builder, negative| walk(goal, unit, held, builder, negative))
 }
 
 /// A walk that adds `held` exponents at a time and begins with the given sign.
@@ -58,9 +42,7 @@ fn walk(goal: &LinearForm, unit: i64, held: usize, builder: PlanBuilder, negativ
         walk.visit(&route(&visits, begun.then_some(walk.cursor)));
     }
     let sum = walk.home();
-    let one = unit.trailing_zeros() as usize;
-    let (up, down) = (last.saturating_sub(one), one.saturating_sub(last));
-    walk.builder.finished(sum, up, down)
+    walk.builder.finished(sum, scaling(unit, last))
 }
 
 #[derive(Clone, Copy, Debug)]

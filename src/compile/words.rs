@@ -7,7 +7,7 @@ use super::{
 use crate::{
     config::Place,
     isa::{
-        Device, Direction, Kind, Signature, Source, Value,
+        Device, Direction, PrimitiveKind, Signature, Source, Value,
         signature::{Given, Mode},
     },
     program::Program,
@@ -74,7 +74,7 @@ impl Buses {
 
 /// Whether a bus of the chip to one target, or to two, takes more sources than filters make use of.
 pub(super) fn has_wider_bus(device: &Device) -> bool {
-    let forms = &device.row(Kind::Bus).forms;
+    let forms = &device.row(PrimitiveKind::Bus).forms;
     let plain = { forms.iter() }.filter(|form| form.parameters.iter().all(|it| !it.group));
     let wider = |form: &Signature| {
         let (targets, sources): (Vec<_>, Vec<_>) =

@@ -5,8 +5,8 @@ use std::{cmp::Reverse, sync::Arc};
 use crate::order::Order as _;
 
 use super::{
-    Analog, Evidence, Figure, HostKind, HostRow, Interval, Kind, LeftOut, Macro, Operands,
-    Primitive, PrimitiveRow, Quantity, Registers, Signature,
+    Analog, Evidence, Figure, HostKind, HostRow, Interval, LeftOut, Macro, Operands, Primitive,
+    PrimitiveKind, PrimitiveRow, Quantity, Registers, Signature,
 };
 
 /// A number about the chip that makes no sense.
@@ -22,11 +22,11 @@ pub struct FigureError {
 
 impl FigureError {
     fn help(&self) -> String {
-        if self.figure.domain().holds(self.value) {
+        if self.figure.range().holds(self.value) {
             return "the low end of the range lies below the high one, and the range holds 0"
                 .to_owned();
         }
-        format!("give {}", self.figure.domain().instead_of(self.value))
+        format!("give {}", self.figure.range().instead_of(self.value))
     }
 }
 
@@ -50,7 +50,7 @@ pub struct Device {
 #[derive(Clone, Copy, Debug)]
 pub enum Callable<'a> {
     /// An instruction word.
-    Primitive(Kind, &'a Signature),
+    Primitive(PrimitiveKind, &'a Signature),
     /// A sequence of statements.
     Macro(&'a Macro),
     /// Something that the host does.
@@ -124,7 +124,7 @@ impl Device {
     /// # Errors
     /// When the value makes no sense for it.
     pub fn what_if(mut self, figure: Figure, value: f64) -> Result<Self, FigureError> {
-        if !figure.domain().holds(value) {
+        if !figure.range().holds(value) {
             return Err(FigureError { figure, value });
         }
         // Loading fills the list in the order of the enum.
@@ -167,7 +167,7 @@ impl Device {
 
     /// The row of a primitive.
     #[must_use]
-    pub fn row(&self, kind: Kind) -> &PrimitiveRow {
+    pub fn row(&self, kind: PrimitiveKind) -> &PrimitiveRow {
         // Loading sorts the rows by kind and checks that none is missing.
         &self.primitives[kind as usize]
     }

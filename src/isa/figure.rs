@@ -46,7 +46,7 @@ impl Quantity {
 
 /// The set of values that a figure can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Domain {
+pub enum FigureRange {
     /// Any finite number.
     Any,
     /// Zero or more.
@@ -71,10 +71,10 @@ pub enum Domain {
     Set,
 }
 
-impl Domain {
+impl FigureRange {
     /// The numbers that make sense, and whether they are whole.
     #[must_use]
-    pub fn range(self) -> (Range, bool) {
+    pub fn numbers(self) -> (Range, bool) {
         match self {
             Self::Any => (Range::between(-FIGURE, FIGURE), false),
             Self::NotNegative => (Range::between(0.0, FIGURE), false),
@@ -102,7 +102,7 @@ impl Domain {
     /// Whether a value makes sense.
     #[must_use]
     pub fn holds(self, value: f64) -> bool {
-        let (range, whole) = self.range();
+        let (range, whole) = self.numbers();
         range.holds(value) && !(whole && value.fract() != 0.0)
     }
 
@@ -142,9 +142,9 @@ impl Domain {
     }
 }
 
-/// One list: the variant, its section and key in `device.toml`, unit, domain, meaning.
+/// One list: the variant, its section and key in `device.toml`, unit, range, meaning.
 macro_rules! figures {
-    ($($(#[doc = $doc:literal])* $name:ident = $section:literal . $key:literal, $unit:literal, $domain:ident;)*) => {
+    ($($(#[doc = $doc:literal])* $name:ident = $section:literal . $key:literal, $unit:literal, $range:ident;)*) => {
         /// The numbers that every chip states, under `[figure.<section>]`.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Figure {
@@ -191,8 +191,8 @@ macro_rules! figures {
 
             /// What values make sense.
             #[must_use]
-            pub const fn domain(self) -> Domain {
-                match self { $(Self::$name => Domain::$domain,)* }
+            pub const fn range(self) -> FigureRange {
+                match self { $(Self::$name => FigureRange::$range,)* }
             }
         }
     };
@@ -279,14 +279,20 @@ mod tests {
     }
 
     #[test]
-    fn domains() {
+    fn ranges() {
         assert!(
-            Domain::Count.holds(256.0) && !Domain::Count.holds(0.5) && !Domain::Count.holds(0.0)
+            FigureRange::Count.holds(256.0)
+                && !FigureRange::Count.holds(0.5)
+                && !FigureRange::Count.holds(0.0)
         );
-        assert!(Domain::Part.holds(0.0) && !Domain::Part.holds(1.0));
-        assert!(Domain::Correlation.holds(-1.0) && !Domain::Correlation.holds(1.1));
-        assert!(Domain::Codes.holds(16.0) && !Domain::Codes.holds(512.0));
-        assert!(Domain::Set.holds(1.0) && !Domain::Set.holds(0.0) && !Domain::Set.holds(7.0));
-        assert!(!Domain::Any.holds(f64::NAN) && !Domain::Positive.holds(f64::INFINITY));
+        assert!(FigureRange::Part.holds(0.0) && !FigureRange::Part.holds(1.0));
+        assert!(FigureRange::Correlation.holds(-1.0) && !FigureRange::Correlation.holds(1.1));
+        assert!(FigureRange::Codes.holds(16.0) && !FigureRange::Codes.holds(512.0));
+        assert!(
+            FigureRange::Set.holds(1.0)
+                && !FigureRange::Set.holds(0.0)
+                && !FigureRange::Set.holds(7.0)
+        );
+        assert!(!FigureRange::Any.holds(f64::NAN) && !FigureRange::Positive.holds(f64::INFINITY));
     }
 }

@@ -34,7 +34,7 @@ pub enum Terminal {
 
 /// How a word uses a terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mode {
+pub enum Use {
     /// As an operand of the computation.
     Read,
     /// As a switch that decides what is connected.
@@ -53,7 +53,7 @@ pub struct Access {
     /// Rows and columns to the pixel that has it: (0, 0) for its own.
     pub offset: (isize, isize),
     /// What is done with it.
-    pub mode: Mode,
+    pub how: Use,
 }
 
 impl Access {
@@ -145,17 +145,17 @@ impl Operands {
         }
     }
 
-    fn and(mut self, mode: Mode, terminal: Terminal, offset: (isize, isize)) -> Self {
+    fn and(mut self, how: Use, terminal: Terminal, offset: (isize, isize)) -> Self {
         self.accesses.push(Access {
             terminal,
             offset,
-            mode,
+            how,
         });
         self
     }
 
-    fn own(self, mode: Mode, cell: Cell) -> Self {
-        self.and(mode, Terminal::Cell(cell), (0, 0))
+    fn own(self, how: Use, cell: Cell) -> Self {
+        self.and(how, Terminal::Cell(cell), (0, 0))
     }
 
     fn sources(self, sources: &[Source], news: Analog) -> Self {
@@ -169,7 +169,7 @@ impl Operands {
                     (Terminal::Cell(Cell::Analog(news)), direction.step())
                 }
             };
-            operands.and(Mode::Read, terminal, offset)
+            operands.and(Use::Read, terminal, offset)
         })
     }
 
@@ -184,15 +184,15 @@ impl Operands {
             Bit::Flag => Terminal::Cell(Cell::Flag),
             Bit::Select | Bit::Rect => Terminal::Select,
         };
-        self.and(Mode::Read, terminal, offset)
+        self.and(Use::Read, terminal, offset)
     }
 
     /// Adds one-bit destinations; `propagated` has a mask of its own.
     fn targets(self, targets: &[Digital], roles: Roles) -> Self {
         targets.iter().fold(self, |operands, target| {
-            let operands = operands.own(Mode::Write, Cell::Digital(*target));
+            let operands = operands.own(Use::Write, Cell::Digital(*target));
             if *target == roles.propagated {
-                operands.own(Mode::Mask, Cell::Digital(roles.mask))
+                operands.own(Use::Mask, Cell::Digital(roles.mask))
             } else {
                 operands
             }
@@ -201,27 +201,33 @@ impl Operands {
 
     /// Masks its stores by FLAG.
     fn masked(self) -> Self {
-        self.own(Mode::Mask, Cell::Flag)
+        self.own(Use::Mask, Cell::Flag)
     }
 
     /// It writes FLAG.
     fn flag(self, flag: FlagEffect) -> Self {
-        Self { flag, ..self }.own(Mode::Write, Cell::Flag)
+        Self { flag, ..self }.own(Use::Write, Cell::Flag)
     }
 
     /// Its operands in the computation.
     pub fn reads(&self) -> impl Iterator<Item = &Access> {
-        self.accesses.iter().filter(|a| a.mode == Mode::Read)
+        self.accesses.iter().filter(|a| a.how == Use::Read)
+    }
+
+    /// Whether it reads the photodiode.
+    #[must_use]
+    pub fn reads_light(&self) -> bool {
+        self.reads().any(|it| it.terminal == Terminal::Pix)
     }
 
     /// Its destinations.
     pub fn writes(&self) -> impl Iterator<Item = &Access> {
-        self.accesses.iter().filter(|a| a.mode == Mode::Write)
+        self.accesses.iter().filter(|a| a.how == Use::Write)
     }
 
     /// The storage cells whose content matters to it, FLAG and other masks included.
     pub fn cells_read(&self) -> impl Iterator<Item = Cell> {
-        let read = self.accesses.iter().filter(|a| a.mode != Mode::Write);
+        let read = self.accesses.iter().filter(|a| a.how != Use::Write);
         read.filter_map(Access::cell)
     }
 
@@ -234,7 +240,7 @@ impl Operands {
     /// no mask keeps any. `whole`: FLAG is 1 in all pixels.
     #[must_use]
     pub fn replaces(&self, whole: bool) -> bool {
-        let mut masks = self.accesses.iter().filter(|a| a.mode == Mode::Mask);
+        let mut masks = self.accesses.iter().filter(|a| a.how == Use::Mask);
         masks.all(|mask| whole && mask.cell() == Some(Cell::Flag))
     }
 
@@ -247,7 +253,7 @@ impl Operands {
         }
         let mut halo = [0, 0];
         for write in self.writes() {
-            for read in self.accesses.iter().filter(|a| a.mode != Mode::Write) {
+            for read in self.accesses.iter().filter(|a| a.how != Use::Write) {
                 halo[0] = halo[0].max((read.offset.0 - write.offset.0).unsigned_abs());
                 halo[1] = halo[1].max((read.offset.1 - write.offset.1).unsigned_abs());
             }
@@ -277,10 +283,10 @@ impl Operands {
     /// result is not on the bus that it reads.
     #[must_use]
     pub fn twice(&self) -> Option<Access> {
-        let connected = |a: &&Access| match a.mode {
-            Mode::Read => a.is_on_bus(),
-            Mode::Write => a.is_on_bus() && self.unit != Unit::Squarer,
-            Mode::Gate | Mode::Mask => false,
+        let connected = |a: &&Access| match a.how {
+            Use::Read => a.is_on_bus(),
+            Use::Write => a.is_on_bus() && self.unit != Unit::Squarer,
+            Use::Gate | Use::Mask => false,
         };
         let on_bus = || self.accesses.iter().filter(connected);
         let same = |a: &Access, b: &Access| (a.terminal, a.offset) == (b.terminal, b.offset);
@@ -299,20 +305,20 @@ impl Primitive {
         match self {
             Self::Nop => Operands::new(Unit::Idle),
             Self::ResetPix => {
-                Operands::new(Unit::Photodiode).and(Mode::Write, Terminal::Pix, (0, 0))
+                Operands::new(Unit::Photodiode).and(Use::Write, Terminal::Pix, (0, 0))
             }
             Self::Bus { targets, sources } => {
                 let bus = Operands::new(Unit::Bus);
                 let stored = targets.iter().fold(bus, |bus, target| match target {
-                    Target::Register(register) => bus.own(Mode::Write, analog(*register)),
+                    Target::Register(register) => bus.own(Use::Write, analog(*register)),
                     Target::Neighbour(direction) => {
-                        bus.and(Mode::Write, Terminal::Cell(analog(news)), direction.step())
+                        bus.and(Use::Write, Terminal::Cell(analog(news)), direction.step())
                     }
                 });
                 stored.sources(sources, news).masked()
             }
             Self::Square { sources } => Operands::new(Unit::Squarer)
-                .own(Mode::Write, analog(news))
+                .own(Use::Write, analog(news))
                 .sources(sources, news)
                 .masked(),
             Self::Where { sources } => Operands::new(Unit::Bus)
@@ -320,8 +326,8 @@ impl Primitive {
                 .sources(sources, news),
             Self::All => Operands::new(Unit::Logic).flag(FlagEffect::Sets),
             Self::BlurSet => Operands::new(Unit::Idle)
-                .own(Mode::Read, Cell::Digital(roles.links(Direction::South)))
-                .own(Mode::Read, Cell::Digital(roles.links(Direction::West))),
+                .own(Use::Read, Cell::Digital(roles.links(Direction::South)))
+                .own(Use::Read, Cell::Digital(roles.links(Direction::West))),
             Self::Blur {
                 target,
                 source,
@@ -329,8 +335,8 @@ impl Primitive {
                 vertical,
             } => {
                 let blur = Operands::new(Unit::Diffusion)
-                    .own(Mode::Write, analog(*target))
-                    .own(Mode::Read, analog(*source))
+                    .own(Use::Write, analog(*target))
+                    .own(Use::Read, analog(*source))
                     .masked();
                 let linked = |direction: &Direction| match direction {
                     Direction::North | Direction::South => *vertical,
@@ -340,9 +346,9 @@ impl Primitive {
                 linked.fold(blur, |blur, direction| {
                     let there = direction.step();
                     let gate = Cell::Digital(roles.links(direction));
-                    blur.and(Mode::Read, Terminal::Cell(analog(*source)), there)
-                        .own(Mode::Gate, gate)
-                        .and(Mode::Gate, Terminal::Cell(gate), there)
+                    blur.and(Use::Read, Terminal::Cell(analog(*source)), there)
+                        .own(Use::Gate, gate)
+                        .and(Use::Gate, Terminal::Cell(gate), there)
                 })
             }
             Self::Set { targets } | Self::Clear { targets } => {
@@ -360,17 +366,17 @@ impl Primitive {
                 let word = Operands::new(Unit::Neighbours).targets(&[*target], roles);
                 Direction::ALL.into_iter().fold(word, |word, direction| {
                     let gate = Cell::Digital(roles.enables(direction));
-                    word.bit(*source, direction.step()).own(Mode::Gate, gate)
+                    word.bit(*source, direction.step()).own(Use::Gate, gate)
                 })
             }
             Self::PropRead => {
-                Operands::new(Unit::Idle).own(Mode::Read, Cell::Digital(roles.propagated))
+                Operands::new(Unit::Idle).own(Use::Read, Cell::Digital(roles.propagated))
             }
             Self::Prop { .. } => {
                 let word = Operands::new(Unit::Propagation).targets(&[roles.propagated], roles);
-                let word = word.own(Mode::Read, Cell::Digital(roles.propagated));
+                let word = word.own(Use::Read, Cell::Digital(roles.propagated));
                 let enables = roles.enable.into_iter().map(Cell::Digital);
-                enables.fold(word, |word, enable| word.own(Mode::Gate, enable))
+                enables.fold(word, |word, enable| word.own(Use::Gate, enable))
             }
         }
     }

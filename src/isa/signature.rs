@@ -15,7 +15,7 @@ use crate::limit::ARGUMENTS;
 
 use super::{
     Bit, Source, Value,
-    text::{Cursor, Expression, Kind, Token},
+    text::{Cursor, Expression, Token, TokenKind},
 };
 
 /// How a statement uses a register argument.
@@ -388,7 +388,7 @@ fn parameter(cursor: &mut Cursor<'_>) -> Result<Parameter, Fault> {
         });
     }
     if let Some(&Token {
-        kind: Kind::Number(value),
+        kind: TokenKind::Number(value),
         ..
     }) = cursor.peek()
     {
@@ -420,7 +420,7 @@ fn parameter(cursor: &mut Cursor<'_>) -> Result<Parameter, Fault> {
         let open = matches!(
             cursor.peek(),
             Some(Token {
-                kind: Kind::Mark(_),
+                kind: TokenKind::Mark(_),
                 ..
             }) | None
         );
@@ -493,7 +493,7 @@ fn operand(cursor: &mut Cursor<'_>) -> Result<Operand, Fault> {
 fn number(cursor: &mut Cursor<'_>) -> Result<f64, Fault> {
     let negative = cursor.take("-");
     if let Some(&Token {
-        kind: Kind::Number(value),
+        kind: TokenKind::Number(value),
         ..
     }) = cursor.peek()
     {

@@ -32,14 +32,12 @@
 //!
 //! Everything about a sheet of equal parts is therefore known in closed form: [`Steady`] is its
 //! settled state, [`Flow`] how it moves. [`Network`] is a sheet whose parts all differ, and
-//! whose laterals may be transistors. [`Circuit`] says what the constants cost in silicon,
-//! [`fit()`] which receptive fields a sheet can carry.
+//! whose laterals may be transistors; [`fit()`] says which receptive fields a sheet can carry.
 //!
 //! Sources: T. Delbruck, C. Li, R. Graca, B. `McReynolds`, *Utility and feasibility of a center
 //! surround event camera*, ICIP 2022, arXiv 2202.13076; Mead, *Analog VLSI and Neural Systems*,
 //! 1989, appendix C. `docs/mesh.md` has all of it with pictures.
 
-pub mod circuit;
 mod cosine;
 mod error;
 mod euler;
@@ -53,7 +51,6 @@ mod sheet;
 mod signal;
 mod steady;
 
-pub use circuit::{Circuit, Layer};
 pub use error::MeshError;
 pub use euler::Euler;
 pub use fit::{Fit, FittedSheet, Fitting, fit};

@@ -1,54 +1,8 @@
-//! How far rounding can take a result, whatever the numbers: bounds, not estimates.
-//!
-//! With `u` the unit roundoff of a format and `gamma(n) = n u / (1 - n u)`, a dot product of `n`
-//! held weights and held values, each operation rounded once and in any order, is off by at most
-//!
-//! ```text
-//! gamma(n) sum |w x|  +  n s          floats; s is half the smallest step there is
-//!                        n s          fixed point, whose sums are exact; s is half an LSB
-//! ```
-//!
-//! as long as nothing overflows (Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd
-//! edition, SIAM 2002, sections 2.2 and 3.1; the second term is what underflow costs).
-//! `docs/extremes.md` shows how much of these bounds is used.
+//! Between which numbers a format lies, and what rounding can do to any of them.
 
 use super::{Format, Overflow};
 
-/// `n u / (1 - n u)`: what `n` roundings can do to a number, as a part of it; infinite where
-/// nothing can be said.
-///
-/// ```
-/// use amacrine::number::{Format, gamma};
-///
-/// let u = Format::F16.unit_roundoff();
-/// assert!((gamma(25, u) - 0.01236).abs() < 1e-5);
-/// assert_eq!(gamma(3000, u), f64::INFINITY);
-/// ```
-#[must_use]
-pub fn gamma(n: usize, unit_roundoff: f64) -> f64 {
-    let all = n as f64 * unit_roundoff;
-    if all < 1.0 {
-        all / (1.0 - all)
-    } else {
-        f64::INFINITY
-    }
-}
-
 impl Format {
-    /// What rounding to the nearest can change a number by, as a part of it, where neither
-    /// overflow nor underflow plays a part: half the distance from 1 to the next. 0 in fixed
-    /// point, where [`Format::half_step`] says it all.
-    #[must_use]
-    pub fn unit_roundoff(self) -> f64 {
-        match self {
-            Self::F64 => f64::EPSILON / 2.0,
-            Self::F32 => f64::from(f32::EPSILON) / 2.0,
-            Self::F16 => half::f16::EPSILON.to_f64() / 2.0,
-            Self::Bf16 => half::bf16::EPSILON.to_f64() / 2.0,
-            Self::Fixed(_) => 0.0,
-        }
-    }
-
     /// What rounding to the nearest can change any number by, however small it is, in the
     /// number's unit: half an LSB in fixed point, half the smallest subnormal of a float. Of
     /// f64 that half is no double, and this is the whole of it.
@@ -79,48 +33,6 @@ impl Format {
         }
     }
 
-    /// By how much holding `real` can change it.
-    ///
-    /// Infinite beyond [`Format::limits`].
-    #[must_use]
-    pub fn hold_bound(self, real: f64) -> f64 {
-        let (low, high) = self.limits();
-        if real >= low && real <= high {
-            (self.unit_roundoff() * real.abs()).max(self.half_step())
-        } else {
-            f64::INFINITY
-        }
-    }
-
-    /// By how much a dot product of `terms` held weights and held values can be off, where the
-    /// products are `size` together, each without its sign.
-    ///
-    /// Infinite where a sum on the way can leave the format, and where there are so many terms
-    /// that nothing can be said. The rounding of weights and values themselves is not in it:
-    /// for floats count two terms more.
-    ///
-    /// ```
-    /// use amacrine::number::{F16, Format, Number};
-    ///
-    /// let (weight, value) = (F16.hold(0.1), F16.hold(200.0));
-    /// let sum = (0..9).fold(F16.hold(0.0), |sum, _| F16.add(sum, F16.mul(weight, value)));
-    /// let exact = 9.0 * F16.value(weight) * F16.value(value);
-    /// assert!((F16.value(sum) - exact).abs() <= Format::F16.dot_bound(9, exact));
-    /// ```
-    #[must_use]
-    pub fn dot_bound(self, terms: usize, size: f64) -> f64 {
-        let relative = gamma(terms, self.unit_roundoff());
-        // What underflow took from a product is rounded with the sums.
-        let lost = terms as f64 * self.half_step() * (1.0 + relative);
-        let bound = relative * size + lost;
-        let (low, high) = self.limits();
-        if size + bound <= high.min(-low) {
-            bound
-        } else {
-            f64::INFINITY
-        }
-    }
-
     /// Whether a result beyond [`Format::limits`] comes back as another number, and not as the
     /// nearest or as infinity.
     #[must_use]
@@ -133,7 +45,6 @@ impl Format {
 mod tests {
     use super::{super::Visitor, *};
     use crate::number::Number;
-    use proptest::prelude::*;
 
     const ALL: [&str; 9] = [
         "f64",
@@ -162,20 +73,6 @@ mod tests {
     }
 
     #[test]
-    fn roundoff_is_half_the_distance_from_one_to_the_next() {
-        for name in ["f64", "f32", "f16", "bf16"] {
-            let u = format(name).unit_roundoff();
-            // To even at the middle, up beyond it.
-            assert_eq!(format(name).visit(Held(1.0 + u)), 1.0, "{name}");
-            assert_eq!(format(name).visit(Held(1.0 - u)), 1.0 - u, "{name}");
-            if name != "f64" {
-                let up = format(name).visit(Held(1.0 + 1.01 * u));
-                assert_eq!(up, 1.0 + 2.0 * u, "{name}");
-            }
-        }
-    }
-
-    #[test]
     fn limits_are_held_and_no_step_is_smaller() {
         for name in ALL {
             let format = format(name);
@@ -184,7 +81,6 @@ mod tests {
             for end in [low, high] {
                 assert_eq!(format.visit(Held(end)), end, "{name}");
             }
-            assert_eq!(format.hold_bound(high * 1.01), f64::INFINITY);
             if name != "f64" {
                 assert_eq!(format.visit(Held(2.0 * step)), 2.0 * step, "{name}");
                 assert_eq!(format.visit(Held(0.99 * step)), 0.0, "{name}");
@@ -193,51 +89,5 @@ mod tests {
         }
         assert_eq!(format("q8.8").limits(), (-128.0, 127.996_093_75));
         assert!(format("q4.12-wrap").wraps() && !format("q4.12").wraps());
-    }
-
-    #[test]
-    fn figures_of_the_literature() {
-        let of = |name, n| gamma(n, format(name).unit_roundoff());
-        for (name, bound) in [("f32", 1.49e-6), ("f16", 0.01236), ("bf16", 0.1082)] {
-            assert!((of(name, 25) / bound - 1.0).abs() < 1e-2, "{name}");
-        }
-        assert_eq!(of("bf16", 256), f64::INFINITY);
-        assert_eq!(format("q8.8").dot_bound(25, 100.0), 25.0 / 512.0);
-        assert_eq!(format("q8.8").dot_bound(25, 128.0), f64::INFINITY);
-        assert_eq!(format("f16").dot_bound(2, 65_504.0), f64::INFINITY);
-    }
-
-    /// A dot product in one format, and how far off it is.
-    struct Dot<'a>(&'a [(f64, f64)]);
-
-    impl Visitor for Dot<'_> {
-        type Output = (f64, f64);
-        fn visit<N: Number>(self, number: N) -> (f64, f64) {
-            let (mut sum, mut exact, mut size) = (N::ZERO, 0.0, 0.0);
-            for (weight, value) in self.0 {
-                let (weight, value) = (number.hold(*weight), number.hold(*value));
-                sum = number.add(sum, number.mul(weight, value));
-                let product = number.value(weight) * number.value(value);
-                (exact, size) = (exact + product, size + product.abs());
-            }
-            let bound = number.format().dot_bound(self.0.len(), size);
-            ((number.value(sum) - exact).abs(), bound)
-        }
-    }
-
-    proptest! {
-        /// Not for f64, against which the others are measured.
-        #[test]
-        fn no_dot_product_is_off_by_more(
-            name in proptest::sample::select(&ALL[1..]),
-            terms in proptest::collection::vec((-2.0f64..2.0, -3.0f64..3.0), 0..60),
-            scale in -9i32..4,
-        ) {
-            let scale = 10f64.powi(scale);
-            let terms: Vec<_> = terms.into_iter().map(|(w, x)| (w, x * scale)).collect();
-            let (error, bound) = format(name).visit(Dot(&terms));
-            // The doubles of the exact sum are themselves a hair off.
-            prop_assert!(error <= bound * (1.0 + 1e-6) + 1e-18, "{name}: {error} {bound}");
-        }
     }
 }

@@ -21,83 +21,52 @@ pub struct F16;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Bf16;
 
-impl Number for F64 {
-    type Held = f64;
-    type Real = f64;
-    const ZERO: f64 = 0.0;
+/// The two that the machine calculates with.
+macro_rules! float_number {
+    ($name:ident, $float:ident, $format:expr) => {
+        impl Number for $name {
+            type Held = $float;
+            type Real = $float;
+            const ZERO: $float = 0.0;
 
-    #[inline]
-    fn format(&self) -> Format {
-        Format::F64
-    }
-    #[inline]
-    fn hold(&self, real: f64) -> f64 {
-        real
-    }
-    #[inline]
-    fn value(&self, held: f64) -> f64 {
-        held
-    }
-    #[inline]
-    fn real(&self, held: f64) -> f64 {
-        held
-    }
-    #[inline]
-    fn hold_real(&self, real: f64) -> f64 {
-        real
-    }
-    #[inline]
-    fn add(&self, a: f64, b: f64) -> f64 {
-        a + b
-    }
-    #[inline]
-    fn sub(&self, a: f64, b: f64) -> f64 {
-        a - b
-    }
-    #[inline]
-    fn mul(&self, a: f64, b: f64) -> f64 {
-        a * b
-    }
+            #[inline]
+            fn format(&self) -> Format {
+                $format
+            }
+            #[inline]
+            fn hold(&self, real: f64) -> $float {
+                real as $float
+            }
+            #[inline]
+            fn value(&self, held: $float) -> f64 {
+                f64::from(held)
+            }
+            #[inline]
+            fn real(&self, held: $float) -> $float {
+                held
+            }
+            #[inline]
+            fn hold_real(&self, real: $float) -> $float {
+                real
+            }
+            #[inline]
+            fn add(&self, a: $float, b: $float) -> $float {
+                a + b
+            }
+            #[inline]
+            fn sub(&self, a: $float, b: $float) -> $float {
+                a - b
+            }
+            #[inline]
+            fn mul(&self, a: $float, b: $float) -> $float {
+                a * b
+            }
+        }
+    };
 }
 
-impl Number for F32 {
-    type Held = f32;
-    type Real = f32;
-    const ZERO: f32 = 0.0;
-
-    #[inline]
-    fn format(&self) -> Format {
-        Format::F32
-    }
-    #[inline]
-    fn hold(&self, real: f64) -> f32 {
-        real as f32
-    }
-    #[inline]
-    fn value(&self, held: f32) -> f64 {
-        f64::from(held)
-    }
-    #[inline]
-    fn real(&self, held: f32) -> f32 {
-        held
-    }
-    #[inline]
-    fn hold_real(&self, real: f32) -> f32 {
-        real
-    }
-    #[inline]
-    fn add(&self, a: f32, b: f32) -> f32 {
-        a + b
-    }
-    #[inline]
-    fn sub(&self, a: f32, b: f32) -> f32 {
-        a - b
-    }
-    #[inline]
-    fn mul(&self, a: f32, b: f32) -> f32 {
-        a * b
-    }
-}
+float_number!(F64, f64, Format::F64);
+float_number!(F32, f32, Format::F32);
 
 /// The two halves add in f32 and round again: 24 bits are at least twice 11 plus two, so that
 /// the first rounding can never spoil the second (Figueroa 1995, doi:10.1145/221332.221334).

@@ -27,7 +27,6 @@ mod real;
 mod signed_digits;
 mod visit;
 
-pub use bound::gamma;
 pub use common_divisor::greatest_common_divisor;
 pub use dyadic::Dyadic;
 pub use fixed::{Q, Wide, Width, divide};

@@ -26,7 +26,7 @@ impl Exposure {
             match &step.action {
                 Action::Word(word) => {
                     let operands = device.operands(word);
-                    let reads = operands.reads().any(|it| it.terminal == Terminal::Pix);
+                    let reads = operands.reads_light();
                     self.adds |= reads && self.left && !self.now;
                     self.reads |= reads;
                     let resets = operands.unit == Unit::Photodiode;

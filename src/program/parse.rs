@@ -3,7 +3,7 @@
 use super::syntax::{Comment, Item, Node, Syntax};
 use crate::{
     config::{Fault, Place},
-    isa::text::{Cursor, Kind, Token, lex},
+    isa::text::{Cursor, Token, TokenKind, lex},
     limit::FAULTS,
 };
 
@@ -21,7 +21,7 @@ pub(super) fn parse(text: &str) -> Parsed {
     let (tokens, mut faults) = lex(text);
     let (comments, tokens): (Vec<Token>, Vec<Token>) = tokens
         .into_iter()
-        .partition(|t| matches!(t.kind, Kind::Line(_) | Kind::Block(_)));
+        .partition(|t| matches!(t.kind, TokenKind::Line(_) | TokenKind::Block(_)));
     let first = tokens.first().map_or(text.len(), |t| t.place.start);
     let last = tokens.last().map_or(0, |t| t.place.end);
     let (mut syntax, mut plain) = (Syntax::default(), Vec::new());
@@ -29,7 +29,7 @@ pub(super) fn parse(text: &str) -> Parsed {
     for token in comments {
         let Place { start, .. } = token.place;
         match &token.kind {
-            Kind::Line(line) if line.starts_with('!') => {
+            TokenKind::Line(line) if line.starts_with('!') => {
                 syntax.header.push(line[1..].to_owned());
                 header_at.push(start + 3);
                 if start > first {
@@ -39,7 +39,7 @@ pub(super) fn parse(text: &str) -> Parsed {
                     );
                 }
             }
-            Kind::Line(line) if line.starts_with('=') => {
+            TokenKind::Line(line) if line.starts_with('=') => {
                 syntax.footer.push(line[1..].to_owned());
                 footer_at.push(start + 3);
                 if start < last {
@@ -174,7 +174,7 @@ impl Parser<'_> {
 
     fn node(&mut self, level: Level) -> Result<Node, Fault> {
         let second = self.cursor.peek_second().map(|t| &t.kind);
-        let block = second == Some(&Kind::Mark("{"));
+        let block = second == Some(&TokenKind::Mark("{"));
         if self.cursor.sees_word("const") {
             return self.constant(level);
         }
@@ -242,8 +242,8 @@ impl Parser<'_> {
 
 fn comment(token: &Token) -> Comment {
     match &token.kind {
-        Kind::Line(text) => Comment::Line(text.clone()),
-        Kind::Block(text) => Comment::Block(text.clone()),
+        TokenKind::Line(text) => Comment::Line(text.clone()),
+        TokenKind::Block(text) => Comment::Block(text.clone()),
         // Only comments are kept in the list of comments.
         _ => Comment::Line(String::new()),
     }

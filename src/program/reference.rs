@@ -7,7 +7,8 @@ use super::{
     sample::{Sample, destroyed, nearest_to_one, sample, samples},
 };
 use crate::isa::{
-    Clock, Device, Figure, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity, Signature,
+    Clock, Device, Figure, HostRow, Macro, Operand, PrimitiveKind, PrimitiveRow, Quantity,
+    Signature,
     macros::Item,
     signature::{Mode, Parameter},
 };
@@ -104,23 +105,23 @@ fn primitive(text: &mut String, row: &PrimitiveRow, pictured: &[Sample<'_>]) {
     pictures(text, &row.forms, pictured);
     line(text, &format!("{}\n", row.equation));
     let aliases = match row.kind {
-        Kind::Bus | Kind::Square | Kind::Where => {
+        PrimitiveKind::Bus | PrimitiveKind::Square | PrimitiveKind::Where => {
             "illegal: all registers of one bus must differ, targets too; twice is one connection"
         }
-        Kind::Blur => "illegal: y = x",
-        Kind::Or | Kind::Nor => {
+        PrimitiveKind::Blur => "illegal: y = x",
+        PrimitiveKind::Or | PrimitiveKind::Nor => {
             "d = s is warned of: the chip takes two words, as `OR(r, x)`, `NOR(r, x)`, `NOT(r)` and `REFRESH(r)` do"
         }
-        Kind::Nop
-        | Kind::ResetPix
-        | Kind::All
-        | Kind::BlurSet
-        | Kind::Set
-        | Kind::Clear
-        | Kind::WhereBit
-        | Kind::Dnews
-        | Kind::PropRead
-        | Kind::Prop => "legal: all",
+        PrimitiveKind::Nop
+        | PrimitiveKind::ResetPix
+        | PrimitiveKind::All
+        | PrimitiveKind::BlurSet
+        | PrimitiveKind::Set
+        | PrimitiveKind::Clear
+        | PrimitiveKind::WhereBit
+        | PrimitiveKind::Dnews
+        | PrimitiveKind::PropRead
+        | PrimitiveKind::Prop => "legal: all",
     };
     line(text, &format!("- aliases: {aliases}"));
     line(text, "- destroys: nothing");

@@ -317,15 +317,11 @@ impl Program {
     /// When it has names for other kinds than these.
     pub fn names_of(&self, kinds: u8) -> Result<Vec<String>, NamesError> {
         let names = &self.settings.names;
-        if kinds == 0 || names.len() == usize::from(kinds) {
-            return Ok(if kinds == 0 {
-                Vec::new()
-            } else {
-                names.clone()
-            });
-        }
-        if names.is_empty() {
+        if kinds == 0 || names.is_empty() {
             return Ok(Vec::new());
+        }
+        if names.len() == usize::from(kinds) {
+            return Ok(names.clone());
         }
         Err(NamesError {
             file: self.file.clone(),

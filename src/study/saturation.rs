@@ -3,7 +3,7 @@
 
 use super::stores::{self, Stores};
 use crate::{
-    array::{Arithmetic, Array, AtBorder, Settings, Unheld, claim::MOST_EFFORT, effort, taps},
+    array::{Arithmetic, Array, AtEnd, Settings, Unheld, claim::MOST_EFFORT, effort, taps},
     isa::Device,
     number::Format,
     photoreceptor::{Curve, Response},
@@ -16,7 +16,7 @@ use crate::{
 
 /// Warns of a chip whose registers hold numbers between these ends, if they have any.
 pub fn warn(guard: &mut Guard, subject: &str, chip: &dyn Array, ends: Option<[f64; 2]>) {
-    let all = ends.map_or(Vec::new(), |ends| AtBorder::registers(chip, ends));
+    let all = ends.map_or(Vec::new(), |ends| AtEnd::registers(chip, ends));
     // What every pixel holds alike is a constant, such as a threshold.
     for at in all.into_iter().filter(|it| !it.alike) {
         let place = format!("{} after the last frame", at.register);
@@ -60,7 +60,7 @@ pub struct Saturation {
 
 /// A register, and the frame after which it was worst.
 struct Saturated {
-    worst: AtBorder,
+    worst: AtEnd,
     frame: u64,
 }
 
@@ -88,9 +88,9 @@ impl Saturation {
     /// Looks at the registers after a frame.
     pub fn frame(&mut self, chip: &dyn Array) {
         let found = if self.held {
-            AtBorder::beyond(chip, self.ends)
+            AtEnd::beyond(chip, self.ends)
         } else {
-            AtBorder::registers(chip, self.ends)
+            AtEnd::registers(chip, self.ends)
         };
         let frame = self.frames;
         for worst in found {

@@ -6,7 +6,7 @@
 //! those only the ones that are calculated with further on: a comparison asks for the sign alone.
 
 use crate::{
-    array::{Array, AtBorder},
+    array::{Array, AtEnd},
     event::Packet,
     isa::{
         Analog, Cell, Device,
@@ -35,7 +35,7 @@ pub(super) struct Stores {
 /// The first word whose stores lie at the end of the range.
 #[derive(Clone, Debug)]
 struct Found {
-    at: AtBorder,
+    at: AtEnd,
     frame: u64,
     line: u32,
     /// The word.
@@ -73,7 +73,7 @@ impl Stores {
                     return;
                 }
                 let each = { registers.iter() }
-                    .filter_map(|register| AtBorder::of(chip, *register, ends, beyond));
+                    .filter_map(|register| AtEnd::of(chip, *register, ends, beyond));
                 // What every pixel holds alike is a constant.
                 let first = { each }.find(|at| !at.alike);
                 if let (Some(at), Action::Word(word)) = (first, &steps[*to].action) {
@@ -91,7 +91,7 @@ impl Stores {
     }
 
     /// What was found, and where.
-    pub fn found(self) -> Option<(AtBorder, String)> {
+    pub fn found(self) -> Option<(AtEnd, String)> {
         let frames = self.frames;
         let looked = counted(frames, "frame") + if frames == 1 { " was" } else { " were" };
         self.found.map(|it| {

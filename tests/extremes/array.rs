@@ -5,7 +5,7 @@ use amacrine::{
     array::{Array, Settings, range, taps},
     event::Packet,
     isa::{Analog, Device, Digital, Direction, Primitive, Source, Target},
-    number::{Format, gamma},
+    number::Format,
     plane::{Plane, Size},
     program::{Action, Code, Cost, Overrides, Program, Step},
     sensor::Sensor,
@@ -13,6 +13,7 @@ use amacrine::{
 };
 
 use crate::{
+    bound::{Bounds as _, gamma},
     light::{draw, exact_dot, frame},
     page::{Table, Worst, decades},
 };

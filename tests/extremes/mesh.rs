@@ -9,6 +9,7 @@ use amacrine::{
 };
 
 use crate::{
+    bound::Bounds as _,
     light::draw,
     page::{Table, Worst, decades},
 };

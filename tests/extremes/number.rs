@@ -3,6 +3,7 @@
 use amacrine::number::{Format, Number, Overflow, Visitor};
 
 use crate::{
+    bound::{Bounds as _, gamma},
     light::{draws, exact_dot},
     page::{Table, Worst, decades},
 };
@@ -261,8 +262,7 @@ fn adding<N: Number>(name: &str, number: &N, table: &mut Table) {
         (memory, done) = (next, done + 1);
         if done.is_power_of_two() {
             let exact = done as f64 * step;
-            let gamma = amacrine::number::gamma(done as usize, format.unit_roundoff());
-            let bound = gamma * exact;
+            let bound = gamma(done as usize, format.unit_roundoff()) * exact;
             if bound < f64::INFINITY {
                 let error = (done as f64).mul_add(-step, number.value(memory)).abs();
                 worst.see(error, bound, format_args!("{done} steps"));

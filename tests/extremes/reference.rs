@@ -12,6 +12,7 @@ use amacrine::{
 };
 
 use crate::{
+    bound::Bounds as _,
     light::{exact_dot, frame},
     page::{Table, Worst, decades},
 };

@@ -164,7 +164,7 @@ impl Chip {
                 .fold(1.0, f64::min),
             words: sensor.filter.words.len(),
             halvings: sensor.filter.prescale,
-            scale: sensor.scale,
+            scale: sensor.scale(),
             noise,
             kernels,
             sensor,

@@ -186,10 +186,23 @@ struct Lost {
     why: Why,
 }
 
+/// Without a place: too many bits, here and now.
+type Sum = Result<Form, Option<Lost>>;
+
+/// What is lost first stays what is lost.
+fn plus(sum: &mut Sum, other: Result<&Form, Option<Lost>>, times: i32) {
+    if let Ok(form) = sum {
+        match other {
+            Ok(other) if form.add(other, times).is_some() => {}
+            Ok(_) => *sum = Err(None),
+            Err(lost) => *sum = Err(lost),
+        }
+    }
+}
+
 impl Domain for Algebra {
     type Cell = Result<Form, Lost>;
-    /// Without a place: too many bits, here and now.
-    type Sum = Result<Form, Option<Lost>>;
+    type Sum = Sum;
 
     fn name(&self) -> String {
         "taps".into()
@@ -213,27 +226,11 @@ impl Domain for Algebra {
     }
 
     fn add(&self, sum: &mut Self::Sum, cell: &Self::Cell, times: i32) {
-        match (&mut *sum, cell) {
-            (Ok(form), Ok(cell)) => {
-                if form.add(cell, times).is_none() {
-                    *sum = Err(None);
-                }
-            }
-            (Ok(_), Err(lost)) => *sum = Err(Some(*lost)),
-            (Err(_), _) => {}
-        }
+        plus(sum, cell.as_ref().map_err(|lost| Some(*lost)), times);
     }
 
     fn join(&self, sum: &mut Self::Sum, other: &Self::Sum) {
-        match (&mut *sum, other) {
-            (Ok(form), Ok(other)) => {
-                if form.add(other, 1).is_none() {
-                    *sum = Err(None);
-                }
-            }
-            (Ok(_), Err(lost)) => *sum = Err(*lost),
-            (Err(_), _) => {}
-        }
+        plus(sum, other.as_ref().map_err(|lost| *lost), 1);
     }
 
     fn store(&self, sum: &Self::Sum, share: Share, place: Place) -> Self::Cell {

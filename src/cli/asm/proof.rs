@@ -15,7 +15,7 @@ use crate::{
         survival::{Analogue, RUNS, SIDE, Survival, survival},
         taps::{self, NoTaps, Taps},
     },
-    isa::{Analog, Cell, Device, operands::Terminal},
+    isa::{Analog, Cell, Device},
     plane::Plane,
     program::{Action, Expanded, Host, Step, for_each},
     unit::Lsb,
@@ -404,10 +404,7 @@ fn results(opened: &Opened) -> Vec<Cell> {
 
 fn sees_light(steps: &[Step], device: &Device) -> bool {
     steps.iter().any(|step| match &step.action {
-        Action::Word(word) => {
-            let operands = device.operands(word);
-            operands.reads().any(|read| read.terminal == Terminal::Pix)
-        }
+        Action::Word(word) => device.operands(word).reads_light(),
         Action::Host(_) => false,
         Action::Repeat { body, .. } => sees_light(body, device),
     })

@@ -14,7 +14,7 @@ use crate::{
         BitMemory, Decided, DriveMemory, Filter, Need, Restless, bound::LowerBound, brightest,
         carried, four_digits, largest_of_both_signs, like_these,
     },
-    isa::{Analog, Device, Evidence, Figure, Kind},
+    isa::{Analog, Device, Evidence, Figure, PrimitiveKind},
     plane::Plane,
     program::{Cost, HostCalls, for_each},
     study::feasibility::{Estimate, power::words_energy, time},
@@ -231,7 +231,7 @@ impl Compiled {
         (together && self.filter.prescale == 0).then(|| Bounds {
             lower: lower(),
             stores: self.filter.words.len(),
-            each: device.row(Kind::Bus).words(),
+            each: device.row(PrimitiveKind::Bus).words(),
             kernels: asked.kernels.len(),
             searched: asked.objective == Aim::Words,
         })

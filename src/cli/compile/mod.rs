@@ -592,7 +592,7 @@ fn apart(
             light: Interval::new(0.0, brightest(device)),
             ..Inputs::from_device(device)
         },
-        scale: program.scale,
+        scale: program.scale(),
     };
     let (readout, readouts) = readout::planned(arguments, asked, &program, kinds, device)?;
     let text = program.text_with(kinds, &asked.title, device, readout);
@@ -604,7 +604,7 @@ fn apart(
     compiled.ranged = true;
     let thresholds = asked.thresholds.iter();
     compiled.thresholds = thresholds
-        .map(|(on, off)| [on * program.scale, off * program.scale])
+        .map(|(on, off)| [on * program.scale(), off * program.scale()])
         .collect();
     Ok(compiled)
 }

@@ -12,7 +12,7 @@ use std::{cell::OnceCell, collections::HashSet, rc::Rc};
 
 use super::{
     linear_form::{LinearForm, NEWS_CELLS},
-    plan::{Plan, SOURCES, Store, Value, Word},
+    plan::{Plan, SOURCES, Store, Value, Word, values_made},
 };
 use crate::{isa::Direction, stop::Stop};
 
@@ -368,12 +368,7 @@ impl<'a> Search<'a> {
             });
             let parent = level.get(node.parent as usize)?;
             if let Some(item) = &step.stored {
-                let next = plan
-                    .words
-                    .iter()
-                    .filter(|word| !matches!(word.store, Store::News(_)))
-                    .count();
-                held.push((&item.form, next));
+                held.push((&item.form, values_made(&plan.words)));
             }
             // Values that nobody reads any more are dropped, the oldest copies first.
             let mut kept = Vec::new();

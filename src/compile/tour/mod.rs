@@ -18,10 +18,10 @@ use rayon::prelude::*;
 
 use self::{
     footprint::Footprint,
-    search::{Digit, MOST_DIGITS, Scaled, Search, Stage, Task},
+    search::{MOST_DIGITS, PlacedDigit, Scaled, Search, Stage, Task},
 };
 use super::{
-    digit::{Plane, grouped, magnitudes, planes},
+    digit::{Plane, grouped, magnitudes, planes, scaling},
     linear_form::LinearForm,
     plan::Plan,
 };
@@ -188,19 +188,17 @@ fn task(
     room: Room<'_>,
     (form, held): (fn(&LinearForm) -> Vec<Plane>, usize),
 ) -> Option<Task> {
-    let one = unit.trailing_zeros() as usize;
     let mut stages = Vec::new();
     let mut scaled = Vec::new();
     for (goal, at) in room.order.iter().enumerate() {
         let (groups, last) = grouped(&form(goals.get(*at)?), held)?;
         let begun = groups.iter().skip_while(|visits| visits.is_empty());
         for visits in begun {
-            let digits: Vec<Digit> = { visits.iter() }
+            let digits: Vec<PlacedDigit> = { visits.iter() }
                 .flat_map(|(place, digits)| {
-                    digits.iter().map(|digit| Digit {
+                    digits.iter().map(|digit| PlacedDigit {
                         place: *place,
-                        halved: digit.halved,
-                        negative: digit.negative,
+                        digit: *digit,
                     })
                 })
                 .collect();
@@ -214,9 +212,10 @@ fn task(
             });
         }
         stages.last_mut()?.ends = true;
+        let (up, down) = scaling(unit, last);
         scaled.push(Scaled {
-            up: last.saturating_sub(one),
-            down: one.saturating_sub(last),
+            up,
+            down,
             steps: goals.len() > 1,
         });
     }

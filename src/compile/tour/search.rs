@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::{
     super::{
-        digit::Place,
+        digit::{Digit, Place},
         linear_form::NEWS_CELLS,
         plan::{Plan, SOURCES, Value},
         plan_builder::{PlanBuilder, Sum},
@@ -18,17 +18,16 @@ use crate::rng::GOLDEN;
 #[derive(Clone, Debug)]
 pub(super) struct Stage {
     pub(super) goal: usize,
-    pub(super) digits: Vec<Digit>,
+    pub(super) digits: Vec<PlacedDigit>,
     /// Whether the sum is a goal once they are added.
     pub(super) ends: bool,
 }
 
-/// The input, halved some times, to be added or subtracted at a place.
+/// A digit, and where it is added.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Digit {
+pub(super) struct PlacedDigit {
     pub(super) place: Place,
-    pub(super) halved: usize,
-    pub(super) negative: bool,
+    pub(super) digit: Digit,
 }
 
 /// What becomes of a sum once all its digits are added.
@@ -146,7 +145,7 @@ impl<'a> Search<'a> {
         let all = || task.stages.iter().flat_map(|stage| &stage.digits);
         let copies = &footprint.copies;
         let range = |axis: fn(&Place) -> i16| {
-            let places = || all().map(|digit| axis(&digit.place));
+            let places = || all().map(|placed| axis(&placed.place));
             let own = || copies.iter().map(|copy| axis(&copy.place));
             let low = places().min().unwrap_or(0).min(0) - own().max().unwrap_or(0) - 1;
             let high = places().max().unwrap_or(0).max(0) - own().min().unwrap_or(0) + 1;
@@ -163,9 +162,9 @@ impl<'a> Search<'a> {
             seen: 0,
         };
         for (number, stage) in task.stages.iter().enumerate() {
-            for (i, digit) in stage.digits.iter().enumerate() {
+            for (i, PlacedDigit { place, digit }) in stage.digits.iter().enumerate() {
                 for (c, copy) in copies.iter().enumerate() {
-                    let cursor = (digit.place.0 - copy.place.0, digit.place.1 - copy.place.1);
+                    let cursor = (place.0 - copy.place.0, place.1 - copy.place.1);
                     if copy.halved == digit.halved
                         && let Some(at) = search.row(number, cursor)
                     {
@@ -398,7 +397,7 @@ impl<'a> Search<'a> {
         let mut can: u16 = 0;
         for (c, digit) in self.table[row..row + copies.len()].iter().enumerate() {
             if *digit != NONE && has(&state.left, *digit) {
-                let minus = stage.digits[usize::from(*digit)].negative != state.negative;
+                let minus = stage.digits[usize::from(*digit)].digit.negative != state.negative;
                 can |= u16::from(minus == copies[c].negative) << c;
             }
         }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::config::{Fault, Faults, suggestion};
 
 use super::{
-    super::{Domain, Figure, Quantity},
+    super::{Figure, FigureRange, Quantity},
     file::Placed,
     layers::Layer,
 };
@@ -92,13 +92,13 @@ fn wrong_range(low: f64, high: f64, top: &Layer) -> Option<Fault> {
 fn wrong_quantity(figure: Figure, entry: &Placed<Quantity>) -> Option<Fault> {
     let (section, key) = figure.key();
     let name = format!("{section}.{key}");
-    wrong(&name, (figure.unit(), figure.domain()), entry)
+    wrong(&name, (figure.unit(), figure.range()), entry)
 }
 
-/// What is wrong with a quantity of this name, unit and domain.
+/// What is wrong with a quantity of this name, unit and range.
 pub(super) fn wrong(
     name: &str,
-    (wanted, domain): (&str, Domain),
+    (wanted, range): (&str, FigureRange),
     entry: &Placed<Quantity>,
 ) -> Option<Fault> {
     let Quantity {
@@ -109,13 +109,13 @@ pub(super) fn wrong(
     } = &entry.value;
     let wrong = if unit != wanted {
         format!("`{name}` is stated in `{wanted}`, not in `{unit}`")
-    } else if !domain.holds(*value) {
+    } else if !range.holds(*value) {
         let found = shown(*value);
-        format!("`{name}` is {}, not {found}", domain.instead_of(*value))
+        format!("`{name}` is {}, not {found}", range.instead_of(*value))
     } else if source.trim().is_empty() {
         format!("`{name}` has no source")
     } else {
-        wrong_interval(name, domain, &entry.value)?
+        wrong_interval(name, range, &entry.value)?
     };
     Some(Fault::error(entry.place, wrong, "this figure").help(
         "write { value = …, unit = …, source = …, evidence = measured|quoted|modelled|guess }",
@@ -123,10 +123,10 @@ pub(super) fn wrong(
 }
 
 /// What is wrong with an interval: an end that makes no sense, or one beyond the value.
-fn wrong_interval(name: &str, domain: Domain, stated: &Quantity) -> Option<String> {
+fn wrong_interval(name: &str, range: FigureRange, stated: &Quantity) -> Option<String> {
     let [low, high] = stated.interval.as_ref()?.ends();
-    if let Some(end) = [low, high].into_iter().find(|end| !domain.holds(*end)) {
-        let (expected, found) = (domain.instead_of(end), shown(end));
+    if let Some(end) = [low, high].into_iter().find(|end| !range.holds(*end)) {
+        let (expected, found) = (range.instead_of(end), shown(end));
         return Some(format!("`{name}` is {expected}, not {found}"));
     }
     let beyond = !(low..=high).contains(&stated.value);

@@ -1,7 +1,7 @@
 //! The files of a chip as they are written: values with their places.
 
 use super::{
-    super::{Clock, Evidence, HostKind, Interval, Kind, Quantity},
+    super::{Clock, Evidence, HostKind, Interval, PrimitiveKind, Quantity},
     keys::{self, DEVICE, PRIMITIVES, QUANTITY},
 };
 use crate::{
@@ -54,7 +54,7 @@ pub(super) struct HostFile {
 
 #[derive(Debug)]
 pub(super) struct RowFile {
-    pub kind: Placed<Kind>,
+    pub kind: Placed<PrimitiveKind>,
     pub forms: Vec<Placed<String>>,
     pub equation: String,
     pub words: u64,
@@ -100,13 +100,13 @@ pub(super) fn primitives(name: &str, text: &str) -> Result<Vec<RowFile>, Faults>
 fn row(row: &Section<'_>) -> Read<RowFile> {
     Ok(RowFile {
         kind: Placed {
-            value: row.needed_word("name", Kind::ALL)?,
+            value: row.needed_word("name", PrimitiveKind::ALL)?,
             place: row.need("name")?.place(),
         },
         forms: row.list("forms").into_iter().map(placed).collect(),
         equation: row.text("equation")?.to_owned(),
         words: row.whole("words")?,
-        clock: row.needed_word("clock", &Clock::ALL)?,
+        clock: row.needed_word("clock", Clock::ALL)?,
         source: row.text("source")?.to_owned(),
         evidence: row.needed_word("evidence", &Evidence::ALL)?,
     })

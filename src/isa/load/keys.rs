@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use super::super::{Clock, Evidence, Figure, HostKind, Kind as Primitive};
+use super::super::{Clock, Evidence, Figure, HostKind, PrimitiveKind};
 use crate::config::{File, Key, Kind, Range, Spelling, Table, schema};
 use crate::isa::names::is_writable;
 
@@ -171,7 +171,11 @@ pub(super) const PRIMITIVES: Table = Table::new(&[Key::required(
 )]);
 
 const PRIMITIVE: Table = Table::new(&[
-    Key::required("name", Kind::Choice(Primitive::WORDS), "which primitive"),
+    Key::required(
+        "name",
+        Kind::Choice(PrimitiveKind::WORDS),
+        "which primitive",
+    ),
     FORMS,
     Key::required("equation", Kind::Text, "what it does"),
     Key::required(
@@ -181,7 +185,7 @@ const PRIMITIVE: Table = Table::new(&[
     ),
     Key::required(
         "clock",
-        Kind::Choice(&Clock::WORDS),
+        Kind::Choice(Clock::WORDS),
         "the clock that it runs under",
     ),
     SOURCE,
@@ -195,7 +199,7 @@ pub fn json_schema() -> Json {
     let mut sections: Map<String, Json> = Map::new();
     for figure in Figure::ALL {
         let (section, key) = figure.key();
-        let (range, whole) = figure.domain().range();
+        let (range, whole) = figure.range().numbers();
         let mut value = schema::kind(&Kind::Number(range));
         if whole {
             schema::add(&mut value, "type", "integer");

@@ -12,8 +12,8 @@ mod host_form;
 pub mod keys;
 mod layers;
 mod naming;
+mod primitive_form;
 mod registers;
-mod row_form;
 mod rows;
 
 pub use self::error::LoadError;

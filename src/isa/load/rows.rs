@@ -8,14 +8,14 @@ use crate::order::Order as _;
 
 use super::{
     super::{
-        Analog, Digital, Domain, HostKind, HostRow, Kind, Macro, Operand, PrimitiveRow, Quantity,
-        Signature, Value, macros, row, signature::Parameter,
+        Analog, Digital, FigureRange, HostKind, HostRow, Macro, Operand, PrimitiveKind,
+        PrimitiveRow, Quantity, Signature, Value, macros, row, signature::Parameter,
     },
     figures::wrong,
     file::Placed,
     host_form,
     layers::Layer,
-    row_form,
+    primitive_form,
 };
 
 /// Parses the forms of a row.
@@ -51,7 +51,7 @@ pub(super) fn forms(
 }
 
 /// What a host operation costs.
-const HOST_COST: (&str, Domain) = ("us", Domain::NotNegative);
+const HOST_COST: (&str, FigureRange) = ("us", FigureRange::NotNegative);
 
 /// Rows of one name in one file: only one of them would count.
 fn twice(rows: impl Iterator<Item = (&'static str, Place)>, faults: &mut Vec<Fault>) {
@@ -66,7 +66,7 @@ fn twice(rows: impl Iterator<Item = (&'static str, Place)>, faults: &mut Vec<Fau
 }
 
 pub(super) fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faults> {
-    let mut rows: BTreeMap<Kind, PrimitiveRow> = BTreeMap::new();
+    let mut rows: BTreeMap<PrimitiveKind, PrimitiveRow> = BTreeMap::new();
     for layer in layers {
         let mut faults = Vec::new();
         let names = { layer.primitives.iter() }.map(|row| (row.kind.value.word(), row.kind.place));
@@ -75,7 +75,7 @@ pub(super) fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faul
             let kind = row.kind.value;
             let own = { row.forms.iter() }.filter_map(|it| {
                 let form = Signature::parse(&it.value).ok()?;
-                row_form::misfit(kind, &form, it.place)
+                primitive_form::misfit(kind, &form, it.place)
             });
             faults.extend(own);
             let built = PrimitiveRow {
@@ -98,7 +98,7 @@ pub(super) fn primitive_rows(layers: &[Layer]) -> Result<Vec<PrimitiveRow>, Faul
     }
     let top = &layers[layers.len() - 1];
     let mut faults = Vec::new();
-    for kind in Kind::ALL {
+    for kind in PrimitiveKind::ALL {
         if !rows.contains_key(kind) {
             faults.push(
                 Fault::error(
@@ -249,7 +249,7 @@ pub(super) fn all_macros(layers: &[Layer]) -> Result<(Vec<Macro>, Vec<usize>), F
 }
 
 /// Tries a form once, with values that fit.
-pub(super) fn can_be_built(kind: Kind, form: &Signature) -> bool {
+pub(super) fn can_be_built(kind: PrimitiveKind, form: &Signature) -> bool {
     let example = |p: &Parameter| vec![example(p.operand); p.count.0.max(1)];
     let bound: Vec<Vec<Value>> = form.parameters.iter().map(example).collect();
     row::build(kind, &form.name, &bound).is_some()

@@ -33,20 +33,12 @@ pub(super) fn fits_literals(call: &Statement, form: &Signature) -> bool {
 pub(super) fn may_write(device: &Device, call: &Statement, name: &str) -> bool {
     let callables = device.callables(&call.name);
     let writes = |at: usize| {
-        callables.iter().any(|it| {
-            let parameters = &it.signature().parameters;
-            let parameter = parameters.get(at).or(parameters.last());
-            parameter.is_some_and(|it| it.mode != Mode::In)
-        })
+        let mut parameters = callables.iter().filter_map(|it| it.signature().at(at));
+        parameters.any(|it| it.mode != Mode::In)
     };
     let is_named = |it: &Expression| matches!(&it.term, Term::Name(own) if own == name);
-    call.arguments.iter().enumerate().any(|(at, argument)| {
-        let named = match argument {
-            Argument::One(one) => is_named(one),
-            Argument::Group { items, .. } => items.iter().any(is_named),
-        };
-        named && writes(at)
-    })
+    { call.arguments.iter().enumerate() }
+        .any(|(at, argument)| argument.items().iter().any(is_named) && writes(at))
 }
 
 pub(super) fn statements<'a>(body: &'a [Item], found: &mut Vec<&'a Statement>) {

@@ -307,11 +307,7 @@ fn check_statement(device: &Device, it: &Macro, statement: &Statement, found: &m
     }
     let mut spread = false;
     for argument in &statement.arguments {
-        let items = match argument {
-            Argument::One(one) => std::slice::from_ref(one),
-            Argument::Group { items, .. } => items,
-        };
-        for item in items {
+        for item in argument.items() {
             check_names(device, it, item, found);
             // `R[dir]` may be one register or four.
             spread |= matches!(item.term, Term::Of { ref base, .. } if base == "R");
@@ -321,10 +317,7 @@ fn check_statement(device: &Device, it: &Macro, statement: &Statement, found: &m
         .arguments
         .iter()
         .map(|a| Given {
-            values: match a {
-                Argument::One(_) => vec![Value::Number(0.0)],
-                Argument::Group { items, .. } => vec![Value::Number(0.0); items.len()],
-            },
+            values: vec![Value::Number(0.0); a.items().len()],
             group: matches!(a, Argument::Group { .. }),
             place: a.place(),
         })

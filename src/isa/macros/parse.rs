@@ -4,7 +4,7 @@ use crate::{
     config::{Fault, suggestion_or},
     isa::{
         Evidence, Signature,
-        text::{Cursor, Kind, Token, lex},
+        text::{Cursor, Token, TokenKind, lex},
     },
     limit::{FAULTS, MACRO_STATEMENTS, MACROS},
 };
@@ -19,7 +19,7 @@ pub fn parse(text: &str) -> Result<Vec<Macro>, Vec<Fault>> {
     let (tokens, mut faults) = lex(text);
     let (comments, tokens): (Vec<Token>, Vec<Token>) = tokens
         .into_iter()
-        .partition(|t| matches!(t.kind, Kind::Line(_) | Kind::Block(_)));
+        .partition(|t| matches!(t.kind, TokenKind::Line(_) | TokenKind::Block(_)));
     let mut cursor = Cursor::new(&tokens, text.len());
     let mut macros: Vec<Macro> = Vec::new();
     let mut end = 0;
@@ -96,7 +96,7 @@ fn length(body: &[Item]) -> usize {
 /// The `///` comments between two places.
 fn doc(comments: &[Token], from: usize, to: usize) -> String {
     let lines = comments.iter().filter_map(|c| match &c.kind {
-        Kind::Line(text) if (from..to).contains(&c.place.start) => text.strip_prefix('/'),
+        TokenKind::Line(text) if (from..to).contains(&c.place.start) => text.strip_prefix('/'),
         _ => None,
     });
     lines.map(str::trim).collect::<Vec<_>>().join("\n")
@@ -155,23 +155,12 @@ fn clause(cursor: &mut Cursor<'_>, it: &mut Macro) -> Result<(), Fault> {
         });
     } else if cursor.take_word("evidence") {
         let (name, place) = cursor.name("measured, quoted, modelled or guess", HELP)?;
-        let evidence = match name.as_str() {
-            "measured" => Evidence::Measured,
-            "quoted" => Evidence::Quoted,
-            "modelled" => Evidence::Modelled,
-            "guess" => Evidence::Guess,
-            _ => {
-                let known = ["measured", "quoted", "modelled", "guess"];
-                return Err(
-                    Fault::error(place, format!("unknown evidence `{name}`"), "here").help(
-                        suggestion_or(
-                            &name,
-                            known,
-                            "evidence is measured, quoted, modelled or guess",
-                        ),
-                    ),
-                );
-            }
+        let Some(evidence) = Evidence::ALL.into_iter().find(|it| it.word() == name) else {
+            let otherwise = "evidence is measured, quoted, modelled or guess";
+            return Err(
+                Fault::error(place, format!("unknown evidence `{name}`"), "here")
+                    .help(suggestion_or(&name, Evidence::WORDS, otherwise)),
+            );
         };
         it.evidence = Some((evidence, quoted(cursor, "the source in quotes", HELP)?));
     } else {
@@ -182,7 +171,7 @@ fn clause(cursor: &mut Cursor<'_>, it: &mut Macro) -> Result<(), Fault> {
 
 fn quoted(cursor: &mut Cursor<'_>, expected: &str, help: &str) -> Result<String, Fault> {
     let Some(Token {
-        kind: Kind::Quoted(text),
+        kind: TokenKind::Quoted(text),
         ..
     }) = cursor.peek()
     else {

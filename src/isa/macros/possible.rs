@@ -3,7 +3,7 @@
 use crate::{
     config::Fault,
     isa::{
-        Analog, Callable, Cell, Device, Kind, Operand, Source, Value,
+        Analog, Callable, Cell, Device, Operand, PrimitiveKind, Source, Value,
         operands::Terminal,
         row,
         signature::{Parameter, Signature},
@@ -64,7 +64,7 @@ struct Why {
 fn why_not(device: &Device, it: &Macro, statement: &Statement, form: &Callable<'_>) -> Option<Why> {
     let signature = form.signature();
     for (at, argument) in statement.arguments.iter().enumerate() {
-        for item in items(argument) {
+        for item in argument.items() {
             let parameter = signature.at(at)?;
             if let Given::Fixed(value) = given(device, it, item)
                 && let Err(why) = parameter.operand.accepts(&value)
@@ -86,13 +86,6 @@ fn why_not(device: &Device, it: &Macro, statement: &Statement, form: &Callable<'
         told,
         are_same: true,
     })
-}
-
-fn items(argument: &Argument) -> &[Expression] {
-    match argument {
-        Argument::One(one) => std::slice::from_ref(one),
-        Argument::Group { items, .. } => items,
-    }
 }
 
 fn given<'a>(device: &Device, it: &'a Macro, expression: &'a Expression) -> Given<'a> {
@@ -142,7 +135,7 @@ fn twice(
     device: &Device,
     it: &Macro,
     statement: &Statement,
-    (kind, form): (Kind, &Signature),
+    (kind, form): (PrimitiveKind, &Signature),
 ) -> Option<String> {
     let bound = bound(device, it, statement, form)?;
     let word = row::build(kind, &form.name, &bound)?;
@@ -172,7 +165,7 @@ fn bound(
     let mut bound = vec![Vec::new(); form.parameters.len()];
     for (at, argument) in statement.arguments.iter().enumerate() {
         let slot = bound.len().checked_sub(1)?.min(at);
-        for item in items(argument) {
+        for item in argument.items() {
             bound[slot].push(match given(device, it, item) {
                 Given::Fixed(value) => value,
                 Given::Parameter(name) => {

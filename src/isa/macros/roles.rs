@@ -32,10 +32,7 @@ pub(super) fn lacks(device: &Device, home: &Device, it: &Macro) -> Option<String
     let mut calls: Vec<&Statement> = Vec::new();
     statements(&it.body, &mut calls);
     let arguments = calls.iter().flat_map(|call| &call.arguments);
-    let items = arguments.flat_map(|argument| match argument {
-        Argument::One(one) => std::slice::from_ref(one),
-        Argument::Group { items, .. } => items,
-    });
+    let items = arguments.flat_map(Argument::items);
     let names = items.filter_map(|Expression { term, .. }| match term {
         Term::Name(name) => Some(name),
         _ => None,

@@ -2,7 +2,7 @@
 
 use crate::{
     isa::{
-        Callable, Device, Kind,
+        Callable, Device, PrimitiveKind,
         signature::Mode,
         text::{Argument, Expression, Term},
     },
@@ -46,18 +46,16 @@ impl Macro {
                 match callable {
                     Callable::Macro(next) if !may_mean(call, next) => continue,
                     Callable::Macro(next) => next.collect_scratch(device, names, seen),
-                    Callable::Primitive(Kind::Square, _) => {
+                    Callable::Primitive(PrimitiveKind::Square, _) => {
                         names.push(device.analog_name(device.news()));
                     }
-                    Callable::Primitive(Kind::Prop, _) => {
+                    Callable::Primitive(PrimitiveKind::Prop, _) => {
                         names.push(device.digital_name(roles.propagated));
                     }
                     _ => {}
                 }
                 for (i, argument) in call.arguments.iter().enumerate() {
-                    let last = signature.parameters.len().saturating_sub(1);
-                    let parameter = signature.parameters.get(i.min(last));
-                    if parameter.is_none_or(|p| p.mode == Mode::In) {
+                    if signature.at(i).is_none_or(|p| p.mode == Mode::In) {
                         continue;
                     }
                     let Argument::One(Expression { term, .. }) = argument else {

@@ -9,7 +9,7 @@ use crate::isa::{
     value::Value,
 };
 
-use super::table::Kind;
+use super::table::PrimitiveKind;
 
 impl Primitive {
     /// As the vendor writes it, with the device's names.
@@ -100,7 +100,7 @@ impl Primitive {
 /// `None` when the row's form does not have the parameters that the primitive needs: loading
 /// a device tries every form once, so that this is found there.
 #[must_use]
-pub fn build(kind: Kind, mnemonic: &str, bound: &[Bound]) -> Option<Primitive> {
+pub fn build(kind: PrimitiveKind, mnemonic: &str, bound: &[Bound]) -> Option<Primitive> {
     let first = bound.first();
     let all = || bound.iter().flatten();
     let sources = |values: &mut dyn Iterator<Item = &Value>| -> Option<Vec<Source>> {
@@ -122,9 +122,9 @@ pub fn build(kind: Kind, mnemonic: &str, bound: &[Bound]) -> Option<Primitive> {
     let registers = || all().map(Value::digital).collect::<Option<Vec<_>>>();
     let one = |part: usize| bound.get(part).and_then(|b| b.first());
     Some(match kind {
-        Kind::Nop => Primitive::Nop,
-        Kind::ResetPix => Primitive::ResetPix,
-        Kind::Bus => {
+        PrimitiveKind::Nop => Primitive::Nop,
+        PrimitiveKind::ResetPix => Primitive::ResetPix,
+        PrimitiveKind::Bus => {
             let targets = match mnemonic {
                 "bus2" => 2,
                 "bus3" => 3,
@@ -144,44 +144,44 @@ pub fn build(kind: Kind, mnemonic: &str, bound: &[Bound]) -> Option<Primitive> {
                 sources: sources(&mut sourced.iter().flatten())?,
             }
         }
-        Kind::Square => Primitive::Square {
+        PrimitiveKind::Square => Primitive::Square {
             sources: sources(&mut all())?,
         },
-        Kind::Where => Primitive::Where {
+        PrimitiveKind::Where => Primitive::Where {
             sources: sources(&mut all())?,
         },
-        Kind::All => Primitive::All,
-        Kind::BlurSet => Primitive::BlurSet,
-        Kind::Blur => Primitive::Blur {
+        PrimitiveKind::All => Primitive::All,
+        PrimitiveKind::BlurSet => Primitive::BlurSet,
+        PrimitiveKind::Blur => Primitive::Blur {
             target: one(0)?.analog()?,
             source: one(1)?.analog()?,
             horizontal: mnemonic != "blurv",
             vertical: mnemonic != "blurh",
         },
-        Kind::Set => Primitive::Set {
+        PrimitiveKind::Set => Primitive::Set {
             targets: registers()?,
         },
-        Kind::Clear => Primitive::Clear {
+        PrimitiveKind::Clear => Primitive::Clear {
             targets: registers()?,
         },
-        Kind::Or => Primitive::Or {
+        PrimitiveKind::Or => Primitive::Or {
             target: first?.first()?.digital()?,
             sources: bits(&mut all().skip(1))?,
         },
-        Kind::Nor => Primitive::Nor {
+        PrimitiveKind::Nor => Primitive::Nor {
             target: first?.first()?.digital()?,
             sources: bits(&mut all().skip(1))?,
         },
-        Kind::WhereBit => Primitive::WhereBit {
+        PrimitiveKind::WhereBit => Primitive::WhereBit {
             sources: bits(&mut all())?,
         },
-        Kind::Dnews => Primitive::Dnews {
+        PrimitiveKind::Dnews => Primitive::Dnews {
             target: one(0)?.digital()?,
             source: *bits(&mut one(1).into_iter())?.first()?,
             boundary: mnemonic == "DNEWS1",
         },
-        Kind::PropRead => Primitive::PropRead,
-        Kind::Prop => Primitive::Prop {
+        PrimitiveKind::PropRead => Primitive::PropRead,
+        PrimitiveKind::Prop => Primitive::Prop {
             boundary: mnemonic == "PROP_1",
         },
     })

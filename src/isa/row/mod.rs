@@ -6,5 +6,5 @@ mod table;
 
 pub use self::{
     form::{build, neighbour_name},
-    table::{Clock, HostKind, HostRow, Kind, PrimitiveRow},
+    table::{Clock, HostKind, HostRow, PrimitiveKind, PrimitiveRow},
 };

@@ -6,7 +6,7 @@ use crate::config::listed;
 listed! {
 /// The name of a primitive in `primitives.toml`; one for every variant of [`Primitive`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Kind {
+pub enum PrimitiveKind {
     /// [`Primitive::Nop`]
     Nop = "nop",
     /// [`Primitive::ResetPix`]
@@ -42,32 +42,26 @@ pub enum Kind {
 }
 }
 
+listed! {
 /// The clock that an instruction word runs under.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
     /// Analogue words.
-    Analog,
+    Analog = "analog",
     /// One-bit words.
-    Digital,
+    Digital = "digital",
     /// One-bit words that reach the neighbours.
-    Dnews,
+    Dnews = "dnews",
     /// Propagation.
-    Prop,
+    Prop = "prop",
 }
-
-impl Clock {
-    /// All, in the order of [`Clock::WORDS`].
-    pub const ALL: [Self; 4] = [Self::Analog, Self::Digital, Self::Dnews, Self::Prop];
-
-    /// How they are written.
-    pub const WORDS: [&str; 4] = ["analog", "digital", "dnews", "prop"];
 }
 
 /// A row of `primitives.toml`.
 #[derive(Clone, Debug)]
 pub struct PrimitiveRow {
     /// Which primitive.
-    pub kind: Kind,
+    pub kind: PrimitiveKind,
     /// How it can be written.
     pub forms: Vec<Signature>,
     /// What it does.
@@ -162,24 +156,24 @@ pub struct HostRow {
 impl Primitive {
     /// Its row.
     #[must_use]
-    pub const fn kind(&self) -> Kind {
+    pub const fn kind(&self) -> PrimitiveKind {
         match self {
-            Self::Nop => Kind::Nop,
-            Self::ResetPix => Kind::ResetPix,
-            Self::Bus { .. } => Kind::Bus,
-            Self::Square { .. } => Kind::Square,
-            Self::Where { .. } => Kind::Where,
-            Self::All => Kind::All,
-            Self::BlurSet => Kind::BlurSet,
-            Self::Blur { .. } => Kind::Blur,
-            Self::Set { .. } => Kind::Set,
-            Self::Clear { .. } => Kind::Clear,
-            Self::Or { .. } => Kind::Or,
-            Self::Nor { .. } => Kind::Nor,
-            Self::WhereBit { .. } => Kind::WhereBit,
-            Self::Dnews { .. } => Kind::Dnews,
-            Self::PropRead => Kind::PropRead,
-            Self::Prop { .. } => Kind::Prop,
+            Self::Nop => PrimitiveKind::Nop,
+            Self::ResetPix => PrimitiveKind::ResetPix,
+            Self::Bus { .. } => PrimitiveKind::Bus,
+            Self::Square { .. } => PrimitiveKind::Square,
+            Self::Where { .. } => PrimitiveKind::Where,
+            Self::All => PrimitiveKind::All,
+            Self::BlurSet => PrimitiveKind::BlurSet,
+            Self::Blur { .. } => PrimitiveKind::Blur,
+            Self::Set { .. } => PrimitiveKind::Set,
+            Self::Clear { .. } => PrimitiveKind::Clear,
+            Self::Or { .. } => PrimitiveKind::Or,
+            Self::Nor { .. } => PrimitiveKind::Nor,
+            Self::WhereBit { .. } => PrimitiveKind::WhereBit,
+            Self::Dnews { .. } => PrimitiveKind::Dnews,
+            Self::PropRead => PrimitiveKind::PropRead,
+            Self::Prop { .. } => PrimitiveKind::Prop,
         }
     }
 }

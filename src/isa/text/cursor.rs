@@ -3,7 +3,7 @@
 use crate::config::{Fault, Place};
 use crate::limit::NESTING;
 
-use super::{Argument, Expression, Kind, Operator, Statement, Term, Token};
+use super::{Argument, Expression, Operator, Statement, Term, Token, TokenKind};
 
 /// A place in a list of tokens.
 #[derive(Debug)]
@@ -62,13 +62,13 @@ impl<'a> Cursor<'a> {
     /// Whether this mark stands here.
     #[must_use]
     pub fn sees(&self, mark: &str) -> bool {
-        matches!(self.peek(), Some(Token { kind: Kind::Mark(m), .. }) if *m == mark)
+        matches!(self.peek(), Some(Token { kind: TokenKind::Mark(m), .. }) if *m == mark)
     }
 
     /// Whether this word stands here.
     #[must_use]
     pub fn sees_word(&self, word: &str) -> bool {
-        matches!(self.peek(), Some(Token { kind: Kind::Name(n), .. }) if n == word)
+        matches!(self.peek(), Some(Token { kind: TokenKind::Name(n), .. }) if n == word)
     }
 
     /// Takes this mark if it stands here.
@@ -103,7 +103,7 @@ impl<'a> Cursor<'a> {
     /// When something else stands here.
     pub fn name(&mut self, expected: &str, help: &str) -> Result<(String, Place), Fault> {
         if let Some(Token {
-            kind: Kind::Name(name),
+            kind: TokenKind::Name(name),
             place,
         }) = self.peek()
         {
@@ -182,12 +182,12 @@ impl<'a> Cursor<'a> {
         while let Some(token) = self.peek() {
             let second = self.peek_second().map(|t| &t.kind);
             match token.kind {
-                Kind::Name(_) if second == Some(&Kind::Mark("(")) => return,
-                Kind::Mark(";") => {
+                TokenKind::Name(_) if second == Some(&TokenKind::Mark("(")) => return,
+                TokenKind::Mark(";") => {
                     self.at += 1;
                     return;
                 }
-                Kind::Mark("{" | "}") => return,
+                TokenKind::Mark("{" | "}") => return,
                 _ => self.at += 1,
             }
         }
@@ -299,18 +299,18 @@ impl<'a> Cursor<'a> {
         };
         let place = token.place;
         match &token.kind {
-            Kind::Number(value) => {
+            TokenKind::Number(value) => {
                 self.advance();
                 Ok(Expression {
                     term: Term::Number(*value),
                     place,
                 })
             }
-            Kind::Name(name) => {
+            TokenKind::Name(name) => {
                 self.advance();
                 self.after_name(name.clone(), place)
             }
-            Kind::Mark("-") => {
+            TokenKind::Mark("-") => {
                 self.advance();
                 let inner = self.deeper(Self::term)?;
                 let place = place.to(inner.place);
@@ -319,7 +319,7 @@ impl<'a> Cursor<'a> {
                     place,
                 })
             }
-            Kind::Mark("(") => {
+            TokenKind::Mark("(") => {
                 self.advance();
                 let inner = self.deeper(Self::expression)?;
                 let end = self.expect(")", "close the parenthesis")?;
@@ -355,12 +355,12 @@ impl<'a> Cursor<'a> {
     }
 }
 
-fn describe(kind: &Kind) -> String {
+fn describe(kind: &TokenKind) -> String {
     match kind {
-        Kind::Name(name) => format!("`{name}`"),
-        Kind::Number(value) => format!("the number {value}"),
-        Kind::Quoted(_) => "text in quotes".to_owned(),
-        Kind::Mark(mark) => format!("`{mark}`"),
-        Kind::Line(_) | Kind::Block(_) => "a comment".to_owned(),
+        TokenKind::Name(name) => format!("`{name}`"),
+        TokenKind::Number(value) => format!("the number {value}"),
+        TokenKind::Quoted(_) => "text in quotes".to_owned(),
+        TokenKind::Mark(mark) => format!("`{mark}`"),
+        TokenKind::Line(_) | TokenKind::Block(_) => "a comment".to_owned(),
     }
 }

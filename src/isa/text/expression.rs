@@ -42,6 +42,15 @@ impl Argument {
             Self::Group { place, .. } => *place,
         }
     }
+
+    /// Its values.
+    #[must_use]
+    pub fn items(&self) -> &[Expression] {
+        match self {
+            Self::One(one) => std::slice::from_ref(one),
+            Self::Group { items, .. } => items,
+        }
+    }
 }
 
 /// A value as it is written.

@@ -15,14 +15,14 @@ use crate::limit::FAULTS;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Token {
     /// What it is.
-    pub kind: Kind,
+    pub kind: TokenKind,
     /// Where it stands.
     pub place: Place,
 }
 
 /// What a word is.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
+pub enum TokenKind {
     /// A name: letter or `_`, then letters, digits, `_`.
     Name(String),
     /// A number, never negative: the sign is a mark of its own.
@@ -66,7 +66,7 @@ pub fn lex(text: &str) -> (Vec<Token>, Vec<Fault>) {
                 }
                 // A number all the same, so that the statement around it is not a fault too.
                 if text[start..].starts_with(|c: char| c.is_ascii_digit()) {
-                    let kind = Kind::Number(0.0);
+                    let kind = TokenKind::Number(0.0);
                     tokens.push(Token { kind, place });
                 }
             }
@@ -81,23 +81,23 @@ fn is_blank(c: char) -> bool {
     c.is_whitespace() || c == '\u{feff}'
 }
 
-fn token(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
+fn token(input: &mut Input<'_>) -> Result<std::result::Result<TokenKind, Fault>> {
     alt((comment, quoted, number, name.map(Ok), mark.map(Ok), unknown)).parse_next(input)
 }
 
-fn comment(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
+fn comment(input: &mut Input<'_>) -> Result<std::result::Result<TokenKind, Fault>> {
     let line = preceded("//", take_till(0.., '\n'))
-        .map(|text: &str| Ok(Kind::Line(text.trim_end().to_owned())));
+        .map(|text: &str| Ok(TokenKind::Line(text.trim_end().to_owned())));
     alt((line, block)).parse_next(input)
 }
 
-fn block(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
+fn block(input: &mut Input<'_>) -> Result<std::result::Result<TokenKind, Fault>> {
     "/*".parse_next(input)?;
     let rest: &str = input.as_ref();
     if let Some(end) = rest.find("*/") {
         let text = input.next_slice(end).to_owned();
         "*/".parse_next(input)?;
-        return Ok(Ok(Kind::Block(text)));
+        return Ok(Ok(TokenKind::Block(text)));
     }
     let _ = input.next_slice(rest.len());
     Ok(Err(Fault::error(
@@ -108,10 +108,10 @@ fn block(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
     .help("close it with `*/`")))
 }
 
-fn quoted(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
+fn quoted(input: &mut Input<'_>) -> Result<std::result::Result<TokenKind, Fault>> {
     let text: &str = preceded('"', take_till(0.., ['"', '\n'])).parse_next(input)?;
     if opt('"').parse_next(input)?.is_some() {
-        return Ok(Ok(Kind::Quoted(text.to_owned())));
+        return Ok(Ok(TokenKind::Quoted(text.to_owned())));
     }
     Ok(Err(Fault::error(
         Place::default(),
@@ -125,17 +125,17 @@ fn is_letter(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_'
 }
 
-fn name(input: &mut Input<'_>) -> Result<Kind> {
+fn name(input: &mut Input<'_>) -> Result<TokenKind> {
     (
         one_of(|c: char| c.is_ascii_alphabetic() || c == '_'),
         take_while(0.., is_letter),
     )
         .take()
-        .map(|text: &str| Kind::Name(text.to_owned()))
+        .map(|text: &str| TokenKind::Name(text.to_owned()))
         .parse_next(input)
 }
 
-fn number(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
+fn number(input: &mut Input<'_>) -> Result<std::result::Result<TokenKind, Fault>> {
     let exponent = || (one_of(['e', 'E']), opt(one_of(['+', '-'])), digit1);
     // `1..4` is a range, not the number `1.`
     let fraction = || {
@@ -157,7 +157,7 @@ fn number(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
     let tail: &str = take_while(0.., is_letter).parse_next(input)?;
     Ok(match value {
         Some(value) if value.is_finite() && matches!(tail, "" | "f" | "F" | "u" | "U") => {
-            Ok(Kind::Number(value))
+            Ok(TokenKind::Number(value))
         }
         _ => Err(Fault::error(
             Place::default(),
@@ -168,16 +168,16 @@ fn number(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
     })
 }
 
-fn mark(input: &mut Input<'_>) -> Result<Kind> {
+fn mark(input: &mut Input<'_>) -> Result<TokenKind> {
     for mark in MARKS {
         if opt(mark).parse_next(input)?.is_some() {
-            return Ok(Kind::Mark(mark));
+            return Ok(TokenKind::Mark(mark));
         }
     }
     winnow::combinator::fail.parse_next(input)
 }
 
-fn unknown(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
+fn unknown(input: &mut Input<'_>) -> Result<std::result::Result<TokenKind, Fault>> {
     any.map(|c: char| {
         Err(Fault::error(
             Place::default(),
@@ -193,7 +193,7 @@ fn unknown(input: &mut Input<'_>) -> Result<std::result::Result<Kind, Fault>> {
 mod tests {
     use super::*;
 
-    fn kinds(text: &str) -> Vec<Kind> {
+    fn kinds(text: &str) -> Vec<TokenKind> {
         let (tokens, faults) = lex(text);
         assert!(faults.is_empty(), "{faults:?}");
         tokens.into_iter().map(|t| t.kind).collect()
@@ -204,16 +204,16 @@ mod tests {
         assert_eq!(
             kinds("movx(A, B, east); // right"),
             vec![
-                Kind::Name("movx".into()),
-                Kind::Mark("("),
-                Kind::Name("A".into()),
-                Kind::Mark(","),
-                Kind::Name("B".into()),
-                Kind::Mark(","),
-                Kind::Name("east".into()),
-                Kind::Mark(")"),
-                Kind::Mark(";"),
-                Kind::Line(" right".into()),
+                TokenKind::Name("movx".into()),
+                TokenKind::Mark("("),
+                TokenKind::Name("A".into()),
+                TokenKind::Mark(","),
+                TokenKind::Name("B".into()),
+                TokenKind::Mark(","),
+                TokenKind::Name("east".into()),
+                TokenKind::Mark(")"),
+                TokenKind::Mark(";"),
+                TokenKind::Line(" right".into()),
             ]
         );
     }
@@ -229,11 +229,15 @@ mod tests {
             ("1.5f", 1.5),
             ("0x1F", 31.0),
         ] {
-            assert_eq!(kinds(text), vec![Kind::Number(value)], "{text}");
+            assert_eq!(kinds(text), vec![TokenKind::Number(value)], "{text}");
         }
         assert_eq!(
             kinds("1..4"),
-            vec![Kind::Number(1.0), Kind::Mark(".."), Kind::Number(4.0)]
+            vec![
+                TokenKind::Number(1.0),
+                TokenKind::Mark(".."),
+                TokenKind::Number(4.0)
+            ]
         );
         assert_eq!(kinds("-3").len(), 2);
     }

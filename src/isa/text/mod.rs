@@ -9,4 +9,4 @@ mod lex;
 
 pub use cursor::Cursor;
 pub use expression::{Argument, Expression, Operator, Statement, Term};
-pub use lex::{Kind, Token, lex};
+pub use lex::{Token, TokenKind, lex};

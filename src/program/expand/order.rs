@@ -51,10 +51,7 @@ impl<'a> Order<'a> {
         let steps = &sink.steps;
         let effect = CellEffect::of(&steps[from..], device);
         let news = Cell::Analog(device.news());
-        let given = statement.arguments.iter().flat_map(|it| match it {
-            Argument::One(one) => std::slice::from_ref(one),
-            Argument::Group { items, .. } => items,
-        });
+        let given = statement.arguments.iter().flat_map(Argument::items);
         let named = given.filter_map(|it| match &it.term {
             Term::Name(name) => self.scope.iter().find(|(own, _)| own == name),
             _ => None,

@@ -71,23 +71,10 @@ impl<'d> Lowering<'d> {
         outer: Option<&Macro>,
     ) -> Result<(), Fault> {
         let operands = self.device.operands(word);
-        match operands.twice() {
-            None => Ok(()),
-            Some(access) => {
-                let name = access.name(self.device);
-                Err(self.twice(&name, word, statement, sink, outer))
-            }
-        }
-    }
-
-    pub(super) fn twice(
-        &self,
-        register: &str,
-        word: &Primitive,
-        statement: &Statement,
-        sink: &Sink,
-        outer: Option<&Macro>,
-    ) -> Fault {
+        let Some(access) = operands.twice() else {
+            return Ok(());
+        };
+        let register = access.name(self.device);
         let word = word.text(self.device);
         let (message, help) = match outer {
             None => (
@@ -105,12 +92,12 @@ impl<'d> Lowering<'d> {
                 format!("use another register; `{register}` may be scratch of the macro itself"),
             ),
         };
-        Fault::error(
+        Err(Fault::error(
             sink.place,
             message,
             "a register twice on a bus is one connection",
         )
-        .help(help)
+        .help(help))
     }
 
     /// Warns of a word that reads and writes the same one-bit register.

@@ -208,7 +208,7 @@ impl Machine<'_> {
         }
     }
 
-    fn write_at(&mut self, (slot, path): Location, value: Value) {
+    pub(super) fn write_at(&mut self, (slot, path): Location, value: Value) {
         let kind = self.kind_at(slot, &path);
         self.put(slot, &path, shape::deep(value, kind));
     }
@@ -370,12 +370,7 @@ impl Machine<'_> {
         let ([from, to], by) = (values.first_chunk()?, values.get(2));
         let function = match by {
             None => None,
-            Some(Value::Lambda(function)) => Some(Rc::clone(function)),
-            Some(Value::Symbol(name)) => match &self.functions.get(last(name))?[..] {
-                [only] => Some(Rc::clone(only)),
-                _ => return None,
-            },
-            Some(_) => return None,
+            Some(it) => Some(self.callable(it)?),
         };
         let range = self.range(from, to)?;
         let mut sorted: Vec<Value> = Vec::new();

@@ -1,6 +1,9 @@
 //! Whole-number constants of `#if`.
 
-use super::token::{Kind, Token};
+use super::{
+    expression::LEVELS,
+    token::{Token, TokenKind},
+};
 
 /// The value of an expression; names are 0. `None` where it is no expression.
 pub(super) fn value(tokens: &[Token]) -> Option<i64> {
@@ -13,20 +16,6 @@ struct At<'a> {
     tokens: &'a [Token],
     depth: usize,
 }
-
-/// Operators, from those that bind least.
-const LEVELS: [&[&str]; 10] = [
-    &["||"],
-    &["&&"],
-    &["|"],
-    &["^"],
-    &["&"],
-    &["==", "!="],
-    &["<=", ">=", "<", ">"],
-    &["<<", ">>"],
-    &["+", "-"],
-    &["*", "/", "%"],
-];
 
 impl At<'_> {
     fn take(&mut self, operators: &[&'static str]) -> Option<&'static str> {
@@ -71,8 +60,10 @@ impl At<'_> {
         let (first, rest) = self.tokens.split_first()?;
         self.tokens = rest;
         match &first.kind {
-            Kind::Whole(value) | Kind::Character(value) | Kind::Wide(value, _) => Some(*value),
-            Kind::Name(name) => Some(i64::from(&**name == "true")),
+            TokenKind::Whole(value) | TokenKind::Character(value) | TokenKind::Wide(value, _) => {
+                Some(*value)
+            }
+            TokenKind::Name(name) => Some(i64::from(&**name == "true")),
             _ => None,
         }
     }

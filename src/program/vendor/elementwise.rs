@@ -132,9 +132,7 @@ impl Machine<'_> {
             ("generate", [_], Some(function)) => {
                 for i in 0..range.length {
                     let value = self.enter_with(&function, Vec::new(), None, place);
-                    let (slot, path) = range.at(i);
-                    let kind = self.kind_at(slot, &path);
-                    self.put(slot, &path, super::shape::deep(value, kind));
+                    self.write_at(range.at(i), value);
                 }
                 Some(Value::Whole(0))
             }
@@ -222,7 +220,7 @@ impl Machine<'_> {
     }
 
     /// A function that is given to an algorithm.
-    fn callable(&self, it: &Value) -> Option<Rc<Function>> {
+    pub(super) fn callable(&self, it: &Value) -> Option<Rc<Function>> {
         match it {
             Value::Lambda(function) => Some(Rc::clone(function)),
             Value::Symbol(name) => match &self.functions.get(last(name))?[..] {

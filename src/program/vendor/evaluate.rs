@@ -96,7 +96,7 @@ impl Machine<'_> {
         if let ExprNode::Convert(kind, _) = &of.node
             && let Some(bytes) = self.resolved(*kind).bytes()
         {
-            return Value::Wide(bytes, Width::UnsignedLong);
+            return Value::size_t(bytes);
         }
         let unknown = || Value::Unknown(format!("`sizeof` of `{}`", base_name(of)).into());
         if let ExprNode::Convert(Kind::Parameter(_), _) = &of.node {
@@ -112,7 +112,7 @@ impl Machine<'_> {
                 | ExprNode::Unary("*", _)
         );
         if let (false, Some(bytes)) = (named, self.kind_of(of).bytes()) {
-            return Value::Wide(bytes, Width::UnsignedLong);
+            return Value::size_t(bytes);
         }
         // What lies in no variable is as wide as it is written: a character of a text.
         let written = self.kind_of(of);
@@ -134,9 +134,7 @@ impl Machine<'_> {
             Reach::Value(value) => (value, written),
             _ => (self.value(of), written),
         };
-        shape::size(&value, kind).map_or_else(unknown, |(bytes, _)| {
-            Value::Wide(bytes, Width::UnsignedLong)
-        })
+        shape::size(&value, kind).map_or_else(unknown, |(bytes, _)| Value::size_t(bytes))
     }
 
     /// `new`: memory that has no name.

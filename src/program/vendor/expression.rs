@@ -2,7 +2,7 @@
 
 use super::{
     parse::{Parsed, Parser},
-    token::{Kind as TokenKind, Token, unescaped},
+    token::{Token, TokenKind, unescaped},
     tree::{Expr, ExprNode, FILLED, Kind, LIMIT, TemplateArgument},
 };
 use crate::config::{Fault, Place};
@@ -10,7 +10,7 @@ use crate::config::{Fault, Place};
 const HELP: &str = "a value is a name, a number, a call or what they make together";
 
 /// Operators, from those that bind least.
-const LEVELS: [&[&str]; 10] = [
+pub(super) const LEVELS: [&[&str]; 10] = [
     &["||"],
     &["&&"],
     &["|"],

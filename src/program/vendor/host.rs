@@ -157,9 +157,7 @@ pub(super) fn constant(name: &str) -> Option<Value> {
         "UINT32_MAX" | "UINT_MAX" => Value::Wide(i64::from(u32::MAX), Width::Unsigned),
         "INT64_MIN" | "LONG_MIN" | "LLONG_MIN" => Value::Wide(i64::MIN, Width::Long),
         "INT64_MAX" | "LONG_MAX" | "LLONG_MAX" => Value::Wide(i64::MAX, Width::Long),
-        "UINT64_MAX" | "ULONG_MAX" | "ULLONG_MAX" | "SIZE_MAX" | "npos" => {
-            Value::Wide(-1, Width::UnsignedLong)
-        }
+        "UINT64_MAX" | "ULONG_MAX" | "ULLONG_MAX" | "SIZE_MAX" | "npos" => Value::size_t(-1),
         // Streams of text, and what sets how they write.
         "cout" | "cerr" | "clog" | "endl" | "flush" | "hex" | "dec" | "fixed" => {
             Value::Unknown("what a stream of text holds".into())

@@ -24,12 +24,10 @@ pub(super) fn changes(machine: &Machine<'_>, it: &Stmt) -> bool {
 
 /// Whether it runs words that the chip is known to have.
 pub(super) fn runs_words(machine: &Machine<'_>, it: &Stmt) -> bool {
-    let mut found = false;
-    reach(machine, it, &mut |_| {}, &mut |name, given| {
+    calls_any(machine, it, &|name, given| {
         let acts = matches!(host::role(name, given), Role::Sync | Role::Chip);
-        found |= acts && !machine.device.callables(name).is_empty();
-    });
-    found
+        acts && !machine.device.callables(name).is_empty()
+    })
 }
 
 /// Whether it reads from the array into memory.
@@ -44,26 +42,18 @@ pub(super) fn shows(machine: &Machine<'_>, it: &Stmt) -> bool {
 
 /// Whether it writes something for people.
 pub(super) fn posts(machine: &Machine<'_>, it: &Stmt) -> bool {
-    let mut found = false;
-    reach(machine, it, &mut |_| {}, &mut |name, _| {
-        found |= name.starts_with("vs_post") || matches!(name, "printf" | "puts");
-    });
-    found
+    calls_any(machine, it, &|name, _| {
+        name.starts_with("vs_post") || matches!(name, "printf" | "puts")
+    })
 }
 
 /// Whether it asks something of the box or the array that is seen outside of the program.
 pub(super) fn is_seen(machine: &Machine<'_>, it: &Stmt) -> bool {
-    let mut found = false;
-    reach(machine, it, &mut |_| {}, &mut |name, given| {
-        found |= match host::role(name, given) {
-            Role::Library => {
-                name.starts_with("vs_") || matches!(name, "printf" | "puts" | "display")
-            }
-            Role::Number | Role::Chip => false,
-            _ => true,
-        };
-    });
-    found
+    calls_any(machine, it, &|name, given| match host::role(name, given) {
+        Role::Library => name.starts_with("vs_") || matches!(name, "printf" | "puts" | "display"),
+        Role::Number | Role::Chip => false,
+        _ => true,
+    })
 }
 
 /// A value as a statement.
@@ -76,9 +66,15 @@ pub(super) fn statement(it: &Expr) -> Stmt {
 
 /// Whether it calls something that has such a role, in the functions that it calls too.
 fn asks(machine: &Machine<'_>, it: &Stmt, which: &dyn Fn(Role) -> bool) -> bool {
+    calls_any(machine, it, &|name, given| which(host::role(name, given)))
+}
+
+/// Whether it calls any such name with so many arguments, in the functions that it calls too.
+/// Always looks to the end: what is looked at counts.
+fn calls_any(machine: &Machine<'_>, it: &Stmt, which: &dyn Fn(&str, usize) -> bool) -> bool {
     let mut found = false;
     reach(machine, it, &mut |_| {}, &mut |name, given| {
-        found |= which(host::role(name, given));
+        found |= which(name, given);
     });
     found
 }
@@ -357,39 +353,20 @@ pub(super) fn unknown(machine: &Machine<'_>, it: &Expr) -> Option<Word> {
 
 /// Whether it can leave the block that it is in.
 pub(super) fn leaves(it: &Stmt) -> bool {
-    let mut found = leaves_switch(it);
-    walk(it, true, &mut |part| {
-        found |= matches!(
-            part,
-            Part::Stmt(Stmt {
-                node: StmtNode::Break,
-                ..
-            })
-        );
-    });
-    found
+    leaves_switch(it) || holds(it, true, |node| matches!(node, StmtNode::Break))
 }
 
 /// Whether it can leave more than a `switch` around it: the loop's turn, or the function.
 pub(super) fn leaves_switch(it: &Stmt) -> bool {
+    holds(it, true, |node| matches!(node, StmtNode::Continue))
+        || holds(it, false, |node| matches!(node, StmtNode::Return(_)))
+}
+
+/// Whether any statement in it is such a one; of `own`, outside of the loops in it.
+fn holds(it: &Stmt, own: bool, is: impl Fn(&StmtNode) -> bool) -> bool {
     let mut found = false;
-    walk(it, true, &mut |part| {
-        found |= matches!(
-            part,
-            Part::Stmt(Stmt {
-                node: StmtNode::Continue,
-                ..
-            })
-        );
-    });
-    walk(it, false, &mut |part| {
-        found |= matches!(
-            part,
-            Part::Stmt(Stmt {
-                node: StmtNode::Return(_),
-                ..
-            })
-        );
+    walk(it, own, &mut |part| {
+        found |= matches!(part, Part::Stmt(it) if is(&it.node));
     });
     found
 }
@@ -628,17 +605,9 @@ pub(super) fn syncs(machine: &Machine<'_>, it: &Stmt) -> bool {
 
 /// Whether it can leave a loop that has no condition.
 pub(super) fn breaks(it: &Stmt) -> bool {
-    let mut found = false;
-    walk(it, true, &mut |part| {
-        found |= matches!(
-            part,
-            Part::Stmt(Stmt {
-                node: StmtNode::Break | StmtNode::Return(_),
-                ..
-            })
-        );
-    });
-    found
+    holds(it, true, |node| {
+        matches!(node, StmtNode::Break | StmtNode::Return(_))
+    })
 }
 
 /// Whether a kernel begins in it.
@@ -648,11 +617,7 @@ pub(super) fn begins_kernel(machine: &Machine<'_>, it: &Stmt) -> bool {
 
 /// Whether it asks the host for something on the array, which no kernel can hold.
 pub(super) fn asks_host(machine: &Machine<'_>, it: &Stmt) -> bool {
-    let mut found = false;
-    reach(machine, it, &mut |_| {}, &mut |name, _| {
-        found |= machine.is_host(name);
-    });
-    found
+    calls_any(machine, it, &|name, _| machine.is_host(name))
 }
 
 /// Whether a value asks for the size of something of this name.

@@ -130,12 +130,10 @@ impl Machine<'_> {
     ) -> Option<Value> {
         let (slot, path) = location;
         let to = |at: usize| Value::Pointer(*slot, [&path[..], &[at]].concat(), "data".into());
-        let size = Value::Wide(
-            { self.entries(*slot, path)?.1.iter() }
-                .filter(|it| key_of(it).is_some())
-                .count() as i64,
-            super::tree::Width::UnsignedLong,
-        );
+        let size = { self.entries(*slot, path)?.1.iter() }
+            .filter(|it| key_of(it).is_some())
+            .count();
+        let size = Value::size_t(size as i64);
         let values: Vec<Value> = given.iter().map(|it| self.value(it)).collect();
         match (member, &values[..]) {
             ("size", []) => return Some(size),
@@ -183,16 +181,13 @@ impl Machine<'_> {
             }
         };
         match (member, found) {
-            ("count", found) => Some(Value::Wide(
-                i64::from(found.is_some()),
-                super::tree::Width::UnsignedLong,
-            )),
+            ("count", found) => Some(Value::size_t(i64::from(found.is_some()))),
             ("contains", found) => Some(Value::flag(found.is_some())),
             ("find", found) => Some(to(found.unwrap_or(END))),
-            ("erase", None) => Some(Value::Wide(0, super::tree::Width::UnsignedLong)),
+            ("erase", None) => Some(Value::size_t(0)),
             ("erase", Some(at)) => {
                 self.erased(location, at)?;
-                Some(Value::Wide(1, super::tree::Width::UnsignedLong))
+                Some(Value::size_t(1))
             }
             (_, Some(at)) => {
                 let path = [&path[..], &[at, 1]].concat();

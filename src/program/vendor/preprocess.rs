@@ -8,7 +8,7 @@ use std::{
 use super::{
     files::{Files, Includes, bodies, named, plain},
     prototype::{is_program, undefined},
-    token::{Kind, Token, tokens},
+    token::{Token, TokenKind, tokens},
 };
 use crate::{
     config::{Fault, Place},
@@ -235,7 +235,7 @@ impl Preprocessor<'_> {
             if token.name().is_some_and(|name| &**name == "defined") {
                 let wrapped = rest.first().is_some_and(|t| t.is("("));
                 let name = rest.get(usize::from(wrapped));
-                let kind = Kind::Whole(i64::from(defined(name)));
+                let kind = TokenKind::Whole(i64::from(defined(name)));
                 known.push(Token {
                     kind,
                     ..token.clone()
@@ -302,7 +302,7 @@ impl Preprocessor<'_> {
                 let first = false;
                 it.body = Vec::new();
                 if negative {
-                    let kind = Kind::Punctuator("-");
+                    let kind = TokenKind::Punctuator("-");
                     it.body.push(Token { kind, place, first });
                 }
                 it.body.push(Token { kind, place, first });
@@ -315,7 +315,7 @@ impl Preprocessor<'_> {
     }
 
     fn include(&mut self, line: &[Token], place: Place, depth: usize) {
-        let Some(Kind::Text(name)) = line.first().map(|t| &t.kind) else {
+        let Some(TokenKind::Text(name)) = line.first().map(|t| &t.kind) else {
             // `<…>` is the vendor's or the language's own.
             return;
         };
@@ -477,7 +477,7 @@ impl Preprocessor<'_> {
         if it.variadic && given.len() > parameters.len() && !parameters.is_empty() {
             let last = given.split_off(parameters.len() - 1);
             let comma = Token {
-                kind: Kind::Punctuator(","),
+                kind: TokenKind::Punctuator(","),
                 place,
                 first: false,
             };
@@ -501,7 +501,7 @@ impl Preprocessor<'_> {
             );
             // A value and a statement: what the body makes of too little is no fault of its own.
             return vec![Token {
-                kind: Kind::Whole(0),
+                kind: TokenKind::Whole(0),
                 place,
                 first: false,
             }];
@@ -517,7 +517,7 @@ impl Preprocessor<'_> {
                 tokens_of_body.next();
                 let given = given.get(index).map(|given| written(given));
                 body.push(Token {
-                    kind: Kind::Text(given.unwrap_or_default().into()),
+                    kind: TokenKind::Text(given.unwrap_or_default().into()),
                     place,
                     first: false,
                 });
@@ -577,7 +577,7 @@ fn arguments(tokens: &[Token]) -> Option<(Vec<&[Token]>, &[Token])> {
     }
     let (mut depth, mut start, mut given) = (0_usize, 1, Vec::new());
     for (i, token) in tokens.iter().enumerate() {
-        let Kind::Punctuator(punctuator) = token.kind else {
+        let TokenKind::Punctuator(punctuator) = token.kind else {
             continue;
         };
         match punctuator {
@@ -601,8 +601,8 @@ fn arguments(tokens: &[Token]) -> Option<(Vec<&[Token]>, &[Token])> {
 
 fn spelled(token: &Token) -> Option<String> {
     match &token.kind {
-        Kind::Name(name) => Some(name.to_string()),
-        Kind::Whole(value) | Kind::Character(value) | Kind::Wide(value, _) => {
+        TokenKind::Name(name) => Some(name.to_string()),
+        TokenKind::Whole(value) | TokenKind::Character(value) | TokenKind::Wide(value, _) => {
             Some(value.to_string())
         }
         _ => None,
@@ -619,35 +619,35 @@ fn written(given: &[Token]) -> String {
         }
         end = Some(token.place.end);
         match &token.kind {
-            Kind::Name(name) => text.push_str(name),
-            Kind::Whole(value) | Kind::Character(value) | Kind::Wide(value, _) => {
+            TokenKind::Name(name) => text.push_str(name),
+            TokenKind::Whole(value) | TokenKind::Character(value) | TokenKind::Wide(value, _) => {
                 text.push_str(&value.to_string());
             }
-            Kind::Real(value) => text.push_str(&value.to_string()),
-            Kind::Single(value) => {
+            TokenKind::Real(value) => text.push_str(&value.to_string()),
+            TokenKind::Single(value) => {
                 text.push_str(&value.to_string());
                 text.push('f');
             }
-            Kind::Text(inner) => {
+            TokenKind::Text(inner) => {
                 text.push('"');
                 text.push_str(inner);
                 text.push('"');
             }
-            Kind::Punctuator(punctuator) => text.push_str(punctuator),
+            TokenKind::Punctuator(punctuator) => text.push_str(punctuator),
         }
     }
     text
 }
 
-fn number(value: f64) -> Kind {
+fn number(value: f64) -> TokenKind {
     let value = value.abs();
     if value.fract() == 0.0 && value < 1e15 {
         if value > f64::from(i32::MAX) {
-            return Kind::Wide(value as i64, super::tree::Width::Long);
+            return TokenKind::Wide(value as i64, super::tree::Width::Long);
         }
-        Kind::Whole(value as i64)
+        TokenKind::Whole(value as i64)
     } else {
-        Kind::Real(value)
+        TokenKind::Real(value)
     }
 }
 
@@ -666,10 +666,10 @@ fn literal(body: &[Token]) -> Option<f64> {
     };
     match body {
         [one] => match one.kind {
-            Kind::Whole(value) | Kind::Character(value) | Kind::Wide(value, _) => {
+            TokenKind::Whole(value) | TokenKind::Character(value) | TokenKind::Wide(value, _) => {
                 Some(sign * value as f64)
             }
-            Kind::Real(value) | Kind::Single(value) => Some(sign * value),
+            TokenKind::Real(value) | TokenKind::Single(value) => Some(sign * value),
             _ => None,
         },
         _ => None,

@@ -3,7 +3,7 @@
 
 use std::{collections::BTreeSet, sync::Arc};
 
-use super::token::{Kind, Token, tokens};
+use super::token::{Token, TokenKind, tokens};
 use crate::config::Place;
 
 /// The functions that a text declares outside of braces, and does not define.
@@ -13,8 +13,8 @@ pub(super) fn undefined(text: &str) -> Vec<(Arc<str>, Place)> {
     let mut depth = 0_usize;
     for (at, token) in all.iter().enumerate() {
         match token.kind {
-            Kind::Punctuator("{") => depth += 1,
-            Kind::Punctuator("}") => depth = depth.saturating_sub(1),
+            TokenKind::Punctuator("{") => depth += 1,
+            TokenKind::Punctuator("}") => depth = depth.saturating_sub(1),
             _ => {}
         }
         if depth > 0 || !token.is("(") {

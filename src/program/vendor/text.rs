@@ -87,7 +87,7 @@ impl Machine<'_> {
         let text = |it: &Self, at: usize| it.text_of(given.get(at)?);
         let ended = |text: &str| [text.as_bytes(), &[0]].concat();
         Some(match name {
-            "strlen" => Value::Wide(text(self, 0)?.len() as i64, Width::UnsignedLong),
+            "strlen" => Value::size_t(text(self, 0)?.len() as i64),
             "strcmp" => compared(&text(self, 0)?, &text(self, 1)?),
             "strncmp" => {
                 let (a, b, length) = (text(self, 0)?, text(self, 1)?, size(2)?);
@@ -263,7 +263,7 @@ impl Machine<'_> {
             (Kind::Bits(64, true), "min" | "lowest") => Some(Value::Wide(i64::MIN, Width::Long)),
             (Kind::Bits(bits, true), "max") => Some(Value::Whole((1 << (bits - 1)) - 1)),
             (Kind::Bits(bits, true), "min" | "lowest") => Some(Value::Whole(-(1 << (bits - 1)))),
-            (Kind::Bits(_, false), "max") => Some(Value::Wide(-1, Width::UnsignedLong)),
+            (Kind::Bits(_, false), "max") => Some(Value::size_t(-1)),
             (Kind::Bits(bits, signed), "digits") => {
                 Some(Value::Whole(i64::from(bits) - i64::from(signed)))
             }

@@ -12,7 +12,7 @@ use crate::{
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Token {
     /// What it is.
-    pub kind: Kind,
+    pub kind: TokenKind,
     /// Where it stands.
     pub place: Place,
     /// Whether it is the first of its line.
@@ -21,7 +21,7 @@ pub(super) struct Token {
 
 /// What a token is.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum TokenKind {
     Name(Arc<str>),
     Whole(i64),
     /// The code of a character.
@@ -38,12 +38,12 @@ pub(super) enum Kind {
 
 impl Token {
     pub(super) fn is(&self, punctuator: &str) -> bool {
-        matches!(self.kind, Kind::Punctuator(m) if m == punctuator)
+        matches!(self.kind, TokenKind::Punctuator(m) if m == punctuator)
     }
 
     pub(super) fn name(&self) -> Option<&Arc<str>> {
         match &self.kind {
-            Kind::Name(name) => Some(name),
+            TokenKind::Name(name) => Some(name),
             _ => None,
         }
     }
@@ -135,7 +135,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    fn token(&mut self) -> Result<Kind, String> {
+    fn token(&mut self) -> Result<TokenKind, String> {
         let rest = self.rest();
         let letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let first = rest.chars().next().unwrap_or(' ');
@@ -145,7 +145,7 @@ impl<'a> Lexer<'a> {
         if first.is_ascii_alphabetic() || first == '_' {
             let end = rest.find(|c| !letter(c)).unwrap_or(rest.len());
             self.at += end;
-            return Ok(Kind::Name(rest[..end].into()));
+            return Ok(TokenKind::Name(rest[..end].into()));
         }
         let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
         if digit(Some(first)) || (first == '.' && digit(rest.chars().nth(1))) {
@@ -156,20 +156,20 @@ impl<'a> Lexer<'a> {
         }
         if first == '#' && !rest.starts_with("##") {
             self.at += 1;
-            return Ok(Kind::Punctuator("#"));
+            return Ok(TokenKind::Punctuator("#"));
         }
         if let Some(punctuator) = PUNCTUATORS
             .iter()
             .find(|punctuator| rest.starts_with(**punctuator))
         {
             self.at += punctuator.len();
-            return Ok(Kind::Punctuator(punctuator));
+            return Ok(TokenKind::Punctuator(punctuator));
         }
         self.at += first.len_utf8();
         Err(format!("`{}` has no meaning here", first.escape_debug()))
     }
 
-    fn raw(&mut self) -> Result<Kind, String> {
+    fn raw(&mut self) -> Result<TokenKind, String> {
         let rest = self.rest();
         let open = rest.find('(').unwrap_or(rest.len());
         let end = format!("){}\"", rest.get(2..open).unwrap_or_default());
@@ -180,10 +180,10 @@ impl<'a> Lexer<'a> {
         };
         self.at += open + 1 + length + end.len();
         // Where all others have their escapes, it has none.
-        Ok(Kind::Text(body[..length].replace('\\', "\\\\").into()))
+        Ok(TokenKind::Text(body[..length].replace('\\', "\\\\").into()))
     }
 
-    fn quoted(&mut self, quote: char) -> Result<Kind, String> {
+    fn quoted(&mut self, quote: char) -> Result<TokenKind, String> {
         let rest = self.rest();
         let mut escaped = false;
         for (i, c) in rest.char_indices().skip(1) {
@@ -194,10 +194,10 @@ impl<'a> Lexer<'a> {
                 self.at += i + 1;
                 let inner = &rest[1..i];
                 if quote == '"' {
-                    return Ok(Kind::Text(inner.into()));
+                    return Ok(TokenKind::Text(inner.into()));
                 }
                 let code = unescaped(inner).chars().next_back().unwrap_or(' ');
-                return Ok(Kind::Character(i64::from(u32::from(code))));
+                return Ok(TokenKind::Character(i64::from(u32::from(code))));
             }
             escaped = c == '\\' && !escaped;
         }
@@ -205,7 +205,7 @@ impl<'a> Lexer<'a> {
         Err("text in quotes without an end".to_owned())
     }
 
-    fn number(&mut self) -> Result<Kind, String> {
+    fn number(&mut self) -> Result<TokenKind, String> {
         let rest = self.rest();
         let mut end = 0;
         let mut before = ' ';
@@ -231,9 +231,9 @@ impl<'a> Lexer<'a> {
             let digits = digits.trim_end_matches(['f', 'l']);
             let value: f64 = digits.parse().map_err(|_| wrong())?;
             return Ok(if single {
-                Kind::Single(value)
+                TokenKind::Single(value)
             } else {
-                Kind::Real(value)
+                TokenKind::Real(value)
             });
         }
         let octal = digits.len() > 1 && digits.starts_with('0');
@@ -243,7 +243,7 @@ impl<'a> Lexer<'a> {
 
 /// A whole number with its suffix: of the first type that holds it, as in C++. A decimal number
 /// takes a sign where its suffix does not forbid it.
-fn whole_number(text: &str, radix: u32, decimal: bool) -> Option<Kind> {
+fn whole_number(text: &str, radix: u32, decimal: bool) -> Option<TokenKind> {
     let digits = text.trim_end_matches(['u', 'l', 'z']);
     let suffix = &text[digits.len()..];
     let unsigned = suffix.contains('u');
@@ -251,7 +251,7 @@ fn whole_number(text: &str, radix: u32, decimal: bool) -> Option<Kind> {
     let value = u64::from_str_radix(digits, radix).ok()?;
     let signed = i64::try_from(value).ok();
     let width = if !unsigned && !long && i32::try_from(value).is_ok() {
-        return Some(Kind::Whole(signed?));
+        return Some(TokenKind::Whole(signed?));
     } else if !long && (unsigned || !decimal) && u32::try_from(value).is_ok() {
         Width::Unsigned
     } else if !unsigned && signed.is_some() {
@@ -261,7 +261,7 @@ fn whole_number(text: &str, radix: u32, decimal: bool) -> Option<Kind> {
     } else {
         return None;
     };
-    Some(Kind::Wide(value as i64, width))
+    Some(TokenKind::Wide(value as i64, width))
 }
 
 /// Text in quotes as it is meant: `\n` is the end of a line.

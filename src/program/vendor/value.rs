@@ -55,6 +55,11 @@ impl Value {
         Self::Whole(i64::from(value))
     }
 
+    /// A number of bytes or of elements.
+    pub(super) const fn size_t(value: i64) -> Self {
+        Self::Wide(value, Width::UnsignedLong)
+    }
+
     /// How many values there are in it.
     pub(super) fn size(&self) -> usize {
         match self {

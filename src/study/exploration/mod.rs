@@ -393,7 +393,7 @@ impl Found {
         let kinds = judged.iter().enumerate().map(|(i, judged)| {
             let threshold = thresholds[i];
             let scales = &self.program.scales;
-            let scale = scales.get(i).copied().unwrap_or(self.program.scale);
+            let scale = scales.get(i).copied().unwrap_or(self.program.scale());
             Kind {
                 name: question.names[i].clone(),
                 threshold,

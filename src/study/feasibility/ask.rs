@@ -110,7 +110,7 @@ pub(super) fn answered(
         .map_or_else(Demand::default, |packet| Demand::new(packet, frames));
     let fit = match &compiled {
         Ok(compiled) => {
-            let threshold = question.threshold / quantised.scale * compiled.program.scale;
+            let threshold = question.threshold / quantised.scale * compiled.program.scale();
             let time = time::time(question, compiled, &busy, (scene.height, scene.fps))?;
             let chip = OnChip::new(compiled, question.device, threshold, time);
             Fit::OnChip(Box::new(chip))

@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     config::suggestion_or,
-    isa::{Device, Evidence, Kind},
+    isa::{Device, Evidence, PrimitiveKind},
 };
 
 /// A number, how it is made, and what of.
@@ -267,7 +267,7 @@ const LINKS: &[Link] = &[
 /// # Errors
 /// When it can be none of these.
 pub fn check(what: &str, device: &Device) -> Result<(), ExplainError> {
-    let words = Kind::ALL.iter().copied().map(Named::Words);
+    let words = PrimitiveKind::ALL.iter().copied().map(Named::Words);
     let figures = FigureSummary::all(device, &words.collect::<Vec<_>>());
     let is_figure = figures.iter().any(|it| it.figure == what);
     let is_link = LINKS.iter().any(|link| link.name == what);

@@ -1,7 +1,7 @@
 //! The chip's numbers that an answer rests on, by name.
 
 use crate::{
-    isa::{Device, Evidence, Figure, HostKind, Interval, Kind, Quantity},
+    isa::{Device, Evidence, Figure, HostKind, Interval, PrimitiveKind, Quantity},
     program::{Action, Step},
 };
 
@@ -35,13 +35,13 @@ const CALLED: [HostKind; 3] = [
 ];
 
 /// The instructions that compiled sensors are made of, but for those that only wait.
-const OF_SENSORS: [Kind; 6] = [
-    Kind::ResetPix,
-    Kind::Bus,
-    Kind::Where,
-    Kind::All,
-    Kind::Or,
-    Kind::WhereBit,
+const OF_SENSORS: [PrimitiveKind; 6] = [
+    PrimitiveKind::ResetPix,
+    PrimitiveKind::Bus,
+    PrimitiveKind::Where,
+    PrimitiveKind::All,
+    PrimitiveKind::Or,
+    PrimitiveKind::WhereBit,
 ];
 
 /// A number in a chip's data.
@@ -54,7 +54,7 @@ pub enum Named {
     /// The time of a call of an operation of the host.
     Call(HostKind),
     /// The words of an instruction.
-    Words(Kind),
+    Words(PrimitiveKind),
 }
 
 impl Named {
@@ -131,7 +131,7 @@ impl Named {
     /// The words of each instruction of a frame.
     #[must_use]
     pub fn words_of(frame: &[Step]) -> Vec<Self> {
-        let mut found: Vec<Kind> = Vec::new();
+        let mut found: Vec<PrimitiveKind> = Vec::new();
         kinds(frame, &mut found);
         found.into_iter().map(Self::Words).collect()
     }
@@ -216,7 +216,7 @@ impl Named {
 }
 
 /// Adds the instructions of some steps, each once.
-fn kinds(steps: &[Step], found: &mut Vec<Kind>) {
+fn kinds(steps: &[Step], found: &mut Vec<PrimitiveKind>) {
     for step in steps {
         match &step.action {
             Action::Word(word) if !found.contains(&word.kind()) => found.push(word.kind()),

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use crate::{
     isa::{
         Cell, Device, Primitive,
-        operands::{Access, FlagEffect, Mode, Terminal, Unit},
+        operands::{Access, FlagEffect, Terminal, Unit, Use},
     },
     program::{Action, Code, Host, Step},
 };
@@ -141,13 +141,13 @@ impl Body<'_> {
         }
         let replaces = operands.replaces(self.whole);
         let mut written: Vec<(Cell, Around)> = Vec::new();
-        for write in operands.accesses.iter().filter(|a| a.mode == Mode::Write) {
+        for write in operands.accesses.iter().filter(|a| a.how == Use::Write) {
             let Some(cell) = write.cell() else { continue };
-            let read = operands.accesses.iter().filter(|a| match a.mode {
-                Mode::Write => false,
+            let read = operands.accesses.iter().filter(|a| match a.how {
+                Use::Write => false,
                 // Where FLAG is 1 everywhere it says nothing.
-                Mode::Mask => !replaces,
-                Mode::Read | Mode::Gate => true,
+                Use::Mask => !replaces,
+                Use::Read | Use::Gate => true,
             });
             let seen = read.map(|read| {
                 let down = read.offset.0 - write.offset.0;

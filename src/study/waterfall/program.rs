@@ -151,7 +151,7 @@ impl<'a> Kinds<'a> {
     /// LSB for each unit of a kind's kernel times light.
     pub(super) fn scale(&self, kind: usize) -> f64 {
         let program = &self.compiled.program;
-        program.scales.get(kind).copied().unwrap_or(program.scale)
+        program.scales.get(kind).copied().unwrap_or(program.scale())
     }
 
     /// The threshold of one kind, in its levels times light.

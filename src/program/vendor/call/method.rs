@@ -130,7 +130,7 @@ impl Machine<'_> {
         let written = match (member, &values[..]) {
             ("c_str" | "data", []) => return Some(Value::Text(text.clone())),
             ("size" | "length", []) => {
-                return Some(Value::Wide(text.len() as i64, Width::UnsignedLong));
+                return Some(Value::size_t(text.len() as i64));
             }
             ("empty", []) => return Some(Value::flag(text.is_empty())),
             ("append", [more @ Value::Text(_)]) => {
@@ -149,7 +149,7 @@ impl Machine<'_> {
                     return None;
                 };
                 let at = text.find(&*wanted).map_or(-1, |it| it as i64);
-                return Some(Value::Wide(at, Width::UnsignedLong));
+                return Some(Value::size_t(at));
             }
             ("substr", [from]) => {
                 return Some(Value::Text(
@@ -237,7 +237,7 @@ impl Machine<'_> {
         };
         let to = |at: usize| Value::Pointer(*slot, [&path[..], &[at]].concat(), "data".into());
         match (member, given) {
-            ("size" | "length", _) => Some(Value::Wide(all.len() as i64, Width::UnsignedLong)),
+            ("size" | "length", _) => Some(Value::size_t(all.len() as i64)),
             ("empty", []) => Some(Value::flag(all.is_empty())),
             ("data" | "begin" | "cbegin", []) => Some(to(0)),
             ("end" | "cend", []) => Some(to(all.len())),

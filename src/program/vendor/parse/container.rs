@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use super::super::{
-    token::{Kind as TokenKind, Token},
+    token::{Token, TokenKind},
     tree::{Declared, Stmt, StmtNode, Struct, Word},
 };
 use super::{Parser, types::Type};

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use super::super::{
     expression::unexpected,
-    token::{Kind as TokenKind, Token},
+    token::{Token, TokenKind},
     tree::{Expr, ExprNode, Function, Kind, Parameter, StmtNode, Word},
 };
 use super::{

@@ -1,6 +1,6 @@
 //! Names of operators that a file defines.
 
-use super::super::{token::Kind as TokenKind, tree::Word};
+use super::super::{token::TokenKind, tree::Word};
 use super::Parser;
 
 /// Operators that can be defined, but for `()` and `[]`.

@@ -2,7 +2,7 @@
 
 use super::super::{
     expression::unexpected,
-    token::{Kind as TokenKind, Token},
+    token::{Token, TokenKind},
     tree::{Expr, ExprNode, Stmt, StmtNode},
 };
 use super::{Parsed, Parser, within};

@@ -2,7 +2,7 @@
 
 use super::super::{
     expression::{self},
-    token::{Kind as TokenKind, Token},
+    token::{Token, TokenKind},
     tree::{Kind, TemplateArgument, TemplateParameter},
 };
 use super::{Parsed, Parser};

@@ -3,13 +3,13 @@
 use crate::{
     config::{Fault, Place},
     isa::{
-        Kind, Signature,
+        PrimitiveKind, Signature,
         signature::{Mode, Parameter},
     },
 };
 
 /// The fault of a form whose `out` is not on the registers that the word writes.
-pub(super) fn misfit(kind: Kind, form: &Signature, place: Place) -> Option<Fault> {
+pub(super) fn misfit(kind: PrimitiveKind, form: &Signature, place: Place) -> Option<Fault> {
     let written = written(kind, &form.name)?.min(form.parameters.len());
     let (targets, rest) = form.parameters.split_at(written);
     let name = |it: &Parameter| format!("`{}`", it.name);
@@ -25,7 +25,7 @@ pub(super) fn misfit(kind: Kind, form: &Signature, place: Place) -> Option<Fault
             name(over)
         )
     };
-    let help = if kind == Kind::Bus {
+    let help = if kind == PrimitiveKind::Bus {
         "a word of one target is written bus(out y: target, …), of two bus2(out y: target, out z: target, …), of three bus3, of any number bus({out y: target * 1..}, {x: source * 0..})"
     } else {
         "put `out` before what the word writes, as the shipped row does, and before nothing else"
@@ -34,20 +34,20 @@ pub(super) fn misfit(kind: Kind, form: &Signature, place: Place) -> Option<Fault
 }
 
 /// How many of the first parameters of a form the word writes; what is not here is not known.
-const WRITTEN: [(Kind, usize); 9] = [
-    (Kind::Square, 0),
-    (Kind::Where, 0),
-    (Kind::WhereBit, 0),
-    (Kind::Blur, 1),
-    (Kind::Or, 1),
-    (Kind::Nor, 1),
-    (Kind::Dnews, 1),
-    (Kind::Set, usize::MAX),
-    (Kind::Clear, usize::MAX),
+const WRITTEN: [(PrimitiveKind, usize); 9] = [
+    (PrimitiveKind::Square, 0),
+    (PrimitiveKind::Where, 0),
+    (PrimitiveKind::WhereBit, 0),
+    (PrimitiveKind::Blur, 1),
+    (PrimitiveKind::Or, 1),
+    (PrimitiveKind::Nor, 1),
+    (PrimitiveKind::Dnews, 1),
+    (PrimitiveKind::Set, usize::MAX),
+    (PrimitiveKind::Clear, usize::MAX),
 ];
 
-fn written(kind: Kind, name: &str) -> Option<usize> {
-    if kind == Kind::Bus {
+fn written(kind: PrimitiveKind, name: &str) -> Option<usize> {
+    if kind == PrimitiveKind::Bus {
         return Some(match name {
             "bus2" => 2,
             "bus3" => 3,

@@ -8,7 +8,7 @@ use crate::{
 
 /// A register with values at the end of its range.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AtBorder {
+pub struct AtEnd {
     /// Its name.
     pub register: String,
     /// Pixels at the end.
@@ -52,7 +52,7 @@ impl Arithmetic {
     }
 }
 
-impl AtBorder {
+impl AtEnd {
     /// The registers of a chip that hold a picture of which at least a twentieth is at an end of
     /// the range, and those of which every pixel is at the same end.
     #[must_use]
