@@ -334,7 +334,7 @@ fn obvious_ns(domain: &str, words: &[Primitive], repetitions: usize) -> f64 {
         "exact" => Obvious::new(Exact).ns(words, repetitions),
         "q8.8" => Obvious::new(Fixed::new(Q::<i16>::new(8))).ns(words, repetitions),
         "silicon" => {
-            let errors = amacrine::array::Errors::from_device(&device);
+            let errors = amacrine::isa::Errors::from_device(&device);
             Obvious::new(Silicon::new(errors, 0, &layout)).ns(words, repetitions)
         }
         // The halves are no faster.

@@ -4,11 +4,14 @@
 
 use amacrine::{
     array::{
-        Address, Arithmetic, Array, Bfloat, Chip, Domain, Errors, Exact, Fixed, Half, Layout,
-        Propagation, Schedule, Settings, Silicon, Single, State, semantics,
+        Arithmetic, Array, Bfloat, Chip, Domain, Exact, Fixed, Half, Layout, Propagation, Schedule,
+        Settings, Silicon, Single, State, semantics,
     },
-    event::{Packet, Polarity, readout::scan::Order},
-    isa::{Analog, Bit, Device, Digital, Direction, Primitive, Source, Target},
+    event::{
+        Packet, Polarity,
+        readout::scan::{Address, Order},
+    },
+    isa::{Analog, Bit, Device, Digital, Direction, Errors, Primitive, Source, Target},
     number::{Overflow, Q},
     plane::{At, Plane, Size},
     program::{Action, Code, Cost, Host, Step},

@@ -4,9 +4,9 @@
 //! known to cancel.
 
 use amacrine::{
-    array::{Array, Chip, Errors, Layout, Settings, Silicon},
+    array::{Array, Chip, Layout, Settings, Silicon},
     event::Packet,
-    isa::{Analog, Bit, Device, Digital, Figure, Primitive, Source, Target},
+    isa::{Analog, Bit, Device, Digital, Errors, Figure, Primitive, Source, Target},
     plane::{Plane, Size},
     program::{Action, Code, Host, Step},
     unit::Micros,

@@ -9,11 +9,11 @@
 mod common;
 
 use amacrine::{
-    array::{Arithmetic, Errors},
+    array::Arithmetic,
     compare::{Pair, fate::Fate, matching},
     compile::{DriveMemory, Effort},
     event::readout::{Ideal, Readout, Scan, scan::Order},
-    isa::{Device, Figure},
+    isa::{Device, Errors, Figure},
     kernel::{
         Kernel,
         quantise::{Quantiser, Sum},

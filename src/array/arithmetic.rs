@@ -3,11 +3,11 @@
 use std::{fmt, str::FromStr};
 
 use super::{
-    Array, Bfloat, Chip, CodeError, Errors, Exact, Fixed, Half, Layout, Settings, Silicon, Single,
+    Array, Bfloat, Chip, CodeError, Exact, Fixed, Half, Layout, Settings, Silicon, Single,
 };
 use crate::{
     config::asked,
-    isa::Device,
+    isa::{Device, Errors},
     number::{FIXED, FixedFormat, Format, FormatError, Q, Width, known_floats},
     plane::Size,
     program::Code,

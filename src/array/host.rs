@@ -4,8 +4,9 @@
 //! what lies off the array is not there. Sums over the array are modelled as the ADC's view of
 //! a mean.
 
-use super::{Address, BitPlane, Converters, Domain, State, propagate};
+use super::{BitPlane, Converters, Domain, State, propagate};
 use crate::{
+    event::readout::scan::Address,
     isa::Analog,
     plane::{At, Size},
     program::{Area, Host, Pattern, Shape, SumOver, Window},

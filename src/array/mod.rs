@@ -40,7 +40,6 @@ pub mod survival;
 mod symbolic;
 mod unheld;
 
-pub use crate::isa::Errors;
 pub use answer::answered;
 pub use arithmetic::{Arithmetic, ArithmeticError};
 pub use at_end::AtEnd;
@@ -53,7 +52,7 @@ pub use float::{Bfloat, Exact, Half, Single};
 pub use host::{Reading, Readings};
 pub use layout::Layout;
 pub use ledger::Ledger;
-pub use readout::{Address, Scanned};
+pub use readout::Scanned;
 pub use register::{Register, UnknownRegister};
 pub use schedule::{Schedule, ScheduleError};
 pub use settings::{Converters, Propagation, Settings};

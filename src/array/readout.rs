@@ -9,9 +9,8 @@ use std::ops::RangeInclusive;
 use multiversion::multiversion;
 
 use super::BitPlane;
-pub use crate::event::readout::scan::Address;
 use crate::{
-    event::readout::scan::Order,
+    event::readout::scan::{Address, Order},
     plane::{At, Size},
 };
 

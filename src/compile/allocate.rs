@@ -1,7 +1,7 @@
 //! Register allocation: values whose live ranges interfere get different registers. The allocator
 //! is a backtracking search, since the input and some goals are pinned to registers from the start.
 
-use super::plan::{Plan, Store, Value, Word};
+use super::plan::{Plan, Store, Value};
 use crate::isa::{Analog, Device, Primitive, Source, Target};
 
 /// The analogue registers but NEWS.

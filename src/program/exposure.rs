@@ -1,10 +1,7 @@
 //! What frames do with the photodiodes: each is one exposure here, whether they are reset or not.
 
 use super::{Action, Step};
-use crate::isa::{
-    Device,
-    operands::{Terminal, Unit},
-};
+use crate::isa::{Device, operands::Unit};
 
 /// Whether frames read the photodiodes, and whether they reset them.
 #[derive(Clone, Copy, Debug, Default)]

@@ -29,7 +29,6 @@ pub mod syntax;
 mod vendor;
 mod words;
 
-pub use crate::isa::Cell;
 pub use code::{Action, Code, Step};
 pub use cost::{Cost, array_us, host_us, stored};
 pub use effect::{CellEffect, FlagState};

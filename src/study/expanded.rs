@@ -2,8 +2,8 @@
 
 use super::{all_events::AllEvents, design::DesignError};
 use crate::{
-    array::{Arithmetic, Array, Chip, Errors, Layout, Settings, Silicon},
-    isa::Device,
+    array::{Arithmetic, Array, Chip, Layout, Settings, Silicon},
+    isa::{Device, Errors},
     limit::ARRAY_SIDE,
     plane::Size,
     program::{Code, Cost, Overrides, Program},

@@ -6,8 +6,8 @@ use super::{
     pass::Lowering,
 };
 use crate::{
-    isa::{Device, Digital},
-    program::{Action, Cell, CellEffect, Host, Step},
+    isa::{Cell, Device, Digital},
+    program::{Action, CellEffect, Host, Step},
 };
 
 /// Words and inputs of a block, at most: loops are unrolled so far.

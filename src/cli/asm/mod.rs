@@ -10,8 +10,8 @@ use self::{changes::Changes, proof::Proof};
 use super::opened::{Opened, Source};
 use crate::{
     array::range::Interval,
-    isa::{Device, Figure},
-    program::{Cell, Cost, Entry, Expanded, Expansion, HostCalls, Program, vendor_text},
+    isa::{Cell, Device, Figure},
+    program::{Cost, Entry, Expanded, Expansion, HostCalls, Program, vendor_text},
 };
 
 /// What `asm` is asked to do.

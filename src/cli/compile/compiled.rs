@@ -9,12 +9,11 @@ use super::{
     readout::Readouts,
 };
 use crate::{
-    array::Errors,
     compile::{
         BitMemory, Decided, DriveMemory, Filter, Need, Restless, bound::LowerBound, brightest,
         carried, four_digits, largest_of_both_signs, like_these,
     },
-    isa::{Analog, Device, Evidence, Figure, PrimitiveKind},
+    isa::{Analog, Device, Errors, Evidence, Figure, PrimitiveKind},
     plane::Plane,
     program::{Cost, HostCalls, for_each},
     study::feasibility::{Estimate, power::words_energy, time},

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::json;
 
 use super::{Arguments, Asked, bare, on_chip::OnChip};
-use crate::{array::Errors, isa::Device};
+use crate::isa::{Device, Errors};
 
 /// Prints the front of a filter.
 pub(super) fn print(arguments: &Arguments, asked: &Asked, device: &Device) -> miette::Result<()> {

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::{super::design::Compiled, estimate::Estimate, named::Named, time::Time};
 use crate::{
     compile::{FilterNoise, SensorProgram},
-    isa::{Analog, Device, Evidence, Figure},
-    program::{Cell, CellEffect, Code, Cost},
+    isa::{Analog, Cell, Device, Evidence, Figure},
+    program::{CellEffect, Code, Cost},
 };
 
 /// A program on its chip.

@@ -45,7 +45,7 @@ impl Drawn {
                 low + at * (high - low)
             };
             let value = match named {
-                Named::Figure(figure) if figure.domain().range().1 => value.round(),
+                Named::Figure(figure) if figure.range().numbers().1 => value.round(),
                 _ => value,
             };
             Some((named, value.clamp(low, high)))

@@ -5,9 +5,9 @@ use std::{fmt, ops::Range};
 use rayon::prelude::*;
 
 use crate::{
-    array::{Arithmetic, Array, Chip, CodeError, Errors, Layout, Settings, Silicon},
+    array::{Arithmetic, Array, Chip, CodeError, Layout, Settings, Silicon},
     event::{Dropped, Event, Packet},
-    isa::Device,
+    isa::{Device, Errors},
     mosaic::Mosaic,
     number::Format,
     plane::{At, Size},

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::{array::Errors, config::listed};
+use crate::{config::listed, isa::Errors};
 
 listed! {
 /// A kind of error of analogue cells.

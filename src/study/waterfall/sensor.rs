@@ -8,8 +8,9 @@ use super::{
     question::{Question, WaterfallError},
 };
 use crate::{
-    array::{Arithmetic, Errors, Settings},
+    array::{Arithmetic, Settings},
     event::{Event, Packet},
+    isa::Errors,
     number::Format,
     plane::Size,
     reference::MemoryRule,

@@ -7,7 +7,7 @@ use super::super::{
     reach::{Reach, base_name},
     shape,
     text::character,
-    tree::{Expr, Kind, Width, Word},
+    tree::{Expr, Kind, Word},
     value::Value,
     why::Why,
 };
