@@ -26,7 +26,10 @@ fn how_a_clip_is_cut_is_said() {
     assert!(!said.contains("--rate"), "{said}");
     let words = ["'--resize 128x96' shows"];
     refused(folder.path(), &with(&["--width=9"]), &words);
-    good(folder.path(), &with(&["--slice", "..3", "--resize", "12x12"]));
+    good(
+        folder.path(),
+        &with(&["--slice", "..3", "--resize", "12x12"]),
+    );
     let convert = ["convert", "e.csv", "f.csv", "--frames", "3"];
     let said = refused(folder.path(), &convert, &[]);
     assert!(!said.contains("--slice"), "{said}");

@@ -66,7 +66,7 @@ def said(watch: Callable[[], Any]) -> set[str]:
 def words(warning: dict[str, Any]) -> str:
     """A warning of the command line, in the words of Python."""
     first, *others = warning["subjects"]
-    alike = f" (alike: {', '.join(others)})" if others else ""
+    alike = f" (alike: {'; '.join(others)})" if others else ""
     text = f"{first}: {warning['seen']}{alike}: {warning['why']}; {warning['change']}"
     return str(_amacrine.in_python(text))
 

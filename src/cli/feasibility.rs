@@ -180,7 +180,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let command = arguments.command();
     let Energy(least, most) = arguments.link_energy;
     let mut questions = Vec::new();
-    let AtRate { thresholds, missed } = arguments.thresholds(&kinds, &device)?;
+    let early = Observation::new();
+    let AtRate { thresholds, missed } = arguments.thresholds(&kinds, &device, &early)?;
+    // The search for thresholds has seen the whole scene: what it warns of is said before the work.
+    let told = Warning::of_scene(&early, Response::IDENTITY);
+    light::warn(&told);
     if arguments.rate.is_some() && !arguments.json {
         super::say(&format!("threshold {}\n\n", list(&thresholds)));
     }
@@ -219,7 +223,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     progress.finish();
     let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
     warnings.extend(missed);
-    light::warn(&warnings);
+    let more = { warnings.iter() }.filter(|it| !told.contains(it)).cloned();
+    light::warn(&more.collect::<Vec<_>>());
     let mut reply = reply?;
     warn_and_complete(&mut reply, &warnings, &observation);
     let explain = |what: &String| explanation(&reply, what, arguments.json);
@@ -284,7 +289,13 @@ fn explanation(reply: &Reply, what: &str, in_json: bool) -> miette::Result<Strin
 
 impl Arguments {
     /// A threshold for each kernel, and the kernels whose events no threshold brings to the rate.
-    fn thresholds(&self, kinds: &Kinds, device: &Device) -> miette::Result<AtRate> {
+    /// What is seen of the scene in a search for thresholds is noted in `seen`.
+    fn thresholds(
+        &self,
+        kinds: &Kinds,
+        device: &Device,
+        seen: &Observation,
+    ) -> miette::Result<AtRate> {
         let Some(asked) = self.rate else {
             return Ok(AtRate {
                 thresholds: kinds.thresholds_or_rate("feasibility", &self.threshold)?,
@@ -292,8 +303,7 @@ impl Arguments {
             });
         };
         let kernels = kinds.names.iter().map(String::as_str).zip(&kinds.kernels);
-        // What is seen of the scene is noted when the questions are asked.
-        let open = || self.clip.open(&Observation::new());
+        let open = || self.clip.open(seen);
         feasibility::at_rate(kernels, (asked, self.seed), device, &open).wrap_err("--rate")
     }
 

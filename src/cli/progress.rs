@@ -67,6 +67,11 @@ impl Progress {
         Self(bar)
     }
 
+    /// Prints something else beside it.
+    pub fn aside(&self, print: impl FnOnce()) {
+        self.0.suspend(print);
+    }
+
     /// What is done now.
     pub fn says(&self, what: impl Into<Cow<'static, str>>) {
         self.0.set_message(what);

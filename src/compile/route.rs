@@ -1,21 +1,40 @@
 //! The tour of a walk over the places of a kernel: a travelling salesman problem, solved by 2-opt
 //! from several start tours.
 
+use std::{cell::RefCell, collections::BTreeMap};
+
 use crate::order::Order;
 
 use super::digit::Place;
 
-/// An order in which to visit `visits`, starting at `from` if the walk has begun, and ending at the
-/// pixel: the best of boustrophedon lines and spirals, improved by 2-opt.
-pub(super) fn route<T: Clone>(visits: &[(Place, T)], from: Option<Place>) -> Vec<(Place, T)> {
-    let places: Vec<Place> = visits.iter().map(|(place, _)| *place).collect();
-    let best = start_tours(&places)
+/// Routes that were found, each once: walks that differ in their signs alone take the same.
+#[derive(Default)]
+pub(super) struct Routes(RefCell<BTreeMap<(Vec<Place>, Option<Place>), Vec<Place>>>);
+
+impl Routes {
+    /// An order in which to visit `visits`, starting at `from` if the walk has begun, and ending at
+    /// the pixel: the best of boustrophedon lines and spirals, improved by 2-opt.
+    pub(super) fn ordered<T: Clone>(
+        &self,
+        visits: &[(Place, T)],
+        from: Option<Place>,
+    ) -> Vec<(Place, T)> {
+        let places: Vec<Place> = visits.iter().map(|(place, _)| *place).collect();
+        let mut known = self.0.borrow_mut();
+        let best = known
+            .entry((places, from))
+            .or_insert_with_key(|(places, from)| shortest(places, *from));
+        let visit = |place: &Place| visits.iter().find(|(known, _)| known == place).cloned();
+        best.iter().filter_map(visit).collect()
+    }
+}
+
+fn shortest(places: &[Place], from: Option<Place>) -> Vec<Place> {
+    start_tours(places)
         .into_iter()
         .map(|route| improved(route, from))
         .min_by_key(|route| length(route, from))
-        .unwrap_or(places);
-    let visit = |place: &Place| visits.iter().find(|(known, _)| known == place).cloned();
-    best.iter().filter_map(visit).collect()
+        .unwrap_or_else(|| places.to_vec())
 }
 
 /// The distance between two places, in words: two words move by two pixels at most.
@@ -100,8 +119,9 @@ mod tests {
     #[test]
     fn a_full_square_is_visited_without_a_detour() {
         let places = (-2..=2).flat_map(|y| (-2..=2).map(move |x| ((y, x), ())));
-        let found: Vec<Place> = route(&places.collect::<Vec<_>>(), None)
-            .into_iter()
+        let visits: Vec<_> = places.collect();
+        let routes = Routes::default();
+        let found: Vec<Place> = { routes.ordered(&visits, None).into_iter() }
             .map(|(place, ())| place)
             .collect();
         assert_eq!(length(&found, None), 48);

@@ -347,7 +347,7 @@ impl<'a> Choice<'a> {
         let (best, all) = problem.solve_all();
         let best = best.ok_or_else(|| self.none_found())?;
         let mut out = Vec::new();
-        for solved in short(all) {
+        for solved in self.short(all) {
             let plain = solved.plan;
             out.extend(self.tried(&problem, &plain, &Reads::new(), 0));
             let reads = greedy(&plain, self.request.store_errors());
@@ -408,12 +408,35 @@ impl<'a> Choice<'a> {
             }
             Some(Found {
                 seen: best?.seen,
-                plans: short(all).into_iter().map(|solved| solved.plan).collect(),
+                plans: self
+                    .short(all)
+                    .into_iter()
+                    .map(|solved| solved.plan)
+                    .collect(),
             })
         });
         let found = found.ok_or_else(|| self.none_found())?;
         *seen += found.seen;
         Ok(found.plans)
+    }
+
+    /// The shorter plans that the chip stores, each once: those first that are right at the border, and
+    /// beside them some of the others, which may be shorter by far.
+    fn short(&self, mut all: Vec<Solved>) -> Vec<Solved> {
+        let words = |solved: &Solved| solved.allocated.words.len();
+        let store = self.request.device.value(Figure::Store) as usize;
+        all.retain(|solved| words(solved) <= store);
+        all.order_by_key(|solved| (!solved.border, words(solved)));
+        all.dedup_by(|a, b| a.plan == b.plan);
+        let fewest = all.iter().map(words).min();
+        let most = fewest.map_or(0, |words| 2 * words + 8);
+        all.retain(|solved| words(solved) <= most);
+        let mut rest = all.split_off(all.len().min(3 * CLOSELY));
+        let kept = all.iter().filter(|solved| !solved.border).count();
+        rest.retain(|solved| !solved.border);
+        rest.truncate(CLOSELY.saturating_sub(kept));
+        all.extend(rest);
+        all
     }
 
     /// The plans of a search that is made beside the one for the goals as they are: none where the
@@ -615,21 +638,4 @@ pub(super) fn halvings(bits: u32) -> Plan {
         words: (0..bits as usize).map(half).collect(),
         goals: vec![bits as usize],
     }
-}
-
-/// The shorter plans, each once: those first that are right at the border, and beside them some of
-/// the others, which may be shorter by far.
-fn short(mut all: Vec<Solved>) -> Vec<Solved> {
-    let words = |solved: &Solved| solved.allocated.words.len();
-    all.order_by_key(|solved| (!solved.border, words(solved)));
-    all.dedup_by(|a, b| a.plan == b.plan);
-    let fewest = all.iter().map(words).min();
-    let most = fewest.map_or(0, |words| 2 * words + 8);
-    all.retain(|solved| words(solved) <= most);
-    let mut rest = all.split_off(all.len().min(3 * CLOSELY));
-    let kept = all.iter().filter(|solved| !solved.border).count();
-    rest.retain(|solved| !solved.border);
-    rest.truncate(CLOSELY.saturating_sub(kept));
-    all.extend(rest);
-    all
 }

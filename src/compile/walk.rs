@@ -12,7 +12,7 @@ use super::{
     linear_form::LinearForm,
     plan::{Plan, SOURCES, Value},
     plan_builder::{PlanBuilder, Sum},
-    route::route,
+    route::Routes,
 };
 use crate::isa::Direction;
 
@@ -21,11 +21,19 @@ pub(super) const FEWEST_REGISTERS: usize = 3;
 
 /// Plans for one goal that differ in words and in registers.
 pub(super) fn walks(goal: &LinearForm, unit: i64) -> Vec<Plan> {
-    PlanBuilder::variants(|held, builder, negative| walk(goal, unit, held, builder, negative))
+    let routes = Routes::default();
+    PlanBuilder::variants(|held, builder, negative| {
+        walk((goal, unit, &routes), held, builder, negative)
+    })
 }
 
 /// A walk that adds `held` exponents at a time and begins with the given sign.
-fn walk(goal: &LinearForm, unit: i64, held: usize, builder: PlanBuilder, negative: bool) -> Plan {
+fn walk(
+    (goal, unit, routes): (&LinearForm, i64, &Routes),
+    held: usize,
+    builder: PlanBuilder,
+    negative: bool,
+) -> Plan {
     let Some((groups, last)) = groups(goal, held) else {
         return PlanBuilder::new(false, false).zero();
     };
@@ -39,7 +47,7 @@ fn walk(goal: &LinearForm, unit: i64, held: usize, builder: PlanBuilder, negativ
         walk.halve(held);
         walk.builder.hold(most_halved(&visits));
         let begun = !matches!(walk.place, At::Nowhere);
-        walk.visit(&route(&visits, begun.then_some(walk.cursor)));
+        walk.visit(&routes.ordered(&visits, begun.then_some(walk.cursor)));
     }
     let sum = walk.home();
     walk.builder.finished(sum, scaling(unit, last))

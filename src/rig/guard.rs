@@ -87,6 +87,8 @@ pub enum About {
     Names,
     /// No threshold gives the rate of events that was asked for.
     Rate,
+    /// Of what was designed, little is kept on the chip.
+    Kept,
 }
 
 impl About {
@@ -121,6 +123,7 @@ impl About {
             Self::Larger => "larger",
             Self::Names => "names",
             Self::Rate => "rate",
+            Self::Kept => "kept",
         }
     }
 }
@@ -148,7 +151,7 @@ impl fmt::Display for Warning {
         };
         write!(f, "{first}: {}", self.seen)?;
         if !others.is_empty() {
-            write!(f, " (alike: {})", others.join(", "))?;
+            write!(f, " (alike: {})", others.join("; "))?;
         }
         write!(f, ": {}; {}", self.why, self.change)
     }
@@ -276,6 +279,20 @@ impl Warning {
                 ),
                 "many cells change by the same amount (few levels of light), and fire together or not at all",
                 "take a rate that there is, give the threshold itself (--threshold), or show a scene of more levels",
+            )
+        })
+    }
+
+    /// What is kept on the chip of a design that was taken, where it is less than `half`.
+    #[must_use]
+    pub fn kept(subject: &str, kept: f64, half: f64) -> Option<Self> {
+        (kept < half).then(|| {
+            Self::new(
+                About::Kept,
+                subject,
+                format!("{kept:.2} is kept on the chip"),
+                "most of its events are not what the kernels say, and it is the best that was found or taken",
+                "give higher thresholds or a lower rate, other few values (--to), a longer search (--effort), or other kernels",
             )
         })
     }

@@ -89,6 +89,12 @@ fn reason(pairs: u64, silence: &Silence) -> Option<[String; 2]> {
 
 /// No light makes so much signal.
 fn unreachable(silence: &Silence, threshold: f64, most: f64) -> [String; 2] {
+    if most == 0.0 {
+        return [
+            "all weights of its kernels are 0".to_owned(),
+            "give kernels that see something: no threshold makes events of these".to_owned(),
+        ];
+    }
     let shown = |number: f64| (number * 1e4).round() / 1e4;
     let response = silence.response;
     let [dark, bright] = [0.0, 255.0].map(|light| response.apply(light).unwrap_or(0.0));

@@ -51,7 +51,7 @@ fn kernel((name, bytes): &Named) -> PyResult<Kernel> {
                 Wrong(faults) => raised(faults),
                 other => refused(
                     format!("{name}: {other}"),
-                    "give an array of shape (k,k) or (K,k,k), k odd, of floats or integers",
+                    "give an array of shape (k,k), (K,k,k) or (K,1,k,k), k odd, of floats or integers",
                 ),
             }
         })?,
@@ -66,6 +66,12 @@ fn kernel((name, bytes): &Named) -> PyResult<Kernel> {
             )
         })?,
     };
+    if kernel.is_zero() {
+        return Err(refused(
+            format!("{name}: all weights are 0"),
+            "give a kernel that sees something: no threshold makes events of this one",
+        ));
+    }
     kernel.workable().map_err(|error| {
         refused(
             format!("{name}: {error}"),

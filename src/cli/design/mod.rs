@@ -3,7 +3,10 @@
 mod report;
 mod table;
 
-use std::path::{Path, PathBuf};
+use std::{
+    cell::RefCell,
+    path::{Path, PathBuf},
+};
 
 use miette::{WrapErr, miette};
 use serde_json::json;
@@ -34,7 +37,7 @@ use crate::{
     study::{
         equivalent::RUNGS,
         exploration::{Aim, Candidate, Exploration, Question, RatedThresholds, explore},
-        feasibility,
+        feasibility::{self, chips::HALF},
         together::memories,
     },
 };
@@ -233,7 +236,16 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     drop(scene);
     let open = || arguments.clip.open(&observation);
     let progress = Progress::spinner("thresholds");
-    let searching = |at: usize, of: usize| progress.says(format!("program {at} of {of}"));
+    let told = RefCell::new(None);
+    let searching = |at: usize, of: usize| {
+        // The search for thresholds has seen the scene: what it warns of is said before the work.
+        told.borrow_mut().get_or_insert_with(|| {
+            let warnings = Warning::of_scene(&observation, Response::IDENTITY);
+            progress.aside(|| light::warn(&warnings));
+            warnings
+        });
+        progress.says(format!("program {at} of {of}"));
+    };
     let mut frames = 0;
     let found = explore(&question, &open, &searching, |_| {
         frames += 1;
@@ -253,8 +265,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     warnings.extend(missed(arguments.rate, &found));
     warnings.extend(by_accident(&found));
     warnings.extend(silent(candidate, found.frames));
+    let kept =
+        { candidate.kept }.and_then(|kept| Warning::kept(&candidate.to.to_string(), kept, HALF));
+    warnings.extend(kept);
     warnings.extend(erased(&question, candidate)?);
-    light::warn(&warnings);
+    let told = told.into_inner().unwrap_or_default();
+    let more = { warnings.iter() }.filter(|it| !told.contains(it)).cloned();
+    light::warn(&more.collect::<Vec<_>>());
     let commands = written
         .as_ref()
         .map(|written| arguments.commands(written, found.frames));

@@ -2,7 +2,7 @@
 
 use super::{
     super::Kernel,
-    entry::{Quantiser, Sum},
+    entry::{Chosen, Quantiser, Sum},
     error::QuantiseError,
 };
 use crate::{elementary, plane::Plane};
@@ -39,7 +39,21 @@ impl Quantiser {
         } else {
             sum
         };
-        let (levels, scale) = (self.entry.quantise)(self, &weights, sum, seed)?;
+        let mut found = (self.entry.quantise)(self, &weights, sum, seed)?;
+        if sum == Sum::Kept && found.0.iter().sum::<f64>() == 0.0 {
+            // Levels without a sum need not stay at the scale at which theirs was asked for.
+            let other = (self.entry.quantise)(self, &weights, Sum::Zero, seed).ok();
+            let error = |(levels, scale): &Chosen| -> f64 {
+                let each = weights.iter().zip(levels);
+                each.map(|(weight, level)| (weight - scale * level).powi(2))
+                    .sum()
+            };
+            let still = |it: &Chosen| kernel.sum().abs() <= it.1 / 2.0 && error(it) < error(&found);
+            if let Some(nearer) = other.filter(still) {
+                found = nearer;
+            }
+        }
+        let (levels, scale) = found;
         if levels.iter().all(|level| *level == 0.0) {
             return Err(QuantiseError::Vanished {
                 quantiser: self,

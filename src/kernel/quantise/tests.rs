@@ -282,6 +282,38 @@ fn what_cannot_be_is_refused() {
     );
 }
 
+/// A kernel without a sum has the same levels in f32, whose sum is rounding, and with a sum that is
+/// small beside a level.
+#[test]
+fn a_sum_that_no_level_can_have_costs_nothing() {
+    let gauss = |y: i32, x: i32, sigma: f64| {
+        let square = f64::from(y * y + x * x);
+        (-square / (2.0 * sigma * sigma)).exp() / (sigma * sigma)
+    };
+    let places = || (-3..=3).flat_map(|y| (-3..=3).map(move |x| (y, x)));
+    let mut weights: Vec<f64> = places()
+        .map(|(y, x)| gauss(y, x, 1.0) - gauss(y, x, 2.0))
+        .collect();
+    let mean = weights.iter().sum::<f64>() / 49.0;
+    weights
+        .iter_mut()
+        .for_each(|weight| *weight = 0.37 * (*weight - mean));
+    let levels = |quantiser: &str, weights: &[f64]| {
+        let kernel = Kernel::from_rows(&weights.chunks(7).map(Vec::from).collect::<Vec<_>>());
+        let quantiser: Quantiser = quantiser.parse().unwrap();
+        let found = quantiser.quantise(&kernel.unwrap(), Sum::Kept, 0);
+        found.unwrap().levels
+    };
+    let narrow: Vec<f64> = weights.iter().map(|w| f64::from(*w as f32)).collect();
+    assert_ne!(narrow.iter().sum::<f64>(), 0.0);
+    let uneven: Vec<f64> = weights.iter().map(|weight| weight + 1e-5).collect();
+    for quantiser in ["ternary", "int-3", "int-5", "po2-3"] {
+        let whole = levels(quantiser, &weights);
+        assert_eq!(levels(quantiser, &narrow), whole, "{quantiser}");
+        assert_eq!(levels(quantiser, &uneven), whole, "{quantiser}");
+    }
+}
+
 /// Where no levels have the kernel's sum, the nearest that they can have is kept.
 #[test]
 fn a_sum_is_kept_as_near_as_the_levels_allow() {

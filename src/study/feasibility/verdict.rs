@@ -556,7 +556,7 @@ fn against_dvs(chip: &Stream, dvs: &Stream) -> Finding {
         word,
         says,
         rule: format!(
-            "events of the chip for each of the DVS's; fewer: below {few}; more: above {many}; else about as many."
+            "events of the chip for each of the DVS's; fewer: below {few}; more: above {many}; else about as many. The DVS has the threshold in light: kernels of larger weights send more."
         ),
     }
 }
