@@ -620,6 +620,39 @@ fn arrays_of_kernels_have_one_shape_and_one_limit() {
     refused(at, &["sweep", "study.toml"], &[limit]);
 }
 
+/// Of what is taken although little of it is kept, and of light on another scale, is warned, once.
+#[test]
+fn what_keeps_little_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let quick = ["--to", "ternary", "--effort", "0.01"];
+    let disc = "pattern:disc?width=48&height=40&frames=8&fps=20";
+    let asked = ["design", "csdvs-3", "--threshold", "5", "--scene", disc];
+    let said = json(at, &[&asked[..], &quick].concat());
+    let taken = &said["candidates"][said["picked"].as_u64().unwrap() as usize];
+    assert!(taken["kept"].as_f64().unwrap() < 0.5, "{taken}");
+    let all = said["warnings"].as_array().unwrap();
+    assert!(all.iter().any(|it| it["about"] == "kept"), "{said}");
+    let light = Array3::from_shape_fn((8, 24, 24), |(t, y, x)| {
+        (((3 * x + 5 * y + 7 * t) % 17) as f32) / 16.0
+    });
+    let file = fs::File::create(at.join("one.npy")).unwrap();
+    light.write_npy(file).unwrap();
+    for verb in ["design", "feasibility"] {
+        let asked = [
+            verb, "csdvs-3", "--rate", "2", "--scene", "one.npy", "--fps", "20",
+        ];
+        let more: &[&str] = match verb {
+            "design" => &[],
+            _ => &["--chips", "1", "--candidates", "ternary"],
+        };
+        let said = amacrine(at, &[&asked[..], &quick, more].concat()).output();
+        let said = line(&said.unwrap().stderr);
+        let told = said.matches("all light lies between 0 and 1").count();
+        assert_eq!(told, 1, "{said}");
+    }
+}
+
 /// Within a window that covers the clip accident scores as much as any program.
 #[test]
 fn a_window_that_covers_the_clip_is_warned_of() {

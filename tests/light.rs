@@ -1057,6 +1057,12 @@ fn the_guard_of_silence_knows_what_light_reaches() {
         !beyond.contains("no light reaches"),
         "OFF is within: {beyond}"
     );
+    let blind = Warning::no_events_of("s", 9, &silence(Response::IDENTITY, Some([9.0, 0.0])));
+    let blind = blind.to_string();
+    assert!(
+        blind.contains("all weights of its kernels are 0"),
+        "{blind}"
+    );
     for response in ["{ linear = 255 }", "\"identity\""] {
         let one = said(response, &["0.9", "1.5"]);
         assert!(

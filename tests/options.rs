@@ -30,8 +30,8 @@ fn how_a_clip_is_cut_is_said() {
         folder.path(),
         &with(&["--slice", "..3", "--resize", "12x12"]),
     );
-    let convert = ["convert", "e.csv", "f.csv", "--frames", "3"];
-    let said = refused(folder.path(), &convert, &[]);
+    let asm = ["asm", "p.scamp", "--frames", "3"];
+    let said = refused(folder.path(), &asm, &[]);
     assert!(!said.contains("--slice"), "{said}");
 }
 

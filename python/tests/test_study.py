@@ -259,6 +259,9 @@ def test_design(program: Callable[..., str], tmp_path: Path) -> None:
     assert taken["program"].replace("design", "made") == written
     with pytest.raises(amacrine.Error, match="a rate of events, or thresholds"):
         amacrine.design("csdvs-3")
+    for study in (amacrine.design, amacrine.feasibility):
+        with pytest.raises(amacrine.Error, match="all weights are 0"):
+            study(np.zeros((3, 3)), rate=2, scene=SCENE)
 
 
 def test_waterfall(program: Callable[..., str], tmp_path: Path) -> None:

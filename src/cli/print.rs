@@ -149,6 +149,8 @@ fn suggest_option(error: &mut clap::Error, command: &clap::Command) {
     let cut = { CUTS.iter() }.find(|(names, ours, _)| names.contains(&given) && has(ours));
     if let Some((.., tip)) = cut.filter(|_| error.kind() == ErrorKind::UnknownArgument) {
         error.remove(ContextKind::SuggestedArg);
+        // It names the option that was suggested.
+        error.remove(ContextKind::Usage);
         let tip = ContextValue::StyledStrs(vec![(*tip).into()]);
         error.insert(ContextKind::Suggested, tip);
     }
