@@ -7,7 +7,8 @@
 //! [`ENTRIES`] is the list of quantisers; `docs/guides/from-kernel-to-chip.md` shows it.
 //!
 //! With [`Sum::Zero`] or [`Sum::Kept`] the levels are the nearest, at their scale, among those
-//! whose sum is what was asked; for `ternary` and a sum of 0 the scale is the best as well, and
+//! whose sum is what was asked; where a kept sum is nearest to 0, they are those of a sum of 0.
+//! For `ternary` and a sum of 0 the scale is the best as well, and
 //! for `csd-D` the levels are only near: one weight after the other is moved where it hurts
 //! least.
 
