@@ -112,10 +112,7 @@ impl Bench {
             let own = model.backward(&again, &ask, rule).expect("as before");
             std::hint::black_box(own.channels.len());
         });
-        let held = seen.bytes()
-            + model.working_bytes()
-            + size_of_val(&light[..])
-            + size_of_val(&voxels[..]);
+        let held = seen.bytes() + size_of_val(&light[..]) + size_of_val(&voxels[..]);
         let rate = PAIRS / both.median;
         let goal = GOAL / kinds as f64;
         println!(

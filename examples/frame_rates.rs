@@ -23,7 +23,6 @@ use amacrine::{
     reference::MemoryRule,
     rig,
     scene::{Scene, bundled, resample::Resampled},
-    sensor::Sensor,
     study::{
         design::Design,
         equivalent::{self, Ladder, Likeness, RUNGS},
@@ -101,11 +100,7 @@ fn judged(
     for design in designs {
         sensors.push(design.reference(size, MEMORY, Format::F64)?);
     }
-    let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-    for sensor in &mut sensors {
-        watching.push(sensor);
-    }
-    let mut packets = rig::watch(scene, &mut watching, |_| ())?;
+    let mut packets = rig::watch(scene, &mut rig::each(&mut sensors), |_| ())?;
     let judged = packets.split_off(1 + RUNGS.len());
     let rungs = packets.split_off(1);
     let truth = packets.pop().ok_or_else(|| miette!("no packet"))?;

@@ -65,6 +65,15 @@ pub fn play<E: From<SceneError>>(
     Ok(frames)
 }
 
+/// Several sensors of one type as [`watch`] takes them.
+pub fn each<S: Sensor + Send>(sensors: &mut [S]) -> Vec<&mut (dyn Sensor + Send)> {
+    let mut all: Vec<&mut (dyn Sensor + Send)> = Vec::with_capacity(sensors.len());
+    for sensor in sensors {
+        all.push(sensor);
+    }
+    all
+}
+
 /// Shows every frame of a scene to every sensor, all sensors at the same time; one packet for
 /// each sensor.
 ///

@@ -11,24 +11,18 @@ use amacrine::{
         Packet, Polarity,
         readout::scan::{Address, Order},
     },
-    isa::{Analog, Bit, Device, Digital, Direction, Errors, Primitive, Source, Target},
+    isa::{Analog, Bit, Digital, Direction, Errors, Primitive, Source, Target},
     number::{Overflow, Q},
     plane::{At, Plane, Size},
     program::{Action, Code, Cost, Host, Step},
     unit::Micros,
 };
 use proptest::prelude::*;
-use words::word;
+use words::{device, value, word};
 
 mod words;
 
 // ---------------------------------------------------------------- random programs
-
-/// Read once; its files are the same for all.
-fn device() -> &'static Device {
-    static DEVICE: std::sync::LazyLock<Device> = std::sync::LazyLock::new(Device::scamp5);
-    &DEVICE
-}
 
 fn defaults() -> Settings {
     Settings::from_device(device())
@@ -57,13 +51,6 @@ fn settings() -> impl Strategy<Value = Settings> {
         square_gain: 1.0 / 128.0,
         ..defaults()
     })
-}
-
-/// Values that are spread, exact in most formats, and now and then beyond a limit.
-fn value(seed: u64, i: u64) -> f64 {
-    let hash = (seed ^ i.wrapping_mul(0x9E37_79B9_7F4A_7C15)).wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    let hash = (hash ^ hash >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    ((hash >> 40) % 4000) as f64 / 16.0 - 125.0
 }
 
 fn words(code: &[Primitive]) -> Vec<Step> {

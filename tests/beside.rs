@@ -96,6 +96,25 @@ fn posts(inside: &str, frames: u32, answers: &[i64]) -> Vec<String> {
     told(&text, frames, answers).1
 }
 
+/// Holds what a file posts in each of two frames to this; what `exec --host` says of it.
+#[track_caller]
+fn posts_each_frame(text: &str, want: [&str; 3]) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("p.cpp"), text).unwrap();
+    let scene = "pattern:disc?width=8&height=8&frames=1";
+    let said = json(
+        folder.path(),
+        &["exec", "p.cpp", "--host", "--image", scene],
+    );
+    let posts = said["posts"].as_array().unwrap().iter();
+    let posts: Vec<_> = posts.map(|it| it["text"].as_str().unwrap()).collect();
+    assert_eq!(posts.len(), 6, "two frames");
+    for frame in posts.chunks(3) {
+        assert_eq!(frame, want);
+    }
+    said
+}
+
 #[test]
 fn what_is_read_decides_what_comes_next() {
     let text = "int main() { while (1) { vs_frame_loop_control(); get_image(A, F);\n\
@@ -763,7 +782,6 @@ fn samples_are_read_column_by_column() {
 /// Row by row, each pair row first; of more events than slots the first rows.
 #[test]
 fn events_are_read_row_by_row_too() {
-    let folder = tempfile::tempdir().unwrap();
     let text = "int main() { uint8_t e[20]; while (1) { vs_frame_loop_control();\n\
                 scamp5_load_rect(R5, 1, 2, 2, 4);\n\
                 scamp5_scan_events_rc(R5, e, 4);\n\
@@ -772,21 +790,7 @@ fn events_are_read_row_by_row_too() {
                 vs_post_text(\"%d %d %d %d %d\", e[0], e[1], e[10], e[11], e[12]);\n\
                 scamp5_scan_events_cr(R5, e, 9);\n\
                 vs_post_text(\"%d %d %d %d\", e[0], e[1], e[2], e[3]); } }";
-    fs::write(folder.path().join("p.cpp"), text).unwrap();
-    let scene = "pattern:disc?width=8&height=8&frames=1";
-    let said = json(
-        folder.path(),
-        &["exec", "p.cpp", "--host", "--image", scene],
-    );
-    let posts = said["posts"].as_array().unwrap();
-    let posts: Vec<_> = posts
-        .iter()
-        .map(|it| it["text"].as_str().unwrap())
-        .collect();
-    assert_eq!(posts.len(), 6, "two frames");
-    for frame in posts.chunks(3) {
-        assert_eq!(frame, ["1 2 1 3 1 4 2 2", "2 2 1 4 0", "2 1 2 2"]);
-    }
+    let said = posts_each_frame(text, ["1 2 1 3 1 4 2 2", "2 2 1 4 0", "2 1 2 2"]);
     assert!(!said["warnings"].to_string().contains("row by row"));
 }
 
@@ -802,7 +806,6 @@ fn a_point_off_the_array_is_not_drawn() {
 /// Moves change the four registers of directions, and no other one.
 #[test]
 fn bits_move_in_place() {
-    let folder = tempfile::tempdir().unwrap();
     let text = "int main() { while (1) { vs_frame_loop_control();\n\
                 scamp5_load_rect(RF, 0, 0, 1, 1); scamp5_load_rect(R5, 1, 1, 2, 2); scamp5_load_rect(R6, 1, 1, 2, 2);\n\
                 scamp5_shift(R5, -3, 2); scamp5_shift(R6, 2, -1, 1);\n\
@@ -811,21 +814,7 @@ fn bits_move_in_place() {
                 uint8_t e[128]; scamp5_scan_events_rc(R6, e, 60); int n = 0;\n\
                 for (int i = 0; i < 120; i += 2) if (e[i] || e[i + 1]) n++;\n\
                 vs_post_text(\"%d %d\", n, scamp5_global_or(R6, 7, 7, 0, 0)); } }";
-    fs::write(folder.path().join("p.cpp"), text).unwrap();
-    let scene = "pattern:disc?width=8&height=8&frames=1";
-    let said = json(
-        folder.path(),
-        &["exec", "p.cpp", "--host", "--image", scene],
-    );
-    let posts = said["posts"].as_array().unwrap();
-    let posts: Vec<_> = posts
-        .iter()
-        .map(|it| it["text"].as_str().unwrap())
-        .collect();
-    assert_eq!(posts.len(), 6, "two frames");
-    for frame in posts.chunks(3) {
-        assert_eq!(frame, ["0 0 1 1", "0 4 0 5", "23 1"]);
-    }
+    posts_each_frame(text, ["0 0 1 1", "0 4 0 5", "23 1"]);
 }
 
 /// What can be laid out runs alike with its host beside the array, on noisy silicon too.

@@ -42,11 +42,7 @@ fn watched(design: &Design<'_>, parts: &[f64]) -> Vec<Packet> {
             design.reference(scene.size(), MEMORY, Format::F64).unwrap()
         })
         .collect();
-    let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-    for sensor in &mut sensors {
-        watching.push(sensor);
-    }
-    rig::watch(&mut *scene, &mut watching, |_: &Frame| ()).unwrap()
+    rig::watch(&mut *scene, &mut rig::each(&mut sensors), |_: &Frame| ()).unwrap()
 }
 
 fn with_ladder(see: impl FnOnce(&Design<'_>, &Ladder)) {

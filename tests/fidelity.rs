@@ -7,6 +7,7 @@ mod common;
 use std::fmt::Write;
 
 use amacrine::{
+    compare::Pair,
     event::{Event, Packet, readout::settings},
     mosaic::Mosaic,
     number::Format,
@@ -292,6 +293,18 @@ fn a_case_of_tiles() {
     tiles_are_the_sensor(seed, 1, false).unwrap();
 }
 
+/// What a model says on tiles.
+fn watched_on(family: &Floats<'_>, choice: &Choice, mosaic: &Mosaic, kept: &Kept) -> Packet {
+    let mut tiles = family.on_tiles(choice, mosaic).unwrap();
+    let mut packet = Packet::new(tiles.size(), tiles.channels());
+    let mut scene = kept.scene();
+    while let Some(frame) = scene.next_frame().unwrap() {
+        let light = mosaic.shown(&frame.light, family.outside()).into();
+        tiles.watch(&Frame { light, ..frame }, &mut packet).unwrap();
+    }
+    packet
+}
+
 fn tiles_are_the_sensor(seed: u64, across: usize, fine: bool) -> Result<(), TestCaseError> {
     let chance = &mut Chance::new(seed);
     let (height, width) = (5 + chance.below(26), 5 + chance.below(34));
@@ -312,21 +325,7 @@ fn tiles_are_the_sensor(seed: u64, across: usize, fine: bool) -> Result<(), Test
     let halo = family.halo().unwrap();
     let mosaic = all_tiles(&kept, 2 * (1 + chance.below(4)), halo, across);
     if let Some(full) = whole(&question, &choice, &kept) {
-        let mut tiles = family.on_tiles(&choice, &mosaic).unwrap();
-        let mut packet = Packet::new(tiles.size(), tiles.channels());
-        let mut scene = kept.scene();
-        while let Some(frame) = scene.next_frame().unwrap() {
-            let light = mosaic.shown(&frame.light, family.outside());
-            tiles
-                .watch(
-                    &Frame {
-                        light: light.into(),
-                        ..frame
-                    },
-                    &mut packet,
-                )
-                .unwrap();
-        }
+        let packet = watched_on(&family, &choice, &mosaic, &kept);
         let (some, all) = (at_home(&mosaic, &packet), sorted(&full));
         let first = some.iter().zip(&all).find(|(a, b)| a != b);
         prop_assert!(
@@ -367,21 +366,7 @@ fn a_smaller_halo_shows() {
     assert_eq!(family.halo(), Ok(2));
     let same = |halo| {
         let mosaic = all_tiles(&kept, 4, halo, 3);
-        let mut tiles = family.on_tiles(&base, &mosaic).unwrap();
-        let mut packet = Packet::new(tiles.size(), tiles.channels());
-        let mut scene = kept.scene();
-        while let Some(frame) = scene.next_frame().unwrap() {
-            let light = mosaic.shown(&frame.light, family.outside());
-            tiles
-                .watch(
-                    &Frame {
-                        light: light.into(),
-                        ..frame
-                    },
-                    &mut packet,
-                )
-                .unwrap();
-        }
+        let packet = watched_on(&family, &base, &mosaic, &kept);
         at_home(&mosaic, &packet) == sorted(&full)
     };
     assert!(!full.events.is_empty() && same(2) && !same(0));
@@ -425,7 +410,8 @@ fn sampled(
     }
     let across = grid.size.width.div_ceil(side);
     let mosaic = all_tiles(kept, side, 0, across);
-    let tiles = change::of_tiles(&mosaic, &probabilities, (full, plain), Micros(100)).unwrap();
+    let pair = Pair::new(full, plain).unwrap();
+    let tiles = change::of_pair(&mosaic, &probabilities, &pair, Micros(100));
     let tiles: Vec<_> = tiles
         .into_iter()
         .filter(|tile| !tile.probability.is_nan())

@@ -11,6 +11,7 @@ use std::{
 
 use amacrine::{
     array::{Arithmetic, Schedule, Settings},
+    compare::Pair,
     compile::Effort,
     event::{Event, Packet},
     isa::Device,
@@ -258,7 +259,8 @@ fn limits_hold_on_the_array() {
         }
         let across = grid.size.width.div_ceil(grid.side);
         let mosaic = all_tiles(&kept, grid.side, 0, across);
-        let tiles = change::of_tiles(&mosaic, &probabilities, (&a, &b), Micros(100)).unwrap();
+        let pair = Pair::new(&a, &b).unwrap();
+        let tiles = change::of_pair(&mosaic, &probabilities, &pair, Micros(100));
         let tiles: Vec<_> = tiles
             .into_iter()
             .filter(|tile| !tile.probability.is_nan())

@@ -17,7 +17,6 @@ use amacrine::{
     reference::MemoryRule,
     rig,
     scene::{Frame, Outline, Scene, SceneError, bundled, part::First, resample::Resampled},
-    sensor::Sensor,
     study::design::Design,
     unit::Micros,
 };
@@ -68,11 +67,7 @@ fn judged(times: u32) -> [(f64, f64); 2] {
     let memory = MemoryRule::FilteredSnap;
     let mut sensors = [float, float.in_levels(&levels), higher]
         .map(|design| design.reference(scene.size(), memory, Format::F64).unwrap());
-    let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-    for sensor in &mut sensors {
-        watching.push(sensor);
-    }
-    let packets = rig::watch(&mut scene, &mut watching, |_| ()).unwrap();
+    let packets = rig::watch(&mut scene, &mut rig::each(&mut sensors), |_| ()).unwrap();
     assert!(packets[0].events.len() > 10_000);
     [1, 2].map(|other| {
         let pair = Pair::new(&packets[0], &packets[other]).unwrap();

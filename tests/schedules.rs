@@ -5,21 +5,15 @@
 use amacrine::{
     array::{Arithmetic, Array, Ledger, Reading, Schedule, Settings},
     event::{Event, Packet, Polarity, readout::scan::Order},
-    isa::{Analog, Bit, Device, Digital, Direction, Primitive, Source, Target},
+    isa::{Analog, Bit, Digital, Direction, Primitive, Source, Target},
     plane::{Plane, Size},
     program::{Action, Area, Code, Host, Pattern, Step, SumOver},
     unit::Micros,
 };
 use proptest::prelude::*;
-use words::{digital, word};
+use words::{device, digital, value, word};
 
 mod words;
-
-/// Read once; its files are the same for all.
-fn device() -> &'static Device {
-    static DEVICE: std::sync::LazyLock<Device> = std::sync::LazyLock::new(Device::scamp5);
-    &DEVICE
-}
 
 /// Words, now and then something for the host or a loop; or only what
 /// leaves the array as it is.
@@ -137,13 +131,6 @@ fn sizes() -> impl Strategy<Value = Size> {
         2 => (20usize..=70, prop::sample::select(vec![64usize, 128])),
     ]
     .prop_map(|(height, width)| Size::new(height, width))
-}
-
-/// Values that are spread, exact in most formats, and now and then beyond a limit.
-fn value(seed: u64, i: u64) -> f64 {
-    let hash = (seed ^ i.wrapping_mul(0x9E37_79B9_7F4A_7C15)).wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    let hash = (hash ^ hash >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    ((hash >> 40) % 4000) as f64 / 16.0 - 125.0
 }
 
 /// What light falls in each frame: some frames are like the one before, in some only a spot

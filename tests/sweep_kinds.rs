@@ -18,8 +18,8 @@ use amacrine::{
     study::{
         design::Design,
         equivalent::{Ladder, Likeness},
-        joint::{Joint, Kind, Outcome},
-        together::{Shown, Together, judge},
+        joint::{Joint, JointKind, JointOutcome},
+        together::{SceneRun, Together, description, judge},
     },
     unit::Micros,
 };
@@ -131,8 +131,8 @@ fn row<'a>(rows: &'a [Value], words: &[(&str, &str)]) -> &'a Value {
 
 /// What the library says of kernels in one program, as `quantise` asks it.
 struct Told {
-    kinds: Vec<Kind>,
-    shown: Shown,
+    kinds: Vec<JointKind>,
+    shown: SceneRun,
     all: Likeness,
 }
 
@@ -161,7 +161,7 @@ impl Told {
             &mut Guard::new(),
             || (),
         );
-        let Outcome::OnChip(chip) = joint.unwrap().outcome else {
+        let JointOutcome::OnChip(chip) = joint.unwrap().outcome else {
             panic!("no program");
         };
         let levels = floats.iter().map(|float| float.quantise(to, Sum::Kept));
@@ -171,7 +171,7 @@ impl Told {
             .collect();
         let together = Together::compile(&levels, "together", Some(memory));
         let together = together.unwrap().unwrap();
-        let float = together.description(&floats).unwrap();
+        let float = description(together.memory, &floats).unwrap();
         let programs = [&together.compiled];
         let shown = judge(&programs, &float, (WITHIN, 0), &mut *scene(), |_| ()).unwrap();
         let fps = scene().fps();
@@ -204,12 +204,12 @@ impl Told {
             let own = reference.iter().filter(|e| usize::from(e.channel) == kind);
             own.count() as f64
         };
-        let ratio = |(kind, it): (usize, &Kind)| own(kind) * it.exact.event_ratio.unwrap();
+        let ratio = |(kind, it): (usize, &JointKind)| own(kind) * it.exact.event_ratio.unwrap();
         let sum: f64 = self.kinds.iter().enumerate().map(ratio).sum();
         assert_eq!(events(exact), sum.round() as usize, "{memory}");
         // `quantise` reads every event.
         for (domain, of_kind) in [
-            ("exact", (|kind| kind.exact) as fn(&Kind) -> Likeness),
+            ("exact", (|kind| kind.exact) as fn(&JointKind) -> Likeness),
             ("silicon", |kind| kind.silicon),
         ] {
             let kept: Vec<_> = { self.kinds.iter() }

@@ -398,7 +398,7 @@ fn kinds_of_one_program_fall_together() {
         within: WITHIN,
         ..question(designs[0])
     };
-    let falls = Fall::together(&designs, asked, None).unwrap();
+    let falls = Fall::all(&designs, asked, None).unwrap();
     assert_eq!(falls[0].remembered(), Some(DriveMemory::Shared));
     let all = steps_together(&falls, &mut *scene(), |_| ()).unwrap();
     let quantised = designs.map(|own| own.quantise(asked.to, asked.sum).unwrap());

@@ -9,7 +9,7 @@ use crate::{
     number::Format,
     reference::{Channel, Description, Threshold},
     rig::guard::Warning,
-    scene::{Scene, SceneError},
+    scene::Reopen,
     study::rate::{self, ThresholdFactor},
 };
 
@@ -75,7 +75,7 @@ impl Changes {
         &self,
         sensor: Description,
         (seed, format): (u64, Format),
-        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+        open: &Reopen<'_>,
     ) -> miette::Result<(Description, Option<Found>)> {
         let Some(asked) = self.rate else {
             return Ok((sensor, None));

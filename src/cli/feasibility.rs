@@ -33,10 +33,10 @@ use super::{
     files::{Named, Output},
     kernel_names::KernelNames,
     kernels::Kinds,
-    light::{self, Shown},
+    light::{self, WithLight},
     progress::Progress,
     quantiser::Total,
-    quoted::quoted,
+    quoted::CommandLine,
     readout::Choice,
     readout_table, waterfall,
     window::Window,
@@ -238,7 +238,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         return Ok(());
     }
     if arguments.json {
-        let json = serde_json::to_string(&Shown::new(&reply, &observation)).into_diagnostic()?;
+        let json =
+            serde_json::to_string(&WithLight::new(&reply, &observation)).into_diagnostic()?;
         super::say(&format!("{json}\n"));
         return Ok(());
     }
@@ -309,43 +310,41 @@ impl Arguments {
 
     /// The command that gives the same page again, every default written out.
     fn command(&self) -> String {
-        let mut text = format!("amacrine feasibility {}", quoted(&self.kernels.to_string()));
+        let mut line = CommandLine::new("feasibility");
+        line.word(&self.kernels.to_string());
         if let Some(rate) = self.rate {
-            let _ = write!(text, " --rate {rate}");
+            line.option("rate", &rate.to_string());
         }
         if !self.threshold.is_empty() {
-            let _ = write!(text, " --threshold {}", list(&self.threshold));
+            line.option("threshold", &list(&self.threshold));
         }
-        let mut add = |name: &str, value: &str| {
-            let _ = write!(text, " --{name} {}", quoted(value));
-        };
         for (name, value) in self.clip.written() {
-            add(name, &value);
+            line.option(name, &value);
         }
         if let Some(to) = self.to {
-            add("to", &to.to_string());
+            line.option("to", &to.to_string());
         }
         let candidates: Vec<String> = self.candidates.iter().map(Quantiser::to_string).collect();
-        add("candidates", &candidates.join(","));
-        add("sum", self.sum.name());
+        line.option("candidates", &candidates.join(","));
+        line.option("sum", self.sum.name());
         if let Some(memory) = self.memory {
-            add("memory", &memory.to_string());
+            line.option("memory", &memory.to_string());
         }
-        add("chip", &self.chip);
+        line.option("chip", &self.chip);
         if let Some(exposure) = self.exposure {
-            add("exposure", &format!("{}us", exposure.0));
+            line.option("exposure", &format!("{}us", exposure.0));
         }
         let Energy(least, most) = self.link_energy;
-        add("link-energy", &format!("{least}..{most}"));
+        line.option("link-energy", &format!("{least}..{most}"));
         let order = ReadoutOrder::from(self.readout);
-        add("readout", order.name());
-        add("chips", &self.chips.to_string());
+        line.option("readout", order.name());
+        line.option("chips", &self.chips.to_string());
         if let Some(within) = self.window.within {
-            add("within", &format!("{}us", within.0));
+            line.option("within", &format!("{}us", within.0));
         }
-        add("effort", &self.effort.to_string());
-        add("seed", &self.seed.to_string());
-        text + " -o report.html"
+        line.option("effort", &self.effort.to_string());
+        line.option("seed", &self.seed.to_string());
+        format!("{line} -o report.html")
     }
 }
 

@@ -174,14 +174,14 @@ pub fn room() -> usize {
 }
 
 /// A scene that is kept, or still to be read.
-pub enum Source {
+pub enum KeptOrUnread {
     /// It was read, and is in memory.
     Kept(Kept),
     /// It has not been read.
     Unread(Box<dyn Scene>),
 }
 
-impl Source {
+impl KeptOrUnread {
     /// Reads a scene where a pilot wants to look at it and there is room; `open` opens it.
     ///
     /// # Errors

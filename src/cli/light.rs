@@ -205,13 +205,13 @@ pub fn warn_of(kernel: Option<&String>, warnings: &[Warning]) {
 
 /// An answer for machines, and what is said of its light.
 #[derive(Serialize)]
-pub struct Shown<'a, T> {
+pub struct WithLight<'a, T> {
     #[serde(flatten)]
     answer: &'a T,
     light: Value,
 }
 
-impl<'a, T: Serialize> Shown<'a, T> {
+impl<'a, T: Serialize> WithLight<'a, T> {
     /// The answer with it.
     pub fn new(answer: &'a T, observation: &Observation) -> Self {
         Self {

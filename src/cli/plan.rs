@@ -20,7 +20,7 @@ use crate::{
 
 use super::{
     budget,
-    fidelity::{Source, chosen, line, make, percent},
+    fidelity::{KeptOrUnread, chosen, line, make, percent},
     files::{Input, Named},
     light::{self, Samples},
     progress::Progress,
@@ -146,8 +146,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let observation = Observation::new();
     let samples = &arguments.samples;
     let open = || samples.open(Some(&arguments.scene), arguments.fps, &observation);
-    let source = Source::new(true, open)?;
-    let Source::Kept(kept) = source else {
+    let source = KeptOrUnread::new(true, open)?;
+    let KeptOrUnread::Kept(kept) = source else {
         return Err(miette!(
             help = "take a shorter or smaller scene; amacrine run --fidelity auto takes it, by rules that need no measurement",
             "{} is too long to be kept in memory, and a pilot looks at all of it",

@@ -1,8 +1,9 @@
-//! Quantisers, what a kernel's sum must be, and number formats, on the command line.
+//! Quantisers, what a kernel's sum must be, number formats and arithmetics, on the command line.
 
 use miette::Diagnostic;
 
 use crate::{
+    array::{Arithmetic, ArithmeticError},
     kernel::quantise::{Quantiser, QuantiserNameError, Sum},
     number::{Format, FormatError},
 };
@@ -50,6 +51,12 @@ pub(super) fn quantiser(name: &str) -> Result<Quantiser, String> {
 /// A number format, for the command line.
 pub(super) fn number_format(name: &str) -> Result<Format, String> {
     name.parse().map_err(|error: FormatError| with_help(&error))
+}
+
+/// An arithmetic, for the command line.
+pub(super) fn arithmetic(name: &str) -> Result<Arithmetic, String> {
+    name.parse()
+        .map_err(|error: ArithmeticError| with_help(&error))
 }
 
 /// What was wrong, and what to do.

@@ -1,5 +1,7 @@
 //! Words of a shell's command line.
 
+use std::fmt;
+
 /// A word as a shell takes it.
 pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=@%+".contains(c);
@@ -7,5 +9,35 @@ pub fn quoted(word: &str) -> String {
         word.to_owned()
     } else {
         format!("'{}'", word.replace('\'', "'\\''"))
+    }
+}
+
+/// A command that is printed, to be given to a shell.
+#[derive(Clone, Debug)]
+pub struct CommandLine(String);
+
+impl CommandLine {
+    /// The program and its verb.
+    pub fn new(verb: &str) -> Self {
+        Self(format!("amacrine {verb}"))
+    }
+
+    /// What comes next.
+    pub fn word(&mut self, word: &str) {
+        self.0 += " ";
+        self.0 += &quoted(word);
+    }
+
+    /// An option with its value.
+    pub fn option(&mut self, name: &str, value: &str) {
+        self.0 += " --";
+        self.0 += name;
+        self.word(value);
+    }
+}
+
+impl fmt::Display for CommandLine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
     }
 }

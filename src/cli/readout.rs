@@ -8,7 +8,7 @@ use super::files::Named;
 use crate::{
     event::{
         Packet,
-        readout::{Latency, ReadOut, Stage, Statistics, scan::SLOTS, settings::Description},
+        readout::{Latency, ReadOut, Stage, Statistics, settings::Description},
     },
     source,
     unit::{Picos, counted},
@@ -64,12 +64,10 @@ impl Choice {
 
     /// As [`Choice::open`]; else the scan that a compiled program asks for.
     pub fn open_compiled(&self) -> miette::Result<Description> {
-        if let Some(description) = self.open()? {
-            return Ok(description);
+        match self.open()? {
+            Some(description) => Ok(description),
+            None => Ok(Description::of_compiled()?),
         }
-        let mut scan = Description::shipped("scan")?;
-        scan.set("slots", &SLOTS.to_string())?;
-        Ok(scan)
     }
 
     /// Reads a packet out, if that was asked for.

@@ -34,7 +34,7 @@ use super::{
     changed::{Changes, Found},
     content::Content,
     event_output::EventOutput,
-    fidelity::{Fidelity, Source, make},
+    fidelity::{Fidelity, KeptOrUnread, make},
     files::{self, Input, Named, Output},
     light::{self, Samples},
     list::{bundled, of_another_kind},
@@ -239,7 +239,7 @@ impl Arguments {
         let readout = self.readout.open()?.map(|d| d.readout()).transpose()?;
         let sensor = (description, self.seed);
         let question = self.fidelity.question(sensor, self.upsample, readout);
-        let source = Source::new(question.looks(), open)?;
+        let source = KeptOrUnread::new(question.looks(), open)?;
         let plan = make(&question, source.kept())
             .wrap_err_with(|| format!("{} seen by {}", self.scene, self.sensor.display()))?;
         Ok((plan, source.scene()))

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use miette::miette;
 
 use crate::{
-    array::{Arithmetic, ArithmeticError},
+    array::Arithmetic,
     compare::fate::Fate,
     compile::{DriveMemory, Effort},
     event::readout::Readout,
@@ -35,9 +35,9 @@ use super::{
     files::{Named, Output},
     kernel_names::KernelNames,
     kernels::Kinds,
-    light::{self, Shown},
+    light::{self, WithLight},
     progress::Progress,
-    quantiser::Total,
+    quantiser::{Total, arithmetic},
     readout::Choice,
     window::Window,
 };
@@ -108,17 +108,6 @@ pub struct Arguments {
     json: bool,
 }
 
-/// An arithmetic, for the command line, which shows no help beside a message.
-fn arithmetic(name: &str) -> Result<Arithmetic, String> {
-    name.parse().map_err(|error: ArithmeticError| {
-        let known = miette::Diagnostic::help(&error);
-        format!(
-            "{error}; {}",
-            known.map_or(String::new(), |k| k.to_string())
-        )
-    })
-}
-
 /// `section.key=number`, for the command line.
 fn figure(text: &str) -> Result<(Figure, f64), String> {
     let (name, value) = text
@@ -173,15 +162,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let observation = Observation::new();
     let readout = arguments.readout.open_compiled()?;
-    let designs: Vec<Design<'_>> = { kinds.kernels.iter().zip(&thresholds) }
-        .map(|(kernel, threshold)| Design {
-            kernel,
-            threshold: *threshold,
-            device: &device,
-            effort: Effort::seconds(arguments.effort),
-            seed: arguments.seed,
-        })
-        .collect();
+    let search = (Effort::seconds(arguments.effort), arguments.seed);
+    let designs = Design::each(&kinds.kernels, &thresholds, &device, search);
     let (memory, all) = arguments.falls(
         (&kinds.names, &designs, kinds.memory),
         readout.readout()?,
@@ -209,7 +191,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
                 steps: &told.steps,
                 rates: told.rates.as_ref(),
             };
-            serde_json::to_string(&Shown::new(&answers, &observation))
+            serde_json::to_string(&WithLight::new(&answers, &observation))
         };
         let texts: Result<Vec<String>, _> = all.iter().map(answers).collect();
         let texts = texts.map_err(|e| miette!("{e}"))?;
@@ -327,10 +309,7 @@ impl Arguments {
                 choice.check(frames, scene.fps())?;
             }
             check_crossings(designs, &mut *open()?)?;
-            let falls = match designs {
-                [_] => vec![Fall::new(question)?],
-                several => Fall::together(several, question, memory)?,
-            };
+            let falls = Fall::all(designs, question, memory)?;
             let progress = Progress::new("watching", scene.frames());
             let steps = steps_together(&falls, &mut *scene, |_| progress.tick());
             progress.finish();

@@ -15,7 +15,7 @@ use crate::{
     unit::counted,
 };
 
-use super::{error::GradientError, float::Float, piece::ROWS, rule::Rule, signal::Photoreceptors};
+use super::{error::GradientError, float::Float, rule::Rule, signal::Photoreceptors};
 
 /// The float model of a sensor, and its gradient, in f32 or f64.
 #[derive(Clone, Debug)]
@@ -112,17 +112,6 @@ impl<R: Float> Model<R> {
     #[must_use]
     pub const fn rule(&self) -> Rule {
         Rule::of(self.description.memory)
-    }
-
-    /// Bytes that a thread works on, beside what [`Forward`] holds: the state of the cells of a piece,
-    /// there and back. Without those of the light's gradient, a plane for each frame and channel.
-    ///
-    /// [`Forward`]: super::Forward
-    #[must_use]
-    pub fn working_bytes(&self) -> usize {
-        let cells = ROWS.min(self.size.height) * self.size.width * self.channels();
-        // Memory, steps of both signs, the drive before, when it last fired; `dL/dM` and `b`.
-        cells * (2 * size_of::<R>() + 4 + 8 + 8 + 2 * size_of::<R>())
     }
 
     /// Whether the cells of a channel have thresholds of their own.

@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::plane::Size;
 
 /// Rows of a piece: few enough that a piece's cells stay in cache, enough to be worth a task.
-pub(super) const ROWS: usize = 32;
+const ROWS: usize = 32;
 
 /// Which rows of which clip.
 #[derive(Clone, Debug)]

@@ -14,6 +14,8 @@ pub use file::{FEWER, FILE, KernelFileError, ROWS, SHAPES, wrong_number};
 pub use gaussian::Gaussian;
 pub use loss::{Loss, LossKind};
 
+use ndarray::ArrayView1;
+
 use crate::{
     limit::{KERNEL_SIDE, LEAST_WEIGHT, MOST_WEIGHT},
     plane::Plane,
@@ -211,6 +213,13 @@ impl Kernel {
     #[must_use]
     pub const fn weights(&self) -> &Plane<f64> {
         &self.weights
+    }
+
+    /// The weights row by row, as they are told: one that was rounded to 0 from below is 0.
+    #[must_use]
+    pub fn rows(&self) -> Vec<Vec<f64>> {
+        let row = |row: ArrayView1<'_, f64>| row.iter().map(|weight| weight + 0.0).collect();
+        self.weights.rows().into_iter().map(row).collect()
     }
 
     /// How far the kernel reaches from its centre: rows, columns.

@@ -9,6 +9,13 @@ use image::Rgb;
 /// A colour.
 pub type Ink = Rgb<u8>;
 
+/// A colour as SVG and HTML have it: `#rrggbb`.
+#[must_use]
+pub fn hex(ink: Ink) -> String {
+    let [r, g, b] = ink.0;
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
 /// An ON event.
 pub const ON: Ink = Rgb([0, 114, 178]);
 /// An OFF event.

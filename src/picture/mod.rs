@@ -37,5 +37,5 @@ pub use strip::{StripCell, strip};
 pub use surround::{SurroundShow, relief, surround};
 pub use text::unknown_letters;
 pub use trade::{TradeDot, TradeShow, trade};
-pub use waterfall::{Classes, WaterfallShow, WaterfallStep, waterfall};
+pub use waterfall::{WaterfallShow, WaterfallStep, waterfall};
 pub use write::{write_drawing, write_png, write_svg};

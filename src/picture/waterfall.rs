@@ -8,6 +8,7 @@ use super::{
     ink::{self, Ink},
     text::{LINE, Weight},
 };
+use crate::compare::fate::Fate;
 
 /// What a waterfall chart shows.
 #[derive(Clone, Debug)]
@@ -21,7 +22,7 @@ pub struct WaterfallShow<'a> {
     /// From the first to the last.
     pub steps: &'a [WaterfallStep<'a>],
     /// The first packet against the last.
-    pub ends: Classes,
+    pub ends: Fate,
 }
 
 /// One step.
@@ -30,34 +31,9 @@ pub struct WaterfallStep<'a> {
     /// The name of the step.
     pub name: &'a str,
     /// What it changes when it is added to the steps before it.
-    pub forward: Classes,
+    pub forward: Fate,
     /// What changes when it alone is left out of the whole; `None` where that is not known.
-    pub backward: Option<Classes>,
-}
-
-/// Numbers of events by what became of them between two packets.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Classes {
-    /// In both packets, at the same time.
-    pub kept: u64,
-    /// In both, at another time.
-    pub mistimed: u64,
-    /// In both, of the opposite sign.
-    pub wrong_sign: u64,
-    /// In the first packet only.
-    pub lost: u64,
-    /// In the second packet only.
-    pub extra: u64,
-}
-
-impl Classes {
-    const fn changed(self) -> u64 {
-        self.mistimed + self.wrong_sign + self.lost + self.extra
-    }
-
-    const fn after(self) -> u64 {
-        self.kept + self.mistimed + self.wrong_sign + self.extra
-    }
+    pub backward: Option<Fate>,
 }
 
 const MARGIN: f64 = 24.0;
@@ -114,7 +90,7 @@ pub fn waterfall(show: &WaterfallShow<'_>) -> Drawing {
     let most = all().map(|c| c.after().max(c.kept + c.mistimed + c.wrong_sign + c.lost));
     let held = scale(share(most.max().unwrap_or(0)), "% of the first packet");
     let backward = || show.steps.iter().filter_map(|step| step.backward);
-    let most = all().chain(backward()).map(Classes::changed).max();
+    let most = all().chain(backward()).map(Fate::changed).max();
     let changed = scale(share(most.unwrap_or(0)), "% of the first packet");
     let nothing = Axis {
         to: 0.0,
@@ -215,7 +191,7 @@ impl Row<'_> {
     }
 
     /// Draws the step's name, and how many events there are before and after it.
-    fn step(&mut self, name: &str, classes: Classes) {
+    fn step(&mut self, name: &str, classes: Fate) {
         let line = f64::from(LINE);
         let at = (MARGIN, self.y - 4.0);
         self.page
@@ -225,7 +201,7 @@ impl Row<'_> {
         let at = (MARGIN, self.y - 4.0 + line);
         self.page
             .text(at, Anchor::Start, Weight::Plain, ink::CAPTION, text);
-        let Classes {
+        let Fate {
             kept,
             mistimed,
             wrong_sign,
@@ -247,7 +223,7 @@ impl Row<'_> {
     }
 
     /// Draws what a step changes, in the plot at `down`.
-    fn change(&mut self, down: f64, classes: Option<Classes>) {
+    fn change(&mut self, down: f64, classes: Option<Fate>) {
         let (area, axis) = self.changes;
         let mut end = 0;
         let text = if let Some(classes) = classes {
@@ -295,11 +271,11 @@ mod tests {
 
     #[test]
     fn bars_have_the_lengths_of_their_shares() {
-        let forward = Classes {
+        let forward = Fate {
             kept: 50,
             lost: 50,
             extra: 25,
-            ..Classes::default()
+            ..Fate::default()
         };
         let steps = [WaterfallStep {
             name: "half & half",

@@ -39,6 +39,12 @@ impl Cost {
     pub fn micros(&self) -> f64 {
         self.array_us + self.host_us
     }
+
+    /// Frames a second at most, of a frame that costs this.
+    #[must_use]
+    pub fn frames_per_second(&self) -> f64 {
+        1e6 / self.micros()
+    }
 }
 
 /// Time of words on the array, and of launches, in microseconds.

@@ -178,13 +178,6 @@ impl<N: Number> Reference<N> {
         })
     }
 
-    /// Sets the bound on event lists that [`Sensor::watch`] keeps.
-    #[must_use]
-    pub const fn with_limit(mut self, limit: Limit) -> Self {
-        self.limit = limit;
-        self
-    }
-
     /// The description of this sensor.
     #[must_use]
     pub const fn description(&self) -> &Description {

@@ -210,12 +210,8 @@ impl Warning {
         guard.recording("the judged", judged);
         let speak = !reference.events.is_empty() && !judged.events.is_empty();
         let window = Self::window(window, floor).filter(|_| speak);
-        for warning in Self::names(&reference.names, &judged.names)
-            .into_iter()
-            .chain(window)
-        {
-            guard.warn(warning);
-        }
+        guard.extend(Self::names(&reference.names, &judged.names));
+        guard.extend(window);
         guard.warnings()
     }
 
@@ -975,5 +971,13 @@ impl Guard {
     #[must_use]
     pub fn warnings(self) -> Vec<Warning> {
         self.warnings
+    }
+}
+
+impl Extend<Warning> for Guard {
+    fn extend<T: IntoIterator<Item = Warning>>(&mut self, warnings: T) {
+        for warning in warnings {
+            self.warn(warning);
+        }
     }
 }

@@ -7,6 +7,9 @@ use super::{
     options::OpenOptions, pattern::Pattern, rate::check_rate, shown::shown, still, y4m,
 };
 
+/// What opens a scene, as often as a study shows it.
+pub type Reopen<'a> = dyn Fn() -> Result<Box<dyn Scene>, SceneError> + 'a;
+
 /// Opens the scene that `spec` names: a file, a folder, or `pattern:NAME?key=value&key=value`.
 ///
 /// A file's kind is what its name says; its first bytes must agree.

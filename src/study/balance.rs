@@ -7,12 +7,7 @@
 //! shorter ones, as rates of few events do not fall evenly.
 
 use super::rate::{RateError, Share, ThresholdFactor, check, rated, rates};
-use crate::{
-    elementary,
-    plane::Plane,
-    reference::Description,
-    scene::{Scene, SceneError},
-};
+use crate::{elementary, plane::Plane, reference::Description, scene::Reopen};
 
 /// Shows of the scene, at most.
 const SHOWS: usize = 12;
@@ -39,7 +34,7 @@ pub fn balanced(
     description: &Description,
     rate: f64,
     seed: u64,
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &Reopen<'_>,
 ) -> Result<Vec<ThresholdFactor>, RateError> {
     check(rate)?;
     let kinds = description.channels.len();

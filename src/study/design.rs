@@ -125,7 +125,46 @@ pub(super) fn float(
     Ok(Reference::in_format(format, description, size, seed)?)
 }
 
+/// All kernels in these few values; or why one of them is not to be had in them.
+///
+/// # Errors
+/// When the quantiser is not what says no.
+pub fn quantise_all(
+    designs: &[Design<'_>],
+    to: Quantiser,
+    sum: Sum,
+) -> Result<Result<Vec<Quantised>, String>, DesignError> {
+    let mut all = Vec::new();
+    for design in designs {
+        match design.quantise(to, sum) {
+            Ok(few) => all.push(few),
+            Err(error @ DesignError::Quantise(_)) => return Ok(Err(error.to_string())),
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(Ok(all))
+}
+
 impl<'a> Design<'a> {
+    /// Each kernel with its threshold, on one chip, with one effort and seed.
+    #[must_use]
+    pub fn each(
+        kernels: &'a [Kernel],
+        thresholds: &[f64],
+        device: &'a Device,
+        (effort, seed): (Effort, u64),
+    ) -> Vec<Self> {
+        { kernels.iter().zip(thresholds) }
+            .map(|(kernel, threshold)| Self {
+                kernel,
+                threshold: *threshold,
+                device,
+                effort,
+                seed,
+            })
+            .collect()
+    }
+
     /// The float model with a memory rule such as `filtered-snap` or `filtered-step`.
     ///
     /// # Errors

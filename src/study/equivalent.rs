@@ -407,11 +407,7 @@ pub fn tune(
             .reference(size, memory, Format::F64)?,
         );
     }
-    let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-    for sensor in &mut sensors {
-        watching.push(sensor);
-    }
-    let tuned = rig::watch(scene, &mut watching, seen)?;
+    let tuned = rig::watch(scene, &mut rig::each(&mut sensors), seen)?;
     let found = { judged.iter_mut() }
         .zip(parts)
         .filter_map(|(one, part)| Some((one, part?)));

@@ -183,9 +183,7 @@ impl<'a> Execution<'a> {
         let subject = &self.program.file;
         let unheld = self.unheld(ran.exposure);
         let mut guard = ran.guard;
-        for warning in Warning::of_scene(ran.observation, Response::IDENTITY) {
-            guard.warn(warning);
-        }
+        guard.extend(Warning::of_scene(ran.observation, Response::IDENTITY));
         if let Some(unheld) = &unheld {
             saturation::warn_unheld(&mut guard, subject, unheld);
         }
@@ -203,9 +201,7 @@ impl<'a> Execution<'a> {
                     guard.warn(Warning::in_the_dark(subject, frames));
                 } else if unheld.is_none() {
                     guard.packet(subject, packet);
-                    if let Some(warning) = Warning::silent_kinds_in(subject, packet, frames) {
-                        guard.warn(warning);
-                    }
+                    guard.extend(Warning::silent_kinds_in(subject, packet, frames));
                 }
             } else {
                 guard.lost(subject, packet.dropped, packet.events.len() as u64);

@@ -4,14 +4,14 @@
 use serde::Serialize;
 
 use super::{
-    design::{Design, DesignError},
+    design::{Design, quantise_all},
     equivalent::{EquivalentError, Likeness},
     together::{self, Together},
 };
 use crate::{
     compile::DriveMemory,
     isa::Figure,
-    kernel::quantise::{Quantised, Quantiser, Sum},
+    kernel::quantise::{Quantiser, Sum},
     program::readout::{Demand, Scans},
     rig::guard::{Guard, Warning},
     scene::Scene,
@@ -25,22 +25,22 @@ pub struct Joint {
     pub to: String,
     /// What came of it.
     #[serde(flatten)]
-    pub outcome: Outcome,
+    pub outcome: JointOutcome,
 }
 
 /// A program of all kernels, or why there is none.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Outcome {
+pub enum JointOutcome {
     /// It runs.
-    OnChip(Box<OnChip>),
+    OnChip(Box<JointOnChip>),
     /// A kernel is not to be had in these values, or no memory holds all of them: why.
     Refused(Vec<String>),
 }
 
 /// What a program of all kernels costs and says.
 #[derive(Debug, Serialize)]
-pub struct OnChip {
+pub struct JointOnChip {
     /// What it remembers, and where.
     pub memory: String,
     /// The float sensor that it is held to.
@@ -62,12 +62,12 @@ pub struct OnChip {
     /// How many kinds like these the chip carries.
     pub carried: usize,
     /// What each kind keeps.
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<JointKind>,
 }
 
 /// One kind of a program.
 #[derive(Debug, Serialize)]
-pub struct Kind {
+pub struct JointKind {
     /// What it is called.
     pub name: String,
     /// Without errors of the chip.
@@ -92,18 +92,18 @@ impl Joint {
         guard: &mut Guard,
         seen: impl FnMut(),
     ) -> Result<Self, EquivalentError> {
-        let outcome = match few(floats, to, sum)? {
-            Err(why) => Outcome::Refused(vec![why]),
+        let outcome = match quantise_all(floats, to, sum)? {
+            Err(why) => JointOutcome::Refused(vec![why]),
             Ok(few) => {
                 let levels: Vec<Design<'_>> = { floats.iter().zip(&few) }
                     .map(|(float, few)| float.in_levels(few))
                     .collect();
                 match Together::compile(&levels, "together", memory)? {
-                    Err(why) => Outcome::Refused(why),
+                    Err(why) => JointOutcome::Refused(why),
                     Ok(program) => {
                         let kinds =
                             run(&program, (names, floats), (within, scene), to, guard, seen)?;
-                        Outcome::OnChip(Box::new(OnChip::new(&program, kinds)))
+                        JointOutcome::OnChip(Box::new(JointOnChip::new(&program, kinds)))
                     }
                 }
             }
@@ -115,8 +115,8 @@ impl Joint {
     }
 }
 
-impl OnChip {
-    fn new(program: &Together, kinds: Vec<Kind>) -> Self {
+impl JointOnChip {
+    fn new(program: &Together, kinds: Vec<JointKind>) -> Self {
         let compiled = &program.compiled;
         let (cost, device) = (compiled.cost, &compiled.device);
         Self {
@@ -127,29 +127,12 @@ impl OnChip {
             stored_words: compiled.stored.0,
             store: device.value(Figure::Store) as u64,
             array_us: cost.array_us,
-            frames_per_s: 1e6 / cost.micros(),
+            frames_per_s: cost.frames_per_second(),
             frames_per_s_of_compute: 1e6 / cost.array_us,
             carried: program.carried(),
             kinds,
         }
     }
-}
-
-/// All kernels in these few values; or why one of them is not to be had in them.
-fn few(
-    floats: &[Design<'_>],
-    to: Quantiser,
-    sum: Sum,
-) -> Result<Result<Vec<Quantised>, String>, DesignError> {
-    let mut all = Vec::new();
-    for float in floats {
-        match float.quantise(to, sum) {
-            Ok(few) => all.push(few),
-            Err(error @ DesignError::Quantise(_)) => return Ok(Err(error.to_string())),
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(Ok(all))
 }
 
 /// Runs a program beside the float sensor; what each kind keeps.
@@ -160,7 +143,7 @@ fn run(
     to: Quantiser,
     guard: &mut Guard,
     mut seen: impl FnMut(),
-) -> Result<Vec<Kind>, EquivalentError> {
+) -> Result<Vec<JointKind>, EquivalentError> {
     // The frames of this run alone.
     let mut own = Guard::new();
     let seed = floats.first().map_or(0, |float| float.seed);
@@ -180,17 +163,13 @@ fn run(
         if lost > 0.0 {
             own.warn(Warning::own_slots(&subject, lost.round() as u64, all));
         }
-        if let Some(warning) = kind.exact.warning(name) {
-            own.warn(warning);
-        }
-        kinds.push(Kind {
+        own.extend(kind.exact.warning(name));
+        kinds.push(JointKind {
             name: name.clone(),
             exact: kind.exact,
             silicon: kind.silicon,
         });
     }
-    for warning in own.warnings() {
-        guard.warn(warning);
-    }
+    guard.extend(own.warnings());
     Ok(kinds)
 }

@@ -22,8 +22,7 @@ use crate::{
         self, RigError,
         guard::{Guard, Warning},
     },
-    scene::{Frame, Scene, SceneError},
-    sensor::Sensor,
+    scene::{Frame, Reopen, Scene, SceneError},
     unit::Micros,
 };
 
@@ -176,7 +175,7 @@ pub enum QuantisationError {
 /// When a kernel cannot be quantised as asked, or the scene or a sensor cannot go on.
 pub fn ask(
     question: &Question<'_>,
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &Reopen<'_>,
     seen: impl FnMut(&Frame),
 ) -> Result<Answer, QuantisationError> {
     Ok(ask_keeping(question, open, seen)?.0)
@@ -204,7 +203,7 @@ pub(super) struct Ran {
 /// As [`ask`], with what has run for it.
 pub(super) fn ask_keeping(
     question: &Question<'_>,
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &Reopen<'_>,
     mut seen: impl FnMut(&Frame),
 ) -> Result<(Answer, Kept), QuantisationError> {
     let mut scene = open()?;
@@ -217,18 +216,14 @@ pub(super) fn ask_keeping(
     let mut guard = Guard::new();
     let mut subjects = Vec::new();
     for one in &built {
-        for erasure in &one.erasures {
-            guard.warn(Warning::erased(&one.to, *erasure));
-        }
+        let erasures = one.erasures.iter();
+        guard.extend(erasures.map(|erasure| Warning::erased(&one.to, *erasure)));
         let chips = one.program.iter().flat_map(|program| &program.both);
         subjects.extend(chips.map(|it| format!("{} {}", one.to, it.chip().domain())));
     }
     let mut floats = vec![design.reference(size, MEMORY, Format::F64)?];
     floats.extend(equivalent::sensors(&design, size, MEMORY)?);
-    let mut sensors: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-    for sensor in &mut floats {
-        sensors.push(sensor);
-    }
+    let mut sensors = rig::each(&mut floats);
     for chip in { built.iter_mut() }
         .filter_map(|one| one.program.as_mut().ok())
         .flat_map(|program| &mut program.both)
@@ -245,14 +240,10 @@ pub(super) fn ask_keeping(
     };
     let ladder = Ladder::new(truth.clone(), rungs, question.within, fps, question.seed)?;
     guard.packet("the float sensor", truth);
-    if !truth.events.is_empty()
-        && let Some(warning) = Warning::window(question.within, ladder.floor())
-    {
-        guard.warn(warning);
+    if !truth.events.is_empty() {
+        guard.extend(Warning::window(question.within, ladder.floor()));
     }
-    if let Some(warning) = Warning::few_events(truth.events.len() as u64) {
-        guard.warn(warning);
-    }
+    guard.extend(Warning::few_events(truth.events.len() as u64));
     let mut judged = Vec::new();
     let ran = { built.iter() }
         .filter_map(|one| one.program.as_ref().ok())

@@ -10,7 +10,7 @@ use crate::{
     kernel::Kernel,
     reference::{AnyReference, Channel, Description, Reference, Sinks, Tally},
     rig,
-    scene::{Scene, SceneError},
+    scene::{Reopen, Scene, SceneError},
     sensor::SensorError,
     study::pilot::{Choice, Effect},
 };
@@ -191,7 +191,7 @@ pub fn factor(
     description: &Description,
     rate: f64,
     seed: u64,
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &Reopen<'_>,
 ) -> Result<ThresholdFactor, RateError> {
     let found = search(description, (rate, Share::Together), seed, open)?;
     found.first().copied().ok_or(RateError::Still)
@@ -207,7 +207,7 @@ pub fn factors(
     description: &Description,
     rate: f64,
     seed: u64,
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &Reopen<'_>,
 ) -> Result<Vec<ThresholdFactor>, RateError> {
     search(description, (rate, Share::Each), seed, open)
 }
@@ -244,7 +244,7 @@ fn search(
     description: &Description,
     (rate, share): (f64, Share),
     seed: u64,
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &Reopen<'_>,
 ) -> Result<Vec<ThresholdFactor>, RateError> {
     check(rate)?;
     let groups = share.groups(description.channels.len());
@@ -329,9 +329,7 @@ fn without_noise(description: &Description) -> Description {
 }
 
 /// How many frames a scene of two or more has after its first, a second.
-fn pairs_per_second(
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-) -> Result<f64, RateError> {
+fn pairs_per_second(open: &Reopen<'_>) -> Result<f64, RateError> {
     let (mut frames, mut first, mut last) = (0_u64, None, 0.0);
     rig::play(&mut *open()?, |frame| {
         frames += 1;
@@ -367,7 +365,7 @@ pub(super) fn rates(
     description: &Description,
     (tries, share): (&[Vec<f64>], Share),
     seed: u64,
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &Reopen<'_>,
 ) -> Result<Vec<Vec<f64>>, RateError> {
     let mut scene = open()?;
     let size = scene.size();

@@ -135,19 +135,15 @@ impl RunGuard {
         let all = [
             rounded, silent, still, spread, crowd, slots, queue, nothing, rows,
         ];
-        for warning in all.into_iter().flatten() {
-            guard.warn(warning);
-        }
+        guard.extend(all.into_iter().flatten());
         if let Some(unheld) = &self.unheld {
             saturation::warn_unheld(&mut guard, subject, unheld);
-        } else if let Some(warning) = self.overflow.warning(subject, done.overflowed) {
-            guard.warn(warning);
+        } else {
+            guard.extend(self.overflow.warning(subject, done.overflowed));
         }
         let names: Vec<_> = self.names.iter().map(Option::as_deref).collect();
         let silent = Warning::silent_kinds(subject, &names, done.kinds, frames);
-        if let Some(warning) = silent.filter(|_| can_judge) {
-            guard.warn(warning);
-        }
+        guard.extend(silent.filter(|_| can_judge));
         guard.warnings()
     }
 }

@@ -138,14 +138,6 @@ impl Together {
         })
     }
 
-    /// The float sensor that the program stands for, of the designs before they were quantised.
-    ///
-    /// # Errors
-    /// When a threshold is not positive.
-    pub fn description(&self, floats: &[Design<'_>]) -> Result<Description, DesignError> {
-        description(self.memory, floats)
-    }
-
     /// Shows the scene to the float sensors and to the program, and judges every kind by all of its
     /// events, before the readout. Also the number of frames.
     ///
@@ -158,7 +150,7 @@ impl Together {
         scene: &mut dyn Scene,
         seen: impl FnMut(&Frame),
     ) -> Result<(Vec<Judged>, u64), EquivalentError> {
-        let description = self.description(floats)?;
+        let description = description(self.memory, floats)?;
         let shown = judge(&[&self.every_event], &description, within, scene, seen)?;
         let judged = shown.programs.into_iter().next().unwrap_or_default();
         Ok((judged, shown.frames))
@@ -223,7 +215,7 @@ fn advice(memory: DriveMemory) -> String {
 
 /// What was seen of one float sensor and of programs that stand for it.
 #[derive(Clone, Debug)]
-pub struct Shown {
+pub struct SceneRun {
     /// For each program, each of its kinds.
     pub programs: Vec<Vec<Judged>>,
     /// All events of each program with the chip's errors.
@@ -245,7 +237,7 @@ pub fn judge(
     (within, seed): (Micros, u64),
     scene: &mut dyn Scene,
     mut seen: impl FnMut(&Frame),
-) -> Result<Shown, EquivalentError> {
+) -> Result<SceneRun, EquivalentError> {
     let (size, fps) = (scene.size(), scene.fps());
     let rung = |part: f64| at_part(description, part);
     let mut models = vec![description.clone()];
@@ -262,13 +254,8 @@ pub fn judge(
             chips.push(program.chip(arithmetic, size, program.settings())?);
         }
     }
-    let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-    for sensor in &mut sensors {
-        watching.push(sensor);
-    }
-    for chip in &mut chips {
-        watching.push(chip);
-    }
+    let mut watching = rig::each(&mut sensors);
+    watching.extend(rig::each(&mut chips));
     let mut frames = 0;
     let packets = rig::watch(scene, &mut watching, |frame| {
         frames += 1;
@@ -292,7 +279,7 @@ pub fn judge(
             });
         }
     }
-    Ok(Shown {
+    Ok(SceneRun {
         programs: judged,
         packets: both().map(|both| both[1].clone()).collect(),
         float: { floats.first().cloned() }.unwrap_or_else(|| Packet::new(size, 1)),

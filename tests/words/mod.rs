@@ -1,9 +1,22 @@
-//! Random instruction words.
+//! Random instruction words and values, and the chip that they are for.
 
 #![allow(dead_code)] // Each test takes what it needs.
 
-use amacrine::isa::{Analog, Bit, Digital, Direction, Primitive, Source, Target};
+use amacrine::isa::{Analog, Bit, Device, Digital, Direction, Primitive, Source, Target};
 use proptest::prelude::*;
+
+/// Read once; its files are the same for all.
+pub fn device() -> &'static Device {
+    static DEVICE: std::sync::LazyLock<Device> = std::sync::LazyLock::new(Device::scamp5);
+    &DEVICE
+}
+
+/// Values that are spread, exact in most formats, and now and then beyond a limit.
+pub fn value(seed: u64, i: u64) -> f64 {
+    let hash = (seed ^ i.wrapping_mul(0x9E37_79B9_7F4A_7C15)).wrapping_mul(0xD6E8_FEB8_6659_FD93);
+    let hash = (hash ^ hash >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93);
+    ((hash >> 40) % 4000) as f64 / 16.0 - 125.0
+}
 
 /// Of a bus: distinct, as the chip asks for.
 pub fn operands() -> impl Strategy<Value = (Vec<Target>, Vec<Source>)> {

@@ -1,10 +1,10 @@
 //! The report as one page: text, tables and pictures in one file.
 
 use amacrine::{
-    picture::{Drawing, Line, LinesShow, kernels, lines, png, svg},
+    picture::{Drawing, Line, LinesShow, kernels, lines},
     plane::Plane,
+    study::report::image::{drawing, pixels},
 };
-use base64::{Engine, prelude::BASE64_STANDARD};
 use image::RgbImage;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
@@ -237,24 +237,4 @@ impl Report {
             }
         }
     }
-}
-
-/// A picture of pixels, with what it shows in words.
-fn pixels(picture: &RgbImage, alt: &str) -> Markup {
-    let (width, height) = picture.dimensions();
-    let source = format!(
-        "data:image/png;base64,{}",
-        BASE64_STANDARD.encode(png(picture))
-    );
-    html! { img.pixels src=(source) width=(width) height=(height) alt=(alt); }
-}
-
-/// A drawing, with what it shows in words.
-fn drawing(drawing: &Drawing, alt: &str) -> Markup {
-    let (width, height) = drawing.size();
-    let source = format!(
-        "data:image/svg+xml;base64,{}",
-        BASE64_STANDARD.encode(svg(drawing))
-    );
-    html! { img.drawing src=(source) width=(width.ceil()) height=(height.ceil()) alt=(alt); }
 }

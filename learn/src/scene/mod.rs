@@ -15,6 +15,8 @@ mod outline;
 mod photographs;
 mod video;
 
+use std::fmt::Write as _;
+
 pub use clip::{Clip, Flow};
 pub use clips::Clips;
 pub use error::SceneError;
@@ -22,3 +24,12 @@ pub use kept::PLACE;
 pub use motion::Motion;
 pub use photographs::{FEWEST, Photograph, Photographs};
 pub use video::Video;
+
+/// A digest as it is written.
+pub(crate) fn hex(digest: &[u8]) -> String {
+    digest.iter().fold(String::new(), |mut text, byte| {
+        // A string takes all that is written to it.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}

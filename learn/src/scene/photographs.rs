@@ -1,7 +1,6 @@
 //! Photographs: bundled or from a folder, split by the hash of their names.
 
 use std::{
-    fmt::Write as _,
     io::Cursor,
     path::{Path, PathBuf},
     sync::Arc,
@@ -172,11 +171,7 @@ impl Photographs {
             sum.update((width as u64).to_le_bytes());
             sum.update(one.light.iter().copied().collect::<Vec<u8>>());
         }
-        let sum = sum.finalize();
-        sum.iter().fold(String::new(), |mut text, byte| {
-            let _ = write!(text, "{byte:02x}");
-            text
-        })
+        super::hex(&sum.finalize())
     }
 
     /// Whether a crop fits into each.

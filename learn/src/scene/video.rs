@@ -1,6 +1,6 @@
 //! Video as it is: no flow is known, so it teaches interpolation only.
 
-use std::{fmt::Write as _, path::PathBuf, sync::Arc};
+use std::{path::PathBuf, sync::Arc};
 
 use amacrine::{
     memory::Budget,
@@ -61,11 +61,7 @@ impl Video {
             sum.update((width as u64).to_le_bytes());
             sum.update(frame.iter().copied().collect::<Vec<u8>>());
         }
-        let sum = sum.finalize();
-        sum.iter().fold("video ".to_owned(), |mut text, byte| {
-            let _ = write!(text, "{byte:02x}");
-            text
-        })
+        format!("video {}", super::hex(&sum.finalize()))
     }
 
     /// The first four fifths, and the rest, which is held out.

@@ -1,7 +1,6 @@
 //! A run: all arms of a task at all targets from all seeds, in a folder.
 
 use std::{
-    fmt::Write as _,
     fs::File,
     path::{Path, PathBuf},
     sync::atomic::{AtomicBool, AtomicUsize, Ordering},
@@ -18,7 +17,7 @@ use sha2::{Digest, Sha256};
 use crate::{
     arm::Arm,
     record::{self, KernelAt, Record, Remark, Row},
-    scene::Clips,
+    scene::{Clips, hex},
     task::{Origin, Task},
 };
 
@@ -152,10 +151,7 @@ impl<'a> Run<'a> {
         sum.update(NUMERICS.to_le_bytes());
         sum.update(format!("{rest:?}"));
         sum.update(seen);
-        let mut identity = String::new();
-        for byte in sum.finalize().iter().take(8) {
-            let _ = write!(identity, "{byte:02x}");
-        }
+        let identity = hex(&sum.finalize()[..8]);
         Ok(Self {
             task,
             identity,

@@ -6,6 +6,7 @@ use amacrine::{
     photoreceptor::Response,
     picture::svg,
     study::{
+        design::Design,
         together,
         waterfall::{self as falls, Fall},
     },
@@ -15,7 +16,7 @@ use miette::Report;
 use pyo3::prelude::*;
 use serde::Serialize;
 
-use super::{Named, Search, Shown, designs, device, kernel, open_on, scan, within};
+use super::{Named, Search, Shown, device, kernel, open_on, scan, within};
 use crate::{
     chip::{effort, named, quantiser},
     error::{raised, refused},
@@ -62,7 +63,7 @@ pub fn waterfall(
     let readout = through.map_or_else(|| scan().map_err(raised), readout::open)?;
     let source = scene.source()?;
     let effort = effort(seconds, source.stop())?;
-    let designs = designs(&kernels, &thresholds, (&device, effort, seed));
+    let designs = Design::each(&kernels, &thresholds, &device, (effort, seed));
     let [first, ..] = designs[..] else {
         return Err(refused("no kernel", "give one, or several"));
     };
@@ -86,10 +87,7 @@ pub fn waterfall(
             within: within(within_us, shown.fps()),
         };
         falls::check_crossings(&designs, &mut *source.open()?)?;
-        let falls = match &designs[..] {
-            [_] => vec![Fall::new(question)?],
-            several => Fall::together(several, question, None)?,
-        };
+        let falls = Fall::all(&designs, question, None)?;
         let steps = falls::steps_together(&falls, &mut *shown, |_| ())?;
         let mut rates = Vec::new();
         if let Some(choice) = choice {

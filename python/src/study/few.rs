@@ -83,14 +83,6 @@ impl Row {
     }
 }
 
-/// The weights of a kernel, row by row.
-pub fn weights(kernel: &Kernel) -> Vec<Vec<f64>> {
-    let rows = kernel.weights().rows().into_iter();
-    // Rounded to 0 from below is 0.
-    rows.map(|row| row.iter().map(|weight| weight + 0.0).collect())
-        .collect()
-}
-
 /// A kernel, each quantiser of it, and each on the chip.
 #[derive(Serialize)]
 struct OnChip {
@@ -134,7 +126,7 @@ pub fn on_chip(
     })?;
     let answer = answer.map_err(|report: Report| raised(report))?;
     json(&OnChip {
-        kernel: weights(&kernel),
+        kernel: kernel.rows(),
         sum: kernel.sum(),
         quantised: { quantisers.iter() }
             .map(|to| Row::new(&kernel, *to, sum, seed).0)

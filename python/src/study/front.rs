@@ -13,7 +13,6 @@ use amacrine::{
     study::{
         pilot::{
             Chips, Choice, Effect, Floats, Look, NoLimit, PlanError, Sampled, Survey, plan::KEPT,
-            rule,
         },
         trade::{Ask, Point, Programs, Setup, Trade, told::Told, trade as survey_all},
     },
@@ -70,7 +69,7 @@ pub fn trade(
         &command as &_,
     );
     let asked = (upsample, sample, how);
-    let trade = |survey: Survey<'_>| traded(description, survey, formats, (how.0, sample.2));
+    let trade = |survey: Survey<'_>| traded(description, survey, &formats, (how.0, sample.2));
     surveyed(py, (&source, response, None), asked, trade, told)
 }
 
@@ -294,7 +293,7 @@ fn programmed(
 fn traded(
     description: &Description,
     survey: Survey<'_>,
-    formats: Vec<Format>,
+    formats: &[Format],
     (verify, runs): (bool, u32),
 ) -> Result<Trade<Choice>, PlanError> {
     let full = Choice::full();
@@ -303,32 +302,11 @@ fn traded(
         seed: survey.seed,
         base: &full,
     };
-    let inserts = survey.upsample.is_some();
-    let effects = Effect::ALL.iter().copied();
-    let effects = effects.filter(|effect| effect.is_in(description, inserts));
-    let mut models: Vec<Choice> = effects.map(|it| Choice::full().and_without(it)).collect();
-    models.extend(formats.into_iter().map(|format| Choice {
-        format,
-        without: Vec::new(),
-    }));
-    let free = |choice: &Choice, look: &Look| {
-        // What rules say holds in double precision.
-        let is_free = |effect: &Effect| match effect {
-            Effect::DeadTime => rule::has_no_close_crossings(description, look),
-            Effect::InsertedFrames => {
-                rule::needs_no_inserted_frames(&choice.plainer(description)).is_some()
-            }
-            _ => false,
-        };
-        let left_out = !choice.without.is_empty() && choice.without.iter().all(is_free);
-        (choice.format == Format::F64 && left_out)
-            .then_some("the light and the sensor's rules say so")
-    };
     let ask = Ask {
         survey,
-        models,
-        alternative: &|choice: &Choice| choice.format != Format::F64,
-        free: &free,
+        models: family.models(formats, survey.upsample.is_some()),
+        alternative: &|choice: &Choice| family.alternative(choice),
+        free: &|choice: &Choice, look: &Look| family.free(choice, look),
         verify,
         runs,
         begin: &|_| (),

@@ -18,17 +18,14 @@ pub use several::on_chip_together;
 
 use amacrine::{
     compare::window,
-    compile::Effort,
     event::readout::{
         Readout,
-        scan::SLOTS,
         settings::{Description as ReadoutDescription, ReadoutError},
     },
     isa::Device,
     kernel::{Kernel, quantise::Quantiser},
     rig::Larger,
     scene::Scene,
-    study::design::Design,
     unit::Micros,
 };
 use miette::Report;
@@ -81,23 +78,6 @@ fn kernel((name, bytes): &Named) -> PyResult<Kernel> {
     Ok(kernel)
 }
 
-/// Each kernel with its threshold, on one chip.
-fn designs<'a>(
-    kernels: &'a [Kernel],
-    thresholds: &[f64],
-    (device, effort, seed): (&'a Device, Effort, u64),
-) -> Vec<Design<'a>> {
-    { kernels.iter().zip(thresholds) }
-        .map(|(kernel, threshold)| Design {
-            kernel,
-            threshold: *threshold,
-            device,
-            effort,
-            seed,
-        })
-        .collect()
-}
-
 fn quantisers(names: Vec<String>) -> PyResult<Vec<Quantiser>> {
     names.iter().map(|name| quantiser(name)).collect()
 }
@@ -108,9 +88,7 @@ fn device(name: &str) -> PyResult<Device> {
 
 /// The scan that a compiled program asks for.
 fn scan() -> Result<Readout, ReadoutError> {
-    let mut scan = ReadoutDescription::shipped("scan")?;
-    scan.set("slots", &SLOTS.to_string())?;
-    scan.readout()
+    ReadoutDescription::of_compiled()?.readout()
 }
 
 /// How long to search, on which chip, with which seed.

@@ -11,11 +11,7 @@ use miette::Report;
 use pyo3::prelude::*;
 use serde::Serialize;
 
-use super::{
-    Named, Search, Shown, check, designs, device,
-    few::{Row, weights},
-    kernel, open_on, quantisers, within,
-};
+use super::{Named, Search, Shown, check, device, few::Row, kernel, open_on, quantisers, within};
 use crate::{
     chip::{effort, named},
     error::raised,
@@ -71,7 +67,7 @@ pub fn on_chip_together(
         let fps = open_on(&source, &device)?.fps();
         let question = Question {
             names: of.iter().map(|(name, _)| name.clone()).collect(),
-            floats: designs(&kernels, &thresholds, (&device, effort, seed)),
+            floats: Design::each(&kernels, &thresholds, &device, (effort, seed)),
             sum,
             source: &source,
             within: within(within_us, fps),
@@ -87,7 +83,7 @@ impl Question<'_> {
         let each = self.names.iter().zip(&self.floats);
         let kernels = each.map(|(name, float)| Kind {
             name: name.clone(),
-            kernel: weights(float.kernel),
+            kernel: float.kernel.rows(),
             sum: float.kernel.sum(),
             quantised: { to.iter() }
                 .map(|to| self.row(float, *to, &mut guard))

@@ -116,7 +116,7 @@ fn listing(
             host_us,
         } = cost;
         let rate = if name == "frame" && cost.micros() > 0.0 {
-            format!("  {:.0} frames/s", 1e6 / cost.micros())
+            format!("  {:.0} frames/s", cost.frames_per_second())
         } else {
             String::new()
         };

@@ -117,8 +117,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     if arguments.json {
         let json = Json {
-            reference: Input::new(&arguments.a, &reference),
-            judged: Input::new(&arguments.b, &judged),
+            reference: FileJson::new(&arguments.a, &reference),
+            judged: FileJson::new(&arguments.b, &judged),
             headline: &headline,
             curve: &curve,
             comparison: &comparison,
@@ -172,8 +172,8 @@ impl Arguments {
 /// The comparison for machines.
 #[derive(serde::Serialize)]
 struct Json<'a> {
-    reference: Input<'a>,
-    judged: Input<'a>,
+    reference: FileJson<'a>,
+    judged: FileJson<'a>,
     headline: &'a Headline,
     curve: &'a [Flagged],
     #[serde(flatten)]
@@ -278,7 +278,7 @@ fn number(value: Option<f64>) -> String {
 
 /// One of the two files.
 #[derive(serde::Serialize)]
-struct Input<'a> {
+struct FileJson<'a> {
     file: &'a Path,
     #[serde(flatten)]
     size: Size,
@@ -290,7 +290,7 @@ struct Input<'a> {
     names: &'a [String],
 }
 
-impl<'a> Input<'a> {
+impl<'a> FileJson<'a> {
     fn new(file: &'a Path, loaded: &'a Loaded) -> Self {
         Self {
             file,

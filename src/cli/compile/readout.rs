@@ -23,7 +23,6 @@ use crate::{
     },
     rig::{self, Larger, guard::Warning},
     scene::Observation,
-    sensor::Sensor,
     study::{design, feasibility::time},
     unit::counted,
 };
@@ -195,11 +194,7 @@ fn watched(
         .map(|chip| compiled.chip(chip, size, compiled.settings()))
         .collect::<Result<Vec<_>, _>>()?;
     let mut frames = 0;
-    let mut sensors: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-    for chip in &mut chips {
-        sensors.push(chip);
-    }
-    let packets = rig::watch(&mut *scene, &mut sensors, |_| frames += 1)?;
+    let packets = rig::watch(&mut *scene, &mut rig::each(&mut chips), |_| frames += 1)?;
     light::warn(&Warning::of_scene(observation, Response::IDENTITY));
     if packets.iter().all(|packet| packet.events.is_empty()) {
         light::warn(&[Warning::no_events(name, Some(frames))]);

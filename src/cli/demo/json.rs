@@ -8,7 +8,6 @@ use super::{
     super::light,
     Demo,
     choice::{CHOSEN, KERNEL, THRESHOLD},
-    most_frames,
     showing::{Row, Showing},
 };
 
@@ -43,7 +42,7 @@ impl Demo<'_> {
             "within_us": faster.window.0,
             "words_per_frame": cost.map(|cost| cost.words.0),
             "us_per_frame": cost.map(|cost| cost.micros()),
-            "frames_per_s": cost.as_ref().map(most_frames),
+            "frames_per_s": cost.map(|cost| cost.frames_per_second()),
             "reference": reference.map(|row| row_json(row, faster)),
             "devices": faster.chosen().map(|row| row_json(row, faster)).collect::<Vec<_>>(),
             "written": self.written,
@@ -80,7 +79,7 @@ fn row_json(row: &Row<'_>, showing: &Showing<'_>) -> Value {
             "event_ratio": likeness.event_ratio,
             "words": cost.words.0,
             "us_per_frame": cost.micros(),
-            "frames_per_s": most_frames(cost),
+            "frames_per_s": cost.frames_per_second(),
         });
         if let Value::Object(more) = more {
             object.extend(more);

@@ -10,7 +10,6 @@ mod table;
 
 use crate::{
     photoreceptor::Response,
-    program::Cost,
     rig::guard::{Guard, Warning},
     scene::{Observation, Observed, Scene, SceneError, bundled, resample::Resampled},
 };
@@ -91,9 +90,4 @@ struct Demo<'a> {
     observation: Observation,
     warnings: Vec<Warning>,
     written: Vec<std::path::PathBuf>,
-}
-
-/// Frames a second that a chip computes and reads out at most.
-fn most_frames(cost: &Cost) -> f64 {
-    1e6 / cost.micros()
 }

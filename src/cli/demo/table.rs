@@ -8,7 +8,6 @@ use super::{
     super::light,
     Demo, TIMES,
     choice::{CHOSEN, DOMAINS, FEWER, KERNEL, SHOWN, THRESHOLD},
-    most_frames,
     showing::{Judged, Row, Showing},
 };
 
@@ -156,7 +155,10 @@ fn row(row: &Row<'_>) -> String {
         of(&|chip| equivalent::kept(chip.likeness.kept, 3)),
         of(&|chip| format!("+{}", chip.likeness.equivalent()).replace("+> ", "> +")),
         of(&|chip| chip.program.compiled.cost.words.0.to_string()),
-        of(&|chip| format!("{:.0} frames/s", most_frames(&chip.program.compiled.cost))),
+        of(&|chip| format!(
+            "{:.0} frames/s",
+            chip.program.compiled.cost.frames_per_second()
+        )),
         row.speed,
     )
 }

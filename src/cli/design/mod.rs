@@ -23,7 +23,7 @@ use super::{
     light,
     progress::Progress,
     quantiser::Total,
-    quoted::quoted,
+    quoted::CommandLine,
     window::Window,
 };
 use crate::{
@@ -320,12 +320,9 @@ fn erased(question: &Question<'_>, picked: &Candidate) -> miette::Result<Vec<War
     let mut guard = Guard::new();
     for (name, kernel) in question.names.iter().zip(question.kernels) {
         let levels = picked.to.quantise(kernel, question.sum, question.seed)?;
-        for erasure in levels.erasures(kernel) {
-            guard.warn(Warning::erased(
-                &format!("{name} in {}", picked.to),
-                erasure,
-            ));
-        }
+        let own = format!("{name} in {}", picked.to);
+        let erasures = levels.erasures(kernel).into_iter();
+        guard.extend(erasures.map(|erasure| Warning::erased(&own, erasure)));
     }
     Ok(guard.warnings())
 }
@@ -351,9 +348,7 @@ fn silent(picked: &Candidate, frames: u64) -> Vec<Warning> {
 fn by_accident(found: &Exploration) -> Vec<Warning> {
     let mut guard = Guard::new();
     let kinds = found.candidates.iter().flat_map(|it| &it.kinds);
-    for warning in kinds.filter_map(|kind| kind.exact.warning(&kind.name)) {
-        guard.warn(warning);
-    }
+    guard.extend(kinds.filter_map(|kind| kind.exact.warning(&kind.name)));
     guard.warnings()
 }
 
@@ -383,41 +378,39 @@ impl Arguments {
 
     /// The commands that use what was written: the float sensor, the program, its proof.
     fn commands(&self, written: &Written, frames: u64) -> [String; 3] {
-        let path = |path: &Path| quoted(&path.display().to_string());
-        let mut options = String::new();
-        for (name, value) in self.clip.written() {
-            if name != "scene" {
-                options += " --";
-                options += name;
-                options += " ";
-                options += &quoted(&value);
-            }
-        }
         let scene = self.clip.given().unwrap_or("bundled");
-        let scene = quoted(scene);
-        let chip = match &*self.chip {
-            "scamp5" => String::new(),
-            other => format!(" --chip {}", quoted(other)),
+        let light = |line: &mut CommandLine| {
+            for (name, value) in self.clip.written() {
+                if name != "scene" {
+                    line.option(name, &value);
+                }
+            }
         };
-        let program = path(&written.program);
+        let of_program = |verb| {
+            let mut line = CommandLine::new(verb);
+            line.word(&written.program.display().to_string());
+            if &*self.chip != "scamp5" {
+                line.option("chip", &self.chip);
+            }
+            line
+        };
+        let mut run = CommandLine::new("run");
+        run.option("scene", scene);
+        light(&mut run);
+        run.option("sensor", &written.sensor.display().to_string());
+        run.option("events", "events.npy");
+        let mut exec = of_program("exec");
+        exec.option("image", scene);
+        light(&mut exec);
         // A scene that ends before the program would stand still.
-        let mut most = match frames {
-            FRAMES.. if !self.clip.given().is_some_and(goes_on) => String::new(),
-            _ => format!(" --frames {frames}"),
-        };
-        if self.seed != 0 {
-            most += " --seed ";
-            most += &self.seed.to_string();
+        if frames < FRAMES || self.clip.given().is_some_and(goes_on) {
+            exec.option("frames", &frames.to_string());
         }
-        [
-            format!(
-                "amacrine run --scene {scene}{options} --sensor {} --events events.npy",
-                path(&written.sensor)
-            ),
-            format!(
-                "amacrine exec {program}{chip} --image {scene}{options}{most} --domain silicon --events silicon.npy"
-            ),
-            format!("amacrine asm {program}{chip}"),
-        ]
+        if self.seed != 0 {
+            exec.option("seed", &self.seed.to_string());
+        }
+        exec.option("domain", "silicon");
+        exec.option("events", "silicon.npy");
+        [run, exec, of_program("asm")].map(|line| line.to_string())
     }
 }

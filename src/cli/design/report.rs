@@ -1,9 +1,9 @@
 //! The feasibility report of the candidate that is taken.
 
-use std::{fmt::Write as _, path::Path};
+use std::path::Path;
 
 use super::{
-    super::{quoted::quoted, readout::Choice},
+    super::{quoted::CommandLine, readout::Choice},
     Arguments, Candidate, Question,
 };
 use crate::{
@@ -64,30 +64,24 @@ pub(super) fn page(
 
 /// The command that gives the same page again.
 fn command(arguments: &Arguments, candidate: &Candidate, sensor: &Path) -> String {
-    let mut text = format!(
-        "amacrine feasibility {}",
-        quoted(&sensor.display().to_string())
-    );
-    let mut add = |name: &str, value: &str| {
-        // Writing to a string cannot fail.
-        let _ = write!(text, " --{name} {}", quoted(value));
-    };
+    let mut line = CommandLine::new("feasibility");
+    line.word(&sensor.display().to_string());
     for (name, value) in arguments.clip.written() {
-        add(name, &value);
+        line.option(name, &value);
     }
-    add("to", &candidate.to.to_string());
-    add("candidates", &candidate.to.to_string());
-    add("sum", arguments.sum.name());
-    add("memory", &candidate.remembers.to_string());
-    add("chip", &arguments.chip);
+    line.option("to", &candidate.to.to_string());
+    line.option("candidates", &candidate.to.to_string());
+    line.option("sum", arguments.sum.name());
+    line.option("memory", &candidate.remembers.to_string());
+    line.option("chip", &arguments.chip);
     let [least, most] = LINK;
-    add("link-energy", &format!("{least}..{most}"));
-    add("readout", ReadoutOrder::Overlapped.name());
-    add("chips", &arguments.chips().to_string());
+    line.option("link-energy", &format!("{least}..{most}"));
+    line.option("readout", ReadoutOrder::Overlapped.name());
+    line.option("chips", &arguments.chips().to_string());
     if let Some(within) = arguments.window.within {
-        add("within", &format!("{}us", within.0));
+        line.option("within", &format!("{}us", within.0));
     }
-    add("effort", &arguments.effort.to_string());
-    add("seed", &arguments.seed.to_string());
-    text + " -o report.html"
+    line.option("effort", &arguments.effort.to_string());
+    line.option("seed", &arguments.seed.to_string());
+    format!("{line} -o report.html")
 }

@@ -82,50 +82,47 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         bench.machine = Some(plan.answer.choice.clone());
         pass = Pass::new(&bench, false)?;
     }
-    let Pass {
-        chip,
-        packet,
+    let frames = pass.frames;
+    let warnings = bench.warnings(
+        pass.guard,
+        &*pass.chip,
+        &pass.packet,
         frames,
-        guard,
-        saturation,
-        strip,
-        tracer,
-        shows,
-    } = pass;
-    let warnings = bench.warnings(guard, &*chip, &packet, frames, saturation);
+        pass.saturation,
+    );
     super::light::warn(&warnings);
 
     // Before anything is written: it may have nothing to show.
     let drawn = match &arguments.strip {
-        Some(path) => Some((path, strip.picture(&bench.opened)?)),
+        Some(path) => Some((path, pass.strip.picture(&bench.opened)?)),
         None => None,
     };
-    let trace = tracer.map(Tracer::page).transpose()?;
+    let trace = pass.tracer.map(Tracer::page).transpose()?;
     if let Some(path) = &arguments.events {
-        path.write(&packet)?;
+        path.write(&pass.packet)?;
     }
     if let Some(folder) = &arguments.dump {
-        dump::dump(&*chip, folder)?;
+        dump::dump(&*pass.chip, folder)?;
     }
     if let Some((path, picture)) = drawn {
-        path.warn_of_letters(strip.texts(&bench.opened));
+        path.warn_of_letters(pass.strip.texts(&bench.opened));
         write_png(path, &picture)?;
     }
     let mut notes = bench.notes(frames);
-    notes.extend(shows.note());
+    notes.extend(pass.shows.note());
     if let (Some(path), Some((page, said))) = (&arguments.trace, trace) {
         save(path, |out| out.write_all(page.as_bytes()))?;
         notes.extend(said);
     }
-    let written = written(arguments, &bench, &shows);
+    let written = written(arguments, &bench, &pass.shows);
     let report = Report {
         program: &bench.opened.program.file,
-        chip: &*chip,
+        chip: &*pass.chip,
         arithmetic: bench.arithmetic,
         frames,
         per_frame: (!bench.opened.decides)
             .then(|| Cost::of(&bench.opened.expansion.code.frame, &bench.opened.device)),
-        packet: &packet,
+        packet: &pass.packet,
         light: &bench.observation,
         warnings: &warnings,
         source_warnings: &bench.source_warnings(),

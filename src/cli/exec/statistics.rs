@@ -74,9 +74,7 @@ impl Statistics {
                 saturation.frame(chip);
                 Ok(ControlFlow::Continue(()))
             })?;
-            for warning in bench.warnings(guard, &*chip, &packet, frames, saturation) {
-                warnings.warn(warning);
-            }
+            warnings.extend(bench.warnings(guard, &*chip, &packet, frames, saturation));
             for (at, register) in written.iter().enumerate() {
                 let values = register.values(&*chip);
                 if registers.len() == at {

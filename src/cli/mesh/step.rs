@@ -208,7 +208,7 @@ fn tell(
             frames,
             euler_steps,
         };
-        return say_json(&light::Shown::new(&json, observation));
+        return say_json(&light::WithLight::new(&json, observation));
     }
     let steps = euler_steps.map_or(String::new(), |steps| {
         format!(", {}", counted(steps, "Euler step"))

@@ -17,7 +17,6 @@ use crate::{
     },
     photoreceptor::Response,
     picture::{self, write_png},
-    plane::Plane,
     rig::guard::{Guard, Warning},
     save::save,
     scene::{Observation, Scene as _},
@@ -168,7 +167,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             light: answer.as_ref().map(|_| light::json(&observation)),
             warnings,
             chip: answer,
-            kernel: rows_of(kernel.weights()),
+            kernel: kernel.rows(),
             sum: kernel.sum(),
             quantised: rows,
         };
@@ -177,11 +176,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         return Ok(());
     }
     let mut text = format!("{}, sum {}\n", arguments.kernels, short(kernel.dc()));
-    text += &drawn(kernel.weights());
+    text += &drawn(kernel);
     if let ([quantised], [row]) = (&good[..], &rows[..]) {
         let _ = writeln!(text, "\n{} x {}", row.to, short(quantised.scale));
-        text += &written(quantised.levels.weights());
-        text += &drawn(quantised.levels.weights());
+        text += &written(&quantised.levels);
+        text += &drawn(&quantised.levels);
     }
     text += &table(&rows);
     if let Some(answer) = &answer {
@@ -405,12 +404,6 @@ impl Row {
     }
 }
 
-fn rows_of(weights: &Plane<f64>) -> Vec<Vec<f64>> {
-    // Rounded to 0 from below is 0.
-    let row = |row: ndarray::ArrayView1<'_, f64>| row.iter().map(|weight| weight + 0.0).collect();
-    weights.rows().into_iter().map(row).collect()
-}
-
 /// The levels as a kernel file.
 fn write(path: &Output, arguments: &Arguments, quantised: &Quantised) -> miette::Result<()> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -423,7 +416,7 @@ fn write(path: &Output, arguments: &Arguments, quantised: &Quantised) -> miette:
     );
     let [name, source] = [name.into_owned(), source].map(toml::Value::from);
     let mut text = format!("name = {name}\nsource = {source}\nweights = [\n");
-    for row in rows_of(quantised.levels.weights()) {
+    for row in quantised.levels.rows() {
         let _ = writeln!(text, "  {row:?},");
     }
     text += "]\n";
@@ -467,8 +460,9 @@ fn table(rows: &[Row]) -> String {
 }
 
 /// The numbers, in columns.
-fn written(weights: &Plane<f64>) -> String {
-    let texts: Vec<Vec<String>> = rows_of(weights)
+fn written(kernel: &Kernel) -> String {
+    let texts: Vec<Vec<String>> = kernel
+        .rows()
         .iter()
         .map(|row| row.iter().map(|w| short(*w)).collect())
         .collect();
@@ -482,8 +476,11 @@ fn written(weights: &Plane<f64>) -> String {
 }
 
 /// Three shades of each sign.
-fn drawn(weights: &Plane<f64>) -> String {
-    let most = weights.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+fn drawn(kernel: &Kernel) -> String {
+    let most = kernel
+        .weights()
+        .iter()
+        .fold(0.0, |most: f64, w| most.max(w.abs()));
     let cell = |w: f64| {
         let part = if most > 0.0 { w.abs() / most } else { 0.0 };
         let shade = if part < 1.0 / 12.0 {
@@ -502,7 +499,7 @@ fn drawn(weights: &Plane<f64>) -> String {
         let cells: String = row.into_iter().map(cell).collect();
         format!("  {}\n", cells.trim_end())
     };
-    rows_of(weights).into_iter().map(row).collect()
+    kernel.rows().into_iter().map(row).collect()
 }
 
 /// Four digits after the point, or as many more as three digits of a small number need; no zeros at

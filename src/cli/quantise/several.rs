@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use miette::miette;
 
-use super::{Arguments, Row, drawn, erased, rows_of, short, table};
+use super::{Arguments, Row, drawn, erased, short, table};
 use crate::{
     cli::{budget, kernels::Kinds, light, progress::Progress},
     isa::Device,
@@ -15,7 +15,7 @@ use crate::{
     study::{
         design::Design,
         equivalent::{self, Likeness, RUNGS},
-        joint::{Joint, Outcome},
+        joint::{Joint, JointOutcome},
     },
     unit::frame_rate,
 };
@@ -64,7 +64,7 @@ pub(super) fn run(
         let rows = { tried.iter() }.map(|(to, few)| Row::new(*to, kernel, few.as_ref()));
         all.push(Kind {
             name: name.clone(),
-            kernel: rows_of(kernel.weights()),
+            kernel: kernel.rows(),
             sum: kernel.sum(),
             quantised: rows.collect(),
         });
@@ -89,7 +89,7 @@ pub(super) fn run(
     let mut text = String::new();
     for (kind, kernel) in all.iter().zip(&kinds.kernels) {
         let _ = writeln!(text, "{}, sum {}", kind.name, short(kernel.dc()));
-        text += &drawn(kernel.weights());
+        text += &drawn(kernel);
         text += &table(&kind.quantised);
         text.push('\n');
     }
@@ -114,16 +114,8 @@ fn together(
     budget::check_study(&*scene, (RUNGS.len() + 1) * kinds.kernels.len() + 2)?;
     let (frames, fps) = (scene.frames(), scene.fps());
     drop(scene);
-    let mut floats = Vec::new();
-    for (kernel, threshold) in kinds.kernels.iter().zip(thresholds) {
-        floats.push(Design {
-            kernel,
-            threshold: *threshold,
-            device: &device,
-            effort: arguments.effort(),
-            seed: arguments.seed(),
-        });
-    }
+    let search = (arguments.effort(), arguments.seed());
+    let floats = Design::each(&kinds.kernels, thresholds, &device, search);
     let shows = arguments.to.len() as u64;
     let progress = Progress::new("watching", frames.map(|frames| shows * frames));
     let mut guard = Guard::new();
@@ -165,8 +157,8 @@ fn program_table(arguments: &Arguments, programs: &[Joint], kinds: usize) -> Str
     );
     for program in programs {
         let _ = match &program.outcome {
-            Outcome::Refused(why) => writeln!(text, "{:<16} {}", program.to, why.join(". ")),
-            Outcome::OnChip(chip) => writeln!(
+            JointOutcome::Refused(why) => writeln!(text, "{:<16} {}", program.to, why.join(". ")),
+            JointOutcome::OnChip(chip) => writeln!(
                 text,
                 "{:<16} {:>6} {:>6} {:>6.1} {:>9.0} {:>9.0} {:>8}  {}",
                 program.to,
@@ -181,7 +173,7 @@ fn program_table(arguments: &Arguments, programs: &[Joint], kinds: usize) -> Str
         };
     }
     for program in programs {
-        let Outcome::OnChip(chip) = &program.outcome else {
+        let JointOutcome::OnChip(chip) = &program.outcome else {
             continue;
         };
         let _ = writeln!(
@@ -218,8 +210,8 @@ fn program_table(arguments: &Arguments, programs: &[Joint], kinds: usize) -> Str
         }
     }
     let fps = { programs.iter() }.find_map(|program| match &program.outcome {
-        Outcome::OnChip(chip) => chip.kinds.first().map(|kind| kind.exact),
-        Outcome::Refused(_) => None,
+        JointOutcome::OnChip(chip) => chip.kinds.first().map(|kind| kind.exact),
+        JointOutcome::Refused(_) => None,
     });
     if let Some(score) = fps {
         let _ = writeln!(

@@ -3,15 +3,16 @@
 use miette::miette;
 
 use super::{
-    super::{files::Input, opened::Source, quoted::quoted},
+    super::{files::Input, opened::Source, quoted::CommandLine},
     Arguments,
 };
 use crate::{
-    array::{Arithmetic, Schedule, Settings},
+    array::{Arithmetic, Schedule},
     number::Format,
     photoreceptor::Response,
     rig::Larger,
     study::{
+        execution::CellOptions,
         pilot::{Chips, ErrorTerm},
         trade::{Programs, Setup},
     },
@@ -44,10 +45,7 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
     let domain = arguments.domain.unwrap_or(Arithmetic::Silicon { seed: 0 });
     let domain = domain.with_seed(arguments.seed);
     Arguments::check(&scened.kept, domain.bytes(&opened.device, size))?;
-    let mut settings = Settings::from_device(&opened.device);
-    let own = &opened.program.settings;
-    settings.clip = own.clip.unwrap_or(settings.clip);
-    settings.edge = own.edge.unwrap_or(settings.edge);
+    let mut settings = CellOptions::default().settings(&opened.program, &opened.device);
     settings.threads = Some(rayon::current_num_threads());
     let family = Programs {
         chips: Chips {
@@ -80,28 +78,24 @@ pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
 
 /// The command that runs a model.
 fn command(arguments: &Arguments, path: &Input, frames: usize, setup: &Setup) -> String {
-    let mut words = vec![
-        "amacrine exec".to_owned(),
-        quoted(&path.display().to_string()),
-        "--image".to_owned(),
-        quoted(&arguments.scene),
-    ];
-    let mut add = |name: &str, value: &str| words.push(format!("--{name} {}", quoted(value)));
-    add("frames", &frames.to_string());
+    let mut line = CommandLine::new("exec");
+    line.word(&path.display().to_string());
+    line.option("image", &arguments.scene);
+    line.option("frames", &frames.to_string());
     if let Some(chip) = &arguments.chip {
-        add("chip", chip);
+        line.option("chip", chip);
     }
     for (name, value) in &arguments.constants {
-        add("const", &format!("{name}={value}"));
+        line.option("const", &format!("{name}={value}"));
     }
-    arguments.light(&mut add);
+    arguments.light(&mut line);
     let domain = match setup.machine.format {
         Some(format) => Arithmetic::Number(format),
         None => Arithmetic::Silicon { seed: 0 },
     };
-    add("domain", &domain.to_string());
+    line.option("domain", &domain.to_string());
     if arguments.seed != 0 {
-        add("seed", &arguments.seed.to_string());
+        line.option("seed", &arguments.seed.to_string());
     }
     let without: Vec<_> = setup
         .without()
@@ -110,10 +104,10 @@ fn command(arguments: &Arguments, path: &Input, frames: usize, setup: &Setup) ->
         .map(ErrorTerm::word)
         .collect();
     if !without.is_empty() {
-        add("without", &without.join(","));
+        line.option("without", &without.join(","));
     }
     if setup.ordered {
-        add("schedule", &setup.schedule.to_string());
+        line.option("schedule", &setup.schedule.to_string());
     }
-    words.join(" ")
+    line.to_string()
 }

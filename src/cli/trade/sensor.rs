@@ -1,13 +1,13 @@
 //! The trade of a sensor file.
 
 use super::{
-    super::{files::Input, quoted::quoted, run::read_sensor},
+    super::{files::Input, quoted::CommandLine, run::read_sensor},
     Arguments,
 };
 use crate::{
     number::Format,
     reference::Reference,
-    study::pilot::{Choice, Effect, Floats, rule},
+    study::pilot::{Choice, Effect, Floats},
 };
 
 /// Formats that are tried where none are named.
@@ -24,36 +24,15 @@ pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
         seed: arguments.seed,
         base: &full,
     };
-    let formats = match &arguments.formats {
+    let formats: Vec<Format> = match &arguments.formats {
         Some(formats) => formats.clone(),
         None => FORMATS
             .iter()
             .filter_map(|name| name.parse().ok())
             .collect(),
     };
-    let inserts = arguments.upsample.is_some();
-    let effects = Effect::ALL.iter().copied();
-    let effects = effects.filter(|effect| effect.is_in(&description, inserts));
-    let mut models: Vec<Choice> = effects.map(|it| Choice::full().and_without(it)).collect();
-    models.extend(formats.into_iter().map(|format| Choice {
-        format,
-        without: Vec::new(),
-    }));
-    let alternative = |choice: &Choice| choice.format != Format::F64;
-    let free = |choice: &Choice, look: &_| {
-        // What rules say holds in double precision.
-        let is_free = |effect: &Effect| match effect {
-            Effect::DeadTime => rule::has_no_close_crossings(&description, look),
-            Effect::InsertedFrames => {
-                rule::needs_no_inserted_frames(&choice.plainer(&description)).is_some()
-            }
-            _ => false,
-        };
-        (choice.format == Format::F64
-            && !choice.without.is_empty()
-            && choice.without.iter().all(is_free))
-        .then_some("the light and the sensor's rules say so")
-    };
+    let alternative = |choice: &Choice| family.alternative(choice);
+    let free = |choice: &Choice, look: &_| family.free(choice, look);
     let of = sensor.display().to_string();
     let command = |choice: &_| command(arguments, sensor, choice);
     let table = arguments.told(
@@ -61,6 +40,7 @@ pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
         &scened,
         &command,
     );
+    let models = family.models(&formats, arguments.upsample.is_some());
     let rules = (&alternative as &_, &free as &_);
     let told = (&table, description.response);
     arguments.trade(&family, &scened, models, rules, told)
@@ -68,43 +48,39 @@ pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
 
 /// The command that runs a model.
 fn command(arguments: &Arguments, sensor: &Input, choice: &Choice) -> String {
-    let mut words = vec![
-        "amacrine run --scene".to_owned(),
-        quoted(&arguments.scene),
-        "--sensor".to_owned(),
-        quoted(&sensor.display().to_string()),
-    ];
-    let mut add = |name: &str, value: &str| words.push(format!("--{name} {}", quoted(value)));
-    arguments.light(&mut add);
+    let mut line = CommandLine::new("run");
+    line.option("scene", &arguments.scene);
+    line.option("sensor", &sensor.display().to_string());
+    arguments.light(&mut line);
     if let Some(contrast) = arguments.upsample
         && !choice.leaves_out(Effect::InsertedFrames)
     {
-        add("upsample", &contrast.to_string());
+        line.option("upsample", &contrast.to_string());
     }
     if arguments.seed != 0 {
-        add("seed", &arguments.seed.to_string());
+        line.option("seed", &arguments.seed.to_string());
     }
     if choice.format != Format::F64 {
-        add("format", &choice.format.to_string());
+        line.option("format", &choice.format.to_string());
     }
     let without = choice.without.iter().map(|effect| effect.word());
     let without: Vec<_> = { without }
         .filter(|key| *key != Effect::InsertedFrames.word())
         .collect();
     if !without.is_empty() {
-        add("without", &without.join(","));
+        line.option("without", &without.join(","));
     }
-    words.join(" ")
+    line.to_string()
 }
 
 impl Arguments {
     /// The options of the scene that are not what they are when left out.
-    pub(super) fn light(&self, add: &mut dyn FnMut(&str, &str)) {
+    pub(super) fn light(&self, line: &mut CommandLine) {
         if let Some(fps) = self.fps {
-            add("fps", &fps.to_string());
+            line.option("fps", &fps.to_string());
         }
         for (name, value) in self.samples.written() {
-            add(name, &value);
+            line.option(name, &value);
         }
     }
 }

@@ -292,6 +292,16 @@ impl Description {
         Self::parse(&format!("readouts/{name}.toml"), text)
     }
 
+    /// The scan that a compiled program asks for: as many slots as one readout delivers.
+    ///
+    /// # Errors
+    /// None: the shipped scan has that setting.
+    pub fn of_compiled() -> Result<Self, ReadoutError> {
+        let mut scan = Self::shipped("scan")?;
+        scan.set("slots", &scan::SLOTS.to_string())?;
+        Ok(scan)
+    }
+
     /// The readout of a file's text; `name` is for messages.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use base64::{Engine, prelude::BASE64_STANDARD};
 use image::{ExtendedColorType, ImageEncoder, RgbImage, codecs::png::PngEncoder};
 
 use super::drawing::{Anchor, Drawing, Mark};
-use crate::picture::ink::{self, Ink};
+use crate::picture::ink;
 use crate::picture::text::{Face, Weight};
 
 /// The drawing as the text of an SVG file.
@@ -18,7 +18,7 @@ pub fn svg(drawing: &Drawing) -> String {
     let (w, h) = drawing.size();
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" font-family=\"'Noto Sans Mono','DejaVu Sans Mono',Menlo,Consolas,monospace\" font-size=\"12\">\n<rect width=\"{w}\" height=\"{h}\" fill=\"{}\"/>\n",
-        colour(ink::PAGE)
+        ink::hex(ink::PAGE)
     );
     for mark in &drawing.marks {
         let written = match mark {
@@ -29,7 +29,7 @@ pub fn svg(drawing: &Drawing) -> String {
                 a.y,
                 a.width.max(0.0),
                 a.height.max(0.0),
-                colour(*ink)
+                ink::hex(*ink)
             ),
             Mark::Line(from, to, width, ink) => writeln!(
                 out,
@@ -38,7 +38,7 @@ pub fn svg(drawing: &Drawing) -> String {
                 from.1,
                 to.0,
                 to.1,
-                colour(*ink)
+                ink::hex(*ink)
             ),
             Mark::Pixels(a, picture) => writeln!(
                 out,
@@ -66,7 +66,7 @@ pub fn svg(drawing: &Drawing) -> String {
                     at.0,
                     at.1 + 13.0,
                     Face::new(*weight, 1).width(words),
-                    colour(*ink),
+                    ink::hex(*ink),
                     escaped(words)
                 )
             }
@@ -75,11 +75,6 @@ pub fn svg(drawing: &Drawing) -> String {
         debug_assert!(written.is_ok());
     }
     out + "</svg>\n"
-}
-
-fn colour(ink: Ink) -> String {
-    let [r, g, b] = ink.0;
-    format!("#{r:02x}{g:02x}{b:02x}")
 }
 
 fn escaped(text: &str) -> String {

@@ -20,7 +20,7 @@ pub use error::{ExplorationError, Untaken};
 
 use super::{
     balance,
-    design::{Compiled, Design, DesignError},
+    design::{Compiled, Design, quantise_all},
     feasibility::time,
     rate::{self, RateError, four_digits},
     together::{self, Judged, memories},
@@ -38,7 +38,7 @@ use crate::{
         readout::{Demand, Scans, Way, choose},
     },
     reference::Description,
-    scene::{Frame, Scene, SceneError},
+    scene::{Frame, Reopen},
     unit::Micros,
 };
 
@@ -88,7 +88,7 @@ pub enum Aim<'a> {
 /// When the thresholds are not to be had, the scene cannot be read, or the chip takes none.
 pub fn explore(
     question: &Question<'_>,
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &Reopen<'_>,
     searching: &dyn Fn(usize, usize),
     mut seen: impl FnMut(&Frame),
 ) -> Result<Exploration, ExplorationError> {
@@ -218,22 +218,12 @@ impl Question<'_> {
 
     /// The cells with these thresholds, before they are brought to few values.
     fn designs(&self, thresholds: &[f64]) -> Vec<Design<'_>> {
-        let each = self.kernels.iter().zip(thresholds);
-        each.map(|(kernel, threshold)| Design {
-            kernel,
-            threshold: *threshold,
-            device: self.device,
-            effort: self.effort,
-            seed: self.seed,
-        })
-        .collect()
+        let search = (self.effort, self.seed);
+        Design::each(self.kernels, thresholds, self.device, search)
     }
 
     /// The thresholds of kinds that each have a memory of their own.
-    fn thresholds(
-        &self,
-        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
-    ) -> Result<Vec<f64>, ExplorationError> {
+    fn thresholds(&self, open: &Reopen<'_>) -> Result<Vec<f64>, ExplorationError> {
         let rate = match self.aim {
             Aim::Thresholds(all) => return Ok(all.to_vec()),
             Aim::Rate(rate) => rate,
@@ -260,7 +250,7 @@ impl Question<'_> {
         &self,
         (rate, error): (f64, RateError),
         start: &[Design<'_>],
-        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+        open: &Reopen<'_>,
     ) -> Result<ExplorationError, ExplorationError> {
         let share = rate / start.len() as f64;
         for (design, name) in start.iter().zip(self.names) {
@@ -289,7 +279,7 @@ impl Question<'_> {
         &self,
         memory: DriveMemory,
         apart: &[f64],
-        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+        open: &Reopen<'_>,
     ) -> Result<Vec<f64>, ExplorationError> {
         let Aim::Rate(rate) = self.aim else {
             return Ok(apart.to_vec());
@@ -316,19 +306,15 @@ impl Question<'_> {
         memory: DriveMemory,
         floats: &[Design<'_>],
     ) -> Result<Result<Found, Refused>, ExplorationError> {
-        let refused = |memory: Option<DriveMemory>, why: &DesignError| Refused {
+        let refused = |memory: Option<DriveMemory>, why: String| Refused {
             to: to.to_string(),
             memory: memory.map(together::name),
-            why: why.to_string(),
+            why,
         };
-        let mut few = Vec::new();
-        for float in floats {
-            match float.quantise(to, self.sum) {
-                Ok(own) => few.push(own),
-                Err(error @ DesignError::Quantise(_)) => return Ok(Err(refused(None, &error))),
-                Err(error) => return Err(error.into()),
-            }
-        }
+        let few = match quantise_all(floats, to, self.sum)? {
+            Ok(few) => few,
+            Err(why) => return Ok(Err(refused(None, why))),
+        };
         let named = self.names.iter().zip(floats.iter().zip(&few));
         let kinds = named.map(|(name, (float, few))| {
             let threshold = float.in_levels(few).threshold;
@@ -344,7 +330,9 @@ impl Question<'_> {
         let compiled = Compiled::new(self.title, (&kinds, memory), self.device, search);
         let compiled = match compiled {
             Ok(compiled) => compiled,
-            Err(error) if error.is_refusal() => return Ok(Err(refused(Some(memory), &error))),
+            Err(error) if error.is_refusal() => {
+                return Ok(Err(refused(Some(memory), error.to_string())));
+            }
             Err(error) => return Err(error.into()),
         };
         let every_event = compiled.reading(&kinds, EventReadout::BitPlanes(0, u16::MAX))?;

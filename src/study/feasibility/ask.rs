@@ -9,7 +9,7 @@ use super::{
     named::{FigureSummary, Named},
     power::{Link, Load, Power},
     runs::{MEMORY, Runs},
-    time::{self, Words},
+    time::{self, FrameWords},
     verdict::Verdict,
 };
 use crate::{
@@ -27,7 +27,7 @@ use crate::{
     plane::Size,
     program::readout::Demand,
     rig::guard::Warning,
-    scene::{Frame, Scene, SceneError},
+    scene::{Frame, Reopen, Scene},
     study::{
         design::{Compiled, Design},
         equivalent::Ladder,
@@ -44,7 +44,7 @@ const RIDGE: f64 = 1e-4;
 /// but the last.
 pub(super) fn ask_one(
     question: &Question<'_>,
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &Reopen<'_>,
     seen: impl FnMut(&Frame),
 ) -> Result<(Feasibility, Snapshot), FeasibilityError> {
     waterfall::check_crossings(&[question.design()], &mut *open()?)?;
@@ -54,7 +54,7 @@ pub(super) fn ask_one(
 /// The same of a threshold that is known to be crossed seldom enough.
 pub(super) fn answered(
     question: &Question<'_>,
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &Reopen<'_>,
     mut seen: impl FnMut(&Frame),
 ) -> Result<(Feasibility, Snapshot), FeasibilityError> {
     let design = question.design();
@@ -84,7 +84,7 @@ pub(super) fn answered(
         (Some(program), Some(nominal)) => Trial {
             question,
             program,
-            words: Words::new(&program.code.frame, question.device)?,
+            words: FrameWords::new(&program.code.frame, question.device)?,
             floats: &floats,
             nominal,
             frames,
@@ -219,7 +219,7 @@ impl Question<'_> {
         (design, to): (&Design<'_>, Quantiser),
         (quantised, compiled): (Quantised, Compiled),
         readout: Readout,
-        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+        open: &Reopen<'_>,
         seen: &mut dyn FnMut(&Frame),
     ) -> Result<(Option<Waterfall>, Option<Rates>), FeasibilityError> {
         let asked = waterfall::Question {

@@ -7,7 +7,7 @@ use crate::{
     kernel::Kernel,
     reference::MemoryRule,
     rig::guard::Warning,
-    scene::{Scene, SceneError},
+    scene::Reopen,
     study::{design::Design, rate},
 };
 
@@ -29,7 +29,7 @@ pub fn at_rate<'a>(
     kernels: impl ExactSizeIterator<Item = (&'a str, &'a Kernel)>,
     (rate, seed): (f64, u64),
     device: &Device,
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &Reopen<'_>,
 ) -> Result<AtRate, FeasibilityError> {
     let share = rate / kernels.len() as f64;
     let mut found = AtRate::default();

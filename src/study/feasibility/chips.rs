@@ -9,7 +9,7 @@
 //! at the high end of its interval, all others at their values.
 
 use super::{
-    FeasibilityError, Question, draw::Drawn, named::Named, power::worked, time::Words,
+    FeasibilityError, Question, draw::Drawn, named::Named, power::worked, time::FrameWords,
     tornado::Turn,
 };
 use crate::{
@@ -19,8 +19,7 @@ use crate::{
     isa::{Device, Evidence, Figure},
     program::readout::{Demand, Scans},
     rig,
-    scene::{Frame, Scene, SceneError, part::First},
-    sensor::Sensor,
+    scene::{Frame, Reopen, Scene as _, part::First},
     study::{
         design::Compiled,
         equivalent::{Ladder, Likeness},
@@ -143,7 +142,7 @@ pub(super) struct Trial<'a> {
     pub question: &'a Question<'a>,
     pub program: &'a Compiled,
     /// The words of a frame.
-    pub words: Words,
+    pub words: FrameWords,
     /// The packets of the float sensor and of the ladder's, over the whole scene.
     pub floats: &'a [Packet],
     /// What the chip of the seed said of the whole scene.
@@ -166,7 +165,7 @@ impl Trial<'_> {
     /// When the scene or a chip cannot go on.
     pub fn run(
         &self,
-        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+        open: &Reopen<'_>,
         seen: &mut dyn FnMut(&Frame),
     ) -> Result<OverChips, FeasibilityError> {
         let Self { question, .. } = *self;
@@ -233,7 +232,7 @@ impl Trial<'_> {
         &self,
         runs: &[Run],
         frames: u64,
-        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+        open: &Reopen<'_>,
         seen: &mut dyn FnMut(&Frame),
     ) -> Result<Vec<Packet>, FeasibilityError> {
         let mut packets = Vec::new();
@@ -251,11 +250,11 @@ impl Trial<'_> {
                 // The readout that is told of loses none.
                 chips.push(program.all_events(chip));
             }
-            let mut sensors: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-            for chip in &mut chips {
-                sensors.push(chip);
-            }
-            packets.extend(rig::watch(&mut scene, &mut sensors, &mut *seen)?);
+            packets.extend(rig::watch(
+                &mut scene,
+                &mut rig::each(&mut chips),
+                &mut *seen,
+            )?);
         }
         Ok(packets)
     }

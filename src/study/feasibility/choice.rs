@@ -4,7 +4,7 @@ use super::{FeasibilityError, Question};
 use crate::{
     event::Packet,
     kernel::quantise::{Quantised, Quantiser},
-    scene::{Frame, Scene, SceneError},
+    scene::{Frame, Reopen},
     study::{
         design::{Design, DesignError},
         equivalent::Likeness,
@@ -70,7 +70,7 @@ impl Question<'_> {
     /// not to be had in.
     pub(super) fn table(
         &self,
-        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+        open: &Reopen<'_>,
         seen: &mut dyn FnMut(&Frame),
     ) -> Result<Table, FeasibilityError> {
         let mut all = self.candidates.to_vec();

@@ -247,14 +247,14 @@ mod tests {
         program::readout::{Demand, Scans},
         study::feasibility::{
             readout::ReadoutOrder,
-            time::{Parts, Words},
+            time::{FrameWords, Parts},
         },
     };
 
     fn power(words: f64, fps: f64, events_s: Option<f64>, kbit_s: Option<f64>) -> Power {
         let device = Device::scamp5();
         let time = Time::new(&Parts {
-            words: Words::new(&[], &device).unwrap(),
+            words: FrameWords::new(&[], &device).unwrap(),
             scans: Scans::new(&[], &device),
             busy: &Demand::new(&Packet::new(Size::new(1, 1), 1), 1),
             exposure: None,

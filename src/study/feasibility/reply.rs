@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     rig::guard::Warning,
-    scene::{Frame, Scene, SceneError},
+    scene::{Frame, Reopen},
 };
 
 /// The reply to a question about one kernel, or about several that share a chip. As JSON it is the
@@ -39,7 +39,7 @@ impl Serialize for Reply {
 /// values that were asked for, or the scene cannot be read.
 pub fn ask(
     questions: &[Question<'_>],
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &Reopen<'_>,
     seen: impl FnMut(&Frame),
 ) -> Result<Reply, FeasibilityError> {
     if let Some(question) = alone(questions) {

@@ -2,7 +2,7 @@
 
 use super::{Feasibility, FeasibilityError, Question, Shared, Snapshot, ask::answered};
 use crate::{
-    scene::{Frame, Scene, SceneError},
+    scene::{Frame, Reopen},
     study::waterfall::check_crossings,
 };
 
@@ -25,7 +25,7 @@ pub struct Several {
 /// window. `seen` is called after each frame that is watched for them.
 pub(super) fn ask_several(
     questions: &[Question<'_>],
-    open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &Reopen<'_>,
     mut seen: impl FnMut(&Frame),
 ) -> Result<(Several, Vec<Snapshot>), FeasibilityError> {
     let Some(first) = questions.first() else {

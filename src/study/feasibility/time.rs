@@ -61,7 +61,7 @@ pub enum Binds {
 
 /// The words of a frame, of which the array's time is made.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Words {
+pub(super) struct FrameWords {
     /// How many.
     pub count: f64,
     /// Their time without launches, at the clock of the chip's data, us.
@@ -85,7 +85,7 @@ pub(super) struct Words {
 /// # Errors
 /// Never for a chip that was loaded.
 pub fn of_array(frame: &[Step], device: &Device) -> Result<Estimate, FigureError> {
-    Ok(Words::new(frame, device)?.estimate(device))
+    Ok(FrameWords::new(frame, device)?.estimate(device))
 }
 
 /// The least and the most of that, in us.
@@ -93,10 +93,10 @@ pub fn of_array(frame: &[Step], device: &Device) -> Result<Estimate, FigureError
 /// # Errors
 /// Never for a chip that was loaded.
 pub fn array_us(frame: &[Step], device: &Device) -> Result<[f64; 2], FigureError> {
-    Ok(Words::new(frame, device)?.ends())
+    Ok(FrameWords::new(frame, device)?.ends())
 }
 
-impl Words {
+impl FrameWords {
     /// Of a frame's program.
     ///
     /// # Errors
@@ -168,7 +168,7 @@ impl Words {
 /// What a time is made of.
 pub(super) struct Parts<'a> {
     /// The words of a frame.
-    pub words: Words,
+    pub words: FrameWords,
     /// What is read out.
     pub scans: Scans,
     /// How many events there are to read.
@@ -264,7 +264,7 @@ pub(super) fn time(
 ) -> Result<Time, FigureError> {
     let frame = &program.code.frame;
     Ok(Time::new(&Parts {
-        words: Words::new(frame, question.device)?,
+        words: FrameWords::new(frame, question.device)?,
         scans: Scans::new(frame, question.device).with_rows(rows),
         busy,
         exposure: question.exposure,
@@ -284,7 +284,7 @@ mod tests {
         let device = Device::scamp5();
         let busy = Demand::new(&Packet::new(Size::new(64, 64), 1), 2);
         Time::new(&Parts {
-            words: Words {
+            words: FrameWords {
                 count: 190.0,
                 us: 19.0,
                 launches: 1.0,
@@ -324,8 +324,8 @@ mod tests {
 
     #[test]
     fn a_drawn_chip_lies_between() {
-        let words = Words::new(&[], &Device::scamp5()).unwrap();
-        let words = Words {
+        let words = FrameWords::new(&[], &Device::scamp5()).unwrap();
+        let words = FrameWords {
             count: 190.0,
             us: 19.0,
             launches: 1.0,

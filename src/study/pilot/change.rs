@@ -56,21 +56,8 @@ impl Change {
     }
 }
 
-/// What each tile of a mosaic shows, `probabilities` being those with which they were drawn.
-///
-/// # Errors
-/// When the packets are not of the mosaic's size.
-pub fn of_tiles(
-    mosaic: &Mosaic,
-    probabilities: &[f64],
-    (full, plain): (&Packet, &Packet),
-    within: Micros,
-) -> Result<Vec<Tile>, CompareError> {
-    let pair = Pair::new(full, plain)?;
-    Ok(of_pair(mosaic, probabilities, &pair, within))
-}
-
-/// The same of a pair: the full model, and a plainer one.
+/// What each tile of a mosaic shows of a pair, the full model and a plainer one; `probabilities` are
+/// those with which the tiles were drawn.
 #[must_use]
 pub fn of_pair(mosaic: &Mosaic, probabilities: &[f64], pair: &Pair, within: Micros) -> Vec<Tile> {
     let mut tiles: Vec<Tile> = { probabilities.iter() }

@@ -72,7 +72,7 @@ pub struct Stage<'a> {
 }
 
 /// A frame of a stage.
-pub struct Shown {
+pub struct StageFrame {
     /// As the models that see inserted frames get it.
     pub frame: Frame,
     /// Its number among the scene's own frames, if it is one.
@@ -111,25 +111,16 @@ impl<'a> Stage<'a> {
     }
 
     fn light(&self, pixels: Pixels<'_>) -> Plane<f64> {
-        let lights: Vec<f64> = match pixels {
-            Pixels::Bytes(bytes) => {
-                let light = |from: &u32| bytes.get(*from as usize).copied().map_or(0.0, f64::from);
-                self.shows.iter().map(light).collect()
-            }
-            Pixels::Numbers(numbers) => {
-                let light = |from: &u32| numbers.get(*from as usize).copied().unwrap_or(0.0);
-                self.shows.iter().map(light).collect()
-            }
-        };
+        let lights = self.shows.iter().map(|from| pixels.at(*from as usize));
         let shape = self.size.shape();
-        Plane::from_shape_vec(shape, lights).unwrap_or_else(|_| Plane::zeros(shape))
+        Plane::from_shape_vec(shape, lights.collect()).unwrap_or_else(|_| Plane::zeros(shape))
     }
 
     /// Shows the first so many frames of the scene, with those between them.
     pub fn play<E>(
         &self,
         most: usize,
-        mut see: impl FnMut(Shown) -> Result<(), E>,
+        mut see: impl FnMut(StageFrame) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut given = 0;
         let mut before: Option<(f64, Plane<f64>)> = None;
@@ -150,7 +141,7 @@ impl<'a> Stage<'a> {
                         light: light.into(),
                     };
                     given += 1;
-                    see(Shown { frame, own: None })?;
+                    see(StageFrame { frame, own: None })?;
                 }
             }
             if self.between.is_some() {
@@ -163,7 +154,7 @@ impl<'a> Stage<'a> {
             };
             given += 1;
             let own = Some(index);
-            see(Shown { frame, own })?;
+            see(StageFrame { frame, own })?;
         }
         Ok(())
     }

@@ -14,7 +14,7 @@ use super::{
     family::Family,
     look::{Grid, Look},
     spread::Parts,
-    stage::{Between, Shown, Stage},
+    stage::{Between, Stage, StageFrame},
 };
 
 /// The scene on tiles, and what runs there.
@@ -159,7 +159,7 @@ impl<F: Family> Trial<'_, F> {
         }
         let stage = Stage::new(self.kept, self.between, mosaic, self.family.outside());
         let mut shown = 0;
-        let played = stage.play(frames, |Shown { frame, own }| {
+        let played = stage.play(frames, |StageFrame { frame, own }| {
             let timed = frame.index >= UNCLOCKED;
             for (sensor, ran) in sensors.iter_mut().zip(&mut runs) {
                 if is_late() {

@@ -1,4 +1,4 @@
-//! Pictures inside the page.
+//! Pictures inside a page.
 
 use ::image::RgbImage;
 use base64::{Engine, prelude::BASE64_STANDARD};
@@ -7,7 +7,8 @@ use maud::{Markup, html};
 use crate::picture::{Drawing, png, svg};
 
 /// A picture of pixels, with what it shows in words.
-pub(super) fn pixels(picture: &RgbImage, alt: &str) -> Markup {
+#[must_use]
+pub fn pixels(picture: &RgbImage, alt: &str) -> Markup {
     let (width, height) = picture.dimensions();
     let source = format!(
         "data:image/png;base64,{}",
@@ -19,7 +20,8 @@ pub(super) fn pixels(picture: &RgbImage, alt: &str) -> Markup {
 }
 
 /// A drawing, with what it shows in words.
-pub(super) fn drawing(drawing: &Drawing, alt: &str) -> Markup {
+#[must_use]
+pub fn drawing(drawing: &Drawing, alt: &str) -> Markup {
     let (width, height) = drawing.size();
     let source = format!(
         "data:image/svg+xml;base64,{}",

@@ -11,7 +11,7 @@ mod chip;
 mod chips;
 mod events;
 mod fall;
-mod image;
+pub mod image;
 mod mesh;
 mod number;
 mod part;

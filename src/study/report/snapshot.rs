@@ -108,10 +108,9 @@ fn legend(with_difference: bool) -> Markup {
 }
 
 fn patch(ink: Ink) -> Markup {
-    let [r, g, b] = ink.0;
     html! {
         svg.patch viewBox="0 0 10 10" aria-hidden="true" focusable="false" {
-            rect width="10" height="10" fill=(format!("#{r:02x}{g:02x}{b:02x}")) {}
+            rect width="10" height="10" fill=(ink::hex(ink)) {}
         }
     }
 }

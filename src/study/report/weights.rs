@@ -24,9 +24,9 @@ pub(super) fn picture(weights: &[Vec<f64>], scale: f64, most: f64, alt: &str) ->
         svg.kernel viewBox=(size) role="img" aria-label=(alt) {
             @for ((y, x), weight) in plane.indexed_iter() {
                 @let colour = *colours.get_pixel(x as u32, y as u32);
-                rect x=(x * SQUARE) y=(y * SQUARE) width=(SQUARE - 1) height=(SQUARE - 1) fill=(hex(colour)) {}
+                rect x=(x * SQUARE) y=(y * SQUARE) width=(SQUARE - 1) height=(SQUARE - 1) fill=(ink::hex(colour)) {}
                 @if numbered {
-                    text x=(x * SQUARE + SQUARE / 2) y=(y * SQUARE + SQUARE / 2 + 4) text-anchor="middle" fill=(hex(readable(colour))) { (short(*weight)) }
+                    text x=(x * SQUARE + SQUARE / 2) y=(y * SQUARE + SQUARE / 2 + 4) text-anchor="middle" fill=(ink::hex(readable(colour))) { (short(*weight)) }
                 }
             }
         }
@@ -39,11 +39,6 @@ pub(super) fn most(weights: &[Vec<f64>]) -> f64 {
         .iter()
         .flatten()
         .fold(0.0, |most, w| most.max(w.abs()))
-}
-
-fn hex(ink: Ink) -> String {
-    let [r, g, b] = ink.0;
-    format!("#{r:02x}{g:02x}{b:02x}")
 }
 
 /// Ink or paper, whichever stands out more.

@@ -118,8 +118,8 @@ pub(super) fn watch(
     guard.packet_of(sensor.name(), &packet, &sensor.silence());
     if let Some(unheld) = unheld {
         saturation::warn_unheld(&mut guard, sensor.name(), unheld);
-    } else if let Some(warning) = overflow.warning(sensor.name(), sensor.overflowed()) {
-        guard.warn(warning);
+    } else {
+        guard.extend(overflow.warning(sensor.name(), sensor.overflowed()));
     }
     // A clock may be too coarse for a small scene.
     Ok((packet, f64::max(spent, 1e-9), guard.warnings()))

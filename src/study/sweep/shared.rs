@@ -20,7 +20,7 @@ use super::{
 #[derive(Debug, Default)]
 pub(super) struct Shared {
     truths: Mutex<VecDeque<(String, Known)>>,
-    drives: Mutex<VecDeque<(String, Shown)>>,
+    drives: Mutex<VecDeque<(String, DriveSlot)>>,
     programs: Mutex<Vec<(String, Made)>>,
     pilots: Mutex<HashMap<String, Pilot>>,
     figures: Mutex<HashMap<String, Figures>>,
@@ -51,7 +51,7 @@ pub(super) type Known = Arc<OnceLock<Result<Truth, Refusal>>>;
 pub(super) type Made = Arc<OnceLock<Result<LevelProgram, Refusal>>>;
 
 /// What sheets make of a scene, if it is kept.
-pub(super) type Shown = Arc<OnceLock<Option<Drive>>>;
+pub(super) type DriveSlot = Arc<OnceLock<Option<Drive>>>;
 
 /// Ladders that are kept: points come task by task.
 const KEPT: usize = 8;
@@ -139,7 +139,7 @@ impl Shared {
     }
 
     /// What sheets make of a scene.
-    pub fn drive(&self, key: &str, make: impl FnOnce() -> Option<Drive>) -> Shown {
+    pub fn drive(&self, key: &str, make: impl FnOnce() -> Option<Drive>) -> DriveSlot {
         let slot = recent(&self.drives, key, KEPT_DRIVES);
         slot.get_or_init(make);
         slot

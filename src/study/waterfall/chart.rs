@@ -2,10 +2,9 @@
 
 use super::{Cause, Rate, Rates, Sample, Share, Waterfall};
 use crate::{
-    compare::{fate::Fate, metric::Short},
+    compare::metric::Short,
     picture::{
-        Classes, Drawing, RatesCause, RatesShow, WaterfallShow, WaterfallStep, ink, rates,
-        waterfall,
+        Drawing, RatesCause, RatesShow, WaterfallShow, WaterfallStep, ink, rates, waterfall,
     },
     unit::{Micros, counted, frame_rate},
 };
@@ -20,8 +19,8 @@ impl Waterfall {
             .iter()
             .map(|step| WaterfallStep {
                 name: step.name,
-                forward: classes(step.forward),
-                backward: step.backward.map(classes),
+                forward: step.forward,
+                backward: step.backward,
             })
             .collect();
         waterfall(&WaterfallShow {
@@ -29,7 +28,7 @@ impl Waterfall {
             captions: &self.captions(),
             whole: self.float_events,
             steps: &steps,
-            ends: classes(self.ends),
+            ends: self.ends,
         })
     }
 
@@ -57,16 +56,6 @@ impl Waterfall {
                 program.threshold_lsb
             ),
         ]
-    }
-}
-
-const fn classes(fate: Fate) -> Classes {
-    Classes {
-        kept: fate.kept,
-        mistimed: fate.mistimed,
-        wrong_sign: fate.wrong_sign,
-        lost: fate.lost,
-        extra: fate.extra,
     }
 }
 

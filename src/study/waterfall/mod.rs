@@ -12,7 +12,7 @@
 //!   given all the others: the sensor with every step on but this one, against the one with all
 //!   on; for the float model's steps, among themselves. Where the two differ, steps interact.
 //!
-//! Kinds of one program fall together ([`Fall::together`]): every sensor has all of them, so that a
+//! Kinds of one program fall together ([`Fall::all`]): every sensor has all of them, so that a
 //! memory that they share is shared in all, and each kind's own events are told.
 //!
 //! Not every set of steps is a sensor: `docs/waterfall.md` says which are run, and what adds up
@@ -40,4 +40,4 @@ pub use question::{Fall, Question, WaterfallError};
 pub use rates::{Choice, How, Rate, Rates, Share};
 pub use sample::{Sample, Tile};
 pub use shapley::shapley;
-pub use steps::{Shares, Step, Waterfall, Words, ask, steps_together};
+pub use steps::{ProgramCost, Shares, Step, Waterfall, ask, steps_together};

@@ -91,17 +91,23 @@ impl<'a> Fall<'a> {
         }
     }
 
-    /// Kinds of one program, each a fall of its own: quantises their kernels and compiles them
-    /// together, with this memory or the first that the chip holds them in. The design of the
-    /// question is not looked at.
+    /// One design, or kinds of one program, each a fall of its own: quantises their kernels and
+    /// compiles them together, with this memory or the first that the chip holds them in. The design
+    /// of the question is not looked at.
     ///
     /// # Errors
     /// When a kernel cannot be quantised as asked, or no memory holds all kinds on the chip.
-    pub fn together(
+    pub fn all(
         designs: &[Design<'a>],
         question: Question<'a>,
         memory: Option<DriveMemory>,
     ) -> Result<Vec<Self>, WaterfallError> {
+        if let [design] = designs {
+            return Ok(vec![Self::new(Question {
+                design: *design,
+                ..question
+            })?]);
+        }
         let mut quantised = Vec::new();
         for design in designs {
             design.description(MemoryRule::FilteredSnap)?;
@@ -143,7 +149,7 @@ impl<'a> Fall<'a> {
     /// Frames a second at most: instruction words, then the slots of the readout.
     #[must_use]
     pub fn ceiling_fps(&self) -> f64 {
-        1e6 / self.program().cost.micros()
+        self.program().cost.frames_per_second()
     }
 }
 

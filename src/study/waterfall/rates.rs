@@ -18,8 +18,7 @@ use crate::{
     number::Format,
     reference::MemoryRule,
     rig,
-    scene::{Scene, SceneError, held::Held, resample::Resampled},
-    sensor::Sensor,
+    scene::{Reopen, Scene, SceneError, held::Held, resample::Resampled},
     study::{
         equivalent::{self, Ladder},
         expanded::WORK,
@@ -201,7 +200,7 @@ impl Fall<'_> {
     pub fn rates(
         &self,
         choice: &Choice,
-        open: &dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+        open: &Reopen<'_>,
         seen: &(dyn Fn() + Sync),
     ) -> Result<Rates, WaterfallError> {
         let question = self.question;
@@ -318,11 +317,7 @@ impl Fall<'_> {
         let step = MemoryRule::FilteredStep;
         let mut sensors = vec![design.reference(size, step, Format::F64)?];
         sensors.extend(equivalent::sensors(&design, size, step)?);
-        let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-        for sensor in &mut sensors {
-            watching.push(sensor);
-        }
-        let said = rig::watch(&mut source.again(), &mut watching, |_| ())?;
+        let said = rig::watch(&mut source.again(), &mut rig::each(&mut sensors), |_| ())?;
         Ok(said.into_iter().map(|said| sample.within(said)).collect())
     }
 }
@@ -344,7 +339,7 @@ fn ladder(fps: f64, ceiling: f64) -> Vec<f64> {
 struct Whole<'a> {
     fall: &'a Fall<'a>,
     stretch: Stretch,
-    open: &'a dyn Fn() -> Result<Box<dyn Scene>, SceneError>,
+    open: &'a Reopen<'a>,
     /// The float sensor at the times of its crossings.
     reference: Packet,
 }

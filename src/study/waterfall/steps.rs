@@ -22,7 +22,7 @@ use crate::{
         guard::{Guard, Warning},
     },
     scene::{Frame, Scene},
-    sensor::{Overflowed, Sensor},
+    sensor::Overflowed,
     study::{
         equivalent::{Ladder, Likeness, RUNGS},
         saturation,
@@ -55,7 +55,7 @@ pub struct Waterfall {
     /// What the chip's cells hold.
     pub arithmetic: String,
     /// The chip's program.
-    pub program: Words,
+    pub program: ProgramCost,
     /// In the order in which they are added.
     pub steps: Vec<Step>,
     /// The float sensor against what leaves the chip, at once.
@@ -66,7 +66,7 @@ pub struct Waterfall {
 
 /// What the chip's program takes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Words {
+pub struct ProgramCost {
     /// Instruction words of a frame.
     pub words: u64,
     /// Microseconds a frame on the array, without readout.
@@ -203,10 +203,6 @@ pub fn steps_together(
     sensors.extend(kinds.ladder(step, size)?);
     sensors.push(kinds.float(false, snap, size)?);
     sensors.extend(kinds.ladder(snap, size)?);
-    let mut watching: Vec<&mut (dyn Sensor + Send)> = Vec::new();
-    for sensor in &mut sensors {
-        watching.push(sensor);
-    }
     let mut guard = Guard::new();
     let (program, settings) = (&kinds.compiled, kinds.compiled.settings());
     let parts = [&program.code.init[..], &program.code.frame];
@@ -216,14 +212,12 @@ pub fn steps_together(
         saturation::warn_unheld(&mut guard, "the chip", unheld);
     }
     let mut overflow = saturation::of_light(cells, &settings);
-    let mut fired = rig::watch(scene, &mut watching, |frame| {
+    let mut fired = rig::watch(scene, &mut rig::each(&mut sensors), |frame| {
         guard.frame(frame);
         overflow.see(frame);
         seen(frame);
     })?;
-    if let Some(warning) = overflow.warning("the chip", Overflowed::default()) {
-        guard.warn(warning);
-    }
+    guard.extend(overflow.warning("the chip", Overflowed::default()));
     let floats = fired.split_off(plan.setups.len());
     let read: Vec<Option<ReadOut>> = { fired.iter().enumerate() }
         .map(|(i, packet)| {
@@ -280,9 +274,9 @@ impl Fall<'_> {
         let (question, plan, fps) = (self.question, shown.plan, shown.fps);
         let mut guard = shown.guard.clone();
         if let Some(quantised) = self.kinds.quantised(self.kind) {
-            for erasure in quantised.erasures(question.design.kernel) {
-                guard.warn(Warning::erased(&question.to.to_string(), erasure));
-            }
+            let to = question.to.to_string();
+            let erasures = quantised.erasures(question.design.kernel).into_iter();
+            guard.extend(erasures.map(|erasure| Warning::erased(&to, erasure)));
         }
         let floats: Cow<'_, [Packet]> = if self.kinds.count() == 1 {
             Cow::Borrowed(shown.floats)
@@ -316,15 +310,11 @@ impl Fall<'_> {
             ladder(once, decided)?,
         ];
         let [_, decided] = &ladders;
-        if !decided.reference().events.is_empty()
-            && let Some(warning) = Warning::window(question.within, decided.floor())
-        {
-            guard.warn(warning);
+        if !decided.reference().events.is_empty() {
+            guard.extend(Warning::window(question.within, decided.floor()));
         }
         let events = packets.at(plan.float)?.events.len() as u64;
-        if let Some(warning) = Warning::few_events(events) {
-            guard.warn(warning);
-        }
+        guard.extend(Warning::few_events(events));
         guard.packet("the float sensor", packets.at(plan.float)?);
         guard.packet("the chip", packets.at(plan.chip)?);
         packets.assemble(self, plan, &ladders, guard)
@@ -458,7 +448,7 @@ impl Packets<'_> {
             windows: self.windows,
             to: question.to.to_string(),
             arithmetic: question.arithmetic.to_string(),
-            program: Words {
+            program: ProgramCost {
                 words: program.cost.words.0,
                 array_us: program.cost.array_us,
                 registers: program.registers(),
