@@ -223,8 +223,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     progress.finish();
     let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
     warnings.extend(missed);
-    let more = { warnings.iter() }.filter(|it| !told.contains(it)).cloned();
-    light::warn(&more.collect::<Vec<_>>());
+    light::warn_besides(&told, &warnings);
     let mut reply = reply?;
     warn_and_complete(&mut reply, &warnings, &observation);
     let explain = |what: &String| explanation(&reply, what, arguments.json);

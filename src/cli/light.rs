@@ -195,6 +195,13 @@ pub fn warn(warnings: &[Warning]) {
     warn_of(None, warnings);
 }
 
+/// Says each warning beside the output that was not told before.
+pub fn warn_besides(told: &[Warning], warnings: &[Warning]) {
+    for warning in warnings.iter().filter(|it| !told.contains(it)) {
+        warn(std::slice::from_ref(warning));
+    }
+}
+
 /// Says each warning beside the output, and of which of several kernels it is.
 pub fn warn_of(kernel: Option<&String>, warnings: &[Warning]) {
     let of = kernel.map_or(String::new(), |name| format!("{name}: "));

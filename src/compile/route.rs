@@ -9,7 +9,10 @@ use super::digit::Place;
 
 /// Routes that were found, each once: walks that differ in their signs alone take the same.
 #[derive(Default)]
-pub(super) struct Routes(RefCell<BTreeMap<(Vec<Place>, Option<Place>), Vec<Place>>>);
+pub(super) struct Routes(RefCell<BTreeMap<Asked, Vec<Place>>>);
+
+/// The places, and where the walk is that comes to them.
+type Asked = (Vec<Place>, Option<Place>);
 
 impl Routes {
     /// An order in which to visit `visits`, starting at `from` if the walk has begun, and ending at

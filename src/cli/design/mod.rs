@@ -262,16 +262,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     progress.finish();
     let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
-    warnings.extend(missed(arguments.rate, &found));
-    warnings.extend(by_accident(&found));
-    warnings.extend(silent(candidate, found.frames));
-    let kept =
-        { candidate.kept }.and_then(|kept| Warning::kept(&candidate.to.to_string(), kept, HALF));
-    warnings.extend(kept);
-    warnings.extend(erased(&question, candidate)?);
-    let told = told.into_inner().unwrap_or_default();
-    let more = { warnings.iter() }.filter(|it| !told.contains(it)).cloned();
-    light::warn(&more.collect::<Vec<_>>());
+    warnings.extend(arguments.doubts(&question, &found, candidate)?);
+    light::warn_besides(&told.into_inner().unwrap_or_default(), &warnings);
     let commands = written
         .as_ref()
         .map(|written| arguments.commands(written, found.frames));
@@ -353,6 +345,22 @@ fn by_accident(found: &Exploration) -> Vec<Warning> {
 }
 
 impl Arguments {
+    /// What there is to warn of all that was found, and of what is picked.
+    fn doubts(
+        &self,
+        question: &Question<'_>,
+        found: &Exploration,
+        picked: &Candidate,
+    ) -> miette::Result<Vec<Warning>> {
+        let mut all = missed(self.rate, found);
+        all.extend(by_accident(found));
+        all.extend(silent(picked, found.frames));
+        let little = |kept| Warning::kept(&picked.to.to_string(), kept, HALF);
+        all.extend(picked.kept.and_then(little));
+        all.extend(erased(question, picked)?);
+        Ok(all)
+    }
+
     /// A threshold for each kernel, where no rate is asked for.
     fn thresholds(&self, kinds: &Kinds) -> miette::Result<Vec<f64>> {
         if self.rate.is_some() {

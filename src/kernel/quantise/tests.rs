@@ -295,9 +295,9 @@ fn a_sum_that_no_level_can_have_costs_nothing() {
         .map(|(y, x)| gauss(y, x, 1.0) - gauss(y, x, 2.0))
         .collect();
     let mean = weights.iter().sum::<f64>() / 49.0;
-    weights
-        .iter_mut()
-        .for_each(|weight| *weight = 0.37 * (*weight - mean));
+    for weight in &mut weights {
+        *weight = 0.37 * (*weight - mean);
+    }
     let levels = |quantiser: &str, weights: &[f64]| {
         let kernel = Kernel::from_rows(&weights.chunks(7).map(Vec::from).collect::<Vec<_>>());
         let quantiser: Quantiser = quantiser.parse().unwrap();
