@@ -173,7 +173,7 @@ impl Told {
         let together = together.unwrap().unwrap();
         let float = description(together.memory, &floats).unwrap();
         let programs = [&together.compiled];
-        let shown = judge(&programs, &float, (WITHIN, 0), &mut *scene(), |_| ()).unwrap();
+        let shown = judge(&programs, &float, (WITHIN, 0, 1), &mut *scene(), |_| ()).unwrap();
         let fps = scene().fps();
         let ladder = Ladder::bare(shown.float.clone(), WITHIN, fps, 0).unwrap();
         Self {

@@ -14,6 +14,7 @@ use crate::{
     compile::{DriveMemory, Effort, EventReadout, MEMORY_BITS, carried},
     event::{Event, Packet},
     number::Format,
+    program::readout::Demand,
     reference::{Description, MemoryRule},
     rig,
     scene::{Frame, Scene},
@@ -146,12 +147,13 @@ impl Together {
     pub fn judge(
         &self,
         floats: &[Design<'_>],
-        within: (Micros, u64),
+        (within, seed): (Micros, u64),
         scene: &mut dyn Scene,
         seen: impl FnMut(&Frame),
     ) -> Result<(Vec<Judged>, u64), EquivalentError> {
         let description = description(self.memory, floats)?;
-        let shown = judge(&[&self.every_event], &description, within, scene, seen)?;
+        let how = (within, seed, 1);
+        let shown = judge(&[&self.every_event], &description, how, scene, seen)?;
         let judged = shown.programs.into_iter().next().unwrap_or_default();
         Ok((judged, shown.frames))
     }
@@ -213,13 +215,19 @@ fn advice(memory: DriveMemory) -> String {
     )
 }
 
+/// On how many chips of the model a scene says how many events a readout must carry: noise fires,
+/// too, and no two chips are alike.
+pub const CHIPS: u64 = 4;
+
 /// What was seen of one float sensor and of programs that stand for it.
 #[derive(Clone, Debug)]
 pub struct SceneRun {
     /// For each program, each of its kinds.
     pub programs: Vec<Vec<Judged>>,
-    /// All events of each program with the chip's errors.
+    /// All events of each program with the errors of the chip that is judged.
     pub packets: Vec<Packet>,
+    /// What the events of each program ask of a readout: the most on all chips, and without errors.
+    pub demands: Vec<Demand>,
     /// The float sensor's events.
     pub float: Packet,
     /// Frames that were shown.
@@ -227,14 +235,15 @@ pub struct SceneRun {
 }
 
 /// Shows the scene once, to a float sensor, to its ladder and to programs that stand for it, and
-/// judges every kind of each; with the window of a match and the seed of the silicon.
+/// judges every kind of each; with the window of a match and the seed of the silicon. Of `chips`, of
+/// this seed and the next ones, the first is judged; all of them say what a readout must carry.
 ///
 /// # Errors
 /// When a sensor cannot be made, or scene or sensor cannot go on.
 pub fn judge(
     programs: &[&Compiled],
     description: &Description,
-    (within, seed): (Micros, u64),
+    (within, seed, chips): (Micros, u64, u64),
     scene: &mut dyn Scene,
     mut seen: impl FnMut(&Frame),
 ) -> Result<SceneRun, EquivalentError> {
@@ -247,22 +256,28 @@ pub fn judge(
         let made = float(model, size, seed, Format::F64).map_err(DesignError::from)?;
         sensors.push(made);
     }
-    let mut chips: Vec<Box<dyn Array + Send>> = Vec::new();
-    let silicon = Arithmetic::Silicon { seed };
+    let silicon = (0..chips.max(1)).map(|n| Arithmetic::Silicon {
+        seed: seed.wrapping_add(n),
+    });
+    let kinds: Vec<_> = [Arithmetic::Number(Format::F64)]
+        .into_iter()
+        .chain(silicon)
+        .collect();
+    let mut arrays: Vec<Box<dyn Array + Send>> = Vec::new();
     for program in programs {
-        for arithmetic in [Arithmetic::Number(Format::F64), silicon] {
-            chips.push(program.chip(arithmetic, size, program.settings())?);
+        for arithmetic in &kinds {
+            arrays.push(program.chip(*arithmetic, size, program.settings())?);
         }
     }
     let mut watching = rig::each(&mut sensors);
-    watching.extend(rig::each(&mut chips));
+    watching.extend(rig::each(&mut arrays));
     let mut frames = 0;
     let packets = rig::watch(scene, &mut watching, |frame| {
         frames += 1;
         seen(frame);
     })?;
-    let (floats, chips) = packets.split_at(packets.len().min(RUNGS.len() + 1));
-    let both = || chips.chunks_exact(2);
+    let (floats, arrays) = packets.split_at(packets.len().min(RUNGS.len() + 1));
+    let each = || arrays.chunks_exact(kinds.len());
     let mut judged = vec![Vec::new(); programs.len()];
     for kind in 0..description.channels.len() {
         let floats: Vec<Packet> = floats.iter().map(|packet| own(packet, kind)).collect();
@@ -270,8 +285,8 @@ pub fn judge(
             continue;
         };
         let ladder = Ladder::new(truth.clone(), rungs, within, fps, seed)?;
-        for (both, judged) in both().zip(&mut judged) {
-            let [exact, silicon] = [0, 1].map(|one| own(&both[one], kind));
+        for (ran, judged) in each().zip(&mut judged) {
+            let [exact, silicon] = [0, 1].map(|one| own(&ran[one], kind));
             judged.push(Judged {
                 exact: ladder.judge(&exact)?,
                 silicon: ladder.judge(&silicon)?,
@@ -279,9 +294,14 @@ pub fn judge(
             });
         }
     }
+    let most = |ran: &[Packet]| {
+        let each = ran.iter().map(|packet| Demand::new(packet, frames));
+        each.reduce(Demand::and).unwrap_or_default()
+    };
     Ok(SceneRun {
         programs: judged,
-        packets: both().map(|both| both[1].clone()).collect(),
+        packets: each().map(|ran| ran[1].clone()).collect(),
+        demands: each().map(most).collect(),
         float: { floats.first().cloned() }.unwrap_or_else(|| Packet::new(size, 1)),
         frames,
     })

@@ -23,7 +23,7 @@ use crate::{
     },
     rig::{self, Larger, guard::Warning},
     scene::Observation,
-    study::{design, feasibility::time},
+    study::{design, feasibility::time, together::CHIPS},
     unit::counted,
 };
 
@@ -163,9 +163,6 @@ pub(super) fn check_scene(arguments: &Arguments, device: &Device) -> miette::Res
         device,
     )?)
 }
-
-/// How many chips of the model a scene is shown to.
-const CHIPS: u64 = 4;
 
 /// What the events of the program on a scene ask for, every one of them: on several chips, which
 /// differ, and without a chip's errors.

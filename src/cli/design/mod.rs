@@ -38,7 +38,7 @@ use crate::{
         equivalent::RUNGS,
         exploration::{Aim, Candidate, Exploration, Question, RatedThresholds, explore},
         feasibility::{self, chips::HALF},
-        together::memories,
+        together::{CHIPS, memories},
     },
 };
 
@@ -231,7 +231,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     let observation = Observation::new();
     let scene = arguments.clip.open(&observation)?;
     arguments.clip.check_fits(&*scene, &device)?;
-    let sensors = (RUNGS.len() + 1) * kinds.kernels.len() + 4 * arguments.to.len();
+    let sensors =
+        (RUNGS.len() + 1) * kinds.kernels.len() + ways * (1 + CHIPS as usize) * arguments.to.len();
     budget::check_study(&*scene, sensors)?;
     drop(scene);
     let open = || arguments.clip.open(&observation);

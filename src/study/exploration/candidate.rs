@@ -38,7 +38,8 @@ pub struct Candidate {
     pub array_us: [f64; 2],
     /// Halvings of the light on the way, for each filter of the program.
     pub halvings: Vec<u32>,
-    /// How the events leave the chip: the cheapest way that loses none of this scene's.
+    /// How the events leave the chip: the cheapest way that loses none of this scene's, on several
+    /// chips of the model and without a chip's errors.
     pub readout: Way,
     /// Frames a second with it, the least and the most.
     pub frames_s: [f64; 2],

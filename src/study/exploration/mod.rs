@@ -139,7 +139,7 @@ pub fn explore(
         let programs: Vec<&Compiled> = found.iter().map(|it| &it.every_event).collect();
         let mut scene = open()?;
         let size = scene.size();
-        let within = (all.window_us, question.seed);
+        let within = (all.window_us, question.seed, together::CHIPS);
         let shown = together::judge(&programs, &description, within, &mut *scene, &mut seen)?;
         all.frames = shown.frames;
         let seconds = shown.frames.saturating_sub(1) as f64 / fps;
@@ -166,10 +166,9 @@ pub fn explore(
             continue;
         }
         let sensor = question.sensor(description);
-        let judged = shown.programs.iter().zip(&shown.packets);
-        for (found, (judged, packet)) in found.into_iter().zip(judged) {
-            let demand = Demand::new(packet, shown.frames);
-            let candidate = found.judged(question, (&sensor, &thresholds), judged, &demand)?;
+        let judged = shown.programs.iter().zip(&shown.demands);
+        for (found, (judged, demand)) in found.into_iter().zip(judged) {
+            let candidate = found.judged(question, (&sensor, &thresholds), judged, demand)?;
             all.candidates.push(candidate);
         }
     }
