@@ -792,6 +792,34 @@ fn the_commands_run_what_was_judged() {
     good(folder, &["quantise", "cafe\u{301}.toml", "--to", "ternary"]);
 }
 
+/// The readout of a program that is written loses nothing on other chips of the model either.
+#[test]
+fn a_readout_serves_several_chips() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let noise = "pattern:noise?width=48&height=40&frames=12";
+    for threshold in ["10", "15"] {
+        let design = [
+            "design",
+            "csdvs-3",
+            "--threshold",
+            threshold,
+            "--scene",
+            noise,
+        ];
+        let quick = ["--to", "ternary", "--effort", "0.02", "-o", threshold];
+        let said = json(at, &[&design[..], &quick].concat());
+        let picked = &said["candidates"][said["picked"].as_u64().unwrap() as usize];
+        assert_eq!(picked["readout"], "busiest_frame", "slots are told apart");
+        let program = format!("{threshold}/program.scamp");
+        for seed in ["0", "1", "2", "3"] {
+            let exec = ["exec", &program, "--image", noise, "--domain", "silicon"];
+            let said = json(at, &[&exec[..], &["--seed", seed]].concat());
+            assert_eq!(said["dropped"]["no_slot"], 0, "{threshold}, chip {seed}");
+        }
+    }
+}
+
 /// The kinds of a sensor may stand in a list as well as under their heads.
 #[test]
 fn a_sensor_whose_kinds_are_a_list_is_one() {
