@@ -254,12 +254,20 @@ fn what_a_search_gives_up_is_a_row_and_is_tried_again() {
     assert!(!said.contains("-0"), "{said}");
     let given_up = rows(&at.join("out"));
     assert!(given_up.iter().all(|row| row["outcome"] == "failed"));
+    let said = good(at, &["merge", "out", "-o", "all of it"]);
+    let words =
+        "failed   144 points: compute again with `amacrine sweep STUDY --output 'all of it'`\n";
+    assert!(said.contains(words), "{said}");
     let again = json(at, &sweep);
     assert_eq!(again["search"]["rungs"][0]["tried"], POINTS);
     assert_eq!(again["failed"], json!([]));
     let found = rows(&at.join("out"));
     assert_eq!(found.len(), 8);
     assert!(found.iter().all(|row| row["outcome"] == "done"));
+    // What a search leaves out is not computed by another run.
+    let said = good(at, &["merge", "out", "-o", "joined"]);
+    let words = "missing  136 points: left out by the search, or not computed yet\n";
+    assert!(said.contains(words), "{said}");
     // As if nothing had been given up.
     json(at, &["sweep", "study.toml", "-o", "other"]);
     let figures = |folder: &str| {

@@ -15,7 +15,7 @@ use std::{
     sync::OnceLock,
 };
 
-use common::{amacrine, json as said, refused};
+use common::{amacrine, json as said, refusal, refused};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -334,6 +334,89 @@ fn a_damaged_manifest_is_named_and_can_be_made_again_around_its_points() {
         (&json!(0), &json!(POINTS))
     );
     assert_eq!(fs::read_to_string(&path).unwrap(), whole);
+}
+
+/// A chart of one's own in the folder is no reason to lose its points; what else is in a folder that
+/// is not of a sweep is named.
+#[test]
+fn a_folder_without_its_manifest_is_known_by_its_points() {
+    let folder = swept();
+    let (at, out) = (folder.path(), folder.path().join("out"));
+    said(at, &["report", "out", "-o", "out/front.svg"]);
+    let whole = fs::read_to_string(out.join("sweep.json")).unwrap();
+    fs::remove_file(out.join("sweep.json")).unwrap();
+    let again = sweep(at, "out");
+    assert_eq!(
+        (&again["computed"], &again["found"]),
+        (&json!(0), &json!(POINTS))
+    );
+    assert_eq!(fs::read_to_string(out.join("sweep.json")).unwrap(), whole);
+    assert!(out.join("front.svg").exists());
+
+    fs::remove_file(out.join("sweep.json")).unwrap();
+    fs::write(out.join("points/mine.txt"), "mine").unwrap();
+    let arguments = ["sweep", "study.toml", "--output", "out"];
+    refused(at, &arguments, &["no sweep.json", "out/points/mine.txt"]);
+    fs::remove_file(out.join("points/mine.txt")).unwrap();
+    fs::remove_file(out.join("ledger.txt")).unwrap();
+    refused(at, &arguments, &["no sweep.json", "out/front.svg"]);
+    assert!(!out.join("sweep.json").exists());
+}
+
+/// In a study with fewer points those that are kept have other numbers.
+#[test]
+fn points_are_known_by_their_identity_whatever_their_number() {
+    let folder = swept();
+    let (at, out) = (folder.path(), folder.path().join("out"));
+    fs::remove_file(out.join("sweep.json")).unwrap();
+    let fewer = STUDY.replace("[12, 20, 28, 36]", "[28, 12]");
+    fs::write(at.join("study.toml"), fewer).unwrap();
+    let again = sweep(at, "out");
+    let found = (&again["computed"], &again["found"], &again["damaged"]);
+    assert_eq!(found, (&json!(0), &json!(POINTS / 2), &json!([])));
+    let lines = fs::read_to_string(out.join("results.jsonl")).unwrap();
+    for (index, line) in lines.lines().enumerate() {
+        let row: Value = serde_json::from_str(line).unwrap();
+        assert_eq!(row["index"], index);
+    }
+}
+
+/// A chip's folder is the same one from wherever the study is named.
+#[test]
+fn a_study_with_a_chip_of_its_own_is_gone_on_with_from_another_folder() {
+    let folder = TempDir::new().unwrap();
+    let (at, inner) = (folder.path(), folder.path().join("inner"));
+    fs::create_dir_all(inner.join("own")).unwrap();
+    let device = "name = \"own\"\ntitle = \"Own\"\nextends = \"scamp5\"\n";
+    fs::write(inner.join("own/device.toml"), device).unwrap();
+    let macros = "/// y := x\nmacro copied(out y: areg, x: areg) {\n    mov(y, x);\n}\n";
+    fs::write(inner.join("own/macros.scamp"), macros).unwrap();
+    let study = "scene = \"pattern:disc?width=24&height=16&frames=5&radius=5\"\nthreshold = 20\neffort = 0\n\
+        [[side]]\nside = \"array\"\nkernel = \"dvs\"\nchip = \"own\"\n";
+    fs::write(inner.join("study.toml"), study).unwrap();
+    assert_eq!(sweep(&inner, "out")["computed"], 1);
+    let arguments = ["sweep", "inner/study.toml", "--output", "inner/out"];
+    assert_eq!(said(at, &arguments)["found"], 1);
+}
+
+/// The files of a study are looked for by names that are text.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_folder_whose_name_is_no_text_is_told_of() {
+    use std::{ffi::OsStr, os::unix::ffi::OsStrExt as _};
+
+    let folder = TempDir::new().unwrap();
+    let odd = folder.path().join(OsStr::from_bytes(b"o\xffdd"));
+    fs::create_dir(&odd).unwrap();
+    fs::write(odd.join("clip.npy"), "light").unwrap();
+    let study = STUDY.replace(
+        "pattern:disc?width=24&height=16&frames=5&radius=5",
+        "clip.npy",
+    );
+    fs::write(odd.join("study.toml"), study).unwrap();
+    let mut sweep = amacrine(folder.path(), &["sweep"]);
+    let told = sweep.arg(odd.join("study.toml")).output().unwrap();
+    refusal(&told, &["no UTF-8", "rename the file, or link to it"]);
 }
 
 #[test]

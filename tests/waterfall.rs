@@ -838,6 +838,22 @@ mod verb {
     }
 
     #[test]
+    fn an_error_that_is_set_where_cells_do_not_err_is_told_of() {
+        let folder = TempDir::new().unwrap();
+        for (format, set, told) in [
+            ("q8.8", "error.noise=50", true),
+            ("q8.8", "clock.rate=11", false),
+            ("silicon", "error.noise=5", false),
+        ] {
+            let more = ["--format", format, "--set", set, "--steps"];
+            let said = amacrine(folder.path(), &asked(&more)).assert().success();
+            let text = String::from_utf8_lossy(&said.get_output().stderr).into_owned();
+            let note = "note: error.noise changes nothing in the domain q8.8, whose cells do not err: --format silicon has errors";
+            assert_eq!(text.contains(note), told, "{format} {set}: {text}");
+        }
+    }
+
+    #[test]
     fn a_format_that_cannot_hold_the_light_is_told_of() {
         let folder = TempDir::new().unwrap();
         for (format, told) in [

@@ -1,6 +1,6 @@
 //! Another value for a number of the chip, on the command line.
 
-use crate::{config::nearest, isa::Figure};
+use crate::{array::Arithmetic, config::nearest, isa::Figure};
 
 /// The number of the chip of this name (`error.noise`), and the value that is written for it.
 pub(super) fn figure(name: &str, value: &str) -> Result<(Figure, f64), String> {
@@ -22,4 +22,18 @@ pub(super) fn figure(name: &str, value: &str) -> Result<(Figure, f64), String> {
         )
     })?;
     Ok((figure, number))
+}
+
+/// The name of a number that says how cells err; none of another number.
+pub(super) fn error_name(figure: Figure) -> Option<String> {
+    let (section, key) = figure.key();
+    (section == "error").then(|| format!("{section}.{key}"))
+}
+
+/// That something that was set, by which cells err, changes nothing in a domain without errors;
+/// `option` sets the domain.
+pub(super) fn changes_nothing(set: &str, domain: Arithmetic, option: &str) -> String {
+    format!(
+        "{set} changes nothing in the domain {domain}, whose cells do not err: {option} silicon has errors"
+    )
 }

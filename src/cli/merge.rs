@@ -7,6 +7,7 @@ use serde_json::json;
 use super::{
     content::Content,
     files::{Input, Output},
+    quoted::quoted,
 };
 use crate::{study::sweep::merge, unit::counted};
 
@@ -62,30 +63,30 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         tables.finished,
         manifest.points.len()
     );
+    let output = arguments.output.display();
+    let sweep = format!(
+        "`amacrine sweep STUDY --output {}`",
+        quoted(&output.to_string())
+    );
     if tables.failed > 0 {
         let _ = writeln!(
             text,
-            "failed   {}: compute again with `amacrine sweep STUDY --output {}`",
-            counted(tables.failed, "point"),
-            arguments.output.display()
+            "failed   {}: compute again with {sweep}",
+            counted(tables.failed, "point")
         );
     }
     if !missing.is_empty() {
         let first: Vec<String> = missing.iter().take(SHOWN).map(usize::to_string).collect();
         let more = if missing.len() > SHOWN { ", …" } else { "" };
-        let _ = writeln!(
-            text,
-            "missing  {}: numbered {}{more}; compute with `amacrine sweep STUDY --output {}`",
-            counted(missing.len(), "point"),
-            first.join(", "),
-            arguments.output.display()
-        );
+        let what = if manifest.is_search() {
+            // Those that it leaves out are never computed.
+            "left out by the search, or not computed yet".to_owned()
+        } else {
+            format!("numbered {}{more}; compute with {sweep}", first.join(", "))
+        };
+        let _ = writeln!(text, "missing  {}: {what}", counted(missing.len(), "point"));
     }
-    let _ = writeln!(
-        text,
-        "wrote    {}/results.csv and results.jsonl",
-        arguments.output.display()
-    );
+    let _ = writeln!(text, "wrote    {output}/results.csv and results.jsonl");
     super::say(&text);
     Ok(())
 }

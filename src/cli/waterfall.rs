@@ -32,6 +32,7 @@ use super::{
     budget,
     clip::Clip,
     content::Content,
+    figure::{changes_nothing, error_name},
     files::{Named, Output},
     kernel_names::KernelNames,
     kernels::Kinds,
@@ -160,6 +161,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     for (figure, value) in &arguments.sets {
         device = device.what_if(*figure, *value)?;
     }
+    arguments.note_unused();
     let observation = Observation::new();
     let readout = arguments.readout.open_compiled()?;
     let search = (Effort::seconds(arguments.effort), arguments.seed);
@@ -263,6 +265,18 @@ impl Arguments {
                 self.kernels
             )
         })
+    }
+
+    /// Says which number that is set changes nothing.
+    fn note_unused(&self) {
+        if matches!(self.format, Arithmetic::Silicon { .. }) {
+            return;
+        }
+        let set = { self.sets.iter() }.find_map(|(figure, _)| error_name(*figure));
+        if let Some(set) = set {
+            let note = changes_nothing(&set, self.format, "--format");
+            super::complain(&format!("note: {note}\n"));
+        }
     }
 
     /// A threshold for each kind.

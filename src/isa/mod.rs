@@ -21,6 +21,7 @@ mod primitive;
 mod registers;
 pub mod row;
 pub mod signature;
+mod substance;
 pub mod text;
 mod value;
 

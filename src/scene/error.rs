@@ -215,6 +215,26 @@ pub enum SceneError {
         most: u64,
     },
 
+    /// A file that is read again is not what was read first.
+    #[error(
+        "the scene {path} was changed while the sweep ran: it is no longer what the points are computed from"
+    )]
+    #[diagnostic(help(
+        "run the same command again with the scene as it was; as it is now, it is another study, with an --output of its own"
+    ))]
+    Changed {
+        /// The file, or the picture of a folder.
+        path: PathBuf,
+    },
+
+    /// A name that cannot be opened, since it is no text.
+    #[error("{path}: this name is no UTF-8")]
+    #[diagnostic(help("rename the file, or link to it"))]
+    NotUtf8 {
+        /// The file or folder of the scene.
+        path: PathBuf,
+    },
+
     /// Neither a file nor a folder.
     #[error("{path}: neither a file nor a folder")]
     #[diagnostic(help(

@@ -7,6 +7,7 @@ use miette::{WrapErr, miette};
 use super::{
     super::{
         budget::{self, Growth},
+        figure::{changes_nothing, error_name},
         opened::Opened,
     },
     arguments::{Arguments, Assignment, Switch},
@@ -316,16 +317,11 @@ impl<'a> Bench<'a> {
             return None;
         }
         let set = self.arguments.sets.iter().find_map(|set| match set {
-            Assignment::Figure(figure, _) if figure.key().0 == "error" => {
-                Some(format!("error.{}", figure.key().1))
-            }
+            Assignment::Figure(figure, _) => error_name(*figure),
             _ => None,
         });
         let set = set.or_else(|| self.arguments.seed.map(|_| "--seed".to_owned()))?;
-        Some(format!(
-            "{set} changes nothing in the domain {}, whose cells do not err: --domain silicon has errors",
-            self.arithmetic
-        ))
+        Some(changes_nothing(&set, self.arithmetic, "--domain"))
     }
 
     /// Refuses files of events where the program reads none out.

@@ -9,6 +9,7 @@ use std::{
 
 use sha2::{Digest, Sha256};
 
+use super::stamp::Stamp;
 use crate::{
     photoreceptor::Response,
     plane::{Plane, Size},
@@ -38,6 +39,8 @@ pub(super) struct CachedScene {
     wanted: Wanted,
     /// The name under which it is opened.
     spec: String,
+    /// The files that it was made of.
+    stamp: Stamp,
     pub size: Size,
     /// Frames, those that were inserted among them.
     pub frames: u64,
@@ -63,7 +66,8 @@ const HELD: usize = 512 << 20;
 impl CachedScene {
     /// Opens a scene; files are looked for in `folder`. It is watched once, for its digest.
     pub fn open(wanted: &Wanted, folder: &Path) -> Result<Self, SceneError> {
-        let spec = located(&wanted.spec, folder);
+        let spec = located(&wanted.spec, folder)?;
+        let stamp = Stamp::of(&spec);
         let mut digest = Sha256::new();
         let mut held = Some(Vec::new());
         let (mut frames, mut size) = (0, Size::new(0, 0));
@@ -96,11 +100,13 @@ impl CachedScene {
             }
             Ok::<(), SceneError>(())
         })?;
+        stamp.check(&spec)?;
         digest.update(size.height.to_le_bytes());
         digest.update(size.width.to_le_bytes());
         Ok(Self {
             wanted: wanted.clone(),
             spec,
+            stamp,
             size,
             frames,
             fps,
@@ -225,6 +231,7 @@ impl CachedScene {
         Ok(Self {
             wanted: self.wanted.clone(),
             spec: self.spec.clone(),
+            stamp: self.stamp.clone(),
             size: Size::new(height, width),
             frames: frames.len() as u64,
             fps: self.fps,
@@ -244,6 +251,7 @@ impl CachedScene {
         Self {
             wanted: self.wanted.clone(),
             spec: self.spec.clone(),
+            stamp: self.stamp.clone(),
             size: self.size,
             frames: self.frames,
             fps: self.fps,
@@ -266,7 +274,11 @@ impl CachedScene {
         }
     }
 
-    /// Shows every frame.
+    /// Shows every frame; of a scene that is read again, whose files may be others by now, the
+    /// frames are of no use before its end.
+    ///
+    /// # Errors
+    /// When the scene cannot be read, or is not what it was, and what `see` says.
     pub fn play<E: From<SceneError>>(
         &self,
         mut see: impl FnMut(&Frame) -> Result<(), E>,
@@ -274,8 +286,11 @@ impl CachedScene {
         if let Some(held) = &self.held {
             return held.iter().try_for_each(see);
         }
+        self.stamp.check(&self.spec)?;
         let see = &mut |frame: Frame| see(&frame);
-        play(&self.spec, &self.wanted, &self.observation, see).map(|_| ())
+        let played = play(&self.spec, &self.wanted, &self.observation, see);
+        self.stamp.check(&self.spec)?;
+        played.map(|_| ())
     }
 }
 
@@ -318,11 +333,12 @@ fn busiest(plane: &Plane<f64>, height: usize, width: usize) -> (usize, usize) {
 }
 
 /// Files are beside the study.
-fn located(spec: &str, folder: &Path) -> String {
+fn located(spec: &str, folder: &Path) -> Result<String, SceneError> {
     if spec == "bundled" || spec.starts_with("pattern:") {
-        return spec.to_owned();
+        return Ok(spec.to_owned());
     }
-    folder.join(spec).display().to_string()
+    let path = folder.join(spec).into_os_string().into_string();
+    path.map_err(|path| SceneError::NotUtf8 { path: path.into() })
 }
 
 /// Plays a scene from its start; its frames a second.

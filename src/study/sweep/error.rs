@@ -1,6 +1,9 @@
 //! Why a folder of results cannot be used.
 
-use std::{io, path::PathBuf};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
 
 use super::{
     damage::{Damage, damages, listed},
@@ -32,6 +35,13 @@ const fn back(changes: &[String]) -> &'static str {
     } else {
         "give another --output, or the study the keys that the folder has"
     }
+}
+
+/// What else a folder holds.
+fn holds(found: Option<&Path>) -> String {
+    found.map_or_else(String::new, |found| {
+        format!(", and {} is none of a sweep's own files", found.display())
+    })
 }
 
 /// What the folder's work gives.
@@ -95,13 +105,15 @@ pub enum StoreError {
         folder: PathBuf,
     },
     /// A folder that holds something else.
-    #[error("{} is not a folder of results: it has no sweep.json", folder.display())]
+    #[error("{} is not a folder of results: it has no sweep.json{}", folder.display(), holds(found.as_deref()))]
     #[diagnostic(help(
         "give one that `amacrine sweep` or `amacrine merge` has written; as the --output of these two, one that does not exist yet"
     ))]
     Foreign {
         /// Which folder.
         folder: PathBuf,
+        /// What is in it that no sweep writes, where that was looked for.
+        found: Option<PathBuf>,
     },
     /// Something stands in the place of a file or a folder of the results.
     #[error("{} is {found}: results are not read or written through it", path.display())]

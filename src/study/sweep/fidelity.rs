@@ -299,7 +299,8 @@ fn measured<F: Family>(
     candidates: &[(String, F::Model)],
     (within, tolerance): (Micros, f64),
 ) -> Result<Found, Refusal> {
-    let (Some(kept), Ok(halo)) = (scene.kept()?, family.halo()) else {
+    let kept = { scene.kept() }.map_err(|error| Refusal::given_up(&error))?;
+    let (Some(kept), Ok(halo)) = (kept, family.halo()) else {
         return Ok(Found::new());
     };
     let tile = look::side(halo) + 2 * halo;

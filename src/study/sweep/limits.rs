@@ -59,8 +59,7 @@ pub(super) enum Exhausted {
 impl Exhausted {
     /// As the reason of a point.
     pub fn given_up(&self) -> Refusal {
-        let help = miette::Diagnostic::help(self).map(|help| format!(" ({help})"));
-        Refusal::GivenUp(format!("{self}{}", help.unwrap_or_default()))
+        Refusal::given_up(self)
     }
 }
 

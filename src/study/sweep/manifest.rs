@@ -17,7 +17,7 @@ use super::{
     provenance::{NUMERICS, SCHEMA},
     regular::{self, Unusable},
     seal::{self, Fields},
-    stated::{Stated, changes, stated},
+    stated::{Stated, changes, is_search, stated},
     study::Study,
     table,
 };
@@ -73,6 +73,12 @@ impl Manifest {
         points.map(|(index, id)| (id.as_str(), index)).collect()
     }
 
+    /// Whether a search chose which of its points are computed.
+    #[must_use]
+    pub fn is_search(&self) -> bool {
+        is_search(&self.stated)
+    }
+
     pub(super) fn write(&self, folder: &Path) -> Kept<()> {
         let fields: Fields = match serde_json::to_value(self) {
             Ok(Json::Object(fields)) => fields.into_iter().collect(),
@@ -98,6 +104,7 @@ impl Manifest {
             Err(Unusable::Absent) if folder.exists() => {
                 return Err(StoreError::Foreign {
                     folder: folder.to_owned(),
+                    found: None,
                 });
             }
             Err(Unusable::Absent) => {

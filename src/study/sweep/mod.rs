@@ -50,6 +50,7 @@ mod seen;
 mod sensor;
 mod shared;
 mod sides;
+mod stamp;
 mod stated;
 pub mod store;
 pub mod study;

@@ -377,8 +377,14 @@ impl<'a> Opened<'a> {
             let help = e.help().map(|help| help.to_string());
             self.wrong(point, "chip", &e.to_string(), help)
         })?;
-        // All that was read, as one text; what it extends is in it.
-        let data = hex(&Sha256::digest(format!("{device:?}").as_bytes())[..16]);
+        // What it extends is in it. Of a shipped chip all that was read: it is the same in every
+        // folder.
+        let data = if shipped {
+            format!("{device:?}")
+        } else {
+            device.substance()
+        };
+        let data = hex(&Sha256::digest(data.as_bytes())[..16]);
         let known = (Arc::new(device), data);
         self.chips.insert(name.to_owned(), known.clone());
         Ok(Some(known))
@@ -392,7 +398,38 @@ fn identity(description: &Json) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
+
+    /// A chip of one's own is the same in any folder and under any comment; with another statement
+    /// it is another.
+    #[test]
+    fn a_chip_of_a_folder_is_what_it_does() {
+        let folder = tempfile::tempdir().unwrap();
+        let chip = |beside: &str, macros: &str| {
+            let own = folder.path().join(beside).join("own");
+            fs::create_dir_all(&own).unwrap();
+            let device = "name = \"own\"\ntitle = \"Own\"\nextends = \"scamp5\"\n";
+            fs::write(own.join("device.toml"), device).unwrap();
+            fs::write(own.join("macros.scamp"), macros).unwrap();
+            let text = "scene = \"pattern:disc?width=16&height=12&frames=3\"\nkernel = \"dvs\"\nthreshold = 20\n\
+                [[side]]\nside = \"array\"\nchip = \"own\"\n";
+            let study = Study::parse("study.toml", text).unwrap();
+            let point = study.points().unwrap().remove(0);
+            let folder = folder.path().join(beside);
+            let mut opened = Opened::new(&study, &folder);
+            opened.chip(&point).unwrap().unwrap().1
+        };
+        let body = "macro copied(out y: areg, x: areg) {\n    mov(y, x);\n}\n";
+        let first = chip("one", &format!("/// y := x\n{body}"));
+        let other = chip("two", &format!("// Of ours.\n\n/// A copy.\n{body}"));
+        assert_eq!(first, other);
+        let other = body.replace("mov(y, x);", "bus(NEWS, x);\n    bus(y, NEWS);");
+        assert_ne!(first, chip("three", &format!("/// y := x\n{other}")));
+        let other = body.replace("copied", "moved");
+        assert_ne!(first, chip("four", &format!("/// y := x\n{other}")));
+    }
 
     /// What version 3 said of points of one kernel, whose identities differ by the version alone.
     /// That of an array also changes with the data of its chip, and all with the light of a disc,

@@ -13,6 +13,14 @@ pub(super) enum Refusal {
     GivenUp(String),
 }
 
+impl Refusal {
+    /// Of what may be mended until the next run.
+    pub fn given_up(error: &impl Diagnostic) -> Self {
+        let help = error.help().map(|help| format!(" ({help})"));
+        Self::GivenUp(format!("{error}{}", help.unwrap_or_default()))
+    }
+}
+
 impl<E: Diagnostic> From<E> for Refusal {
     fn from(error: E) -> Self {
         let help = error

@@ -284,7 +284,7 @@ pub(super) fn alone<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
+    use std::{fs, path::Path, sync::Arc};
 
     use super::*;
     use crate::study::sweep::Study;
@@ -338,6 +338,64 @@ mod tests {
         let did = run.complete(&store, |_| {}, || {}).unwrap();
         assert_eq!((did.computed, did.found), (1, 2));
         assert_eq!(store.write_tables(false).unwrap().finished, 3);
+    }
+
+    /// A scene that is read for each point is another by the second: that is no point with numbers
+    /// of another scene.
+    #[test]
+    fn a_point_whose_scene_was_changed_is_failed() {
+        let folder = tempfile::tempdir().unwrap();
+        let clip = folder.path().join("clip");
+        fs::create_dir(&clip).unwrap();
+        let picture = |shift: usize| {
+            let mut picture = b"P5 16 12 255\n".to_vec();
+            picture.extend((0..16 * 12).map(|at| (31 * (at + shift) % 251) as u8));
+            picture
+        };
+        for frame in 0..6 {
+            fs::write(clip.join(format!("{frame}.pgm")), picture(frame)).unwrap();
+        }
+        let text = "scene = \"clip\"\nkernel = \"dvs\"\nthreshold = [10, 20]\n[[side]]\nside = \"reference\"\n";
+        let study = Study::parse("study.toml", text).unwrap();
+        let mut plan = Plan::new(study, folder.path()).unwrap();
+        let scene = Arc::new(plan.entries[0].scene.as_if_too_long());
+        for entry in &mut plan.entries {
+            entry.scene = Arc::clone(&scene);
+        }
+        let run = Run {
+            plan: &plan,
+            shard: None,
+            jobs: 1,
+            limits: Limits {
+                clock: &|| 0.0,
+                seconds: None,
+                bytes: None,
+            },
+        };
+        let store = Store::open(&folder.path().join("out"), &plan.manifest()).unwrap();
+        let replaced = clip.join("3.pgm");
+        let replace = || {
+            let other = folder.path().join("other");
+            fs::write(&other, picture(100)).unwrap();
+            fs::rename(&other, &replaced).unwrap();
+            ControlFlow::Continue(())
+        };
+        let did = run.complete_until(&store, |_| {}, replace).unwrap();
+        let [failed] = &*did.failed else {
+            panic!("{:?}", did.failed);
+        };
+        let told = format!("the scene {} was changed", replaced.display());
+        assert!(failed.reason.contains(&told), "{}", failed.reason);
+        assert_eq!((did.computed, failed.point), (2, 1));
+        let held = store.held().unwrap();
+        let row = &held.records[&plan.entries[1].id].row;
+        assert_eq!(table::cell(row, "outcome"), "failed");
+        assert_eq!(table::cell(row, "events"), "");
+        // It is computed again: the next run opens the scene anew.
+        assert!(!held.records[&plan.entries[1].id].is_final());
+        fs::remove_dir_all(&clip).unwrap();
+        let did = run.complete(&store, |_| {}, || {}).unwrap();
+        assert_eq!((did.computed, did.found, did.failed.len()), (1, 1, 1));
     }
 
     /// What is stopped keeps what is finished, and the next run does the rest.

@@ -113,6 +113,8 @@ pub(super) fn watch(
     });
     match played {
         Err(Stop::Exhausted(exhausted)) => return Err(exhausted.given_up()),
+        // It was seen to its end before: with the files that it was made of it is again.
+        Err(Stop::Scene(error)) => return Err(Refusal::given_up(&error)),
         played => played?,
     }
     guard.packet_of(sensor.name(), &packet, &sensor.silence());

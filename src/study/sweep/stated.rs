@@ -16,6 +16,10 @@ pub type Stated = BTreeMap<String, BTreeMap<String, String>>;
 /// What holds for the whole study.
 const STUDY: &str = "study";
 
+/// How points are drawn, and by a search.
+const SAMPLE: &str = "sample";
+const SEARCH: &str = "search";
+
 /// The longest value that is told, in letters.
 const LONGEST: usize = 100;
 
@@ -47,7 +51,7 @@ pub(super) fn stated(study: &Study) -> Stated {
         own.insert("tolerance".to_owned(), tolerance.to_string());
     }
     if let Some(sample) = study.sample {
-        own.insert("sample".to_owned(), drawn(sample));
+        own.insert(SAMPLE.to_owned(), drawn(sample));
     }
     all.insert(STUDY.to_owned(), own);
     for (number, side) in (1..).zip(&study.sides) {
@@ -56,6 +60,12 @@ pub(super) fn stated(study: &Study) -> Stated {
         all.insert(format!("side {number}, {}", side.side), axes.collect());
     }
     all
+}
+
+/// Whether a search draws the points of a study that states this.
+pub(super) fn is_search(stated: &Stated) -> bool {
+    let sample = stated.get(STUDY).and_then(|own| own.get(SAMPLE));
+    sample.is_some_and(|sample| sample.starts_with(SEARCH))
 }
 
 /// How points are drawn.
@@ -69,7 +79,7 @@ fn drawn(sample: Sample) -> String {
     let method = match method {
         Method::Random => "random",
         Method::Sobol => "sobol",
-        Method::Search => "search",
+        Method::Search => SEARCH,
     };
     let search = search.map_or(String::new(), |search| {
         format!(", finish {}, cost {}", search.finish, search.cost)

@@ -8,7 +8,7 @@
 
 use std::{
     collections::{BTreeMap, HashMap},
-    ffi::OsString,
+    ffi::{OsStr, OsString},
     fs::{self, File, OpenOptions},
     io::{self, Write},
     path::{Path, PathBuf},
@@ -102,9 +102,13 @@ impl Store {
     pub fn open(folder: &Path, manifest: &Manifest) -> Kept<Self> {
         check_kinds(folder)?;
         let said = manifest::file(folder);
-        if folder.exists() && !said.exists() && !is_own(folder)? {
+        if folder.exists()
+            && !said.exists()
+            && let Some(found) = foreign(folder)?
+        {
             return Err(StoreError::Foreign {
                 folder: folder.to_owned(),
+                found: Some(found),
             });
         }
         make_folder_durably(folder)?;
@@ -419,25 +423,39 @@ fn names(folder: &Path) -> Kept<impl Iterator<Item = Kept<OsString>>> {
     Ok(entries.map(move |entry| Ok(entry.map_err(cannot)?.file_name())))
 }
 
-/// Whether nothing is in a folder without `sweep.json` but what a sweep writes: one that was
-/// killed right away, or whose `sweep.json` was damaged and deleted.
-fn is_own(folder: &Path) -> Kept<bool> {
-    for name in names(folder)? {
-        let name = name?;
-        let mut known = FILES.iter().chain(&FOLDERS);
-        if !known.any(|known| name == *known) && !is_temporary(&name) {
-            return Ok(false);
-        }
-    }
+/// What is in a folder without `sweep.json` that no sweep writes; nothing in one that was killed
+/// right away, or whose `sweep.json` was damaged and deleted. Beside a sweep's lock, ledger and
+/// points its user may keep files, such as charts.
+fn foreign(folder: &Path) -> Kept<Option<PathBuf>> {
     let points = folder.join("points");
     if points.exists() {
-        for name in names(&points)? {
-            let name = name?;
+        let is_point = |name: &OsStr| {
             let id = name.to_str().and_then(|name| name.strip_suffix(".json"));
-            if !id.is_some_and(is_identity) && !is_temporary(&name) {
-                return Ok(false);
-            }
+            id.is_some_and(is_identity)
+        };
+        if let Some(found) = first_but(&points, is_point)? {
+            return Ok(Some(found));
+        }
+        let own = ["lock", "ledger.txt"];
+        if own.iter().all(|name| folder.join(name).exists()) {
+            return Ok(None);
         }
     }
-    Ok(true)
+    first_but(folder, |name| {
+        let mut known = FILES.iter().chain(&FOLDERS);
+        known.any(|known| name == *known)
+    })
+}
+
+/// The first file of a folder, by name, that is neither known nor half-written.
+fn first_but(folder: &Path, known: impl Fn(&OsStr) -> bool) -> Kept<Option<PathBuf>> {
+    let mut first: Option<OsString> = None;
+    for name in names(folder)? {
+        let name = name?;
+        let is_first = first.as_ref().is_none_or(|first| name < *first);
+        if is_first && !known(&name) && !is_temporary(&name) {
+            first = Some(name);
+        }
+    }
+    Ok(first.map(|name| folder.join(name)))
 }
