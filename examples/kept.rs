@@ -147,7 +147,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                     let judged = together::judge(
                         &[exact, chosen],
                         &float.description(MemoryRule::FilteredSnap)?,
-                        (Micros(100_000), 0),
+                        (Micros(100_000), 0, 1),
                         &mut clip.again(),
                         |_| (),
                     );
