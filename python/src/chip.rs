@@ -195,9 +195,9 @@ impl Chip {
         let Compiled { program, expanded } = compiled.map_err(raised)?;
         Ok(Self {
             expanded,
+            scale: program.scale(),
             text: program.text,
             device: asked.chip.to_owned(),
-            scale: program.scale(),
             levels,
             notes,
         })

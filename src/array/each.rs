@@ -14,6 +14,19 @@ const BLOCK: usize = 128;
 /// So many under one word of bits.
 const WORD: usize = 64;
 
+/// Whether this version of a function has vectors so wide that a loop for each number of operands
+/// is quicker than one for all. A macro: inside a function that is compiled for several machines
+/// each version answers for itself, and a function beside it would answer for none.
+macro_rules! has_wide_vectors {
+    () => {
+        !multiversion::target::target_cfg_f!(all(
+            target_arch = "x86_64",
+            not(target_feature = "avx2")
+        ))
+    };
+}
+pub(super) use has_wide_vectors;
+
 /// The place of each of sixteen bits.
 const BITS: [u16; 16] = [
     1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, 32768,

@@ -3,11 +3,11 @@
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
-use multiversion::{multiversion, target::target_cfg_f};
+use multiversion::multiversion;
 
 use super::{
     Ageing, Domain, Place, RowOps, Share,
-    each::{above, each, each_twice, some, summed},
+    each::{above, each, each_twice, has_wide_vectors, some, summed},
 };
 use crate::number::{Number, Overflow, Q, Wide, Width};
 
@@ -152,7 +152,7 @@ impl<T: Width> RowOps for Fixed<T> {
     "aarch64+neon"
 ))]
 fn saturated_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
-    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
+    let wide = has_wide_vectors!();
     match (operands, by) {
         ([], _) => cells.fill(T::ZERO),
         _ if !wide => summed(operands, cells, saturated_part(by)),
@@ -181,7 +181,7 @@ fn wrapped_row<T: Width>(operands: &[&[T]], by: u32, cells: &mut [T]) {
     "aarch64+neon"
 ))]
 fn saturated_some<T: Width>(operands: &[&[T]], words: &[u64], cells: &mut [T]) -> bool {
-    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
+    let wide = has_wide_vectors!();
     match *operands {
         _ if !wide => return false,
         [a] => some([a], words, cells, saturated_sum),
@@ -204,7 +204,7 @@ fn saturated_pair<T: Width>(
     extra: Option<&[T]>,
     cells: &mut [T],
 ) {
-    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
+    let wide = has_wide_vectors!();
     if by == 1 {
         let one = (back, back_less);
         each_twice(
@@ -237,7 +237,7 @@ fn saturated_pair<T: Width>(
     "aarch64+neon"
 ))]
 fn positives<T: Width>(operands: &[&[T]], bytes: &mut [u8]) {
-    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
+    let wide = has_wide_vectors!();
     match *operands {
         _ if !wide => summed(operands, bytes, positive_wide::<T>),
         [a] => each([a], bytes, positive),
@@ -254,7 +254,7 @@ fn positives<T: Width>(operands: &[&[T]], bytes: &mut [u8]) {
     "aarch64+neon"
 ))]
 fn positive_words<T: Width>(operands: &[&[T]], words: &mut [u64]) -> bool {
-    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
+    let wide = has_wide_vectors!();
     match *operands {
         _ if !wide => return false,
         [a] => above([a], words, signed),

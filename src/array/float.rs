@@ -3,11 +3,11 @@
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
-use multiversion::{multiversion, target::target_cfg_f};
+use multiversion::multiversion;
 
 use super::{
     Ageing, Domain, Place, RowOps, Share,
-    each::{each, each_twice},
+    each::{each, each_twice, has_wide_vectors},
 };
 use crate::number::{self, F32, F64, HeldBf16, HeldF16, Number, Real};
 
@@ -92,7 +92,7 @@ fn summed<N: Number, U>(
     "aarch64+neon"
 ))]
 fn row<N: Number>(number: N, operands: &[&[N::Held]], by: u32, cells: &mut [N::Held]) {
-    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
+    let wide = has_wide_vectors!();
     let by = (by, N::Real::from_i32(by as i32));
     // Times a half is divided by two, to the bit.
     let part = N::Real::ONE / by.1;
@@ -125,7 +125,7 @@ fn pair<N: Number>(
     let part = N::Real::ONE / N::Real::from_i32(by as i32);
     let one = (one(number, part), one_more(number, part));
     let two = (two(number, part), two_more(number, part));
-    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
+    let wide = has_wide_vectors!();
     each_twice(operands, own, extra, cells, wide, &one, &two);
 }
 
@@ -159,7 +159,7 @@ fn two_more<N: Number>(number: N, part: N::Real) -> impl Fn(N::Held, N::Held, N:
     "aarch64+neon"
 ))]
 fn positives<N: Number>(number: N, operands: &[&[N::Held]], bytes: &mut [u8]) {
-    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
+    let wide = has_wide_vectors!();
     match *operands {
         [] => bytes.fill(0),
         _ if !wide => summed(number, operands, bytes, above_zero),

@@ -7,9 +7,9 @@
 // What is not inlined is not compiled for the wide vectors.
 #![allow(clippy::inline_always)]
 
-use multiversion::{multiversion, target::target_cfg_f};
+use multiversion::multiversion;
 
-use super::{Ageing, Domain, Layout, Place, RowOps, Share};
+use super::{Ageing, Domain, Layout, Place, RowOps, Share, each::has_wide_vectors};
 use crate::{
     isa::{self, Digital, Errors},
     plane::At,
@@ -188,7 +188,7 @@ const BLOCK: usize = 256;
     "aarch64+neon"
 ))]
 fn store_run(run: &Run<'_>, operands: &[&[f32]], cells: &mut [f32]) {
-    let wide = !target_cfg_f!(all(target_arch = "x86_64", not(target_feature = "avx2")));
+    let wide = has_wide_vectors!();
     let n = cells.len();
     match *operands {
         [a] if wide => {

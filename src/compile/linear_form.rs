@@ -1,7 +1,7 @@
 //! Linear forms: what a register holds while a filter runs, as a sum of weighted, shifted
 //! inputs. Weights are whole numbers of one small unit.
 
-use crate::isa::Direction;
+use crate::{isa::Direction, rng::GOLDEN};
 
 /// One weight at one place relative to the pixel: `y` rows down, `x` columns to the right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -119,7 +119,7 @@ impl LinearForm {
         let mut hash = 0x243F_6A88_85A3_08D3u64;
         for tap in &self.taps {
             let place = (tap.y as u16 as u64) << 16 | tap.x as u16 as u64;
-            hash = (hash ^ place).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            hash = (hash ^ place).wrapping_mul(GOLDEN);
             hash = (hash.rotate_left(29) ^ tap.weight as u64).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         }
         hash ^ hash >> 31

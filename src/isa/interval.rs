@@ -20,7 +20,7 @@ pub struct Interval {
 impl Interval {
     /// From which ratio of its ends on an interval is one of decades: what is drawn from it is
     /// drawn by its logarithm.
-    pub const DECADES: f64 = 10.0;
+    const DECADES: f64 = 10.0;
 
     /// Whether it spans decades.
     #[must_use]

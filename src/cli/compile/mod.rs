@@ -582,6 +582,7 @@ fn apart(
 ) -> miette::Result<Compiled> {
     let request = request(arguments, &asked.kernels[..1], device)?;
     let program = SensorProgram::new(kinds, memory, &asked.title, &request)?;
+    let scale = program.scale();
     let proof = Proof {
         kernels: &asked.kernels,
         device,
@@ -592,7 +593,7 @@ fn apart(
             light: Interval::new(0.0, brightest(device)),
             ..Inputs::from_device(device)
         },
-        scale: program.scale(),
+        scale,
     };
     let (readout, readouts) = readout::planned(arguments, asked, &program, kinds, device)?;
     let text = program.text_with(kinds, &asked.title, device, readout);
@@ -604,7 +605,7 @@ fn apart(
     compiled.ranged = true;
     let thresholds = asked.thresholds.iter();
     compiled.thresholds = thresholds
-        .map(|(on, off)| [on * program.scale(), off * program.scale()])
+        .map(|(on, off)| [on * scale, off * scale])
         .collect();
     Ok(compiled)
 }

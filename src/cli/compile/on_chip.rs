@@ -4,12 +4,12 @@
 use super::{Aim, Compiled};
 use crate::{
     array::{
-        Errors, Settings,
+        Settings,
         range::{Inputs, Interval},
         survival::{Analogue, Survival, survival},
     },
     compile::{DriveMemory, Filter, Forecast, Signal},
-    isa::{Analog, Cell, Device},
+    isa::{Analog, Cell, Device, Errors},
     kernel::Kernel,
     program::{Overrides, Program},
     unit::Lsb,

@@ -14,7 +14,7 @@ use super::{
     linear_form::{LinearForm, NEWS_CELLS},
     plan::{Plan, SOURCES, Store, Value, Word, values_made},
 };
-use crate::{isa::Direction, stop::Stop};
+use crate::{isa::Direction, rng::GOLDEN, stop::Stop};
 
 /// The task of one search.
 #[derive(Clone, Debug)]
@@ -309,7 +309,7 @@ impl<'a> Search<'a> {
         // The sum does not depend on the order of the values.
         let mut hash = u64::from(open);
         for item in &live {
-            hash = hash.wrapping_add(item.hash.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+            hash = hash.wrapping_add(item.hash.wrapping_mul(GOLDEN));
         }
         if let Some(news) = &news {
             hash = hash.wrapping_add(

@@ -32,7 +32,7 @@ impl Search<'_> {
     }
 
     /// Estimated words to make a value from the input alone.
-    pub(super) fn cost_alone(&self, form: &LinearForm) -> f32 {
+    fn cost_alone(&self, form: &LinearForm) -> f32 {
         let taps = form.taps();
         if taps.is_empty() {
             return 1.0;
@@ -108,7 +108,7 @@ impl Search<'_> {
     }
 
     /// Estimated words to make a value once another is there.
-    pub(super) fn cost_given(&self, form: &LinearForm, other: &LinearForm) -> f32 {
+    fn cost_given(&self, form: &LinearForm, other: &LinearForm) -> f32 {
         for place in NEWS_CELLS {
             let own = place == (0, 0);
             if form.is_shifted(other, place, -1) {

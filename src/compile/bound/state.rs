@@ -5,6 +5,7 @@ use super::{
     super::plan::{SOURCES, SOURCES_SPLIT},
     field::{HALF, STEPS, add, multiply, negate},
 };
+use crate::rng::GOLDEN;
 
 /// A linear form under each of the eight symmetries of the square.
 pub(super) type Form = [u64; 8];
@@ -218,7 +219,7 @@ impl State {
             let (mut a, mut b) = (0x243F_6A88_85A3_08D3u64, 0x1319_8A2E_0370_7344u64);
             for (value, marks) in all {
                 for part in [value, marks] {
-                    a = (a ^ part).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+                    a = (a ^ part).wrapping_mul(GOLDEN);
                     a ^= a >> 29;
                     b = (b.rotate_left(23) ^ part).wrapping_mul(0xC2B2_AE3D_27D4_EB4F);
                     b ^= b >> 31;

@@ -249,7 +249,7 @@ pub(super) fn all_macros(layers: &[Layer]) -> Result<(Vec<Macro>, Vec<usize>), F
 }
 
 /// Tries a form once, with values that fit.
-pub(super) fn can_be_built(kind: PrimitiveKind, form: &Signature) -> bool {
+fn can_be_built(kind: PrimitiveKind, form: &Signature) -> bool {
     let example = |p: &Parameter| vec![example(p.operand); p.count.0.max(1)];
     let bound: Vec<Vec<Value>> = form.parameters.iter().map(example).collect();
     row::build(kind, &form.name, &bound).is_some()

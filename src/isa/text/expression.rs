@@ -120,8 +120,7 @@ impl Operator {
     }
 
     /// Products bind tighter than sums.
-    #[must_use]
-    pub const fn binds_tightly(self) -> bool {
+    const fn binds_tightly(self) -> bool {
         matches!(self, Self::Multiply | Self::Divide | Self::Remainder)
     }
 

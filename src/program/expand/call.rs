@@ -103,7 +103,7 @@ impl<'d> Lowering<'d> {
         Fault::error(place, why, format!("not on {chip}")).help(help)
     }
 
-    pub(super) fn wrong_argument(
+    fn wrong_argument(
         &self,
         statement: &Statement,
         given: &[Given],
@@ -136,7 +136,7 @@ impl<'d> Lowering<'d> {
         })
     }
 
-    pub(super) fn wrong_shape(statement: &Statement, callables: &[Callable<'_>]) -> Fault {
+    fn wrong_shape(statement: &Statement, callables: &[Callable<'_>]) -> Fault {
         let braces = statement
             .arguments
             .iter()
@@ -192,7 +192,7 @@ impl<'d> Lowering<'d> {
         Some(format!("{chip} has it: `--chip {chip}`"))
     }
 
-    pub(super) fn with_defaults(
+    fn with_defaults(
         &self,
         signature: &Signature,
         mut bound: Vec<Bound>,

@@ -164,7 +164,7 @@ impl Lowering<'_> {
     }
 
     /// The value of an expression in which every name must mean something.
-    pub(super) fn known_value(&self, expression: &Expression) -> Result<Value, Fault> {
+    fn known_value(&self, expression: &Expression) -> Result<Value, Fault> {
         match self.value(expression, &[])? {
             Value::Word(name) => Err(self.unknown_name(&name, expression.place)),
             value => Ok(value),

@@ -24,8 +24,7 @@ pub struct Plan {
 
 impl Plan {
     /// Whether every event that is expected leaves the chip.
-    #[must_use]
-    pub fn loses_nothing(&self) -> bool {
+    fn loses_nothing(&self) -> bool {
         self.lost == Some(0.0)
     }
 

@@ -187,7 +187,7 @@ impl Value {
     }
 
     /// A whole number of a type of its own.
-    pub(super) fn of_width(value: i64, width: Option<Width>) -> Self {
+    fn of_width(value: i64, width: Option<Width>) -> Self {
         match width {
             None => Self::fitted(value, 32, true),
             Some(Width::Unsigned) => Self::fitted(value, 32, false),

@@ -118,7 +118,7 @@ impl Machine<'_> {
     }
 
     /// A function of this name of a class that runs words of the array.
-    pub(super) fn acting(&self, member: &str) -> Option<Rc<Function>> {
+    fn acting(&self, member: &str) -> Option<Rc<Function>> {
         let acts = |it: &Rc<Function>| it.body.iter().any(|it| look::changes(self, it));
         look::members(self, member).into_iter().find(acts)
     }
