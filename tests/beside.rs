@@ -206,6 +206,62 @@ fn a_loop_that_a_variable_ends() {
     assert!(!decides(&steady));
 }
 
+/// A loop that changes variables of the host alone, and that only a `break` ends.
+#[test]
+fn a_loop_that_only_a_break_ends() {
+    let frames = |before: &str, turns: &str| {
+        format!(
+            "{before} int main() {{ while (1) {{ vs_frame_loop_control(); {turns} scamp5_in(A, q); }} }}"
+        )
+    };
+    for (before, turns) in [
+        ("int q = 0;", "for (;;) { q++; if (q > 2) break; }"),
+        ("int q = 0;", "while (true) { q++; if (q > 2) break; }"),
+        ("int q = 0;", "while (1) { if (++q > 2) break; }"),
+        ("int q = 0;", "do { q++; if (q > 2) { break; } } while (1);"),
+        (
+            "int q = 0; int f() { for (;;) { if (++q > 2) return q; } }",
+            "f();",
+        ),
+        (
+            "int q = 0;",
+            "for (;;) { switch (q) { case 0: q++; continue; default: q++; } if (q > 2) break; }",
+        ),
+    ] {
+        let text = frames(before, turns);
+        let program = Program::read("p.cpp", &text);
+        assert!(decides(&program), "{text}");
+        let (asked, _) = told(&text, 2, &[]);
+        let loads: Vec<&String> = asked.iter().filter(|it| it.contains("in(")).collect();
+        assert!(
+            loads[0].contains('3') && loads[1].contains('4'),
+            "{text}: {asked:?}"
+        );
+    }
+    // What a loop of this kind asks of the array is what the run decides.
+    let text = frames(
+        "int q = 0;",
+        "for (;;) { neg(A, B); if (scamp5_global_or(R5)) break; }",
+    );
+    assert!(decides(&Program::read("p.cpp", &text)));
+    let (asked, _) = told(&text, 1, &[0, 0, 1]);
+    assert_eq!(
+        asked
+            .iter()
+            .filter(|it| it.contains("sub") || it.contains("neg"))
+            .count()
+            % 3,
+        0
+    );
+    // Made once, and known: nothing is left to decide.
+    let (_, said) = told(
+        "int main() { while (1) { vs_frame_loop_control(); for (;;) { static int q = 0; if (++q % 3 == 0) break; vs_post_text(\"%d\", q); } } }",
+        2,
+        &[],
+    );
+    assert_eq!(said, ["1", "2", "4", "5"]);
+}
+
 /// The text is that of the C library.
 #[test]
 fn posts_are_as_printf_writes_them() {

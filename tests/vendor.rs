@@ -1408,6 +1408,23 @@ fn no_kernel_hides_from_what_only_the_run_knows() {
     );
 }
 
+/// A `return` that only the run decides on ends the function, not only the loop that it is in.
+#[test]
+fn a_return_in_a_loop_ends_more_than_the_loop() {
+    for turns in ["for (int i = 0; i < 3; i++)", "for (;;)"] {
+        let before = format!(
+            "int k = 0; void f() {{ {turns} {{ if (k > 2) return; k += 0; if (k < 9) break; }} mov(A, B); }}"
+        );
+        told(
+            &before,
+            "k++; f();",
+            0,
+            "`k`, which changes from frame to frame,",
+            "",
+        );
+    }
+}
+
 #[test]
 fn what_a_branch_may_have_changed_is_not_known() {
     for inside in [
@@ -1870,6 +1887,12 @@ fn scoped_enumerators_leave_registers_alone() {
         "namespace a { enum class E { X = 7 }; int f() { return (int)E::X; } }",
         "scamp5_in(A, a::f()); scamp5_in(A, (int)a::E::X);",
         &[7, 7],
+    );
+    // One may be made of those before it.
+    numbers_with(
+        "enum class M { A1 = 1, B1, C1 = A1 | B1, D1 = C1 > 2 ? -B1 : 7, E1 = (int)C1 }; class K { public: enum { P = 2, Q = P * 3 }; };",
+        "scamp5_in(A, (int)M::C1); scamp5_in(A, (int)M::D1); scamp5_in(A, (int)M::E1); scamp5_in(A, K::Q);",
+        &[3, -2, 3, 6],
     );
     // Those of a plain `enum` are names like others.
     numbers("enum Plain { P = 2, Q }; scamp5_in(A, Plain::Q + P);", &[5]);
@@ -2387,4 +2410,147 @@ fn what_is_not_followed_is_named() {
     let faults = expand(text, &[]).expect_err(text).faults;
     let help = faults[0].fault.help.clone().unwrap_or_default();
     assert!(help.contains("`--const n=VALUE`"), "{help}");
+}
+
+/// A word without parentheses that ends with its line, whatever stands in the next one.
+#[test]
+fn words_without_parentheses_are_named() {
+    for (text, words) in [
+        (
+            "get_image(A)\nmovx(B, A, east)\nnop\nadd(C, A, B)\nmov(D, C)\n",
+            1,
+        ),
+        ("get_image(A)\nneg\nadd(C, A, B)\nloop\nmov(D, C)\n", 2),
+        ("add(A, A, B)\nfoo\nmovx(B, A, east)\n", 1),
+        ("where(A)\nall\nmov(B, A)\n", 1),
+        ("where(A)\nrespix\nall\n", 2),
+        ("nop\nadd(C, A, B)\nneg\nmov(D, C)\n", 2),
+        ("mov(B, A)\nall", 1),
+        ("mov(B, A)\nnop\nall();\n", 1),
+    ] {
+        let faults = Program::read("p.txt", text).expand(&Device::scamp5(), &Overrides::new());
+        let faults = faults.expect_err(text).faults;
+        let found = { faults.iter() }.filter(|it| it.fault.message.contains("expected `(`"));
+        assert_eq!(found.count(), words, "{text}: {faults:?}");
+    }
+    // With types and braces, declarations may go over lines as in C++.
+    whole(
+        "void\nf(areg_t a)\n{ neg(a, B); }\nint\nmain()\n{ int n\n= 3; int\nm(4); scamp5_in(C, n + m); f(A); }",
+        "scamp5_in(C, 7); neg(A, B);",
+    );
+}
+
+/// What only looks like a declaration would leave out what it says of registers.
+#[test]
+fn types_that_nothing_defines_take_no_registers() {
+    told(
+        "",
+        "Thing t(A, B);\nmov(C, D);",
+        1,
+        "what `Thing` does with `A`",
+        "define it",
+    );
+    told(
+        "",
+        "Thing t{A, B};",
+        1,
+        "what `Thing` does with `A`",
+        "define it",
+    );
+    told(
+        "",
+        "static Thing t(A, B);",
+        1,
+        "what `Thing` does with `A`",
+        "define it",
+    );
+    told(
+        "",
+        "nop add(B, A, C);",
+        1,
+        "`nop` is a statement of the chip",
+        "`nop(…);`",
+    );
+    told(
+        "",
+        "mov(A, B);\nall add(B, A, C); mov(D, B);",
+        2,
+        "`all` is a statement of the chip",
+        "`all(…);`",
+    );
+    told(
+        "",
+        "nop all();",
+        1,
+        "`nop` is no type",
+        "ends before the next one",
+    );
+    told(
+        "",
+        "foo all();",
+        1,
+        "`foo` is no type",
+        "ends before the next one",
+    );
+    told(
+        "",
+        "foo neg(1, 2);",
+        1,
+        "`neg` is a statement of the chip",
+        "another name",
+    );
+    whole(
+        "struct P { int a; int b; }; enum E { X, Y };\nint main() { P p{1, 2}; E e(Y); std::ofstream f(\"x\"); std::list<areg_t> l{A, B}; std::set<int> s(f, 3); int all(4); scamp5_in(A, p.b + e + all); }",
+        "scamp5_in(A, 7);",
+    );
+}
+
+/// What compilers know beforehand, and what is written for them alone.
+#[test]
+fn attributes_and_predefined_names() {
+    whole(
+        "[[nodiscard]] int f([[maybe_unused]] int a) { return 3; }\n\
+         struct [[gnu::packed]] P { [[maybe_unused]] int n; };\n\
+         int main() { [[maybe_unused]] int k = f(1); int all[3] = {1, 2, 3}; int one[] = {0};\n\
+         switch (k) { case 3: scamp5_in(A, 1); [[fallthrough]]; case 4: scamp5_in(A, 2); }\n\
+         scamp5_in(A, all[one[0]]); [[likely]] scamp5_in(A, __LINE__); }",
+        "scamp5_in(A, 1); scamp5_in(A, 2); scamp5_in(A, 1); scamp5_in(A, 5);",
+    );
+    let long = "const char *name() { return __func__; }\n#define LINE __LINE__\nstruct S { int n; int size() { return (int)strlen(__func__); } };\n";
+    numbers_with(
+        long,
+        "S s{1}; auto l = [] { return (int)strlen(__func__); };\n\
+         scamp5_in(A, strcmp(name(), \"name\")); scamp5_in(A, strcmp(__FUNCTION__, \"main\")); scamp5_in(A, s.size()); scamp5_in(A, l());\n\
+         scamp5_in(A, LINE); scamp5_in(A, strcmp(__FILE__, \"p.cpp\"));",
+        &[0, 0, 4, 10, 7, 0],
+    );
+    told(
+        "",
+        "vs_post_text(\"%s\", missing);",
+        1,
+        "`missing` is not declared",
+        "declare it",
+    );
+}
+
+/// Statements that a compiler warns of.
+#[test]
+fn statements_that_do_nothing_are_warned_of() {
+    for (inside, help) in [
+        ("all;", "`all(…);`"),
+        ("add;", "`add(…);`"),
+        ("A;", "take it out"),
+        ("A + B;", "what is to become of it"),
+    ] {
+        let text = format!("int main() {{ mov(A, B);\n{inside} }}");
+        let warnings = expand(&text, &[]).unwrap().warnings;
+        let found = warnings.iter().any(|it| {
+            it.message == "this statement does nothing"
+                && it.help.as_deref().unwrap_or_default().contains(help)
+        });
+        assert!(found, "{text}: {warnings:?}");
+    }
+    told("", "foo;", 1, "`foo` is not declared", "");
+    let quiet = expand("int n; int main() { n; mov(A, B); }", &[]).unwrap();
+    assert!(quiet.warnings.is_empty());
 }

@@ -899,6 +899,28 @@ std::string s = "x"; s += 'y'; s += "z"; s = '<' + s + '!'; scamp5_in(C, s == "<
     );
 }
 
+/// A pointer may stand behind the end of a text, as long as nothing hangs on it.
+#[test]
+fn pointers_stand_behind_a_text() {
+    numbers(
+        "",
+        r#"const char* p = "abc"; int n = 0; while (*p++) n++; scamp5_in(A, n); char d[8]; char* q = d; const char* s = "hey"; while ((*q++ = *s++)); scamp5_in(A, d[2]); scamp5_in(A, d[3]); scamp5_in(A, (int)strlen(d));"#,
+        &[3, 121, 0, 3],
+    );
+    told(
+        "int main() { const char* p = \"abc\"; while (*p++); if (*p) mov(A, B); }",
+        1,
+        "a pointer behind the end of its text",
+        "",
+    );
+    told(
+        "int main() { const char* p = \"abc\"; p += 5; mov(A, B); }",
+        1,
+        "no text goes on",
+        "",
+    );
+}
+
 /// Arrays of characters end with a 0, and hold what is written into them.
 #[test]
 fn arrays_of_characters_hold_texts() {

@@ -76,7 +76,7 @@ impl Program {
         let mut faults = program.faults.clone();
         if let Some(includes) = &program.includes {
             let all = &program.settings.constants;
-            let read = vendor::read(text, includes, all, &Device::scamp5());
+            let read = vendor::read((file, text), includes, all, &Device::scamp5());
             faults.extend(read.faults);
             faults.extend(read.undecided);
         }
@@ -106,7 +106,15 @@ impl Program {
         let has_mark = |line: &str| marks.iter().any(|mark| line.starts_with(mark));
         let frame_language = vendor::ending(file) == "scamp" || text.lines().any(has_mark);
         let ends = |it: &Fault| it.message.starts_with("expected `;`");
-        let by_lines = !frame_language && own.faults.iter().all(ends);
+        // A word without parentheses, before the next line.
+        let alone = |it: &Fault| {
+            let before = text.get(..it.place.start).unwrap_or_default();
+            let line = before.rsplit('\n').next().unwrap_or_default();
+            it.message.starts_with("expected `(`") && line.trim().is_empty()
+        };
+        let by_lines = !frame_language
+            && own.faults.iter().any(ends)
+            && own.faults.iter().all(|it| ends(it) || alone(it));
         if vendor::looks_like_cpp(text) || (by_lines && vendor::parses(text)) {
             return Self::vendor(file, text, includes);
         }
@@ -133,7 +141,7 @@ impl Program {
         let mut faults = Vec::new();
         let settings = Settings::read(&header, &header_at, &mut faults);
         let expectation = Expectation::read(&footer, &footer_at, &mut faults);
-        let read = vendor::read(text, includes, &Overrides::new(), &Device::scamp5());
+        let read = vendor::read((file, text), includes, &Overrides::new(), &Device::scamp5());
         // What is wrong is found again when it is expanded, with the constants that are set.
         let titles = read.titles.into_iter().filter_map(|(line, titles)| {
             let mut titles = titles.into_iter();
@@ -231,7 +239,12 @@ impl Program {
             faults.extend(self.faults.iter().cloned());
             return (expansion, faults, Vec::new());
         };
-        let mut read = vendor::read(&self.text, includes, &self.all_set(overrides), device);
+        let mut read = vendor::read(
+            (&self.file, &self.text),
+            includes,
+            &self.all_set(overrides),
+            device,
+        );
         let syntax = Syntax {
             items: read.items,
             ..Syntax::default()
@@ -275,7 +288,7 @@ impl Program {
         let none = Includes::new();
         let includes = self.includes.as_ref().unwrap_or(&none);
         let faults = vendor::run(
-            &self.text,
+            (&self.file, &self.text),
             includes,
             &self.all_set(overrides),
             device,
@@ -297,7 +310,7 @@ impl Program {
         self.expand(device, overrides)?;
         let all = self.all_set(overrides);
         Ok(Syntax {
-            items: vendor::read(&self.text, includes, &all, device).items,
+            items: vendor::read((&self.file, &self.text), includes, &all, device).items,
             ..self.syntax.clone()
         })
     }

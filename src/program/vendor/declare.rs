@@ -114,7 +114,10 @@ impl Machine<'_> {
     pub(super) fn declare(&mut self, it: &Declared) {
         match self.copies(it) {
             Some(copy) => self.declared(&copy),
-            None => self.declared(it),
+            None => {
+                let left = self.begun(it);
+                self.declared(&left);
+            }
         }
     }
 

@@ -391,7 +391,7 @@ impl Machine<'_> {
     }
 
     /// Whether a name is one of the chip's, or of a function or class of the file.
-    fn known(&self, name: &str) -> bool {
+    pub(super) fn known(&self, name: &str) -> bool {
         let base = name.split('.').next().unwrap_or(name);
         self.device.value_of(base).is_some()
             || !self.device.callables(base).is_empty()

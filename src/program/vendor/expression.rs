@@ -414,6 +414,7 @@ fn named(it: &mut Parser<'_>) -> Parsed<Expr> {
             ExprNode::Convert(Kind::Flag, Box::new(Expr { node, place }))
         }
         "NULL" | "nullptr" => ExprNode::Whole(0),
+        "__func__" | "__FUNCTION__" if !it.body_of.is_empty() => ExprNode::Text(it.body_of.clone()),
         _ => ExprNode::Name(full.into()),
     };
     Ok(Expr {

@@ -43,7 +43,8 @@ fn line_of(text: &str, at: usize) -> String {
 /// The texts, one behind the other.
 #[derive(Clone, Debug)]
 pub(super) struct Files {
-    /// Bytes of the file itself.
+    /// The name of the file itself, and its bytes.
+    own: String,
     length: usize,
     included: Vec<Included>,
     /// The first free byte.
@@ -60,8 +61,9 @@ struct Included {
 }
 
 impl Files {
-    pub(super) const fn new(length: usize) -> Self {
+    pub(super) fn new(name: &str, length: usize) -> Self {
         Self {
+            own: name.to_owned(),
             length,
             included: Vec::new(),
             end: length + 1,
@@ -95,6 +97,14 @@ impl Files {
         self.of(place).map(|it| &*it.name)
     }
 
+    /// The file that a place lies in, and its line there.
+    pub(super) fn stands(&self, text: &str, place: Place) -> (&str, u32) {
+        match self.of(place) {
+            None => (&self.own, line_column(text, place.start).0),
+            Some(it) => (&it.name, line_column(&it.text, place.start - it.start).0),
+        }
+    }
+
     /// A place of the file itself: for what is included, where it is asked for.
     pub(super) fn own(&self, place: Place) -> Place {
         self.of(place).map_or(place, |it| it.asked)
@@ -109,12 +119,10 @@ impl Files {
 
     /// The line of a place in its own file, with the file's name where that is another.
     pub(super) fn line(&self, text: &str, place: Place) -> String {
+        let (name, line) = self.stands(text, place);
         match self.of(place) {
-            None => format!("line {}", line_column(text, place.start).0),
-            Some(it) => {
-                let line = line_column(&it.text, place.start - it.start).0;
-                format!("{}:{line}", it.name)
-            }
+            None => format!("line {line}"),
+            Some(_) => format!("{name}:{line}"),
         }
     }
 

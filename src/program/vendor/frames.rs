@@ -260,7 +260,7 @@ fn place_of(items: &[Item]) -> Place {
 }
 
 /// Whether a condition is written as one that always holds.
-fn always(it: &Expr) -> bool {
+pub(super) fn always(it: &Expr) -> bool {
     match &it.node {
         ExprNode::Whole(value) | ExprNode::Wide(value, _) => *value != 0,
         ExprNode::Convert(_, of) => always(of),

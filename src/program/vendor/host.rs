@@ -1,7 +1,7 @@
 //! What the vendor's library offers the micro-controller, as far as a program can be told of it.
 
 use super::{
-    tree::{FILLED, LIMIT, Width, qualifier},
+    tree::{FILLED, LIMIT, OF_OTHERS, Width, qualifier},
     value::Value,
 };
 use crate::elementary;
@@ -62,8 +62,8 @@ pub(super) fn role(name: &str, given: usize) -> Role {
         | "scamp5_global_sum_fast"
         | "scamp5_global_sum_sparse" => Role::Read,
         _ if given > 0 && number(name, &NUMBERS[..given.min(3)]).is_some() => Role::Number,
-        FILLED | LIMIT | "sizeof" | "dynamic_cast" | "back_inserter" | "front_inserter"
-        | "inserter" => Role::Library,
+        FILLED | LIMIT | OF_OTHERS | "sizeof" | "dynamic_cast" | "back_inserter"
+        | "front_inserter" | "inserter" => Role::Library,
         // The GUI of the box, its memory, lights, pins and messages; the language's own library.
         _ if name.starts_with("vs_")
             || name.starts_with("VS_")

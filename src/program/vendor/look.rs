@@ -356,10 +356,19 @@ pub(super) fn leaves(it: &Stmt) -> bool {
     leaves_switch(it) || holds(it, true, |node| matches!(node, StmtNode::Break))
 }
 
+/// Whether it can end the loop or the function that it is in.
+pub(super) fn ends(it: &Stmt) -> bool {
+    breaks(it) || returns(it)
+}
+
+/// Whether it can end the function that it is in.
+pub(super) fn returns(it: &Stmt) -> bool {
+    holds(it, false, |node| matches!(node, StmtNode::Return(_)))
+}
+
 /// Whether it can leave more than a `switch` around it: the loop's turn, or the function.
 pub(super) fn leaves_switch(it: &Stmt) -> bool {
-    holds(it, true, |node| matches!(node, StmtNode::Continue))
-        || holds(it, false, |node| matches!(node, StmtNode::Return(_)))
+    holds(it, true, |node| matches!(node, StmtNode::Continue)) || returns(it)
 }
 
 /// Whether any statement in it is such a one; of `own`, outside of the loops in it.

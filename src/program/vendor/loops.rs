@@ -2,6 +2,7 @@
 
 use super::{
     ask::item,
+    frames::always,
     look,
     machine::{Flow, Machine},
     tree::{Expr, Stmt},
@@ -47,7 +48,7 @@ impl Machine<'_> {
                     match value.truth() {
                         Ok(holds) => holds,
                         Err(why) => {
-                            self.open_ended(it, condition, step, body, &why);
+                            self.open_ended(it, Some(condition), step, body, &why);
                             false
                         }
                     }
@@ -58,7 +59,7 @@ impl Machine<'_> {
             if !holds {
                 break;
             }
-            let start = self.items.len();
+            let (start, left) = (self.items.len(), self.left);
             let one = self.scoped(body);
             if beside {
                 self.give_up();
@@ -76,6 +77,14 @@ impl Machine<'_> {
                     break;
                 }
             }
+            // Nothing but what the run decides ends it.
+            if let Some(why) = self.maybe.clone()
+                && self.left > left
+                && condition.is_none_or(always)
+            {
+                self.open_ended(it, condition, step, body, &why);
+                break;
+            }
             if let Some(step) = step {
                 self.value(step);
             }
@@ -84,7 +93,9 @@ impl Machine<'_> {
             // How often it ran is not known, nor what it left.
             look::forget(self, body, &why);
         }
-        self.maybe = outer;
+        // A `return` ends more than the loop.
+        let ended = self.maybe.take().filter(|_| look::returns(body));
+        self.maybe = outer.or(ended);
         if flow == Flow::Next && self.frames.len() == frames {
             self.folded(before, &all, it.place);
         }
@@ -95,16 +106,17 @@ impl Machine<'_> {
     fn open_ended(
         &mut self,
         it: &Stmt,
-        condition: &Expr,
+        condition: Option<&Expr>,
         step: Option<&Expr>,
         body: &Stmt,
         why: &Why,
     ) {
         let step = step.map(look::statement);
-        let each = [Some(body), step.as_ref(), Some(&look::statement(condition))];
+        let decides = condition.map(look::statement);
+        let each = [Some(body), step.as_ref(), decides.as_ref()];
         if each.iter().flatten().any(|it| look::changes(self, it)) {
             let message = format!("how often this loop runs, {why} decides");
-            self.unknown(it.place, message, why, Some(condition));
+            self.unknown(it.place, message, why, condition);
         } else if each.iter().flatten().any(|it| look::reads(self, it)) {
             self.unread(it.place, "how often this is read out", why);
         } else if each.iter().flatten().any(|it| look::shows(self, it)) {

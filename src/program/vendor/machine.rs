@@ -131,6 +131,8 @@ pub(super) struct Machine<'a> {
     pub stored: BTreeMap<(usize, i64), Vec<Vec<Item>>>,
     /// Whether some earlier statement may have ended this block: why.
     pub maybe: Option<Why>,
+    /// How often a statement may have ended a loop or a function.
+    pub left: usize,
     pub depth: usize,
     /// The variable that is being declared.
     pub naming: Option<Word>,
@@ -202,6 +204,7 @@ impl<'a> Machine<'a> {
             kernels: false,
             stored: BTreeMap::new(),
             maybe: None,
+            left: 0,
             depth: 0,
             naming: None,
             titles: BTreeMap::new(),

@@ -276,6 +276,10 @@ impl Machine<'_> {
         by: i64,
         place: Place,
     ) -> Value {
+        if matches!(before, Value::Text(text) if text.is_empty() && by == 1) {
+            // Behind the 0: it may be held, as after `while (*p++)`.
+            return Value::Unknown("a pointer behind the end of its text".into());
+        }
         if let Value::Pointer(slot, way, name) = before
             && let Some((at, path)) = way.split_last()
             && self.entries(*slot, path).is_some()

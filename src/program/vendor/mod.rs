@@ -29,6 +29,7 @@ mod chip;
 mod constant;
 mod declare;
 mod elementwise;
+mod elsewhere;
 mod entry;
 mod evaluate;
 mod expression;
@@ -147,7 +148,7 @@ pub(super) fn looks_like_cpp(text: &str) -> bool {
 
 /// Whether a text parses, without running it.
 pub(super) fn parses(text: &str) -> bool {
-    let mut files = Files::new(text.len());
+    let mut files = Files::new("", text.len());
     let read = preprocess::preprocess(text, &Includes::new(), &Overrides::new(), &mut files);
     let said = parse::parse(&read.tokens, text.len());
     read.faults.is_empty() && said.faults.is_empty()
@@ -155,12 +156,12 @@ pub(super) fn parses(text: &str) -> bool {
 
 /// Reads a text.
 pub(super) fn read(
-    text: &str,
+    (file, text): (&str, &str),
     includes: &Includes,
     overrides: &Overrides,
     device: &Device,
 ) -> Read {
-    let mut files = Files::new(text.len());
+    let mut files = Files::new(file, text.len());
     let first = preprocess::preprocess(text, includes, overrides, &mut files);
     let said = parse::parse(&first.tokens, text.len());
     let mut machine = Machine::new(text, &files, device, overrides);
@@ -169,6 +170,7 @@ pub(super) fn read(
     machine.faults = first.faults;
     let broken = !said.faults.is_empty();
     machine.faults.extend(said.faults);
+    machine.faults.extend(said.words);
     run_file(&mut machine, &said.statements);
     let items = laid_out(&mut machine, broken);
     let placed = |all: Vec<Fault>| all.into_iter().map(|it| files.fault(it)).collect();
@@ -184,22 +186,23 @@ pub(super) fn read(
 
 /// Runs a text whose host decides by what it reads, beside the array; its faults.
 pub(super) fn run(
-    text: &str,
+    (file, text): (&str, &str),
     includes: &Includes,
     overrides: &Overrides,
     device: &Device,
     array: &mut dyn Beside,
 ) -> Vec<Fault> {
-    let mut files = Files::new(text.len());
+    let mut files = Files::new(file, text.len());
     let first = preprocess::preprocess(text, includes, overrides, &mut files);
     let parse::Said {
         statements,
         faults,
+        words,
         enumerations,
     } = parse::parse(&first.tokens, text.len());
     let mut machine = Machine::new(text, &files, device, overrides);
     machine.enumerations = enumerations;
-    machine.faults = [first.faults, faults].concat();
+    machine.faults = [first.faults, faults, words].concat();
     machine.companion = Some(Companion::new(array));
     run_file(&mut machine, &statements);
     machine.run_asked();

@@ -71,6 +71,7 @@ pub(super) fn preprocess(
     files: &mut Files,
 ) -> Preprocessed {
     let mut it = Preprocessor {
+        own: text,
         includes,
         overrides,
         files,
@@ -113,6 +114,8 @@ struct Group {
 }
 
 struct Preprocessor<'a> {
+    /// The text itself.
+    own: &'a str,
     includes: &'a Includes,
     overrides: &'a Overrides,
     files: &'a mut Files,
@@ -135,6 +138,7 @@ struct Preprocessor<'a> {
 impl Preprocessor<'_> {
     fn text(&mut self, text: &str, base: usize, depth: usize) {
         let (all, mut faults) = tokens(text, base);
+        let all = without_attributes(all);
         self.faults.append(&mut faults);
         let mut groups: Vec<Group> = Vec::new();
         let mut rest = &all[..];
@@ -435,9 +439,11 @@ impl Preprocessor<'_> {
             let found = token.name().filter(|name| !active.contains(name));
             let found = found.and_then(|name| Some((name, self.macros.get(name)?.clone())));
             let Some((name, it)) = found else {
+                let kind = self.predefined(token, place);
                 self.out.push(Token {
                     place,
-                    ..token.clone()
+                    kind: kind.unwrap_or_else(|| token.kind.clone()),
+                    ..*token
                 });
                 continue;
             };
@@ -462,6 +468,22 @@ impl Preprocessor<'_> {
             // looked for: nobody writes kernels so.
             self.expand(&body, active, Some(place));
             active.pop();
+        }
+    }
+
+    /// What `__LINE__` and `__FILE__` stand for; nothing of another name.
+    fn predefined(&self, token: &Token, place: Place) -> Option<TokenKind> {
+        match &**token.name()? {
+            "__LINE__" => {
+                let (_, line) = self.files.stands(self.own, place);
+                Some(TokenKind::Whole(line.into()))
+            }
+            "__FILE__" => {
+                let (name, _) = self.files.stands(self.own, place);
+                // As it would be written in quotes.
+                Some(TokenKind::Text(name.replace('\\', "\\\\").into()))
+            }
+            _ => None,
         }
     }
 
@@ -568,6 +590,50 @@ impl Preprocessor<'_> {
         }
         body
     }
+}
+
+/// Without `[[attributes]]`, which say nothing about what runs.
+fn without_attributes(all: Vec<Token>) -> Vec<Token> {
+    let opens = |at: usize| all.get(at).is_some_and(|it| it.is("["));
+    if !(0..all.len()).any(|at| opens(at) && opens(at + 1)) {
+        return all;
+    }
+    let (mut kept, mut at, mut first): (Vec<Token>, usize, bool) = (Vec::new(), 0, false);
+    while let Some(token) = all.get(at) {
+        let length = (opens(at) && opens(at + 1)).then(|| attribute(&all[at..]));
+        if let Some(length) = length.flatten() {
+            first |= token.first;
+            at += length;
+            continue;
+        }
+        let first = std::mem::take(&mut first) || token.first;
+        let kind = token.kind.clone();
+        kept.push(Token {
+            kind,
+            first,
+            ..*token
+        });
+        at += 1;
+    }
+    kept
+}
+
+/// How many tokens `[[…]]` has, from its beginning on; nothing where it has no end.
+fn attribute(all: &[Token]) -> Option<usize> {
+    let mut depth = 0_usize;
+    for (at, token) in all.iter().enumerate() {
+        if token.is("[") || token.is("(") {
+            depth += 1;
+        } else if token.is("]") || token.is(")") {
+            depth = depth.checked_sub(1)?;
+            if depth == 0 {
+                return Some(at + 1);
+            }
+        } else if token.is(";") || token.is("{") {
+            return None;
+        }
+    }
+    None
 }
 
 /// The arguments of a call of a macro: what stands between commas, and what comes behind it.

@@ -42,7 +42,8 @@ impl Machine<'_> {
                 }
             }
             StmtNode::Expr(value) => {
-                self.value(value);
+                let held = self.value(value);
+                self.does_nothing(value, &held);
                 if self.looped {
                     return Flow::End;
                 }
@@ -65,7 +66,10 @@ impl Machine<'_> {
                 return self.iterations(it, Some(condition), None, body, true);
             }
             StmtNode::Switch(on, body) => return self.switch(on, body),
-            StmtNode::Prototype(function) => self.declare_function(function),
+            StmtNode::Prototype(function) => {
+                self.seems_declared(function);
+                self.declare_function(function);
+            }
             StmtNode::Case(_) | StmtNode::Nothing => {}
             StmtNode::Break => return Flow::Break,
             StmtNode::Continue => return Flow::Continue,
@@ -157,6 +161,7 @@ impl Machine<'_> {
             look::forget(self, part, why);
             if look::leaves(part) {
                 self.maybe = Some(why.clone());
+                self.left += usize::from(look::ends(part));
             }
         }
         Flow::Next
@@ -202,11 +207,11 @@ impl Machine<'_> {
     /// A `switch` of which only the run knows which case is taken.
     fn any_case(&mut self, on: &Expr, body: &[Stmt], why: &Why) -> Flow {
         let parts: Vec<&Stmt> = body.iter().collect();
-        let maybe = self.maybe.clone();
+        let (maybe, left) = (self.maybe.clone(), self.left);
         self.either(on, &parts, why);
         // A `break` in it ends the switch, and nothing more.
         if !body.iter().any(look::leaves_switch) {
-            self.maybe = maybe;
+            (self.maybe, self.left) = (maybe, left);
         }
         Flow::Next
     }

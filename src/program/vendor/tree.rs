@@ -10,6 +10,9 @@ pub(super) type Word = Arc<str>;
 /// The call that makes an array of a length, filled with a value.
 pub(super) const FILLED: &str = "a filled vector";
 
+/// The call that stands for what an object is given whose class the parser does not know.
+pub(super) const OF_OTHERS: &str = "an object of others";
+
 /// The call that gives a limit of the numbers of a type: its name, and a value of the type.
 pub(super) const LIMIT: &str = "a limit";
 

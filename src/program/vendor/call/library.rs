@@ -231,8 +231,13 @@ impl Machine<'_> {
         for it in given {
             // Callbacks run when somebody moves a slider.
             if !matches!(it.node, ExprNode::Lambda(_)) {
-                let value = self.raw(it);
+                let mut value = self.raw(it);
                 self.keeps_register(name, &value, place);
+                if let (Value::Symbol(held), true) = (&value, writes(name))
+                    && !self.known(held)
+                {
+                    value = self.unheard(&held.clone(), it.place);
+                }
                 values.push(value);
             }
         }
@@ -391,4 +396,12 @@ fn written(name: &str) -> bool {
         && !name.starts_with("vs_on_")
         && !name.starts_with("scamp5_display")
         && name != "printf"
+}
+
+/// Whether a function of the library writes the values that it is given.
+fn writes(name: &str) -> bool {
+    matches!(
+        name,
+        "vs_post_text" | "printf" | "puts" | "sprintf" | "snprintf"
+    )
 }

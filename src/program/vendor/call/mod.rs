@@ -215,7 +215,7 @@ impl Machine<'_> {
     }
 
     /// Arguments of something that is not declared here: it may be given numbers, no registers.
-    fn outside(&mut self, name: &str, given: &[Expr], place: Place) -> Vec<Value> {
+    pub(super) fn outside(&mut self, name: &str, given: &[Expr], place: Place) -> Vec<Value> {
         let values: Vec<Value> = given.iter().map(|it| self.raw(it)).collect();
         for value in &values {
             self.keeps_register(name, value, place);

@@ -53,7 +53,11 @@ impl Parser<'_> {
                     place,
                 };
                 let value = if self.take("=") {
-                    self.assignment()?
+                    let mut value = self.assignment()?;
+                    if let Some(space) = &space {
+                        own_names(&mut value, space, &all);
+                    }
+                    value
                 } else {
                     match all.last() {
                         None => whole(0),
@@ -516,7 +520,7 @@ impl Parser<'_> {
         let (start, place, faults) = (self.at, self.place(), self.faults.len());
         self.skip_group();
         let end = std::mem::replace(&mut self.at, start);
-        let body = self.block().unwrap_or_default();
+        let body = self.body(name).unwrap_or_default();
         let understood = self.faults.len() == faults && self.at == end;
         self.faults.truncate(faults);
         self.at = end;
@@ -561,6 +565,26 @@ impl Parser<'_> {
         if self.sees(":") {
             self.skip_to_body();
         }
+    }
+}
+
+/// Names of an enumeration's constants in the value of a later one, as they are known outside.
+fn own_names(it: &mut Expr, space: &str, all: &[Declared]) {
+    match &mut it.node {
+        ExprNode::Name(name) => {
+            let full: Word = format!("{space}::{name}").into();
+            if all.iter().any(|it| it.name == full) {
+                *name = full;
+            }
+        }
+        ExprNode::Unary(_, of) | ExprNode::Convert(_, of) => own_names(of, space, all),
+        ExprNode::Binary(_, a, b) => [a, b].into_iter().for_each(|it| own_names(it, space, all)),
+        ExprNode::Choose(a, b, c) => {
+            [a, b, c]
+                .into_iter()
+                .for_each(|it| own_names(it, space, all));
+        }
+        _ => {}
     }
 }
 

@@ -83,7 +83,7 @@ impl Parser<'_> {
             let base = self.base.clone();
             let base = base.filter(|it| parts.is_empty() && self.constructs(it));
             parts.extend(base.map(|it| Self::makes_part(&it, Vec::new(), place)));
-            rest = self.block()?;
+            rest = self.body(&class.into())?;
         }
         let mut body = parts;
         body.push(Self::sets(sets, place));

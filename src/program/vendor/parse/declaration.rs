@@ -6,7 +6,7 @@ use super::super::{
     expression::{arguments, template_arguments},
     host::Random,
     token::Token,
-    tree::{Declared, Expr, ExprNode, FILLED, Kind, StmtNode, Word, last},
+    tree::{Declared, Expr, ExprNode, FILLED, Kind, OF_OTHERS, StmtNode, Word, last},
 };
 use super::{
     Parsed, Parser,
@@ -67,23 +67,34 @@ impl Parser<'_> {
                     .any(|punctuator| t.is(punctuator))
         });
         // Two names side by side that are no declaration: something is missing between them.
-        if !fits
-            || (next.is_none_or(|t| t.first && !t.is("{") && !t.is("=") && !t.is("("))
-                && start + 1 == self.at)
-        {
+        let strange = first.kind == Kind::Any && !self.is_known(&first.name);
+        let unknown = strange && start + 2 == self.at;
+        let ends = next.is_none_or(|t| t.first && !["{", "=", "("].iter().any(|it| t.is(it)));
+        if !fits || unknown && ends {
             self.at = start;
             return Ok(None);
         }
-        if self.sees("(")
-            && let Some(node) = self.function(&name, name_place, &first, &qualified)?
-        {
-            return Ok(Some(match node {
-                StmtNode::Function(mut function) if self.special => {
-                    Rc::make_mut(&mut function).special = Some(special.unwrap_or_default().into());
-                    StmtNode::Function(function)
-                }
-                node => node,
-            }));
+        if self.sees("(") {
+            // A word, and a statement in the next line.
+            let apart = unknown && self.tokens[name_at].first;
+            if let Some(node) = self.function(&name, name_place, &first, &qualified)? {
+                return Ok(Some(match node {
+                    StmtNode::Prototype(_) if apart => {
+                        self.at = start;
+                        return Ok(None);
+                    }
+                    StmtNode::Function(mut function) if self.special => {
+                        let special = special.unwrap_or_default().into();
+                        Rc::make_mut(&mut function).special = Some(special);
+                        StmtNode::Function(function)
+                    }
+                    node => node,
+                }));
+            }
+            if apart {
+                self.at = start;
+                return Ok(None);
+            }
         }
         self.at = name_at;
         let mut all = self.declarators(&first)?;
@@ -94,6 +105,13 @@ impl Parser<'_> {
             all[0].name = format!("{}::{name}", qualified.join("::")).into();
         }
         Ok(Some(StmtNode::Declare(all)))
+    }
+
+    /// Whether a type that is no number's is known so far.
+    fn is_known(&self, name: &Word) -> bool {
+        matches!(&**name, "void" | "auto" | "string")
+            || self.classes.contains(name)
+            || self.enumerations.contains_key(name)
     }
 
     /// Makes the name of an operator whole; false where that is not followed.
@@ -358,7 +376,8 @@ impl Parser<'_> {
     fn constructed(&mut self, it: &mut Declared) -> Parsed<()> {
         let place = self.place();
         let mut given = arguments(self, "write `type name(value);`")?;
-        let number = it.kind != Kind::Any || matches!(&*it.of, "scamp5_kernel" | "auto");
+        let number =
+            it.kind != Kind::Any || matches!(&*it.of, "scamp5_kernel" | "auto" | "AREG" | "DREG");
         it.value = match (it.library, given.len()) {
             (true, 1) => {
                 it.lengths = vec![given.pop()];
@@ -369,8 +388,9 @@ impl Parser<'_> {
             _ if self.makes(it) || self.classes.contains(&it.of) => {
                 Some(Expr::made(&it.of, given, place))
             }
-            // An object of the language's library, of which nothing is known.
-            _ => None,
+            _ if self.enumeration_kind(&it.of).is_some() => given.into_iter().next(),
+            // Of the language's library, or of what is defined elsewhere.
+            _ => Some(Expr::made(OF_OTHERS, given, place)),
         };
         Ok(())
     }

@@ -72,7 +72,7 @@ impl<'a> Parser<'a> {
         let body = if std::mem::take(&mut self.in_class) {
             self.member_body(name)
         } else {
-            self.block()?
+            self.body(name)?
         };
         it.body = body.into();
         Ok(Some(StmtNode::Function(Rc::new(it))))

@@ -36,7 +36,7 @@ impl Parser<'_> {
                 it.at += 1;
             }
         }
-        let body = it.block()?;
+        let body = it.body(&"operator()".into())?;
         let place = place.to(it.before());
         let (gives, element) = of.classes();
         let function = Function {

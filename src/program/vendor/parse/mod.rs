@@ -38,6 +38,8 @@ const TRIES: usize = 64;
 pub(super) struct Said {
     pub statements: Vec<Stmt>,
     pub faults: Vec<Fault>,
+    /// Words alone that end with their lines: statements without parentheses.
+    pub words: Vec<Fault>,
     /// Enumerations, with the type of their numbers.
     pub enumerations: BTreeMap<Word, Kind>,
 }
@@ -54,6 +56,8 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> Said {
         links: 0,
         space: String::new(),
         faults: Vec::new(),
+        words: Vec::new(),
+        body_of: "".into(),
         pending: Vec::new(),
         shared: Vec::new(),
         aliases: BTreeMap::new(),
@@ -81,6 +85,7 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> Said {
     Said {
         statements,
         faults: parser.faults,
+        words: parser.words,
         enumerations: parser.enumerations,
     }
 }
@@ -99,6 +104,10 @@ pub(super) struct Parser<'a> {
     /// The namespace.
     space: String,
     faults: Vec<Fault>,
+    /// Words alone that end with their lines.
+    words: Vec<Fault>,
+    /// The function whose body is read.
+    pub body_of: Word,
     /// Statements that come before the one that is read.
     pending: Vec<Stmt>,
     /// Constants of the class that is read.
@@ -314,6 +323,14 @@ impl<'a> Parser<'a> {
         let all = self.open_block();
         self.inner -= 1;
         all
+    }
+
+    /// The body of a function.
+    fn body(&mut self, name: &Word) -> Parsed<Vec<Stmt>> {
+        let outer = std::mem::replace(&mut self.body_of, name.clone());
+        let body = self.block();
+        self.body_of = outer;
+        body
     }
 
     /// A block of a file, rather than of a function.

@@ -177,10 +177,28 @@ impl Parser<'_> {
                     Ok(node)
                 } else {
                     let value = self.expression()?;
+                    if matches!(value.node, ExprNode::Name(_)) {
+                        self.bare_word();
+                    }
                     self.end_statement()?;
                     Ok(StmtNode::Expr(value))
                 }
             }
+        }
+    }
+
+    /// Tells of a word alone that ends with its line, if one stands before this.
+    fn bare_word(&mut self) {
+        let ends = self.sees("}") || self.peek(0).is_none_or(|t| t.first);
+        if self.sees(";") || !ends {
+            return;
+        }
+        let end = self.before().end;
+        let (help, found) = ("a statement is `name(argument, argument)`", self.peek(0));
+        let fault = unexpected(found, Place::new(end, end), "`(`", help);
+        // What is tried twice is told once.
+        if self.words.iter().all(|it| it.place.start != end) {
+            self.words.push(fault);
         }
     }
 
