@@ -112,12 +112,11 @@ impl Machine<'_> {
     }
 
     pub(super) fn declare(&mut self, it: &Declared) {
-        match self.copies(it) {
-            Some(copy) => self.declared(&copy),
-            None => {
-                let left = self.begun(it);
-                self.declared(&left);
-            }
+        if let Some(copy) = self.copies(it) {
+            self.declared(&copy);
+        } else {
+            let left = self.begun(it);
+            self.declared(&left);
         }
     }
 

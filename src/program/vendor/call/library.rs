@@ -178,6 +178,25 @@ impl Machine<'_> {
         }
     }
 
+    /// What a function of the library is given. Callbacks run when somebody moves a slider.
+    fn given_to(&mut self, name: &str, given: &[Expr], place: Place) -> Vec<Value> {
+        let mut values = Vec::new();
+        for it in given {
+            if matches!(it.node, ExprNode::Lambda(_)) {
+                continue;
+            }
+            let mut value = self.raw(it);
+            self.keeps_register(name, &value, place);
+            if let (Value::Symbol(held), true) = (&value, writes(name))
+                && !self.known(held)
+            {
+                value = self.unheard(&held.clone(), it.place);
+            }
+            values.push(value);
+        }
+        values
+    }
+
     /// The GUI and the box. Sliders and switches are settings, with their defaults.
     pub(super) fn library(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
         let naming = self.naming.take();
@@ -227,20 +246,7 @@ impl Machine<'_> {
             }
             return Value::Pointer(slot, path, "a slider".into());
         }
-        let mut values = Vec::new();
-        for it in given {
-            // Callbacks run when somebody moves a slider.
-            if !matches!(it.node, ExprNode::Lambda(_)) {
-                let mut value = self.raw(it);
-                self.keeps_register(name, &value, place);
-                if let (Value::Symbol(held), true) = (&value, writes(name))
-                    && !self.known(held)
-                {
-                    value = self.unheard(&held.clone(), it.place);
-                }
-                values.push(value);
-            }
-        }
+        let values = self.given_to(name, given, place);
         self.no_picture(name, place);
         if let Some(found) = self.of_text(name, &values, place) {
             return found;

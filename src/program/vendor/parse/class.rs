@@ -578,11 +578,14 @@ fn own_names(it: &mut Expr, space: &str, all: &[Declared]) {
             }
         }
         ExprNode::Unary(_, of) | ExprNode::Convert(_, of) => own_names(of, space, all),
-        ExprNode::Binary(_, a, b) => [a, b].into_iter().for_each(|it| own_names(it, space, all)),
+        ExprNode::Binary(_, a, b) => {
+            own_names(a, space, all);
+            own_names(b, space, all);
+        }
         ExprNode::Choose(a, b, c) => {
-            [a, b, c]
-                .into_iter()
-                .for_each(|it| own_names(it, space, all));
+            for it in [a, b, c] {
+                own_names(it, space, all);
+            }
         }
         _ => {}
     }
