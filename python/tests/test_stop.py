@@ -27,7 +27,7 @@ WORK = {
 
 
 COMPARED = """
-events = np.zeros(2_000_000, amacrine.EVENT)
+events = np.zeros(5_000_000, amacrine.EVENT)
 events["t"] = np.sort(random.integers(0, 9_000_000, len(events)))
 events["x"], events["y"] = random.integers(0, 200, (2, len(events)))
 print("begun", flush=True)
