@@ -9,7 +9,7 @@ use amacrine::{
 use miette::{IntoDiagnostic, Report};
 use pyo3::prelude::*;
 
-use super::{Named, Search, Shown, device, kernel, open_on, quantisers};
+use super::{Named, Search, Shown, device, open_on, quantisers, sighted};
 use crate::{
     chip::{effort, named},
     error::raised,
@@ -28,7 +28,7 @@ pub fn design(
     within_us: Option<u64>,
 ) -> PyResult<String> {
     let (sum_to, chip, seconds, seed) = search;
-    let kernels = of.iter().map(kernel).collect::<PyResult<Vec<_>>>()?;
+    let kernels = of.iter().map(sighted).collect::<PyResult<Vec<_>>>()?;
     let names: Vec<String> = of.iter().map(|(name, _)| name.clone()).collect();
     let quantisers = quantisers(how.0)?;
     let memory: Option<DriveMemory> = how.1.map(named).transpose()?;

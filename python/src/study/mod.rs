@@ -63,18 +63,24 @@ fn kernel((name, bytes): &Named) -> PyResult<Kernel> {
             )
         })?,
     };
-    if kernel.is_zero() {
-        return Err(refused(
-            format!("{name}: all weights are 0"),
-            "give a kernel that sees something: no threshold makes events of this one",
-        ));
-    }
     kernel.workable().map_err(|error| {
         refused(
             format!("{name}: {error}"),
             "multiply the kernel by a number, and the threshold with it",
         )
     })?;
+    Ok(kernel)
+}
+
+/// The kernel of a sensor: one that sees something.
+fn sighted(named: &Named) -> PyResult<Kernel> {
+    let kernel = kernel(named)?;
+    if kernel.is_zero() {
+        return Err(refused(
+            format!("{}: all weights are 0", named.0),
+            "give a kernel that sees something: no threshold makes events of this one",
+        ));
+    }
     Ok(kernel)
 }
 

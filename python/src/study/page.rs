@@ -12,7 +12,7 @@ use amacrine::{
 use miette::Report;
 use pyo3::prelude::*;
 
-use super::{Named, Search, Shown, device, kernel, quantisers, scan, within};
+use super::{Named, Search, Shown, device, quantisers, scan, sighted, within};
 use crate::{
     chip::{effort, named, quantiser},
     error::{raised, refused},
@@ -36,7 +36,7 @@ pub fn feasibility(
     let (sum_to, chip, seconds, seed) = search;
     let (within_us, exposure_us) = times;
     let (link, overlapped) = link;
-    let kernels = of.iter().map(kernel).collect::<PyResult<Vec<_>>>()?;
+    let kernels = of.iter().map(sighted).collect::<PyResult<Vec<_>>>()?;
     let to = to.map(quantiser).transpose()?;
     let candidates = if candidates.is_empty() {
         feasible::CANDIDATES.split(',').map(quantiser).collect()
