@@ -122,6 +122,25 @@ fn roundoff_is_half_the_distance_from_one_to_the_next() {
 }
 
 #[test]
+fn limits_are_held_and_no_step_is_smaller() {
+    for name in ALL {
+        let format = format(name);
+        let (low, high) = format.limits();
+        let step = format.half_step();
+        for end in [low, high] {
+            assert_eq!(format.visit(Held(end)), end, "{name}");
+        }
+        if name != "f64" {
+            assert_eq!(format.visit(Held(2.0 * step)), 2.0 * step, "{name}");
+            assert_eq!(format.visit(Held(0.99 * step)), 0.0, "{name}");
+            assert_eq!(format.visit(Held(1.01 * step)), 2.0 * step, "{name}");
+        }
+    }
+    assert_eq!(format("q8.8").limits(), (-128.0, 127.996_093_75));
+    assert!(format("q4.12-wrap").wraps() && !format("q4.12").wraps());
+}
+
+#[test]
 fn nothing_is_said_beyond_the_limits() {
     for name in ALL {
         let (_, high) = format(name).limits();

@@ -2,7 +2,7 @@
 
 use super::{
     super::Kernel,
-    entry::{Chosen, Quantiser, Sum},
+    entry::{Quantiser, Sum},
     error::QuantiseError,
 };
 use crate::{elementary, plane::Plane};
@@ -39,33 +39,31 @@ impl Quantiser {
         } else {
             sum
         };
-        let mut found = (self.entry.quantise)(self, &weights, sum, seed)?;
-        if sum == Sum::Kept && found.0.iter().sum::<f64>() == 0.0 {
+        let (height, width) = kernel.weights().dim();
+        let chosen = |sum| -> Result<Quantised, QuantiseError> {
+            let (levels, scale) = (self.entry.quantise)(self, &weights, sum, seed)?;
+            let levels = Plane::from_shape_fn((height, width), |(y, x)| levels[y * width + x]);
+            let levels = Kernel { weights: levels };
+            Ok(Quantised { levels, scale })
+        };
+        let mut found = chosen(sum)?;
+        if sum == Sum::Kept && found.levels.sum() == 0.0 {
             // Levels without a sum need not stay at the scale at which theirs was asked for.
-            let other = (self.entry.quantise)(self, &weights, Sum::Zero, seed).ok();
-            let error = |(levels, scale): &Chosen| -> f64 {
-                let each = weights.iter().zip(levels);
-                each.map(|(weight, level)| (weight - scale * level).powi(2))
-                    .sum()
+            let error = found.relative_error(kernel);
+            let nearer = |it: &Quantised| {
+                kernel.sum().abs() <= it.scale / 2.0 && it.relative_error(kernel) < error
             };
-            let still = |it: &Chosen| kernel.sum().abs() <= it.1 / 2.0 && error(it) < error(&found);
-            if let Some(nearer) = other.filter(still) {
-                found = nearer;
+            if let Some(other) = chosen(Sum::Zero).ok().filter(nearer) {
+                found = other;
             }
         }
-        let (levels, scale) = found;
-        if levels.iter().all(|level| *level == 0.0) {
+        if found.levels.is_zero() {
             return Err(QuantiseError::Vanished {
                 quantiser: self,
                 largest,
             });
         }
-        let (height, width) = kernel.weights().dim();
-        let levels = Plane::from_shape_fn((height, width), |(y, x)| levels[y * width + x]);
-        Ok(Quantised {
-            levels: Kernel { weights: levels },
-            scale,
-        })
+        Ok(found)
     }
 }
 

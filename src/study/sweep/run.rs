@@ -283,6 +283,23 @@ pub(super) fn alone<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 }
 
 #[cfg(test)]
+impl<'a> Run<'a> {
+    /// All points on so many threads, without limits.
+    pub(super) fn unlimited(plan: &'a Plan, jobs: usize) -> Self {
+        Self {
+            plan,
+            shard: None,
+            jobs,
+            limits: Limits {
+                clock: &|| 0.0,
+                seconds: None,
+                bytes: None,
+            },
+        }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use std::{fs, path::Path, sync::Arc};
 
@@ -295,16 +312,7 @@ mod tests {
         let text = "scene = \"pattern:disc?width=16&height=12&frames=3&radius=3\"\nkernel = \"dvs\"\nthreshold = [10, 20, 30]\n[[side]]\nside = \"reference\"\n";
         let study = Study::parse("study.toml", text).unwrap();
         let plan = Plan::new(study, Path::new("")).unwrap();
-        let run = Run {
-            plan: &plan,
-            shard: None,
-            jobs: 2,
-            limits: Limits {
-                clock: &|| 0.0,
-                seconds: None,
-                bytes: None,
-            },
-        };
+        let run = Run::unlimited(&plan, 2);
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(folder.path(), &plan.manifest()).unwrap();
         let bad = &plan.entries[1].id;
@@ -362,16 +370,7 @@ mod tests {
         for entry in &mut plan.entries {
             entry.scene = Arc::clone(&scene);
         }
-        let run = Run {
-            plan: &plan,
-            shard: None,
-            jobs: 1,
-            limits: Limits {
-                clock: &|| 0.0,
-                seconds: None,
-                bytes: None,
-            },
-        };
+        let run = Run::unlimited(&plan, 1);
         let store = Store::open(&folder.path().join("out"), &plan.manifest()).unwrap();
         let replaced = clip.join("3.pgm");
         let replace = || {
@@ -404,16 +403,7 @@ mod tests {
         let text = "scene = \"pattern:disc?width=16&height=12&frames=3&radius=3\"\nkernel = \"dvs\"\nthreshold = [10, 20, 30]\n[[side]]\nside = \"reference\"\n";
         let study = Study::parse("study.toml", text).unwrap();
         let plan = Plan::new(study, Path::new("")).unwrap();
-        let run = Run {
-            plan: &plan,
-            shard: None,
-            jobs: 1,
-            limits: Limits {
-                clock: &|| 0.0,
-                seconds: None,
-                bytes: None,
-            },
-        };
+        let run = Run::unlimited(&plan, 1);
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(folder.path(), &plan.manifest()).unwrap();
         let stopped = run.complete_until(&store, |_| {}, || ControlFlow::Break(()));

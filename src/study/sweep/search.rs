@@ -338,7 +338,7 @@ mod tests {
     use std::{fs, path::Path};
 
     use super::*;
-    use crate::study::sweep::{Limits, Study};
+    use crate::study::sweep::Study;
 
     const STUDY: &str = "scene = \"pattern:noise?width=56&height=48&frames=36&fps=100&speed=40\"\nkernel = \"dvs\"\nthreshold = [8, 16, 24, 32]\nthreshold-equivalent = false\nmetrics = \"f1\"\n";
 
@@ -349,24 +349,11 @@ mod tests {
         Plan::new(study, Path::new("")).unwrap()
     }
 
-    fn run(plan: &Plan) -> Run<'_> {
-        Run {
-            plan,
-            shard: None,
-            jobs: 1,
-            limits: Limits {
-                clock: &|| 0.0,
-                seconds: None,
-                bytes: None,
-            },
-        }
-    }
-
     /// No other point is begun, what was tried is kept, and the next run tries the rest.
     #[test]
     fn a_search_that_is_stopped_in_a_rung_goes_on() {
         let plan = plan(&format!("{STUDY}{SEARCH}"));
-        let run = run(&plan);
+        let run = Run::unlimited(&plan, 1);
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(folder.path(), &plan.manifest()).unwrap();
         let begin = |_| panic!("a stopped search computes points");
@@ -388,7 +375,7 @@ mod tests {
             "fidelity = \"auto\"\n[[side]]\nside = \"reference\"\nformat = [\"f64\", \"f32\"]\n";
         for text in [SEARCH, auto] {
             let plan = plan(&format!("{STUDY}{text}"));
-            let run = run(&plan);
+            let run = Run::unlimited(&plan, 1);
             let folder = tempfile::tempdir().unwrap();
             let store = Store::open(folder.path(), &plan.manifest()).unwrap();
             let pilots = folder.path().join("pilots");
