@@ -624,6 +624,7 @@ fn predictions_of_events_are_what_is_measured() {
     let folder = Folder::new();
     let path = |name: &str| folder.path(name).display().to_string();
     let (events, other, bare, out) = (path("a.npy"), path("b.npy"), path("a.csv"), path("o.npy"));
+    let (picture, moving) = (path("p.png"), path("p.gif"));
     let scene = "pattern:noise?width=256&height=256&speed=2000&low=0&high=255&frames=16";
     let dvs = root("sensors/dvs.toml");
     for (seed, file) in [("1", &events), ("2", &other)] {
@@ -641,6 +642,10 @@ fn predictions_of_events_are_what_is_measured() {
         &["packets", &events],
         &["packets", &bare, "--size", "256x256"],
         &["convert", &bare, &out, "--sort", "--size", "256x256"],
+        &["show", &events, "-o", &picture],
+        &["show", &events, "-o", &picture, "--view", "surface"],
+        &["show", &events, "-o", &picture, "--view", "rate"],
+        &["show", &events, "-o", &moving],
     ];
     within_two(cases, enough);
 }

@@ -128,6 +128,14 @@ impl Arguments {
         Err(miette!(help = help, "--{option} is of no use {why}"))
     }
 
+    /// Bytes that an event takes.
+    fn each(&self, moving: bool) -> u128 {
+        match self.view() {
+            Shown::Overview | Shown::Intervals if !moving => EACH_BY_CELL,
+            _ => EACH,
+        }
+    }
+
     /// A picture of the whole packet does not move, and a GIF holds few colours.
     fn can_move(&self, to: &Output) -> miette::Result<()> {
         let output = to.display();
@@ -186,8 +194,9 @@ const PAGES: u64 = 2000;
 /// The most windows of a recording: 5 h at 20 ms.
 const WINDOWS: u64 = 1_000_000;
 
-/// Bytes of an event: as it was read, and by its cell.
-const EACH: u128 = 48;
+/// Bytes of an event: as it was read; of views of intervals by its cell, too.
+const EACH: u128 = 24;
+const EACH_BY_CELL: u128 = 48;
 
 /// Bytes of the page, as it is drawn and as it is packed.
 const PAGE: u128 = 20 << 20;
@@ -233,10 +242,11 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         arguments.can_move(output)?;
     }
     arguments.check_options(output, moving)?;
-    let loaded = arguments.recording.read(&arguments.file, 0, EACH)?;
+    let each = arguments.each(moving);
+    let loaded = arguments.recording.read(&arguments.file, 0, each)?;
     let size_known = loaded.size_known;
     let mut packet = loaded.packet;
-    check(&packet, arguments)?;
+    check(&packet, each, arguments)?;
     cut(&mut packet, arguments)?;
     let name = arguments.file.display().to_string();
     let title = arguments.title.as_ref().unwrap_or(&name);
@@ -280,13 +290,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
 }
 
 /// Refuses pictures for which there is no room: a file may say that its sensor is of any size.
-fn check(packet: &Packet, arguments: &Arguments) -> miette::Result<()> {
+fn check(packet: &Packet, each: u128, arguments: &Arguments) -> miette::Result<()> {
     let kinds = match arguments.view() {
         Shown::Kinds | Shown::Overview => u128::from(packet.channels),
         Shown::Frame | Shown::Surface | Shown::Cloud | Shown::Rate | Shown::Intervals => 1,
     };
     let pixels = PIXEL * kinds * packet.size.pixels() as u128;
-    let events = EACH * packet.events.len() as u128;
+    let events = each * packet.events.len() as u128;
     let need = Need::new()
         .and("pictures of the sensor's size", pixels)
         .and("the page", PAGE)

@@ -105,7 +105,7 @@ pub fn curve(show: &CurveShow<'_>) -> Drawing {
     for y in [low, high] {
         page.line((x - 6.0, y), (x + 6.0, y), 3.0, KEPT);
     }
-    page
+    page.fitted(MARGIN)
 }
 
 /// Places of values.

@@ -114,7 +114,7 @@ pub fn lines(show: &LinesShow<'_>) -> Drawing {
             name,
         );
     }
-    page
+    page.fitted(MARGIN)
 }
 
 /// Places of values.

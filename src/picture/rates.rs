@@ -119,7 +119,7 @@ pub fn rates(show: &RatesShow<'_>) -> Drawing {
         let at = (MARGIN, end + (i as f64 + 0.5) * line);
         page.text(at, Anchor::Start, Weight::Plain, ink::TEXT, note);
     }
-    page
+    page.fitted(MARGIN)
 }
 
 /// Where the rates lie: by their logarithm, or at equal distances where they would touch.

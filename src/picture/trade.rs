@@ -81,13 +81,7 @@ pub fn trade(show: &TradeShow<'_>) -> Drawing {
     let rows = show.dots.len() as f64 + 3.0;
     let bottom = (area.bottom() + 3.0 * line).max(rows.mul_add(line, top));
     let bottom = bottom + (show.knee.len() as f64 + 1.0) * line;
-    let longest = show.dots.iter().map(|dot| dot.name.chars().count()).max();
-    let room = LETTER.mul_add(longest.unwrap_or(0).max(20) as f64, NAMES);
-    let texts = show.captions.iter().chain(show.knee);
-    let widest = texts.map(|text| text.chars().count()).max().unwrap_or(0);
-    let widest = widest.max(show.title.chars().count()) as f64;
-    let width = (area.right() + room).max(LETTER.mul_add(widest, 2.0 * MARGIN));
-    let mut page = Drawing::new(width, bottom + MARGIN);
+    let mut page = Drawing::new(area.right() + NAMES, bottom + MARGIN);
     let mut y = MARGIN;
     write(
         &mut page,
@@ -100,7 +94,7 @@ pub fn trade(show: &TradeShow<'_>) -> Drawing {
         y += line;
         write(&mut page, (MARGIN, y), Weight::Plain, ink::CAPTION, caption);
     }
-    legend(&mut page, y + 1.5 * line, show.is_whole);
+    legend(&mut page, y + 1.5 * line, show);
     let plot = Plot::new(area, &show.dots);
     axes(&mut page, area, plot.across, plot.up);
     let zero = plot.y(0.0);
@@ -137,7 +131,7 @@ pub fn trade(show: &TradeShow<'_>) -> Drawing {
         write(&mut page, (MARGIN, y), weight, ink::TEXT, text);
         y += line;
     }
-    page
+    page.fitted(MARGIN)
 }
 
 /// Where the dots lie.
@@ -257,18 +251,21 @@ const fn colour(dot: &TradeDot) -> Ink {
     }
 }
 
-fn legend(page: &mut Drawing, y: f64, is_whole: bool) {
+/// What the colours of the dots mean, and their lines.
+fn legend(page: &mut Drawing, y: f64, show: &TradeShow<'_>) {
     let mut x = MARGIN;
-    for (ink, text) in [
+    let all = [
         (FRONT, "on the front: nothing is quicker and changes less"),
         (KNEE, "its knee"),
         (BEATEN, "beaten"),
-    ] {
+    ];
+    let is_drawn = |ink: Ink| show.dots.iter().any(|dot| colour(dot) == ink);
+    for (ink, text) in all.into_iter().filter(|(ink, _)| is_drawn(*ink)) {
         page.square((x + 4.0, y + 10.0), 4.0, ink);
         write(page, (x + 16.0, y), Weight::Plain, ink::TEXT, text);
         x += 40.0 + LETTER * text.chars().count() as f64;
     }
-    let lines = if is_whole {
+    let lines = if show.is_whole {
         "squares: measured on the whole scene, and the seconds with the plan; lines: left to a run alone, and thin ones with ends what was measured"
     } else {
         "squares: the limit, and the seconds with the plan; lines: down to what was estimated, left to a run alone, and thin ones with ends what was measured"

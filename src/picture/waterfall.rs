@@ -123,7 +123,7 @@ pub fn waterfall(show: &WaterfallShow<'_>) -> Drawing {
     row.step("first to last at once", show.ends);
     row.change(0.0, Some(show.ends));
     page.line((MARGIN, y), (width - MARGIN, y), 1.0, ink::GRID);
-    page
+    page.fitted(MARGIN)
 }
 
 /// Title, captions, legend, and what each plot shows.

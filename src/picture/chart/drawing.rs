@@ -3,7 +3,7 @@
 use image::RgbImage;
 
 use crate::picture::ink::Ink;
-use crate::picture::text::Weight;
+use crate::picture::text::{Face, Weight, in_letters};
 
 /// A place on a page, in points from its upper left corner.
 pub(crate) type Point = (f64, f64);
@@ -116,6 +116,20 @@ impl Drawing {
             .push(Mark::Text(at, anchor, weight, ink, text.into()));
     }
 
+    /// The drawing on a page that is at least so wide that every line of text that begins on it
+    /// ends on it too, with a margin.
+    pub(crate) fn fitted(mut self, margin: f64) -> Self {
+        for mark in &self.marks {
+            if let Mark::Text((x, _), Anchor::Start, weight, _, text) = mark {
+                // An SVG shows the letters as they are, pixels those of the typeface.
+                let width = |text: &str| f64::from(Face::new(*weight, 1).width(text));
+                let right = x + width(text).max(width(&in_letters(text))) + margin;
+                self.width = self.width.max(right);
+            }
+        }
+        self
+    }
+
     /// The four sides of an area, just outside it.
     pub(crate) fn frame(&mut self, area: Area, width: f64, ink: Ink) {
         let half = width / 2.0;
@@ -129,5 +143,25 @@ impl Drawing {
         ] {
             self.line(from, to, width, ink);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::ink;
+
+    #[test]
+    fn a_page_is_as_wide_as_what_is_written_on_it() {
+        let page = |text: &str| {
+            let mut page = Drawing::new(100.0, 20.0);
+            page.text((10.0, 0.0), Anchor::Start, Weight::Heading, ink::TEXT, text);
+            page.fitted(5.0).size().0
+        };
+        assert_eq!(page("short"), 100.0);
+        let letter = f64::from(Face::new(Weight::Heading, 1).width("a"));
+        assert_eq!(page(&"a".repeat(40)), 40.0f64.mul_add(letter, 15.0));
+        // Spelled out where the typeface has no such letter.
+        assert_eq!(page(&"\u{3bb}".repeat(20)), 120.0f64.mul_add(letter, 15.0));
     }
 }

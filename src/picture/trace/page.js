@@ -93,6 +93,8 @@
     const pair = make('div', card, 'pair');
     const side = what => {
       const figure = make('figure', pair), picture = make('div', figure, 'picture');
+      // A column of pixels is no longer than the screen.
+      picture.style.maxWidth = `calc(70vh * ${width / height})`;
       const canvas = make('canvas', picture);
       canvas.width = width;
       canvas.height = height;
@@ -191,8 +193,17 @@
       }
     });
   };
+  const column = element('column'), row = element('row');
   const look = (x, y) => {
     pixel = { x, y };
+    column.value = x * every;
+    row.value = y * every;
+    values();
+  };
+  // The pixel that is shown nearest to the numbers.
+  const typed = () => {
+    const at = (field, most) => Math.max(0, Math.min(most - 1, Math.round((parseInt(field.value, 10) || 0) / every)));
+    pixel = { x: at(column, width), y: at(row, height) };
     values();
   };
 
@@ -237,8 +248,9 @@
         list.scrollTop = item.offsetTop - list.clientHeight / 2;
       }
     }
-    element('first').disabled = element('back').disabled = here === 0;
-    element('last').disabled = element('next').disabled = here === steps.length - 1;
+    // A button that is disabled would lose the focus.
+    for (const id of ['first', 'back']) element(id).setAttribute('aria-disabled', here === 0);
+    for (const id of ['last', 'next']) element(id).setAttribute('aria-disabled', here === steps.length - 1);
     values();
     document.body.dataset.step = here;
   };
@@ -286,6 +298,11 @@
   element('follow').checked = matchMedia('(max-width: 50rem)').matches;
   noise.disabled = !trace.quiet;
   if (!trace.quiet) noise.parentElement.title = 'this arithmetic has no noise';
+  for (const [field, most] of [[column, width], [row, height]]) {
+    field.max = (most - 1) * every;
+    field.step = every;
+    field.addEventListener('input', typed);
+  }
   element('slide').max = steps.length - 1;
   element('slide').addEventListener('input', event => go(Number(event.target.value)));
   element('first').addEventListener('click', () => go(0));

@@ -128,11 +128,15 @@ fn whole(trace: &Trace, parts: u32) -> String {
                             button #part type="button" { "first that parts" }
                             label { " by " input #limit type="number" min="0" step="0.25" inputmode="decimal"; " LSB" }
                         }
+                        span.part {
+                            label { "pixel: column " input #column type="number" min="0" inputmode="numeric"; }
+                            label { " row " input #row type="number" min="0" inputmode="numeric"; }
+                        }
                     }
                     p #found aria-live="polite" {}
                 }
                 main hidden {
-                    section #registers aria-label="Registers" {}
+                    section #registers aria-label="Registers" { h2 { "Registers" } }
                     section #listing aria-label="Program" {
                         h2 { "Program" }
                         ol #text {
@@ -144,7 +148,7 @@ fn whole(trace: &Trace, parts: u32) -> String {
                     h2 { "How to read it" }
                     ul {
                         li { "Each register: left on the chip, right in exact arithmetic. Black is the lowest value of a picture and white its highest, which stand below it. What the word wrote has a solid frame, what it read a dashed one." }
-                        li { "Point at a pixel, or touch it, for its value in all registers." }
+                        li { "Point at a pixel, touch it, or give its column and row, for its value in all registers." }
                         li { "Difference: chip less exact, less the median of that; blue is more, vermilion less." }
                         li { "The first that parts: the first word after which a pixel of the chip differs from its exact self by more than the limit, the median difference of the pixels that are shown not counted, or a bit differs." }
                         li { "Noise: that of the chip's stores; what differs from pixel to pixel stays without it. Follow: the page scrolls to what a word wrote." }

@@ -13,7 +13,7 @@ use crate::{
         PictureError,
         chart::{Anchor, Area, Drawing, raster},
         ink::{self, Ink},
-        text::Weight,
+        text::{Weight, fits, in_letters},
     },
     plane::{Plane, Size},
     unit::Micros,
@@ -138,7 +138,7 @@ pub fn frames<'a>(
     let number = to.0.saturating_sub(from.0).div_ceil(window);
     let page = move |i: u64| {
         let start = Micros(from.0.saturating_add(i.saturating_mul(window)));
-        let end = Micros(start.0.saturating_add(window));
+        let end = Micros(start.0.saturating_add(window)).min(to);
         let until = |t: Micros| packet.events.partition_point(|e| e.t <= t);
         let first = if i == 0 {
             packet.events.partition_point(|e| e.t < start)
@@ -168,20 +168,21 @@ fn animated(
         height: height as f64 * times,
     };
     let mut drawing = Drawing::new(area.width.max(330.0) + 24.0, area.height + 76.0);
-    let room = ((drawing.size().0 - 24.0) / 7.0) as usize;
-    let title: String = title.chars().take(room).collect();
+    // Spelled as it is written, so that it is not cut within a letter.
+    let title = in_letters(title);
+    let room = fits(drawing.size().0 as u32 - 24, Weight::Heading);
     drawing.text(
         (12.0, 6.0),
         Anchor::Start,
         Weight::Heading,
         ink::TEXT,
-        title,
+        shortened(&title, room),
     );
     let ground = RgbImage::from_pixel(width as u32, height as u32, ink::EMPTY);
     drawing.pixels(area, crate::picture::panel::events(ground, events));
     let [on, off] = signs(events);
     let clock = Clock::of(packet);
-    let mut below = format!("{:.3} to {:.3} s", clock.seconds(from), clock.seconds(to));
+    let mut below = format!("{} to {}", clock.text(from), clock.text(to));
     if let Some(note) = clock.note() {
         below = format!("{below}, {note}");
     }

@@ -25,9 +25,11 @@ pub fn pages<'a>(
     let window = look.window.0.max(1);
     let number = to.0.saturating_sub(from.0).div_ceil(window);
     let page = move |i: u64| {
-        let end = from.0.saturating_add((i + 1).saturating_mul(window));
+        let start = from.0.saturating_add(i.saturating_mul(window));
+        let end = start.saturating_add(window).min(to.0);
         let look = Look {
             at: Some(Micros(end)),
+            window: Micros(end - start),
             ..look
         };
         // What can be wrong has been checked.

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 
 use super::{
     image, number,
-    part::{Part, part, wide},
+    part::{Part, drawn, part, wide},
     tornado::{self, Bar, Tornado},
 };
 use crate::study::{
@@ -99,7 +99,7 @@ fn over_rates(all: &Feasibility, rates: &Rates) -> Markup {
         p { "The same light at several frame rates, from the clip\u{2019}s own to what the chip allows with all slots of its program ("
             (number::plain("/over_rates/ceiling_fps", rates.ceiling_fps)) " frames/s by the nominal times of its data), on "
             (number::plain("/over_rates/chips", rates.chips as f64)) " chips. What is kept is of the float sensor\u{2019}s events at the times of their crossings; what is not is shared out to its causes, those of the chip by their Shapley values." }
-        (wide("Picture of the waterfall over frame rate", &image::drawing(&rates.drawing(&title), &alt)))
+        (drawn("Picture of the waterfall over frame rate", &image::drawing(&rates.drawing(&title), &alt)))
         (wide("Waterfall over frame rate", &html! {
             table {
                 caption { "What is kept, and what each cause takes; below each, where a further chip on other tiles lies with 80 %" }
@@ -160,7 +160,7 @@ fn steps(all: &Feasibility, waterfall: &Waterfall) -> Markup {
         p { "Event by event at the clip\u{2019}s own rate, from the float sensor, with the times of its crossings (" (number::plain("/waterfall/float_events", waterfall.float_events as f64))
             " events), to what leaves the chip (" (number::plain("/waterfall/chip_events", waterfall.chip_events as f64))
             "): each step is a sensor that was run, and changes events of the step before it. In order, a step comes after those above it; alone, with all others on. Where the two differ, steps interact." }
-        (wide("Picture of the waterfall", &image::drawing(&waterfall.drawing(&title), &alt)))
+        (drawn("Picture of the waterfall", &image::drawing(&waterfall.drawing(&title), &alt)))
         (wide("Waterfall", &html! {
             table {
                 caption { "Events that each step changes, for each event of the float sensor" }

@@ -156,7 +156,7 @@ fn asked(all: &Feasibility) -> Markup {
             "Can a pixel of " (all.chip.name) " (" (all.chip.title) ") compute this receptive field, and what is left of its events? "
             "Asked of " (scene.name) " ("
             (number::plain("/scene/width", scene.width as f64)) "x" (number::plain("/scene/height", scene.height as f64))
-            " pixels, " (number::plain("/scene/frames", scene.frames as f64)) " frames at "
+            " pixels, " (number::plain("/scene/frames", scene.frames as f64)) @if scene.frames == 1 { " frame at " } @else { " frames at " }
             (number::plain("/scene/fps", scene.fps)) " frames/s"
             @if scene.fps_is_assumed { ", which was assumed" }
             "), with an event where kernel times light, 0 to 255, has moved by more than "

@@ -14,7 +14,10 @@ pub(super) fn plain(at: &str, value: f64) -> Markup {
 
 /// A number with so many digits behind the point.
 pub(super) fn fixed(at: &str, value: f64, decimals: usize) -> Markup {
-    data(at, value, &format!("{value:.decimals$}"))
+    let text = format!("{value:.decimals$}");
+    let is_zero = text.bytes().all(|b| b"-0.".contains(&b));
+    let shown = text.strip_prefix('-').filter(|_| is_zero);
+    data(at, value, shown.unwrap_or(&text))
 }
 
 /// The same of a number that may be missing.
@@ -133,7 +136,7 @@ fn data(at: &str, value: f64, shown: &str) -> Markup {
 }
 
 /// With a minus, not a hyphen.
-fn minus(shown: &str) -> String {
+pub(super) fn minus(shown: &str) -> String {
     shown.replace('-', "\u{2212}")
 }
 
@@ -202,6 +205,10 @@ mod tests {
             markup,
             "<data value=\"0.123456789\" data-at=\"/a/b\">0.1235</data>"
         );
+        let zero = fixed("/a", -0.000_2, 3).into_string();
+        assert!(zero.ends_with(">0.000</data>"), "{zero}");
+        let below = fixed("/a", -0.02, 2).into_string();
+        assert!(below.ends_with(">\u{2212}0.02</data>"), "{below}");
         assert_eq!(unit("us"), "\u{b5}s");
         assert_eq!(unit("LSB"), "LSB");
     }

@@ -64,10 +64,16 @@ impl Part {
     }
 }
 
-/// What may be wider than the screen, a table of many columns or a drawing: it scrolls by itself
-/// there, and says so.
-pub(super) fn wide(label: &str, inside: &Markup) -> Markup {
-    scrolling("scrolls", label, inside)
+/// A table of many columns, which may be wider than the screen: it scrolls by itself there, and
+/// says so.
+pub(super) fn wide(label: &str, table: &Markup) -> Markup {
+    scrolling("scrolls", label, table)
+}
+
+/// A drawing, as large as its letters want: wider than the column of the text where it can, on
+/// paper across a page.
+pub(super) fn drawn(label: &str, drawing: &Markup) -> Markup {
+    scrolling("drawn", label, drawing)
 }
 
 /// A table of so many columns that it takes more than the column of the text where it can.

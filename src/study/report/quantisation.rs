@@ -17,6 +17,7 @@ use crate::study::{
 pub(super) fn section(all: &Feasibility) -> Part {
     let chosen = &all.chosen;
     let most = weights::most(&all.kernel.weights);
+    let most_level = weights::most(&chosen.levels.weights);
     let (height, width) = (
         all.kernel.weights.len(),
         all.kernel.weights.first().map_or(0, Vec::len),
@@ -40,15 +41,15 @@ pub(super) fn section(all: &Feasibility) -> Part {
             div.panels.kernels {
                 figure {
                     (weights::picture(&all.kernel.weights, 1.0, most, &alt(&format!("The kernel {}", all.kernel.name))))
-                    figcaption { "The kernel, sum " (number::plain("/kernel/sum", all.kernel.sum)) }
+                    figcaption { "The kernel, sum " (number::plain("/kernel/sum", all.kernel.sum)) (weights::told_in(&all.kernel.weights, most)) }
                 }
                 figure {
                     (weights::picture(&chosen.levels.weights, chosen.scale, most, &alt(&format!("The kernel in {}, times its scale", chosen.to))))
-                    figcaption { "In " (chosen.to) ", times the scale" }
+                    figcaption { "In " (chosen.to) ", times the scale" (weights::told_in(&chosen.levels.weights, most)) }
                 }
                 figure {
-                    (weights::picture(&chosen.levels.weights, 1.0, weights::most(&chosen.levels.weights), &alt("The levels that the chip computes with")))
-                    figcaption { "The levels, sum " (number::plain("/chosen/levels/sum", chosen.levels.sum)) }
+                    (weights::picture(&chosen.levels.weights, 1.0, most_level, &alt("The levels that the chip computes with")))
+                    figcaption { "The levels, sum " (number::plain("/chosen/levels/sum", chosen.levels.sum)) (weights::told_in(&chosen.levels.weights, most_level)) }
                 }
             }
             (broad("Quantisers", &html! {
