@@ -21,6 +21,9 @@ class Error(ValueError):
     """What is wrong, in the words of the command line: what was given, what was expected, and
     what to do."""
 
+class NotFinite(Error):
+    """A gradient that goes back, or a sum of it, is NaN or infinite."""
+
 def set_threads(threads: int) -> None:
     """Sets the number of threads from now on; 0 for as many as there are cores."""
 

@@ -698,7 +698,7 @@ class Sensor(EventSensor):
             sum: What the quantised kernels must sum to: ``"free"``, ``"zero"`` or ``"kept"``.
             memory: What the program remembers: ``"analogue"``, the drive of each kind, for which
                 SCAMP-5 has registers enough for two kinds; ``"shared"``, the pixel, in one register
-                for any number of kinds; ``"bits:N"``, the drive in N one-bit registers a kind. What
+                for all kinds; ``"bits:N"``, the drive in N one-bit registers a kind. What
                 is nearest to the sensor where it is left out.
             readout: ``"all"`` reads every event, ``"slots"`` at most 4000 in each scan, as the
                 program asks for; others are lost.

@@ -14,12 +14,24 @@ create_exception!(
     "What is wrong, in the words of the command line: what was given, what was expected, and what to do."
 );
 
+create_exception!(
+    amacrine._amacrine,
+    NotFinite,
+    Error,
+    "A gradient that goes back, or a sum of it, is NaN or infinite."
+);
+
 /// Lines of a text that are shown are cut at so many columns.
 const WIDTH: usize = 120;
 
 /// The exception for whatever the library says.
 pub fn raised(report: impl Into<Report>) -> PyErr {
     Error::new_err(in_python(&told(&report.into())))
+}
+
+/// The exception for a gradient that is not finite, which a layer gives back as PyTorch's own do.
+pub fn not_finite(report: impl Into<Report>) -> PyErr {
+    NotFinite::new_err(in_python(&told(&report.into())))
 }
 
 /// The exception for what only Python can be wrong about.

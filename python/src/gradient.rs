@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 
 use crate::{
     chip::plane,
-    error::{raised, refused},
+    error::{not_finite, raised, refused},
     pool,
     sensor::Sensor,
 };
@@ -282,7 +282,10 @@ impl<R: Spare + Element> Pass<R> {
             };
             self.model.backward(&self.seen, &ask, rule)
         })?;
-        let gradient = gradient.map_err(raised)?;
+        let gradient = gradient.map_err(|error| match error {
+            GradientError::NotFinite { .. } => not_finite(error),
+            other => raised(other),
+        })?;
         let kinds = gradient.channels.iter().map(|kind| {
             let kernels = kind.kernels.iter().map(|it| plane(py, it));
             let kernels = kernels.collect::<PyResult<_>>()?;

@@ -38,6 +38,7 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     // Numpy is looked up once, here: within a call that Ctrl-C has stopped that would fail.
     drop(PyArray1::<u8>::zeros(py, 0, false));
     module.add("Error", py.get_type::<error::Error>())?;
+    module.add("NotFinite", py.get_type::<error::NotFinite>())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<sensor::Sensor>()?;
     module.add_class::<chip::Chip>()?;

@@ -6,6 +6,8 @@ from __future__ import annotations
 import copy
 import io
 import pickle
+import warnings
+import weakref
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +19,9 @@ from conftest import Frames, kernels
 
 torch = pytest.importorskip("torch")
 
-from amacrine.torch import EventDataset, EventSensor  # noqa: E402
+from amacrine.torch import EventDataset, EventSensor, event_sensor  # noqa: E402
+from torch.autograd.graph import save_on_cpu, saved_tensors_hooks  # noqa: E402
+from torch.utils.checkpoint import checkpoint  # noqa: E402
 
 
 @pytest.mark.parametrize("dtype", ["float32", "float64"])
@@ -94,6 +98,35 @@ def test_its_thresholds_are_those_that_were_given_to_the_bit(dtype: Any) -> None
     with torch.no_grad():
         layer.log_thresholds.add_(0.5)
     torch.testing.assert_close(layer.thresholds, layer.log_thresholds.exp(), rtol=0, atol=0)
+
+
+@pytest.mark.parametrize("way", ["double", "float", "load wide", "load narrow", "there and back"])
+def test_thresholds_that_were_not_learned_stay_in_another_dtype(way: str) -> None:
+    """Whole ones to the bit, others as the dtype rounds them; what was learned is moved as it is."""
+    given = [(n / 8, 1 + n / 3) for n in range(1, 200)]
+    for n in range(0, 192, 8):
+        limits = given[n : n + 8]
+        thin, wide = (
+            EventSensor(["dvs"] * 8, limits, fps=10, dtype=dtype) for dtype in (torch.float32, torch.float64)
+        )
+        if way == "double":
+            moved, want = copy.deepcopy(thin).double(), thin.thresholds.double()
+        elif way == "float":
+            moved, want = copy.deepcopy(wide).float(), wide.thresholds.float()
+        elif way == "load wide":
+            wide.load_state_dict(thin.state_dict())
+            moved, want = wide, thin.thresholds.double()
+        elif way == "load narrow":
+            want = wide.thresholds.float()
+            thin.load_state_dict(wide.state_dict())
+            moved = thin
+        else:
+            moved, want = copy.deepcopy(wide).float().double(), wide.thresholds.float().double()
+        assert torch.equal(moved.thresholds, want)
+        assert torch.equal(moved.thresholds[:, 0].double(), torch.tensor(limits).double()[:, 0])
+        with torch.no_grad():
+            moved.log_thresholds.add_(1e-9 if moved.kernels.dtype == torch.float64 else 1e-5)
+        assert torch.equal(moved.thresholds, moved.log_thresholds.exp())
 
 
 def test_what_no_layer_begins_as() -> None:
@@ -205,7 +238,7 @@ def test_state_goes_round(frames: Frames) -> None:
     want = layer(given).voxels
     for same in (other, copy.deepcopy(layer), pickle.loads(pickle.dumps(layer))):
         assert torch.equal(same(given).voxels, want)
-    assert set(layer.state_dict()) == {"kernels", "log_thresholds", "given_thresholds"}
+    assert set(layer.state_dict()) == {"kernels", "log_thresholds", "given_thresholds", "given_log_thresholds"}
 
 
 def test_the_same_on_any_number_of_threads(frames: Frames) -> None:
@@ -243,7 +276,6 @@ MISTAKES: dict[str, tuple[Any, str]] = {
     "scale of text": (lambda f: EventSensor("dvs", 0.1, fps=9, scale=_any("a")), "scale = 'a'"),
     "memory": (lambda f: EventSensor("dvs", 0.1, fps=9, memory="raw-snap")(f), "holds pixels"),
     "diverged": (lambda f: _diverged(f), "kernels must be finite"),
-    "loss": (lambda f: _loss(f), "has NaN at"),
 }
 
 
@@ -252,11 +284,6 @@ def _diverged(frames: Any) -> None:
     with torch.no_grad():
         layer.kernels[0, 1, 1] = torch.nan
     layer(frames)
-
-
-def _loss(frames: Any) -> None:
-    layer = EventSensor("csdvs-3", 0.1, fps=9)
-    (layer(frames).voxels.sum() * torch.nan).backward()
 
 
 @pytest.mark.parametrize("which", MISTAKES)
@@ -282,6 +309,64 @@ def test_mismatch_learns_with_the_thresholds(rule: Any, frames: Frames) -> None:
     assert by_threshold == pytest.approx(-by_kernel, rel=1e-9)
     plain = EventSensor(kernels(2, 3), (0.2, 0.3), **how)
     assert not torch.equal(plain(torch.from_numpy(frames)).counts, seen.counts)
+
+
+@pytest.mark.parametrize("of", ["voxels", "counts", "events", "a sum"])
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_a_gradient_that_is_not_finite_gives_nan_back(of: str, value: float, frames: Frames) -> None:
+    """As a layer of PyTorch, so that what watches gradients sees it."""
+    layer = EventSensor(kernels(2), 0.2, fps=60, scale=1)
+    light = torch.from_numpy(frames).float().requires_grad_()
+    seen = layer(light)
+    # Of finite gradients a sum leaves the format.
+    part, by = (seen.voxels, 1e38) if of == "a sum" else (getattr(seen, of), value)
+    (part.sum() * by).backward()
+    assert light.grad is not None
+    for back in (layer.kernels.grad, layer.log_thresholds.grad, light.grad):
+        assert back is not None and bool(back.isnan().all())
+
+
+def test_a_scaler_of_gradients_skips_the_step_that_overflows(frames: Frames) -> None:
+    layer = EventSensor(kernels(1), 0.2, fps=60)
+    start = layer.kernels.detach().clone()
+    steps = torch.optim.SGD(layer.parameters(), 1e-9)
+    scaler = torch.amp.GradScaler("cpu", init_scale=2.0**120)
+    scales = []
+    for _ in range(3):
+        steps.zero_grad()
+        loss = layer(torch.from_numpy(frames)).voxels.square().sum()
+        scaler.scale(loss).backward()
+        scaler.step(steps)
+        scaler.update()
+        scales.append(scaler.get_scale())
+        if len(scales) == 1:
+            assert torch.equal(layer.kernels, start) and scales[0] == 2.0**119
+            scaler.update(2.0**4)
+    assert scales[1:] == [2.0**4] * 2 and not torch.equal(layer.kernels, start)
+    assert bool(layer.kernels.isfinite().all())
+
+
+def test_a_layer_is_made_on_the_default_device_and_works_under_any(frames: Frames) -> None:
+    usual = EventSensor(kernels(2), 0.2, fps=60)
+    given = torch.from_numpy(frames)
+    seen = usual(given)
+    (seen.voxels.square().sum() + seen.events).backward()
+    with torch.device("meta"):
+        layers = [
+            EventSensor(kernels(2), 0.2, fps=60),
+            EventSensor.from_sensor(amacrine.Sensor(kernels(2), 0.2), fps=60),
+        ]
+        # One that is elsewhere, with frames that are no tensor.
+        other = EventSensor.from_sensor(amacrine.Sensor(kernels(2), 0.2), fps=60).to_empty(device="cpu")
+        other.load_state_dict(usual.state_dict())
+        again = other(frames)
+        (again.voxels.square().sum() + again.events).backward()
+    for layer in layers:
+        assert {own.device.type for own in layer.state_dict().values()} == {"meta"}
+        assert all(isinstance(own, torch.nn.Parameter) for own in (layer.kernels, layer.log_thresholds))
+    assert again.voxels.device.type == "cpu" and torch.equal(again.voxels, seen.voxels)
+    for name in ("kernels", "log_thresholds"):
+        assert torch.equal(getattr(other, name).grad, getattr(usual, name).grad)
 
 
 def test_a_layer_may_be_changed_in_place_and_given_nothing(frames: Frames) -> None:
@@ -454,6 +539,28 @@ def test_numbers_that_have_their_scale_are_not_scaled_twice(tmp_path: Path) -> N
     assert [one.filename for one in told] == [__file__]
 
 
+def test_videos_that_have_not_as_many_windows_are_told_at_once(tmp_path: Path) -> None:
+    for name, rate in {"a": 10, "b": 25, "c": 10, "d": 11}.items():
+        head, frame = f"YUV4MPEG2 W16 H16 F{rate}:1 Cmono\n", b"FRAME\n" + bytes(256)
+        (tmp_path / f"{name}.y4m").write_bytes(head.encode() + 8 * frame)
+    windows: dict[str, Any] = {"bins": 2, "window": 0.1}
+    with pytest.warns(amacrine.Caution) as told:
+        data = EventDataset(tmp_path, frames=8, voxels=windows)
+    [text] = [str(one.message) for one in told]
+    assert f"{tmp_path / 'a.y4m'} has 7 windows (10 frames per second)" in text
+    assert f"{tmp_path / 'b.y4m'} has 3 (25)" in text and "c.y4m" not in text and "d.y4m" not in text
+    assert "fps=" in text and "leave window out" in text and told[0].filename == __file__
+    assert [len(data[n]["voxels"]) for n in range(4)] == [7, 3, 7, 7]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", amacrine.Caution)
+        for how in ({"voxels": windows, "fps": 30}, {"voxels": {"bins": 2}}, {}):
+            same = EventDataset(tmp_path, frames=8, **_any(how))
+            loader: Any = torch.utils.data.DataLoader(same, batch_size=4)
+            assert len(next(iter(loader))["voxels"]) == 4
+        # As many windows at either rate.
+        EventDataset([tmp_path / "a.y4m", tmp_path / "d.y4m"], frames=8, voxels=windows)
+
+
 def test_types_of_torch_are_types_of_voxels(videos: Path) -> None:
     data = _dataset(videos, voxels={"bins": 3, "dtype": torch.float16})
     assert data[0]["voxels"].dtype == torch.float16
@@ -497,8 +604,10 @@ def test_a_data_set_that_cannot_be_is_told_at_once(
 def test_what_the_way_back_needs_is_freed_with_it_and_not_with_the_outputs() -> None:
     batch = torch.rand(1, 6, 1, 16, 16)
     layer = EventSensor("csdvs-3", 4.0, fps=9, scale=255)
+    before = set(event_sensor._KEPT)
     seen = layer(batch)
-    held = _any(seen.voxels.grad_fn).held
+    [key] = set(event_sensor._KEPT) - before
+    held = weakref.ref(event_sensor._KEPT[key])
     assert held() is not None
     loss = seen.voxels.sum()
     loss.backward(retain_graph=True)
@@ -510,3 +619,49 @@ def test_what_the_way_back_needs_is_freed_with_it_and_not_with_the_outputs() -> 
     with pytest.raises(RuntimeError, match="second time"):
         loss.backward()
     assert torch.isfinite(seen.voxels).all()
+
+
+WAYS: dict[str, Any] = {
+    "checkpoint": lambda f, x: checkpoint(f, x, use_reentrant=False),
+    "checkpoint of inputs": lambda f, x: checkpoint(f, x, use_reentrant=True),
+    "save_on_cpu": lambda f, x: _within(save_on_cpu(), f, x),
+    "copies": lambda f, x: _within(saved_tensors_hooks(lambda t: t.clone(), lambda t: t), f, x),
+    "arrays": lambda f, x: _within(saved_tensors_hooks(lambda t: t.numpy().copy(), torch.from_numpy), f, x),
+}
+
+
+def _within(hooks: Any, of: Any, light: Any) -> Any:
+    with hooks:
+        return of(light)
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("changed", [False, True])
+def test_its_gradient_is_the_same_however_what_it_saves_is_kept(way: str, changed: bool) -> None:
+    """Where only copies are kept, or nothing, the events are made again."""
+    batch = torch.rand(2, 6, 1, 16, 16)
+    layer = EventSensor(kernels(2, 3), 0.3, fps=9, scale=255, mismatch=0.1, phase=0.2)
+
+    def loss(frames: Any) -> Any:
+        seen = layer(frames)
+        return seen.voxels.square().sum() + 0.1 * seen.events
+
+    light = batch.clone().requires_grad_()
+    loss(light).backward()
+    parts = (layer.kernels, layer.log_thresholds, light)
+    want = [part.grad.clone() for part in parts if part.grad is not None]
+    assert len(want) == 3
+    layer.zero_grad()
+    light.grad = None
+    before = set(event_sensor._KEPT)
+    asked = WAYS[way](loss, light)
+    # On the processor it is not a copy that is saved on the processor.
+    assert (set(event_sensor._KEPT) <= before) == (way != "save_on_cpu")
+    if changed and "checkpoint" not in way:
+        # What was saved is what it was.
+        with torch.no_grad():
+            layer.kernels.add_(1.0)
+            light.mul_(0.5)
+    asked.backward()
+    assert all(torch.equal(_any(part.grad), own) for part, own in zip(parts, want))
+    assert set(event_sensor._KEPT) <= before

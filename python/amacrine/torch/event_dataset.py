@@ -77,6 +77,8 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         options: Of :class:`amacrine.Sensor`: ``response``, ``memory``, ``noise``, …; by default what a
             chip can follow (``filtered-snap``, border ``zero``).
         voxels: Of :meth:`amacrine.Sensor.voxels`: ``bins``, ``window``, ``polarity``, ``normalise``, ….
+            With a ``window`` the videos must have one rate, or ``fps`` be given, for items to be as many
+            windows each; a :class:`amacrine.Caution` says where they are not.
         fps: Frames per second, instead of what the videos say.
         scale: What the numbers of .npy videos are multiplied by to be light from 0 to 255: 255 where
             they are 0 to 1.
@@ -147,6 +149,7 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         self._transform, self._epoch = transform, 0
         self._forget()
         self._check_chips()
+        self._check_windows()
 
     def _check(self) -> None:
         """Tells what no sensor takes here, not in a worker."""
@@ -170,14 +173,39 @@ class EventDataset(torch.utils.data.Dataset[Item]):
         if self._crop is not None and 0 in self._crop:
             raise Error(f"crop = {self._crop}\nhelp: give a height and a width above 0")
         self._any = sensors[0]
-        self._try(sensors[0])
+        self._try(sensors[0], self._fps or 30.0)
 
-    def _try(self, sensor: EventSensor) -> None:
-        """Tells which voxels it does not make."""
+    def _try(self, sensor: EventSensor, rate: float) -> int:
+        """Tells which voxels it does not make; else of how many windows they are."""
         still = np.zeros((self._frames, 16, 16), np.uint8)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Caution)
-            sensor.voxels(still, self._fps or 30.0, **self._voxels)
+            return len(sensor.voxels(still, rate, **self._voxels))
+
+    def _check_windows(self) -> None:
+        """Tells of videos whose items no batch holds together: as many frames at another rate are
+        another number of windows."""
+        if self._fps is not None or not {"window", "every"} & set(self._voxels):
+            return
+        rates: dict[float, str] = {}
+        for video in self.videos:
+            with warnings.catch_warnings():
+                # They are told where its items are asked for.
+                warnings.simplefilter("ignore", Caution)
+                _, rate = load(video, frames=2, scale=self._scale)
+            rates.setdefault(rate, video)
+        first: dict[int, float] = {}
+        for rate in rates:
+            first.setdefault(self._try(self._any, rate), rate)
+        if len(first) > 1:
+            (count, rate), *others = first.items()
+            told = [f"{rates[rate]} has {count} windows ({rate:g} frames per second)"]
+            told += [f"{rates[rate]} has {count} ({rate:g})" for count, rate in others]
+            self._place.caution(
+                f"{self._frames} frames are not as many windows in all videos: {', '.join(told)}; "
+                "a batch holds items of one shape: give fps=…, which all have then, leave window out, "
+                "or give the DataLoader a collate_fn that takes lists"
+            )
 
     def _check_chips(self) -> None:
         """Compiles the first sensor of each kernel, quantiser and chip that are drawn: tells here what
@@ -192,7 +220,7 @@ class EventDataset(torch.utils.data.Dataset[Item]):
                 warnings.simplefilter("always", Caution)
                 self._made[number] = self._make(number)
             if len(tried) == 1:
-                self._try(self._made[number])
+                self._try(self._made[number], self._fps or 30.0)
             for caution in caught:
                 text = str(caution.message)
                 if text not in told:

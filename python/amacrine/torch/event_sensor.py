@@ -12,7 +12,7 @@ import torch
 from torch.autograd.function import once_differentiable
 
 from .. import _amacrine, arguments
-from .._amacrine import Error
+from .._amacrine import Error, NotFinite
 from ..frames import shaped
 from ..gradient import Rule, Slope, check_float, seconds
 from ..kernels import Kernels
@@ -47,7 +47,11 @@ class EventSensor(torch.nn.Module):
     is computed on the processor, on all threads and with the interpreter released; the results are the
     same on any number of them, and on any device. The answer lies where the layer does (``layer.cuda()``);
     frames may lie elsewhere: those that a ``DataLoader`` gives are best left on the processor. There is
-    one derivative: no second one, and no ``torch.func``.
+    one derivative: no second one, and no ``torch.func``. A loss whose gradient is NaN or infinite, or
+    leaves the dtype on its way, gives NaN back for all of them, as ``torch.amp.GradScaler`` and
+    ``torch.autograd.detect_anomaly`` look for; the next clip is then an :class:`amacrine.Error`, if a
+    step was taken with it. Where PyTorch keeps copies of what is saved, or nothing
+    (``torch.utils.checkpoint``, ``save_on_cpu``), the way back makes the events again.
 
     Args:
         kernels: (K,k,k) or (K,1,k,k), or names, as for :class:`amacrine.Sensor`: where learning begins.
@@ -77,6 +81,8 @@ class EventSensor(torch.nn.Module):
         log_thresholds: The parameter (K,2): the logarithms of the ON and the OFF threshold.
 
         given_thresholds: The buffer (K,2): the thresholds with which learning began.
+        given_log_thresholds: The buffer (K,2): their logarithms, by which it is known which thresholds
+            have not been learned, in whatever dtype and on whatever machine.
 
     A ``state_dict`` holds these; ``fps``, ``scale``, rule, mismatch and seed are those of the layer
     that takes it.
@@ -147,12 +153,15 @@ class EventSensor(torch.nn.Module):
                 "help: give every kind one kernel (k,k), without a pattern, a mesh or log-temporal"
             )
         weights = torch.from_numpy(stacked(kernels))
-        limits = [limit[:2].tolist() for limit in sensor.thresholds]
-        given = torch.tensor(limits, dtype=torch.float64).to(dtype)
+        limits = torch.from_numpy(np.stack([limit[:2] for limit in sensor.thresholds]))
+        given = limits.to(dtype)
+        logarithms = given.double().log().to(dtype)
         self.kernels = torch.nn.Parameter(weights.to(dtype))
-        self.log_thresholds = torch.nn.Parameter(_logarithms(given))
+        self.log_thresholds = torch.nn.Parameter(logarithms.clone())
         self.given_thresholds: torch.Tensor
+        self.given_log_thresholds: torch.Tensor
         self.register_buffer("given_thresholds", given)
+        self.register_buffer("given_log_thresholds", logarithms)
         self._template = sensor
 
     def _set(
@@ -180,10 +189,12 @@ class EventSensor(torch.nn.Module):
         self.seed = arguments.whole("seed", seed)
         # What no clip passes is told here, not after the first.
         side = self.kernels.shape[-1]
-        light = torch.zeros((1, 2, side, side), dtype=self.kernels.dtype)
+        light = torch.zeros((1, 2, side, side), dtype=self.kernels.dtype, device="cpu")
         with torch.enable_grad():
             torch.autograd.backward(self._watched(light).events)
         self.zero_grad()
+        # Made and tried on the processor, whose logarithms are those of any device.
+        self.to(torch.empty(0).device)
 
     @property
     def thresholds(self) -> torch.Tensor:
@@ -197,7 +208,7 @@ class EventSensor(torch.nn.Module):
         limits = logarithms.exp()
         # Of many a number the exponential of its logarithm is the one beside it. Numbers that are so
         # near differ by what needs no rounding.
-        at_first = (logarithms == _logarithms(given)) & limits.isfinite()
+        at_first = (logarithms == self.given_log_thresholds.cpu()) & limits.isfinite()
         rest = torch.where(at_first, given - limits, 0.0)
         return limits + rest.detach()
 
@@ -236,7 +247,7 @@ class EventSensor(torch.nn.Module):
         """Light from 0 to 255, (B,T,H,W), and whether there are several clips."""
         if not isinstance(frames, torch.Tensor):
             try:
-                frames = torch.as_tensor(np.ascontiguousarray(frames))
+                frames = torch.as_tensor(np.ascontiguousarray(frames), device="cpu")
             except (TypeError, ValueError, RuntimeError) as cause:
                 raise Error(
                     f"frames of type {type(frames).__name__} are no light\nhelp: give a tensor or an array"
@@ -284,11 +295,6 @@ class EventSensor(torch.nn.Module):
         return f"{count} of {rows}x{columns}, fps={self.fps}, rule={self.rule or 'by memory'}"
 
 
-def _logarithms(thresholds: torch.Tensor) -> torch.Tensor:
-    """Where learning begins from such thresholds."""
-    return thresholds.double().log().to(thresholds.dtype)
-
-
 def _check_dtype(dtype: torch.dtype) -> None:
     """Refuses what the adjoint is not computed in."""
     if dtype not in (torch.float32, torch.float64):
@@ -328,16 +334,34 @@ class _How(NamedTuple):
 
 
 class _Held:
-    """What the way back needs, held by a tensor that PyTorch frees with what it saved itself."""
+    """A pass, held by a tensor that PyTorch frees with what it saved itself."""
 
     def __init__(self, seen: _amacrine.Seen) -> None:
         self.seen = seen
         self._byte = np.zeros(1, np.uint8)
         self.__array_interface__ = self._byte.__array_interface__
+        _KEPT[self._byte.ctypes.data] = self
 
     def tensor(self) -> torch.Tensor:
         """A tensor of one byte whose memory is this object's."""
         return torch.from_numpy(np.asarray(self))
+
+
+_KEPT: weakref.WeakValueDictionary[int, _Held] = weakref.WeakValueDictionary()
+"""By the address of their byte: a copy of the tensor finds nothing here."""
+
+
+def _watch(how: _How, *given: torch.Tensor) -> _amacrine.Seen:
+    """What cells of these kernels, thresholds and deviations see in light."""
+    kernels, thresholds, sigma, light = given
+    return _amacrine.forward(
+        how.native,
+        _parameters(kernels, thresholds, sigma),
+        light.detach().contiguous().numpy(),
+        how.times,
+        how.seed,
+        how.phase,
+    )
 
 
 class _Watch(torch.autograd.Function):
@@ -352,23 +376,18 @@ class _Watch(torch.autograd.Function):
         light: torch.Tensor,
         how: _How,
     ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-        seen = _amacrine.forward(
-            how.native,
-            _parameters(kernels, thresholds, sigma),
-            light.detach().contiguous().numpy(),
-            how.times,
-            how.seed,
-            how.phase,
-        )
-        clips, frames, *rest = seen.shape
-        held = _Held(seen)
-        ctx.save_for_backward(held.tensor())
-        ctx.held, ctx.how, ctx.dtype = weakref.ref(held), how, kernels.dtype
+        seen = _watch(how, kernels, thresholds, sigma, light)
+        # The pass is kept with the first of them; where that is not what is saved, but a copy of it,
+        # the others make it again. An optimiser may step before the way back.
+        given = (kernels.clone(), thresholds, sigma, light)
+        ctx.save_for_backward(_Held(seen).tensor(), *(of.detach() for of in given))
+        ctx.how = how
         ctx.set_materialize_grads(False)
+        clips, frames, *rest = seen.shape
         # Not a view of another tensor, which could not be changed in place.
         voxels = torch.from_numpy(seen.voxels.reshape(seen.shape))
         counts = torch.from_numpy(seen.counts).reshape(clips, frames - 1, *rest)
-        events = torch.tensor(float(seen.events), dtype=kernels.dtype)
+        events = torch.tensor(float(seen.events), dtype=kernels.dtype, device="cpu")
         return voxels, counts.to(kernels.dtype), events
 
     @staticmethod
@@ -380,27 +399,28 @@ class _Watch(torch.autograd.Function):
         events: torch.Tensor | None,
     ) -> tuple[torch.Tensor | None, ...]:
         # Freed after the first backward without retain_graph: PyTorch then says so here.
-        _ = ctx.saved_tensors
-        seen: _amacrine.Seen = ctx.held().seen
+        byte, *given = ctx.saved_tensors
+        held = _KEPT.get(byte.data_ptr())
+        seen = _watch(ctx.how, *given) if held is None else held.seen
         asked = 0.0 if events is None else float(events)
-        if not math.isfinite(asked):
-            raise Error(
-                f"the loss's gradient of the number of events is {asked}\n"
-                "help: look at what made it: a loss that divides by zero, or a network that has "
-                "diverged"
-            )
         wants_light = bool(ctx.needs_input_grad[3])
-        kinds, light = seen.backward(
-            _flat(voxels), _flat(counts), asked, ctx.how.rule, ctx.how.slope, wants_light
-        )
-        weights = torch.stack([torch.from_numpy(own[0]) for own, *_ in kinds])
-        limits = torch.tensor([[on[0], off[0]] for _, on, off, *_ in kinds], dtype=torch.float64)
-        spread = torch.tensor([sigma for _, _, _, sigma, _ in kinds], dtype=torch.float64)
+        try:
+            kinds, light = seen.backward(
+                _flat(voxels), _flat(counts), asked, ctx.how.rule, ctx.how.slope, wants_light
+            )
+        except NotFinite:
+            nan = [torch.full_like(of, torch.nan) for of in given]
+            return *nan[:3], nan[3] if wants_light else None, None
+        weights = np.stack([own[0] for own, *_ in kinds])
+        limits = np.array([[on[0], off[0]] for _, on, off, *_ in kinds])
+        spread = np.array([sigma for _, _, _, sigma, _ in kinds])
+        of_parameters = (torch.from_numpy(of) for of in (weights, limits, spread))
         back = None
         if light is not None:
             clips, frames, _, height, width = seen.shape
             back = torch.from_numpy(light).reshape(clips, frames, height, width)
-        return weights.to(ctx.dtype), limits.to(ctx.dtype), spread, back, None
+        own = [of.to(to.dtype) for of, to in zip(of_parameters, given)]
+        return *own, back, None
 
 
 def _flat(of: torch.Tensor | None) -> Any:
