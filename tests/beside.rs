@@ -1010,3 +1010,18 @@ fn warnings_of_the_text_are_told_to_scripts() {
         assert!(warnings.iter().any(told), "{host:?}: {said}");
     }
 }
+
+#[test]
+fn texts_that_are_not_shown_are_told_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "int main() { while (1) { vs_frame_loop_control(); get_image(A, F);\n\
+                vs_post_text(\"a\"); vs_post_text(\"b\"); } }";
+    fs::write(folder.path().join("p.cpp"), text).unwrap();
+    let scene = "pattern:disc?width=8&height=8&frames=2";
+    let notes = |more: &[&str]| {
+        let all = [&["exec", "p.cpp", "--image", scene], more].concat();
+        json(folder.path(), &all)["notes"].to_string()
+    };
+    assert!(notes(&[]).contains("the host posts texts in 2 places, which are not shown: --host"));
+    assert!(!notes(&["--host"]).contains("not shown"));
+}

@@ -78,6 +78,18 @@ impl Fault {
         }
     }
 
+    /// Says where it is written, `file:line:column`, where that is not in the file of its place.
+    #[must_use]
+    pub fn written(self, origin: Option<&str>) -> Self {
+        match origin {
+            None => self,
+            Some(origin) => Self {
+                message: format!("{origin}: {}", self.message),
+                ..self
+            },
+        }
+    }
+
     /// With a second place.
     #[must_use]
     pub fn also(self, place: Place, label: impl Into<String>) -> Self {

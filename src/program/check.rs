@@ -3,13 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{
-    cost,
     effect::FlagState,
     expand::{Entry, Expanded, Expansion, for_each},
 };
 use crate::{
     config::{Fault, Place},
-    isa::{Cell, Device, Figure},
+    isa::{Bit, Cell, Device, Figure, Source, Value},
     limit::FAULTS,
 };
 
@@ -29,35 +28,57 @@ pub(super) fn check(expansion: &Expansion, device: &Device, faults: &mut Vec<Fau
         walk.entries(&expansion.frame, false);
     }
     faults.append(&mut walk.faults);
-    if !expansion.bare {
-        faults.extend(unwritten(expansion, device));
-    }
     store(expansion, device, faults);
 }
 
-/// Warns of one-bit registers that are read and that nothing in the program writes: masks and
-/// directions that are 0 everywhere make an instruction do nothing, in silence.
-pub(super) fn unwritten(expansion: &Expansion, device: &Device) -> Vec<Fault> {
+/// Warns of registers that are read and that nothing in the program writes: masks and directions that
+/// are 0 everywhere make an instruction do nothing, in silence, and so does a picture that nobody took.
+pub(super) fn unwritten(
+    expansion: &Expansion,
+    device: &Device,
+    told: impl Fn(&Cell) -> bool,
+) -> Vec<Fault> {
     let mut faults = Vec::new();
     let (mut read, mut written) = (BTreeMap::new(), BTreeSet::new());
     let mut see = |statement: &Expanded| {
         for cell in &statement.effect.reads {
-            read.entry(*cell).or_insert_with(|| Spot::new(statement));
+            read.entry(*cell)
+                .or_insert_with(|| (Spot::new(statement), named(statement, *cell, device)));
         }
         written.extend(statement.effect.writes.iter().copied());
     };
     for_each(&expansion.init, &mut see);
     for_each(&expansion.frame, &mut see);
-    for (cell, spot) in read {
-        if matches!(cell, Cell::Digital(_)) && !written.contains(&cell) {
-            let register = cell.name(device);
-            let message = format!("nothing in this program writes {register}: it is 0 everywhere");
-            let label = format!("`{}` reads {register}", spot.name);
-            let help = format!("write it first, as by `SET({register});`");
-            faults.push(Fault::warning(spot.place, message, label).help(help));
+    for (cell, (spot, name)) in read {
+        let way = match cell {
+            Cell::Digital(_) => format!("`SET({name});`"),
+            Cell::Analog(_) => format!("`get_image({name}, F);`, or `scamp5_in({name}, 0);`"),
+            Cell::Flag => continue,
+        };
+        if written.contains(&cell) || !told(&cell) {
+            continue;
         }
+        let message = format!("nothing in this program writes {name}: it is 0 everywhere");
+        let label = format!("`{}` reads {name}", spot.name);
+        let help = format!("write it first, as by {way}");
+        let fault = Fault::warning(spot.place, message, label).help(help);
+        faults.push(fault.written(spot.origin.as_deref()));
     }
     faults
+}
+
+/// The name that a statement has for what it reads.
+fn named(statement: &Expanded, cell: Cell, device: &Device) -> String {
+    let words = statement
+        .text
+        .split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    let is_it = |word: &&str| match device.value_of(word) {
+        Some(Value::Source(Source::Register(it))) => cell == Cell::Analog(it),
+        Some(Value::Bit(Bit::Register(it))) => cell == Cell::Digital(it),
+        _ => false,
+    };
+    let found = { words }.find(is_it);
+    found.map_or_else(|| cell.name(device), str::to_owned)
 }
 
 /// A statement, for messages.
@@ -65,7 +86,10 @@ pub(super) fn unwritten(expansion: &Expansion, device: &Device) -> Vec<Fault> {
 struct Spot {
     name: String,
     place: Place,
-    line: u32,
+    /// Its line, in words.
+    stands: String,
+    /// Where it is written, if that is another file.
+    origin: Option<String>,
 }
 
 impl Spot {
@@ -73,7 +97,8 @@ impl Spot {
         Self {
             name: statement.name.clone(),
             place: statement.place,
-            line: statement.line,
+            stands: statement.stands(),
+            origin: statement.origin.clone(),
         }
     }
 }
@@ -143,19 +168,20 @@ impl Walk<'_> {
                 .iter()
                 .any(|cell| matches!(cell, Cell::Analog(_)));
             if masked && !is_set && !statement.whole_flag && stores.is_none() {
-                stores = Some(statement.place);
+                stores = Some((statement.place, statement.origin.clone()));
             }
-            // Where FLAG must be 1 everywhere, the next frame is an error.
+            // Where FLAG must be 1 everywhere, that is told of the statement itself.
             is_set |= statement.effect.flag.is_some() || statement.whole_flag;
         });
-        if let Some(place) = stores {
+        if let Some((place, origin)) = stores {
             let message = format!(
-                "FLAG may be 0 somewhere when the frame ends, since `{}` in line {}, and the next one stores only where it is 1",
-                spot.name, spot.line
+                "FLAG may be 0 somewhere when the frame ends, since `{}` in {}, and the next one stores only where it is 1",
+                spot.name, spot.stands
             );
             let fault = Fault::warning(place, message, "in later frames this skips pixels");
             let fault = fault.also(spot.place, "FLAG may be 0 after this");
-            self.report(fault.help("end the frame with `all();`"));
+            let fault = fault.help("end the frame with `all();`");
+            self.report(fault.written(origin.as_deref()));
         }
     }
 
@@ -163,31 +189,31 @@ impl Walk<'_> {
         let Some(spot) = self.partial.clone() else {
             return;
         };
-        let (name, line) = (&statement.name, statement.line);
-        let since = format!("since `{}` in line {}", spot.name, spot.line);
+        let (name, stands) = (&statement.name, statement.stands());
+        let since = format!("since `{}` in {}", spot.name, spot.stands);
         if statement.whole_flag {
-            let fault = Fault::error(
+            let fault = Fault::warning(
                 statement.place,
                 format!("`{name}` needs FLAG to be 1 everywhere, which it may not be {since}"),
                 "in two steps a value passes a pixel that may be off",
             )
             .also(spot.place, "FLAG may be 0 after this")
             .help("call `all();` first, or use two one-step transfers");
-            self.report(fault);
+            self.report(statement.told(fault));
         }
         let destroys_flag = statement.destroys().any(|cell| cell == Cell::Flag);
         if destroys_flag {
             let fault = Fault::warning(
                 statement.place,
                 format!(
-                    "`{name}` in line {line} overwrites the FLAG that `{}` in line {} set",
-                    spot.name, spot.line
+                    "`{name}` in {stands} overwrites the FLAG that `{}` in {} set",
+                    spot.name, spot.stands
                 ),
                 "it sets FLAG itself and leaves it 1 everywhere",
             )
             .also(spot.place, "this FLAG is lost")
             .help("put it before the `where`, into a register that the region then uses");
-            self.report(fault);
+            self.report(statement.told(fault));
         }
     }
 
@@ -208,8 +234,10 @@ fn lost(register: &str, spot: &Spot, reader: &Expanded) -> Fault {
     Fault::warning(
         reader.place,
         format!(
-            "line {} needs {register}, which `{}` in line {} overwrote as scratch",
-            reader.line, spot.name, spot.line
+            "{} needs {register}, which `{}` in {} overwrote as scratch",
+            reader.stands(),
+            spot.name,
+            spot.stands
         ),
         format!("reads {register}"),
     )
@@ -222,18 +250,7 @@ fn lost(register: &str, spot: &Spot, reader: &Expanded) -> Fault {
 /// The words of all kernels together must fit into the chip's store.
 fn store(expansion: &Expansion, device: &Device, faults: &mut Vec<Fault>) {
     let room = device.value(Figure::Store) as u64;
-    let (mut words, mut over) = (0, None);
-    let mut add = |statement: &Expanded| {
-        // The host's own kernels are not the program's.
-        if !statement.host {
-            words += cost::stored(&statement.steps, device).0;
-            if words > room {
-                over.get_or_insert(statement.place);
-            }
-        }
-    };
-    for_each(&expansion.init, &mut add);
-    for_each(&expansion.frame, &mut add);
+    let (words, over) = expansion.fills(device, room);
     if let Some(place) = over {
         faults.push(
             Fault::error(

@@ -32,7 +32,7 @@ mod words;
 pub use code::{Action, Code, Step};
 pub use cost::{Cost, array_us, host_us, stored};
 pub use effect::{CellEffect, FlagState};
-pub use expand::{Entry, Expanded, Expansion, Overrides, for_each};
+pub use expand::{Entry, Expanded, Expansion, Overrides, Stored, for_each};
 pub use exposure::Exposure;
 pub use host::buffer;
 pub use host_calls::{HostCalls, HostTimes};

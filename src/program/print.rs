@@ -3,7 +3,7 @@
 
 use std::fmt::{self, Write as _};
 
-use super::syntax::{Comment, Item, Node, Syntax};
+use super::syntax::{Comment, Item, Kernel, Node, Syntax};
 
 impl fmt::Display for Syntax {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -38,7 +38,7 @@ fn items(f: &mut fmt::Formatter<'_>, list: &[Item], level: usize) -> fmt::Result
             Node::Init(body) => block(f, "init", body, level)?,
             Node::Frame(body) => block(f, "frame", body, level)?,
             Node::Repeat { times, body } => block(f, &format!("repeat {times}"), body, level)?,
-            Node::Kernel(body) => {
+            Node::Kernel(Kernel { body, .. }) => {
                 writeln!(f, "scamp5_kernel_begin();")?;
                 items(f, body, level)?;
                 write!(f, "{:indent$}scamp5_kernel_end();", "", indent = 4 * level)?;

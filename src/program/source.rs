@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, sync::Arc};
 
 use crate::{
     config::{Fault, Faults},
-    isa::Device,
+    isa::{Cell, Device},
 };
 
 use super::{
@@ -234,9 +234,16 @@ impl Program {
     ) -> (Expansion, Vec<Fault>, Vec<Fault>) {
         let Some(includes) = &self.includes else {
             let constants = &self.settings.constants;
-            let (expansion, mut faults) =
+            let (mut expansion, mut faults) =
                 expand::expand(&self.syntax, &self.text, constants, device, overrides);
             faults.extend(self.faults.iter().cloned());
+            if !expansion.bare {
+                // An analogue register may be set from outside.
+                let bits = |cell: &Cell| matches!(cell, Cell::Digital(_));
+                let unwritten = check::unwritten(&expansion, device, bits);
+                expansion.warnings.extend(unwritten.clone());
+                faults.extend(unwritten);
+            }
             return (expansion, faults, Vec::new());
         };
         let mut read = vendor::read(
@@ -255,15 +262,17 @@ impl Program {
         expansion
             .warnings
             .extend(told.filter(|it| !it.is_error()).cloned());
-        // Bare statements of the frame language may find their registers set; a whole program does
-        // not.
-        if expansion.bare && read.loops && read.undecided.is_empty() {
-            expansion
-                .warnings
-                .extend(check::unwritten(&expansion, device));
-        }
+        expansion.posts = read.posts;
         faults.append(&mut read.faults);
         faults.extend(self.faults.iter().cloned());
+        // Bare statements of the frame language may find their registers set; a whole program does
+        // not. A line that was refused may have written what others read.
+        let refused = faults.iter().any(Fault::is_error);
+        let whole = !expansion.bare || read.loops && read.undecided.is_empty();
+        if whole && !refused {
+            let unwritten = check::unwritten(&expansion, device, |_| true);
+            expansion.warnings.extend(unwritten);
+        }
         (expansion, faults, read.undecided)
     }
 

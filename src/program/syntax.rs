@@ -54,8 +54,31 @@ pub enum Node {
         /// What.
         body: Vec<Item>,
     },
-    /// A kernel of vendor C++: stored when it is launched first, from then on only launched.
-    Kernel(Vec<Item>),
+    /// A kernel of vendor C++, launched.
+    Kernel(Kernel),
+}
+
+/// A kernel of vendor C++, with the words that it has at a launch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Kernel {
+    /// Where it begins, among the texts of all files, and how many begin there before it.
+    pub begins: (usize, usize),
+    /// Where its words lie between its launches.
+    pub kept: Kept,
+    /// Its words.
+    pub body: Vec<Item>,
+}
+
+/// Where the words of a kernel lie between its launches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kept {
+    /// In the chip's store, from the first launch on.
+    #[default]
+    Store,
+    /// Nowhere: they are recorded for each launch, and the store has their room back behind it.
+    Launch,
+    /// In the memory of the micro-controller.
+    Heap,
 }
 
 /// A comment.

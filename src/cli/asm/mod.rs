@@ -171,7 +171,11 @@ fn rows(lines: &mut Vec<String>, entries: &[Entry], device: &Device, level: usiz
         match entry {
             Entry::Statement(it) => {
                 let words = Cost::of(&it.steps, device).words.0;
-                lines.push(format!("{:>5} {words:>5}  {indent}{}", it.line, it.text));
+                let line = match it.origin {
+                    None => it.line.to_string(),
+                    Some(_) => it.stands(),
+                };
+                lines.push(format!("{line:>5} {words:>5}  {indent}{}", it.text));
                 let shown = primitives(it, device).into_iter();
                 lines.extend(shown.map(|line| format!("             {indent}  {line}")));
             }

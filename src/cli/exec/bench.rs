@@ -36,6 +36,7 @@ use crate::{
         pilot::Machine,
         saturation::{self, Saturation},
     },
+    unit::counted,
 };
 
 /// A program and all that it needs to run, once or several times.
@@ -307,7 +308,20 @@ impl<'a> Bench<'a> {
     pub fn notes(&self, frames: u64) -> Vec<String> {
         let mut notes = self.said.notes(frames);
         notes.extend(self.unused());
+        notes.extend(self.unshown());
         notes
+    }
+
+    /// What is to be said of texts that the host posts where it does not run beside the array.
+    fn unshown(&self) -> Option<String> {
+        let posts = self.opened.expansion.posts;
+        let silent = !self.opened.decides && posts > 0;
+        silent.then(|| {
+            format!(
+                "the host posts texts in {}, which are not shown: --host runs it beside the array, and shows them",
+                counted(posts, "place")
+            )
+        })
     }
 
     /// What is to be said of numbers of the chip, or a seed, that were set and change nothing.

@@ -141,13 +141,7 @@ impl Statement {
     /// A fault of it, that says where it is written.
     #[must_use]
     pub fn told(&self, fault: Fault) -> Fault {
-        match &self.origin {
-            None => fault,
-            Some(origin) => Fault {
-                message: format!("{origin}: {}", fault.message),
-                ..fault
-            },
-        }
+        fault.written(self.origin.as_deref())
     }
 }
 

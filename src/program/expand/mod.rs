@@ -6,7 +6,7 @@ mod order;
 mod rules;
 mod values;
 
-pub use self::expansion::{Entry, Expanded, Expansion, Overrides, for_each};
+pub use self::expansion::{Entry, Expanded, Expansion, Overrides, Stored, for_each};
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use super::{
     Action, Code, Step, check,
     effect::CellEffect,
     host,
-    syntax::{Item, Node, Syntax},
+    syntax::{Item, Kept, Kernel, Node, Syntax},
 };
 use crate::config::{Fault, Lines, Place, Severity, enough, thin};
 use crate::isa::{
@@ -45,6 +45,7 @@ fn lowered(
         drawing: None,
         idle: false,
         kernels: BTreeMap::new(),
+        launches: 0,
         faults: Vec::new(),
     };
     lowering.constants(syntax, settings, overrides);
@@ -124,7 +125,9 @@ struct Lowering<'a> {
     /// Whether the statement before is a word that does nothing.
     idle: bool,
     /// Kernels that are stored, by where they begin.
-    kernels: BTreeMap<usize, Vec<Vec<Item>>>,
+    kernels: BTreeMap<(usize, usize), Vec<Vec<Item>>>,
+    /// Launches of kernels so far that give their room in the store back.
+    launches: usize,
     faults: Vec<Fault>,
 }
 
@@ -219,13 +222,14 @@ impl<'d> Lowering<'d> {
                     }
                     entries.push(repeat);
                 }
-                Node::Kernel(body) => {
-                    let mut inner = self.block(body);
-                    if self.launched_before(item.place.start, body) {
-                        for entry in &mut inner {
-                            if let Entry::Statement(statement) = entry {
-                                statement.host = true;
-                            }
+                Node::Kernel(kernel) => {
+                    let mut inner = self.block(&kernel.body);
+                    let stored = self.stored(kernel);
+                    for entry in &mut inner {
+                        if let Entry::Statement(statement) = entry
+                            && statement.stored == Stored::Kept
+                        {
+                            statement.stored = stored;
                         }
                     }
                     entries.extend(inner);
@@ -237,14 +241,23 @@ impl<'d> Lowering<'d> {
         entries
     }
 
-    /// Whether a kernel that begins here was launched with these words before.
-    fn launched_before(&mut self, start: usize, body: &[Item]) -> bool {
-        let known = self.kernels.entry(start).or_default();
-        let again = known.iter().any(|it| it == body);
-        if !again {
-            known.push(body.to_vec());
+    /// Where the words of a kernel lie that is launched.
+    fn stored(&mut self, kernel: &Kernel) -> Stored {
+        match kernel.kept {
+            Kept::Heap => Stored::Elsewhere,
+            Kept::Launch => {
+                self.launches += 1;
+                Stored::Launch(self.launches)
+            }
+            Kept::Store => {
+                let known = self.kernels.entry(kernel.begins).or_default();
+                if known.contains(&kernel.body) {
+                    return Stored::Elsewhere;
+                }
+                known.push(kernel.body.clone());
+                Stored::Kept
+            }
         }
-        again
     }
 
     fn statement(&mut self, statement: &Statement) -> Result<Expanded, Fault> {
@@ -284,11 +297,16 @@ impl<'d> Lowering<'d> {
             name: statement.name.clone(),
             place: statement.place,
             line: sink.line,
+            origin: statement.origin.clone(),
             steps: sink.steps,
             effect,
             results,
             whole_flag,
-            host,
+            stored: if host {
+                Stored::Elsewhere
+            } else {
+                Stored::Kept
+            },
         })
     }
 

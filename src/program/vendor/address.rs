@@ -115,7 +115,7 @@ fn tell(
         help = if name == "scamp5_draw_rect" {
             "rows and columns go from 0 to 255; what lies between the two is drawn".to_owned()
         } else {
-            "rows and columns go from 0 to 255; no pixel lies in this rectangle".to_owned()
+            "rows and columns go from 0 to 255; here no pixel lies in this rectangle, and what the chip makes of it the vendor does not say".to_owned()
         };
     }
     machine.fault(Fault::warning(place, message, LABEL).help(help));

@@ -2,7 +2,7 @@
 
 use super::{
     look,
-    machine::{Kernel, Machine},
+    machine::Machine,
     tree::{Expr, last},
     value::Value,
     why::Why,
@@ -102,8 +102,17 @@ impl Machine<'_> {
         );
     }
 
+    /// While a kernel is recorded, what the host does is done at once, before the kernel's words.
     pub(super) fn push(&mut self, node: Node, place: Place) {
-        self.items.push(item(node, place));
+        let word = match &node {
+            Node::Statement(statement) => !self.is_host(&statement.name),
+            _ => false,
+        };
+        let items = match &mut self.recording {
+            Some(recording) if word => &mut recording.words,
+            _ => &mut self.items,
+        };
+        items.push(item(node, place));
     }
 
     /// A fault that something depends on what only the run knows.
@@ -175,61 +184,6 @@ impl Machine<'_> {
         }
         let items = std::mem::take(&mut self.items);
         self.frames.push(items);
-    }
-
-    pub(super) fn begin_kernel(&mut self, place: Place, ordinal: i64, fixed: bool) {
-        if self.kernel.is_some() {
-            self.error(
-                place,
-                "a kernel inside a kernel".to_owned(),
-                "begins here",
-                "end the first one with `scamp5_kernel_end();`",
-            );
-        }
-        self.kernels = true;
-        self.kernel = Some(Kernel {
-            place,
-            ordinal,
-            fixed,
-            start: self.items.len(),
-        });
-    }
-
-    pub(super) fn end_kernel(&mut self, place: Place) {
-        let Some(kernel) = self.kernel.take() else {
-            self.error(
-                place,
-                "this ends no kernel".to_owned(),
-                "none is open",
-                "begin it with `scamp5_kernel_begin();`",
-            );
-            return;
-        };
-        let start = kernel.start.min(self.items.len());
-        let body = self.items.split_off(start);
-        if body.is_empty() {
-            return;
-        }
-        let at = self.files.own(kernel.place);
-        self.push(Node::Kernel(body.clone()), at);
-        let key = (kernel.place.start, kernel.ordinal);
-        let known = self.stored.entry(key).or_default();
-        if known.contains(&body) {
-            return;
-        }
-        let first = known.is_empty();
-        known.push(body);
-        // Each instance of a template has kernels of its own.
-        if kernel.fixed && !first && self.types.is_empty() {
-            self.fault(
-                Fault::warning(
-                    kernel.place,
-                    "this kernel has other words than at its first launch",
-                    "the chip keeps those of the first",
-                )
-                .help("begin it with `scamp5_dynamic_kernel_begin();`"),
-            );
-        }
     }
 }
 

@@ -170,12 +170,9 @@ impl Machine<'_> {
         }
     }
 
-    /// Runs what was asked of the array; what its last statement gave. Nothing while a kernel is
-    /// being written: its words run when it is whole.
+    /// Runs what was asked of the array; what its last statement gave. The words of a kernel that is
+    /// being recorded run when it is launched.
     pub(super) fn run_asked(&mut self) -> Option<Answer> {
-        if self.kernel.is_some() {
-            return None;
-        }
         let companion = self.companion.as_mut().filter(|it| !it.over)?;
         let items = std::mem::take(&mut self.items);
         if items.is_empty() {

@@ -203,6 +203,12 @@ fn word(name: &str, place: Place) -> Given {
     (Value::Symbol(name.into()), place, name.to_owned())
 }
 
+/// Whether the chip may have such a statement.
+pub(super) fn is_known(machine: &Machine<'_>, name: &str, given: usize) -> bool {
+    let name = variant(machine, name, given);
+    !machine.device.callables(&name).is_empty() || name == "icw"
+}
+
 /// `bus2_3` and `add_ab` where the chip has `bus2` and `add`: compilers name forms apart that
 /// the vendor tells apart by their arguments.
 fn variant(machine: &Machine<'_>, name: &str, given: usize) -> String {

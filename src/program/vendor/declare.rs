@@ -183,7 +183,9 @@ impl Machine<'_> {
         };
         self.naming = None;
         let initial = match initial {
-            Some(Value::Lambda(function)) if last(&it.of) == kernel::CLASS => {
+            Some(Value::Lambda(function))
+                if last(&it.of) == kernel::CLASS && function.words.is_none() =>
+            {
                 Some(self.kernel_of(function))
             }
             Some(value) => Some(self.separate(value)),
@@ -398,16 +400,23 @@ impl Machine<'_> {
 
     /// Which variable it is, of those that are made once.
     fn made_once(&mut self, it: &Declared) -> (usize, String) {
-        let made = self.made.clone().unwrap_or_else(|| {
+        (
+            it.place.start,
+            self.instance(it.place, &format!("`{}`", it.name)),
+        )
+    }
+
+    /// What the template is made for that this stands in, which is `static`.
+    pub(super) fn instance(&mut self, place: Place, what: &str) -> String {
+        self.made.clone().unwrap_or_else(|| {
             self.error(
-                it.place,
-                format!("which `{}` this is: each type has its own", it.name),
+                place,
+                format!("which {what} this is: each type has its own"),
                 "`static` in a template",
-                "the type that the template is given here is not known: make it a variable of the file",
+                "the type that the template is given here is not known: give the function a type, or make what is `static` in it a variable of the file",
             );
             String::new()
-        });
-        (it.place.start, made)
+        })
     }
 
     /// Another name for a variable, which may be of a class that its own is made from.

@@ -499,7 +499,7 @@ impl Machine<'_> {
         true
     }
 
-    fn undeclared(&mut self, name: &str, place: Place) {
+    pub(super) fn undeclared(&mut self, name: &str, place: Place) {
         let scopes = self.scopes.iter().flat_map(|scope| scope.keys());
         let near = suggestion(name, scopes.map(|name| &**name));
         let help = near.unwrap_or_else(|| {

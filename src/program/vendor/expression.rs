@@ -632,14 +632,7 @@ fn postfix(it: &mut Parser<'_>, mut value: Expr) -> Parsed<Expr> {
     loop {
         let start = value.place;
         let node = if it.sees("(") {
-            let mut given = arguments(it, "a call is `name(argument, argument)`")?;
-            if let ExprNode::Name(name) = &value.node
-                && name.starts_with("scamp5_kernel_begin")
-                && let Some(ordinal) = it.begun_before(start)
-            {
-                let node = ExprNode::Whole(ordinal);
-                given.push(Expr { node, place: start });
-            }
+            let given = arguments(it, "a call is `name(argument, argument)`")?;
             match value.node {
                 ExprNode::Template(types, callee) => {
                     let place = start.to(it.before());

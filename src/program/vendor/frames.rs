@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     config::{Fault, Place},
-    program::syntax::{Item, Node},
+    program::syntax::{Item, Kernel, Node},
 };
 
 /// Turns after which what still changes is called unknown.
@@ -35,6 +35,7 @@ impl Machine<'_> {
         let before = std::mem::take(&mut self.items);
         let early = std::mem::take(&mut self.frames);
         let start = self.snapshot();
+        let recorded = self.recorded.clone();
         let mut first = self.iteration(body, step);
         // Variables that go on changing are not known; the steady iteration must do without them, or
         // with the one value that they were given from outside.
@@ -43,6 +44,7 @@ impl Machine<'_> {
             // Variables that are made once are made again.
             self.lasting.retain(|_, slot| *slot < start.len());
             self.slots = start;
+            self.recorded = recorded;
             for slot in self.fixed.clone() {
                 if let Some(value) = self.word(slot).and_then(|name| self.set(&name)) {
                     self.slots[slot] = value.converted(self.kind_at(slot, &[]));
@@ -254,7 +256,9 @@ fn place_of(items: &[Item]) -> Place {
         return Place::default();
     };
     match &first.node {
-        Node::Kernel(body) | Node::Repeat { body, .. } if !body.is_empty() => place_of(body),
+        Node::Kernel(Kernel { body, .. }) | Node::Repeat { body, .. } if !body.is_empty() => {
+            place_of(body)
+        }
         _ => first.place,
     }
 }
@@ -269,7 +273,7 @@ pub(super) fn always(it: &Expr) -> bool {
 }
 
 /// Whether something that is known has another value.
-fn differs(old: &Value, new: &Value) -> bool {
+pub(super) fn differs(old: &Value, new: &Value) -> bool {
     match (old, new) {
         (Value::Unknown(_), _) => false,
         (Value::List(old), Value::List(new)) if old.len() == new.len() => {

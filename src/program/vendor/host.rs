@@ -70,6 +70,7 @@ pub(super) fn role(name: &str, given: usize) -> Role {
             || name.starts_with("scamp5_display_")
             || name.starts_with("scamp5_output_bitstack_")
             || name.starts_with("std_")
+            || name == MOVE_TO_HEAP
             || LIBRARY.contains(&name)
             || ALGORITHMS.contains(&name) =>
         {
@@ -216,9 +217,11 @@ pub(super) const ALGORITHMS: [&str; 40] = [
     "memmove",
 ];
 
-const LIBRARY: [&str; 50] = [
+/// What moves the words of a kernel to the micro-controller's memory.
+pub(super) const MOVE_TO_HEAP: &str = "move_to_heap";
+
+const LIBRARY: [&str; 49] = [
     "allow_highspeed",
-    "move_to_heap",
     "scamp5_bind_io_agent",
     "scamp5_get_io_agent",
     "scamp5_kernel_print_debug_info",

@@ -2,13 +2,13 @@
 
 use crate::{
     config::Place,
-    program::syntax::{Item, Node},
+    program::syntax::{Item, Kernel, Node},
 };
 
 /// Where light is captured first.
 pub(super) fn capture(items: &[Item]) -> Option<Place> {
     items.iter().find_map(|it| match &it.node {
-        Node::Kernel(body) | Node::Repeat { body, .. } => capture(body),
+        Node::Kernel(Kernel { body, .. }) | Node::Repeat { body, .. } => capture(body),
         Node::Statement(statement) => {
             let words = ["get_image", "getpix", "scamp5_get_image"];
             // `respix(y)` reads the reset level, no light.
@@ -23,7 +23,7 @@ pub(super) fn capture(items: &[Item]) -> Option<Place> {
 /// Whether something captures light, or resets the photodiodes.
 pub(super) fn light(items: &[Item]) -> bool {
     items.iter().any(|it| match &it.node {
-        Node::Kernel(body) | Node::Repeat { body, .. } => light(body),
+        Node::Kernel(Kernel { body, .. }) | Node::Repeat { body, .. } => light(body),
         Node::Statement(statement) => {
             let captures = ["get_image", "getpix", "respix", "rpix", "scamp5_get_image"];
             captures.contains(&statement.name.as_str())

@@ -49,11 +49,14 @@ pub(super) fn posts(machine: &Machine<'_>, it: &Stmt) -> bool {
 
 /// Whether it asks something of the box or the array that is seen outside of the program.
 pub(super) fn is_seen(machine: &Machine<'_>, it: &Stmt) -> bool {
-    calls_any(machine, it, &|name, given| match host::role(name, given) {
-        Role::Library => name.starts_with("vs_") || matches!(name, "printf" | "puts" | "display"),
-        Role::Number | Role::Chip => false,
-        _ => true,
-    })
+    begins_kernel(machine, it)
+        || calls_any(machine, it, &|name, given| match host::role(name, given) {
+            Role::Library => {
+                name.starts_with("vs_") || matches!(name, "printf" | "puts" | "display")
+            }
+            Role::Number | Role::Chip => false,
+            _ => true,
+        })
 }
 
 /// A value as a statement.
@@ -621,7 +624,18 @@ pub(super) fn breaks(it: &Stmt) -> bool {
 
 /// Whether a kernel begins in it.
 pub(super) fn begins_kernel(machine: &Machine<'_>, it: &Stmt) -> bool {
-    asks(machine, it, &|role| role == Role::Kernel)
+    let mut found = false;
+    let mut part = |it: &Part<'_>| {
+        let kernel = |it: &Stmt| matches!(it.node, StmtNode::Kernel(_));
+        found |= matches!(it, Part::Stmt(it) if kernel(it));
+    };
+    reach(machine, it, &mut part, &mut |_, _| {});
+    found
+}
+
+/// The functions that it calls.
+pub(super) fn called(machine: &Machine<'_>, it: &Stmt) -> Vec<Rc<Function>> {
+    reach(machine, it, &mut |_| {}, &mut |_, _| {})
 }
 
 /// Whether it asks the host for something on the array, which no kernel can hold.

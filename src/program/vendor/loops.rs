@@ -64,7 +64,7 @@ impl Machine<'_> {
             if beside {
                 self.give_up();
             } else if self.frames.len() == frames
-                && self.kernel.is_none()
+                && self.recording.is_none()
                 && start <= self.items.len()
             {
                 all.push(self.items[start..].to_vec());
@@ -140,7 +140,7 @@ impl Machine<'_> {
         };
         let iterations = all.iter().map(Vec::len).sum::<usize>();
         let whole = self.items.len() == before + iterations;
-        if rest.is_empty() || first.is_empty() || self.kernel.is_some() || !whole {
+        if rest.is_empty() || first.is_empty() || self.recording.is_some() || !whole {
             return;
         }
         if rest.iter().any(|iteration| iteration != first) {

@@ -10,7 +10,8 @@ use super::{
     beside::Companion,
     files::Files,
     layout::Layout,
-    tree::{Function, Kind, TemplateArgument, Word},
+    recorded::Key,
+    tree::{Function, Kind, TemplateArgument, Word, Words},
     value::{Slot, Value},
     why::Why,
 };
@@ -44,16 +45,14 @@ pub(super) enum Flow {
     End,
 }
 
-/// A kernel that is being written.
-pub(super) struct Kernel {
+/// A kernel whose words are being recorded.
+pub(super) struct Recording {
     /// Where it begins.
     pub place: Place,
-    /// Which of those it is that begin there, as those of a macro do.
-    pub ordinal: i64,
-    /// Whether its words are kept from the first launch.
-    pub fixed: bool,
-    /// How many items there were when it began.
-    pub start: usize,
+    /// The words so far.
+    pub words: Vec<Item>,
+    /// Whether they go to the memory of the micro-controller.
+    pub heap: bool,
 }
 
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
@@ -124,11 +123,16 @@ pub(super) struct Machine<'a> {
     pub items: Vec<Item>,
     /// What was asked in earlier frames.
     pub frames: Vec<Vec<Item>>,
-    pub kernel: Option<Kernel>,
+    pub recording: Option<Recording>,
     /// Whether there was one so far.
     pub kernels: bool,
-    /// The words that kernels had, by where they begin.
-    pub stored: BTreeMap<(usize, i64), Vec<Vec<Item>>>,
+    /// Kernels that ran, and functions, by where they begin.
+    pub ran: BTreeSet<(usize, usize)>,
+    pub entered: BTreeSet<usize>,
+    /// Places at which texts were posted that nobody was shown.
+    pub unshown: BTreeSet<usize>,
+    /// Kernels that are `static` and were launched.
+    pub recorded: BTreeMap<Key, Words>,
     /// Whether some earlier statement may have ended this block: why.
     pub maybe: Option<Why>,
     /// How often a statement may have ended a loop or a function.
@@ -200,9 +204,12 @@ impl<'a> Machine<'a> {
             lasting: BTreeMap::new(),
             items: Vec::new(),
             frames: Vec::new(),
-            kernel: None,
+            recording: None,
             kernels: false,
-            stored: BTreeMap::new(),
+            ran: BTreeSet::new(),
+            entered: BTreeSet::new(),
+            unshown: BTreeSet::new(),
+            recorded: BTreeMap::new(),
             maybe: None,
             left: 0,
             depth: 0,

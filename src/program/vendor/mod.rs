@@ -11,6 +11,8 @@
 //! - [`machine`], [`run`], [`evaluate`], [`call`]: the tree, run. [`value::Value::Unknown`] is what
 //!   only the run of the program knows; nothing that changes the array may depend on it.
 //! - [`layout`], [`operator`], [`map`]: classes, their operators, and those of the language's library.
+//! - [`recorded`], [`reads`]: kernels, whose words are recorded and launched.
+//! - [`idle`]: kernels that nothing runs.
 //! - [`written`], [`walk`], [`look`]: what a text says without being run.
 //! - [`frames`]: the loop over the frames, its first iteration and its steady one.
 //! - [`beside`], [`memory`], [`post`]: the host runs beside the array instead, and decides by what
@@ -36,6 +38,7 @@ mod expression;
 mod files;
 mod frames;
 mod host;
+mod idle;
 mod includes;
 mod layout;
 mod light;
@@ -50,6 +53,8 @@ mod post;
 mod preprocess;
 mod prototype;
 mod reach;
+mod reads;
+mod recorded;
 mod run;
 mod scope;
 mod shape;
@@ -99,6 +104,8 @@ pub(super) struct Read {
     pub titles: BTreeMap<u32, BTreeSet<String>>,
     /// Whether it has a loop over the frames.
     pub loops: bool,
+    /// In how many places it writes texts for people.
+    pub posts: usize,
 }
 
 /// Endings of files that are C++.
@@ -172,6 +179,9 @@ pub(super) fn read(
     machine.faults.extend(said.faults);
     machine.faults.extend(said.words);
     run_file(&mut machine, &said.statements);
+    if !broken && !machine.faults.iter().any(Fault::is_error) {
+        idle::tell(&mut machine, &said.statements);
+    }
     let items = laid_out(&mut machine, broken);
     let placed = |all: Vec<Fault>| all.into_iter().map(|it| files.fault(it)).collect();
     Read {
@@ -181,6 +191,7 @@ pub(super) fn read(
         undecided: placed(machine.undecided),
         titles: machine.titles,
         loops: machine.looped,
+        posts: machine.unshown.len(),
     }
 }
 
@@ -240,12 +251,12 @@ fn run_file(machine: &mut Machine<'_>, statements: &[Stmt]) {
     } else if machine.items.is_empty() && machine.frames.is_empty() && !machine.has_run() {
         only_function(machine);
     }
-    if let Some(kernel) = machine.kernel.take() {
+    if let Some(kernel) = machine.recording.take() {
         machine.error(
             kernel.place,
             "this kernel has no end".to_owned(),
             "begins here",
-            "end it with `scamp5_kernel_end();`",
+            "end it with `end();` of the same object",
         );
     }
 }

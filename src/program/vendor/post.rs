@@ -7,10 +7,14 @@ use super::{
     tree::{Kind, Width},
     value::Value,
 };
+use crate::config::Place;
 
 impl Machine<'_> {
     /// `printf(format, …)`, with what is known of its values.
-    pub(super) fn post(&mut self, values: &[Value]) {
+    pub(super) fn post(&mut self, values: &[Value], place: Place) {
+        if self.companion.is_none() {
+            self.unshown.insert(place.start);
+        }
         let values: Vec<Value> = values.iter().map(|it| self.as_text(it)).collect();
         let (Some(companion), Some((Value::Text(format), values))) =
             (self.companion.as_mut(), values.split_first())

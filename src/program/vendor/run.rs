@@ -36,6 +36,7 @@ impl Machine<'_> {
         self.work(it.place);
         match &it.node {
             StmtNode::Block(inner) | StmtNode::Namespace(_, inner) => return self.block(inner),
+            StmtNode::Kernel(kernel) => return self.kernel(kernel),
             StmtNode::Declare(all) => {
                 for declared in all {
                     self.declare(declared);

@@ -2,7 +2,11 @@
 
 use std::{rc::Rc, sync::Arc};
 
-use crate::{config::Place, program::syntax::Item};
+use super::{reads::Read, value::Value};
+use crate::{
+    config::Place,
+    program::syntax::{Item, Kept},
+};
 
 /// A name.
 pub(super) type Word = Arc<str>;
@@ -146,6 +150,7 @@ pub(super) struct Stmt {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum StmtNode {
     Block(Vec<Stmt>),
+    Kernel(Kernel),
     Namespace(Word, Vec<Stmt>),
     Declare(Vec<Declared>),
     Expr(Expr),
@@ -171,6 +176,28 @@ pub(super) enum StmtNode {
     Class(Vec<Rc<Function>>),
     /// Nothing that is of use here: `using`, `typedef`.
     Nothing,
+}
+
+/// A kernel, between its beginning and its end.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Kernel {
+    /// Whether it is `static`: recorded once, where it is launched first.
+    pub fixed: bool,
+    /// How many kernels begin at its place before it, as those of a macro do.
+    pub ordinal: usize,
+    pub body: Vec<Stmt>,
+    /// Where it begins.
+    pub begin: Place,
+}
+
+/// Words that were recorded.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Words {
+    pub items: Rc<[Item]>,
+    /// Where they lie between launches.
+    pub kept: Kept,
+    /// What was read of variables while they were recorded, with the values that it had.
+    pub read: Vec<(Read, Value)>,
 }
 
 /// A variable that is declared.
@@ -246,7 +273,7 @@ pub(super) struct Function {
     /// What a template is given for which it stands in place of the template's own body.
     pub special: Option<Rc<[TemplateArgument]>>,
     /// The words of a kernel, as they were when it was made.
-    pub words: Option<Rc<[Item]>>,
+    pub words: Option<Words>,
 }
 
 impl Function {

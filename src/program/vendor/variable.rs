@@ -9,6 +9,7 @@ use super::{
     value::{Slot, Value},
     why::Why,
 };
+use crate::isa::{Bit, Source, Value as Known};
 
 impl Machine<'_> {
     pub(super) fn make(&mut self, name: &Word, value: Value, kind: Kind) -> Slot {
@@ -42,6 +43,15 @@ impl Machine<'_> {
         match kind {
             Kind::Parameter(at) => self.types.get(at).copied().unwrap_or(Kind::Any),
             kind => kind,
+        }
+    }
+
+    /// The type of a register of this name.
+    pub(super) fn register_kind(&self, name: &str) -> Option<Kind> {
+        match self.device.value_of(name)? {
+            Known::Source(Source::Register(_)) => Some(Kind::Analog),
+            Known::Bit(Bit::Register(_)) => Some(Kind::Digital),
+            _ => None,
         }
     }
 

@@ -1,6 +1,6 @@
 //! The parts of a statement, one after the other, without running any.
 
-use super::tree::{Expr, ExprNode, Stmt, StmtNode, TemplateArgument, last};
+use super::tree::{Expr, ExprNode, Kernel, Stmt, StmtNode, TemplateArgument, last};
 
 /// A statement, or a value in one.
 pub(super) enum Part<'a> {
@@ -26,7 +26,9 @@ pub(super) fn calls(it: &Stmt, act: &mut dyn FnMut(&str, usize)) {
 pub(super) fn walk(it: &Stmt, own: bool, act: &mut dyn FnMut(Part<'_>)) {
     act(Part::Stmt(it));
     match &it.node {
-        StmtNode::Block(all) | StmtNode::Namespace(_, all) => {
+        StmtNode::Block(all)
+        | StmtNode::Namespace(_, all)
+        | StmtNode::Kernel(Kernel { body: all, .. }) => {
             all.iter().for_each(|it| walk(it, own, act));
         }
         StmtNode::Switch(on, all) => {

@@ -176,9 +176,9 @@ impl Writer<'_> {
                     self.level -= 1;
                     self.line("}");
                 }
-                Node::Kernel(body) => {
+                Node::Kernel(kernel) => {
                     self.kernel(false);
-                    self.items(&body.iter().collect::<Vec<_>>())?;
+                    self.items(&kernel.body.iter().collect::<Vec<_>>())?;
                     self.kernel(false);
                 }
                 Node::Const { .. } | Node::Init(_) | Node::Frame(_) => {}

@@ -58,6 +58,7 @@ impl Machine<'_> {
             );
             return Value::Whole(0);
         }
+        self.entered.insert(function.place.start);
         let mut scope: BTreeMap<Word, usize> = function.held.iter().cloned().collect();
         let types = if function.template.is_empty() {
             // A lambda inside a template has its types.
@@ -325,6 +326,9 @@ impl Machine<'_> {
                     let it = all.find(|(_, to)| to.kind == Kind::Parameter(at))?.0;
                     match &it.value {
                         Value::Record(layout, _) => format!("{},", layout.name),
+                        Value::Symbol(register) => {
+                            format!("{:?},", self.register_kind(register)?)
+                        }
                         _ => return None,
                     }
                 }

@@ -4,55 +4,82 @@ use std::rc::Rc;
 
 use super::super::{
     machine::{Location, Machine},
-    tree::{Expr, Function},
-    value::Value,
+    tree::{Function, Words},
+    value::{Slot, Value},
 };
-use crate::{
-    config::Place,
-    program::syntax::{Item, Node},
-};
+use crate::config::{Fault, Place};
 
 /// The class whose objects hold kernels.
 pub(in crate::program::vendor) const CLASS: &str = "scamp5_kernel";
 
 impl Machine<'_> {
-    pub(super) fn kernel_border(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
-        let ordinal = given.first().and_then(|it| self.value(it).whole());
-        let ordinal = ordinal.unwrap_or_default();
-        match name {
-            "scamp5_kernel_begin" | "scamp5_kernel_begin_print" => {
-                self.begin_kernel(place, ordinal, true);
-            }
-            "scamp5_dynamic_kernel_begin" => self.begin_kernel(place, ordinal, false),
-            _ => self.end_kernel(place),
-        }
+    /// Tells of a kernel that begins or ends inside a value.
+    pub(super) fn no_statement(&mut self, name: &str, place: Place) -> Value {
+        self.error(
+            place,
+            format!("`{name}` stands inside a value"),
+            "a block begins or ends here",
+            &format!("write `{name}();` as a statement of its own"),
+        );
         Value::Whole(0)
     }
 
     /// An object that holds a kernel of no words.
     pub(in crate::program::vendor) fn empty_kernel(place: Place) -> Value {
         let mut function = Function::new("".into(), place);
-        function.words = Some(Rc::default());
+        function.words = Some(Words::default());
         Value::Lambda(function.into())
     }
 
-    /// What holds a kernel that is made of a lambda: the words that it has now, which are stored once.
+    /// What holds a kernel that is made of a lambda: the words that it has now.
     pub(in crate::program::vendor) fn kernel_of(&mut self, function: Rc<Function>) -> Value {
-        if !self.is_kernel(&function) {
-            return Value::Lambda(function);
-        }
-        self.begin_kernel(function.place, 0, false);
+        let read = self.read_with_values(&function.body);
+        let outer = self.begin_recording(function.place);
         self.enter(&function, &[], function.place);
-        let words = Some(self.taken_back());
+        let mut words = self.end_recording();
+        self.recording = outer;
+        words.read = read;
         let mut function = Rc::unwrap_or_clone(function);
-        function.words = words;
+        function.words = Some(words);
         Value::Lambda(function.into())
     }
 
-    /// What was asked since the kernel began, which ends: it is asked no more.
-    fn taken_back(&mut self) -> Rc<[Item]> {
-        let start = self.kernel.take().map_or(0, |it| it.start);
-        self.items.split_off(start.min(self.items.len())).into()
+    /// What lies somewhere is called with a lambda: it is a kernel then that has the words of that. An
+    /// object that has words keeps them, as the chip's does.
+    pub(super) fn filled_with(
+        &mut self,
+        (slot, path): (Slot, &[usize]),
+        function: Rc<Function>,
+    ) -> Value {
+        const HELP: &str = "the chip's object records once: make another object of `scamp5_kernel` for other words";
+        let held = match self.peek(slot, path) {
+            Some(Value::Lambda(held)) => Some(Rc::clone(held)),
+            _ => None,
+        };
+        let words = held.as_ref().and_then(|it| it.words.as_ref());
+        if let (Some(held), Some(words)) = (&held, words)
+            && !words.items.is_empty()
+        {
+            if held.place.start == function.place.start {
+                self.tell_changed(words, function.place, HELP);
+            } else {
+                let message = format!(
+                    "this kernel has words already, those of {}",
+                    self.line(held.place)
+                );
+                let fault = Fault::warning(function.place, message, "the chip keeps the first");
+                self.fault(fault.help(HELP));
+            }
+            return Value::Lambda(Rc::clone(held));
+        }
+        let is_object = words.is_some();
+        let value = if is_object || self.is_kernel(&function) {
+            self.kernel_of(function)
+        } else {
+            Value::Lambda(function)
+        };
+        self.put(slot, path, value.clone());
+        value
     }
 
     /// A function of an object that holds a kernel.
@@ -64,23 +91,34 @@ impl Machine<'_> {
         place: Place,
     ) -> Value {
         match member {
-            "begin" | "recording_start" => self.begin_kernel(place, 0, false),
-            "end" | "recording_stop" if self.kernel.is_some() => {
-                let words = Some(self.taken_back());
+            "begin" | "recording_start" => {
+                self.begin_recording(place);
+            }
+            "end" | "recording_stop" if self.recording.is_some() => {
+                let words = Some(self.end_recording());
                 let function = Function {
                     words,
                     ..Function::clone(function)
                 };
                 self.put(slot, &path, Value::Lambda(function.into()));
             }
-            "end" | "recording_stop" => self.end_kernel(place),
+            "end" | "recording_stop" => self.error(
+                place,
+                "this ends no kernel".to_owned(),
+                "none is open",
+                "begin it with `begin();` of the same object",
+            ),
             "launch" => return self.launch(function, place),
+            "null" => {
+                let words = function.words.as_ref();
+                return Value::flag(words.is_none_or(|it| it.items.is_empty()));
+            }
             _ => {
                 self.error(
                     place,
                     format!("`{CLASS}` has no `{member}` that is known here"),
                     "this call",
-                    "it has `begin()`, `end()` and `launch()`, and is made of a lambda: `kernel([] { … });`",
+                    "it has `begin()`, `end()`, `launch()` and `null()`, and is made of a lambda: `kernel([] { … });`",
                 );
             }
         }
@@ -89,18 +127,15 @@ impl Machine<'_> {
 
     pub(super) fn launch(&mut self, function: &Rc<Function>, place: Place) -> Value {
         let Some(words) = &function.words else {
-            self.begin_kernel(function.place, 0, false);
+            let outer = self.begin_recording(function.place);
             let value = self.enter(function, &[], function.place);
-            self.end_kernel(function.place);
+            let words = self.end_recording();
+            self.recording = outer;
+            self.launched(&words, (function.place, 0));
             return value;
         };
-        if let Some(why) = self.maybe.clone() {
-            let message = format!("whether this kernel runs, {why} decides");
-            self.unknown(place, message, &why, None);
-        }
-        self.passes(words.len());
-        if self.asks(words.len(), place) && !words.is_empty() {
-            self.push(Node::Kernel(words.to_vec()), self.files.own(function.place));
+        if self.may_launch(words, place) {
+            self.launched(words, (function.place, 0));
         }
         Value::Whole(0)
     }

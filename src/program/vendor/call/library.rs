@@ -256,7 +256,7 @@ impl Machine<'_> {
         }
         match name {
             "vs_post_text" | "printf" | "puts" => {
-                self.post(&values);
+                self.post(&values, place);
                 Value::Whole(0)
             }
             "scamp5_output_bitstack_begin" => {

@@ -75,9 +75,7 @@ impl Machine<'_> {
         {
             let function = self.closure(function);
             // It runs when it is launched, with the words that it has now.
-            let value = self.kernel_of(function);
-            self.put(*slot, path, value.clone());
-            return value;
+            return self.filled_with((*slot, path), function);
         }
         if let Some(Value::Record(layout, _)) = self.reached(reached) {
             let layout = Rc::clone(layout);
@@ -119,6 +117,9 @@ impl Machine<'_> {
             let Some(function) = self.overload(last(name), &all, &given, place) else {
                 return Value::Whole(0);
             };
+            if self.hides_word(&function, place) {
+                return Value::Whole(0);
+            }
             return self.enter_with(&function, given, angles, place);
         }
         if let Some(layout) = self.layouts.get(last(name)).cloned() {
@@ -155,6 +156,11 @@ impl Machine<'_> {
                 return self.inserts(name, into);
             }
             ("swap", [a, b]) => return self.swapped(a, b),
+            (host::MOVE_TO_HEAP, [moved]) => {
+                let moved = self.condition(moved).truth() != Ok(false);
+                self.moves_to_heap(moved, place);
+                return Value::Whole(0);
+            }
             ("begin" | "end" | "size", [of]) => {
                 if let Some(found) = self.of_whole(of, name) {
                     return found;
@@ -169,7 +175,7 @@ impl Machine<'_> {
                 self.outside(name, given, place);
                 Value::Unknown(format!("`{name}`").into())
             }
-            Role::Kernel => self.kernel_border(name, given, place),
+            Role::Kernel => self.no_statement(name, place),
             Role::Sync => {
                 self.in_kernel(name, place);
                 self.sync(place);
@@ -180,6 +186,30 @@ impl Machine<'_> {
             Role::Show => self.show(name, given, place),
             Role::Read | Role::Chip => self.chip(name, given, place),
         }
+    }
+
+    /// Tells of a function of the file that has the name of a word of the chip and is called in its
+    /// place, inside a kernel; whether it is one.
+    fn hides_word(&mut self, function: &Function, place: Place) -> bool {
+        let name = &function.name;
+        let hides = self.recording.is_some() && !self.device.callables(name).is_empty() && {
+            function.body.iter()
+        }
+        .any(|it| look::begins_kernel(self, it));
+        if hides {
+            self.error(
+                place,
+                format!(
+                    "`{name}` is a function of the file here, which begins a kernel inside a kernel"
+                ),
+                "this call",
+                &format!(
+                    "the chip has a word of this name: give the function in {} another one",
+                    self.line(function.place)
+                ),
+            );
+        }
+        hides
     }
 
     /// A template without a body of its own, which has bodies for some of what it is given.
@@ -241,7 +271,7 @@ impl Machine<'_> {
 
     /// Whether a function is the body of a kernel: it asks words, and begins no kernel itself.
     fn is_kernel(&self, function: &Function) -> bool {
-        self.kernel.is_none()
+        self.recording.is_none()
             && function.parameters.is_empty()
             && function.body.iter().any(|it| look::changes(self, it))
             && !function

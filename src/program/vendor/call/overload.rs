@@ -146,13 +146,10 @@ impl Machine<'_> {
         );
         match (&it.value, to.kind) {
             (Value::Symbol(name), Kind::Analog | Kind::Digital) => {
-                use crate::isa::{Bit, Source, Value as Known};
-                let analog = match self.device.value_of(name) {
-                    Some(Known::Source(Source::Register(_))) => true,
-                    Some(Known::Bit(Bit::Register(_))) => false,
-                    _ => return Some(ANY),
+                let Some(kind) = self.register_kind(name) else {
+                    return Some(ANY);
                 };
-                (analog == (to.kind == Kind::Analog)).then_some(EXACT)
+                (kind == to.kind).then_some(EXACT)
             }
             (Value::Symbol(_), Kind::Any) => Some(CONVERTED),
             (Value::Symbol(name), _) => self.device.value_of(name).is_none().then_some(ANY),

@@ -1,10 +1,8 @@
 //! Statements of the chip, and the kernels that they stand in.
 
-use std::rc::Rc;
-
 use super::super::{
     ask::term,
-    chip,
+    chip::{self, Given},
     host::{self, Role},
     machine::Machine,
     reach::base_name,
@@ -22,23 +20,23 @@ use crate::{
 const READOUT: usize = 1 << 13;
 
 impl Machine<'_> {
-    /// What the micro-controller does cannot stand inside a kernel.
+    /// What the micro-controller does is no part of a kernel.
     pub(super) fn in_kernel(&mut self, name: &str, place: Place) {
-        if self.kernel.is_some() {
+        if self.recording.is_some() {
             self.fault(
                 Fault::warning(
                     place,
                     format!("`{name}` inside a kernel"),
-                    "the host does this, not the array",
+                    "the chip's host does this while the kernel is recorded: once, before the kernel's words",
                 )
-                .help("put it behind `scamp5_kernel_end();`"),
+                .help("end the kernel before it, and begin another one behind it"),
             );
         }
     }
 
     /// Warns of a word that no kernel holds, where there are kernels.
     fn outside_of_kernels(&mut self, name: &str, place: Place) {
-        if !self.kernels || self.kernel.is_some() || self.device.callables(name).is_empty() {
+        if !self.kernels || self.recording.is_some() || self.device.callables(name).is_empty() {
             return;
         }
         self.fault(
@@ -157,6 +155,34 @@ impl Machine<'_> {
         true
     }
 
+    /// Tells of a constant that is declared elsewhere, and not where it is named; whether there is one.
+    fn out_of_scope(&mut self, values: &[Given]) -> bool {
+        let names = values.iter().filter_map(|(value, place, _)| match value {
+            Value::Symbol(name) if self.device.value_of(name).is_none() => Some((name, *place)),
+            _ => None,
+        });
+        let mut declared = names.filter(|(name, _)| self.constants.contains_key(&***name));
+        let Some((name, place)) = declared.next() else {
+            return false;
+        };
+        self.undeclared(&name.clone(), place);
+        true
+    }
+
+    /// A kernel object that is launched.
+    fn launched_object(&mut self, given: Option<&Given>, place: Place) -> Value {
+        if let Some((Value::Lambda(function), ..)) = given {
+            return self.launch(function, place);
+        }
+        self.error(
+            place,
+            "this kernel is defined nowhere".to_owned(),
+            "what it does is not known",
+            "define it before: `kernel([] { … });`",
+        );
+        Value::Whole(0)
+    }
+
     /// A word, a macro or an operation of the host.
     pub(super) fn chip(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
         let mut values = Vec::new();
@@ -164,19 +190,11 @@ impl Machine<'_> {
             let place = it.place;
             values.push((self.value(it), place, base_name(it)));
         }
-        // A kernel object that is launched.
-        if name == "scamp5_launch_kernel" {
-            if let Some((Value::Lambda(function), ..)) = values.first() {
-                let function = Rc::clone(function);
-                return self.launch(&function, place);
-            }
-            self.error(
-                place,
-                "this kernel is defined nowhere".to_owned(),
-                "what it does is not known",
-                "define it before: `kernel([] { … });`",
-            );
+        if self.out_of_scope(&values) {
             return Value::Whole(0);
+        }
+        if name == "scamp5_launch_kernel" {
+            return self.launched_object(values.first(), place);
         }
         if let Some(groups) = Self::groups(&values) {
             self.ask_groups(name, groups, place);

@@ -8,6 +8,7 @@ mod declaration;
 mod designated;
 mod function;
 mod initial;
+mod kernel;
 mod lambda;
 mod operator;
 mod statement;
@@ -77,7 +78,7 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> Said {
         library: Vec::new(),
         inner: 0,
     };
-    let statements = parser.statements(false);
+    let statements = parser.statements(Until::End);
     if let Some(place) = parser.lost {
         // What was tried may have been given up in silence.
         parser.faults = vec![too_many_ways(place)];
@@ -125,7 +126,7 @@ pub(super) struct Parser<'a> {
     /// The parameters of the template that is read.
     template: Vec<TemplateParameter>,
     /// How many kernels begin at a place: all those of a macro do at its call.
-    begun: BTreeMap<usize, i64>,
+    begun: BTreeMap<usize, usize>,
     /// Whether the first half of a `>>` closed something.
     pub half: bool,
     /// Whether what is read belongs to a class itself.
@@ -144,6 +145,17 @@ pub(super) struct Parser<'a> {
     library: Vec<Stmt>,
     /// How many blocks of functions are open.
     inner: usize,
+}
+
+/// Where a list of statements ends.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Until {
+    /// With the text.
+    End,
+    /// At the brace that closes their block.
+    Brace,
+    /// At the end of their kernel.
+    Kernel,
 }
 
 pub(super) type Parsed<T> = Result<T, Fault>;
@@ -186,13 +198,6 @@ impl<'a> Parser<'a> {
     /// What stands between two places.
     pub(super) fn between(&self, from: usize, to: usize) -> std::slice::Iter<'a, Token> {
         self.tokens.get(from..to).unwrap_or_default().iter()
-    }
-
-    /// How many kernels began here before this one, if any did.
-    pub(super) fn begun_before(&mut self, place: Place) -> Option<i64> {
-        let count = self.begun.entry(place.start).or_default();
-        *count += 1;
-        Some(*count - 1).filter(|before| *before > 0)
     }
 
     /// The token so many before the one that comes next.
@@ -261,15 +266,15 @@ impl<'a> Parser<'a> {
         .help("take it apart: give names to parts of it, or use a loop"))
     }
 
-    /// Statements up to the end, or up to the brace that closes a block.
-    pub(super) fn statements(&mut self, block: bool) -> Vec<Stmt> {
+    /// Statements up to where they end.
+    fn statements(&mut self, until: Until) -> Vec<Stmt> {
         let mut all = Vec::new();
         let (links, mut most) = (self.links, self.links);
         while self.peek(0).is_some() && !enough(&self.faults) {
             most = most.max(self.links);
             self.links = links;
             if self.sees("}") {
-                if block {
+                if until != Until::End {
                     break;
                 }
                 // Behind a fault it may well close what was not understood.
@@ -282,6 +287,9 @@ impl<'a> Parser<'a> {
                 }
                 self.at += 1;
                 continue;
+            }
+            if until == Until::Kernel && (self.ends_kernel() || self.begins_kernel()) {
+                break;
             }
             let start = self.at;
             match self.deeper(Self::statement) {
@@ -336,7 +344,7 @@ impl<'a> Parser<'a> {
     /// A block of a file, rather than of a function.
     fn open_block(&mut self) -> Parsed<Vec<Stmt>> {
         let open = self.expect("{", "a block is `{ statements }`")?;
-        let statements = self.statements(true);
+        let statements = self.statements(Until::Brace);
         self.declared_twice(&statements);
         if !self.take("}") {
             return Err(Fault::error(open, "this block has no end", "opened here")

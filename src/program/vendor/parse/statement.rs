@@ -3,7 +3,7 @@
 use super::super::{
     expression::unexpected,
     token::{Token, TokenKind},
-    tree::{Expr, ExprNode, Stmt, StmtNode},
+    tree::{Expr, ExprNode, Kernel, Stmt, StmtNode},
 };
 use super::{Parsed, Parser, within};
 use crate::config::{Fault, Place};
@@ -30,6 +30,12 @@ impl Parser<'_> {
         }
         if self.take(";") {
             return Ok(StmtNode::Nothing);
+        }
+        if self.begins_kernel() {
+            return self.kernel();
+        }
+        if self.ends_kernel() {
+            return Err(self.stray_end());
         }
         match self.word(0) {
             "if" => self.if_statement(),
@@ -430,7 +436,9 @@ fn inner_case(it: &Stmt) -> Option<Place> {
         _ => inner_case(it),
     };
     match &it.node {
-        StmtNode::Block(all) | StmtNode::Namespace(_, all) => all.iter().find_map(body),
+        StmtNode::Block(all)
+        | StmtNode::Namespace(_, all)
+        | StmtNode::Kernel(Kernel { body: all, .. }) => all.iter().find_map(body),
         StmtNode::If(_, yes, no) => body(yes).or_else(|| body(no.as_deref()?)),
         StmtNode::For(_, _, _, of)
         | StmtNode::Each(_, _, of)
