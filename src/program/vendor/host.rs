@@ -216,7 +216,7 @@ pub(super) const ALGORITHMS: [&str; 40] = [
     "memmove",
 ];
 
-const LIBRARY: [&str; 50] = [
+const LIBRARY: [&str; 69] = [
     "allow_highspeed",
     "move_to_heap",
     "scamp5_bind_io_agent",
@@ -267,6 +267,25 @@ const LIBRARY: [&str; 50] = [
     "__builtin_clzll",
     "stoi",
     "stof",
+    "time",
+    "clock",
+    "calloc",
+    "realloc",
+    "fopen",
+    "fclose",
+    "fprintf",
+    "fscanf",
+    "fgets",
+    "fputs",
+    "fread",
+    "fwrite",
+    "feof",
+    "perror",
+    "getchar",
+    "getenv",
+    "system",
+    "sleep",
+    "usleep",
 ];
 
 /// What an object of `<random>` draws.
