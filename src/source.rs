@@ -128,6 +128,20 @@ impl From<SourceError> for io::Error {
     }
 }
 
+/// Reads a file of program code, as [`text`]; bytes that are no UTF-8, as comments and texts of
+/// other encodings have them, become the character that stands for such.
+///
+/// # Errors
+/// As [`text`], but for such bytes.
+pub fn code(path: &Path, help: &str) -> Result<String, SourceError> {
+    let read = || {
+        let bytes = rest(open(path)?, Vec::new(), TEXT_BYTES, "text")?;
+        let text = checked(String::from_utf8_lossy(&bytes).into_owned().into_bytes())?;
+        Ok(text.strip_prefix(MARK).map(str::to_owned).unwrap_or(text))
+    };
+    read().map_err(|cause| SourceError::new(path, cause, help))
+}
+
 /// Reads a text file; `help` says what to give in its place.
 ///
 /// # Errors

@@ -954,8 +954,15 @@ fn what_goes_wrong_beside_the_array_has_its_line() {
         &["p.cpp:4:", "statements run before the program is known"],
     );
     wrong(
+        "if (startCamera(0) > 3) mov(C, A);",
+        &[
+            "p.cpp:4:5",
+            "`startCamera` is a function that no file here defines",
+        ],
+    );
+    wrong(
         "if (time(0) > 3) mov(C, A);",
-        &["p.cpp:4:5", "unknown statement `time`"],
+        &["p.cpp:4:5", "whether this kernel runs, `time` decides"],
     );
     wrong(
         "int a[3]; a[s] = 1; scamp5_in(C, a[s + 9]);",

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     bundled::Kind,
     isa::{Device, Figure},
-    program::{Expansion, Overrides, Program, Runnable, Syntax, included_files},
+    program::{Expansion, Overrides, Program, Runnable, Syntax, included_files, is_cpp},
     source,
 };
 
@@ -105,7 +105,11 @@ impl Source {
         let file = self.program.display().to_string();
         let help = "give the path of a program, or a name that `amacrine list programs` prints";
         let help = meant(Kind::Program, &self.program, help);
-        let text = source::text(&self.program, &help)?;
+        let text = if is_cpp(&file) {
+            source::code(&self.program, &help)?
+        } else {
+            source::text(&self.program, &help)?
+        };
         let includes = included_files(&text, self.folder());
         Ok(Program::read_with(&file, &text, &includes))
     }

@@ -1,4 +1,5 @@
-//! Rows and columns of the host's calls, which are a `uint8_t` in the vendor's header.
+//! Parameters of eight bits in the vendor's header: rows and columns, which are a `uint8_t`, and
+//! values for the array, which are an `int8_t`.
 
 use std::fmt::Write as _;
 
@@ -12,6 +13,8 @@ use crate::{
 const SIDE: f64 = 256.0;
 
 const LABEL: &str = "a parameter of 8 bits, without a sign";
+
+const SIGNED: &str = "a parameter of 8 bits, with a sign";
 
 /// The first parameter of those that are a `uint8_t`: rows and columns, and their masks.
 fn first(name: &str, narrow: bool) -> Option<usize> {
@@ -27,6 +30,25 @@ fn first(name: &str, narrow: bool) -> Option<usize> {
         "scamp5_draw_pixel" | "scamp5_draw_rect" if narrow => Some(0),
         _ if name.starts_with("scamp5_select_") => Some(0),
         _ => None,
+    }
+}
+
+/// A value for the array as C++ passes it: 206 is -50.
+pub(super) fn with_a_sign(machine: &mut Machine<'_>, name: &str, given: &mut [Given]) {
+    if !matches!(name, "scamp5_in" | "scamp5_load_in") {
+        return;
+    }
+    let at = usize::from(given.len() > 1);
+    let Some((value, place, _)) = given.get_mut(at) else {
+        return;
+    };
+    let passed = value.clone().converted(Kind::Bits(8, true));
+    let (Some(number), Some(made)) = (value.number(), passed.number()) else {
+        return;
+    };
+    if number != made {
+        *value = passed;
+        tell(machine, (name, *place, SIGNED), (number, made), None);
     }
 }
 
@@ -67,7 +89,8 @@ pub(super) fn in_eight_bits(machine: &mut Machine<'_>, name: &str, given: &mut [
         } else {
             None
         };
-        tell(machine, (name, given[index].1), (number, made), turned);
+        let given = (name, given[index].1, LABEL);
+        tell(machine, given, (number, made), turned);
     }
 }
 
@@ -95,12 +118,12 @@ fn turned(index: usize, before: &[Option<f64>], after: &[Option<f64>]) -> Option
 /// Warns of a number that became another one; in a loop once for all of its numbers.
 fn tell(
     machine: &mut Machine<'_>,
-    (name, place): (&str, Place),
+    (name, place, label): (&str, Place, &str),
     (number, made): (f64, f64),
     turned: Option<f64>,
 ) {
     let mut told = machine.faults.iter();
-    if told.any(|it| it.place.start == place.start && it.label == LABEL) {
+    if told.any(|it| it.place.start == place.start && it.label == label) {
         return;
     }
     let mut message = format!("C++ makes {made} of {number}");
@@ -118,5 +141,5 @@ fn tell(
             "rows and columns go from 0 to 255; here no pixel lies in this rectangle, and what the chip makes of it the vendor does not say".to_owned()
         };
     }
-    machine.fault(Fault::warning(place, message, LABEL).help(help));
+    machine.fault(Fault::warning(place, message, label).help(help));
 }

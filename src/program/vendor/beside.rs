@@ -71,6 +71,8 @@ pub(super) struct Companion<'a> {
     waited: bool,
     /// The frames so far.
     pub frames: u64,
+    /// The frame, from 1, in which the loop's counter was set back.
+    pub counted_from: u64,
     /// Whether no frame comes any more.
     pub over: bool,
     /// Faults of the steps, in places of the file itself.
@@ -82,6 +84,11 @@ pub(super) struct Companion<'a> {
     asked: f64,
     waits: u64,
     waited_us: f64,
+    /// How far the triggers of frames are apart, in microseconds, whether they are waited for, and
+    /// when the last one came.
+    pub period_us: f64,
+    pub triggers: bool,
+    triggered_us: f64,
     /// Random numbers that were drawn.
     drawn: u64,
     /// Variables at which the next ones are given up.
@@ -89,6 +96,15 @@ pub(super) struct Companion<'a> {
 }
 
 impl<'a> Companion<'a> {
+    /// Waits for the trigger of the next frame, as stopwatches see it.
+    fn awaits_trigger(&mut self) {
+        let now = self.array.micros() + self.waited_us;
+        let due = self.triggered_us + self.period_us;
+        let wait = if self.triggers { due - now } else { 0.0 };
+        self.waited_us += wait.max(0.0);
+        self.triggered_us = now + wait.max(0.0);
+    }
+
     pub(super) fn new(array: &'a mut dyn Beside) -> Self {
         let over = !array.frame();
         Self {
@@ -98,12 +114,16 @@ impl<'a> Companion<'a> {
             now: Now::default(),
             waited: false,
             frames: 1,
+            counted_from: 1,
             over,
             faults: Vec::new(),
             clocks: BTreeMap::new(),
             asked: 0.0,
             waits: 0,
             waited_us: 0.0,
+            period_us: 0.0,
+            triggers: true,
+            triggered_us: 0.0,
             drawn: 0,
             enough: HELD,
         }
@@ -130,10 +150,37 @@ impl Machine<'_> {
     pub(super) fn loop_counter(&self) -> Value {
         match &self.companion {
             Some(companion) => {
-                let before = companion.frames.saturating_sub(1);
+                let before = companion.frames.saturating_sub(companion.counted_from);
                 Value::Wide(before as i64, Width::Unsigned)
             }
             None => Value::Unknown("how many frames have passed".into()),
+        }
+    }
+
+    /// The trigger of frames: `vs_frame_trigger_set(1, frames_in_a_second)`, and whether it is on.
+    pub(super) fn triggers(&mut self, name: &str, given: &[Value]) {
+        let Some(companion) = &mut self.companion else {
+            return;
+        };
+        match name {
+            "vs_enable_frame_trigger" => companion.triggers = true,
+            "vs_disable_frame_trigger" => companion.triggers = false,
+            _ => {
+                let numbers: Vec<f64> = given.iter().filter_map(Value::number).collect();
+                if let [part, of] = numbers[..]
+                    && of > 0.0
+                {
+                    companion.period_us = (1e6 * part / of).max(0.0);
+                }
+            }
+        }
+    }
+
+    /// `vs_wait(milliseconds)`, which stopwatches see.
+    pub(super) fn waits(&mut self, given: &[Value]) {
+        let time = given.first().and_then(Value::number);
+        if let (Some(companion), Some(time)) = (&mut self.companion, time) {
+            companion.waited_us += 1000.0 * time.max(0.0);
         }
     }
 
@@ -243,6 +290,7 @@ impl Machine<'_> {
         if first && !companion.now.light {
             return;
         }
+        companion.awaits_trigger();
         companion.now = Now::default();
         companion.over = !companion.array.frame();
         companion.frames += 1;

@@ -45,10 +45,7 @@ pub(super) fn rewritten(
         }
         "scamp5_draw_line" => {
             if given.get(4).is_some_and(|it| it.0.number() == Some(1.0)) {
-                machine.fault(
-                    Fault::warning(place, "a line does not wrap around here", "this line")
-                        .help("draw it in parts"),
-                );
+                line_leaves(machine, &given, place);
             }
             given.truncate(4);
             name
@@ -98,6 +95,7 @@ pub(super) fn rewritten(
         }
     }
     address::in_eight_bits(machine, renamed, &mut given);
+    address::with_a_sign(machine, renamed, &mut given);
     if matches!(renamed, "scamp5_scan_events" | "scamp5_scan_events_rc") {
         as_many_slots_as_there_are(machine, renamed, &mut given);
         for (value, ..) in given.iter_mut().skip(3) {
@@ -105,6 +103,22 @@ pub(super) fn rewritten(
         }
     }
     Some((variant(machine, renamed, given.len()), given))
+}
+
+/// Warns of a line that would go on at the other side of the array, where it is not known to end on it.
+fn line_leaves(machine: &mut Machine<'_>, given: &[Given], place: Place) {
+    let on = |at: usize, figure| {
+        let number = given.get(at).and_then(|it| it.0.number());
+        number.is_some_and(|it| (0.0..machine.device.value(figure)).contains(&it))
+    };
+    let rows = on(0, Figure::Height) && on(2, Figure::Height);
+    if rows && on(1, Figure::Width) && on(3, Figure::Width) {
+        return;
+    }
+    machine.fault(
+        Fault::warning(place, "a line does not wrap around here", "this line")
+            .help("draw it in parts"),
+    );
 }
 
 fn another_chip(machine: &mut Machine<'_>, name: &str, place: Place) {

@@ -7,7 +7,7 @@ use super::{
     layout::{Layout, Member},
     look,
     machine::{Location, Machine},
-    parse::REFERS,
+    parse::{REFERS, ended},
     reach::Reach,
     shape::{self, Leaf},
     tree::{Declared, Expr, ExprNode, Function, Kind, Struct, Word, last},
@@ -86,7 +86,7 @@ impl Machine<'_> {
                     function.place,
                     format!(
                         "`{}` runs words of the array where no call of it is written",
-                        function.name
+                        function.name.trim_start_matches('~')
                     ),
                     "a constructor, a destructor or an operator",
                     "make it a function outside of the class, and call that",
@@ -143,7 +143,9 @@ impl Machine<'_> {
         let once = it.lasting.then(|| self.made_once(it));
         if let Some(slot) = once.as_ref().and_then(|it| self.lasting.get(it)) {
             let slot = *slot;
-            self.bind(&it.name, slot);
+            if !self.apart.contains_key(&self.own_name(&it.name)) || self.scopes.len() > 1 {
+                self.bind(&it.name, slot);
+            }
             return;
         }
         let known = self.known_inside(it);
@@ -214,11 +216,16 @@ impl Machine<'_> {
             (None, None) => self.objects(it).unwrap_or(Value::List(Vec::new())),
         };
         let value = self.shaped(it, value);
-        self.settle(it, &value);
+        let apart = self.settle(it);
         if let (true, Some(number)) = (it.constant, value.decimal()) {
             self.constants.entry(it.name.to_string()).or_insert(number);
         }
-        self.keep(it, value, (known, given, fixed));
+        let slot = self.keep(it, value, (known, given, fixed));
+        if apart {
+            self.apart.insert(self.own_name(&it.name), slot);
+        } else if known.is_none() {
+            self.bind(&it.name, slot);
+        }
     }
 
     /// What a variable begins with to which nothing is assigned.
@@ -237,14 +244,14 @@ impl Machine<'_> {
         }
     }
 
-    /// A variable of its own, or the one that was made before: its type, where the declaration has
+    /// A variable of its own without a name, or the one that was made before: its type, where the declaration has
     /// none, and whether it keeps its value for good.
     fn keep(
         &mut self,
         it: &Declared,
         value: Value,
         (known, given, fixed): (Option<Slot>, Kind, bool),
-    ) {
+    ) -> Slot {
         // What a function gives back, or a copy of another, where the type is that of the value.
         let copied = it.library || &*it.of == "auto" && !it.pointer;
         // Names of the elements of an array are those of a copy.
@@ -269,7 +276,7 @@ impl Machine<'_> {
                 (self.slots[slot], self.kinds[slot]) = (value, kind);
                 slot
             }
-            None => self.make(&it.name, value, kind),
+            None => self.hold(value, kind),
         };
         if fixed {
             self.fixed.insert(slot);
@@ -291,6 +298,7 @@ impl Machine<'_> {
             let once = self.made_once(it);
             self.lasting.insert(once, slot);
         }
+        slot
     }
 
     /// A variable whose own value names it: `sizeof(all[0])` in the braces of `all`, a function that
@@ -328,57 +336,37 @@ impl Machine<'_> {
         }
     }
 
-    /// Refuses a destructor that changes what is not its object's, or that is seen outside:
+    /// Refuses destructors that change what is not their object's, or that are seen outside:
     /// destructors are not run.
-    fn refuse_end(&mut self, it: &Struct) {
-        let ends = |of: &&Rc<Function>| {
-            let before = self.text.get(..of.place.start).unwrap_or_default();
-            of.hidden && of.name == it.name && before.trim_end().ends_with('~')
-        };
-        let base = it.base.as_ref().and_then(|it| self.layouts.get(it));
-        let own = |name: &Word| {
-            let inherited = base.is_some_and(|base| base.members.iter().any(|it| it.name == *name));
-            inherited || it.members.iter().any(|it| it.name == *name)
-        };
-        let leads = |name: &Word| {
-            let mut all = it.members.iter();
-            all.any(|it| it.name == *name && (it.pointer || it.reference))
-        };
-        let seen = it.functions.iter().filter(ends).find(|function| {
-            let mut all = function.body.iter();
-            all.any(|it| look::is_seen(self, it))
-        });
-        if let Some(place) = seen.map(|it| it.place) {
-            self.error(
-                place,
-                format!(
-                    "the destructor of `{}` shows or posts something, and destructors are not run",
-                    it.name
-                ),
-                "this destructor",
-                "do it in a function of the class, and call that where the object ends",
-            );
-            return;
+    pub(super) fn refuse_ends(&mut self, members: &[Rc<Function>]) {
+        const HELP: &str = "do it in a function of the class, and call that where the object ends";
+        for function in members {
+            let Some(class) = function.name.strip_prefix('~') else {
+                continue;
+            };
+            let does = if { function.body.iter() }.any(|it| look::is_seen(self, it)) {
+                "shows or posts something".to_owned()
+            } else if let Some(name) = self.changed_at_end(class, function) {
+                format!("changes `{name}`")
+            } else {
+                continue;
+            };
+            let message =
+                format!("the destructor of `{class}` {does}, and destructors are not run");
+            self.error(function.place, message, "this destructor", HELP);
         }
-        let found = it.functions.iter().filter(ends).find_map(|function| {
-            let mut all = function.body.iter().flat_map(|it| look::assigns(self, it));
-            let name = all.find(|(name, through)| {
-                let others = !own(name) && self.find(name).is_some();
-                others || *through && leads(name)
-            });
-            Some((function.place, name?.0))
+    }
+
+    /// What a destructor changes that is not its object's.
+    fn changed_at_end(&self, class: &str, function: &Function) -> Option<Word> {
+        let layout = self.layouts.get(class);
+        let member = |name: &Word| layout?.members.iter().find(|it| it.name == *name);
+        let mut all = function.body.iter().flat_map(|it| look::assigns(self, it));
+        let found = all.find(|(name, through)| match member(name) {
+            Some(it) => *through && it.leads,
+            None => self.find(name).is_some(),
         });
-        if let Some((place, name)) = found {
-            self.error(
-                place,
-                format!(
-                    "the destructor of `{}` changes `{name}`, and destructors are not run",
-                    it.name
-                ),
-                "this destructor",
-                "do it in a function of the class, and call that where the object ends",
-            );
-        }
+        found.map(|it| it.0)
     }
 
     /// Why nothing is known of a variable of this type.
@@ -468,18 +456,19 @@ impl Machine<'_> {
         }
     }
 
-    /// Forgets what the constructors of a class could change that is not followed.
+    /// Forgets what the constructors and the destructor of a class could change that is not followed.
     fn made_unread(&mut self, it: &Declared, why: &Why) {
-        let node = ExprNode::Name(last(&it.of).into());
-        let callee = Expr {
-            node,
+        let class = last(&it.of);
+        let callee = |name: Word| Expr {
+            node: ExprNode::Name(name),
             place: it.place,
         };
         let given = match it.value.as_ref().map(|it| &it.node) {
             Some(ExprNode::Call(_, given) | ExprNode::Braces(given)) => &given[..],
             _ => &[],
         };
-        self.forget_called(&callee, given, why);
+        self.forget_called(&callee(class.into()), given, why);
+        self.forget_called(&callee(ended(class)), &[], why);
     }
 
     /// What an array of objects begins with, where a constructor makes each.
@@ -506,21 +495,20 @@ impl Machine<'_> {
         self.homes.get(&*full).copied().filter(|_| outside)
     }
 
-    /// A variable of the file is declared: one that only its own file should know keeps others of its
-    /// name away.
-    fn settle(&mut self, it: &Declared, value: &Value) {
+    /// A variable of the file is declared. Whether its file has it for itself, under a name that
+    /// another file has too: one that is constant or `static`.
+    fn settle(&mut self, it: &Declared) -> bool {
         if self.scopes.len() > 1 {
-            return;
+            return false;
         }
         let own = it.lasting || it.constant;
-        if let (true, Some(before)) = (own, self.home(&it.name)) {
-            let held = self.find(&it.name).map(|slot| &self.slots[slot]);
-            if it.lasting && it.value.is_none() || held != Some(value) {
-                self.stated_twice(&it.name, before, it.place);
-            }
+        let before = self.home(&it.name);
+        if own && before.is_some_and(|before| self.files.name(before) != self.file) {
+            return true;
         }
         let full = format!("{}::{}", self.space, it.name);
         self.homes.insert(full.into(), it.place);
+        false
     }
 
     /// A value with the lengths and the type of what holds it.
@@ -553,10 +541,12 @@ impl Machine<'_> {
 
     /// A class is defined.
     pub(super) fn class(&mut self, it: &Struct, place: Place) {
-        self.refuse_end(it);
         if let Some(what) = it.unread {
-            let what = format!("{what} of {}", self.line(place));
+            let first = it.stops.map(|at| self.line(at));
+            let first = first.map_or_else(String::new, |it| format!(" (the first in {it})"));
+            let what = format!("{what} of {}{first}", self.line(place));
             self.unread.insert(it.name.clone(), what);
+            self.refuse_ends(&it.functions);
             return;
         }
         if let Some(member) = it.members.iter().find(|it| look::acts(self, it)) {
@@ -588,6 +578,7 @@ impl Machine<'_> {
             members.push(Member {
                 name: member.name.clone(),
                 kind: member.kind,
+                leads: member.pointer || member.reference,
                 library: member.library,
                 default: initial.map(|value| self.shaped(member, value)),
                 lengths,
@@ -611,6 +602,7 @@ impl Machine<'_> {
             layout.entry = Some(entry.into());
         }
         self.layouts.insert(it.name.clone(), layout.into());
+        self.refuse_ends(&it.functions);
     }
 
     /// The lengths of an array; none is known where it is too large. `Err` says what decides on one

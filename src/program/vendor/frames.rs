@@ -1,11 +1,14 @@
 //! The loop over the frames: its first iteration, and what every later iteration does.
 
+use std::collections::BTreeSet;
+
 use super::{
     light::{capture, light},
     look,
     machine::{Flow, Machine},
     tree::{Expr, ExprNode, Stmt, Word, last},
     value::Value,
+    walk::{Part, values},
     why::Why,
 };
 use crate::{
@@ -18,13 +21,67 @@ const TURNS: usize = 24;
 
 impl Machine<'_> {
     /// Whether a loop is that over the frames.
-    pub(super) fn endless(&mut self, condition: Option<&Expr>, body: &Stmt) -> bool {
+    pub(super) fn endless(
+        &mut self,
+        condition: Option<&Expr>,
+        step: Option<&Expr>,
+        body: &Stmt,
+    ) -> bool {
         let constant = condition.is_none_or(always);
         if constant {
             return !look::breaks(body) || look::syncs(self, body);
         }
         // `while (vs_…())`: as long as the box is on.
-        condition.is_some_and(|it| matches!(it.node, ExprNode::Call(..))) && look::syncs(self, body)
+        condition.is_some_and(|it| {
+            matches!(it.node, ExprNode::Call(..)) && look::syncs(self, body)
+                || step.is_none() && !look::ends(body) && self.stays(it, body)
+        })
+    }
+
+    /// Whether a condition holds and nothing in the loop changes it. One that only waits, for what
+    /// never comes, is told of.
+    fn stays(&mut self, condition: &Expr, body: &Stmt) -> bool {
+        let (mut slots, mut plain) = (BTreeSet::new(), true);
+        let mut named = None;
+        values(condition, &mut |part| match part {
+            Part::Expr(Expr {
+                node: ExprNode::Name(name),
+                ..
+            }) => {
+                slots.extend(self.find(name));
+                named = Some(name.clone());
+            }
+            Part::Expr(it) => {
+                plain &= matches!(
+                    it.node,
+                    ExprNode::Whole(_)
+                        | ExprNode::Unary("!", _)
+                        | ExprNode::Binary(..)
+                        | ExprNode::Convert(..)
+                );
+            }
+            Part::Stmt(_) => plain = false,
+        });
+        // Inside a kernel there are no frames.
+        plain &= self.recording.is_none() && !slots.is_empty();
+        let Some(named) = named.filter(|_| plain) else {
+            return false;
+        };
+        if look::may_assign(self, body, &slots) || self.condition(condition).truth() != Ok(true) {
+            return false;
+        }
+        if look::changes(self, body) || look::syncs(self, body) {
+            return true;
+        }
+        if !look::reads(self, body) && !look::shows(self, body) {
+            self.error(
+                condition.place,
+                format!("this loop waits, and nothing in it changes `{named}`"),
+                "it has no end",
+                &format!("`--const {named}=VALUE` ends it"),
+            );
+        }
+        false
     }
 
     pub(super) fn frame_loop(&mut self, body: &Stmt, step: Option<&Expr>) -> Flow {

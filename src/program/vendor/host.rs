@@ -220,7 +220,7 @@ pub(super) const ALGORITHMS: [&str; 40] = [
 /// What moves the words of a kernel to the micro-controller's memory.
 pub(super) const MOVE_TO_HEAP: &str = "move_to_heap";
 
-const LIBRARY: [&str; 49] = [
+const LIBRARY: [&str; 68] = [
     "allow_highspeed",
     "scamp5_bind_io_agent",
     "scamp5_get_io_agent",
@@ -270,6 +270,25 @@ const LIBRARY: [&str; 49] = [
     "__builtin_clzll",
     "stoi",
     "stof",
+    "time",
+    "clock",
+    "calloc",
+    "realloc",
+    "fopen",
+    "fclose",
+    "fprintf",
+    "fscanf",
+    "fgets",
+    "fputs",
+    "fread",
+    "fwrite",
+    "feof",
+    "perror",
+    "getchar",
+    "getenv",
+    "system",
+    "sleep",
+    "usleep",
 ];
 
 /// What an object of `<random>` draws.

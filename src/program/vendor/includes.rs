@@ -44,7 +44,7 @@ fn include(text: &str, places: [&Path; 2], all: &mut Includes) {
         });
         let mut there = tried.filter(|path| path.is_file());
         let Some(path) = there.next() else { continue };
-        let Ok(text) = source::text(&path, "") else {
+        let Ok(text) = source::code(&path, "") else {
             continue;
         };
         all.insert(name, text.as_str().into());

@@ -27,6 +27,8 @@ pub(super) struct Member {
     pub name: Word,
     pub kind: Kind,
     pub lengths: Vec<Option<usize>>,
+    /// Whether it is a pointer or a reference.
+    pub leads: bool,
     /// Whether it is an array of the language's library.
     pub library: bool,
     /// The class of the member itself.
@@ -45,6 +47,7 @@ impl Layout {
             name,
             kind,
             lengths: Vec::new(),
+            leads: false,
             library: false,
             layout: None,
             default: None,

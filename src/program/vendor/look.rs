@@ -457,6 +457,30 @@ pub(super) fn acts(machine: &Machine<'_>, it: &Declared) -> bool {
     })
 }
 
+/// Whether it may assign to one of these variables.
+pub(super) fn may_assign(machine: &Machine<'_>, it: &Stmt, slots: &BTreeSet<Slot>) -> bool {
+    let Assigned {
+        names,
+        functions,
+        moved,
+        given,
+        led,
+        ..
+    } = assigned(machine, it);
+    let held = functions.iter().flat_map(|it| &it.held);
+    let held = held.filter(|it| names.contains(&it.0)).map(|it| it.1);
+    let named = names.iter().flat_map(|it| machine.find_all(it));
+    let leads = |slot: Slot| match &machine.slots[slot] {
+        Value::Pointer(to, ..) | Value::Reference(to, _) | Value::Back(to, ..) => *to,
+        _ => slot,
+    };
+    let mut all = named.chain(held).chain(led);
+    let moved = moved.iter().chain(&given);
+    all.any(|it| slots.contains(&it) || slots.contains(&leads(it))) || { moved }
+        .flat_map(|it| machine.leads_to(it))
+        .any(|it| slots.contains(&it))
+}
+
 /// What a statement may assign to, and whether it is what that leads to.
 pub(super) fn assigns(machine: &Machine<'_>, it: &Stmt) -> Vec<(Word, bool)> {
     let Assigned { names, moved, .. } = assigned(machine, it);

@@ -25,7 +25,7 @@ impl Machine<'_> {
         body_first: bool,
     ) -> Flow {
         let beside = self.companion.is_some();
-        let endless = self.endless(condition, body);
+        let endless = self.endless(condition, step, body);
         if endless && !beside {
             return self.frame_loop(body, step);
         }

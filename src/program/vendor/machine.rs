@@ -62,6 +62,8 @@ pub(super) struct Machine<'a> {
     pub device: &'a Device,
     pub overrides: &'a Overrides,
     pub faults: Vec<Fault>,
+    /// Files that are asked for and are not there.
+    pub missing: Vec<String>,
     /// What only the run decides: faults where the program has to be known before.
     pub undecided: Vec<Fault>,
     /// The array, where the host runs beside it.
@@ -116,6 +118,10 @@ pub(super) struct Machine<'a> {
     pub space: Word,
     /// Names of variables that are declared in several namespaces.
     pub ambiguous: BTreeSet<Word>,
+    /// The file that is worked in: nothing for the program's own.
+    pub file: Option<&'a str>,
+    /// Variables that a file has for itself under a name that another file has too.
+    pub apart: BTreeMap<(Option<&'a str>, Word), Slot>,
     /// Variables that are made once, by the place of their declaration, and by what the template is
     /// made for that they stand in.
     pub lasting: BTreeMap<(usize, String), Slot>,
@@ -138,6 +144,8 @@ pub(super) struct Machine<'a> {
     /// How often a statement may have ended a loop or a function.
     pub left: usize,
     pub depth: usize,
+    /// The slider that was read last.
+    pub slider: String,
     /// The variable that is being declared.
     pub naming: Option<Word>,
     /// What is shown, by its line: the display's title.
@@ -173,6 +181,7 @@ impl<'a> Machine<'a> {
             device,
             overrides,
             faults: Vec::new(),
+            missing: Vec::new(),
             undecided: Vec::new(),
             companion: None,
             constants: BTreeMap::new(),
@@ -201,6 +210,8 @@ impl<'a> Machine<'a> {
             base: 0,
             space: "".into(),
             ambiguous: BTreeSet::new(),
+            file: None,
+            apart: BTreeMap::new(),
             lasting: BTreeMap::new(),
             items: Vec::new(),
             frames: Vec::new(),
@@ -213,6 +224,7 @@ impl<'a> Machine<'a> {
             maybe: None,
             left: 0,
             depth: 0,
+            slider: String::new(),
             naming: None,
             titles: BTreeMap::new(),
             scanned: BTreeMap::new(),
@@ -283,11 +295,18 @@ impl<'a> Machine<'a> {
                 Some(_) => "run in one frame",
                 None => "run before the program is known",
             };
+            let slider = match &*self.slider {
+                "" => "NAME",
+                name => name,
+            };
+            let help = format!(
+                "loops need bounds that are known before the run, and copies of large arrays count as many statements; a loop that waits for somebody at the GUI ends by `--const {slider}=VALUE`"
+            );
             self.error(
                 place,
                 format!("more than {VENDOR_WORK} statements {before}"),
                 "here there is no end in sight",
-                "loops need bounds that are known before the run, and copies of large arrays count as many statements; a loop that waits for somebody at the GUI ends by `--const NAME=VALUE`",
+                &help,
             );
         }
     }

@@ -175,6 +175,7 @@ pub(super) fn read(
     machine.constants = first.numbers;
     machine.enumerations = said.enumerations;
     machine.faults = first.faults;
+    machine.missing = first.missing;
     let broken = !said.faults.is_empty();
     machine.faults.extend(said.faults);
     machine.faults.extend(said.words);
@@ -214,6 +215,7 @@ pub(super) fn run(
     let mut machine = Machine::new(text, &files, device, overrides);
     machine.enumerations = enumerations;
     machine.faults = [first.faults, faults, words].concat();
+    machine.missing = first.missing;
     machine.companion = Some(Companion::new(array));
     run_file(&mut machine, &statements);
     machine.run_asked();
@@ -313,6 +315,7 @@ fn top_level(machine: &mut Machine<'_>, statements: &[Stmt]) {
                 machine.space = outer;
             }
             _ => {
+                machine.file = machine.files.name(statement.place);
                 machine.statements(std::slice::from_ref(statement));
             }
         }

@@ -25,6 +25,8 @@ pub(super) struct Preprocessed {
     pub faults: Vec<Fault>,
     /// Names that stand for one number, as `#define` has them.
     pub numbers: BTreeMap<String, f64>,
+    /// Files that are asked for and are not there.
+    pub missing: Vec<String>,
 }
 
 /// The header that declares the chip's words: they are known, and a copy of it that lies beside a
@@ -81,10 +83,12 @@ pub(super) fn preprocess(
         out: Vec::new(),
         faults: Vec::new(),
         numbers: BTreeMap::new(),
+        missing: Vec::new(),
         made: 0,
         depth: 0,
         full: false,
     };
+    it.generator(text);
     it.text(text, 0, 0);
     it.bodies(text);
     Preprocessed {
@@ -92,6 +96,7 @@ pub(super) fn preprocess(
         tokens: if it.full { Vec::new() } else { it.out },
         faults: it.faults,
         numbers: it.numbers,
+        missing: it.missing,
     }
 }
 
@@ -127,6 +132,7 @@ struct Preprocessor<'a> {
     out: Vec<Token>,
     faults: Vec<Fault>,
     numbers: BTreeMap<String, f64>,
+    missing: Vec<String>,
     /// Tokens that were looked at, those of macros again in each use.
     made: usize,
     /// Macros inside each other.
@@ -329,6 +335,7 @@ impl Preprocessor<'_> {
         }
         let Some(text) = self.includes.get(&**name) else {
             if !vendor_header(name) {
+                self.missing.push(name.to_string());
                 self.faults.push(
                     Fault::warning(
                         place,
@@ -356,6 +363,21 @@ impl Preprocessor<'_> {
         }
         let text = Arc::clone(text);
         self.file(name, &text, place, depth + 1);
+    }
+
+    /// Reads the vendor's generator of random numbers, where something here uses it and nothing
+    /// defines it.
+    fn generator(&mut self, text: &str) {
+        const NAME: &str = "vs_random";
+        let all: Vec<&str> = { self.includes.values() }
+            .map(|it| &**it)
+            .chain([text])
+            .collect();
+        let defined = all.iter().any(|it| it.contains("class vs_random"));
+        if !defined && all.iter().any(|it| it.contains(NAME)) {
+            let text: Arc<str> = include_str!("random.hpp").into();
+            self.file("vs_random.hpp", &text, Place::default(), 1);
+        }
     }
 
     fn file(&mut self, name: &str, text: &Arc<str>, place: Place, depth: usize) {

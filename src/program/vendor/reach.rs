@@ -13,6 +13,7 @@ use super::{
     value::{Slot, Value, moved},
     why::Why,
 };
+use crate::config::Fault;
 
 impl Machine<'_> {
     /// Where the value of an expression lies, with all that finding it does.
@@ -251,7 +252,7 @@ impl Machine<'_> {
         }
         let at = match self.reached(&base) {
             // The words of a register, which are only ever compared.
-            Some(Value::Symbol(register)) => {
+            Some(Value::Symbol(register)) if matches!(base, Reach::Value(_)) => {
                 return Reach::Value(Value::Symbol(format!("{register}.{name}").into()));
             }
             Some(Value::Record(layout, all)) => {
@@ -259,8 +260,11 @@ impl Machine<'_> {
                 named.or_else(|| name.parse().ok().filter(|at| *at < all.len()))
             }
             Some(Value::List(_)) => match numbered(name) {
-                // An array of an object that is not known, such as that of a frame.
-                None => return base,
+                // An array of an object that is not known, such as that of a frame. Of an empty one
+                // nothing is.
+                None if !matches!(self.reached(&base), Some(Value::List(all)) if all.is_empty()) => {
+                    return base;
+                }
                 at => at,
             },
             _ => None,
@@ -283,6 +287,9 @@ impl Machine<'_> {
     fn no_member(&self, base: &Reach, name: &str) -> Why {
         if let Some(why) = self.not_followed(base) {
             return why;
+        }
+        if let Some(Value::Unknown(why @ Why::Never(_))) = self.reached(base) {
+            return why.clone();
         }
         match self.reached(base) {
             Some(Value::Record(layout, _))
@@ -358,12 +365,19 @@ impl Machine<'_> {
             Some(length) => format!("`{name}` has {length} elements"),
             None => format!("`{name}` begins with element 0"),
         };
-        self.error(
-            it.place,
-            format!("element {index} is out of bounds: {has}"),
-            "this element",
-            "elements count from 0 up to one less than the length",
-        );
+        let message = format!("element {index} is out of bounds: {has}");
+        if let (Some(why), None) = (&self.maybe, &self.companion) {
+            // The run may have ended before; whatever hangs on it is told of by itself.
+            let fault = Fault::warning(
+                it.place,
+                format!("{message}, where {why} lets it come so far"),
+                "this element",
+            );
+            self.fault(fault.help("`exec --host` runs it, and says where that happens"));
+            return true;
+        }
+        let help = "elements count from 0 up to one less than the length";
+        self.error(it.place, message, "this element", help);
         true
     }
 
@@ -376,6 +390,7 @@ impl Machine<'_> {
                 }
                 if matches!(&value, Value::Pointer(of, way, _) if of == slot && way == path) {
                     // A slider that writes the variable that its handle goes to.
+                    self.keeps_value(to);
                     return self.at(*slot, path);
                 }
                 if self.holds_own(&value, &["operator="], to.place) {
@@ -421,6 +436,15 @@ impl Machine<'_> {
                 value
             }
         }
+    }
+
+    /// Warns of a variable that takes the handle of the slider which writes it.
+    fn keeps_value(&mut self, to: &Expr) {
+        let name = base_name(to);
+        let message = format!("`{name}` becomes the number of its slider's handle in C++");
+        let label = "until somebody moves the slider; here it keeps its value";
+        let help = format!("give the handle a variable of its own: `auto {name}_slider = …;`");
+        self.fault(Fault::warning(to.place, message, label).help(help));
     }
 
     fn no_variable(&mut self, name: &str, to: &Expr) {

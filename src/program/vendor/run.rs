@@ -1,10 +1,12 @@
 //! Statements, run one after the other.
 
+use std::rc::Rc;
+
 use super::{
     look,
     machine::{Flow, Machine},
     reach::Reach,
-    tree::{Declared, Expr, Kind, Stmt, StmtNode},
+    tree::{Declared, Expr, Function, Kind, Stmt, StmtNode},
     value::Value,
     why::Why,
 };
@@ -92,6 +94,10 @@ impl Machine<'_> {
             StmtNode::Class(members) => {
                 self.define_members(members);
                 self.check_members(members);
+                // Those in a class are, when that is known.
+                let behind = |it: &&Rc<Function>| it.qualified;
+                let behind: Vec<_> = members.iter().filter(behind).cloned().collect();
+                self.refuse_ends(&behind);
             }
         }
         Flow::Next

@@ -9,11 +9,24 @@ use super::{
 };
 use crate::config::Place;
 
-impl Machine<'_> {
+impl<'a> Machine<'a> {
+    /// The variable of the file that has this name, with its namespace.
+    fn of_file(&self, name: &str) -> Option<Slot> {
+        let apart = || self.apart.get(&(self.file, name.into()));
+        let own = if self.apart.is_empty() { None } else { apart() };
+        own.or_else(|| self.scopes.first()?.get(name)).copied()
+    }
+
+    /// The name of a variable that this file has for itself.
+    pub(super) fn own_name(&self, name: &Word) -> (Option<&'a str>, Word) {
+        let space = Some(&*self.space).filter(|it| !it.is_empty());
+        let full = space.map_or_else(|| name.clone(), |of| format!("{of}::{name}").into());
+        (self.file, full)
+    }
+
     pub(super) fn find(&self, name: &str) -> Option<Slot> {
-        let file = self.scopes.first()?;
         match qualifier(name) {
-            Some("") => return file.get(last(name)).copied(),
+            Some("") => return self.of_file(last(name)),
             Some(_) if foreign(name) => return None,
             Some(_) => {
                 let own = self.scopes.get(self.base.max(1)..).unwrap_or_default();
@@ -23,9 +36,9 @@ impl Machine<'_> {
                 let spaces = self.spaces().map(|space| format!("{space}::{name}"));
                 let found = spaces
                     .chain([name.to_owned()])
-                    .find_map(|it| file.get(&*it));
+                    .find_map(|it| self.of_file(&it));
                 // A class or an enumeration, whose names are the file's.
-                return found.copied().or_else(|| self.find(last(name)));
+                return found.or_else(|| self.find(last(name)));
             }
             None => {}
         }
@@ -33,9 +46,10 @@ impl Machine<'_> {
         let found = own.iter().rev().find_map(|scope| scope.get(name));
         let space = || {
             let mut spaces = self.spaces().map(|space| format!("{space}::{name}"));
-            spaces.find_map(|it| file.get(&*it))
+            spaces.find_map(|it| self.of_file(&it))
         };
-        found.or_else(space).or_else(|| file.get(name)).copied()
+        let found = found.copied().or_else(space);
+        found.or_else(|| self.of_file(name))
     }
 
     /// The namespace that is worked in, and those around it.
@@ -49,9 +63,11 @@ impl Machine<'_> {
         let plain = last(name);
         let file = self.scopes.first().into_iter().flatten();
         let file = file.filter(|(it, _)| last(it) == plain);
+        let apart = { self.apart.iter() }.filter(|(it, _)| last(&it.1) == plain);
         self.find(name)
             .into_iter()
             .chain(file.map(|it| *it.1))
+            .chain(apart.map(|it| *it.1))
             .collect()
     }
 

@@ -237,6 +237,8 @@ pub(super) struct Struct {
     pub map: bool,
     /// What it is, where its objects are not followed.
     pub unread: Option<&'static str>,
+    /// The first member that is not understood.
+    pub stops: Option<Place>,
 }
 
 /// A function, or a lambda, which has no name.

@@ -83,6 +83,7 @@ impl Machine<'_> {
         self.bind_parameters(function, given, &mut scope, place);
         let (base, maybe) = (self.base, self.maybe.clone());
         let space = std::mem::replace(&mut self.space, function.space.clone());
+        let file = std::mem::replace(&mut self.file, self.files.name(function.place));
         self.base = self.scopes.len();
         self.scopes.push(scope);
         self.depth += 1;
@@ -92,7 +93,7 @@ impl Machine<'_> {
         self.depth -= 1;
         self.scopes.pop();
         self.base = base;
-        self.space = space;
+        (self.space, self.file) = (space, file);
         let returns = self.resolved(function.returns);
         (self.types, self.made) = outer;
         // Whether it returned early is its own affair, but for what it gives back.

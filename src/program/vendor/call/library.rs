@@ -267,26 +267,30 @@ impl Machine<'_> {
                 Some(Value::Text(text)) => Value::Text(text),
                 _ => Value::Text("".into()),
             },
-            "vs_gui_read_slider" => match values.into_iter().next() {
-                Some(Value::Pointer(slot, path, _)) => self.at(slot, &path),
-                Some(Value::Symbol(gain)) if &*gain == "VS_GUI_FRAME_GAIN" => self.frame_gain(),
-                _ => Value::Unknown("a slider of the GUI".into()),
-            },
-            "vs_gui_move_slider" => {
+            "vs_gui_read_slider" => {
+                self.slider = given.first().map_or_else(String::new, base_name);
+                self.read_slider(values)
+            }
+            "vs_gui_move_slider" | "vs_gui_set_slider" => {
                 self.move_slider(&values);
                 Value::Whole(0)
             }
             "vs_loop_counter_get" => self.loop_counter(),
-            "to_string" => match &values[..] {
-                [Value::Whole(value) | Value::Wide(value, _)] => {
-                    Value::Text(value.to_string().into())
+            "vs_loop_counter_reset" => {
+                if let Some(companion) = &mut self.companion {
+                    companion.counted_from = companion.frames;
                 }
-                [value @ (Value::Real(_) | Value::Single(_))] => {
-                    let value = value.number().unwrap_or_default();
-                    Value::Text(format!("{value:.6}").into())
-                }
-                _ => Value::Unknown("a number as text".into()),
-            },
+                Value::Whole(0)
+            }
+            "vs_frame_trigger_set" | "vs_enable_frame_trigger" | "vs_disable_frame_trigger" => {
+                self.triggers(name, &values);
+                Value::Whole(0)
+            }
+            "vs_wait" => {
+                self.waits(&values);
+                Value::Whole(0)
+            }
+            "to_string" => as_text(&values),
             "vs_gui_is_on" => Value::Whole(1),
             "rand" if self.companion.is_some() => {
                 Value::Whole(self.companion.as_mut().map_or(0, Companion::random))
@@ -316,14 +320,22 @@ impl Machine<'_> {
         value
     }
 
+    fn read_slider(&mut self, values: Vec<Value>) -> Value {
+        match values.into_iter().next() {
+            Some(Value::Pointer(slot, path, _)) => self.at(slot, &path),
+            Some(Value::Symbol(gain)) if &*gain == "VS_GUI_FRAME_GAIN" => self.frame_gain(),
+            _ => Value::Unknown("a slider of the GUI".into()),
+        }
+    }
+
     /// A program moves a slider itself.
     fn move_slider(&mut self, values: &[Value]) {
         match values {
-            [Value::Pointer(slot, path, _), value] => {
+            [Value::Pointer(slot, path, _), value, ..] => {
                 let kind = self.kind_at(*slot, path);
                 self.put(*slot, path, value.clone().converted(kind));
             }
-            [Value::Symbol(gain), value] if &**gain == "VS_GUI_FRAME_GAIN" => {
+            [Value::Symbol(gain), value, ..] if &**gain == "VS_GUI_FRAME_GAIN" => {
                 self.put(GAIN, &[], value.clone());
             }
             _ => {}
@@ -392,6 +404,18 @@ impl Machine<'_> {
             )
             .help(format!("give `{name}` a value from {low} to {high}")),
         );
+    }
+}
+
+/// `std::to_string(number)`
+fn as_text(given: &[Value]) -> Value {
+    match given {
+        [Value::Whole(value) | Value::Wide(value, _)] => Value::Text(value.to_string().into()),
+        [value @ (Value::Real(_) | Value::Single(_))] => {
+            let value = value.number().unwrap_or_default();
+            Value::Text(format!("{value:.6}").into())
+        }
+        _ => Value::Unknown("a number as text".into()),
     }
 }
 

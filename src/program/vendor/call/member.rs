@@ -11,6 +11,7 @@ use super::{
         shape,
         tree::{Bound, Expr, ExprNode, Function, Kind, StmtNode, Word, last, qualifier},
         value::{Slot, Value, unassigned},
+        why::Why,
     },
     Argument,
 };
@@ -86,14 +87,7 @@ impl Machine<'_> {
         given: usize,
     ) -> Vec<Rc<Function>> {
         for class in layout.line().filter(|it| *it.name != *name) {
-            let behind = self.functions.get(name).into_iter().flatten();
-            let behind = behind.filter(|it| it.qualified && it.space == class.space);
-            let inside = class.functions.iter().filter(|it| *it.name == *name);
-            let mut all: Vec<_> = inside.chain(behind).cloned().collect();
-            // What is only announced gives way to what stands behind the class.
-            let whole = |it: &Rc<Function>| !matches!(it.bound, Bound::Pure | Bound::Announced);
-            let bodies: Vec<_> = { all.iter() }.filter(|it| whole(it)).cloned().collect();
-            all.retain(|it| whole(it) || !bodies.iter().any(|of| of.overrides(it)));
+            let all = self.written_of(class, name);
             if !all.is_empty() {
                 return all.into_iter().filter(|it| self.takes(it, given)).collect();
             }
@@ -101,11 +95,28 @@ impl Machine<'_> {
         Vec::new()
     }
 
+    /// The functions of this name of a class itself, in it and behind it.
+    fn written_of(&self, class: &Layout, name: &str) -> Vec<Rc<Function>> {
+        let behind = self.functions.get(name).into_iter().flatten();
+        let behind = behind.filter(|it| it.qualified && it.space == class.space);
+        let inside = class.functions.iter().filter(|it| *it.name == *name);
+        let mut all: Vec<_> = inside.chain(behind).cloned().collect();
+        // What is only announced gives way to what stands behind the class.
+        let whole = |it: &Rc<Function>| !matches!(it.bound, Bound::Pure | Bound::Announced);
+        let bodies: Vec<_> = { all.iter() }.filter(|it| whole(it)).cloned().collect();
+        all.retain(|it| whole(it) || !bodies.iter().any(|of| of.overrides(it)));
+        all
+    }
+
     /// Whether a function of a class takes so many arguments, and can be run.
     fn takes(&self, it: &Function, given: usize) -> bool {
+        self.accepts(it, given) && runs(it)
+    }
+
+    fn accepts(&self, it: &Function, given: usize) -> bool {
         let parameters = 0..it.parameters.len();
         let least = parameters.filter(|i| self.default(it, *i).is_none());
-        (least.count()..=it.parameters.len()).contains(&given) && runs(it)
+        (least.count()..=it.parameters.len()).contains(&given)
     }
 
     /// Runs a function of an object, or the one that its class has in place of it.
@@ -184,11 +195,14 @@ impl Machine<'_> {
         place: Place,
     ) -> Value {
         let name = &layout.name;
-        let own = { layout.functions.iter() }.filter(|it| it.name == *name);
-        let fitting: Vec<_> = own
+        let own = self.written_of(layout, name);
+        let fitting: Vec<_> = { own.iter() }
             .filter(|it| self.takes(it, given.len()))
             .cloned()
             .collect();
+        let announced =
+            |it: &&Rc<Function>| it.bound == Bound::Announced && self.accepts(it, given.len());
+        let announced = own.iter().find(announced).map(|it| it.place);
         let given: Vec<_> = given.iter().map(|it| self.argument(it)).collect();
         let same = |it: &Value| match it {
             Value::Record(of, _) => of.line().any(|it| it.name == *name),
@@ -201,6 +215,12 @@ impl Machine<'_> {
             return copied;
         }
         let unknown = Value::Unknown(format!("an object of `{name}`").into());
+        if let (true, Some(at)) = (fitting.is_empty(), announced) {
+            let line = self.line(at);
+            let why =
+                format!("an object of `{name}`, whose constructor of {line} no file here defines,");
+            return Value::Unknown(Why::never(&why));
+        }
         if fitting.is_empty() {
             let given = counted(given.len(), "value");
             self.error(

@@ -58,7 +58,12 @@ impl Machine<'_> {
     /// The functions of this name that take so many arguments, the last one first.
     fn fitting(&self, name: &str, given: usize) -> Vec<Rc<Function>> {
         let all = self.functions.get(name).into_iter().flatten();
+        // Constructors are called by way of their class.
+        let makes = |it: &Function| it.qualified && last(&it.space) == name;
         let fits = |it: &&Rc<Function>| {
+            if makes(it) {
+                return false;
+            }
             let parameters = 0..it.parameters.len();
             let least = parameters
                 .filter(|i| self.default(it, *i).is_none())

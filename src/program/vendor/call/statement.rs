@@ -3,7 +3,7 @@
 use super::super::{
     ask::term,
     chip::{self, Given},
-    host::{self, Role},
+    host::{self, Role, vendors},
     machine::Machine,
     reach::base_name,
     tree::Expr,
@@ -11,7 +11,7 @@ use super::super::{
     why::Why,
 };
 use crate::{
-    config::{Fault, Place},
+    config::{Fault, Place, suggestion},
     isa::text::Term,
     unit::counted,
 };
@@ -183,6 +183,32 @@ impl Machine<'_> {
         Value::Whole(0)
     }
 
+    /// Tells of a function that stands outside of kernels and that neither a file nor the chip has.
+    fn nobodys(&mut self, name: &str, place: Place) -> bool {
+        let words = self.device.all_callables();
+        let mut words = words.map(|it| it.signature().name.as_str());
+        let own = !self.functions.contains_key("main")
+            || self.recording.is_some()
+            || vendors(name)
+            || words.any(|it| it == name)
+            || self.device.why_no_statement(name, None).is_some();
+        let words = self.device.all_callables();
+        let near = suggestion(name, words.map(|it| it.signature().name.as_str()));
+        if own || near.is_some() {
+            return false;
+        }
+        let missing: Vec<String> = { self.missing.iter() }
+            .map(|it| format!("`{it}`"))
+            .collect();
+        let help = match &missing[..] {
+            [] => "define it, or `#include` the file that does; what it does on the host alone can be taken out".to_owned(),
+            all => format!("it may be that of {}, which is not there: put it beside this file", all.join(" or ")),
+        };
+        let message = format!("`{name}` is a function that no file here defines");
+        self.error(place, message, "this call", &help);
+        true
+    }
+
     /// A word, a macro or an operation of the host.
     pub(super) fn chip(&mut self, name: &str, given: &[Expr], place: Place) -> Value {
         let mut values = Vec::new();
@@ -223,6 +249,9 @@ impl Machine<'_> {
         let Some((name, values)) = chip::rewritten(self, name, values, place) else {
             return Value::Whole(0);
         };
+        if self.nobodys(&name, place) {
+            return Value::Whole(0);
+        }
         if name == "DNEWS"
             && let Some(directions) = chip::joined(&values)
         {

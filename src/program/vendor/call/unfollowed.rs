@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::super::{
     look,
     machine::Machine,
-    reach::Reach,
+    reach::{Reach, base_name},
     tree::{Expr, ExprNode, Function},
     value::Value,
     why::Why,
@@ -28,14 +28,21 @@ impl Machine<'_> {
             _ => None,
         };
         let chosen = matches!(&callee.node, ExprNode::Member(of, _) if self.chosen(of));
-        if let Some(why @ Why::Run(_)) = why
+        if let Some(why @ Why::Run(_)) = why.clone()
             && (chosen || self.acting(member).is_some())
         {
             let message = format!("what `{name}.{member}` runs, {why} decides");
             self.unknown(place, message, &why, None);
             return Value::Unknown(why);
         }
-        if self.leaves_array(name, member, place) {
+        if self.words_of_nobody((name, member), given, place) {
+            return Value::Unknown(format!("`{name}.{member}`").into());
+        }
+        let cause = match &why {
+            Some(why) => Some(why.clone()),
+            None => self.not_followed(reached),
+        };
+        if self.leaves_array((name, member), cause.as_ref(), place) {
             self.outside(&format!("{name}.{member}"), given, place);
         }
         let why = self.not_followed(reached);
@@ -49,6 +56,37 @@ impl Machine<'_> {
             self.forget(*slot, path, &does);
         }
         Value::Unknown(format!("`{name}.{member}`").into())
+    }
+
+    /// Tells of a word of the chip that is called as a function of an object whose class no file
+    /// here defines, with registers of that object: `s.add(s.A, s.A, s.B)`.
+    fn words_of_nobody(
+        &mut self,
+        (name, member): (&str, &str),
+        given: &[Expr],
+        place: Place,
+    ) -> bool {
+        let register = |it: &Expr| match &it.node {
+            ExprNode::Member(of, part) if base_name(of) == name => {
+                self.device.value_of(part).is_some().then(|| part.clone())
+            }
+            _ => None,
+        };
+        let found: Vec<_> = given.iter().filter_map(register).collect();
+        let Some(first) = found.first() else {
+            return false;
+        };
+        if self.device.callables(member).is_empty() || !look::members(self, member).is_empty() {
+            return false;
+        }
+        let message = format!("what `{name}.{member}` does with `{name}.{first}` is not known");
+        let all: Vec<&str> = found.iter().map(|it| &**it).collect();
+        let help = format!(
+            "no file here defines the class of `{name}`: write `{member}({});`",
+            all.join(", ")
+        );
+        self.error(place, message, "this call", &help);
+        true
     }
 
     /// `dynamic_cast<Class *>(pointer)`: null where the object is of another class.
@@ -101,18 +139,26 @@ impl Machine<'_> {
 
     /// A member of a class of the file is called: classes are not run, so that it must leave the
     /// array alone.
-    fn leaves_array(&mut self, name: &str, member: &str, place: Place) -> bool {
+    fn leaves_array(
+        &mut self,
+        (name, member): (&str, &str),
+        cause: Option<&Why>,
+        place: Place,
+    ) -> bool {
         let Some(acting) = self.acting(member) else {
             return true;
         };
         let line = self.line(acting.place);
+        let cause = cause.map_or_else(String::new, |it| format!("{it} is the reason: "));
         self.error(
             place,
             format!(
                 "`{name}.{member}` runs words of the array, and members of classes are not run"
             ),
             "this call",
-            &format!("make `{member}`, in {line}, a function outside of the class, and call that"),
+            &format!(
+                "{cause}make `{member}`, in {line}, a function outside of the class, and call that"
+            ),
         );
         false
     }

@@ -15,9 +15,30 @@ use super::{
     types::{QUALIFIERS, RESERVED, Type},
     within,
 };
+use crate::config::Place;
+
+/// What stands between the braces of a class.
+struct Body {
+    /// Its data, where nothing else matters when an object is made.
+    data: Option<Vec<Declared>>,
+    functions: Vec<Rc<Function>>,
+    /// Whether a member is a reference.
+    refers: bool,
+    /// The first member that is not understood.
+    stops: Option<Place>,
+}
+
+/// Words that begin a type that is defined where it is used.
+const TYPES: [&str; 4] = ["class", "struct", "union", "enum"];
 
 impl Parser<'_> {
-    pub(super) fn enumeration(&mut self, named_behind: bool) -> Parsed<StmtNode> {
+    /// The constants of an enumeration, and the variables of it that are declared with it, of a type
+    /// that these words say more of.
+    pub(super) fn enumeration(
+        &mut self,
+        named_behind: bool,
+        more: Type,
+    ) -> Parsed<(StmtNode, Option<StmtNode>)> {
         self.at += 1;
         // The names of an `enum class` are only its own.
         let scoped = self.take_word("class") || self.take_word("struct");
@@ -99,13 +120,25 @@ impl Parser<'_> {
             let unnamed = all.iter_mut().filter(|it| it.of.is_empty());
             unnamed.for_each(|it| it.of = name.clone());
         }
-        self.skip_past(";");
-        Ok(StmtNode::Declare(all))
+        if named_behind {
+            self.skip_past(";");
+            return Ok((StmtNode::Declare(all), None));
+        }
+        let unnamed = of.is_empty();
+        let variables = self.declared_behind(Type {
+            kind: if unnamed { kind } else { Kind::Any },
+            name: of,
+            ..more
+        })?;
+        Ok((StmtNode::Declare(all), variables))
     }
 
     /// Whether the function that makes or ends an object of a class is defined here.
     pub(super) fn is_constructor(&mut self) -> bool {
         let start = self.at;
+        while QUALIFIERS.contains(&self.word(0)) {
+            self.at += 1;
+        }
         let mut names = Vec::new();
         while !self.word(0).is_empty() {
             names.push(self.word(0));
@@ -118,34 +151,115 @@ impl Parser<'_> {
             }
         }
         let named = match &names[..] {
-            [.., class, name] => class == name || *class == "~",
+            [.., class, "~", name] | [.., class, name] => class == name,
             _ => false,
         };
         let found = named && self.sees("(") && {
             self.skip_group();
-            self.sees("{") || self.sees(":")
+            self.take_word("noexcept");
+            self.sees("{") || self.sees(":") || self.no_body()
         };
         self.at = start;
         found
     }
 
-    /// Whether a class is defined here, with its members.
+    /// Whether a class or an enumeration is defined here, with its members; words such as `static`
+    /// may stand before it.
     pub(super) fn is_definition(&self) -> bool {
-        let rest = self.tokens.get(self.at..).unwrap_or_default();
-        let punctuator = rest
-            .iter()
-            .find(|t| t.is("{") || t.is(";") || t.is("(") || t.is("="));
-        punctuator.is_some_and(|t| t.is("{"))
+        let Some(mut at) = self.type_word() else {
+            return false;
+        };
+        at += 1;
+        if self.word(at - 1) == "enum" && matches!(self.word(at), "class" | "struct") {
+            at += 1;
+        }
+        let (mut before, mut angles) = ("", 0_usize);
+        while let Some(token) = self.peek(at) {
+            let word = self.word(at);
+            match word {
+                _ if token.is("<") => angles += 1,
+                _ if token.is(">") => angles = angles.saturating_sub(1),
+                _ if angles > 0 => {}
+                // `struct name variable {value}`
+                _ if !word.is_empty() && self.classes.contains(before) => return word == "final",
+                _ if !word.is_empty() || token.is("::") => before = word,
+                _ => return token.is("{") || token.is(":"),
+            }
+            at += 1;
+        }
+        false
+    }
+
+    /// Whether a type is only announced here: `class name;`, `enum name : int;`
+    pub(super) fn is_announced(&self) -> bool {
+        let scoped = self.word(0) == "enum" && matches!(self.word(1), "class" | "struct");
+        let behind = 2 + usize::from(scoped);
+        match self.peek(behind) {
+            _ if self.word(behind - 1).is_empty() => false,
+            Some(t) if t.is(";") => true,
+            Some(t) if t.is(":") => self.peek(behind + 2).is_some_and(|t| t.is(";")),
+            _ => false,
+        }
+    }
+
+    /// How many words stand before `class`, `struct`, `union` or `enum`, if one of them comes next.
+    fn type_word(&self) -> Option<usize> {
+        let mut words = (0..).map(|ahead| self.word(ahead));
+        let at = words.position(|it| TYPES.contains(&it) || !QUALIFIERS.contains(&it))?;
+        TYPES.contains(&self.word(at)).then_some(at)
+    }
+
+    /// A class or an enumeration, and variables of it that are declared with it:
+    /// `static const struct { int n; } all[2] = {…};`
+    pub(super) fn defined_type(&mut self) -> Parsed<StmtNode> {
+        let mut of = Type::default();
+        while !TYPES.contains(&self.word(0)) {
+            of.qualify(self.word(0));
+            self.at += 1;
+        }
+        if self.word(0) != "enum" {
+            return self.class(false, of);
+        }
+        let place = self.place();
+        match self.enumeration(false, of)? {
+            (constants, None) => Ok(constants),
+            (node, Some(variables)) => {
+                self.pending.push(Stmt { node, place });
+                Ok(variables)
+            }
+        }
+    }
+
+    /// Variables that are declared behind the braces of their type, if there are any.
+    fn declared_behind(&mut self, mut of: Type) -> Parsed<Option<StmtNode>> {
+        loop {
+            if self.take("*") {
+                of.pointer = true;
+            } else if QUALIFIERS.contains(&self.word(0)) {
+                of.qualify(self.word(0));
+                self.at += 1;
+            } else {
+                break;
+            }
+        }
+        // Behind what was not understood something else may stand in a line of its own.
+        if self.word(0).is_empty() {
+            self.skip_past(";");
+            return Ok(None);
+        }
+        let all = self.declarators(&of)?;
+        self.end_statement()?;
+        Ok(Some(StmtNode::Declare(all)))
     }
 
     /// `typedef type name;`
     pub(super) fn typedef(&mut self) -> Parsed<StmtNode> {
         self.at += 1;
-        if matches!(self.word(0), "class" | "struct" | "union") && self.is_definition() {
-            return self.class(true);
-        }
         if self.word(0) == "enum" && self.is_definition() {
-            return self.enumeration(true);
+            return Ok(self.enumeration(true, Type::default())?.0);
+        }
+        if self.is_definition() {
+            return self.class(true, Type::default());
         }
         let start = self.at;
         if self.read_type().is_some()
@@ -171,8 +285,8 @@ impl Parser<'_> {
     }
 
     /// A class. Where its members are data and plain functions its objects are known, else they are
-    /// taken for unknown.
-    pub(super) fn class(&mut self, named_behind: bool) -> Parsed<StmtNode> {
+    /// taken for unknown. Objects that are declared with it are of a type that these words say more of.
+    pub(super) fn class(&mut self, named_behind: bool, more: Type) -> Parsed<StmtNode> {
         let place = self.place();
         let union = self.word(0) == "union";
         self.at += 1;
@@ -201,7 +315,12 @@ impl Parser<'_> {
         // It is known inside of itself.
         let known = !plain || named_behind || !self.classes.insert(name.clone());
         let body = self.at;
-        let (data, functions, refers) = self.class_body(&name, plain);
+        let Body {
+            data,
+            functions,
+            refers,
+            stops,
+        } = self.class_body(&name, plain);
         if !known && data.is_none() {
             self.classes.remove(&name);
         }
@@ -228,12 +347,13 @@ impl Parser<'_> {
             } else if bit_fields {
                 "a class with bit fields"
             } else {
-                "a class with members that are not understood"
+                UNCLEAR
             })
         });
         let node = StmtNode::Struct(Rc::new(Struct {
             name: name.clone(),
             unread: unread.filter(|_| data.is_none()),
+            stops: stops.filter(|_| unread == Some(UNCLEAR)),
             members: data.unwrap_or_default(),
             functions: functions.clone(),
             base,
@@ -245,19 +365,21 @@ impl Parser<'_> {
             node: StmtNode::Class(functions),
             place,
         };
-        if named_behind || self.word(0).is_empty() {
+        if named_behind {
             self.skip_past(";");
             self.pending.push(functions);
             return Ok(node);
         }
-        // Objects that are declared with their class.
-        let all = self.declarators(&Type {
-            name,
-            ..Type::default()
-        })?;
-        self.end_statement()?;
-        self.pending.extend([functions, Stmt { node, place }]);
-        Ok(StmtNode::Declare(all))
+        match self.declared_behind(Type { name, ..more })? {
+            None => {
+                self.pending.push(functions);
+                Ok(node)
+            }
+            Some(objects) => {
+                self.pending.extend([functions, Stmt { node, place }]);
+                Ok(objects)
+            }
+        }
     }
 
     /// Whether a member of so many bits stands between two places: `name : 3;`.
@@ -270,20 +392,15 @@ impl Parser<'_> {
         })
     }
 
-    /// What stands between the braces of a class: its data, where nothing else matters when an
-    /// object is made, its functions with bodies, and whether a member is a reference.
-    fn class_body(
-        &mut self,
-        class: &str,
-        plain: bool,
-    ) -> (Option<Vec<Declared>>, Vec<Rc<Function>>, bool) {
-        let start = self.at;
+    /// What stands between the braces of a class.
+    fn class_body(&mut self, class: &str, plain: bool) -> Body {
+        let (start, mut stops) = (self.at, None);
         self.skip_group();
         let end = std::mem::replace(&mut self.at, start + 1);
         let (mut data, mut functions) = (Vec::new(), Vec::new());
         let mut plain = plain;
         while plain && self.at + 1 < end {
-            let bound = self.bound();
+            let (bound, place) = (self.bound(), self.place());
             let member = match self.constructor(class) {
                 None => self.plain_member(class),
                 Some(read) => read.ok(),
@@ -305,7 +422,7 @@ impl Parser<'_> {
                     functions.push(function);
                 }
                 Some(_) => {}
-                None => plain = false,
+                None => (plain, stops) = (false, Some(place)),
             }
         }
         while self.at + 1 < end {
@@ -318,8 +435,12 @@ impl Parser<'_> {
             }
         }
         self.at = end;
-        // An object that holds others with constructors is made in more steps than are followed.
-        let whole = |it: &Declared| !it.reference && (it.pointer || !self.constructs(&it.of));
+        // Arrays of objects with constructors are made in more steps than are followed.
+        let empty = |it: &Declared| it.library && matches!(it.lengths[..], [None]);
+        let whole = |it: &Declared| {
+            let single = it.lengths.is_empty() || empty(it);
+            !it.reference && (it.pointer || single || !self.constructs(&it.of))
+        };
         let refers = data.iter().any(|it| it.reference);
         let mut plain = plain && data.iter().all(whole);
         if plain {
@@ -333,7 +454,12 @@ impl Parser<'_> {
                 self.constructed.insert(class.into());
             }
         }
-        (plain.then_some(data), functions, refers)
+        Body {
+            data: plain.then_some(data),
+            functions,
+            refers,
+            stops,
+        }
     }
 
     /// Whether what is declared here belongs to the class, not to its objects: `inline static int n;`.
@@ -372,7 +498,7 @@ impl Parser<'_> {
     fn inner_class(&mut self, named: bool) -> Option<StmtNode> {
         let (place, told) = (self.place(), self.faults.len());
         let shared = std::mem::take(&mut self.shared);
-        let node = self.class(false);
+        let node = self.class(false, Type::default());
         self.shared = shared;
         let clean = self.faults.len() == told;
         self.faults.truncate(told);
@@ -397,14 +523,14 @@ impl Parser<'_> {
             return Some(StmtNode::Nothing);
         }
         let space: Word = within(&self.space, &[class]).into();
-        if self.word(0) == "enum" {
+        if self.word(0) == "enum" && self.is_definition() {
             let place = self.place();
             let outer = self.inside.replace(space);
-            let node = self.enumeration(false);
+            let read = self.enumeration(false, Type::default());
             self.inside = outer;
-            let node = node.ok()?;
+            let (node, data) = read.ok()?;
             self.shared.push(Stmt { node, place });
-            return Some(StmtNode::Nothing);
+            return Some(data.unwrap_or(StmtNode::Nothing));
         }
         if self.is_friend() {
             return self.befriended();
@@ -476,6 +602,7 @@ impl Parser<'_> {
     pub(super) fn member(&mut self, class: &str) -> Option<Rc<Function>> {
         let (start, place) = (self.at, self.place());
         let name = self.peek(0)?.name()?.clone();
+        let ends = start > 0 && self.tokens[start - 1].is("~");
         self.at += 1;
         if &*name == "operator" {
             while self.peek(0).is_some_and(|t| !t.is("(") && !t.is(";")) {
@@ -494,6 +621,7 @@ impl Parser<'_> {
         }
         let body = self.member_body(&name);
         let hidden = *name == *class || &*name == "operator";
+        let name = if ends { ended(&name) } else { name };
         Some(Rc::new(Function {
             body: body.into(),
             parameters: parameters.into(),
@@ -590,6 +718,14 @@ fn own_names(it: &mut Expr, space: &str, all: &[Declared]) {
         _ => {}
     }
 }
+
+/// The name of the destructor of a class.
+pub(in crate::program::vendor) fn ended(class: &str) -> Word {
+    format!("~{class}").into()
+}
+
+/// What a class is of which a member says more than is read.
+const UNCLEAR: &str = "a class with members that are not understood";
 
 /// What a class is whose objects change what they were made of.
 pub(in crate::program::vendor) const REFERS: &str = "a class with a reference as a member";

@@ -7,7 +7,7 @@ use super::super::{
     tree::{Expr, ExprNode, Function, Parameter, Stmt, StmtNode, Word, last},
 };
 use super::{Parsed, Parser, types::QUALIFIERS, within};
-use crate::config::Place;
+use crate::config::{Fault, Place};
 
 impl Parser<'_> {
     /// Whether objects of this class are made by a constructor.
@@ -51,8 +51,16 @@ impl Parser<'_> {
         self.at += 2;
         let parameters = self.parameters()?;
         self.take_word("noexcept");
+        let copying = copies(class, &parameters);
+        let space = within(&self.space, &[class]).into();
         let (mut parts, mut sets, mut rest) = (Vec::new(), Vec::new(), Vec::new());
-        if self.take("=") {
+        if !copying && self.take(";") {
+            return Ok(Some(StmtNode::Prototype(Rc::new(Function {
+                space,
+                parameters: parameters.into(),
+                ..Function::new(class.into(), place)
+            }))));
+        } else if self.take("=") {
             // That which an object has anyway, and one that nobody may call.
             let deleted = self.word(0) == "delete";
             self.at += 1;
@@ -62,7 +70,7 @@ impl Parser<'_> {
             if deleted || !parameters.is_empty() {
                 return Ok(Some(StmtNode::Nothing));
             }
-        } else if copies(class, &parameters) {
+        } else if copying {
             return Ok(None);
         } else {
             if self.take(":") {
@@ -89,7 +97,7 @@ impl Parser<'_> {
         body.push(Self::sets(sets, place));
         body.extend(rest);
         Ok(Some(StmtNode::Function(Rc::new(Function {
-            space: within(&self.space, &[class]).into(),
+            space,
             parameters: parameters.into(),
             body: body.into(),
             ..Function::new(class.into(), place)
@@ -102,13 +110,51 @@ impl Parser<'_> {
         Stmt { node, place }
     }
 
-    /// `~Class() = default;`
+    /// A constructor or a destructor that stands behind its class: `Class::Class() { … }`.
+    pub(super) fn behind_class(&mut self) -> Parsed<StmtNode> {
+        while QUALIFIERS.contains(&self.word(0)) {
+            self.at += 1;
+        }
+        while self.peek(1).is_some_and(|t| t.is("::")) {
+            self.at += 2;
+        }
+        let (class, place) = (self.word(0), self.place());
+        if self.take("~") {
+            let class = self.word(0);
+            if let Some(mut it) = self.member(class) {
+                Rc::make_mut(&mut it).qualified = true;
+                return Ok(StmtNode::Class(vec![it]));
+            }
+            return self.plain_end().ok_or_else(|| not_understood(place));
+        }
+        let Some(begins) = self.announced.get(class).cloned() else {
+            let member = self.member(class);
+            return Ok(StmtNode::Class(member.into_iter().collect()));
+        };
+        let outer = std::mem::replace(&mut self.base, begins.base.clone());
+        let read = self.defined(class);
+        self.base = outer;
+        match read? {
+            Some(StmtNode::Function(mut function)) => {
+                let it = Rc::make_mut(&mut function);
+                (it.qualified, it.space) = (true, begins.space.clone());
+                if !begins.apply(it) {
+                    return Err(not_understood(place));
+                }
+                Ok(StmtNode::Function(function))
+            }
+            Some(node) => Ok(node),
+            None => Err(not_understood(place)),
+        }
+    }
+
+    /// `~Class() = default;`, and one that is only announced.
     fn plain_end(&mut self) -> Option<StmtNode> {
         let start = self.at;
         self.at += 1;
         self.skip_group();
         self.take_word("noexcept");
-        let found = self.take("=") && self.take_word("default") && self.take(";");
+        let found = self.take(";") || self.take("=") && self.take_word("default") && self.take(";");
         if !found {
             self.at = start;
         }
@@ -143,7 +189,7 @@ impl Parser<'_> {
         Ok(Self::makes_part(&name, given, place))
     }
 
-    /// `member(value)` or `member{value}`, as an assignment; nothing where there is no one value.
+    /// `member(value)` or `member{value}`, as an assignment; of none or several values, of braces.
     fn member_set(&mut self) -> Parsed<Option<Stmt>> {
         let place = self.place();
         let name = self.name("the name of a member")?;
@@ -155,15 +201,29 @@ impl Parser<'_> {
             }
             (false, false) => return Ok(None),
         };
-        if self.take(close) {
-            return Ok(None);
+        let mut given = Vec::new();
+        while !self.take(close) {
+            given.push(self.assignment()?);
+            if !self.take(",") && !self.sees(close) {
+                return Ok(None);
+            }
         }
-        let value = self.assignment()?;
-        if !self.take(close) {
-            return Ok(None);
-        }
-        Ok(Some(set(name, value, place.to(self.before()))))
+        let place = place.to(self.before());
+        let value = match given.len() {
+            1 => given.remove(0),
+            _ => Expr {
+                node: ExprNode::Braces(given),
+                place,
+            },
+        };
+        Ok(Some(set(name, value, place)))
     }
+}
+
+/// Of a constructor behind its class that sets what is not followed.
+fn not_understood(place: Place) -> Fault {
+    let message = "what this constructor sets before its body is not followed";
+    Fault::error(place, message, "this constructor").help("set the members in its body")
 }
 
 /// Whether a constructor with these parameters copies an object: where that happens is not followed.

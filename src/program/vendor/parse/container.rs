@@ -65,6 +65,7 @@ impl Parser<'_> {
             space: full.clone(),
             map: name.ends_with("map"),
             unread: None,
+            stops: None,
         }));
         self.library.push(Stmt { node, place });
         Some(full)

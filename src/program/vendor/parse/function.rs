@@ -88,7 +88,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Over `= 0`, `= default` and `= delete`, if one of them stands here.
-    fn no_body(&mut self) -> bool {
+    pub(super) fn no_body(&mut self) -> bool {
         let zero = |t: &Token| matches!(t.kind, TokenKind::Whole(0));
         let none = matches!(self.word(1), "default" | "delete") || self.peek(1).is_some_and(zero);
         let found = self.sees("=") && none && self.peek(2).is_some_and(|t| t.is(";"));
@@ -142,7 +142,12 @@ impl<'a> Parser<'a> {
                 return Err(unexpected(self.peek(0), self.place(), "a type", HELP));
             };
             let written = self.spelled(start, &it);
-            let says = |word: &&str| !matches!(*word, "const" | "volatile" | "struct");
+            let says = |word: &&str| {
+                !matches!(
+                    *word,
+                    "const" | "volatile" | "struct" | "class" | "union" | "enum"
+                )
+            };
             let mut written: String = written.split(' ').filter(says).collect();
             let function = self.pointer_name();
             let alias = function

@@ -17,8 +17,9 @@ mod types;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use self::initial::Begins;
 pub(super) use self::{
-    class::{REFERS, UNREAD},
+    class::{REFERS, UNREAD, ended},
     types::Type,
 };
 use super::{
@@ -71,6 +72,7 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> Said {
         half: false,
         in_class: false,
         constructed: BTreeSet::new(),
+        announced: BTreeMap::new(),
         classes: BTreeSet::new(),
         inside: None,
         base: None,
@@ -133,6 +135,8 @@ pub(super) struct Parser<'a> {
     in_class: bool,
     /// Classes whose constructors are run.
     constructed: BTreeSet<Word>,
+    /// Classes with constructors that stand behind them.
+    announced: BTreeMap<Word, Begins>,
     /// Classes whose objects are known.
     pub classes: BTreeSet<Word>,
     /// The class whose members are read, with its namespaces.

@@ -145,15 +145,16 @@ impl Parser<'_> {
                 node
             }
             "namespace" => self.namespace(),
-            "enum" => self.enumeration(false),
+            "inline" if self.word(1) == "namespace" => {
+                self.at += 1;
+                self.namespace()
+            }
             // It is defined elsewhere.
-            "class" | "struct" | "union"
-                if !self.word(1).is_empty() && self.peek(2).is_some_and(|t| t.is(";")) =>
-            {
-                self.at += 3;
+            "class" | "struct" | "union" | "enum" if self.is_announced() => {
+                self.skip_past(";");
                 Ok(StmtNode::Nothing)
             }
-            "class" | "struct" | "union" if self.is_definition() => self.class(false),
+            _ if self.is_definition() => self.defined_type(),
             "extern" if matches!(self.peek(1).map(|t| &t.kind), Some(TokenKind::Text(_))) => {
                 self.at += 2;
                 if self.sees("{") {
@@ -161,15 +162,7 @@ impl Parser<'_> {
                 }
                 self.statement_node()
             }
-            _ if self.is_constructor() => {
-                while self.sees("::") || self.sees("~") || self.peek(1).is_some_and(|t| t.is("::"))
-                {
-                    self.at += 1;
-                }
-                let class = self.word(0);
-                let member = self.member(class);
-                Ok(StmtNode::Class(member.into_iter().collect()))
-            }
+            _ if self.is_constructor() => self.behind_class(),
             "init" | "frame" | "repeat" if self.peek(1).is_some_and(|t| t.is("{")) => {
                 Err(Fault::error(
                     self.place(),

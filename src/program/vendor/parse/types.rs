@@ -9,7 +9,7 @@ use super::Parser;
 use crate::config::Place;
 
 /// Words of a type that say nothing about its value.
-pub(super) const QUALIFIERS: [&str; 14] = [
+pub(super) const QUALIFIERS: [&str; 17] = [
     "const",
     "static",
     "volatile",
@@ -19,6 +19,9 @@ pub(super) const QUALIFIERS: [&str; 14] = [
     "register",
     "mutable",
     "struct",
+    "class",
+    "union",
+    "enum",
     "typename",
     "virtual",
     "explicit",
@@ -65,6 +68,13 @@ impl Default for Type {
 }
 
 impl Type {
+    /// Says more of it: a word such as `static`.
+    pub(super) fn qualify(&mut self, word: &str) {
+        self.constant |= matches!(word, "const" | "constexpr");
+        self.lasting |= word == "static";
+        self.outside |= word == "extern";
+    }
+
     /// A variable of this type, without a value.
     pub(in crate::program::vendor) fn declares(&self, name: Word, place: Place) -> Declared {
         Declared {
@@ -193,9 +203,7 @@ impl Parser<'_> {
         loop {
             let word = self.word(0);
             if QUALIFIERS.contains(&word) {
-                it.constant |= matches!(word, "const" | "constexpr");
-                it.lasting |= word == "static";
-                it.outside |= word == "extern";
+                it.qualify(word);
                 self.at += 1;
                 continue;
             }
@@ -315,8 +323,8 @@ pub(in crate::program::vendor) fn kind_of(name: &str) -> Kind {
         "uint32_t" | "unsigned" => Kind::Bits(32, false),
         "long" | "int64_t" | "ptrdiff_t" => Kind::Bits(64, true),
         "size_t" | "uint64_t" => Kind::Bits(64, false),
-        "areg_t" => Kind::Analog,
-        "dreg_t" => Kind::Digital,
+        "areg_t" | "AREG" | "ASRC" | "SCAMP5_MACRO_T_AREG" => Kind::Analog,
+        "dreg_t" | "DREG" | "DSRC" | "SCAMP5_MACRO_T_DREG" => Kind::Digital,
         _ => Kind::Any,
     }
 }

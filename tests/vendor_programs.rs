@@ -1,0 +1,387 @@
+//! Vendor C++ as public programs of the chip are written: classes in a header and a file, types that
+//! are defined where they are used, constants of a file, and what the vendor's box adds to the
+//! language. The numbers are those of g++ with the vendor's types.
+
+use std::fs;
+
+use amacrine::{
+    config::{Faults, Severity},
+    isa::Device,
+    program::{Action, Expansion, Host, Includes, Overrides, Program, Step},
+};
+
+mod common;
+use common::good;
+
+fn expand_with(text: &str, includes: &Includes) -> Result<Expansion, Faults> {
+    Program::read_with("p.cpp", text, includes).expand(&Device::scamp5(), &Overrides::new())
+}
+
+fn expand(text: &str) -> Result<Expansion, Faults> {
+    expand_with(text, &Includes::new())
+}
+
+/// The numbers that a program loads.
+fn loaded(steps: &[Step]) -> Vec<f64> {
+    let all = steps.iter().map(|it| match &it.action {
+        Action::Host(Host::LoadIn { value }) => vec![*value],
+        Action::Repeat { times, body } => loaded(body).repeat(*times as usize),
+        _ => Vec::new(),
+    });
+    all.flatten().collect()
+}
+
+#[track_caller]
+fn numbers_of(read: Result<Expansion, Faults>, all: &[i32]) {
+    let code = read.unwrap_or_else(|faults| panic!("{faults:?}"));
+    let all: Vec<f64> = all.iter().map(|n| f64::from(*n)).collect();
+    assert_eq!(loaded(&code.code.frame), all);
+}
+
+/// C++ that loads numbers, with what stands before `main`, and the numbers.
+#[track_caller]
+fn numbers(before: &str, inside: &str, all: &[i32]) {
+    numbers_of(expand(&format!("{before}\nint main() {{ {inside} }}")), all);
+}
+
+/// What is told of C++ that is refused, with its line.
+#[track_caller]
+fn told(text: &str, line: u32, message: &str, help: &str) {
+    let faults = expand(text).expect_err(text).faults;
+    let found = faults.iter().any(|it| {
+        it.line == line
+            && it.fault.message.contains(message)
+            && it.fault.help.as_deref().unwrap_or_default().contains(help)
+    });
+    assert!(found, "{text}\n{faults:#?}");
+}
+
+/// What a program is warned of.
+#[track_caller]
+fn warned(text: &str, message: &str) {
+    let all = expand(text).unwrap_or_else(|it| panic!("{it:?}")).warnings;
+    let found = all.iter().any(|it| it.message.contains(message));
+    assert!(found, "{text}\n{all:#?}");
+}
+
+const TREE: &str = r"
+class Leaf { public: int n; Leaf(int k); int twice() { return 2 * n; } };
+class Tree { public:
+  Tree();
+  Tree(int a, int b = 5);
+  virtual ~Tree();
+  int sum() { return x + y + l.twice() + m.n; }
+  void run();
+private:
+  int x, y = 3;
+  Leaf l;
+  Leaf m{7};
+};
+";
+
+const TREES: &str = r"
+int made = 0;
+inline Leaf::Leaf(int k) : n(k) {}
+Tree::Tree() : x(1), l(2) { made++; }
+Tree::Tree(int a, int b) : x(a), y(b), l(b) {}
+Tree::~Tree() {}
+void Tree::run() { scamp5_kernel_begin(); mov(A, B); scamp5_kernel_end(); scamp5_in(C, sum()); }
+";
+
+/// In the class it is announced; objects that an object holds are made by theirs.
+#[test]
+fn constructors_stand_behind_their_class() {
+    let inside = "Tree t; t.run(); Tree u(10); u.run(); Tree* v = new Tree(1, 2); v->run(); scamp5_in(D, made);";
+    let all = [15, 32, 14, 1];
+    numbers(&format!("{TREE}{TREES}"), inside, &all);
+    let includes = Includes::from([
+        (
+            "tree.hpp".to_owned(),
+            format!("#pragma once\n{TREE}").as_str().into(),
+        ),
+        (
+            "tree.cpp".to_owned(),
+            format!("#include \"tree.hpp\"\n{TREES}").as_str().into(),
+        ),
+    ]);
+    let main = format!("#include \"tree.hpp\"\nextern int made; int main() {{ {inside} }}");
+    numbers_of(expand_with(&main, &includes), &all);
+    numbers(
+        "struct K { int n; int m; K(); int get() const; }; K::K() : n(), m{4} {} int K::get() const { return 10 * n + m; }",
+        "K k; scamp5_in(A, k.get()); K all[2]; scamp5_in(A, all[1].get());",
+        &[4, 4],
+    );
+}
+
+/// What a constructor asks of the array it asks where an object is made.
+#[test]
+fn constructors_run_words_where_an_object_is_made() {
+    let before = "struct G { G(int n); }; G::G(int n) { scamp5_in(C, n); }";
+    numbers(
+        before,
+        "scamp5_in(A, 1); G g(2); scamp5_in(A, 3);",
+        &[1, 2, 3],
+    );
+    numbers(before, "scamp5_in(A, 1);", &[1]);
+}
+
+/// They are not run, and those behind a class neither.
+#[test]
+fn destructors_behind_their_class_are_looked_at() {
+    for does in ["left--;", "vs_post_text(\"end\");"] {
+        let text = format!(
+            "struct E {{ int n; E(); ~E(); }};\nint left = 1;\nE::E() : n(1) {{}}\nE::~E() {{ {does} }}\nint main() {{ E e; mov(A, B); }}"
+        );
+        told(&text, 4, "the destructor of `E`", "where the object ends");
+    }
+    numbers(
+        "struct E { int n; E(); ~E(); }; E::E() : n(6) {} E::~E() { n = 0; }",
+        "E e; scamp5_in(A, e.n);",
+        &[6],
+    );
+}
+
+#[test]
+fn what_stops_a_class_is_named() {
+    told(
+        "struct T { int n;\n  operator bool();\n  void run() { mov(A, B); } };\nint main() { T t; t.run(); }",
+        4,
+        "`t.run` runs words of the array",
+        "(the first in line 2)",
+    );
+    told(
+        "struct T { int n; T(); };\nint main() { T t;\n if (t.n) mov(A, B); }",
+        3,
+        "whose constructor of line 1 no file here defines",
+        "",
+    );
+}
+
+#[test]
+fn types_are_defined_where_they_are_used() {
+    numbers(
+        r"static struct s { int n; } v; const struct { int a; int b; } w[2] = {{1, 2}, {3, 4}}; static class Q { public: int z = 4; } q;
+enum mode { ONE, TWO } st = TWO; enum { P, R } un = R; enum class K : uint8_t { X, Y } k = K::Y; volatile struct pt { int x, y; } *pp; enum mode other = ONE;
+struct Box { enum { SMALL, LARGE } size; int n; };",
+        r"v.n = 9; pt o; o.x = 8; pp = &o; static enum mode in = TWO; enum loc { L0 = 6, L1 } ll = L1; struct { int r; } own = {5}; Box b; b.size = Box::LARGE; b.n = 2;
+scamp5_in(A, v.n); scamp5_in(A, w[1].b); scamp5_in(A, q.z); scamp5_in(A, st); scamp5_in(A, un); scamp5_in(A, (int)k); scamp5_in(A, pp->x);
+scamp5_in(A, other); scamp5_in(A, in); scamp5_in(A, ll); scamp5_in(A, own.r); scamp5_in(A, b.size + b.n);",
+        &[9, 4, 4, 1, 1, 1, 8, 0, 1, 7, 5, 3],
+    );
+}
+
+/// As the vendor's own macros are.
+#[test]
+fn overloads_are_chosen_by_the_kind_of_register() {
+    numbers(
+        "void f(AREG a) { scamp5_in(a, 1); } void f(DREG d) { SET(d); scamp5_in(A, 2); } struct C { void g(AREG a) { scamp5_in(a, 3); } void g(DREG d) { scamp5_in(A, 4); } };",
+        "f(B); f(R5); C c; c.g(C); c.g(S1); AREG r = D; f(r);",
+        &[1, 2, 3, 4, 1],
+    );
+}
+
+/// Constant and `static` ones are each file's own.
+#[test]
+fn files_have_variables_of_one_name() {
+    let file = |name: &str, first: &str, second: u8, start: u8| {
+        format!(
+            "const dreg_t bits[2] = {{{first}, R6}}; const int size = {second}; static int turns = {start};\nvoid {name}() {{ SET(bits[0]); turns++; scamp5_in(A, size); scamp5_in(A, turns); }}"
+        )
+    };
+    let includes = Includes::from([
+        ("one.hpp".to_owned(), "void one();".into()),
+        ("two.hpp".to_owned(), "void two();".into()),
+        (
+            "one.cpp".to_owned(),
+            file("one", "R7", 3, 10).as_str().into(),
+        ),
+        (
+            "two.cpp".to_owned(),
+            file("two", "R8", 4, 20).as_str().into(),
+        ),
+    ]);
+    let main = "#include \"one.hpp\"\n#include \"two.hpp\"\nconst int size = 5;\nint main() { one(); two(); one(); two(); scamp5_in(B, size); }";
+    let read = expand_with(main, &includes);
+    let set = |read: &Expansion| {
+        let device = Device::scamp5();
+        let words = read.code.frame.iter().filter_map(|it| match &it.action {
+            Action::Word(word) => Some(word.text(&device)),
+            _ => None,
+        });
+        let words: Vec<String> = words.filter(|it| it.starts_with("SET")).collect();
+        words.join(" ")
+    };
+    if let Ok(read) = &read {
+        assert_eq!(set(read), "SET(R7) SET(R8) SET(R7) SET(R8)");
+    }
+    numbers_of(read, &[3, 11, 4, 21, 3, 12, 4, 22, 5]);
+}
+
+/// The vendor's parameter has eight bits.
+#[test]
+fn values_for_the_array_are_passed_with_a_sign() {
+    let text = "int main() { uint8_t v = -50; scamp5_in(C, v); scamp5_in(A, 241); scamp5_in(B, -129); scamp5_load_in(C, 200); scamp5_in(A, -128); }";
+    numbers_of(expand(text), &[-50, -15, 127, -128]);
+    warned(text, "C++ makes -50 of 206");
+    warned(text, "C++ makes -56 of 200");
+}
+
+/// Where the run may have ended before, no word hangs on an element.
+#[test]
+fn elements_behind_an_undecided_return_are_warned_of() {
+    let text = "int n[4];\nvoid count() { uint8_t c[20]; scamp5_scan_events(R5, c, 15); for (int i = 0; i < 15; i++) {\n if (c[2 * i] == 0 && c[2 * i + 1] == 0) return;\n n[c[2 * i] / 64]++; } }\nint main() { CLR(R5); count(); mov(A, B); }";
+    warned(text, "element 20 is out of bounds");
+    told(
+        "int main() { int c[2]; for (int i = 0; i < 3; i++)\nc[i] = 1; mov(A, B); }",
+        2,
+        "element 2 is out of bounds",
+        "",
+    );
+}
+
+/// Nothing in the loop changes what it waits for.
+#[test]
+fn a_loop_whose_condition_stays_is_that_of_the_frames() {
+    let text = "int run = 1; int main() { while (run) { scamp5_kernel_begin(); mov(A, B); scamp5_kernel_end(); scamp5_output_image(A); } }";
+    let code = expand(text).unwrap();
+    assert!(code.code.init.is_empty() && !code.code.frame.is_empty());
+    numbers(
+        "int go = 3;",
+        "while (go) { scamp5_in(A, go); go--; }",
+        &[3, 2, 1],
+    );
+    told(
+        "int busy = 1; int main() {\nwhile (busy) { vs_process_message(); }\nmov(A, B); }",
+        2,
+        "nothing in it changes `busy`",
+        "--const busy=VALUE",
+    );
+}
+
+/// A function that no file defines is told with the file that may be missing.
+#[test]
+fn functions_of_nobody_are_named() {
+    told(
+        "int main() {\nstartCamera(3); mov(A, B); }",
+        2,
+        "`startCamera` is a function that no file here defines",
+        "define it",
+    );
+    told(
+        "#include \"camera.hpp\"\nint main() {\nstartCamera(3); mov(A, B); }",
+        3,
+        "`startCamera` is a function that no file here defines",
+        "`camera.hpp`",
+    );
+    // A word that is nearly one of the chip's.
+    told(
+        "int main() {\nmovv(A, B); }",
+        2,
+        "unknown statement `movv`",
+        "did you mean",
+    );
+    numbers(
+        "",
+        "srand(time(NULL)); clock_t t = clock(); FILE* f = fopen(\"a\", \"w\"); fprintf(f, \"x\"); fclose(f); scamp5_in(A, 3);",
+        &[3],
+    );
+}
+
+/// Of an object whose type nobody defines nothing is known, its members neither.
+#[test]
+fn objects_of_unknown_types_take_no_other_name() {
+    let text = "int main() { cfg c {}; c.x = UNKNOWN; c.y = 7; c.r = R5; c.s = R6; mov(A, B); }";
+    let code = expand(text).unwrap_or_else(|it| panic!("{it:?}"));
+    assert!(code.code.frame.len() > 1);
+    told(
+        "int main() { SCAMP5 s;\ns.add(s.A, s.A, s.B);\nmov(A, B); }",
+        2,
+        "what `s.add` does with `s.A` is not known",
+        "`add(A, A, B);`",
+    );
+}
+
+/// C++ gives the variable the handle's number; a slider that the program sets is read so.
+#[test]
+fn sliders_and_their_handles() {
+    let text = "int main() { int h = 32;\nh = vs_gui_add_slider(\"h: \", 3, 64, h, &h); scamp5_in(A, h); }";
+    warned(text, "`h` becomes the number of its slider's handle in C++");
+    numbers(
+        "",
+        "auto s = vs_gui_add_slider(\"s: \", 0, 9, 1); vs_gui_set_slider(s, 7); scamp5_in(A, vs_gui_read_slider(s)); vs_gui_move_slider(s, 9, false); scamp5_in(A, vs_gui_read_slider(s));",
+        &[7, 9],
+    );
+}
+
+/// Marsaglia's sequence, of the first seed and of another.
+#[test]
+fn the_vendor_s_generator_draws_its_sequence() {
+    // By the recurrence, in Python.
+    numbers(
+        "vs_random draw; vs_random other(5);",
+        "scamp5_in(A, draw.get_int(-100, 100)); scamp5_in(A, draw.get_int(-100, 100)); scamp5_in(A, draw.get_int(-100, 100)); scamp5_in(A, draw.get_int(-100, 100)); for (int i = 0; i < 2; i++) scamp5_in(A, other(0, 9)); draw.reset(); scamp5_in(A, draw.get_int(-100, 100)); scamp5_in(A, draw.chance(1, 2) ? 1 : 0);",
+        &DRAWN,
+    );
+}
+
+const DRAWN: [i32; 8] = [6, 65, 79, -79, 4, 4, 6, 0];
+
+/// Comments and texts may be of any encoding.
+#[test]
+fn code_that_is_no_utf_8_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &[u8]| fs::write(folder.path().join(name), text).unwrap();
+    write("part.hpp", b"// gr\xf6\xdfer\nvoid part() { mov(A, B); }\n");
+    write("p.cpp", b"#include \"part.hpp\"\n// \xb2\xe2\xca\xd4\nint main() { part(); vs_post_text(\"\xe9\"); }\n");
+    let said = good(folder.path(), &["asm", "p.cpp"]);
+    assert!(said.contains("A    = B"), "{said}");
+}
+
+/// Frames come as far apart as their trigger, and a loop that waits for a slider says which.
+#[test]
+fn frames_wait_for_their_trigger() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "#include \"scamp5.hpp\"\nint main() { vs_frame_trigger_set(1, 50); vs_stopwatch t; while (1) { vs_frame_loop_control(); int us = t.get_usec();\nt.reset(); scamp5_kernel_begin(); get_image(A, F); scamp5_kernel_end(); vs_post_text(\"%d\\n\", us); } }";
+    fs::write(folder.path().join("p.cpp"), text).unwrap();
+    let line = [
+        "exec", "p.cpp", "--scene", "bundled", "--frames", "4", "--host",
+    ];
+    let told = good(folder.path(), &line);
+    assert!(told.contains("post     20000"), "{told}");
+    told_of_slider();
+}
+
+fn told_of_slider() {
+    told(
+        "int main() { auto go = vs_gui_add_slider(\"go\", 0, 1, 0); int v = 0;\nwhile (!v) { vs_process_message(); v = vs_gui_read_slider(go); } mov(A, B); }",
+        2,
+        "statements",
+        "--const go=VALUE",
+    );
+}
+
+/// The loop's counter, and what the program waits.
+#[test]
+fn the_host_counts_from_where_it_was_set_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "#include \"scamp5.hpp\"\nint main() { vs_stopwatch t; while (1) { vs_frame_loop_control(); if (vs_loop_counter_get() == 2) vs_loop_counter_reset();\nt.reset(); vs_wait(5); int us = t.get_usec(); vs_post_text(\"%d %d\\n\", (int)vs_loop_counter_get(), us); } }";
+    fs::write(folder.path().join("p.cpp"), text).unwrap();
+    let told = good(
+        folder.path(),
+        &[
+            "exec", "p.cpp", "--scene", "bundled", "--frames", "4", "--host",
+        ],
+    );
+    assert!(told.contains("post     1 5000"), "{told}");
+}
+
+/// Errors are those of the program, warnings leave it as it is.
+#[test]
+fn these_warnings_are_no_errors() {
+    let all = expand(
+        "int main() { int h = 3; h = vs_gui_add_slider(\"h\", 0, 9, h, &h); scamp5_in(A, 200); }",
+    );
+    let warnings = all.unwrap().warnings;
+    assert!(warnings.iter().all(|it| it.severity == Severity::Warning));
+    assert!(warnings.len() >= 2);
+}
