@@ -653,6 +653,50 @@ fn what_keeps_little_is_warned_of() {
     }
 }
 
+/// A row that comes before another by an event or two is warned of, kind by kind where there are several.
+#[test]
+fn what_few_events_decide_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    clip(at);
+    let quick = ["--to", "ternary", "--memory", "shared", "--effort", "0.01"];
+    let few = |kernels: &str, threshold: &str| {
+        let asked = ["design", kernels, "--threshold", threshold];
+        let said = json(at, &[&asked[..], &quick, &SHOWN].concat());
+        let all = said["warnings"].as_array().unwrap().iter();
+        let mut few = all.filter(|it| it["about"] == "few-events");
+        let warned = few.next().cloned();
+        assert!(few.next().is_none(), "{said}");
+        let rated = &said["rated"][0];
+        let events = rated["events"].as_array().unwrap().clone();
+        // As many as the rate is of: 12 frames of 64x64 pixels at 10 frames/s.
+        for (events, rate) in events.iter().zip(rated["rates"].as_array().unwrap()) {
+            let made = rate.as_f64().unwrap() * 64.0 * 64.0 * 1.1;
+            assert!((made - events.as_f64().unwrap()).abs() < 1e-6, "{said}");
+        }
+        (warned, events)
+    };
+    let (warned, events) = few("sobel-x", "160");
+    let warned = warned.unwrap_or_else(|| panic!("of {events:?} events"));
+    let seen = format!("the float sensor has {} events, ", events[0]);
+    assert_eq!(warned["subjects"], serde_json::json!(["what is kept"]));
+    assert!(
+        warned["seen"].as_str().unwrap().starts_with(&seen),
+        "{warned}"
+    );
+    let (warned, events) = few("sobel-x", "60");
+    assert!(
+        warned.is_none() && events[0].as_u64() > Some(100),
+        "{events:?}"
+    );
+    let (warned, events) = few("sobel-x,sobel-y", "60,100");
+    let warned = warned.unwrap_or_else(|| panic!("of {events:?} events"));
+    assert_eq!(
+        warned["subjects"],
+        serde_json::json!(["what is kept of sobel-y"])
+    );
+}
+
 /// Within a window that covers the clip accident scores as much as any program.
 #[test]
 fn a_window_that_covers_the_clip_is_warned_of() {

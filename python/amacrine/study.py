@@ -232,7 +232,9 @@ def design(
         (``kept``, 0 to 1), ``words``, ``frames_s``, ``on_front``, its ``kinds``, and the texts of its
         files, ``sensor`` (.toml) and ``program`` (.scamp). ``knee`` is the index of the shortest
         program on the front that keeps nearly as much as the best; None where no program keeps
-        more than accident does in this scene. ``rated`` has the rate of each kind (``rates``).
+        more than accident does in this scene. ``rated`` has the rate of each kind (``rates``) and how
+        many events that is of the float sensor (``events``). What there is to warn of is said of the
+        knee.
     """
     given = named(kernels)
     text = _amacrine.design(

@@ -29,7 +29,7 @@ pub fn raised(report: impl Into<Report>) -> PyErr {
     Error::new_err(in_python(&told(&report.into())))
 }
 
-/// The exception for a gradient that is not finite, which a layer gives back as PyTorch's own do.
+/// The exception for a gradient that is not finite, which a layer gives back as NaN.
 pub fn not_finite(report: impl Into<Report>) -> PyErr {
     NotFinite::new_err(in_python(&told(&report.into())))
 }

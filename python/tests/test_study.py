@@ -264,6 +264,21 @@ def test_design(program: Callable[..., str], tmp_path: Path) -> None:
             study(np.zeros((3, 3)), rate=2, scene=SCENE)
 
 
+def test_a_design_warns_as_the_command_line(program: Callable[..., str]) -> None:
+    scene = "pattern:disc?width=24&height=20&frames=4&fps=50"
+    words = ("--threshold", 60, "--scene", scene, "--effort", 0.01, "--to", "ternary")
+    stated = json.loads(program("design", "sobel-x", *words, "--memory", "analogue", "--json"))
+    with pytest.warns(amacrine.Caution, match="what is kept: the float sensor has ") as said:
+        answer = amacrine.design(
+            "sobel-x", thresholds=60, to="ternary", memory="analogue", scene=scene, effort=0.01
+        )
+    assert [one["about"] for one in stated["warnings"]] == ["window", "few-events"]
+    for own, theirs in zip(answer.to_dict()["warnings"], stated["warnings"], strict=True):
+        # What is to change is called as arguments are.
+        assert own == theirs | {"change": theirs["change"].replace("--within", "within")}
+    assert {Path(one.filename).name for one in said} == {"test_study.py"}
+
+
 def test_waterfall(program: Callable[..., str], tmp_path: Path) -> None:
     words = ("--threshold", 20, "--scene", SCENE, "--effort", 0.05, "--steps")
     stated = json.loads(program("waterfall", "csdvs-3", "--to", "ternary", *words, "--json"))

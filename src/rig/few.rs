@@ -12,10 +12,20 @@ impl Warning {
     /// where there is none, which is told elsewhere.
     #[must_use]
     pub fn few_events(events: u64) -> Option<Self> {
+        Self::few("what is kept", events)
+    }
+
+    /// The same of one of several kinds of cells.
+    #[must_use]
+    pub fn few_events_of(kind: &str, events: u64) -> Option<Self> {
+        Self::few(&format!("what is kept of {kind}"), events)
+    }
+
+    fn few(subject: &str, events: u64) -> Option<Self> {
         (1..FEW).contains(&events).then(|| {
             Self::new(
                 About::FewEvents,
-                "what is kept",
+                subject,
                 format!(
                     "the float sensor has {}, of which each is {:.3} of it",
                     counted(events, "event"),

@@ -4,8 +4,10 @@
 //! usually does there (the median of the changes up to [`NEAR`] frames before and after), and
 //! what is seen at a place no longer resembles what was seen there (Pearson's correlation below
 //! [`ALIKE`]), with a part of the pixels changed ([`CHANGED`]) at least. A flash changes much and keeps the picture; fast motion loses the picture, but
-//! frame after frame, so that of frames within [`APART`] none is a cut. Some thousand pixels of a
-//! frame are looked at.
+//! frame after frame, so that of frames within [`APART`] none is a cut. The frames between two cuts
+//! are looked at again by themselves. Some thousand pixels of a frame are looked at.
+
+use std::{iter, ops::Range};
 
 use super::Image;
 use crate::plane::Size;
@@ -88,15 +90,34 @@ impl Cuts {
         self.before = looked;
     }
 
-    /// The cuts among the frames that were seen.
+    /// The cuts among the frames that were seen, and those among the frames between two of them:
+    /// whoever splits the clip there shows these frames alone, which are the usual ones then.
     pub fn found(&self) -> Vec<Cut> {
-        let each = self.changes.iter().enumerate();
-        let found = each.filter_map(|(at, change)| {
-            let usual = self.usual(at)?;
+        let mut cuts = Vec::new();
+        let mut parts: Vec<_> = iter::once(0..self.changes.len() + 1).collect();
+        while let Some(part) = parts.pop() {
+            let own = self.within(&part);
+            let inner = || own.iter().map(|cut| cut.frame as usize);
+            if !own.is_empty() {
+                let starts = iter::once(part.start).chain(inner());
+                let ends = inner().chain([part.end]);
+                parts.extend(starts.zip(ends).map(|(start, end)| start..end));
+            }
+            cuts.extend(own);
+        }
+        cuts.sort_by_key(|cut| cut.frame);
+        cuts
+    }
+
+    /// The cuts of these frames, as if there were no others.
+    fn within(&self, frames: &Range<usize>) -> Vec<Cut> {
+        let changes = &self.changes[frames.start..frames.end - 1];
+        let found = changes.iter().enumerate().filter_map(|(at, change)| {
+            let usual = usual(changes, at)?;
             let is_other = change.correlation < ALIKE && change.part >= CHANGED;
             let is_cut = is_other && change.mean > RATIO * usual;
             is_cut.then(|| Cut {
-                frame: at as u64 + 1,
+                frame: (frames.start + at + 1) as u64,
                 seconds: change.seconds,
                 times_usual: (usual > 0.0).then(|| change.mean / usual),
                 correlation: change.correlation,
@@ -112,16 +133,16 @@ impl Cuts {
         let alone = (0..found.len()).filter(|at| is_alone(*at));
         alone.map(|at| found[at]).collect()
     }
+}
 
-    /// The median of the changes beside one.
-    fn usual(&self, at: usize) -> Option<f64> {
-        let from = at.saturating_sub(NEAR);
-        let to = (at + NEAR + 1).min(self.changes.len());
-        let beside = (from..to).filter(|other| *other != at);
-        let mut means: Vec<f64> = beside.map(|other| self.changes[other].mean).collect();
-        means.sort_by(f64::total_cmp);
-        means.get(means.len() / 2).copied()
-    }
+/// The median of the changes beside one.
+fn usual(changes: &[Change], at: usize) -> Option<f64> {
+    let from = at.saturating_sub(NEAR);
+    let to = (at + NEAR + 1).min(changes.len());
+    let beside = (from..to).filter(|other| *other != at);
+    let mut means: Vec<f64> = beside.map(|other| changes[other].mean).collect();
+    means.sort_by(f64::total_cmp);
+    means.get(means.len() / 2).copied()
 }
 
 fn mean_change(a: &[f64], b: &[f64]) -> f64 {
@@ -160,19 +181,20 @@ mod tests {
     use super::*;
     use crate::plane::Plane;
 
-    /// A picture of random pixels, number `picture` of them, with a line that moves.
+    /// A pixel of a picture of random ones, number `picture` of them.
+    fn pixel(picture: u64, (y, x): (usize, usize)) -> f64 {
+        let place = (picture << 32) | (y * 32 + x) as u64;
+        let place = place.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let mixed = (place ^ (place >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (mixed >> 56) as f64
+    }
+
+    /// Such a picture, with a line that moves.
     fn frame(picture: u64, at: usize) -> Plane<f64> {
-        let random = |place: u64| {
-            let mixed = (place ^ (place >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            (mixed >> 56) as f64
-        };
-        Plane::from_shape_fn((32, 32), |(y, x)| {
-            if x == at % 32 {
-                return 255.0;
-            }
-            let place = (picture << 32) | (y * 32 + x) as u64;
-            random(place.wrapping_mul(0x9e37_79b9_7f4a_7c15))
+        Plane::from_shape_fn((32, 32), |(y, x)| match x {
+            line if line == at % 32 => 255.0,
+            _ => pixel(picture, (y, x)),
         })
     }
 
@@ -196,6 +218,30 @@ mod tests {
         assert!(found(clip).is_empty());
         // Slides: each is another picture, and that is usual.
         assert!(found((0..20).map(|n| frame(n as u64 + 1, n))).is_empty());
+    }
+
+    /// A picture that stays, a frame of which half is another one, and then a scene in which a quarter
+    /// of the pixels changes from frame to frame: beside these the half is nothing unusual, and beside
+    /// what stayed it is.
+    #[test]
+    fn the_frames_between_two_cuts_have_none_by_themselves() {
+        let picture = |n: usize, x: usize| match n {
+            0..32 => 1,
+            32 => 1 + x as u64 % 2,
+            _ => 3 + (n + x) as u64 / 4,
+        };
+        let shown =
+            |n: usize| Plane::from_shape_fn((32, 32), |(y, x)| pixel(picture(n, x), (y, x)));
+        let clip: Vec<_> = (0..60).map(shown).collect();
+        let cuts = found(clip.clone());
+        assert_eq!(cuts, [32, 33]);
+        let mut rest = clip.as_slice();
+        for (at, cut) in cuts.iter().enumerate().rev() {
+            let (before, after) = rest.split_at(*cut as usize);
+            assert!(found(after.to_vec()).is_empty(), "from {cut} on");
+            assert_eq!(found(before.to_vec()), cuts[..at]);
+            rest = before;
+        }
     }
 
     #[test]

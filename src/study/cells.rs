@@ -110,7 +110,7 @@ pub enum CellsError {
     /// A memory that steps.
     #[error("{sensor}: its memory steps")]
     #[diagnostic(help(
-        "one decision a frame stores what was seen: give a sensor with `memory = \"filtered-snap\"`, or with `memory = \"raw-snap\"` and `shared = true`, which holds any number of kinds"
+        "one decision a frame stores what was seen: give a sensor with `memory = \"filtered-snap\"`, or with `memory = \"raw-snap\"` and `shared = true`, one memory for all kinds"
     ))]
     Steps {
         /// The sensor.

@@ -52,6 +52,9 @@ pub fn design(
         };
         let found = explore(&question, &|| source.open(), &|_, _| (), |_| ())?;
         let mut json = serde_json::to_value(&found).into_diagnostic()?;
+        let taken = &found.candidates[found.knee.unwrap_or(0)];
+        json["warnings"] =
+            serde_json::to_value(found.doubts(&question, taken)?).into_diagnostic()?;
         for (i, candidate) in found.candidates.iter().enumerate() {
             json["candidates"][i]["sensor"] = candidate.sensor.to_toml().into();
             json["candidates"][i]["program"] = candidate.program.clone().into();

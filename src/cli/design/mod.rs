@@ -31,13 +31,13 @@ use crate::{
     isa::Device,
     kernel::quantise::Quantiser,
     photoreceptor::Response,
-    rig::guard::{Guard, Warning},
+    rig::guard::Warning,
     save::save,
     scene::Observation,
     study::{
         equivalent::RUNGS,
-        exploration::{Aim, Candidate, Exploration, Question, RatedThresholds, explore},
-        feasibility::{self, chips::HALF},
+        exploration::{Aim, Exploration, Question, explore},
+        feasibility,
         together::{CHIPS, memories},
     },
 };
@@ -263,7 +263,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     progress.finish();
     let mut warnings = Warning::of_scene(&observation, Response::IDENTITY);
-    warnings.extend(arguments.doubts(&question, &found, candidate)?);
+    warnings.extend(found.doubts(&question, candidate)?);
     light::warn_besides(&told.into_inner().unwrap_or_default(), &warnings);
     let commands = written
         .as_ref()
@@ -298,70 +298,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     Ok(())
 }
 
-/// What no threshold gives: with either memory.
-fn missed(asked: Option<f64>, found: &Exploration) -> Vec<Warning> {
-    let of = |asked| {
-        let subject = |it: &RatedThresholds| format!("a memory of the {}", it.memory);
-        let rated = found.rated.iter();
-        rated.filter_map(move |it| Warning::rate(&subject(it), asked, it.rate))
-    };
-    asked.into_iter().flat_map(of).collect()
-}
-
-/// What the few values of the picked design have taken from its kernels.
-fn erased(question: &Question<'_>, picked: &Candidate) -> miette::Result<Vec<Warning>> {
-    let mut guard = Guard::new();
-    for (name, kernel) in question.names.iter().zip(question.kernels) {
-        let levels = picked.to.quantise(kernel, question.sum, question.seed)?;
-        let own = format!("{name} in {}", picked.to);
-        let erasures = levels.erasures(kernel).into_iter();
-        guard.extend(erasures.map(|erasure| Warning::erased(&own, erasure)));
-    }
-    Ok(guard.warnings())
-}
-
-/// Kinds of the picked design without an event: of the float sensor, or of the program alone.
-fn silent(picked: &Candidate, frames: u64) -> Vec<Warning> {
-    let mut guard = Guard::new();
-    for kind in &picked.kinds {
-        let who = match kind.silicon.event_ratio {
-            None => "the float sensor".to_owned(),
-            Some(0.0) => format!("{} silicon", picked.to),
-            Some(_) => continue,
-        };
-        guard.warn(Warning::no_events(
-            &format!("{who}, {}", kind.name),
-            Some(frames),
-        ));
-    }
-    guard.warnings()
-}
-
-/// Kinds of which accident scores as much as any program.
-fn by_accident(found: &Exploration) -> Vec<Warning> {
-    let mut guard = Guard::new();
-    let kinds = found.candidates.iter().flat_map(|it| &it.kinds);
-    guard.extend(kinds.filter_map(|kind| kind.exact.warning(&kind.name)));
-    guard.warnings()
-}
-
 impl Arguments {
-    /// What there is to warn of all that was found, and of what is picked.
-    fn doubts(
-        &self,
-        question: &Question<'_>,
-        found: &Exploration,
-        picked: &Candidate,
-    ) -> miette::Result<Vec<Warning>> {
-        let mut all = missed(self.rate, found);
-        all.extend(by_accident(found));
-        all.extend(silent(picked, found.frames));
-        let little = |kept| Warning::kept(&picked.to.to_string(), kept, HALF);
-        all.extend(picked.kept.and_then(little));
-        all.extend(erased(question, picked)?);
-        Ok(all)
-    }
-
     /// A threshold for each kernel, where no rate is asked for.
     fn thresholds(&self, kinds: &Kinds) -> miette::Result<Vec<f64>> {
         if self.rate.is_some() {

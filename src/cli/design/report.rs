@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{
     super::{quoted::CommandLine, readout::Choice},
-    Arguments, Candidate, Question,
+    Arguments, Question,
 };
 use crate::{
     compare::window,
@@ -12,6 +12,7 @@ use crate::{
     rig::guard::Warning,
     scene::Observation,
     study::{
+        exploration::Candidate,
         feasibility::{self, readout::ReadoutOrder},
         report,
     },

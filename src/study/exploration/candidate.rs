@@ -94,6 +94,8 @@ pub struct RatedThresholds {
     pub rate: f64,
     /// The same of each kind.
     pub rates: Vec<f64>,
+    /// How many events of each kind the float sensor has.
+    pub events: Vec<u64>,
 }
 
 /// All candidates, and what they were judged on.

@@ -13,6 +13,7 @@
 //! at least [`NEARLY`] of the most that any keeps.
 
 mod candidate;
+mod doubts;
 mod error;
 
 pub use candidate::{Candidate, Exploration, Kind, NEARLY, RatedThresholds, Refused};
@@ -152,6 +153,7 @@ pub fn explore(
             memory: if shared(first) { "pixel" } else { "drives" },
             rate: per(shown.float.events.len() as u64),
             rates: events.iter().map(|own| per(*own)).collect(),
+            events,
             thresholds: thresholds.clone(),
         });
         if shown.float.events.is_empty() {
