@@ -97,6 +97,8 @@ fn kernels_and_calls_of_the_host() {
         "add(A, B, C);",
     );
     same("bus({A, B}, {C, D});", "bus({A, B}, {C, D});");
+    // The older form stores into the pixel's own NEWS, unlike `subx`.
+    same("sub(C, B, west, A);", "bus(NEWS, B); bus(C, XW, A);");
     same(
         "scamp5_load_region(R5, 1, 2, 3, 4);",
         "scamp5_load_rect(R5, 1, 2, 3, 4);",
