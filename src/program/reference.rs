@@ -321,7 +321,10 @@ fn words(it: &Macro, device: &Device) -> String {
             }
             _ => {
                 let list: Vec<String> = counts.iter().map(|(_, w)| w.to_string()).collect();
-                parts.push(format!("{} for {} = 1 to 6", list.join(", "), p.name));
+                let ends = counts.first().zip(counts.last());
+                let (first, last) = ends.map_or((0.0, 0.0), |(a, b)| (a.0, b.0));
+                let list = list.join(", ");
+                parts.push(format!("{list} for {} = {first} to {last}", p.name));
             }
         }
     }

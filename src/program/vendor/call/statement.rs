@@ -185,16 +185,15 @@ impl Machine<'_> {
 
     /// Tells of a function that stands outside of kernels and that neither a file nor the chip has.
     fn nobodys(&mut self, name: &str, place: Place) -> bool {
-        let words = self.device.all_callables();
-        let mut words = words.map(|it| it.signature().name.as_str());
-        let own = !self.functions.contains_key("main")
-            || self.recording.is_some()
-            || vendors(name)
-            || words.any(|it| it == name)
+        let known = !self.device.callables(name).is_empty()
             || self.device.why_no_statement(name, None).is_some();
+        let host = self.functions.contains_key("main") && self.recording.is_none();
+        if known || !host || vendors(name) {
+            return false;
+        }
+        // A word of the chip that is spelt wrong is told of with the others.
         let words = self.device.all_callables();
-        let near = suggestion(name, words.map(|it| it.signature().name.as_str()));
-        if own || near.is_some() {
+        if suggestion(name, words.map(|it| it.signature().name.as_str())).is_some() {
             return false;
         }
         let missing: Vec<String> = { self.missing.iter() }
