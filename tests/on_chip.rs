@@ -145,16 +145,7 @@ fn events_differ_as_near_to_the_border_as_is_told() {
 fn nothing_that_comes_out_is_warned_of() {
     let folder = TempDir::new().unwrap();
     let folder = folder.path();
-    let large: [&[f64]; 2] = [&[1912.0, -1146.0], &[-857.0, -1651.0]];
-    kernel(
-        folder,
-        "large.npy",
-        &[
-            &[large[0][0], large[0][1], 0.0],
-            &[large[1][0], large[1][1], 0.0],
-            &[0.0; 3],
-        ],
-    );
+    kernel(folder, "large.npy", &[&[1.0; 7][..]; 7]);
     let asked = [
         "compile",
         "large.npy",
@@ -736,6 +727,133 @@ fn the_fewest_words_are_no_more_than_those_of_an_exact_program() {
     };
     let (fewest, exact) = (of("words"), of("exact"));
     assert!(fewest <= exact, "{fewest} and {exact}");
+    // Of many digits, halved so often that the search for the fewest words alone takes half as many more.
+    let rows: [&[f64]; 3] = [
+        &[-94.0, 26.0, -57.0],
+        &[-117.0, 67.0, -65.0],
+        &[-16.0, -49.0, -74.0],
+    ];
+    kernel(folder, "digits.npy", &rows);
+    let of = |objective: &str| {
+        let asked = ["compile", "digits.npy", "--threshold", "4096", "--json"];
+        let more = ["--effort", "0.02", "--objective", objective];
+        json(folder, &[&asked[..], &more].concat())["words"].as_u64()
+    };
+    let (fewest, exact) = (of("words"), of("exact"));
+    assert!(fewest <= exact, "{fewest:?} and {exact:?}");
+}
+
+/// A filter of large weights is halved on the way without a range too, and says by how much its
+/// result is less than its kernel's; one of which enough comes out keeps its scale.
+#[test]
+fn a_filter_of_large_weights_says_its_scale() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let eight: [&[f64]; 3] = [
+        &[90.0, -13.0, 44.0],
+        &[58.0, -105.0, 31.0],
+        &[-27.0, 71.0, 119.0],
+    ];
+    kernel(folder, "eight.npy", &eight);
+    let compile = ["compile", "eight.npy", "--filter-only"];
+    let compile = [&compile[..], &["--effort", "0.05"]].concat();
+    let told = json(
+        folder,
+        &[&compile[..], &["--json", "-o", "f.scamp"]].concat(),
+    );
+    assert_eq!(
+        (&told["prescale_bits"], &told["scale"]),
+        (&Value::from(6), &Value::from(0.015625))
+    );
+    let correlation = told["on_chip"][0]["correlation"].as_f64().unwrap();
+    assert!(correlation > 0.99, "{correlation}");
+    // With larger inputs a store saturates; what is told is the input, not what is left of it.
+    let largest = told["largest_input_lsb"].as_f64().unwrap();
+    let range = |most: f64| format!("--input=-{most}..{most}");
+    let saturates = |most: f64| {
+        let said = good(folder, &["asm", "f.scamp", &range(most)]);
+        said.contains("can saturate:")
+    };
+    assert!(
+        !saturates(largest - 0.02) && saturates(largest + 0.02),
+        "{largest}"
+    );
+    let head = "// the results are those of the kernels over 64: 6 halvings on the way";
+    let text = fs::read_to_string(folder.join("f.scamp")).unwrap();
+    assert_eq!(text.lines().next(), Some(head));
+    let said = good(folder, &compile);
+    assert!(said.starts_with(head), "{said}");
+    assert!(
+        said.contains(" LSB, the kernel's result over 64\n"),
+        "{said}"
+    );
+    assert!(
+        said.contains("// range     the input is halved 6 times on the way"),
+        "{said}"
+    );
+    let read = good(folder, &["asm", "f.scamp"]);
+    assert!(read.contains("= 1/64 A under"), "{read}");
+    let front = [&compile[..], &["--front", "--json"]].concat();
+    let front = json(folder, &front);
+    let words = told["filter_words"].as_u64();
+    for row in front.as_array().unwrap() {
+        let dominates = row["words"].as_u64() <= words
+            && row["on_chip"]["correlation"].as_f64() > Some(correlation);
+        assert!(!dominates, "{row} and {words:?} words of {correlation}");
+    }
+    let sobel = ["compile", "sobel-x", "--filter-only", "--effort", "0.05"];
+    let told = json(folder, &[&sobel[..], &["--json"]].concat());
+    assert_eq!(told["prescale_bits"], 0);
+    assert!(!told["text"].as_str().unwrap().contains("//"));
+}
+
+/// Levels of a memory in bits are absolute: what transfer errors leave in a drive, in the middle or near
+/// the border, moves none beyond the last of them, or that is told with what serves.
+#[test]
+fn a_memory_in_bits_is_quiet_or_says_so() {
+    let folder = TempDir::new().unwrap();
+    let folder = folder.path();
+    let digits: [&[f64]; 5] = [
+        &[21.0, -9.0, 30.0, 4.0, -17.0],
+        &[25.0, 18.0, -6.0, 29.0, 11.0],
+        &[-14.0, -27.0, -22.0, -31.0, -3.0],
+        &[-28.0, -12.0, -19.0, 15.0, -16.0],
+        &[23.0, -20.0, 27.0, 2.0, -13.0],
+    ];
+    kernel(folder, "digits.npy", &digits);
+    let fired = |asked: &[&str]| {
+        let compile = ["--effort", "0.02", "--json", "-o", "f.scamp"];
+        let told = json(folder, &[&["compile"], asked, &compile].concat());
+        let exec = ["exec", "f.scamp", "--frames", "6", "--domain", "silicon"];
+        let still = [
+            "--seed",
+            "1",
+            "--image",
+            "pattern:static?width=128&height=128",
+        ];
+        let ran = json(folder, &[&exec[..], &still, &["--json"]].concat());
+        let notes = told["notes"].as_array().unwrap().clone();
+        (ran["events"].as_u64().unwrap(), notes)
+    };
+    let (events, notes) = fired(&["digits.npy", "--threshold", "40000", "--memory", "bits:3"]);
+    assert!(notes.is_empty() && events < 100, "{events}: {notes:?}");
+    let surround = [
+        "rgc-5x5",
+        "--to",
+        "int-5",
+        "--threshold",
+        "460.6",
+        "--memory",
+    ];
+    let (events, notes) = fired(&[&surround[..], &["bits:3"]].concat());
+    assert!(events > 1000, "{events}");
+    let note = notes[0].as_str().unwrap();
+    assert!(
+        note.contains("beyond the last") && note.contains("take --memory bits:4"),
+        "{note}"
+    );
+    let (events, notes) = fired(&[&surround[..], &["bits:4"]].concat());
+    assert!(notes.is_empty() && events < 100, "{events}: {notes:?}");
 }
 
 /// What kinds are called stays with a program as C++ and as words.

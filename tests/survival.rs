@@ -63,6 +63,36 @@ fn silicon_does_as_predicted() {
     }
 }
 
+/// Weights of many digits make sums that saturate: without a range too a filter is halved where that is
+/// what lets it come out, in no more words than its kernel over a power of two by hand.
+#[test]
+fn large_weights_are_halved_on_the_way() {
+    let device = Device::scamp5();
+    let eight: [&[f64]; 3] = [
+        &[90.0, -13.0, 44.0],
+        &[58.0, -105.0, 31.0],
+        &[-27.0, 71.0, 119.0],
+    ];
+    let rows = |by: f64| eight.map(|row| row.iter().map(|w| w / by).collect::<Vec<_>>());
+    let chosen = |by: f64, objective| {
+        let kernels = [Kernel::from_rows(&rows(by)).unwrap()];
+        let mut request = Request::new(&kernels, &device).unwrap();
+        request.effort = EFFORT;
+        request.objective = objective;
+        let filter = request.filter().unwrap();
+        let registers = (request.input, &request.into[..]);
+        let said = filter.best_forecast(&device, registers, &kernels)[0];
+        let got = correlations(&filter, &request, said.amplitude, 1)[0];
+        (filter.words.len(), filter.prescale, got)
+    };
+    let (words, bits, got) = chosen(1.0, Objective::Silicon);
+    assert_eq!(bits, 6);
+    assert!(got > 0.99, "{got}");
+    assert_eq!(chosen(64.0, Objective::Silicon), (words, 0, got));
+    let (fewest, ..) = chosen(1.0, Objective::Words);
+    assert!(fewest <= words, "{fewest} and {words} words");
+}
+
 /// Also of plans that pile up errors until nothing is left.
 #[test]
 fn what_is_lost_is_predicted_too() {

@@ -948,6 +948,7 @@ def compile_filter(
         kernels: As for :class:`Sensor`; the results lie in ``A``, ``B``, ….
         to: A quantiser, or ``"exact"``.
         input: The least and the most that ``A`` holds, in LSB: it is halved until nothing saturates.
+            Without it as often as more comes out of the chip, if too little does of the kernels themselves.
         border: Right up to the border, zeros beyond it, if that can be had.
 
     The rest is that of :meth:`Sensor.on_chip`.

@@ -8,11 +8,16 @@
 //! bits. How many cells then fire while the picture stays is predicted here, from the words that
 //! [`SensorProgram`](super::SensorProgram) writes: `scamp5_in` for a level, `add` for each bit
 //! that is set.
+//!
+//! A level is absolute, so a constant of the filter does not drop out, and it is another one near the
+//! border of the array ([`dark`](super::dark)): a drive beyond the last level fires for ever. Where
+//! more cells are quiet so, levels are farther apart and reach as far as the drives of a chip.
 
 use std::f64::consts::{PI, SQRT_2};
 
 use super::{
     cell_kind::{CellKind, DriveMemory},
+    dark::Place,
     error::{CompileError, largest_of_both_signs, most_threshold},
 };
 use crate::{
@@ -23,7 +28,7 @@ use crate::{
 /// A memory in one-bit registers: the range of the drive in equal steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BitMemory {
-    /// The lowest drive that light of 0 to 255 can give, LSB.
+    /// The lowest drive that light of 0 to 255 can give, on the chip too where that serves better, LSB.
     pub low: f64,
     /// The size of a step, LSB.
     pub step: f64,
@@ -64,11 +69,25 @@ pub(super) struct InBits<'a> {
     most: f64,
     /// What the filter's result differs by from frame to frame, LSB.
     noise: f64,
+    /// What it is in the dark, all over the array.
+    places: Vec<Place>,
+}
+
+/// Levels of a memory: where the first begins, and how far they lie apart, LSB.
+#[derive(Clone, Copy)]
+struct Levels {
+    low: f64,
+    step: f64,
 }
 
 impl<'a> InBits<'a> {
-    /// A kind with the scale and the noise of its filter.
-    pub(super) fn new(kind: &'a CellKind, device: &Device, (scale, noise): (f64, f64)) -> Self {
+    /// A kind with the scale and the noise of its filter, and what that leaves in the dark.
+    pub(super) fn new(
+        kind: &'a CellKind,
+        device: &Device,
+        (scale, noise): (f64, f64),
+        places: Vec<Place>,
+    ) -> Self {
         Self {
             kind,
             errors: Errors::from_device(device),
@@ -76,12 +95,13 @@ impl<'a> InBits<'a> {
             largest: largest_of_both_signs(device),
             most: most_threshold(device),
             noise,
+            places,
         }
     }
 
     /// Its memory in these registers.
     fn memory(&self, registers: &[String]) -> BitMemory {
-        let (low, step) = self.range(registers.len() as u8);
+        let Levels { low, step } = self.quietest(registers.len() as u8, 1.0).0;
         BitMemory {
             low,
             step,
@@ -90,18 +110,27 @@ impl<'a> InBits<'a> {
         }
     }
 
-    /// The lowest and the highest drive of light from 0 to 255, LSB.
-    fn ends(&self) -> [f64; 2] {
+    /// The lowest and the highest drive of light from 0 to 255 in a place, LSB, without what it is in
+    /// the dark.
+    fn ends(&self, place: Place) -> [f64; 2] {
         [-1.0, 1.0].map(|sign: f64| {
-            let weights = self.kind.kernel.weights().iter();
-            weights.filter(|w| **w * sign > 0.0).sum::<f64>() * 255.0 * self.scale
+            let weights = place.on_the_array(&self.kind.kernel);
+            weights.filter(|w| *w * sign > 0.0).sum::<f64>() * 255.0 * self.scale
         })
     }
 
-    /// The lowest level's end, and the distance of levels, LSB, of so many bits: a whole number of
-    /// LSB where the range is wide enough, as the host can set no others.
-    fn range(&self, bits: u8) -> (f64, f64) {
-        let [low, high] = self.ends();
+    /// The same on a chip, all over the array, and what is without a chip's errors.
+    fn ends_on_chip(&self) -> [f64; 2] {
+        let exact = self.ends(Place::MIDDLE);
+        { self.places.iter() }.fold(exact, |[low, high], place| {
+            let own = self.ends(*place).map(|end| end + place.constant);
+            [low.min(own[0]), high.max(own[1])]
+        })
+    }
+
+    /// So many bits from one end to the other: levels a whole number of LSB apart where the range is
+    /// wide enough, as the host can set no others.
+    fn levels(&self, [low, high]: [f64; 2], bits: u8) -> Levels {
         let bits = i32::from(bits);
         let step = (high - low) / 2f64.powi(bits);
         let step = if step > 1.0 {
@@ -112,7 +141,31 @@ impl<'a> InBits<'a> {
             2f64.powi(elementary::log2(step).ceil().max(-16.0) as i32)
         };
         // As far as the host can set it.
-        (low.floor().max(-self.largest), step)
+        Levels {
+            low: low.floor().max(-self.largest),
+            step,
+        }
+    }
+
+    /// The distance of levels that reach as far as drives without a chip's errors.
+    fn step(&self, bits: u8) -> f64 {
+        self.levels(self.ends(Place::MIDDLE), bits).step
+    }
+
+    /// The levels with which the fewest cells fire, of those with which none does without errors; those
+    /// as far as drives without errors where that is few enough. And how many then fire.
+    fn quietest(&self, bits: u8, times: f64) -> (Levels, f64) {
+        let firing = |levels: Levels| (levels, self.firing(levels, bits, times));
+        let exact = firing(self.levels(self.ends(Place::MIDDLE), bits));
+        if exact.1 <= FIRING {
+            return exact;
+        }
+        let wide = self.levels(self.ends_on_chip(), bits);
+        if !self.is_silent(wide.step, times) {
+            return exact;
+        }
+        let wide = firing(wide);
+        if wide.1 < exact.1 { wide } else { exact }
     }
 
     /// Both thresholds as the chip gets them, taken so many times, LSB.
@@ -127,13 +180,13 @@ impl<'a> InBits<'a> {
     }
 
     /// Whether drives that stay are silent without errors: half a step away from what is remembered.
-    fn is_within(&self, bits: u8, times: f64) -> bool {
-        self.range(bits).1 / 2.0 <= self.least(times) * (1.0 + ROUNDED)
+    fn is_silent(&self, step: f64, times: f64) -> bool {
+        step / 2.0 <= self.least(times) * (1.0 + ROUNDED)
     }
 
     /// Whether they are on the chip.
     fn serves(&self, bits: u8, times: f64) -> bool {
-        self.is_within(bits, times) && self.firing(bits, times) <= FIRING
+        self.is_silent(self.step(bits), times) && self.quietest(bits, times).1 <= FIRING
     }
 
     /// How many times as high its thresholds must be at least for so many bits; none where the chip
@@ -162,27 +215,58 @@ impl<'a> InBits<'a> {
 
     /// The part of the cells that fires in a frame of a picture that stays, as predicted, with light
     /// that is independent from pixel to pixel and uniform from 0 to 255.
-    fn firing(&self, bits: u8, times: f64) -> f64 {
-        let weights = self.kind.kernel.weights();
+    fn firing(&self, levels: Levels, bits: u8, times: f64) -> f64 {
+        let recall = Recall::new(self, levels, bits, times);
+        let mut edges = Vec::new();
+        for code in 0..1u32 << bits {
+            for sign in [Sign::On, Sign::Off] {
+                if let Some(edge) = recall.edge(code, sign) {
+                    let (clear, by) = recall.clear(edge, (code, sign));
+                    edges.push((recall.at(&AVERAGE, edge).0, beyond(clear, by)));
+                }
+            }
+        }
+        let places = self.places.iter();
+        let firing = places.map(|place| place.share * self.firing_in(*place, &recall, &edges));
+        firing.sum::<f64>().min(1.0)
+    }
+
+    /// The same of the cells of a place; `edges`: where steps begin, and over what length of drives a
+    /// cell fires there.
+    fn firing_in(&self, place: Place, recall: &Recall<'_>, edges: &[(f64, f64)]) -> f64 {
         let light = 255.0 * self.scale;
-        let mean = weights.sum() * light / 2.0;
-        let squares: f64 = weights.iter().map(|w| w * w).sum();
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for weight in place.on_the_array(&self.kind.kernel) {
+            sum += weight;
+            squares += weight * weight;
+        }
+        let mean = sum * light / 2.0 + place.constant;
         let spread = (squares / 12.0).sqrt() * light;
         if spread <= 0.0 {
             return 0.0;
         }
-        let recall = Recall::new(self, bits, times);
-        let mut firing = 0.0;
-        for code in 0..1u32 << bits {
-            for sign in [Sign::On, Sign::Off] {
-                let edge = recall.edge(code, sign);
-                let (clear, by) = recall.clear(edge, (code, sign));
-                let at = (recall.at(&AVERAGE, edge).0 - mean) / spread;
-                firing += beyond(clear, by) * density(at) / spread;
-            }
+        let near = |at: f64, length: f64| length * density((at - mean) / spread) / spread;
+        let mut firing: f64 = edges.iter().map(|(at, length)| near(*at, *length)).sum();
+        let [low, high] = self.ends(place).map(|end| end + place.constant);
+        let last = (1u32 << recall.bits) - 1;
+        for (end, step) in [(low, (0, Sign::Off)), (high, (last, Sign::On))] {
+            let (clear, by) = recall.clear(Edge::At(end), step);
+            firing += if clear >= 0.0 {
+                near(end, beyond(clear, by))
+            } else {
+                // From where it is short of its threshold no longer up to the end.
+                let (clear, by) = recall.clear(Edge::At(mean), step);
+                let over = above(clear / elementary::hypot(spread, by));
+                (over - above((end - mean).abs() / spread)).max(0.0)
+            };
         }
         firing.min(1.0)
     }
+}
+
+/// The part of a normal distribution above this.
+fn above(z: f64) -> f64 {
+    0.5 * libm::erfc(z / SQRT_2)
 }
 
 /// The normal density.
@@ -197,7 +281,7 @@ fn beyond(clear: f64, by: f64) -> f64 {
         return (-clear).max(0.0);
     }
     let z = clear / by;
-    by * (density(z) - z * 0.5 * libm::erfc(z / SQRT_2))
+    by * (density(z) - z * above(z))
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -211,8 +295,8 @@ enum Sign {
 enum Edge {
     /// Where a step begins: at the least drive that is remembered as this code.
     From(u32),
-    /// At an end of all drives, LSB.
-    End(f64),
+    /// At this drive, LSB.
+    At(f64),
 }
 
 /// The cells of a pixel that take part.
@@ -233,7 +317,6 @@ const AVERAGE: Own = [[0.0; 2]; 4];
 /// What is remembered in so many bits, store by store.
 struct Recall<'a> {
     errors: &'a Errors,
-    ends: [f64; 2],
     bits: u8,
     low: f64,
     step: f64,
@@ -242,11 +325,9 @@ struct Recall<'a> {
 }
 
 impl<'a> Recall<'a> {
-    fn new(of: &'a InBits<'_>, bits: u8, times: f64) -> Self {
-        let (low, step) = of.range(bits);
+    fn new(of: &'a InBits<'_>, Levels { low, step }: Levels, bits: u8, times: f64) -> Self {
         Self {
             errors: &of.errors,
-            ends: of.ends(),
             bits,
             low,
             step,
@@ -283,20 +364,21 @@ impl<'a> Recall<'a> {
         self.step * 2f64.powi(i32::from(bit))
     }
 
-    /// The edge of a step towards which a cell of this sign fires.
-    fn edge(&self, code: u32, sign: Sign) -> Edge {
-        match sign {
-            Sign::Off if code == 0 => Edge::End(self.ends[0]),
-            Sign::Off => Edge::From(code),
-            Sign::On if code + 1 == 1 << self.bits => Edge::End(self.ends[1]),
-            Sign::On => Edge::From(code + 1),
-        }
+    /// Where the step ends towards which a cell of this sign fires, if another follows.
+    fn edge(&self, code: u32, sign: Sign) -> Option<Edge> {
+        let from = match sign {
+            Sign::Off => code,
+            Sign::On => code + 1,
+        };
+        (1..1 << self.bits)
+            .contains(&from)
+            .then_some(Edge::From(from))
     }
 
     /// The drive at an edge, and the stores with which it is found.
     fn at(&self, own: &Own, edge: Edge) -> (f64, u32) {
         match edge {
-            Edge::End(drive) => (drive, 0),
+            Edge::At(drive) => (drive, 0),
             Edge::From(code) => {
                 // The highest bit first; the last that is set is not added any more.
                 let last = code.trailing_zeros() as u8;
@@ -354,26 +436,26 @@ pub(super) fn memories(
     bits: u8,
     registers: &[String],
 ) -> Result<Vec<BitMemory>, CompileError> {
-    let short = |kind: &&InBits<'_>| !kind.is_within(bits, 1.0);
+    let short = |kind: &&InBits<'_>| !kind.is_silent(kind.step(bits), 1.0);
     // The fewest bits with which no kind fires.
     let fewest = || {
         let all = |bits: &u8| kinds.iter().all(|kind| kind.serves(*bits, 1.0));
         (1..=DriveMemory::MOST_BITS).find(all)
     };
-    let far = |kind: &&InBits<'_>| kind.range(bits).1 / kind.least(1.0);
+    let far = |kind: &&InBits<'_>| kind.step(bits) / kind.least(1.0);
     if let Some(kind) = { kinds.iter().filter(short) }.max_by(|a, b| far(a).total_cmp(&far(b))) {
         let times = kinds.iter().map(|kind| kind.times(bits));
         return Err(CompileError::Levels {
             bits,
             needed: fewest(),
-            step: kind.range(bits).1,
+            step: kind.step(bits),
             threshold: kind.least(1.0),
             times: times.reduce(|a, b| Some(a?.max(b?))).flatten(),
             advice: String::new(),
         });
     }
     let own = |(kind, registers): (&InBits<'_>, &[String])| {
-        let firing = kind.firing(bits, 1.0);
+        let firing = kind.quietest(bits, 1.0).1;
         let restless = (firing > FIRING).then(|| Restless {
             firing,
             least: kind

@@ -9,7 +9,10 @@ use super::{
     solve::{FINE, Solved, fine},
     wired::{Extent, wired},
 };
-use crate::isa::{Analog, Device, Primitive};
+use crate::{
+    isa::{Analog, Device, Primitive},
+    unit::counted,
+};
 
 /// A filter in instruction words.
 #[derive(Clone, Debug)]
@@ -22,8 +25,7 @@ pub struct Filter {
     pub prescale: u32,
     /// Whether the results are right up to the border, zeros beyond it.
     pub border: bool,
-    /// The largest that any store gets from inputs of ±1, those halved at the start taken as they
-    /// are then.
+    /// The largest that any store gets from inputs of ±1.
     pub peak: f64,
     /// Where a range was given: whether nothing saturates, the chip's transfer errors included.
     /// Without one it says nothing.
@@ -53,6 +55,20 @@ impl Filter {
         text
     }
 
+    /// A program of the filter alone. Its head says by how much results are less than the kernels'.
+    #[must_use]
+    pub fn alone(&self, device: &Device) -> String {
+        let text = self.text(device, 0);
+        match self.prescale {
+            0 => text,
+            bits => format!(
+                "// the results are those of the kernels over {}: {} on the way\n{text}",
+                1u64 << bits,
+                counted(bits, "halving")
+            ),
+        }
+    }
+
     /// Instruction words that it takes on a chip.
     #[must_use]
     pub fn word_count(&self, device: &Device) -> u64 {
@@ -72,8 +88,8 @@ impl Filter {
         2f64.powi(-(self.prescale as i32))
     }
 
-    /// A solved plan behind `words`, which halve the input `prescale` times; its results are in
-    /// `into`. `range`: of the input, if it is known, and whether the result is a difference that is
+    /// A solved plan behind `words`, which halve the input once each; its results are in `into`, halved
+    /// `prescale` times in all. `range`: of the input, if it is known, and whether the result is a difference that is
     /// compared with a threshold.
     pub(super) fn from_solved(
         (device, into): (&Device, &[Analog]),
@@ -83,6 +99,7 @@ impl Filter {
         prescale: u32,
         mut words: Vec<Primitive>,
     ) -> Self {
+        let one = fine(unit) * 2f64.powi(words.len() as i32);
         let mut live: Vec<Vec<Analog>> = words.iter().map(|word| registers(word, device)).collect();
         words.extend(solved.allocated.words.iter().cloned());
         for held in &solved.allocated.live {
@@ -96,10 +113,10 @@ impl Filter {
             prescale,
             border: solved.border,
             holds: solved.holds,
-            exact_within: exact_within(solved, unit, device, range),
+            exact_within: exact_within(solved, (unit, one), device, range),
             decided: None,
             peak: stored(solved, unit)
-                .map(|form| form.bounds(-1.0, 1.0).1 / fine(unit))
+                .map(|form| form.bounds(-1.0, 1.0).1 / one)
                 .fold(1.0, f64::max),
             states: solved.seen,
         }
@@ -128,10 +145,10 @@ fn stored(solved: &Solved, unit: i64) -> impl Iterator<Item = LinearForm> {
 /// The largest input with which no store saturates, LSB; limited to a register's range. An input that
 /// is never negative, as light, reaches less of it. A result that is compared with an earlier one is
 /// no longer known where both are at the end of the range; one that is a difference itself decides
-/// there too, so that its store does not count.
+/// there too, so that its store does not count. `one`: an input of 1 in the units of its trace.
 fn exact_within(
     solved: &Solved,
-    unit: i64,
+    (unit, one): (i64, f64),
     device: &Device,
     (range, is_difference): (Option<(f64, f64)>, bool),
 ) -> f64 {
@@ -148,7 +165,7 @@ fn exact_within(
     let most = forms.iter().map(|(form, dark)| {
         let (down, up) = form.bounds(least, 1.0);
         let room = [high - dark.max(0.0), dark.min(0.0) - low];
-        (room[0] * fine(unit) / up).min(room[1] * fine(unit) / down.abs())
+        (room[0] * one / up).min(room[1] * one / down.abs())
     });
     most.fold(high, f64::min).max(0.0)
 }

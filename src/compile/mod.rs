@@ -27,6 +27,7 @@ mod border_safe;
 pub mod bound;
 mod cell_kind;
 mod comparison;
+mod dark;
 mod decided;
 mod deciding;
 mod decision;

@@ -40,11 +40,8 @@ impl Request<'_> {
     /// When a field cannot be, a weight is not dyadic, or the registers do not suffice.
     pub fn filter(&self) -> Result<Filter, CompileError> {
         self.check()?;
-        let mut all = ordinary_registers(self.device);
-        let is_narrow = all.len() < USUAL;
-        all.retain(|register| !self.keep.contains(register));
-        // Those that cannot be chosen come first.
-        all.order_by_key(|r| *r != self.input && !self.into.contains(r));
+        let is_narrow = ordinary_registers(self.device).len() < USUAL;
+        let all = self.free_registers();
         let pinned = |r: &&Analog| **r == self.input || self.into.contains(*r);
         let fewest = all.iter().filter(pinned).count().max(1);
         let usual = all.len().min(USUAL);
@@ -106,6 +103,38 @@ impl Request<'_> {
             (None, Some(error)) => Err(error),
             (None, None) => Err(self.none_found(self.into.len(), all.len())),
         }
+    }
+
+    /// The filter of a whole program. In the few registers that its memories leave, a search for signal
+    /// has more of the effort than one for the fewest words, and may know a shorter plan in which
+    /// nothing saturates either.
+    pub(super) fn filter_of_program(&self) -> Result<Filter, CompileError> {
+        let own = self.filter()?;
+        if self.objective != Objective::Words || self.effort.states == 0 {
+            return Ok(own);
+        }
+        let exact = Self {
+            objective: Objective::Exact,
+            ..self.clone()
+        };
+        let Ok(other) = exact.filter() else {
+            return Ok(own);
+        };
+        let states = own.states + other.states;
+        let fewest = if self.key(&other) < self.key(&own) {
+            other
+        } else {
+            own
+        };
+        Ok(Filter { states, ..fewest })
+    }
+
+    /// The registers that may be used; those that cannot be chosen come first.
+    pub(super) fn free_registers(&self) -> Vec<Analog> {
+        let mut all = ordinary_registers(self.device);
+        all.retain(|register| !self.keep.contains(register));
+        all.order_by_key(|r| *r != self.input && !self.into.contains(r));
+        all
     }
 
     /// The effort of a search in so many registers, the same on every chip: half of it for each

@@ -18,6 +18,7 @@ use crate::{
     config::listed,
     isa::{Analog, Device, Primitive, Source, Target},
     kernel::Kernel,
+    order::Order,
     stop::Stop,
     unit::counted,
 };
@@ -235,18 +236,23 @@ impl<'a> Request<'a> {
     pub fn front(&self) -> Result<Vec<Filter>, CompileError> {
         self.check()?;
         let (goals, unit) = goals(self.kernels)?;
-        let mut all = ordinary_registers(self.device);
-        all.retain(|register| !self.keep.contains(register));
-        let front = Choice::new(self, &goals, unit, (&all, self.effort)).front()?;
+        let all = self.free_registers();
+        let mut found = Choice::new(self, &goals, unit, (&all, self.effort)).front()?;
         let shortest = Self {
             objective: Objective::Words,
             ..self.clone()
         };
-        let shortest = shortest.filter()?;
-        let mut found = front;
-        if found.iter().all(|it| shortest.words.len() < it.words.len()) {
-            found.insert(0, shortest);
-        }
+        found.push(shortest.filter()?);
+        // What is taken where no front is asked for.
+        found.push(self.filter()?);
+        found.order_by_key(|filter| (filter.words.len(), self.quality(filter).map(|it| -it)));
+        let mut best = None;
+        found.retain(|filter| {
+            let own = Some(self.quality(filter));
+            let is_better = own > best;
+            best = best.max(own);
+            is_better
+        });
         // Those that the chip stores; where there is none, why the shortest does not fit.
         let mut front = Vec::new();
         let mut refused = None;

@@ -7,6 +7,7 @@ use super::{
     bit_memory::{self, BitMemory, InBits},
     cell_kind::{CellKind, DriveMemory, constants, header, number, thresholds},
     comparison::Comparison,
+    dark::places,
     decision::{Compared, Decision},
     error::{CompileError, most_threshold},
     event_readout::EventReadout,
@@ -149,7 +150,7 @@ impl SensorProgram {
             },
             ..request.clone()
         };
-        let filter = request.filter()?;
+        let filter = request.filter_of_program()?;
         // The filter is in `init` (for the first memory) and in `frame`.
         if let Some(error) = CompileError::of_store(2 * filter.word_count(device), device) {
             return Err(error);
@@ -160,10 +161,13 @@ impl SensorProgram {
             DriveMemory::Bits(own) => {
                 let noises =
                     filter.noise(device, request.input, FilterNoise::MIDDLE, &request.into);
-                let in_bits = |(kind, noise): (_, &FilterNoise)| {
-                    InBits::new(kind, device, (scale, noise.temporal))
+                let dark = places(&filter.words, &request.into, device, filter.from_border);
+                let in_bits = |((kind, noise), dark): ((_, &FilterNoise), _)| {
+                    InBits::new(kind, device, (scale, noise.temporal), dark)
                 };
-                let kinds: Vec<InBits<'_>> = kinds.iter().zip(&noises).map(in_bits).collect();
+                let kinds: Vec<InBits<'_>> = { kinds.iter().zip(&noises).zip(dark) }
+                    .map(in_bits)
+                    .collect();
                 bit_memory::memories(&kinds, own, bits)?
             }
         };

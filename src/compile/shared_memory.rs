@@ -145,19 +145,13 @@ fn filters(
             objective,
             ..request.clone()
         }
-        .filter()
+        .filter_of_program()
     };
     let mut own: Vec<Filter> = Vec::with_capacity(kinds.len());
     for (i, kind) in kinds.iter().enumerate() {
         let known = kinds[..i].iter().position(|k| k == kind);
         own.push(match known.and_then(|i| own.get(i)) {
             Some(filter) => filter.clone(),
-            None if request.objective == Objective::Words && states > 0 => {
-                // The search for signal has more of the effort in so few registers, and may know a
-                // shorter plan in which nothing saturates either.
-                let own = of(kind, Objective::Words)?;
-                shorter(own, of(kind, Objective::Exact).ok())
-            }
             None => of(kind, request.objective)?,
         });
     }
@@ -190,22 +184,6 @@ fn filters(
         });
     }
     Ok(own)
-}
-
-/// The one of fewer words, if it is as right at the border and as well in range.
-fn shorter(own: Filter, other: Option<Filter>) -> Filter {
-    let key = |filter: &Filter| (!filter.border, !filter.holds, filter.words.len());
-    match other {
-        Some(other) if key(&other) < key(&own) => Filter {
-            states: own.states + other.states,
-            ..other
-        },
-        Some(other) => Filter {
-            states: own.states + other.states,
-            ..own
-        },
-        None => own,
-    }
 }
 
 impl Filter {

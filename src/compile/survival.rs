@@ -4,7 +4,8 @@
 //! taken out ([`steady`](super::steady)), and the one whose predicted signal-to-noise ratio
 //! ([`forecast`](super::forecast)) is highest is taken, in few more words than the shortest.
 //! Where a range of the input is given, each is tried behind as many halvings as it needs, and
-//! plans that halve on the way are searched as well.
+//! plans that halve on the way are searched as well. Without one, a filter keeps the kernel's scale
+//! where enough of it comes out; else plans that halve on the way are searched there too.
 //!
 //! Where it is known with what one result is compared, the plan is taken that decides best on the chip
 //! ([`deciding`](super::deciding)).
@@ -53,6 +54,9 @@ const DEAR_DB: f64 = 1.0;
 
 /// Below this correlation a plan is worth more words than [`slack`] allows.
 const ENOUGH: f64 = 0.95;
+
+/// What a run at the best amplitude may fall short of its prediction by.
+const UNSURE: f64 = 0.004;
 
 /// A request as the choice sees it.
 pub(super) struct Choice<'a> {
@@ -326,34 +330,67 @@ impl<'a> Choice<'a> {
             Vec::new(),
         );
         Filter {
-            // Relative to the input that is halved already.
-            peak: filter.peak * 2f64.powi(best.bits as i32),
             decided: best.decided,
             ..filter
         }
     }
 
-    /// The candidates, and how many states were looked at for them.
+    /// The candidates, and how many states were looked at for them. One scale is free: where too little
+    /// comes out of those that have the kernel's, others halve on the way.
     fn candidates(&self) -> Result<(Vec<Candidate>, u64), CompileError> {
-        match self.request.range {
-            None => self.anywhere(),
-            Some(range) => self.within(range),
+        let (mut all, mut seen) = match self.request.range {
+            None => self.anywhere()?,
+            Some(range) => self.within(range)?,
+        };
+        if let Some(bits) = self.below_two()
+            && !self.survives(&all)
+        {
+            for plan in self.beside((false, bits), 8, &mut seen).iter() {
+                all.extend(match self.request.range {
+                    None => self.as_it_is(plan, bits),
+                    Some(range) => self.halved(plan, (false, bits), range).0,
+                });
+            }
         }
+        Ok((all, seen))
+    }
+
+    /// Halvings that leave the largest weight below 2, so that its first digit is the input itself:
+    /// there plans are the shortest, and no sum is larger than it must be.
+    fn below_two(&self) -> Option<u32> {
+        let taps = self.goals.iter().flat_map(LinearForm::taps);
+        let largest = taps.map(|tap| tap.weight.unsigned_abs()).max()?;
+        let bits = (largest / self.unit.unsigned_abs()).checked_ilog2();
+        bits.filter(|bits| *bits > 0)
+    }
+
+    /// Whether enough is sure to come out of one of those that are hardly longer than the shortest.
+    fn survives(&self, all: &[Candidate]) -> bool {
+        let mut usable = all.to_vec();
+        self.keep_usable(&mut usable);
+        let shortest = usable.iter().map(Candidate::words).min().unwrap_or(0);
+        let cap = shortest + slack(shortest);
+        let enough = |c: &Candidate| c.words() <= cap && c.correlation() >= ENOUGH + UNSURE;
+        usable.iter().any(enough) || self.best_of(&usable, cap).is_some_and(|best| enough(&best))
     }
 
     /// Candidates for an input of any amplitude.
     fn anywhere(&self) -> Result<(Vec<Candidate>, u64), CompileError> {
-        let problem = self.problem(0, self.effort);
-        let (best, all) = problem.solve_all();
-        let best = best.ok_or_else(|| self.none_found())?;
-        let mut out = Vec::new();
-        for solved in self.short(all) {
-            let plain = solved.plan;
-            out.extend(self.tried(&problem, &plain, &Reads::new(), 0));
-            let reads = greedy(&plain, self.request.store_errors());
-            out.extend(self.tried(&problem, &plain, &reads, 0));
+        let (mut out, mut seen) = (Vec::new(), 0);
+        for plan in self.searched((false, 0), 8, &mut seen)?.iter() {
+            out.extend(self.as_it_is(plan, 0));
         }
-        Ok((out, best.seen))
+        Ok((out, seen))
+    }
+
+    /// A plan that halves `bits` times, and the same with its constant errors taken out.
+    fn as_it_is(&self, plan: &Plan, bits: u32) -> Vec<Candidate> {
+        let problem = self.problem(bits, Effort::states(0));
+        let reads = [Reads::new(), greedy(plan, self.request.store_errors())];
+        let tried = reads
+            .iter()
+            .filter_map(|reads| self.tried(&problem, plan, reads, bits));
+        tried.collect()
     }
 
     /// Candidates for an input in a range: none of them saturates.
@@ -395,7 +432,9 @@ impl<'a> Choice<'a> {
         eighths: u64,
         seen: &mut u64,
     ) -> Result<Arc<[Plan]>, CompileError> {
-        let effort = self.effort.with_states(self.effort.states / 8 * eighths);
+        let effort = self
+            .effort
+            .with_states(self.effort.states.saturating_mul(eighths) / 8);
         let mut problem = self.problem(inner, effort);
         if negated {
             problem.goals = self.goals.iter().map(|goal| goal.times(-1)).collect();
@@ -547,22 +586,28 @@ impl<'a> Choice<'a> {
         self.keep_usable(&mut all);
         let shortest = all.iter().map(Candidate::words).min()?;
         for cap in [shortest + slack(shortest), 2 * shortest + 8, usize::MAX] {
-            let mut own: Vec<Candidate> =
-                all.iter().filter(|c| c.words() <= cap).cloned().collect();
-            own.order_by_key(|c| (-c.quality(), c.words()));
-            own.truncate(CLOSELY);
-            let mut left = TRIES;
-            let improved = own
-                .into_iter()
-                .map(|c| self.improved(c, cap, &mut left))
-                .collect::<Vec<_>>()
-                .into_iter();
-            let best = improved.min_by_key(|c| (-c.quality(), c.words()));
+            let best = self.best_of(&all, cap);
             if best.as_ref().is_some_and(|c| c.correlation() >= ENOUGH) || cap == usize::MAX {
                 return best;
             }
         }
         None
+    }
+
+    /// The same of those of at most so many words.
+    fn best_of(&self, all: &[Candidate], cap: usize) -> Option<Candidate> {
+        let mut own: Vec<Candidate> = { all.iter().filter(|c| c.words() <= cap) }
+            .cloned()
+            .collect();
+        own.order_by_key(|c| (-c.quality(), c.words()));
+        own.truncate(CLOSELY);
+        let mut left = TRIES;
+        let improved = own
+            .into_iter()
+            .map(|c| self.improved(c, cap, &mut left))
+            .collect::<Vec<_>>()
+            .into_iter();
+        improved.min_by_key(|c| (-c.quality(), c.words()))
     }
 
     /// Single words made to read the constant or not, as long as that helps.

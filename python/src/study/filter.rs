@@ -66,7 +66,7 @@ pub fn compile_filter(
         .iter()
         .map(|register| device.analog_name(*register));
     let results = named.zip(scales.iter().map(|scale| filter.scale() / scale));
-    Ok((filter.text(&device, 0), results.collect()))
+    Ok((filter.alone(&device), results.collect()))
 }
 
 /// Refuses an input that a register does not hold.

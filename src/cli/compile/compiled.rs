@@ -133,7 +133,7 @@ impl Compiled {
         units.filter_map(note).collect()
     }
 
-    /// That a cell fires again and again on the chip whose drive stays between two levels of its
+    /// That a cell fires again and again on the chip whose drive stays between two levels, or beyond the last, of its
     /// memory in bits; its scale, and what few values took from its kernel.
     fn chatters(&self, kind: usize, (own, few): (f64, f64), device: &Device) -> Option<String> {
         let BitMemory { step, restless, .. } = self.in_bits.get(kind)?;
@@ -165,7 +165,7 @@ impl Compiled {
             ways => ways.join(", or "),
         };
         Some(format!(
-            "half a step of its memory is {:.2} LSB, on the chip its threshold is {} LSB, and what is recalled errs: a cell between two levels fires again and again, about {:.1} % of the cells in each frame of a picture that stays (predicted); {ways}",
+            "half a step of its memory is {:.2} LSB, on the chip its threshold is {} LSB, and what is recalled errs: a cell between two levels, or beyond the last, fires again and again, about {:.1} % of the cells in each frame of a picture that stays (predicted); {ways}",
             step / 2.0,
             on.min(off),
             100.0 * firing,
@@ -310,10 +310,11 @@ impl Compiled {
             line(
                 "result",
                 format!(
-                    "{} from {} to {} LSB",
+                    "{} from {} to {} LSB{}",
                     device.analog_name(*register),
                     Lsb(result.low).rounded(),
-                    Lsb(result.high).rounded()
+                    Lsb(result.high).rounded(),
+                    self.over()
                 ),
             );
         }
@@ -423,11 +424,20 @@ impl Compiled {
                 "{} can saturate: search longer (--effort), or take fewer digits (--to)",
                 counted(n, "store"),
             ),
-            (n, _) => format!(
-                "{} can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
-                counted(n, "store"),
-                self.largest_input(device)
-            ),
+            (n, bits) => {
+                let on_the_way = match bits {
+                    0 => String::new(),
+                    bits => format!(
+                        "the input is halved {} on the way, as too little came out of the chip otherwise; ",
+                        counted(bits, "time")
+                    ),
+                };
+                format!(
+                    "{on_the_way}{} can saturate; with inputs within ±{:.2} LSB none does (--input halves them)",
+                    counted(n, "store"),
+                    self.largest_input(device)
+                )
+            }
         };
         // Of SCAMP-5, the brightest of 8 bits is half an LSB beyond the register's end.
         let range = match range.strip_prefix("nothing saturates") {
@@ -445,6 +455,14 @@ impl Compiled {
             "; but the transfer errors of a real chip come on top, and no plan was found that keeps them in range: search longer (--effort), or take fewer digits (--to)"
         };
         range + errors
+    }
+
+    /// What the result of a filter alone is of its kernel's, where that is halved on the way.
+    fn over(&self) -> String {
+        match (self.memory, self.filter.prescale) {
+            (Some(_), _) | (None, 0) => String::new(),
+            (None, bits) => format!(", the kernel's result over {}", 1u64 << bits),
+        }
     }
 
     /// The largest input, of either sign, with which no store of the filter saturates, LSB.

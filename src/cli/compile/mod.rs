@@ -77,7 +77,8 @@ pub struct Arguments {
     /// Registers that stay as they are, with --filter-only
     #[arg(long, value_delimiter = ',', requires = "filter_only", conflicts_with_all = ["sensor", "threshold"])]
     keep: Vec<String>,
-    /// What the input can be, in LSB, with --filter-only: it is halved until nothing saturates
+    /// What the input can be, in LSB, with --filter-only: it is halved until nothing saturates; without
+    /// it as often as more comes out of the chip
     #[arg(long, value_name = "LO..HI", requires = "filter_only", conflicts_with_all = ["sensor", "threshold"], value_parser = interval, allow_hyphen_values = true)]
     input: Option<(f64, f64)>,
     /// Right up to the border, zeros beyond it: with --filter-only if that can be had; a whole program
@@ -488,8 +489,8 @@ fn filter_only(arguments: &Arguments, asked: &Asked, device: &Device) -> miette:
         &request.into,
         asked.signal(&filter, &request),
     )?;
-    let text = filter.text(device, 0);
-    let scale = 2f64.powi(-(filter.prescale as i32));
+    let text = filter.alone(device);
+    let scale = filter.scale();
     // All light, as far as a register holds it.
     let most = 255.0 * device.value(Figure::LightScale);
     let most = most.min(device.register_range().1 + 0.5);

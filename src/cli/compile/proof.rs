@@ -78,7 +78,7 @@ impl Proof<'_> {
                 Input::Light => self.inputs.light.high * settings.gain,
                 Input::Register(_) => self.inputs.registers.high,
             };
-            let most = filter.peak * high * 2f64.powi(-(filter.prescale as i32));
+            let most = filter.peak * high;
             (
                 self.bounds(&kernels),
                 usize::from(most > largest_of_both_signs(self.device)),
