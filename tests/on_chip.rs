@@ -763,7 +763,7 @@ fn a_filter_of_large_weights_says_its_scale() {
     );
     assert_eq!(
         (&told["prescale_bits"], &told["scale"]),
-        (&Value::from(6), &Value::from(0.015625))
+        (&Value::from(6), &Value::from(0.015_625))
     );
     let correlation = told["on_chip"][0]["correlation"].as_f64().unwrap();
     assert!(correlation > 0.99, "{correlation}");
