@@ -301,6 +301,24 @@ fn objects_of_unknown_types_take_no_other_name() {
     );
 }
 
+/// A register that a function is given has the parts of the vendor's own class, which are compared.
+#[test]
+fn parts_of_registers_are_compared() {
+    let file = "bool same(dreg_t a, dreg_t b) { return a.LR_bits == b.LR_bits; }
+        void negated(dreg_t from) {
+            if (from.LR_bits != R10.LR_bits) MOV(R10, from);
+            if (!same(from, R9)) NOT(R9, from);
+        }";
+    let words = |text: &str| {
+        let code = expand(&format!("{file} int main() {{ {text} }}"));
+        code.unwrap_or_else(|it| panic!("{it:?}")).code.frame.len()
+    };
+    let bare = words("SET(R5);");
+    let more = |text: &str| words(&format!("SET(R5); {text}")) - bare;
+    assert!(more("negated(R5);") > more("negated(R10);"));
+    assert_eq!(more("negated(R10);"), more("NOT(R9, R10);"));
+}
+
 /// C++ gives the variable the handle's number; a slider that the program sets is read so.
 #[test]
 fn sliders_and_their_handles() {

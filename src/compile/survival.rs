@@ -335,14 +335,15 @@ impl<'a> Choice<'a> {
         }
     }
 
-    /// The candidates, and how many states were looked at for them. One scale is free: where too little
-    /// comes out of those that have the kernel's, others halve on the way.
+    /// The candidates, and how many states were looked at for them. One scale is free where signal is
+    /// sought: where too little comes out of those that have the kernel's, others halve on the way.
     fn candidates(&self) -> Result<(Vec<Candidate>, u64), CompileError> {
         let (mut all, mut seen) = match self.request.range {
             None => self.anywhere()?,
             Some(range) => self.within(range)?,
         };
-        if let Some(bits) = self.below_two()
+        if self.request.objective != Objective::Exact
+            && let Some(bits) = self.below_two()
             && !self.survives(&all)
         {
             for plan in self.beside((false, bits), 8, &mut seen).iter() {

@@ -10,8 +10,7 @@ use super::{
     beside::Companion,
     files::Files,
     layout::Layout,
-    recorded::Key,
-    tree::{Function, Kind, TemplateArgument, Word, Words},
+    tree::{Function, Kind, Recorded, TemplateArgument, Word, Words},
     value::{Slot, Value},
     why::Why,
 };
@@ -138,7 +137,7 @@ pub(super) struct Machine<'a> {
     /// Places at which texts were posted that nobody was shown.
     pub unshown: BTreeSet<usize>,
     /// Kernels that are `static` and were launched.
-    pub recorded: BTreeMap<Key, Words>,
+    pub recorded: BTreeMap<Recorded, Words>,
     /// Whether some earlier statement may have ended this block: why.
     pub maybe: Option<Why>,
     /// How often a statement may have ended a loop or a function.

@@ -252,7 +252,9 @@ impl Machine<'_> {
         }
         let at = match self.reached(&base) {
             // The words of a register, which are only ever compared.
-            Some(Value::Symbol(register)) if matches!(base, Reach::Value(_)) => {
+            Some(Value::Symbol(register))
+                if matches!(base, Reach::Value(_)) || self.register_kind(register).is_some() =>
+            {
                 return Reach::Value(Value::Symbol(format!("{register}.{name}").into()));
             }
             Some(Value::Record(layout, all)) => {

@@ -5,17 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::{
     look,
     machine::Machine,
-    tree::{Expr, ExprNode, Function, Stmt, StmtNode, Word, last},
+    tree::{Expr, ExprNode, Function, Read, Stmt, StmtNode, Word, last},
     walk::{Part, values, walk},
 };
-
-/// A variable that is read, or a member of an object.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Read {
-    pub of: Expr,
-    /// The namespace of the function that reads it, where that is a variable of the file.
-    pub space: Option<Word>,
-}
 
 impl Read {
     /// As it is written.

@@ -8,18 +8,14 @@ use super::{
     frames::differs,
     idle,
     machine::{Flow, Machine, Recording},
-    reads::{self, Read},
-    tree::{Kernel, Stmt, Words},
+    reads,
+    tree::{Kernel, Read, Stmt, Words},
     value::Value,
 };
 use crate::{
     config::{Fault, Place},
     program::syntax::{Kept, Kernel as Launched, Node},
 };
-
-/// Which kernel it is that was recorded: where it begins, which of those that begin there, and what
-/// the template is made for that it stands in.
-pub(super) type Key = (usize, usize, String);
 
 /// How a kernel is recorded at each launch.
 const ANEW: &str = "begin it with `scamp5_dynamic_kernel_begin();` and end it with `scamp5_dynamic_kernel_end();`: it is recorded at each launch then";

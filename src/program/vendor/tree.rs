@@ -2,7 +2,7 @@
 
 use std::{rc::Rc, sync::Arc};
 
-use super::{reads::Read, value::Value};
+use super::value::Value;
 use crate::{
     config::Place,
     program::syntax::{Item, Kept},
@@ -189,6 +189,18 @@ pub(super) struct Kernel {
     /// Where it begins.
     pub begin: Place,
 }
+
+/// A variable that the block of a kernel reads, or a member of an object.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Read {
+    pub of: Expr,
+    /// The namespace of the function that reads it, where that is a variable of the file.
+    pub space: Option<Word>,
+}
+
+/// Which kernel it is that was recorded: where it begins, which of those that begin there, and what
+/// the template is made for that it stands in.
+pub(super) type Recorded = (usize, usize, String);
 
 /// Words that were recorded.
 #[derive(Clone, Debug, Default, PartialEq)]
