@@ -144,7 +144,7 @@ proptest! {
         }
     }
 
-    /// The light above black counts `gain` times: -127 + gain · light in all.
+    /// The light above black counts 2^(gain - 1) times: -127 + 2^(gain - 1) · light in all.
     #[test]
     fn gain_multiplies_the_light(light in prop::collection::vec(0u8..=255, 6), gain in 1u32..=5) {
         let device = Device::scamp5();
@@ -157,7 +157,8 @@ proptest! {
         let light = Light::from_shape_vec((2, 3), light).unwrap();
         chip.expose(&light).unwrap();
         chip.run_frame(Micros(0), &mut Packet::new(size, 1)).unwrap();
-        let expected = light.mapv(|l| f64::from(gain) * l - 127.0);
+        let factor = f64::from(1 << (gain - 1));
+        let expected = light.mapv(|l| factor * l - 127.0);
         prop_assert_eq!(chip.analog(Analog(0)), expected);
     }
 }
