@@ -604,7 +604,7 @@ fn sliders_that_programs_move_loops_that_count_and_texts() {
         3,
         &[],
     );
-    assert_eq!(all, ["0 0", "1 1", "2 2"]);
+    assert_eq!(all, ["1 1", "2 2", "3 3"]);
     let all = posts(
         "std::string s = \"RED\", t; t += s; t += \"/\" + std::to_string(7); t.append(s);\n\
          std::pair<int, int> p = {3, 4}; auto [x, y] = p; auto f = [](int a) { return std::make_pair(a, 2 * a); };\n\

@@ -71,8 +71,8 @@ pub(super) struct Companion<'a> {
     waited: bool,
     /// The frames so far.
     pub frames: u64,
-    /// The frame, from 1, in which the loop's counter was set back.
-    pub counted_from: u64,
+    /// The loop's counter, which `vs_frame_loop_control` adds to.
+    pub counted: u64,
     /// Whether no frame comes any more.
     pub over: bool,
     /// Faults of the steps, in places of the file itself.
@@ -114,7 +114,7 @@ impl<'a> Companion<'a> {
             now: Now::default(),
             waited: false,
             frames: 1,
-            counted_from: 1,
+            counted: 0,
             over,
             faults: Vec::new(),
             clocks: BTreeMap::new(),
@@ -149,11 +149,15 @@ impl Machine<'_> {
     /// of the loop.
     pub(super) fn loop_counter(&self) -> Value {
         match &self.companion {
-            Some(companion) => {
-                let before = companion.frames.saturating_sub(companion.counted_from);
-                Value::Wide(before as i64, Width::Unsigned)
-            }
+            Some(companion) => Value::Wide(companion.counted as i64, Width::Unsigned),
             None => Value::Unknown("how many frames have passed".into()),
+        }
+    }
+
+    /// Another turn of the loop over the frames.
+    pub(super) fn count_turn(&mut self) {
+        if let Some(companion) = &mut self.companion {
+            companion.counted += 1;
         }
     }
 
@@ -176,11 +180,11 @@ impl Machine<'_> {
         }
     }
 
-    /// `vs_wait(milliseconds)`, which stopwatches see.
+    /// `vs_wait(microseconds)`, which stopwatches see.
     pub(super) fn waits(&mut self, given: &[Value]) {
         let time = given.first().and_then(Value::number);
         if let (Some(companion), Some(time)) = (&mut self.companion, time) {
-            companion.waited_us += 1000.0 * time.max(0.0);
+            companion.waited_us += time.max(0.0);
         }
     }
 

@@ -278,8 +278,12 @@ impl Machine<'_> {
             "vs_loop_counter_get" => self.loop_counter(),
             "vs_loop_counter_reset" => {
                 if let Some(companion) = &mut self.companion {
-                    companion.counted_from = companion.frames;
+                    companion.counted = 0;
                 }
+                Value::Whole(0)
+            }
+            "vs_loop_counter_inc" => {
+                self.count_turn();
                 Value::Whole(0)
             }
             "vs_frame_trigger_set" | "vs_enable_frame_trigger" | "vs_disable_frame_trigger" => {

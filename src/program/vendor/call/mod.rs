@@ -178,6 +178,9 @@ impl Machine<'_> {
             Role::Kernel => self.no_statement(name, place),
             Role::Sync => {
                 self.in_kernel(name, place);
+                if name == "vs_frame_loop_control" {
+                    self.count_turn();
+                }
                 self.sync(place);
                 Value::Whole(1)
             }
