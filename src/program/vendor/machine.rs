@@ -10,7 +10,7 @@ use super::{
     beside::Companion,
     files::Files,
     layout::Layout,
-    tree::{Function, Kind, Recorded, TemplateArgument, Word, Words},
+    tree::{Function, Kind, Read, Recorded, TemplateArgument, Word, Words},
     value::{Slot, Value},
     why::Why,
 };
@@ -138,6 +138,8 @@ pub(super) struct Machine<'a> {
     pub unshown: BTreeSet<usize>,
     /// Kernels that are `static` and were launched.
     pub recorded: BTreeMap<Recorded, Words>,
+    /// What was read of variables while kernels were recorded, with the values that it had.
+    pub read: Vec<Rc<[(Read, Value)]>>,
     /// Whether some earlier statement may have ended this block: why.
     pub maybe: Option<Why>,
     /// How often a statement may have ended a loop or a function.
@@ -220,6 +222,7 @@ impl<'a> Machine<'a> {
             entered: BTreeSet::new(),
             unshown: BTreeSet::new(),
             recorded: BTreeMap::new(),
+            read: Vec::new(),
             maybe: None,
             left: 0,
             depth: 0,

@@ -4,6 +4,8 @@
 //! `_end`: its block is run at the first launch alone, which records it. That of a dynamic kernel is
 //! run at each launch.
 
+use std::rc::Rc;
+
 use super::{
     frames::differs,
     idle,
@@ -49,9 +51,18 @@ impl Machine<'_> {
         }
         let read = self.read_with_values(&it.body);
         let mut words = self.recorded_now(it)?;
-        words.read = read;
+        words.read = Some(self.keep_read(read));
         self.recorded.insert(key, words.clone());
         Ok(words)
+    }
+
+    /// Keeps what was read while words were recorded, with the values that it had; where.
+    pub(super) fn keep_read(&mut self, read: Vec<(Read, Value)>) -> usize {
+        if let Some(same) = self.read.iter().position(|it| **it == *read) {
+            return same;
+        }
+        self.read.push(read.into());
+        self.read.len() - 1
     }
 
     /// Runs the block of a kernel; the words that it asks for.
@@ -110,7 +121,7 @@ impl Machine<'_> {
         recording.map_or_else(Words::default, |it| Words {
             items: it.words.into(),
             kept: if it.heap { Kept::Heap } else { Kept::Store },
-            read: Vec::new(),
+            read: None,
         })
     }
 
@@ -140,7 +151,10 @@ impl Machine<'_> {
     /// Warns of a variable that was read while these words were recorded, where it has another value
     /// now.
     pub(super) fn tell_changed(&mut self, words: &Words, place: Place, help: &str) {
-        let changed = words.read.iter().find(|(read, before)| {
+        let Some(all) = words.read.map(|at| Rc::clone(&self.read[at])) else {
+            return;
+        };
+        let changed = all.iter().find(|(read, before)| {
             let now = self.read_value(read);
             now.is_some_and(|now| differs(before, &now))
         });

@@ -2,7 +2,6 @@
 
 use std::{rc::Rc, sync::Arc};
 
-use super::value::Value;
 use crate::{
     config::Place,
     program::syntax::{Item, Kept},
@@ -208,8 +207,8 @@ pub(super) struct Words {
     pub items: Rc<[Item]>,
     /// Where they lie between launches.
     pub kept: Kept,
-    /// What was read of variables while they were recorded, with the values that it had.
-    pub read: Vec<(Read, Value)>,
+    /// Which of what the machine keeps was read of variables while they were recorded.
+    pub read: Option<usize>,
 }
 
 /// A variable that is declared.

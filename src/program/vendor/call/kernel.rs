@@ -38,7 +38,7 @@ impl Machine<'_> {
         self.enter(&function, &[], function.place);
         let mut words = self.end_recording();
         self.recording = outer;
-        words.read = read;
+        words.read = Some(self.keep_read(read));
         let mut function = Rc::unwrap_or_clone(function);
         function.words = Some(words);
         Value::Lambda(function.into())

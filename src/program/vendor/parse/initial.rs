@@ -7,21 +7,8 @@ use super::super::{
     tree::{Bound, Declared, Expr, ExprNode, Function, Kind, Stmt, StmtNode, Word},
     walk::{Part, values},
 };
-use super::{Parser, constructor::set, within};
+use super::{Parser, begins::Begins, constructor::set, within};
 use crate::order::Order;
-
-/// What the members of a class begin with, for each of its constructors, those behind it too.
-#[derive(Clone)]
-pub(super) struct Begins {
-    /// The namespace of what belongs to the class.
-    pub space: Word,
-    pub base: Option<Word>,
-    data: Vec<Declared>,
-    /// What a member begins with that may change from object to object.
-    values: Vec<Option<Expr>>,
-    /// Whether a member is an object that a constructor makes.
-    made: Vec<bool>,
-}
 
 impl Begins {
     /// Lets a constructor begin the members; false where that is not followed.

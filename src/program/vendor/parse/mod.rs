@@ -1,6 +1,7 @@
 //! From tokens to statements. It recovers after a fault, so that all faults are told.
 
 mod base;
+mod begins;
 mod class;
 mod constructor;
 mod container;
@@ -17,7 +18,7 @@ mod types;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use self::initial::Begins;
+use self::begins::Begins;
 pub(super) use self::{
     class::{REFERS, UNREAD, ended},
     types::Type,
