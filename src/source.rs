@@ -128,28 +128,33 @@ impl From<SourceError> for io::Error {
     }
 }
 
+/// Reads a text file; `help` says what to give in its place.
+///
+/// # Errors
+/// When it cannot be read, is longer than a text may be, or is not text.
+pub fn text(path: &Path, help: &str) -> Result<String, SourceError> {
+    text_of(path, help, |bytes| bytes)
+}
+
 /// Reads a file of program code, as [`text`]; bytes that are no UTF-8, as comments and texts of
 /// other encodings have them, become the character that stands for such.
 ///
 /// # Errors
 /// As [`text`], but for such bytes.
 pub fn code(path: &Path, help: &str) -> Result<String, SourceError> {
-    let read = || {
-        let bytes = rest(open(path)?, Vec::new(), TEXT_BYTES, "text")?;
-        let text = checked(String::from_utf8_lossy(&bytes).into_owned().into_bytes())?;
-        Ok(text.strip_prefix(MARK).map(str::to_owned).unwrap_or(text))
-    };
-    read().map_err(|cause| SourceError::new(path, cause, help))
+    text_of(path, help, |bytes| {
+        String::from_utf8_lossy(&bytes).into_owned().into_bytes()
+    })
 }
 
-/// Reads a text file; `help` says what to give in its place.
-///
-/// # Errors
-/// When it cannot be read, is longer than a text may be, or is not text.
-pub fn text(path: &Path, help: &str) -> Result<String, SourceError> {
+fn text_of(
+    path: &Path,
+    help: &str,
+    decoded: fn(Vec<u8>) -> Vec<u8>,
+) -> Result<String, SourceError> {
     let read = || {
         let bytes = rest(open(path)?, Vec::new(), TEXT_BYTES, "text")?;
-        let mut text = checked(bytes)?;
+        let mut text = checked(decoded(bytes))?;
         // The byte order mark of some editors takes no column.
         if text.starts_with(MARK) {
             text.drain(..MARK.len_utf8());

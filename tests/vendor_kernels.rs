@@ -2,19 +2,16 @@
 //! runs at its first launch alone, which records its words, and that of a dynamic one at each.
 
 mod common;
+mod vendor_cpp;
+use vendor_cpp::expand;
 
 use amacrine::{
-    config::Faults,
     isa::Device,
-    program::{Action, Answer, Beside, Code, Expansion, Includes, Overrides, Program, Step},
+    program::{Action, Answer, Beside, Code, Includes, Overrides, Program, Step},
 };
 
 const BEGIN: &str = "scamp5_kernel_begin();";
 const END: &str = "scamp5_kernel_end();";
-
-fn expand(text: &str) -> Result<Expansion, Faults> {
-    Program::read("p.cpp", text).expand(&Device::scamp5(), &Overrides::new())
-}
 
 fn own(text: &str) -> Code {
     let program = Program::parse("p.scamp", text).unwrap();

@@ -2,45 +2,12 @@
 //! compiler makes of it too: the numbers are those of g++.
 
 use amacrine::{
-    config::Faults,
     isa::Device,
-    program::{Action, Expansion, Host, Overrides, Program, Step},
+    program::{Overrides, Program},
 };
 
-fn expand(text: &str) -> Result<Expansion, Faults> {
-    Program::read("p.cpp", text).expand(&Device::scamp5(), &Overrides::new())
-}
-
-/// C++ that loads numbers, with what stands before `main`, and the numbers.
-#[track_caller]
-fn numbers(before: &str, inside: &str, all: &[i32]) {
-    let text = format!("{before}\nint main() {{ {inside} }}");
-    let code = expand(&text).unwrap_or_else(|faults| panic!("{faults:?}\n{text}"));
-    let all: Vec<f64> = all.iter().map(|n| f64::from(*n)).collect();
-    assert_eq!(loaded(&code.code.frame), all, "{text}");
-}
-
-/// The numbers that a program loads.
-fn loaded(steps: &[Step]) -> Vec<f64> {
-    let all = steps.iter().map(|it| match &it.action {
-        Action::Host(Host::LoadIn { value }) => vec![*value],
-        Action::Repeat { times, body } => loaded(body).repeat(*times as usize),
-        _ => Vec::new(),
-    });
-    all.flatten().collect()
-}
-
-/// What is told of C++ that is refused, with its line.
-#[track_caller]
-fn told(text: &str, line: u32, message: &str, help: &str) {
-    let faults = expand(text).expect_err(text).faults;
-    let found = faults.iter().any(|it| {
-        it.line == line
-            && it.fault.message.contains(message)
-            && it.fault.help.as_deref().unwrap_or_default().contains(help)
-    });
-    assert!(found, "{text}\n{faults:#?}");
-}
+mod vendor_cpp;
+use vendor_cpp::{expand, loaded, numbers, told};
 
 /// Functions of a base, those in their place, and parts of objects.
 #[test]

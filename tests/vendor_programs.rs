@@ -5,56 +5,15 @@
 use std::fs;
 
 use amacrine::{
-    config::{Faults, Severity},
+    config::Severity,
     isa::Device,
-    program::{Action, Expansion, Host, Includes, Overrides, Program, Step},
+    program::{Action, Expansion, Includes},
 };
 
 mod common;
+mod vendor_cpp;
 use common::good;
-
-fn expand_with(text: &str, includes: &Includes) -> Result<Expansion, Faults> {
-    Program::read_with("p.cpp", text, includes).expand(&Device::scamp5(), &Overrides::new())
-}
-
-fn expand(text: &str) -> Result<Expansion, Faults> {
-    expand_with(text, &Includes::new())
-}
-
-/// The numbers that a program loads.
-fn loaded(steps: &[Step]) -> Vec<f64> {
-    let all = steps.iter().map(|it| match &it.action {
-        Action::Host(Host::LoadIn { value }) => vec![*value],
-        Action::Repeat { times, body } => loaded(body).repeat(*times as usize),
-        _ => Vec::new(),
-    });
-    all.flatten().collect()
-}
-
-#[track_caller]
-fn numbers_of(read: Result<Expansion, Faults>, all: &[i32]) {
-    let code = read.unwrap_or_else(|faults| panic!("{faults:?}"));
-    let all: Vec<f64> = all.iter().map(|n| f64::from(*n)).collect();
-    assert_eq!(loaded(&code.code.frame), all);
-}
-
-/// C++ that loads numbers, with what stands before `main`, and the numbers.
-#[track_caller]
-fn numbers(before: &str, inside: &str, all: &[i32]) {
-    numbers_of(expand(&format!("{before}\nint main() {{ {inside} }}")), all);
-}
-
-/// What is told of C++ that is refused, with its line.
-#[track_caller]
-fn told(text: &str, line: u32, message: &str, help: &str) {
-    let faults = expand(text).expect_err(text).faults;
-    let found = faults.iter().any(|it| {
-        it.line == line
-            && it.fault.message.contains(message)
-            && it.fault.help.as_deref().unwrap_or_default().contains(help)
-    });
-    assert!(found, "{text}\n{faults:#?}");
-}
+use vendor_cpp::{expand, expand_with, numbers, numbers_of, told};
 
 /// What a program is warned of.
 #[track_caller]
@@ -105,7 +64,7 @@ fn constructors_stand_behind_their_class() {
         ),
     ]);
     let main = format!("#include \"tree.hpp\"\nextern int made; int main() {{ {inside} }}");
-    numbers_of(expand_with(&main, &includes), &all);
+    numbers_of(expand_with(&main, &includes), &all, &main);
     numbers(
         "struct K { int n; int m; K(); int get() const; }; K::K() : n(), m{4} {} int K::get() const { return 10 * n + m; }",
         "K k; scamp5_in(A, k.get()); K all[2]; scamp5_in(A, all[1].get());",
@@ -214,14 +173,14 @@ fn files_have_variables_of_one_name() {
     if let Ok(read) = &read {
         assert_eq!(set(read), "SET(R7) SET(R8) SET(R7) SET(R8)");
     }
-    numbers_of(read, &[3, 11, 4, 21, 3, 12, 4, 22, 5]);
+    numbers_of(read, &[3, 11, 4, 21, 3, 12, 4, 22, 5], main);
 }
 
 /// The vendor's parameter has eight bits.
 #[test]
 fn values_for_the_array_are_passed_with_a_sign() {
     let text = "int main() { uint8_t v = -50; scamp5_in(C, v); scamp5_in(A, 241); scamp5_in(B, -129); scamp5_load_in(C, 200); scamp5_in(A, -128); }";
-    numbers_of(expand(text), &[-50, -15, 127, -128]);
+    numbers_of(expand(text), &[-50, -15, 127, -128], text);
     warned(text, "C++ makes -50 of 206");
     warned(text, "C++ makes -56 of 200");
 }

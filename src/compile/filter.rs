@@ -88,9 +88,9 @@ impl Filter {
         2f64.powi(-(self.prescale as i32))
     }
 
-    /// A solved plan behind `words`, which halve the input once each; its results are in `into`, halved
-    /// `prescale` times in all. `range`: of the input, if it is known, and whether the result is a difference that is
-    /// compared with a threshold.
+    /// A solved plan behind `words`, which halve the input once each; its results are in `into`,
+    /// halved `prescale` times in all. `range`: of the input, if it is known, and whether the result
+    /// is a difference that is compared with a threshold.
     pub(super) fn from_solved(
         (device, into): (&Device, &[Analog]),
         range: (Option<(f64, f64)>, bool),

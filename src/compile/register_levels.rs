@@ -117,16 +117,10 @@ impl Request<'_> {
             objective: Objective::Exact,
             ..self.clone()
         };
-        let Ok(other) = exact.filter() else {
-            return Ok(own);
-        };
-        let states = own.states + other.states;
-        let fewest = if self.key(&other) < self.key(&own) {
-            other
-        } else {
-            own
-        };
-        Ok(Filter { states, ..fewest })
+        Ok(match exact.filter() {
+            Ok(other) => self.shorter(own, other),
+            Err(_) => own,
+        })
     }
 
     /// The registers that may be used; those that cannot be chosen come first.

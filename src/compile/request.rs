@@ -325,14 +325,21 @@ impl<'a> Request<'a> {
         let Ok(Some(other)) = other.shortest() else {
             return front;
         };
-        let Ok(front) = front else { return Ok(other) };
-        let states = front.states + other.states;
-        let fewest = if self.key(&other) < self.key(&front) {
+        Ok(match front {
+            Ok(front) => self.shorter(front, other),
+            Err(_) => other,
+        })
+    }
+
+    /// Of two filters the one of fewer words, the first where they are equal; what both cost to find.
+    pub(super) fn shorter(&self, one: Filter, other: Filter) -> Filter {
+        let states = one.states + other.states;
+        let fewest = if self.key(&other) < self.key(&one) {
             other
         } else {
-            front
+            one
         };
-        Ok(Filter { states, ..fewest })
+        Filter { states, ..fewest }
     }
 
     /// The filter of the fewest words, with all halvings in front of it.

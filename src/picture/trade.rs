@@ -51,7 +51,7 @@ const MARGIN: f64 = 24.0;
 const LEFT: f64 = 78.0;
 const PLOT: f64 = 560.0;
 const HEIGHT: f64 = 380.0;
-/// Room at the right for a name without letters, and for each of them.
+/// Room at the right for what stands before a name, at least; and a letter's.
 const NAMES: f64 = 318.0;
 const LETTER: f64 = 8.0;
 

@@ -133,8 +133,8 @@ impl Compiled {
         units.filter_map(note).collect()
     }
 
-    /// That a cell fires again and again on the chip whose drive stays between two levels, or beyond the last, of its
-    /// memory in bits; its scale, and what few values took from its kernel.
+    /// That a cell fires again and again on the chip whose drive stays between two levels, or beyond
+    /// the last, of its memory in bits; its scale, and what few values took from its kernel.
     fn chatters(&self, kind: usize, (own, few): (f64, f64), device: &Device) -> Option<String> {
         let BitMemory { step, restless, .. } = self.in_bits.get(kind)?;
         let Restless {

@@ -105,7 +105,8 @@ pub(super) fn rewritten(
     Some((variant(machine, renamed, given.len()), given))
 }
 
-/// Warns of a line that would go on at the other side of the array, where it is not known to end on it.
+/// Warns of a line that would go on at the other side of the array, where it is not known to end
+/// on it.
 fn line_leaves(machine: &mut Machine<'_>, given: &[Given], place: Place) {
     let on = |at: usize, figure| {
         let number = given.get(at).and_then(|it| it.0.number());

@@ -244,8 +244,8 @@ impl Machine<'_> {
         }
     }
 
-    /// A variable of its own without a name, or the one that was made before: its type, where the declaration has
-    /// none, and whether it keeps its value for good.
+    /// A variable of its own without a name, or the one that was made before: its type, where the
+    /// declaration has none, and whether it keeps its value for good.
     fn keep(
         &mut self,
         it: &Declared,
