@@ -96,6 +96,7 @@ fn row(clip: &str, name: &str, upsample: Option<f64>) -> Result<(), Error> {
         upsample,
         readout: None,
         crop: false,
+        looks_anyway: false,
         budget: BUDGET,
         tiles: None,
     };

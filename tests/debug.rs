@@ -155,6 +155,30 @@ fn what_is_no_command_is_told_and_the_end_of_input_quits() {
     }
 }
 
+/// A pattern goes on for ever, but where it is said which frames are shown.
+#[test]
+fn a_pattern_is_as_long_as_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "//! frames = 2\n\ninit { get_image(C); }\nframe { get_image(D); }\n";
+    fs::write(folder.path().join("p.scamp"), text).unwrap();
+    let bar = "pattern:bar?width=16&height=12";
+    let said = |more: &[&str]| {
+        let exec = [&["exec", "p.scamp", "--image", bar][..], more].concat();
+        let output = amacrine(folder.path(), &exec).output().unwrap();
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let own = said(&[]);
+    assert!(own.contains("frames   2\n"), "{own}");
+    assert!(own.contains("so many of the pattern were run"), "{own}");
+    let slice = said(&["--slice", "..5"]);
+    assert!(slice.contains("frames   5\n"), "{slice}");
+    assert!(slice.contains("the whole clip was run"), "{slice}");
+    let more = said(&["--frames", "3"]);
+    assert!(more.contains("frames   3\n"), "{more}");
+    assert!(!more.contains("frames = 2"), "{more}");
+}
+
 /// What the debugger did not run was not run.
 #[test]
 fn a_clip_that_is_left_is_not_run_whole() {

@@ -236,6 +236,7 @@ fn question(description: &Description, seed: u64) -> Question<'_> {
         upsample: None,
         readout: None,
         crop: false,
+        looks_anyway: false,
         budget: BUDGET,
         tiles: None,
     }
@@ -1033,6 +1034,53 @@ mod command {
         assert!(auto["frames"].as_u64() <= full["frames"].as_u64());
         let text = common::good(here(), &words(&format!("{run} --fidelity auto")));
         assert!(text.contains("plan "), "{text}");
+    }
+
+    /// The events of the rows and columns that are left are those of the whole, in their places.
+    #[test]
+    fn a_run_is_cut_to_where_something_changes() {
+        let folder = tempfile::tempdir().unwrap();
+        let here = folder.path();
+        let clip = ndarray::Array3::from_shape_fn((9, 90, 120), |(t, y, x)| {
+            let moves = (60..75).contains(&y) && (81..99).contains(&x);
+            let step = if moves { 31 * t } else { 0 };
+            ((7 * y + 13 * x + step) % 200) as f64
+        });
+        ndarray_npy::write_npy(here.join("c.npy"), &clip).unwrap();
+        let events = |path: &str| {
+            amacrine::event::file::read(&here.join(path))
+                .unwrap()
+                .packet
+                .events
+        };
+        for sensor in ["rgc-4", "orientation", "dvs"] {
+            let run = format!("run --scene c.npy --fps 100 --sensor {sensor}");
+            common::good(here, &words(&format!("{run} --events full.npy")));
+            let auto = format!("{run} --fidelity auto --tolerance 1%");
+            let listed = format!("{auto} --events auto.npy");
+            // On a busy machine a look may seem too dear.
+            let cut = (0..9).find_map(|_| {
+                let told = common::json(here, &words(&listed));
+                (!told["fidelity"]["window"].is_null()).then_some(told)
+            });
+            let told = cut.unwrap();
+            let (rows, columns) = (
+                &told["fidelity"]["window"][0],
+                &told["fidelity"]["window"][1],
+            );
+            assert!(rows["start"].as_u64().unwrap() >= 48, "{rows}");
+            assert!(columns["end"].as_u64().unwrap() <= 111, "{columns}");
+            assert!(!events("full.npy").is_empty());
+            assert_eq!(events("auto.npy"), events("full.npy"), "{sensor}");
+            let text = common::good(here, &words(&auto));
+            assert!(text.contains("plan "), "{text}");
+            // Arrays are whole.
+            let whole = common::json(here, &words(&format!("{auto} --counts n.npy")));
+            assert!(whole["fidelity"]["window"].is_null(), "{whole}");
+        }
+        // What is planned is timed as it is run.
+        let told = common::json(here, &words("plan --scene c.npy --fps 100 --sensor rgc-4"));
+        assert!(!told["window"].is_null(), "{told}");
     }
 
     #[test]

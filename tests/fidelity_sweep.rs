@@ -137,7 +137,7 @@ fn plain_models_are_told(here: &Path) {
         "reference f32 *",
         note,
         "f32: at most ",
-        "open, reference f32 seems better",
+        "open, reference f32 may be better",
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }

@@ -144,7 +144,8 @@ proptest! {
         }
     }
 
-    /// The light above black counts 2^(gain - 1) times: -127 + 2^(gain - 1) · light in all.
+    /// The light above black counts 2^(gain - 1) times: -127 + 2^(gain - 1) · light in all, and half
+    /// of what is above -127 in the other register.
     #[test]
     fn gain_multiplies_the_light(light in prop::collection::vec(0u8..=255, 6), gain in 1u32..=5) {
         let device = Device::scamp5();
@@ -160,5 +161,6 @@ proptest! {
         let factor = f64::from(1 << (gain - 1));
         let expected = light.mapv(|l| factor * l - 127.0);
         prop_assert_eq!(chip.analog(Analog(0)), expected);
+        prop_assert_eq!(chip.analog(Analog(1)), light.mapv(|l| factor * l / 2.0));
     }
 }

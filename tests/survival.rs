@@ -316,6 +316,37 @@ fn one_register_more_never_costs_words_of_the_same_signal() {
     }
 }
 
+/// On SCAMP-5, against a chip that has one register less: a ternary and a five-bit kernel of which a
+/// search in six registers finds the longer plan, of more noise.
+#[test]
+fn scamp5_has_no_longer_filter_than_a_chip_of_five_registers() {
+    let ternary = [
+        &[0, 0, 0, 1, 0][..],
+        &[1, 1, -1, 1, 0],
+        &[1, 0, -1, 1, -1],
+        &[-1, -1, 0, 0, 0],
+        &[1, 1, 0, -1, 1],
+    ];
+    let of_five_bits = [&[-15, 5, -5][..], &[5, 3, 7], &[-4, 4, -12]];
+    let rows = |rows: &[&[i8]]| -> Vec<Vec<f64>> {
+        { rows.iter() }
+            .map(|row| row.iter().copied().map(f64::from).collect())
+            .collect()
+    };
+    for rows in [rows(&ternary), rows(&of_five_bits)] {
+        let kernels = [Kernel::from_rows(&rows).unwrap()];
+        let found = |device: &Device| {
+            let request = Request::new(&kernels, device).unwrap();
+            let filter = request.filter().unwrap();
+            let registers = (request.input, &request.into[..]);
+            let forecast = filter.best_forecast(device, registers, &kernels)[0];
+            (filter.words.len(), forecast.snr_db())
+        };
+        let (few, many) = (found(&narrow(5)), found(&Device::scamp5()));
+        assert!(many.0 <= few.0 || many.1 > few.1, "{many:?} {few:?}");
+    }
+}
+
 /// A longer search has met many plans that are right at the border, all of them longer than what a
 /// short one finds.
 #[test]

@@ -116,13 +116,14 @@ impl Fidelity {
         self.fidelity == Some(How::Auto)
     }
 
-    /// What is asked of a run; arrays that are written are whole, so that it is not cut.
+    /// What is asked of a run, whose array may be cut: `crop`.
     #[must_use]
     pub fn question<'a>(
         &self,
         (description, seed): (&'a Description, u64),
         upsample: Option<f64>,
         readout: Option<Readout>,
+        crop: bool,
     ) -> Question<'a> {
         Question {
             description,
@@ -132,7 +133,8 @@ impl Fidelity {
             formats: &[Format::F32],
             upsample,
             readout,
-            crop: false,
+            crop,
+            looks_anyway: false,
             budget: BUDGET,
             tiles: None,
         }

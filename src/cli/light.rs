@@ -100,6 +100,11 @@ impl Samples {
         }
     }
 
+    /// Whether it is said which frames are shown.
+    pub const fn has_slice(&self) -> bool {
+        self.slice.is_some()
+    }
+
     /// The scene, or the bundled clip; what is seen of it is noted.
     ///
     /// # Errors

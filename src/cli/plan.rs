@@ -140,6 +140,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         upsample: arguments.upsample,
         readout,
         crop: true,
+        looks_anyway: true,
         budget: BUDGET,
         tiles: None,
     };

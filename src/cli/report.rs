@@ -156,7 +156,7 @@ fn left_out(report: &Report, group: &Group) -> Vec<String> {
         );
     }
     if group.sensors.iter().any(|s| s.undecided_with.is_some()) {
-        lines.push("  open: what seems better may not be, by what was left out".to_owned());
+        lines.push("  open: by what was left out, what is named may be better or not".to_owned());
     }
     lines
 }
@@ -239,7 +239,7 @@ fn table(report: &Report, arguments: &Arguments) -> String {
             let threshold = threshold(sensor);
             let front = match (&sensor.dominated_by, &sensor.undecided_with) {
                 (Some(by), _) => format!("no, {by} is better"),
-                (None, Some(by)) => format!("open, {by} seems better"),
+                (None, Some(by)) => format!("open, {by} may be better"),
                 (None, None) => "yes".to_owned(),
             };
             let _ = writeln!(

@@ -23,7 +23,7 @@ use crate::{
     scene::{Observation, Scene, SceneError, upsample},
     source,
     study::{
-        pilot::{Effect, Plan},
+        pilot::{Effect, Part, Plan, plan::Crop},
         run_guard::{Done, RunGuard},
     },
     unit::{Micros, counted},
@@ -238,7 +238,9 @@ impl Arguments {
         }
         let readout = self.readout.open()?.map(|d| d.readout()).transpose()?;
         let sensor = (description, self.seed);
-        let question = self.fidelity.question(sensor, self.upsample, readout);
+        // Arrays that are written are whole.
+        let crop = self.counts.is_none() && self.voxels.is_none();
+        let question = self.fidelity.question(sensor, self.upsample, readout, crop);
         let source = KeptOrUnread::new(question.looks(), open)?;
         let plan = make(&question, source.kept())
             .wrap_err_with(|| format!("{} seen by {}", self.scene, self.sensor.display()))?;
@@ -264,6 +266,7 @@ fn watched(
         scene,
         end,
         shown,
+        window: plan.and_then(Plan::crop),
     });
     let mut warnings = Warning::of_scene(observation, description.response);
     warnings.extend(found.and_then(|found| found.warning(&description.name)));
@@ -350,6 +353,8 @@ struct Run<'a> {
     end: Micros,
     /// Frames before any are put in, where that is known, and how many a second.
     shown: (Option<u64>, f64),
+    /// What the plan leaves of the array, where it cuts it.
+    window: Option<&'a Crop>,
 }
 
 /// When the last frame of a scene is to come; 0 where nobody knows.
@@ -365,6 +370,7 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
         mut scene,
         end,
         shown: (frames, fps),
+        window,
     } = run;
     let size = scene.size();
     let channels = description.channels.len();
@@ -375,7 +381,11 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     let sensor = Reference::bytes_in(arguments.format, &description, size);
     let held = events(arguments, &*scene, sensor, channels)?;
     let limit = arguments.limit(held);
-    let mut reference = Reference::in_format(arguments.format, description, size, arguments.seed)?;
+    let part = window.map(|window| Part::new(size, window));
+    let mut reference = match &part {
+        Some(part) => part.sensor(arguments.format, description, arguments.seed)?,
+        None => Reference::in_format(arguments.format, description, size, arguments.seed)?,
+    };
     let mut packet = Packet::new(size, channels as u8);
     packet.names = names;
     packet.span.1 = end;
@@ -396,10 +406,13 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     let progress = Progress::new("watching", frames);
 
     let (mut first, mut last) = (None, 0.0);
-    let mut list = arguments
-        .events
-        .as_ref()
-        .map(|_| EventList::new(&mut packet, limit).holding(held));
+    let mut list = { arguments.events.as_ref() }.map(|_| {
+        let list = EventList::new(&mut packet, limit).holding(held);
+        match &part {
+            Some(part) => list.of_part(part.size(), part.corner()),
+            None => list,
+        }
+    });
     let frames = rig::play(&mut scene, |frame| {
         let sinks = Sinks {
             tally: Some(&mut tally),
@@ -408,7 +421,10 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
             counts: counts.as_mut(),
             voxels: grid.as_mut(),
         };
-        reference.watch_into_sinks(&frame, sinks)?;
+        match &part {
+            Some(part) => reference.watch_into_sinks(&part.of(&frame), sinks)?,
+            None => reference.watch_into_sinks(&frame, sinks)?,
+        }
         output.take(list.as_mut())?;
         guard.see(&frame, firing.cells());
         if first.is_some() {

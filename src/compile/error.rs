@@ -132,21 +132,21 @@ pub enum CompileError {
     },
     /// Too few registers.
     #[error(
-        "{what}: no program was found in the {} that {} free; in {needed} there is one",
+        "{}: no program was found in the {} that {} free; in {needed} there is one",
+        if *kernels == 1 { "one kernel".to_owned() } else { format!("{kernels} kernels") },
         crate::unit::counted(*free, "analogue register"),
         if *free == 1 { "is" } else { "are" },
     )]
-    #[diagnostic(help(
-        "search longer (--effort), {}keep fewer registers (--keep), or try a chip with more, such as --chip scamp5-wide",
-        if what.starts_with("one ") { "" } else { "ask for fewer kinds or kernels, " }
-    ))]
+    #[diagnostic(help("{}", more_registers(*kernels, *free, *are_kept)))]
     Registers {
-        /// What needs them.
-        what: String,
-        /// How many it needs.
+        /// How many kernels need them, each one for its result.
+        kernels: usize,
+        /// How many they need.
         needed: usize,
         /// How many there are.
         free: usize,
+        /// Whether others are to keep what they hold.
+        are_kept: bool,
     },
     /// Too few registers for a whole program.
     #[error(
@@ -316,4 +316,14 @@ impl CompileError {
         }
         self
     }
+}
+
+/// What to do where registers do not suffice: where even the results have no room, no search helps.
+fn more_registers(kernels: usize, free: usize, are_kept: bool) -> String {
+    let longer = (kernels <= free).then_some("search longer (--effort)");
+    let fewer = (kernels > 1).then_some("ask for fewer kinds or kernels");
+    let kept = are_kept.then_some("keep fewer registers (--keep)");
+    let all = [longer, fewer, kept].into_iter().flatten();
+    let all: String = all.flat_map(|way| [way, ", "]).collect();
+    format!("{all}or try a chip with more, such as --chip scamp5-wide")
 }

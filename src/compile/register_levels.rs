@@ -6,11 +6,12 @@
 //! of all that its smaller sisters are given, and of a search of its own. Where the best has as few
 //! words as any program can have ([`bound`](super::bound)), no more is tried.
 //!
-//! What comes out of the chip is found by one search of the whole effort. So smaller numbers are tried
-//! on chips of fewer registers than usual alone, the fewest with a part of the effort, and what
-//! they give is taken where it is shorter and no less comes out of it. There the words as the
-//! objective are sought with the same effort in each number, so that who asks for the fewest gets no
-//! more than who does not.
+//! What comes out of the chip is found by one search of the whole effort, and for a filter alone on
+//! chips of at least as many registers as usual by a second one in one register fewer, which may be the
+//! shorter: what it gives is taken where it has fewer words and no less comes out of it. On chips of fewer registers all
+//! smaller numbers are tried, the fewest with a part of the effort. The words as the objective are
+//! sought with the same effort in each number, so that who asks for the fewest gets no more than who
+//! does not.
 
 use super::{
     allocate::ordinary_registers,
@@ -53,7 +54,13 @@ impl Request<'_> {
             }
             // The fewest words are not what is sought: of a wider chip's two the shorter is taken.
             Objective::Silicon | Objective::Events | Objective::Exact => {
-                levels.extend((fewest..usual).rev().filter(|_| is_narrow));
+                let least = match self.border {
+                    _ if is_narrow => fewest,
+                    Border::Any => fewest.max(USUAL - 1),
+                    // Programs, whose memories leave fewer.
+                    Border::Worth | Border::Right => usual,
+                };
+                levels.extend((least..usual).rev());
                 levels.extend((all.len() > USUAL).then(|| all.len().min(MOST)));
             }
         }
@@ -73,7 +80,8 @@ impl Request<'_> {
             // Where fewer do not suffice, the first that do have the whole effort.
             let effort = match &best {
                 None if count > USUAL => self.effort,
-                _ if is_narrow => self.narrow_share(count),
+                // In the registers that memories leave, one search has the whole effort.
+                _ if count == usual && !is_narrow => self.effort,
                 _ => self.share(count),
             };
             match self.filter_in(&all[..count], effort) {
@@ -131,32 +139,16 @@ impl Request<'_> {
         all
     }
 
-    /// The effort of a search in so many registers, the same on every chip: half of it for each
-    /// register less than usual.
+    /// The effort of one of several searches, in so many registers, the same on every chip. A search in
+    /// few registers refuses most of what it makes, which takes time and is not counted.
     fn share(&self, registers: usize) -> Effort {
-        let below = if self.objective == Objective::Words {
-            USUAL.saturating_sub(registers)
-        } else {
-            // No smaller search comes beside it.
-            0
-        };
-        let states = match registers {
-            0..=USUAL => self.effort.states >> below,
-            MOST.. => self.effort.states / 5,
-            // The plans that need no search.
-            _ => 0,
-        };
-        self.effort.with_states(states)
-    }
-
-    /// The effort of one of the searches of a chip of fewer registers than usual, the same on each of
-    /// them: a search in few registers refuses most of what it makes, which takes time and is not
-    /// counted.
-    fn narrow_share(&self, registers: usize) -> Effort {
         let part = match registers {
             ..FEWEST_REGISTERS => 32,
             FEWEST_REGISTERS => 2,
-            _ => 1,
+            ..=USUAL => 1,
+            MOST.. => 5,
+            // The plans that need no search.
+            _ => return self.effort.with_states(0),
         };
         self.effort.with_states(self.effort.states / part)
     }

@@ -142,9 +142,10 @@ impl<'a> Request<'a> {
         let all = ordinary_registers(device);
         let Some(into) = all.get(..kernels.len()) else {
             return Err(CompileError::Registers {
-                what: format!("{} kernels", kernels.len()),
+                kernels: kernels.len(),
                 needed: kernels.len(),
                 free: all.len(),
+                are_kept: false,
             });
         };
         Ok(Self {
@@ -464,12 +465,10 @@ impl<'a> Request<'a> {
         match Buses::from_device(self.device).missing() {
             Some(form) if free >= needed => self.missing(form, "no filter without it was found"),
             _ => CompileError::Registers {
-                what: match goals {
-                    1 => "one kernel".to_owned(),
-                    n => format!("{n} kernels"),
-                },
+                kernels: goals,
                 needed,
                 free,
+                are_kept: !self.keep.is_empty(),
             },
         }
     }

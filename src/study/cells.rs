@@ -101,11 +101,15 @@ pub enum CellsError {
         "{sensor}: each kind has a memory of the pixel of its own, which the compiler has for no chip"
     )]
     #[diagnostic(help(
-        "add `shared = true`: one memory of the pixel for all kinds, in one register, or write `memory = \"filtered-snap\"`: a memory of the drive for each"
+        "add `shared = true`: one memory of the pixel for all kinds, in one register{}",
+        // Of more than two kinds no shipped chip of six registers has them.
+        if *kinds > 2 { "" } else { ", or write `memory = \"filtered-snap\"`: a memory of the drive for each" }
     ))]
     MemoriesOfPixel {
         /// The sensor.
         sensor: String,
+        /// How many kinds it has.
+        kinds: usize,
     },
     /// A memory that steps.
     #[error("{sensor}: its memory steps")]
@@ -262,7 +266,10 @@ pub fn memory_of(sensor: &str, description: &Description) -> Result<DriveMemory,
         MemoryRule::RawSnap if description.shared || description.channels.len() == 1 => {
             Ok(DriveMemory::Shared)
         }
-        MemoryRule::RawSnap => Err(CellsError::MemoriesOfPixel { sensor: sensor() }),
+        MemoryRule::RawSnap => Err(CellsError::MemoriesOfPixel {
+            sensor: sensor(),
+            kinds: description.channels.len(),
+        }),
         MemoryRule::FilteredStep | MemoryRule::AuthorsPixelStep => {
             Err(CellsError::Steps { sensor: sensor() })
         }

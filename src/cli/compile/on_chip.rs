@@ -137,8 +137,24 @@ impl Compiled {
         } else {
             "a narrower range of the input (--input)"
         };
+        // Weights that are all as large have no digit to spare.
+        let is_flat = |kernel: &Kernel| {
+            let largest = kernel
+                .weights()
+                .iter()
+                .fold(0.0, |most: f64, w| most.max(w.abs()));
+            kernel
+                .weights()
+                .iter()
+                .all(|w| *w == 0.0 || w.abs() == largest)
+        };
+        let fewer = if kernels.iter().all(is_flat) {
+            ""
+        } else {
+            "fewer digits (--to), "
+        };
         Some(format!(
-            "warning: {what}, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take fewer digits (--to), {narrower}, or {other}\n"
+            "warning: {what}, a correlation of {worst:.3} with the exact filter: the program serves in exact arithmetic only; take {fewer}{narrower}, or {other}\n"
         ))
     }
 

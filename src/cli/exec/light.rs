@@ -27,6 +27,8 @@ pub struct Light {
     frames: Option<u64>,
     /// How many frames the program says, where a clip that was asked for is shown instead.
     cut: Option<u64>,
+    /// How many frames the program says, of a pattern that was asked for and has more.
+    of_pattern: Option<u64>,
     fps: f64,
 }
 
@@ -35,6 +37,8 @@ pub struct Light {
 pub struct Said {
     /// How many frames the program says, where a clip that was asked for is shown instead.
     cut: Cell<Option<u64>>,
+    /// How many frames the program says, of a pattern that was asked for and has more.
+    of_pattern: Cell<Option<u64>>,
     /// Frames that the clip had, and those that were asked for.
     ended: Cell<Option<(u64, u64)>>,
     /// Words of the shortest and of the longest frame, where the host decides what runs.
@@ -55,6 +59,7 @@ impl Said {
     /// After a run.
     pub fn set(&self, light: &Lasting) {
         self.cut.set(light.light.cut);
+        self.of_pattern.set(light.light.of_pattern);
         self.ended.set(light.ended);
     }
 
@@ -64,6 +69,9 @@ impl Said {
         let stopped = self.stopped.get();
         let cut = cut.filter(|says| *says != frames && !stopped).map(|says| {
             format!("the program says frames = {says}; the whole clip was run: --frames {says} runs as many")
+        });
+        let of_pattern = self.of_pattern.get().filter(|_| !stopped).map(|says| {
+            format!("the program says frames = {says}, and so many of the pattern were run: --frames N runs more")
         });
         let ended = ended.map(|(had, asked)| {
             let more = asked - had;
@@ -96,6 +104,7 @@ impl Said {
             )
         });
         cut.into_iter()
+            .chain(of_pattern)
             .chain(ended)
             .chain(stopped)
             .chain(left)
@@ -134,12 +143,15 @@ impl Light {
         let found = scene.as_deref().map_or(ASSUMED_FPS, <dyn Scene>::fps);
         let own = program.settings.frames;
         // A clip that was asked for is shown as it is, whatever the program says of its own; a pattern
-        // is one where it says how many frames it has.
+        // is one where it is said how many frames it has.
+        let is_endless = image.is_some_and(goes_on) && !arguments.samples.has_slice();
         let clip = arguments.image.is_some()
             && scene
                 .as_deref()
-                .is_some_and(|scene| !image.is_some_and(goes_on) && scene.frames() != Some(1));
+                .is_some_and(|scene| !is_endless && scene.frames() != Some(1));
         let cut = own.filter(|_| clip && arguments.frames.is_none());
+        let is_pattern = arguments.image.is_some() && is_endless;
+        let of_pattern = own.filter(|_| is_pattern && arguments.frames.is_none());
         let frames = arguments.frames.or(own.filter(|_| !clip));
         if frames == Some(0) {
             return Err(miette!(
@@ -157,6 +169,7 @@ impl Light {
             scene,
             frames,
             cut,
+            of_pattern,
             fps: asked.unwrap_or(found),
         })
     }

@@ -9,7 +9,7 @@ use std::{
 use crate::{
     event::{Event, Packet},
     number::Real,
-    plane::Size,
+    plane::{At, Size},
     reference::{
         sinks::check_shape,
         train::{BandSink, Interval, Sink, TrainRow},
@@ -41,6 +41,8 @@ pub struct EventList<'a> {
     held: usize,
     /// How many were passed on.
     passed: usize,
+    /// What of the packet's sensor is watched, and where its first cell is in it.
+    part: (Size, At),
     quantiser: TimeQuantiser,
     buffers: Buffers,
     /// How many events the interval has so far, in all bands.
@@ -68,6 +70,7 @@ impl<'a> EventList<'a> {
         buffers: Buffers,
     ) -> Self {
         Self {
+            part: (packet.size, At { y: 0, x: 0 }),
             packet,
             limit,
             held: usize::MAX,
@@ -87,6 +90,14 @@ impl<'a> EventList<'a> {
     #[must_use]
     pub fn holding(self, held: usize) -> Self {
         Self { held, ..self }
+    }
+
+    /// The list of a sensor of this size that is a part of the packet's: its first cell is at
+    /// `corner` there.
+    #[must_use]
+    pub fn of_part(self, size: Size, corner: At) -> Self {
+        let part = (size, corner);
+        Self { part, ..self }
     }
 
     /// Gives the events in the packet to `to`, and takes them out; they still count against the
@@ -136,7 +147,7 @@ impl Sink for EventList<'_> {
         Self: 'b;
 
     fn check(&self, size: Size, channels: usize) -> Result<(), SensorError> {
-        let own = (self.packet.size, self.packet.channels.into());
+        let own = (self.part.0, self.packet.channels.into());
         check_shape("a packet", own, (size, channels))
     }
 
@@ -171,7 +182,15 @@ impl Sink for EventList<'_> {
                 }
             };
         }
+        let before = self.packet.events.len();
         self.sort();
+        let (_, At { y, x }) = self.part;
+        if (y, x) != (0, 0) {
+            for event in &mut self.packet.events[before..] {
+                event.y += y as u16;
+                event.x += x as u16;
+            }
+        }
         Ok(())
     }
 }

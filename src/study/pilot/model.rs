@@ -4,15 +4,15 @@ use std::ops::ControlFlow;
 
 use crate::{
     event::Packet,
-    mosaic::Mosaic,
-    plane::{At, Size},
+    plane::Size,
     reference::{Limit, Reference},
     rig,
-    scene::{Frame, Scene, upsample},
+    scene::{Scene, upsample},
 };
 
 use super::{
     effect::{Choice, Effect},
+    part::Part,
     plan::{Crop, Plan, PlanError, Question},
 };
 
@@ -75,21 +75,14 @@ impl<'a> Model<'a> {
         seen: &mut dyn FnMut(),
     ) -> Result<Packet, PlanError> {
         let keeps = |effect: Effect| !self.choice.leaves_out(effect);
-        let window = self.window.clone().filter(|_| !keeps(Effect::Surroundings));
-        let mosaic = window.map(|(rows, columns)| {
-            let at = At {
-                y: rows.start,
-                x: columns.start,
-            };
-            let tile = Size::new(rows.len(), columns.len());
-            Mosaic::new(whole, tile, 0, vec![at], 1)
-        });
-        let mut packet = self.watched(mosaic.as_ref(), scene, seen)?;
-        if let Some(at) = mosaic.as_ref().and_then(|mosaic| mosaic.tiles().first()) {
-            for event in &mut packet.events {
-                event.x += at.x as u16;
-                event.y += at.y as u16;
-            }
+        let window = self
+            .window
+            .as_ref()
+            .filter(|_| !keeps(Effect::Surroundings));
+        let part = window.map(|window| Part::new(whole, window));
+        let mut packet = self.watched(part.as_ref(), scene, seen)?;
+        if let Some(part) = &part {
+            part.place(&mut packet.events);
             packet.size = whole;
         }
         Ok(match self.question.readout {
@@ -98,10 +91,10 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// Of a mosaic of one tile, or of the whole.
+    /// Of a part, or of the whole.
     fn watched(
         &self,
-        mosaic: Option<&Mosaic>,
+        part: Option<&Part>,
         scene: &mut dyn Scene,
         seen: &mut dyn FnMut(),
     ) -> Result<Packet, PlanError> {
@@ -109,15 +102,15 @@ impl<'a> Model<'a> {
             description, seed, ..
         } = *self.question;
         let (format, plain) = (self.choice.format, self.choice.plainer(description));
-        let mut sensor = match mosaic {
-            Some(mosaic) => Reference::on_tiles_in_format(format, plain, mosaic, seed)?,
+        let mut sensor = match part {
+            Some(part) => part.sensor(format, plain, seed)?,
             None => Reference::in_format(format, plain, scene.size(), seed)?,
         };
         sensor.set_limit(self.limit);
         let mut packet = Packet::new(sensor.size(), sensor.channels());
         rig::play(scene, |frame| {
-            let frame = match mosaic {
-                Some(mosaic) => cut(&frame, mosaic),
+            let frame = match part {
+                Some(part) => part.of(&frame),
                 None => frame,
             };
             sensor.watch(&frame, &mut packet)?;
@@ -126,13 +119,4 @@ impl<'a> Model<'a> {
         })?;
         Ok(packet)
     }
-}
-
-/// The part of a frame that a mosaic of one tile shows.
-fn cut(frame: &Frame, mosaic: &Mosaic) -> Frame {
-    let at = mosaic.tiles().first().copied().unwrap_or(At { y: 0, x: 0 });
-    let Size { height, width } = mosaic.size();
-    let rows = ndarray::s![at.y..at.y + height, at.x..at.x + width];
-    let light = frame.light.slice(rows).to_owned().into();
-    Frame { light, ..*frame }
 }

@@ -6,6 +6,7 @@ use crate::{
     event::readout::Readout,
     kernel::Kernel,
     number::Format,
+    plane::Size,
     reference::{Description, MemoryRule},
     scene::{SceneError, kept::Kept},
     sensor::SensorError,
@@ -43,6 +44,8 @@ pub struct Question<'a> {
     pub readout: Option<Readout>,
     /// Whether the array may be cut to where something changes.
     pub crop: bool,
+    /// Whether the scene is looked at whatever that takes: the plan itself is what is asked for.
+    pub looks_anyway: bool,
     /// What the pilot may spend: a part of the full model's time, and seconds besides.
     pub budget: (f64, f64),
     /// So many tiles whatever they cost, in place of what the budget affords.
@@ -71,7 +74,10 @@ impl Question<'_> {
             seed: self.seed,
             base: &Choice::full(),
         };
-        self.tolerance > 0.0 && self.is_read_ideally() && (self.crop || family.halo().is_ok())
+        let is_cut = self.crop && !may_fire_anywhere(self.description);
+        self.tolerance > 0.0
+            && self.is_read_ideally()
+            && (self.looks_anyway || is_cut || family.halo().is_ok())
     }
 
     /// Whether events leave the cells as they are.
@@ -135,6 +141,13 @@ impl Plan {
     #[must_use]
     pub fn limit(&self) -> f64 {
         self.change.and_then(|change| change.limit).unwrap_or(0.0)
+    }
+
+    /// What it leaves of the array, where it cuts it.
+    #[must_use]
+    pub fn crop(&self) -> Option<&Crop> {
+        let cuts = self.choice.leaves_out(Effect::Surroundings);
+        self.window.as_ref().filter(|_| cuts)
     }
 
     fn full(why: &str) -> Self {
@@ -205,7 +218,7 @@ pub fn plan(
     };
     let grid = Grid::new(size, family.halo().unwrap_or(0));
     // Frames that are inserted take more than any look.
-    let waits = question.tiles.is_some() || question.crop || upsample.is_some();
+    let waits = question.tiles.is_some() || question.looks_anyway || upsample.is_some();
     if !waits && !family.affords_a_look(question, kept, grid, clock)? {
         plan.inserted(description, upsample);
         plan.choice = plan.base();
@@ -233,6 +246,7 @@ pub fn plan(
     plan.inserted(&plan.base().plainer(description), upsample);
     let base = plan.base();
     let candidates = candidates(question, &base);
+    let left = plan.part_of(size);
     let measure = Measure {
         kept,
         upsample: upsample.filter(|_| !base.leaves_out(Effect::InsertedFrames)),
@@ -240,7 +254,10 @@ pub fn plan(
         within: question.within,
         seed: question.seed,
         clock,
-        budget: (question.budget.0, question.budget.1 - (clock() - start)),
+        budget: (
+            left * question.budget.0,
+            question.budget.1 - (clock() - start),
+        ),
         tiles: question.tiles,
         look: Some(&look),
         limits_only: false,
@@ -250,13 +267,18 @@ pub fn plan(
         seed: question.seed,
         base: &base,
     };
-    let answer = measure.ask(&family, &candidates)?;
+    let mut answer = measure.ask(&family, &candidates)?;
+    // Times were measured of the whole array.
+    let of_part = |seconds: [f64; 2]| seconds.map(|seconds| seconds * left);
+    for offer in &mut answer.offers {
+        offer.seconds = offer.seconds.map(of_part);
+    }
     Ok(Plan {
         choice: answer.choice,
         change: answer.change,
         offers: answer.offers,
         why: answer.why,
-        expected: answer.expected,
+        expected: answer.expected.map(of_part),
         seconds: clock() - start,
         ..plan
     })
@@ -304,6 +326,13 @@ impl Plan {
         self.free.extend(why.map(|why| Free { what, why }));
     }
 
+    /// The share of the pixels that is left of the array.
+    fn part_of(&self, size: Size) -> f64 {
+        let pixels = |(rows, columns): &Crop| rows.len() * columns.len();
+        let left = self.window.as_ref().map_or(size.pixels(), pixels);
+        left as f64 / size.pixels() as f64
+    }
+
     /// What rules leave out.
     fn base(&self) -> Choice {
         let free = self.free.iter().map(|free| free.what);
@@ -332,17 +361,21 @@ fn candidates(question: &Question<'_>, base: &Choice) -> Vec<(String, Choice)> {
     effects.chain(formats).collect()
 }
 
+/// Whether a cell may fire that no change of the light is near.
+fn may_fire_anywhere(description: &Description) -> bool {
+    let noise = &description.noise;
+    noise.fires()
+        || noise.leak_hz > 0.0
+        // This memory moves without a change of its own pixel.
+        || description.memory == MemoryRule::AuthorsPixelStep
+        || description.channels.iter().any(|c| c.surrounds.is_some())
+}
+
 /// The rows and columns that have to be looked at, if those are fewer: where something changes,
 /// and twice as far as a kernel reaches around it, so that not even the rounding of a sum is
 /// another one.
 fn window(description: &Description, look: &Look) -> Option<Crop> {
-    let noise = &description.noise;
-    let everywhere = noise.fires()
-        || noise.leak_hz > 0.0
-        // This memory moves without a change of its own pixel.
-        || description.memory == MemoryRule::AuthorsPixelStep
-        || description.channels.iter().any(|c| c.surrounds.is_some());
-    if everywhere {
+    if may_fire_anywhere(description) {
         return None;
     }
     let kernels = description.channels.iter();
