@@ -6,9 +6,9 @@
 //! of all that its smaller sisters are given, and of a search of its own. Where the best has as few
 //! words as any program can have ([`bound`](super::bound)), no more is tried.
 //!
-//! What comes out of the chip is found by one search of the whole effort, and for a filter alone on
-//! chips of at least as many registers as usual by a second one in one register fewer, which may be the
-//! shorter: what it gives is taken where it has fewer words and no less comes out of it. On chips of fewer registers all
+//! What comes out of the chip is found by one search of the whole effort. For a filter alone others
+//! follow, in all numbers of registers but the fewest, where a search is short: what they give is taken
+//! where it has fewer words and no less comes out of it. On chips of fewer registers all
 //! smaller numbers are tried, the fewest with a part of the effort. The words as the objective are
 //! sought with the same effort in each number, so that who asks for the fewest gets no more than who
 //! does not.
@@ -56,7 +56,7 @@ impl Request<'_> {
             Objective::Silicon | Objective::Events | Objective::Exact => {
                 let least = match self.border {
                     _ if is_narrow => fewest,
-                    Border::Any => fewest.max(USUAL - 1),
+                    Border::Any => fewest.max(FEWEST_REGISTERS + 1),
                     // Programs, whose memories leave fewer.
                     Border::Worth | Border::Right => usual,
                 };
@@ -81,7 +81,9 @@ impl Request<'_> {
             let effort = match &best {
                 None if count > USUAL => self.effort,
                 // In the registers that memories leave, one search has the whole effort.
-                _ if count == usual && !is_narrow => self.effort,
+                _ if count == usual && !is_narrow && self.objective != Objective::Words => {
+                    self.effort
+                }
                 _ => self.share(count),
             };
             match self.filter_in(&all[..count], effort) {
