@@ -684,6 +684,35 @@ fn a_what_if_chip_shows_its_roles_and_what_it_has_not() {
     assert!(!text.contains("east: "), "{text}");
 }
 
+/// Stores under a fixed mask are told as what they are; words of an included file with its line.
+#[test]
+fn what_is_no_linear_map_has_its_file_and_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let text =
+        "scamp5_load_pattern(R5, 0, 0, 254, 254);\nget_image(A);\nWHERE(R5);\nres(A);\nall();\n";
+    let told = |file: &str| -> String {
+        let lines = proof(&["asm", file]);
+        let mut found = lines.into_iter().filter(|it| it.starts_with("  A "));
+        found.next().unwrap()
+    };
+    assert_eq!(
+        told(&kept(&folder, "mask.scamp", text)),
+        "  A    no linear map: line 4: `bus(NEWS)` stores as FLAG or other bits say"
+    );
+    let header = "inline void twice(areg_t x) {\n mov(x, B);\n mov(x, C);\n}\n\
+                  inline void masked(areg_t x) {\n WHERE(R5);\n mov(x, B);\n all();\n}\n";
+    kept(&folder, "words.hpp", header);
+    let main = "#include \"words.hpp\"\nint main() { twice(D); for (int i = 0; i < 3; i++) twice(E); \
+                scamp5_output_image(A); masked(A); twice(F); }\n";
+    let file = kept(&folder, "main.cpp", main);
+    assert_eq!(
+        told(&file),
+        "  A    no linear map: words.hpp:7: `bus(NEWS, B)` stores as FLAG or other bits say"
+    );
+    let said = json(here(), &["asm", &file, "--json"])["proof"]["registers"].to_string();
+    assert!(said.contains("words.hpp:7: "), "{said}");
+}
+
 /// A bus in three parts has weights of thirds: linear, and not read as words.
 #[test]
 fn thirds_are_linear() {

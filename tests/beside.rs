@@ -792,7 +792,38 @@ fn the_page_of_hosts_that_decide() {
     for line in shown.filter(|line| *line != "...") {
         assert!(said.lines().any(|it| it == line), "{line}: {said}");
     }
-    assert!(!said.contains("found no slot"));
+    // A search that stops by itself is no loss: a note says what each look left, and no warning.
+    assert!(
+        said.contains("found no slot; the host may look for them again"),
+        "{said}"
+    );
+    let warnings = json(root, &words)["warnings"].to_string();
+    assert!(!warnings.contains("\"slots\""), "{warnings}");
+}
+
+/// What finds no slot is told beside a host too, in the table and to scripts.
+#[test]
+fn events_that_are_lost_beside_a_host_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "uint8_t on[20];\nint main() { while (1) { vs_frame_loop_control();\n\
+                get_image(A); where(A); MOV(R5, FLAG); all(); scamp5_scan_events(R5, on, 10); } }";
+    fs::write(folder.path().join("p.cpp"), text).unwrap();
+    let scene = "pattern:disc?width=8&height=8&frames=2";
+    let run = ["exec", "p.cpp", "--image", scene];
+    let laid_out = json(folder.path(), &run);
+    let lost = laid_out["dropped"]["no_slot"].as_u64().unwrap();
+    assert!(lost > 0, "{laid_out}");
+    let host = [&run[..], &["--host"]].concat();
+    let note = format!("{lost} set pixels found no slot; the host may look for them again");
+    let said = json(folder.path(), &host);
+    assert!(
+        said["notes"].to_string().contains(&note),
+        "{}",
+        said["notes"]
+    );
+    let table = good(folder.path(), &host);
+    assert_eq!(table.matches("found no slot").count(), 1, "{table}");
+    assert!(table.contains(&note), "{table}");
 }
 
 /// Kinds of cells are counted as they are read out.

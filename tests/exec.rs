@@ -778,6 +778,46 @@ fn a_program_of_nothing_is_told() {
     assert!(json["source_warnings"].to_string().contains(told), "{json}");
 }
 
+/// Light that nothing captures, and registers that nothing has written, are told.
+#[test]
+fn light_that_nothing_captures_is_told() {
+    let scene = "pattern:disc?width=7&height=5&frames=2";
+    let said = |text: &str, arguments: &[&str]| {
+        let bench = Bench::new(text).set("A", &ramp());
+        let output = bench.command(&[arguments, &["--json"]].concat());
+        let output = { output }.assert().success().get_output().clone();
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let told = json["source_warnings"].to_string();
+        let shown = line(&output.stderr).contains("no word captures it");
+        assert_eq!(shown, told.contains("no word captures it"), "{told}");
+        told
+    };
+    let image = ["--image", scene];
+    let text = "movx(B, A, south);\nadd(A, B, A);\nWHERE(R5); sub(A, A, C); ALL();\n";
+    let told = said(text, &image);
+    assert!(
+        told.contains("light is given, and no word captures it")
+            && told.contains("nothing has written A, C and R5 before they are read")
+            && told.contains("give --set A=FILE.npy, or begin with `get_image(A);`"),
+        "{told}"
+    );
+    // What is set is an input.
+    let some = said(text, &[&image[..], &["--set", "A=A.in.npy"]].concat());
+    assert!(some.contains("nothing has written C and R5"), "{some}");
+    for (text, arguments) in [
+        (
+            "movx(B, A, south);\n",
+            &["--image", scene, "--set", "A=A.in.npy"][..],
+        ),
+        ("movx(B, A, south);\n", &["--set", "A=A.in.npy"]),
+        ("get_image(C); movx(B, A, south);\n", &image),
+        ("scamp5_in(A, 3); movx(B, A, south);\n", &image),
+        ("init { res(A); } frame { movx(B, A, south); }\n", &image),
+    ] {
+        assert!(!said(text, arguments).contains("captures"), "{text}");
+    }
+}
+
 /// Each of several kinds is told by its name, and one that says nothing where another speaks is warned
 /// of, by `run` too.
 #[test]

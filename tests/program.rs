@@ -611,7 +611,7 @@ fn every_mistake_has_its_message_at_its_place() {
             .filter_map(|line| line.strip_prefix("// "))
             .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()))
             .collect();
-        let program = Program::read("file", &text);
+        let program = Program::read("file.scamp", &text);
         let faults = match program.expand(&Device::scamp5(), &BTreeMap::new()) {
             Err(faults) => faults,
             Ok(expansion) => program

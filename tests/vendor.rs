@@ -1022,6 +1022,51 @@ fn text_whose_lines_are_statements() {
     assert!(faults.to_string().contains("expected `;`"));
 }
 
+/// Kernels and names that the vendor or a kernel compiler has alone: such a text is theirs whatever
+/// its file is called, and what is done inside a kernel is done before its words.
+#[test]
+fn a_text_of_the_vendor_s_words_is_the_vendor_s() {
+    let device = Device::scamp5();
+    let read = |file: &str, text: &str| {
+        let program = Program::read(file, text);
+        let code = program.expand(&device, &Overrides::new());
+        (
+            program.is_vendor(),
+            code.map(|it| bare(it.code)).map_err(|it| it.to_string()),
+        )
+    };
+    for text in [
+        "scamp5_kernel_begin();\nmov(B, A);\nscamp5_in(A, 5);\nadd(B, B, A);\nscamp5_kernel_end();\n",
+        "scamp5_dynamic_kernel_begin();\nmov(B, A);\nscamp5_in(A, 5);\nscamp5_dynamic_kernel_end();\n",
+        "mov(B, A);\ndiv2_inplace(B, B);\n",
+        "bus2_3(D, E, A);\n",
+        "add(A, A, B);\ndisplay() ;\n",
+        "mov(B, A);\nscamp5_output_events(R5, list, 10);\n",
+    ] {
+        let cpp = read("p.cpp", text);
+        assert!(cpp.1.is_ok(), "{text}: {:?}", cpp.1);
+        assert_eq!(read("p.txt", text), cpp, "{text}");
+        // Without `;` as well.
+        let lines = text.replace(';', "");
+        assert_eq!(read("p.txt", &lines), cpp, "{lines}");
+    }
+    let kernel = "scamp5_kernel_begin(); mov(B, A); scamp5_in(A, 5); scamp5_kernel_end();\n";
+    assert_eq!(
+        read("p.txt", kernel).1.unwrap(),
+        own_code("scamp5_in(A, 5); mov(B, A);")
+    );
+    // The frame language has its marks, its blocks, and scratch of its own choice.
+    for (file, text) in [
+        ("p.scamp", kernel.to_owned()),
+        ("p.txt", format!("//! title = \"a kernel\"\n{kernel}")),
+        ("p.txt", format!("init {{ }}\nframe {{ {kernel} }}\n")),
+        ("p.txt", "div2_inplace(A, B);\n".to_owned()),
+        ("p.txt", "mov(B, A);\nblurr(A, B);\n".to_owned()),
+    ] {
+        assert!(!read(file, &text).0, "{text}");
+    }
+}
+
 #[test]
 fn everything_that_is_not_understood_is_named_at_once() {
     let text = "#include \"nowhere.hpp\"\nint main() {\n int n = 0;\n while (1) {\n  vs_frame_loop_control();\n  n++;\n\

@@ -258,6 +258,18 @@ fn objects_of_unknown_types_take_no_other_name() {
         "what `s.add` does with `s.A` is not known",
         "`add(A, A, B);`",
     );
+    told(
+        "int main() { SCAMP5 s;\ns.movx(s.A, s.B, north);\nmov(A, B); }",
+        2,
+        "what `s.movx` does with `s.A` is not known",
+        "`movx(A, B, north);`",
+    );
+    told(
+        "int main() { SCAMP5* s; int n = 2;\ns->scamp5_in(s->A, 3 * n + 1);\nmov(A, B); }",
+        2,
+        "what `s.scamp5_in` does with `s.A` is not known",
+        "`scamp5_in(A, 3 * n + 1);`",
+    );
 }
 
 /// A register that a function is given has the parts of the vendor's own class, which are compared.

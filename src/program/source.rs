@@ -98,13 +98,16 @@ impl Program {
             return Self::vendor(file, text, includes);
         }
         let own = Self::own(file, text);
-        if own.faults.is_empty() {
-            return own;
-        }
         // A head or a foot is nothing that a simulator's text has.
         let marks = ["//!", "//="];
         let has_mark = |line: &str| marks.iter().any(|mark| line.starts_with(mark));
         let frame_language = vendor::ending(file) == "scamp" || text.lines().any(has_mark);
+        if !frame_language && vendor::has_its_words(&own.syntax.items) && vendor::parses(text) {
+            return Self::vendor(file, text, includes);
+        }
+        if own.faults.is_empty() {
+            return own;
+        }
         let ends = |it: &Fault| it.message.starts_with("expected `;`");
         // A word without parentheses, before the next line.
         let alone = |it: &Fault| {

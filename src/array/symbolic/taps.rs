@@ -19,7 +19,7 @@ use crate::{
     isa::{Analog, Device},
     number::Dyadic,
     plane::{At, Plane},
-    program::Step,
+    program::{Action, Host, Step},
 };
 
 /// `register(p) = constant + Σ weight · input(p + (dy, dx))`, far from the border.
@@ -55,15 +55,23 @@ impl Taps {
 
 /// A register holds no linear map of what went in.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
-#[error("line {line}: `{what}` {why}")]
+#[error("{}: `{what}` {why}", stands(*line, origin.as_deref()))]
 #[diagnostic(help("{}", why.help()))]
 pub struct NoTaps {
     /// Line of the program text, from 1.
     pub line: u32,
+    /// Which of the words that run it is, from 0.
+    pub at: u64,
+    /// Where it is written, `file:line`, if that is another file; who has the statements knows.
+    pub origin: Option<String>,
     /// The instruction word.
     pub what: String,
     /// Why.
     pub why: Why,
+}
+
+fn stands(line: u32, origin: Option<&str>) -> String {
+    origin.map_or_else(|| format!("line {line}"), str::to_owned)
 }
 
 /// Why a word has no linear result.
@@ -75,8 +83,8 @@ pub enum Why {
     /// The squarer.
     #[error("squares what went in")]
     Square,
-    /// A store under a FLAG, or of bits, that depend on what went in.
-    #[error("stores as FLAG or other bits say, which depend on what went in")]
+    /// A store under a FLAG, or of bits, that are not known beforehand.
+    #[error("stores as FLAG or other bits say")]
     Flag,
     /// More than 127 bits.
     #[error("needs more than 127 bits")]
@@ -129,6 +137,17 @@ pub fn read(
     Ok(all.swap_remove(register.0.into())?)
 }
 
+/// How many words so many steps run that [`NoTaps::at`] counts.
+#[must_use]
+pub fn words(steps: &[Step]) -> u64 {
+    let of = |step: &Step| match &step.action {
+        Action::Word(_) | Action::Host(Host::GlobalCount { .. }) => 1,
+        Action::Host(_) => 0,
+        Action::Repeat { times, body } => u64::from(*times) * words(body),
+    };
+    steps.iter().map(of).sum()
+}
+
 /// The kernel that `steps` leave in each analogue register.
 ///
 /// # Errors
@@ -155,6 +174,8 @@ pub fn read_all(
                 .unwrap_or_default();
             Err(NoTaps {
                 line,
+                at: *step,
+                origin: None,
                 what,
                 why: *why,
             })

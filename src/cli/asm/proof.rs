@@ -17,7 +17,7 @@ use crate::{
     },
     isa::{Analog, Cell, Device},
     plane::Plane,
-    program::{Action, Expanded, Host, Step, for_each},
+    program::{Action, Entry, Expanded, Host, Step, for_each},
     unit::Lsb,
 };
 
@@ -73,7 +73,15 @@ impl Proof {
         let kernels = match short {
             Some(false) => Kernels::TooLong,
             _ => match taps::read_all(&code.frame, device, settings) {
-                Ok(kernels) => Kernels::Read(kernels),
+                Ok(mut kernels) => {
+                    for it in kernels.iter_mut().filter_map(|it| it.as_mut().err()) {
+                        let mut before = it.at;
+                        let statement = statement_at(&expansion.frame, &mut before);
+                        let other = statement.filter(|it| it.origin.is_some());
+                        it.origin = other.map(Expanded::stands);
+                    }
+                    Kernels::Read(kernels)
+                }
                 Err(why) => Kernels::Place(why),
             },
         };
@@ -426,6 +434,25 @@ fn parts(taps: &Taps) -> Vec<(Input, f64, Plane<f64>)> {
         (input, unit, kernel.mapv(|weight| weight / unit))
     };
     inputs.into_iter().map(whole).collect()
+}
+
+/// The statement of the word that runs after so many others.
+fn statement_at<'e>(entries: &'e [Entry], before: &mut u64) -> Option<&'e Expanded> {
+    for entry in entries {
+        match entry {
+            Entry::Statement(it) => match before.checked_sub(taps::words(&it.steps)) {
+                None => return Some(it),
+                Some(rest) => *before = rest,
+            },
+            Entry::Repeat { times, body, .. } => {
+                let found = (0..*times).find_map(|_| statement_at(body, before));
+                if found.is_some() {
+                    return found;
+                }
+            }
+        }
+    }
+    None
 }
 
 fn equation(register: Analog, kernel: &Result<Taps, NoTaps>, device: &Device) -> Vec<String> {

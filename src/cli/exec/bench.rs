@@ -7,6 +7,7 @@ use miette::{WrapErr, miette};
 use super::{
     super::{
         budget::{self, Growth},
+        complain,
         figure::{changes_nothing, error_name},
         opened::Opened,
     },
@@ -20,12 +21,12 @@ use super::{
 use crate::{
     array::{Arithmetic, Array, Register, Schedule, Settings},
     event::Packet,
-    isa::{Device, Figure},
+    isa::{Cell, Device, Figure},
     limit::THREADS,
     memory::Need,
     number::Format,
     plane::Size,
-    program::{Expansion, Exposure, Program, Step},
+    program::{CellEffect, Expansion, Exposure, Program, Step},
     rig::{
         self,
         guard::{Guard, Warning},
@@ -47,6 +48,8 @@ pub struct Bench<'a> {
     pub(super) size: Size,
     /// What was seen of its light.
     pub observation: Observation,
+    /// That its light goes nowhere, where it does not.
+    uncaptured: Option<String>,
     /// What is to be said of how long it lasts.
     pub said: Said,
     /// Bytes of the frames of its light.
@@ -95,8 +98,14 @@ impl<'a> Bench<'a> {
         let observation = Observation::new();
         let light = Light::open(arguments, program, &observation)?;
         let size = size(&planes, light.scene.as_deref(), program, device)?;
+        let uncaptured = { light.scene.is_some() }.then(|| uncaptured(&opened, &planes));
+        let uncaptured = uncaptured.flatten();
+        if let Some(told) = &uncaptured {
+            complain(&format!("warning: {told}\n"));
+        }
         Ok(Self {
             size,
+            uncaptured,
             observation,
             said: Said::default(),
             frames: light
@@ -246,6 +255,7 @@ impl<'a> Bench<'a> {
         let expanded = program.warnings(expansion);
         let mut all = expanded.map_or_else(Vec::new, |faults| faults.lines());
         all.extend(self.opened.nothing());
+        all.extend(self.uncaptured.clone());
         all.extend(of_host.iter().cloned());
         all
     }
@@ -441,6 +451,43 @@ impl<'a> Bench<'a> {
         })?;
         Ok(index)
     }
+}
+
+/// That bare statements take no light in, where some is given, and read registers that neither they
+/// nor the caller has set: 0 everywhere, in silence.
+fn uncaptured(opened: &Opened, planes: &[Set]) -> Option<String> {
+    let Opened {
+        program,
+        device,
+        expansion: Expansion { code, bare, .. },
+        ..
+    } = opened;
+    let mut exposure = Exposure::default();
+    exposure.see(&code.frame, device);
+    if !bare || exposure.reads() {
+        return None;
+    }
+    let effect = CellEffect::of(&code.frame, device);
+    let inputs = effect.reads.into_iter().filter(|cell| {
+        let register = Register::from(*cell);
+        *cell != Cell::Flag && !planes.iter().any(|set| set.sets(register))
+    });
+    let inputs: Vec<Cell> = inputs.collect();
+    let first = inputs.first()?.name(device);
+    let capture = match inputs.first()? {
+        Cell::Analog(_) => format!(", or begin with `get_image({first});`"),
+        Cell::Digital(_) | Cell::Flag => String::new(),
+    };
+    let names: Vec<String> = inputs.iter().map(|it| it.name(device)).collect();
+    let (last, others) = names.split_last()?;
+    let (names, they) = match others {
+        [] => (last.clone(), "it is"),
+        others => (format!("{} and {last}", others.join(", ")), "they are"),
+    };
+    Some(format!(
+        "{}: light is given, and no word captures it: nothing has written {names} before {they} read (0 everywhere); give --set {first}=FILE.npy{capture}",
+        program.file
+    ))
 }
 
 /// What the caller says of cells.

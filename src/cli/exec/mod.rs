@@ -110,6 +110,9 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let mut notes = bench.notes(frames);
     notes.extend(pass.shows.note());
+    if bench.opened.decides {
+        notes.extend(report::lost(&pass.chip.ledger(), true));
+    }
     if let (Some(path), Some((page, said))) = (&arguments.trace, trace) {
         save(path, |out| out.write_all(page.as_bytes()))?;
         notes.extend(said);

@@ -72,6 +72,22 @@ impl fmt::Display for Written {
     }
 }
 
+/// What scans have not read of what was set; beside a host that decides, which may look again.
+pub fn lost(ledger: &Ledger, decides: bool) -> Vec<String> {
+    let more = if decides {
+        "; the host may look for them again"
+    } else {
+        ""
+    };
+    let counts = [
+        (ledger.missed, "found no slot"),
+        (ledger.unscanned, "lie in rows that are not scanned"),
+    ];
+    let told = counts.into_iter().filter(|(count, _)| *count > 0);
+    told.map(|(count, what)| format!("{count} set pixels {what}{more}"))
+        .collect()
+}
+
 impl Report<'_> {
     fn on_and_off(&self) -> (usize, usize) {
         let events = &self.packet.events;
@@ -200,18 +216,9 @@ impl Report<'_> {
                 }
             }
         }
-        if ledger.missed > 0 && !self.decides {
-            lines.push(format!(
-                "note     {} set pixels found no slot",
-                ledger.missed
-            ));
-        }
-        if ledger.unscanned > 0 && !self.decides {
-            lines.push(format!(
-                "note     {} set pixels lie in rows that are not scanned",
-                ledger.unscanned
-            ));
-        }
+        // Of a host that looks again and again they are among the notes.
+        let lost = { lost(&ledger, false).into_iter() }.filter(|_| !self.decides);
+        lines.extend(lost.map(|note| format!("note     {note}")));
         if ledger.ambiguous > 0 {
             let it = if ledger.ambiguous == 1 { "it" } else { "them" };
             let events = counted(ledger.ambiguous, "event");

@@ -52,6 +52,11 @@ impl Set {
         })
     }
 
+    /// Whether it sets this register.
+    pub fn sets(&self, register: Register) -> bool {
+        self.register == register
+    }
+
     pub fn apply(&self, chip: &mut dyn Array) -> miette::Result<()> {
         let bits = || self.plane.mapv(|value| value == 1.0);
         match self.register {

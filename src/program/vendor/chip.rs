@@ -2,13 +2,17 @@
 
 use super::{
     address,
+    host::{self, Role, vendors},
     machine::Machine,
     tree::{Kind, Word},
     value::Value,
 };
 use crate::{
     config::{Fault, Place},
-    isa::{Figure, Operand, text::Term},
+    isa::{
+        Device, Figure, Operand,
+        text::{Argument, Statement, Term},
+    },
     program::buffer,
 };
 
@@ -102,7 +106,29 @@ pub(super) fn rewritten(
             *value = value.clone().converted(Kind::INT);
         }
     }
-    Some((variant(machine, renamed, given.len()), given))
+    Some((variant(machine.device, renamed, given.len()), given))
+}
+
+/// Whether a statement of the frame language means something to the vendor's tools, or comes from a
+/// kernel compiler, and has no such meaning in the language itself.
+pub(super) fn has_alone(device: &Device, statement: &Statement) -> bool {
+    let (name, arguments) = (&*statement.name, &statement.arguments[..]);
+    let role = host::role(name, arguments.len());
+    if !device.callables(name).is_empty() {
+        let term = |it: &Argument| match it {
+            Argument::One(one) => Some(one.term.clone()),
+            Argument::Group { .. } => None,
+        };
+        // A register named twice, of which the language's own form has no room for the second.
+        let twice = matches!(arguments, [a, b] if term(a).is_some() && term(a) == term(b));
+        return role == Role::Kernel || name == "div2_inplace" && twice;
+    }
+    match role {
+        Role::Kernel | Role::Sync | Role::Show | Role::Read => true,
+        Role::Library => vendors(name) || name == "display",
+        Role::Number => false,
+        Role::Chip => variant(device, name, arguments.len()) != name,
+    }
 }
 
 /// Warns of a line that would go on at the other side of the array, where it is not known to end
@@ -220,14 +246,13 @@ fn word(name: &str, place: Place) -> Given {
 
 /// Whether the chip may have such a statement.
 pub(super) fn is_known(machine: &Machine<'_>, name: &str, given: usize) -> bool {
-    let name = variant(machine, name, given);
+    let name = variant(machine.device, name, given);
     !machine.device.callables(&name).is_empty() || name == "icw"
 }
 
 /// `bus2_3` and `add_ab` where the chip has `bus2` and `add`: compilers name forms apart that
 /// the vendor tells apart by their arguments.
-fn variant(machine: &Machine<'_>, name: &str, given: usize) -> String {
-    let device = machine.device;
+fn variant(device: &Device, name: &str, given: usize) -> String {
     if device.callables(name).is_empty()
         && let Some((base, rest)) = name.rsplit_once('_')
     {

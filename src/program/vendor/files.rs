@@ -105,6 +105,16 @@ impl Files {
         }
     }
 
+    /// What is written at a place; `text` is that of the file itself.
+    pub(super) fn written<'t>(&'t self, text: &'t str, place: Place) -> &'t str {
+        let (text, start) = match self.of(place) {
+            None => (text, 0),
+            Some(it) => (&*it.text, it.start),
+        };
+        let [start, end] = [place.start, place.end].map(|at| at.saturating_sub(start));
+        text.get(start..end).unwrap_or_default()
+    }
+
     /// A place of the file itself: for what is included, where it is asked for.
     pub(super) fn own(&self, place: Place) -> Place {
         self.of(place).map_or(place, |it| it.asked)

@@ -153,6 +153,15 @@ pub(super) fn looks_like_cpp(text: &str) -> bool {
     lines.any(|line| BEGINNINGS.iter().any(|begin| line.starts_with(begin)))
 }
 
+/// Whether bare statements of the frame language are the vendor's, or a kernel compiler's: they have
+/// a kernel or a name that the language itself has not, and none of its blocks and constants.
+pub(super) fn has_its_words(items: &[Item]) -> bool {
+    let device = Device::scamp5();
+    let plain = |it: &Item| matches!(it.node, Node::Statement(_) | Node::Comment(_));
+    let its = |it: &Item| matches!(&it.node, Node::Statement(it) if chip::has_alone(&device, it));
+    items.iter().all(plain) && items.iter().any(its)
+}
+
 /// Whether a text parses, without running it.
 pub(super) fn parses(text: &str) -> bool {
     let mut files = Files::new("", text.len());

@@ -72,15 +72,20 @@ impl Machine<'_> {
             }
             _ => None,
         };
-        let found: Vec<_> = given.iter().filter_map(register).collect();
-        let Some(first) = found.first() else {
+        let Some(first) = given.iter().find_map(register) else {
             return false;
         };
         if self.device.callables(member).is_empty() || !look::members(self, member).is_empty() {
             return false;
         }
         let message = format!("what `{name}.{member}` does with `{name}.{first}` is not known");
-        let all: Vec<&str> = found.iter().map(|it| &**it).collect();
+        let own = |it: &Expr| {
+            let text = self.files.written(self.text, it.place);
+            let member = text.strip_prefix(name).unwrap_or_default();
+            let member = member.strip_prefix('.').or(member.strip_prefix("->"));
+            member.unwrap_or(text).to_owned()
+        };
+        let all: Vec<String> = given.iter().map(own).collect();
         let help = format!(
             "no file here defines the class of `{name}`: write `{member}({});`",
             all.join(", ")
