@@ -7,11 +7,10 @@
 //! words as any program can have ([`bound`](super::bound)), no more is tried.
 //!
 //! What comes out of the chip is found by one search of the whole effort. For a filter alone others
-//! follow, in all numbers of registers but the fewest, where a search is short: what they give is taken
-//! where it has fewer words and no less comes out of it. On chips of fewer registers all
-//! smaller numbers are tried, the fewest with a part of the effort. The words as the objective are
-//! sought with the same effort in each number, so that who asks for the fewest gets no more than who
-//! does not.
+//! follow, in all numbers of registers but the fewest, where a search is short: what they give is
+//! taken where it has fewer words and no less comes out of it. On chips of fewer registers all smaller
+//! numbers are tried, the fewest with a part of the effort. The words as the objective are sought with
+//! the same effort in each number, so that who asks for the fewest gets no more than who does not.
 
 use super::{
     allocate::ordinary_registers,
