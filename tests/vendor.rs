@@ -2186,6 +2186,34 @@ fn what_main_is_started_with_is_not_known() {
     assert!(faults[0].fault.message.contains("`argc`"), "{faults:?}");
     let code = expand(text, &[("argc", 2.0)]).unwrap().code;
     assert_eq!(bare(code), own_code("mov(A, B);"));
+    // No run knows it: each way says what gives it.
+    let text = "int main(int argc, char *argv[]) {\nif (argc < 2) { return 1; }\nscamp5_in(E, 20);\n\
+                if (argc > 3) { mov(C, D); }\nif (argv[1][0] > 3) { mov(D, C); } }";
+    let faults = expand(text, &[]).unwrap_err().faults;
+    let helps: Vec<_> = faults
+        .iter()
+        .filter_map(|it| it.fault.help.as_deref())
+        .collect();
+    let argc = "give the value with `--const argc=VALUE`, or take this out";
+    let argv = "write it with what docs/vendor-code.md lists, or take this out";
+    assert!(
+        helps.iter().all(|it| [argc, argv].contains(it)),
+        "{helps:?}"
+    );
+    let help = |line| {
+        let mut there = faults.iter().filter(|it| it.line == line);
+        there.next().and_then(|it| it.fault.help.as_deref())
+    };
+    assert_eq!([help(3), help(4)], [Some(argc); 2], "{faults:#?}");
+    let text = text.replace("if (argv[1][0] > 3) { mov(D, C); }", "");
+    let code = expand(&text, &[("argc", 2.0)]).unwrap().code;
+    assert_eq!(bare(code), own_code("scamp5_in(E, 20);"));
+    // What is shown is left out, and told of in the same way.
+    let text = "int main(int argc, char *argv[]) { while (1) { vs_frame_loop_control(); mov(A, B);\n\
+                if (argc > 3) scamp5_output_image(A, 0); } }";
+    let warnings = expand(text, &[]).unwrap().warnings;
+    let help = warnings[0].help.as_deref().unwrap_or_default();
+    assert!(help.contains("--const argc=VALUE"), "{warnings:#?}");
 }
 
 #[test]
