@@ -1570,6 +1570,22 @@ fn each_frame_is_one_or_is_refused() {
         "2 frames are captured before the steady loop",
         "capture once before the loop",
     );
+    // The first turn does more since a kernel is recorded in it: that is named.
+    let text = "int main() { get_image(F); while (1) { vs_frame_loop_control(); get_image(A); scamp5_kernel_begin();\n\
+                scamp5_load_pattern(R5, 3, 0, 252, 252); WHERE(R5); res(A); all(); scamp5_kernel_end(); } }";
+    refuses(
+        text,
+        "`scamp5_load_pattern` is done in the first turn of this loop alone, while the kernel is recorded",
+        "before `scamp5_kernel_begin();`",
+    );
+    frames(
+        &text.replace(
+            "scamp5_kernel_begin();\nscamp5_load_pattern(R5, 3, 0, 252, 252);",
+            "scamp5_load_pattern(R5, 3, 0, 252, 252); scamp5_kernel_begin();",
+        ),
+        "get_image(F);",
+        "get_image(A); scamp5_load_pattern(R5, 3, 0, 252, 252); WHERE(R5); res(A); all();",
+    );
     // What the first turn alone does is not left out behind a frame before the loop.
     frames(
         "int main() { bool first = true; vs_frame_loop_control(); CLR(R5); while (1) { vs_frame_loop_control();\n\
