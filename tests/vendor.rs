@@ -2024,6 +2024,52 @@ fn addresses_have_eight_bits() {
 }
 
 /// More slots than the list has, and what no document describes.
+/// The vendor's masks of a row and a column go with the one that was selected last.
+#[test]
+fn masks_of_rows_and_columns() {
+    same(
+        "scamp5_select_col(3); scamp5_select_colx(192); scamp5_select_row(5); scamp5_select_rowx(-2); scamp5_select_colx(1);",
+        "scamp5_select_col(3); scamp5_select_colx(3, 192); scamp5_select_row(5); scamp5_select_rowx(5, 254); scamp5_select_colx(3, 1);",
+    );
+    let help = "`scamp5_select_col(column);`";
+    for before in [
+        "",
+        "scamp5_select_row(1);",
+        "scamp5_select_col(1); scamp5_select_point(2, 3);",
+    ] {
+        let inside = format!("{before}\nscamp5_select_colx(3);");
+        told(
+            "",
+            &inside,
+            2,
+            "`scamp5_select_colx` masks the column that was selected last",
+            help,
+        );
+    }
+    told(
+        "",
+        "scamp5_select_row(1);\nscamp5_select_rowx(1, 2);",
+        2,
+        "`scamp5_select_rowx` takes one argument",
+        "scamp5_select_rowx(mask);",
+    );
+    // Back to C++ by a statement that the vendor has.
+    let program = Program::parse(
+        "p.scamp",
+        "scamp5_select_rowx(5, 254); scamp5_select_colx(3, 192);",
+    )
+    .unwrap();
+    let text = cpp(&program, &Device::scamp5()).unwrap();
+    assert!(
+        text.contains("scamp5_select_pattern(5, 0, 254, 255);"),
+        "{text}"
+    );
+    assert!(
+        text.contains("scamp5_select_pattern(0, 3, 255, 192);"),
+        "{text}"
+    );
+}
+
 #[test]
 fn calls_that_ask_for_more_than_there_is() {
     same(
