@@ -68,6 +68,7 @@ mod why;
 mod write;
 mod written;
 
+pub(super) use beside::in_cpp;
 pub use beside::{Answer, Beside};
 pub use files::Includes;
 pub use includes::{included, included_files};
