@@ -2382,6 +2382,33 @@ fn headers_ask_for_what_lies_beside_them() {
     assert_eq!(bare(code), own_code("neg(A, B);"));
 }
 
+/// Messages name the file that was read, however it is asked for.
+#[test]
+fn files_that_are_asked_for_from_windows_are_named_as_they_lie() {
+    let folder = tempfile::tempdir().unwrap();
+    let inner = folder.path().join("lib");
+    std::fs::create_dir(&inner).unwrap();
+    std::fs::write(inner.join("conv.hpp"), "void conv() {\nnonsense(A);\n}").unwrap();
+    std::fs::write(inner.join("pool.hpp"), "void pool() {\nnonsense(B);\n}").unwrap();
+    std::fs::write(
+        folder.path().join("own.hpp"),
+        "void own() {\nnonsense(C);\n}",
+    )
+    .unwrap();
+    std::fs::write(inner.join("all.hpp"), "#include \"pool.hpp\"").unwrap();
+    let main = "#include \"lib\\conv.hpp\"\n#include \"lib/all.hpp\"\n#include \"..\\elsewhere\\own.hpp\"\n\
+                int main() { conv(); pool(); own(); }";
+    let includes = amacrine::program::included_files(main, folder.path());
+    let program = Program::read_with("p.cpp", main, &includes);
+    let faults = { program.expand(&Device::scamp5(), &Overrides::new()) }
+        .unwrap_err()
+        .faults;
+    for place in ["lib/conv.hpp:2:1: ", "lib/pool.hpp:2:1: ", "own.hpp:2:1: "] {
+        let named = |it: &amacrine::config::Located| it.fault.message.starts_with(place);
+        assert!(faults.iter().any(named), "{place}: {faults:#?}");
+    }
+}
+
 /// Words that no kernel holds are warned of, where there are kernels; one fault is told as one.
 #[test]
 fn words_outside_of_kernels() {

@@ -70,7 +70,7 @@ mod written;
 
 pub(super) use beside::in_cpp;
 pub use beside::{Answer, Beside};
-pub use files::Includes;
+pub use files::{Includes, Lying};
 pub use includes::{included, included_files};
 pub use write::{WriteError, cpp};
 
