@@ -25,6 +25,20 @@ struct Told {
     posts: Vec<String>,
 }
 
+impl Told {
+    fn asks(&mut self, steps: &[Step], device: &Device) {
+        for step in steps {
+            match &step.action {
+                Action::Word(word) => self.asked.push(word.text(device)),
+                Action::Host(host) => self.asked.push(host.text(device)),
+                Action::Repeat { times, body } => {
+                    (0..*times).for_each(|_| self.asks(body, device));
+                }
+            }
+        }
+    }
+}
+
 impl Beside for Told {
     fn frame(&mut self) -> bool {
         self.asked.push("frame".to_owned());
@@ -34,14 +48,7 @@ impl Beside for Told {
     }
 
     fn run(&mut self, steps: &[Step]) -> Option<Answer> {
-        let device = Device::scamp5();
-        for step in steps {
-            self.asked.push(match &step.action {
-                Action::Word(word) => word.text(&device),
-                Action::Host(host) => host.text(&device),
-                Action::Repeat { .. } => "repeat".to_owned(),
-            });
-        }
+        self.asks(steps, &Device::scamp5());
         let reads = |it: &&Step| {
             matches!(
                 it.action,
@@ -951,6 +958,41 @@ fn a_host_that_decides_nothing_changes_nothing() {
                 assert!(a == b, "{file} in {domain}: {} differs", a.0);
             }
         }
+    }
+}
+
+/// Passes of a loop that ask the same are one beside the array too, with what is drawn in them.
+#[test]
+fn equal_passes_are_one_beside_the_array() {
+    let text = "int main() { scamp5_draw_begin(R5); int s = scamp5_global_or(R6);\n\
+                for (int i = 0; i < 3; i++) scamp5_draw_pixel(1, 2); scamp5_global_or(R5);\n\
+                for (int i = 0; i < 2; i++) { scamp5_in(A, 3); scamp5_global_or(R6); scamp5_draw_begin(R6); scamp5_draw_end(); } }";
+    let (asked, _) = told(text, 1, &[]);
+    let count = |of: &str| asked.iter().filter(|it| it.contains(of)).count();
+    let pixels = count("scamp5_draw_pixel(1, 2)");
+    assert_eq!(
+        [pixels, count("scamp5_in"), count("global_or")],
+        [3, 2, 4],
+        "{asked:?}"
+    );
+    // More than there is room for, but for that.
+    let text = format!(
+        "int main() {{ get_image(A, C);\n for (int i = 0; i < 4500; i++) {{\n\
+         scamp5_in(B, 3); scamp5_kernel_begin(); {} scamp5_kernel_end(); }} }}",
+        "diva(A, D, E);".repeat(10)
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let (path, file) = (folder.path(), folder.path().join("p.cpp"));
+    let scene = "pattern:disc?width=16&height=16&frames=1";
+    let exec = ["exec", "p.cpp", "--image", scene, "--frames", "1"];
+    fs::write(&file, &text).unwrap();
+    let said = json(path, &[&exec[..], &["--host"]].concat());
+    assert_eq!(said["words"], 6 + 52 * 4500);
+    // Passes that differ are too many, and C++ has no `repeat`.
+    fs::write(&file, text.replace("(B, 3)", "(B, i % 100)")).unwrap();
+    for host in [&[][..], &["--host"]] {
+        let words = ["262144 steps", "give its passes the same body"];
+        refused(path, &[&exec[..], host].concat(), &words);
     }
 }
 

@@ -1615,6 +1615,22 @@ fn each_frame_is_one_or_is_refused() {
         "2 frames are captured before the steady loop",
         "capture once before the loop",
     );
+    // The first turn does more since a kernel is recorded in it: that is named.
+    let text = "int main() { get_image(F); while (1) { vs_frame_loop_control(); get_image(A); scamp5_kernel_begin();\n\
+                scamp5_load_pattern(R5, 3, 0, 252, 252); WHERE(R5); res(A); all(); scamp5_kernel_end(); } }";
+    refuses(
+        text,
+        "`scamp5_load_pattern` is done in the first turn of this loop alone, while the kernel is recorded",
+        "before `scamp5_kernel_begin();`",
+    );
+    frames(
+        &text.replace(
+            "scamp5_kernel_begin();\nscamp5_load_pattern(R5, 3, 0, 252, 252);",
+            "scamp5_load_pattern(R5, 3, 0, 252, 252); scamp5_kernel_begin();",
+        ),
+        "get_image(F);",
+        "get_image(A); scamp5_load_pattern(R5, 3, 0, 252, 252); WHERE(R5); res(A); all();",
+    );
     // What the first turn alone does is not left out behind a frame before the loop.
     frames(
         "int main() { bool first = true; vs_frame_loop_control(); CLR(R5); while (1) { vs_frame_loop_control();\n\
@@ -2053,6 +2069,52 @@ fn addresses_have_eight_bits() {
 }
 
 /// More slots than the list has, and what no document describes.
+/// The vendor's masks of a row and a column go with the one that was selected last.
+#[test]
+fn masks_of_rows_and_columns() {
+    same(
+        "scamp5_select_col(3); scamp5_select_colx(192); scamp5_select_row(5); scamp5_select_rowx(-2); scamp5_select_colx(1);",
+        "scamp5_select_col(3); scamp5_select_colx(3, 192); scamp5_select_row(5); scamp5_select_rowx(5, 254); scamp5_select_colx(3, 1);",
+    );
+    let help = "`scamp5_select_col(column);`";
+    for before in [
+        "",
+        "scamp5_select_row(1);",
+        "scamp5_select_col(1); scamp5_select_point(2, 3);",
+    ] {
+        let inside = format!("{before}\nscamp5_select_colx(3);");
+        told(
+            "",
+            &inside,
+            2,
+            "`scamp5_select_colx` masks the column that was selected last",
+            help,
+        );
+    }
+    told(
+        "",
+        "scamp5_select_row(1);\nscamp5_select_rowx(1, 2);",
+        2,
+        "`scamp5_select_rowx` takes one argument",
+        "scamp5_select_rowx(mask);",
+    );
+    // Back to C++ by a statement that the vendor has.
+    let program = Program::parse(
+        "p.scamp",
+        "scamp5_select_rowx(5, 254); scamp5_select_colx(3, 192);",
+    )
+    .unwrap();
+    let text = cpp(&program, &Device::scamp5()).unwrap();
+    assert!(
+        text.contains("scamp5_select_pattern(5, 0, 254, 255);"),
+        "{text}"
+    );
+    assert!(
+        text.contains("scamp5_select_pattern(0, 3, 255, 192);"),
+        "{text}"
+    );
+}
+
 #[test]
 fn calls_that_ask_for_more_than_there_is() {
     same(
@@ -2231,6 +2293,34 @@ fn what_main_is_started_with_is_not_known() {
     assert!(faults[0].fault.message.contains("`argc`"), "{faults:?}");
     let code = expand(text, &[("argc", 2.0)]).unwrap().code;
     assert_eq!(bare(code), own_code("mov(A, B);"));
+    // No run knows it: each way says what gives it.
+    let text = "int main(int argc, char *argv[]) {\nif (argc < 2) { return 1; }\nscamp5_in(E, 20);\n\
+                if (argc > 3) { mov(C, D); }\nif (argv[1][0] > 3) { mov(D, C); } }";
+    let faults = expand(text, &[]).unwrap_err().faults;
+    let helps: Vec<_> = faults
+        .iter()
+        .filter_map(|it| it.fault.help.as_deref())
+        .collect();
+    let argc = "give the value with `--const argc=VALUE`, or take this out";
+    let argv = "write it with what docs/vendor-code.md lists, or take this out";
+    assert!(
+        helps.iter().all(|it| [argc, argv].contains(it)),
+        "{helps:?}"
+    );
+    let help = |line| {
+        let mut there = faults.iter().filter(|it| it.line == line);
+        there.next().and_then(|it| it.fault.help.as_deref())
+    };
+    assert_eq!([help(3), help(4)], [Some(argc); 2], "{faults:#?}");
+    let text = text.replace("if (argv[1][0] > 3) { mov(D, C); }", "");
+    let code = expand(&text, &[("argc", 2.0)]).unwrap().code;
+    assert_eq!(bare(code), own_code("scamp5_in(E, 20);"));
+    // What is shown is left out, and told of in the same way.
+    let text = "int main(int argc, char *argv[]) { while (1) { vs_frame_loop_control(); mov(A, B);\n\
+                if (argc > 3) scamp5_output_image(A, 0); } }";
+    let warnings = expand(text, &[]).unwrap().warnings;
+    let help = warnings[0].help.as_deref().unwrap_or_default();
+    assert!(help.contains("--const argc=VALUE"), "{warnings:#?}");
 }
 
 #[test]
@@ -2335,6 +2425,33 @@ fn headers_ask_for_what_lies_beside_them() {
         .unwrap()
         .code;
     assert_eq!(bare(code), own_code("neg(A, B);"));
+}
+
+/// Messages name the file that was read, however it is asked for.
+#[test]
+fn files_that_are_asked_for_from_windows_are_named_as_they_lie() {
+    let folder = tempfile::tempdir().unwrap();
+    let inner = folder.path().join("lib");
+    std::fs::create_dir(&inner).unwrap();
+    std::fs::write(inner.join("conv.hpp"), "void conv() {\nnonsense(A);\n}").unwrap();
+    std::fs::write(inner.join("pool.hpp"), "void pool() {\nnonsense(B);\n}").unwrap();
+    std::fs::write(
+        folder.path().join("own.hpp"),
+        "void own() {\nnonsense(C);\n}",
+    )
+    .unwrap();
+    std::fs::write(inner.join("all.hpp"), "#include \"pool.hpp\"").unwrap();
+    let main = "#include \"lib\\conv.hpp\"\n#include \"lib/all.hpp\"\n#include \"..\\elsewhere\\own.hpp\"\n\
+                int main() { conv(); pool(); own(); }";
+    let includes = amacrine::program::included_files(main, folder.path());
+    let program = Program::read_with("p.cpp", main, &includes);
+    let faults = { program.expand(&Device::scamp5(), &Overrides::new()) }
+        .unwrap_err()
+        .faults;
+    for place in ["lib/conv.hpp:2:1: ", "lib/pool.hpp:2:1: ", "own.hpp:2:1: "] {
+        let named = |it: &amacrine::config::Located| it.fault.message.starts_with(place);
+        assert!(faults.iter().any(named), "{place}: {faults:#?}");
+    }
 }
 
 /// Words that no kernel holds are warned of, where there are kernels; one fault is told as one.

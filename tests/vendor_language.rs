@@ -333,6 +333,41 @@ fn messages_name_what_is_wrong() {
     assert_eq!(faults.len(), 1, "{faults:#?}");
 }
 
+/// What the GUI would send is refused behind the guards that programs have for it.
+#[test]
+fn what_the_gui_would_send_is_refused() {
+    let frame = |inside: &str| {
+        format!("int main() {{ while (1) {{ vs_frame_loop_control(); mov(A, B);\n{inside} }} }}")
+    };
+    let wait = "do { vs_process_message(); } while (!vs_gui_request_done());";
+    for guard in [
+        "vs_gui_request_done() && vs_gui_is_on()",
+        "vs_gui_request_done()",
+        "vs_gui_is_on()",
+    ] {
+        let asks = "vs_gui_request_image(\"a.bmp\", 4, [&](vs_dotmat const& m, int s) { });";
+        told(
+            &frame(&format!("if ({guard}) {{ {asks} {wait} }}")),
+            2,
+            "`vs_gui_request_image` asks the GUI for a picture, `a.bmp`, and there is none here",
+            "exec --set REGISTER=FILE.npy",
+        );
+    }
+    let asks = "vs_gui_request_file(\"w.bin\", [&](const uint8_t *c, size_t n, size_t m) { });";
+    told(
+        &frame(&format!("if (vs_gui_request_done()) {{ {asks} {wait} }}")),
+        2,
+        "`vs_gui_request_file` asks the GUI for a file, `w.bin`, and there is none here",
+        "constants",
+    );
+    // Nothing was asked for: the GUI is done.
+    numbers(
+        "",
+        "if (vs_gui_request_done()) scamp5_in(A, 7); while (!vs_gui_request_done()) { }",
+        &[7],
+    );
+}
+
 /// Who can run a program beside the array is told what is wrong either way, and nothing else.
 #[test]
 fn what_a_run_decides_is_no_fault_of_a_run() {

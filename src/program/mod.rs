@@ -44,5 +44,7 @@ pub use settings::{
 };
 pub use source::{NamesError, Program, Runnable};
 pub use syntax::Syntax;
-pub use vendor::{Answer, Beside, Includes, WriteError, cpp, included, included_files, is_cpp};
+pub use vendor::{
+    Answer, Beside, Includes, Lying, WriteError, cpp, included, included_files, is_cpp,
+};
 pub use words::vendor_text;

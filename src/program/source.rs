@@ -259,8 +259,9 @@ impl Program {
             items: read.items,
             ..Syntax::default()
         };
-        let (mut expansion, mut faults) =
+        let (mut expansion, faults) =
             expand::expand(&syntax, &self.text, &read.constants, device, overrides);
+        let mut faults: Vec<Fault> = faults.into_iter().map(vendor::in_cpp).collect();
         let told = read.faults.iter().chain(&read.undecided);
         expansion
             .warnings

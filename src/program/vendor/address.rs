@@ -33,6 +33,47 @@ fn first(name: &str, narrow: bool) -> Option<usize> {
     }
 }
 
+/// A mask of rows or columns goes with the one that was selected last; whether it is known which.
+pub(super) fn with_its_mask(
+    machine: &mut Machine<'_>,
+    name: &str,
+    given: &mut Vec<Given>,
+    place: Place,
+) -> bool {
+    let Some(which) = name.strip_prefix("scamp5_select_") else {
+        return true;
+    };
+    let (at, what, line) = match which {
+        "row" | "rowx" => (0, "row", "scamp5_select_row"),
+        "col" | "colx" => (1, "column", "scamp5_select_col"),
+        // What a mask does after these, the vendor does not say.
+        _ => {
+            machine.selected = [None, None];
+            return true;
+        }
+    };
+    if !which.ends_with('x') {
+        machine.selected[at] = given.first().map(|it| it.0.clone());
+        return true;
+    }
+    if given.len() != 1 {
+        let message = format!("`{name}` takes one argument, the mask");
+        let help = format!("write `{line}({what}); {name}(mask);`");
+        machine.error(place, message, "this call", &help);
+        return false;
+    }
+    let Some(selected) = machine.selected[at].clone() else {
+        let message = format!("`{name}` masks the {what} that was selected last, and none was");
+        let help = format!(
+            "select it before, by `{line}({what});`, or both at once by `scamp5_select_pattern(row, column, row_mask, column_mask);`"
+        );
+        machine.error(place, message, "this call", &help);
+        return false;
+    };
+    given.insert(0, (selected, place, String::new()));
+    true
+}
+
 /// A value for the array as C++ passes it: 206 is -50.
 pub(super) fn with_a_sign(machine: &mut Machine<'_>, name: &str, given: &mut [Given]) {
     if !matches!(name, "scamp5_in" | "scamp5_load_in") {

@@ -118,13 +118,11 @@ impl Machine<'_> {
     /// A fault that something depends on what only the run knows.
     pub(super) fn unknown(&mut self, place: Place, message: String, why: &Why, of: Option<&Expr>) {
         let name = of.and_then(|it| look::unknown(self, it));
-        // Only a variable can be given a value.
-        let way = match name.as_deref().map(last) {
-            Some(name) => format!("give the value with `--const {name}=VALUE`"),
-            None => "write it with what docs/vendor-code.md lists".to_owned(),
-        };
+        let way = way(why, name.as_deref());
         let (label, help) = match (why, &self.companion) {
-            (Why::Never(_), _) => ("not known", format!("{way}, or take this out")),
+            (Why::Never(_) | Why::Started(_), _) => {
+                ("not known", format!("{way}, or take this out"))
+            }
             (Why::Run(_), Some(_)) => ("not known here", format!("{way}, or take this out")),
             (Why::Run(_), None) => (
                 "only the run knows",
@@ -141,17 +139,16 @@ impl Machine<'_> {
     pub(super) fn unread(&mut self, place: Place, what: &str, why: &Why) {
         if self.companion.is_some() {
             let message = format!("{what}, {why} decides: it is left out");
-            self.fault(
-                Fault::warning(place, message, "not known here")
-                    .help("write it with what docs/vendor-code.md lists"),
-            );
+            let fault = Fault::warning(place, message, "not known here");
+            self.fault(fault.help(way(why, None)));
             return;
         }
         let message = format!("{what}, {why} decides: here it is left out");
-        self.undecided(
-            Fault::warning(place, message, "only the run knows")
+        self.undecided(match why {
+            Why::Started(_) => Fault::warning(place, message, "not known").help(way(why, None)),
+            _ => Fault::warning(place, message, "only the run knows")
                 .help("`exec` runs it, with the host beside the array"),
-        );
+        });
     }
 
     /// Warns of what is shown where only the run knows whether: beside the array it is, since nothing
@@ -162,10 +159,8 @@ impl Machine<'_> {
             return;
         }
         let message = format!("{what}, {why} decides: it is shown");
-        self.fault(
-            Fault::warning(place, message, "not known here")
-                .help("write it with what docs/vendor-code.md lists"),
-        );
+        let fault = Fault::warning(place, message, "not known here");
+        self.fault(fault.help(way(why, None)));
     }
 
     /// A new frame begins.
@@ -185,6 +180,17 @@ impl Machine<'_> {
         let items = std::mem::take(&mut self.items);
         self.frames.push(items);
     }
+}
+
+/// What to do about what is not known, with the variable that holds it.
+fn way(why: &Why, name: Option<&str>) -> String {
+    // Only a variable can be given a value.
+    let name = match (name, why) {
+        (Some(name), _) => name,
+        (None, Why::Started(name)) => &**name,
+        (None, _) => return "write it with what docs/vendor-code.md lists".to_owned(),
+    };
+    format!("give the value with `--const {}=VALUE`", last(name))
 }
 
 pub(super) const fn item(node: Node, place: Place) -> Item {

@@ -67,6 +67,8 @@ pub(super) struct Companion<'a> {
     /// The last `scamp5_draw_begin`.
     drawing: Option<Item>,
     now: Now,
+    /// How often the array ran what was asked.
+    ran: u64,
     /// Whether the program has waited for a frame.
     waited: bool,
     /// The frames so far.
@@ -112,6 +114,7 @@ impl<'a> Companion<'a> {
             known: Vec::new(),
             drawing: None,
             now: Now::default(),
+            ran: 0,
             waited: false,
             frames: 1,
             counted: 0,
@@ -230,6 +233,7 @@ impl Machine<'_> {
             return None;
         }
         companion.now.any = true;
+        companion.ran += 1;
         companion.now.light |= capture(&items).is_some() || light(&items);
         let steps = self.steps(items)?;
         self.asks_anew();
@@ -242,14 +246,24 @@ impl Machine<'_> {
     /// The steps that these statements are; `None` where they are wrong.
     fn steps(&mut self, mut items: Vec<Item>) -> Option<Arc<[Step]>> {
         let companion = self.companion.as_mut()?;
-        if let Some(draws) = items.iter().position(|it| names(it, "scamp5_draw_")) {
+        let mut drawn = Vec::new();
+        for (at, it) in items.iter().enumerate() {
+            drawing(it, at, &mut drawn);
+        }
+        if let Some(&(at, first)) = drawn.first() {
             let begins = |it: &Item| names(it, "scamp5_draw_begin");
-            if let (Some(begin), false) = (&companion.drawing, begins(&items[draws])) {
-                items.insert(draws, begin.clone());
-            }
             let ends = |it: &Item| names(it, "scamp5_draw_end");
-            let last = items.iter().rfind(|it| begins(it) || ends(it));
-            companion.drawing = last.filter(|it| begins(it)).cloned();
+            let goes_on = !begins(first);
+            let last = drawn.iter().map(|it| it.1);
+            let last = { last }.rfind(|it| begins(it) || ends(it)).cloned();
+            let before = companion.drawing.take();
+            companion.drawing = match last {
+                Some(last) => Some(last).filter(begins),
+                None => before.clone(),
+            };
+            if let (Some(begin), true) = (before, goes_on) {
+                items.insert(at, begin);
+            }
         }
         let here = |(known, _): &&(Vec<Item>, _)| {
             let places = known.iter().zip(&items);
@@ -268,7 +282,7 @@ impl Machine<'_> {
         let errors = faults
             .into_iter()
             .filter(|it| it.severity == Severity::Error);
-        let errors: Vec<Fault> = errors.collect();
+        let errors: Vec<Fault> = errors.map(in_cpp).collect();
         if !errors.is_empty() {
             companion.faults.extend(errors);
             companion.over = true;
@@ -301,6 +315,11 @@ impl Machine<'_> {
         self.works_anew();
     }
 
+    /// How often the array ran what was asked; 0 where none is there.
+    pub(super) fn ran_beside(&self) -> u64 {
+        self.companion.as_ref().map_or(0, |it| it.ran)
+    }
+
     /// Whether anything was asked of the array in this frame.
     pub(super) fn has_run(&self) -> bool {
         self.companion.as_ref().is_some_and(|it| it.now.any)
@@ -314,6 +333,24 @@ impl Machine<'_> {
         self.next_frame();
         self.give_up();
         !self.done()
+    }
+}
+
+/// What is wrong with statements, as whoever writes C++ mends it.
+pub(in crate::program) fn in_cpp(fault: Fault) -> Fault {
+    let repeats = fault.help.as_deref().unwrap_or_default();
+    if !repeats.contains("`repeat N { … }`") {
+        return fault;
+    }
+    fault.help("loop less often; a loop outside of kernels counts as one pass where its passes ask the same: give its passes the same body")
+}
+
+/// Adds the statements that draw, in loops too, with the place of the item that they stand in.
+fn drawing<'a>(it: &'a Item, at: usize, all: &mut Vec<(usize, &'a Item)>) {
+    match &it.node {
+        Node::Repeat { body, .. } => body.iter().for_each(|it| drawing(it, at, all)),
+        _ if names(it, "scamp5_draw_") => all.push((at, it)),
+        _ => {}
     }
 }
 

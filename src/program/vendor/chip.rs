@@ -99,6 +99,9 @@ pub(super) fn rewritten(
         }
     }
     address::in_eight_bits(machine, renamed, &mut given);
+    if !address::with_its_mask(machine, renamed, &mut given, place) {
+        return None;
+    }
     address::with_a_sign(machine, renamed, &mut given);
     if matches!(renamed, "scamp5_scan_events" | "scamp5_scan_events_rc") {
         as_many_slots_as_there_are(machine, renamed, &mut given);

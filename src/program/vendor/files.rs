@@ -5,7 +5,44 @@ use std::{collections::BTreeMap, sync::Arc};
 use crate::config::{Fault, Place, line_column};
 
 /// Texts by the names with which `#include "…"` asks for them.
-pub type Includes = BTreeMap<String, Arc<str>>;
+pub type Includes = BTreeMap<String, Lying>;
+
+/// A text that lies beside a program.
+#[derive(Clone, Debug)]
+pub struct Lying {
+    pub(super) text: Arc<str>,
+    /// The file that it was read from, for messages, where that is known.
+    pub(super) file: Option<Arc<str>>,
+}
+
+impl Lying {
+    /// The text of a file, by the name that messages have for it.
+    #[must_use]
+    pub fn read(text: &str, file: &str) -> Self {
+        Self {
+            text: text.into(),
+            file: Some(file.into()),
+        }
+    }
+}
+
+impl From<Arc<str>> for Lying {
+    fn from(text: Arc<str>) -> Self {
+        Self { text, file: None }
+    }
+}
+
+impl From<&str> for Lying {
+    fn from(text: &str) -> Self {
+        Arc::<str>::from(text).into()
+    }
+}
+
+impl From<String> for Lying {
+    fn from(text: String) -> Self {
+        Arc::<str>::from(text).into()
+    }
+}
 
 /// The files that may hold the bodies of what a header declares.
 pub(super) fn bodies(header: &str) -> Vec<String> {

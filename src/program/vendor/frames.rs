@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{
+    call::RECORDING,
     light::{capture, light},
     look,
     machine::{Flow, Machine},
@@ -238,7 +239,7 @@ impl Machine<'_> {
                 once.pop();
             }
         }
-        self.one_capture(&once);
+        self.one_capture(&once, &first.concat(), &steady.concat());
         let start = once.concat();
         self.bare = start == frame;
         self.items = frame;
@@ -246,11 +247,15 @@ impl Machine<'_> {
     }
 
     /// What is done once is one frame, in which the light falls once.
-    fn one_capture(&mut self, once: &[Vec<Item>]) {
+    fn one_capture(&mut self, once: &[Vec<Item>], first_turn: &[Item], steady: &[Item]) {
         let mut captures = once.iter().filter_map(|it| capture(it));
         let (Some(first), Some(second)) = (captures.next(), captures.next()) else {
             return;
         };
+        if let Some(fault) = self.recorded_alone(first_turn, steady) {
+            self.undecided(fault);
+            return;
+        }
         let count = 2 + captures.count();
         let line = self.line(first);
         self.undecided(
@@ -261,6 +266,26 @@ impl Machine<'_> {
             )
             .help("capture once before the loop; or calibrate with a program of its own, keep what it leaves with `exec --dump`, and give it with `--set REGISTER=FILE.npy`"),
         );
+    }
+
+    /// A fault, where what tells the first turn from the others is a call of the host in a kernel that
+    /// is recorded then.
+    fn recorded_alone(&self, first: &[Item], steady: &[Item]) -> Option<Fault> {
+        let same = |(a, b): &(&Item, &Item)| a == b;
+        let alike = first.iter().zip(steady).take_while(same).count();
+        let it = first.get(alike)?;
+        let Node::Statement(statement) = &it.node else {
+            return None;
+        };
+        let told =
+            |fault: &&Fault| fault.label == RECORDING && self.files.own(fault.place).is(it.place);
+        let inside = self.faults.iter().find(told)?;
+        let message = format!(
+            "`{}` is done in the first turn of this loop alone, while the kernel is recorded, and a frame is captured before the loop, too",
+            statement.name
+        );
+        let fault = Fault::error(inside.place, message, "later frames do without it");
+        Some(fault.help("put it before `scamp5_kernel_begin();`: every frame does it then"))
     }
 
     /// The frames of a program that ends: one, or one again and again.

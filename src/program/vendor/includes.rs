@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{
-    files::{Includes, bodies, named, plain},
+    files::{Includes, Lying, bodies, named, plain},
     preprocess::asked,
     prototype::undefined,
 };
@@ -47,7 +47,13 @@ fn include(text: &str, places: [&Path; 2], all: &mut Includes) {
         let Ok(text) = source::code(&path, "") else {
             continue;
         };
-        all.insert(name, text.as_str().into());
+        all.insert(name, Lying::read(&text, &shown(&path, places[1])));
         include(&text, [path.parent().unwrap_or(places[1]), places[1]], all);
     }
+}
+
+/// A file as messages name it, beside the program.
+fn shown(path: &Path, folder: &Path) -> String {
+    let path = path.strip_prefix(folder).unwrap_or(path);
+    path.display().to_string().replace('\\', "/")
 }

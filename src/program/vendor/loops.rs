@@ -25,6 +25,7 @@ impl Machine<'_> {
         body_first: bool,
     ) -> Flow {
         let beside = self.companion.is_some();
+        let ran = self.ran_beside();
         let endless = self.endless(condition, step, body);
         if endless && !beside {
             return self.frame_loop(body, step);
@@ -63,7 +64,9 @@ impl Machine<'_> {
             let one = self.scoped(body);
             if beside {
                 self.give_up();
-            } else if self.frames.len() == frames
+            }
+            if self.frames.len() == frames
+                && self.ran_beside() == ran
                 && self.recording.is_none()
                 && start <= self.items.len()
             {
@@ -96,7 +99,7 @@ impl Machine<'_> {
         // A `return` ends more than the loop.
         let ended = self.maybe.take().filter(|_| look::returns(body));
         self.maybe = outer.or(ended);
-        if flow == Flow::Next && self.frames.len() == frames {
+        if flow == Flow::Next && self.frames.len() == frames && self.ran_beside() == ran {
             self.folded(before, &all, it.place);
         }
         flow

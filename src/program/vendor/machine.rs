@@ -153,6 +153,8 @@ pub(super) struct Machine<'a> {
     pub titles: BTreeMap<u32, BTreeSet<String>>,
     /// Buffers that events were read into, by the names that programs have for them.
     pub scanned: BTreeMap<String, String>,
+    /// The row and the column that were selected last, which masks go with.
+    pub selected: [Option<Value>; 2],
     /// The display that a stack of bits goes to.
     pub stack: Option<Value>,
     /// Whether a statement has reset the photodiodes in the frame that is worked on.
@@ -230,6 +232,7 @@ impl<'a> Machine<'a> {
             naming: None,
             titles: BTreeMap::new(),
             scanned: BTreeMap::new(),
+            selected: [None, None],
             stack: None,
             dark: false,
             looped: false,

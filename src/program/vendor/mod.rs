@@ -68,8 +68,9 @@ mod why;
 mod write;
 mod written;
 
+pub(super) use beside::in_cpp;
 pub use beside::{Answer, Beside};
-pub use files::Includes;
+pub use files::{Includes, Lying};
 pub use includes::{included, included_files};
 pub use write::{WriteError, cpp};
 

@@ -6,7 +6,7 @@ use std::{
 };
 
 use super::{
-    files::{Files, Includes, bodies, named, plain},
+    files::{Files, Includes, Lying, bodies, named, plain},
     prototype::{is_program, undefined},
     token::{Token, TokenKind, tokens},
 };
@@ -333,7 +333,7 @@ impl Preprocessor<'_> {
         if is_of_the_chip(name) {
             return;
         }
-        let Some(text) = self.includes.get(&**name) else {
+        let Some(it) = self.includes.get(&**name) else {
             if !vendor_header(name) {
                 self.missing.push(name.to_string());
                 self.faults.push(
@@ -358,11 +358,11 @@ impl Preprocessor<'_> {
             );
             return;
         }
-        if text.contains("#pragma once") && !self.once.insert(name.to_string()) {
+        if it.text.contains("#pragma once") && !self.once.insert(name.to_string()) {
             return;
         }
-        let text = Arc::clone(text);
-        self.file(name, &text, place, depth + 1);
+        let it = it.clone();
+        self.file(name, &it, place, depth + 1);
     }
 
     /// Reads the vendor's generator of random numbers, where something here uses it and nothing
@@ -370,20 +370,21 @@ impl Preprocessor<'_> {
     fn generator(&mut self, text: &str) {
         const NAME: &str = "vs_random";
         let all: Vec<&str> = { self.includes.values() }
-            .map(|it| &**it)
+            .map(|it| &*it.text)
             .chain([text])
             .collect();
         let defined = all.iter().any(|it| it.contains("class vs_random"));
         if !defined && all.iter().any(|it| it.contains(NAME)) {
-            let text: Arc<str> = include_str!("random.hpp").into();
+            let text = Lying::from(include_str!("random.hpp"));
             self.file("vs_random.hpp", &text, Place::default(), 1);
         }
     }
 
-    fn file(&mut self, name: &str, text: &Arc<str>, place: Place, depth: usize) {
+    fn file(&mut self, name: &str, it: &Lying, place: Place, depth: usize) {
         self.read.push((name.to_owned(), place));
-        let base = self.files.add(name, text, place);
-        self.text(text, base, depth);
+        let shown = it.file.as_deref().unwrap_or(name);
+        let base = self.files.add(shown, &it.text, place);
+        self.text(&it.text, base, depth);
     }
 
     /// Reads what lies beside the headers under their names, and under those of functions that are
@@ -396,10 +397,10 @@ impl Preprocessor<'_> {
         while let Some((header, place)) = self.read.get(at).cloned() {
             at += 1;
             self.beside(&bodies(&header), place, own);
-            let Some(text) = self.includes.get(&header).cloned() else {
+            let Some(it) = self.includes.get(&header).cloned() else {
                 continue;
             };
-            for (name, _) in undefined(&text) {
+            for (name, _) in undefined(&it.text) {
                 self.beside(&named(&name), place, own);
             }
         }
@@ -409,12 +410,12 @@ impl Preprocessor<'_> {
     fn beside(&mut self, names: &[String], place: Place, own: &str) {
         for name in names {
             let known = |it: &(String, Place)| plain(&it.0) == plain(name);
-            if let Some(text) = self.includes.get(name).cloned()
+            if let Some(it) = self.includes.get(name).cloned()
                 && !self.read.iter().any(known)
-                && *text != *own
-                && !is_program(&text)
+                && *it.text != *own
+                && !is_program(&it.text)
             {
-                self.file(name, &text, place, 1);
+                self.file(name, &it, place, 1);
             }
         }
     }

@@ -9,6 +9,8 @@ pub(super) enum Why {
     Run(Arc<str>),
     /// Something of the text that no run makes known: what is not followed, or is not there.
     Never(Arc<str>),
+    /// A number that `main` is started with, by its name.
+    Started(Arc<str>),
 }
 
 impl Why {
@@ -32,7 +34,9 @@ impl From<String> for Why {
 
 impl fmt::Display for Why {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (Self::Run(says) | Self::Never(says)) = self;
-        f.write_str(says)
+        match self {
+            Self::Run(says) | Self::Never(says) => f.write_str(says),
+            Self::Started(name) => write!(f, "`{name}`"),
+        }
     }
 }

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, fmt::Write as _};
 
 use crate::{
     isa::{
-        Callable, Device,
+        Callable, Device, Figure,
         text::{Argument, Expression, Statement, Term},
     },
     program::{
@@ -227,7 +227,18 @@ impl Writer<'_> {
                 remark = format!(" // {real} LSB; the converter has whole ones");
             }
         }
-        match it.name.as_str() {
+        let mut name = it.name.as_str();
+        match name {
+            // The vendor's masks go with what was selected before; a pattern says both.
+            "scamp5_select_rowx" | "scamp5_select_colx" if given.len() == 2 => {
+                let side = |figure| self.device.value(figure);
+                let narrow = side(Figure::Height).max(side(Figure::Width)) <= 256.0;
+                let any = if narrow { "255" } else { "65535" };
+                let at = usize::from(name == "scamp5_select_rowx");
+                given.insert(at, "0".to_owned());
+                given.insert(2 + at, any.to_owned());
+                name = "scamp5_select_pattern";
+            }
             "scamp5_output_image" | "scamp5_output_areg" => {
                 given.truncate(1);
                 given.push(format!("display_{}", self.shown));
@@ -247,7 +258,7 @@ impl Writer<'_> {
             "scamp5_scan_dreg" => self.buffer(given.get(1), 8192),
             _ => {}
         }
-        Ok(format!("{}({});{remark}", it.name, given.join(", ")))
+        Ok(format!("{name}({});{remark}", given.join(", ")))
     }
 
     fn buffer(&mut self, name: Option<&String>, bytes: u64) {

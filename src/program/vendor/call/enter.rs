@@ -162,8 +162,12 @@ impl Machine<'_> {
                 }
                 // What `main` is started with.
                 (None, None) => {
-                    let why = format!("`{}`", parameter.name);
-                    self.hold(Value::Unknown(why.into()), Kind::Any)
+                    let why = if parameter.pointer || kind == Kind::Any {
+                        Why::never(&format!("`{}`", parameter.name))
+                    } else {
+                        Why::Started(parameter.name.clone())
+                    };
+                    self.hold(Value::Unknown(why), Kind::Any)
                 }
             };
             scope.insert(parameter.name.clone(), slot);

@@ -247,7 +247,7 @@ impl Machine<'_> {
             return Value::Pointer(slot, path, "a slider".into());
         }
         let values = self.given_to(name, given, place);
-        self.no_picture(name, place);
+        self.requested(name, &values, place);
         if let Some(found) = self.of_text(name, &values, place) {
             return found;
         }
@@ -295,7 +295,8 @@ impl Machine<'_> {
                 Value::Whole(0)
             }
             "to_string" => as_text(&values),
-            "vs_gui_is_on" => Value::Whole(1),
+            // Nothing that was asked for is on its way.
+            "vs_gui_is_on" | "vs_gui_request_done" => Value::Whole(1),
             "rand" if self.companion.is_some() => {
                 Value::Whole(self.companion.as_mut().map_or(0, Companion::random))
             }
@@ -303,16 +304,25 @@ impl Machine<'_> {
         }
     }
 
-    /// Tells of a picture that the GUI is asked for.
-    fn no_picture(&mut self, name: &str, place: Place) {
-        if name == "vs_gui_request_image" {
-            self.error(
-                place,
-                format!("`{name}` asks the GUI for a picture, and there is none here"),
-                "this call",
-                "give the picture as the scene, by `exec --image FILE`, and read it by `get_image(A);`",
-            );
-        }
+    /// Tells of a picture or a file that the GUI is asked for.
+    fn requested(&mut self, name: &str, given: &[Value], place: Place) {
+        let (what, help) = match name {
+            "vs_gui_request_image" => (
+                "picture",
+                "give the picture as the scene, by `exec --image FILE`, and read it by `get_image(A);`; or take this call out, and give what it would load by `exec --set REGISTER=FILE.npy`",
+            ),
+            "vs_gui_request_file" => (
+                "file",
+                "write what it holds into a file beside this one, as an array of constants",
+            ),
+            _ => return,
+        };
+        let file = match given.first() {
+            Some(Value::Text(file)) => format!(", `{file}`,"),
+            _ => ",".to_owned(),
+        };
+        let message = format!("`{name}` asks the GUI for a {what}{file} and there is none here");
+        self.error(place, message, "this call", help);
     }
 
     /// The slider of the gain, which every program has.

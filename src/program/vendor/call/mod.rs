@@ -10,7 +10,10 @@ mod random;
 mod statement;
 mod unfollowed;
 
-pub(super) use self::overload::{Argument, Named};
+pub(super) use self::{
+    overload::{Argument, Named},
+    statement::RECORDING,
+};
 
 use std::rc::Rc;
 

@@ -16,6 +16,10 @@ use crate::{
     unit::counted,
 };
 
+/// What is told of a call of the host between the begin of a kernel and its end.
+pub(in crate::program::vendor) const RECORDING: &str =
+    "the chip's host does this while the kernel is recorded: once, before the kernel's words";
+
 /// A readout takes about as long as copying so many values.
 const READOUT: usize = 1 << 13;
 
@@ -24,12 +28,8 @@ impl Machine<'_> {
     pub(super) fn in_kernel(&mut self, name: &str, place: Place) {
         if self.recording.is_some() {
             self.fault(
-                Fault::warning(
-                    place,
-                    format!("`{name}` inside a kernel"),
-                    "the chip's host does this while the kernel is recorded: once, before the kernel's words",
-                )
-                .help("end the kernel before it, and begin another one behind it"),
+                Fault::warning(place, format!("`{name}` inside a kernel"), RECORDING)
+                    .help("end the kernel before it, and begin another one behind it"),
             );
         }
     }
