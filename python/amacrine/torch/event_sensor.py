@@ -24,7 +24,7 @@ OPTIONS = ("response", "memory", "border", "refractory", "names", "name")
 """What of :class:`amacrine.Sensor` a layer can be told."""
 
 
-_Set = tuple[float, float | None, Rule | None, Slope, float | None, float | None, int]
+_Set = tuple[float, float | None, Rule | None, Slope, float | None, float | None, int | None]
 """Frames per second, scale, rule, slope, mismatch, phase and seed."""
 
 
@@ -138,18 +138,19 @@ class EventSensor(torch.nn.Module):
         mismatch and its seed, where they are left out."""
         self = cls.__new__(cls)
         torch.nn.Module.__init__(self)
-        own = sensor._seed if seed is None else seed
-        self._make(sensor, dtype, (fps, scale, rule, slope, mismatch, phase, own))
+        self._make(sensor, dtype, (fps, scale, rule, slope, mismatch, phase, seed))
         return self
 
     def _make(self, sensor: Sensor, dtype: torch.dtype, how: _Set) -> None:
-        """The layer that begins as this sensor; with its mismatch, where none is given."""
+        """The layer that begins as this sensor; with its mismatch and its seed, where none is given."""
         fps, scale, rule, slope, mismatch, phase, seed = how
         # Parameters that are made in inference mode could never be learned.
         with torch.inference_mode(False):
             self._begin(sensor, dtype)
             if mismatch is None:
                 mismatch = _mismatch(sensor)
+            if seed is None:
+                seed = sensor._seed
             self._set(fps, scale, rule, slope, mismatch, phase, seed)
 
     def _begin(self, sensor: Sensor, dtype: torch.dtype) -> None:
