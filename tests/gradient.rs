@@ -867,6 +867,14 @@ fn what_is_not_finite_is_named() {
     };
     let want = "the gradient of the counts (clips, pairs, channels, rows, columns) has -inf at [0, 0, 0, 0, 3]";
     assert_eq!(said(&ask), want);
+    for (events, want) in [(f64::INFINITY, "inf"), (f64::NAN, "NaN")] {
+        let ask = Ask {
+            events,
+            ..Ask::default()
+        };
+        let want = format!("the gradient of the number of events is {want}");
+        assert_eq!(said(&ask), want);
+    }
     let large = vec![3e38; voxels.len()];
     let ask = Ask {
         voxels: Some(&large),
@@ -924,6 +932,33 @@ fn what_has_no_gradient_is_refused() {
     let text = "response = \"identity\"\nmemory = \"filtered-step\"\n[[channel]]\nmesh = { lambda = 2 }\nthreshold = { on = 1, off = 1 }";
     let said = Model::<f32>::new(describe(text), Size::new(4, 4), 0).unwrap_err();
     assert!(said.to_string().contains("sees through a mesh"), "{said}");
+    let help = miette::Diagnostic::help(&said).unwrap().to_string();
+    assert!(
+        help.contains("`amacrine mesh solve --show difference`"),
+        "{help}"
+    );
+}
+
+/// A last batch may have no clip.
+#[test]
+fn of_no_clip_there_is_nothing() {
+    let (text, size) = (sensor(SENSORS[1], "\"identity\"", 2), Size::new(5, 4));
+    let model = Model::<f32>::new(describe(&text), size, 0).unwrap();
+    let seen = model
+        .forward(Clips::new(&[], &times(6), size).unwrap())
+        .unwrap();
+    assert_eq!(seen.shape(), [0, 6, 2, 5, 4]);
+    assert!(seen.voxels().is_empty() && seen.counts().is_empty());
+    let ask = Ask {
+        voxels: Some(&[]),
+        events: 1.0,
+        light: true,
+        ..Ask::default()
+    };
+    let back = model.backward(&seen, &ask, Rule::Through).unwrap();
+    assert_eq!(back.light.as_deref(), Some(&[][..]));
+    let kernels = back.channels.iter().flat_map(|kind| &kind.kernels);
+    assert!(kernels.flat_map(|it| it.iter()).all(|w| *w == 0.0));
 }
 
 /// The cosine between a rule's gradient of the kernel and the differences of the loss, both averaged

@@ -479,6 +479,17 @@ fn kernels_that_cannot_be_are_told() {
         &["zero.npy has no weight but 0"],
     );
 
+    // Not by each key that a kernel file does not have.
+    let text = "response = \"identity\"\nmemory = \"filtered-snap\"\n[[channel]]\nkernel = \"dvs\"\nthreshold = { on = 9, off = 9 }\n";
+    fs::write(folder.join("own.toml"), text).unwrap();
+    refused(
+        folder,
+        &["compile", "own.toml", "--threshold", "9"],
+        &[
+            "own.toml is a sensor file, not a kernel file",
+            "--sensor own.toml",
+        ],
+    );
     refused(
         folder,
         &["compile", "a.npy", "--filter-only", "--input", "0..256"],

@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 /// The version of the file; another one is refused.
 pub const VERSION: u32 = 1;
 
+/// The copy of its task that a run's folder keeps.
+pub const KEPT_TASK: &str = "task.toml";
+
 /// What a run has measured.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {

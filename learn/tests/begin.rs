@@ -69,6 +69,18 @@ fn a_task_to_start_from_has_every_key() {
     assert!(!is_good && errors.contains("is there already"), "{errors}");
 }
 
+/// What the usage says can be done.
+#[test]
+fn a_verb_takes_no_task() {
+    let here = Path::new(".");
+    let (is_good, said, _) = amacrine_learn(here, &["--help"]);
+    let usage = "Usage: amacrine-learn [OPTIONS] --output <RUN> <TASK.toml>\n       amacrine-learn [OPTIONS] <COMMAND>\n";
+    assert!(is_good && said.contains(usage), "{said}");
+    assert!(amacrine_learn(here, &["--threads", "1", "schema"]).0);
+    let (is_good, _, errors) = amacrine_learn(here, &["own.toml", "schema"]);
+    assert!(!is_good && errors.contains(usage), "{errors}");
+}
+
 #[test]
 fn every_shipped_task_is_valid() {
     let schema = amacrine_learn(Path::new("."), &["schema"]).1;

@@ -486,6 +486,11 @@ fn records_that_cannot_be_told_of() {
     let path = folder.path().join(FILE);
     let read = || Report::read(folder.path()).unwrap_err().to_string();
     assert!(read().contains(FILE));
+    // What has begun has kept its task: the record comes with the first arm.
+    let task = folder.path().join("task.toml");
+    std::fs::write(&task, "").unwrap();
+    assert!(read().ends_with("learn.json: nothing was measured yet"));
+    std::fs::remove_file(&task).unwrap();
     std::fs::write(&path, "{").unwrap();
     assert!(read().contains("no record of a run"));
     let write =

@@ -31,6 +31,8 @@ def threads() -> int:
     """The number of threads."""
 
 def names(of: str) -> list[str]: ...
+def meant(of: str, name: str, otherwise: str) -> str: ...
+def is_sensor(text: str) -> bool: ...
 def text(of: str, name: str) -> tuple[str, str] | None: ...
 @final
 class Sensor:
@@ -42,11 +44,16 @@ class Sensor:
     @property
     def channels(self) -> list[str | None]: ...
     @property
-    def kernels(self) -> list[list[npt.NDArray[np.float64]]]: ...
+    def kernels(self) -> list[list[npt.NDArray[np.float64]] | None]: ...
     @property
     def thresholds(self) -> list[list[tuple[float, float, float]]]: ...
     @property
     def plain(self) -> bool: ...
+    def studied(
+        self, called: str
+    ) -> tuple[
+        list[str], list[npt.NDArray[np.float64]], list[float], str | None, list[str]
+    ]: ...
     def watch(
         self,
         size: tuple[int, int],
@@ -341,7 +348,7 @@ def on_chip(
 ) -> str: ...
 def on_chip_together(
     of: list[_Named],
-    to: list[str],
+    how: tuple[list[str], str | None],
     thresholds: list[float],
     search: _Search,
     scene: _Shown,
@@ -369,7 +376,7 @@ def feasibility(
 def waterfall(
     of: list[_Named],
     thresholds: list[float],
-    how: tuple[str, str],
+    how: tuple[str, str, str | None],
     search: _Search,
     scene: _Shown,
     within_us: int | None,

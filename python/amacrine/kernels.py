@@ -85,14 +85,15 @@ def npy(kernel: npt.NDArray[Any]) -> bytes:
 
 def named(given: Any) -> list[tuple[str, bytes | None]]:
     """Each kernel for a study: what it is called, and its bytes unless it is built in."""
-    all: list[tuple[str, bytes | None]] = []
     found = kernels(given)
-    for i, kernel in enumerate(found):
-        if not isinstance(kernel, str):
-            name = "the kernel" if len(found) == 1 else f"kernel {i}"
-            all.append((name, npy(kernel)))
-        elif Path(kernel).is_file():
-            all.append((kernel, Path(kernel).read_bytes()))
-        else:
-            all.append((kernel, None))
-    return all
+    one = len(found) == 1
+    return [
+        of_study(kernel, "the kernel" if one else f"kernel {i}") for i, kernel in enumerate(found)
+    ]
+
+
+def of_study(kernel: Kernel, called: str) -> tuple[str, bytes | None]:
+    """A kernel for a study; an array is called so."""
+    if not isinstance(kernel, str):
+        return called, npy(kernel)
+    return kernel, Path(kernel).read_bytes() if Path(kernel).is_file() else None

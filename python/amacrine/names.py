@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from pathlib import Path
 
 from . import _amacrine, arguments
@@ -41,12 +43,20 @@ def opened(
         except (OSError, UnicodeDecodeError) as cause:
             raise Error(f"{path}: {cause}\nhelp: give a file of text that can be read") from cause
     found = _amacrine.text(of, str(name))
-    if found is None:
-        raise Error(
-            f"{name}: no such file\nhelp: give the path of a file, or a name that comes with the "
-            f"package: {', '.join(names(of))}"
-        )
-    return *found, None
+    if found is not None:
+        return *found, None
+    number = errno.EISDIR if path.is_dir() else errno.ENOENT
+    raise Error(
+        f"cannot read {name}: {os.strerror(number)} (os error {number})\n"
+        f"help: {_amacrine.meant(of, str(name), _otherwise(of))}"
+    )
+
+
+def _otherwise(of: str) -> str:
+    """What is taken: a file, or a name of those that come with the package."""
+    file = {"sensors": "a sensor file", "programs": "the path of a program", "studies": "a study file"}
+    known = ", ".join(names(of))
+    return f'give {file.get(of, "the path of a file")}, or one of amacrine.names("{of}"): {known}'
 
 
 def chip(given: arguments.File) -> str:

@@ -21,7 +21,7 @@ from .caution import OF_ALL, Said, caution, caution_of
 from .events import NamedEvents, check_side, named, view
 from .frames import Clips, clips
 from .kernels import Kernel, Kernels, kernels as each, named as files, npy
-from .names import chip as found_chip, opened
+from .names import chip as found_chip, names as names_of, opened
 from .program import Program
 from .readout import Readout, readout_of
 from .tensor import untracked
@@ -32,6 +32,12 @@ Thresholds = Union[float, Mapping[str, float], Sequence[Any], npt.NDArray[Any]]
 """One for all kernels, or one for each: a number for both signs, a pair (on, off), or a table with
 the keys ``on``, ``off`` and ``sigma``."""
 
+UNIT = "in units of the response"
+"""The unit of a sensor's thresholds."""
+
+UNIT_OF_COMPILED = "in units of kernel times light (0 to 255)"
+"""That of those who take kernels: :func:`compile`, and the studies."""
+
 MEMORIES = ("filtered-step", "filtered-snap", "raw-snap")
 """What an event may do to the memory of a sensor that is made of arguments."""
 
@@ -40,6 +46,12 @@ PART = 16
 
 FEWER = "take them window by window (voxel_windows), or fewer or narrower ones"
 """What to do about voxels for which there is no room."""
+
+BRIGHT = (
+    "what `amacrine mesh solve --show difference` makes of one bright pixel is the kernel that is "
+    "nearest to a mesh (docs/mesh.md)"
+)
+"""What there is in place of the kernel of a mesh."""
 
 OWN = ("_native", "_text", "_from", "_seed", "_format", "_max_events", "channels")
 """What every float sensor has, and is made of anew in another process."""
@@ -584,8 +596,17 @@ class Sensor(EventSensor):
     @property
     def kernels(self) -> list[npt.NDArray[np.float64]]:
         """For each kind of cell its kernel, (k,k), row 0 to the north; (4,k,k) of a 2x2 pattern, whose
-        smaller kernels have zeros round them."""
-        return [stacked(own) if len(own) > 1 else own[0] for own in self._native.kernels]
+        smaller kernels have zeros round them. A kind that sees through a mesh has none: an
+        :class:`Error`."""
+        found = []
+        for i, own in enumerate(self._native.kernels):
+            if own is None:
+                raise Error(
+                    f"{self.name}, channel {i}: it sees through a mesh, which no kernel (k,k) is\n"
+                    f"help: {BRIGHT}"
+                )
+            found.append(stacked(own) if len(own) > 1 else own[0])
+        return found
 
     @property
     def thresholds(self) -> list[npt.NDArray[np.float64]]:
@@ -606,7 +627,12 @@ class Sensor(EventSensor):
             return NotImplemented
         same = self._stated() == other._stated()
         # Files of kernels that are called the same may hold others.
-        return same and all(map(np.array_equal, self.kernels, other.kernels))
+        both = self._weights(), other._weights()
+        return same and len(both[0]) == len(both[1]) and all(map(np.array_equal, *both))
+
+    def _weights(self) -> list[npt.NDArray[np.float64]]:
+        """All its kernels; of a mesh, whose numbers are in the text, none."""
+        return [kernel for own in self._native.kernels for kernel in own or ()]
 
     def __hash__(self) -> int:
         return hash(self._stated())
@@ -624,13 +650,18 @@ class Sensor(EventSensor):
         for name, kernels, limits in zip(
             self.channels, self._native.kernels, self._native.thresholds
         ):
-            for n, (kernel, (on, off, sigma)) in enumerate(zip(kernels, limits)):
+            count = max(len(limits), len(kernels or ()))
+            for n in range(count):
                 # The four of a 2x2 pattern, in the order of its pixels.
-                kind = name if len(kernels) == 1 else f"{name}, x {n % 2}, y {n // 2}"
+                kind = name if count == 1 else f"{name}, x {n % 2}, y {n // 2}"
+                on, off, sigma = limits[n % len(limits)]
                 signs = {"threshold ON": on, "OFF": off, "mismatch": sigma}
-                of_sum = {"kernel": notebook.size(kernel), "sum": float(kernel.sum())}
+                of_sum: dict[str, Any] = {"kernel": "mesh", "sum": None}
+                if kernels is not None:
+                    kernel = kernels[n % len(kernels)]
+                    of_sum = {"kernel": notebook.size(kernel), "sum": float(kernel.sum())}
+                    drawn.append((kind, kernel))
                 kinds.append({"kind": kind} | of_sum | signs)
-                drawn.append((kind, kernel))
         tables = notebook.table([head]) + notebook.table(kinds) + notebook.planes(drawn)
         return tables + notebook.text("its file", self.text)
 
@@ -864,43 +895,83 @@ def _found_before(
 
 
 def compile(
-    kernels: Kernels,
-    thresholds: Thresholds,
+    kernels: Kernels | Sensor,
+    thresholds: Thresholds | None = None,
     *,
     to: str = "exact",
     domain: str = "silicon",
     chip: str | Path = "scamp5",
     sum: str = "kept",
-    memory: str = "analogue",
+    memory: str | None = None,
     readout: str = "all",
     objective: str = "silicon",
     border: bool = False,
     events_per_frame: int | None = None,
     effort: float = 1.0,
-    seed: int = 0,
+    seed: int | None = None,
 ) -> ChipSensor:
-    """Kernels as one program of a chip, with the proof that it computes them.
+    """Kernels, or a sensor, as one program of a chip, with the proof that it computes them.
 
     Args:
-        kernels: As for :class:`Sensor`.
-        thresholds: Events where kernel times light (0 to 255) moved by more than this.
+        kernels: As for :class:`Sensor`; or a sensor, or the file or the name of one, as
+            ``amacrine compile --sensor`` has it.
+        thresholds: Events where kernel times light (0 to 255) moved by more than this; a sensor has its
+            own.
         to: A quantiser, or ``"exact"``.
+        memory: ``"analogue"`` of kernels, and what is nearest to a sensor, where it is left out.
+        seed: 0 of kernels, and a sensor's own, where it is left out.
 
     The rest is that of :meth:`Sensor.on_chip`.
     """
-    memory = arguments.word("memory", memory, "shared")
+    how = (sum, memory, readout, objective, border, events_per_frame)
+    given = sensor_of(kernels)
+    if given is not None:
+        if thresholds is not None:
+            raise Error(
+                f"{given[0]} has thresholds of its own, and thresholds = {thresholds!r}\n"
+                "help: leave thresholds out, or give its kernels (Sensor.kernels) with thresholds"
+            )
+        return _cautioned(given[1]._found(to, domain, chip, how, effort, seed))
+    if thresholds is None:
+        raise Error(
+            "a program needs a threshold\n"
+            "help: give thresholds=40, in units of kernel times light (0 to 255), or a sensor, which "
+            "has its own; compile_filter is the filter alone"
+        )
+    memory = "analogue" if memory is None else arguments.word("memory", memory, "shared")
+    found = each(kernels)
     sensor = Sensor(
-        kernels,
-        thresholds,
+        found,
+        _thresholds(thresholds, len(found), UNIT_OF_COMPILED),
         response="identity",
         memory="raw-snap" if memory == "shared" else "filtered-snap",
         shared=True if memory == "shared" else None,
         border="zero",
         name="compiled",
-        seed=seed,
+        seed=0 if seed is None else seed,
     )
     how = (sum, memory, readout, objective, border, events_per_frame)
     return _cautioned(sensor._found(to, domain, chip, how, effort, None))
+
+
+def sensor_of(given: Any) -> tuple[str, Sensor] | None:
+    """The sensor that is given, or whose file or name is, and what it is called; none of what is no
+    sensor. A kernel of the same name comes first."""
+    if isinstance(given, Sensor):
+        return given.name, given
+    if not isinstance(given, (str, Path)) or str(given) in names_of("kernels"):
+        return None
+    path = Path(given)
+    if not path.is_file():
+        is_known = _amacrine.text("sensors", str(given)) is not None
+        return (str(given), Sensor.from_file(given)) if is_known else None
+    if path.suffix != ".toml":
+        return None
+    try:
+        is_sensor = _amacrine.is_sensor(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError):
+        return None
+    return (str(given), Sensor.from_file(given)) if is_sensor else None
 
 
 @dataclass(frozen=True)
@@ -1043,14 +1114,14 @@ def _refractory(given: Any) -> Any:
     return {"us": arguments.number("refractory", given, "give microseconds, or a table")}
 
 
-def _thresholds(given: Any, count: int) -> list[dict[str, Any]]:
-    """A table for each kernel. What is wrong is told of what was given, once for all kernels: a text
+def _thresholds(given: Any, count: int, unit: str = UNIT) -> list[dict[str, Any]]:
+    """A table for each kernel, in this unit. What is wrong is told of what was given, once for all kernels: a text
     that is made of it nobody has written."""
     given = untracked(given)
     if isinstance(given, Mapping) or (
         not isinstance(given, (list, tuple)) and np.ndim(given) == 0
     ):
-        return [_threshold("thresholds", given)] * count
+        return [_threshold("thresholds", given, unit)] * count
     all = list(given)
     if len(all) != count:
         raise Error(
@@ -1058,16 +1129,15 @@ def _thresholds(given: Any, count: int) -> list[dict[str, Any]]:
             "help: give one threshold for all kernels, or one for each, in their order; a pair (on, "
             "off) is one of them: [(0.2, 0.3)]"
         )
-    return [_threshold(f"thresholds[{i}]", one) for i, one in enumerate(all)]
+    return [_threshold(f"thresholds[{i}]", one, unit) for i, one in enumerate(all)]
 
 
-THRESHOLD = "in units of the response"
 OF_TABLE = "give a table with on, off and, where there is mismatch, sigma"
 
 
-def _threshold(name: str, given: Any) -> dict[str, Any]:
+def _threshold(name: str, given: Any, unit: str) -> dict[str, Any]:
     if isinstance(given, Mapping):
-        return _of_table(name, given)
+        return _of_table(name, given, unit)
     try:
         numbers = np.asarray(untracked(given)).ravel()
     except (TypeError, ValueError):
@@ -1080,11 +1150,11 @@ def _threshold(name: str, given: Any) -> dict[str, Any]:
     on, off = float(numbers[0]), float(numbers[-1])
     if not all(0.0 < one < math.inf for one in (on, off)):
         what = "a number" if numbers.size == 1 else "two numbers"
-        raise Error(f"{name} = {_plain(numbers)}\nhelp: give {what} above 0, {THRESHOLD}")
+        raise Error(f"{name} = {_plain(numbers)}\nhelp: give {what} above 0, {unit}")
     return {"on": on, "off": off}
 
 
-def _of_table(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
+def _of_table(name: str, given: Mapping[str, Any], unit: str) -> dict[str, Any]:
     """A table with a threshold for each sign, and what they are spread by."""
     found = {str(key): value for key, value in given.items()}
     unknown = ", ".join(key for key in found if key not in ("on", "off", "sigma"))
@@ -1097,7 +1167,7 @@ def _of_table(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
     for key, value in found.items():
         is_spread = key == "sigma"
         least = "of 0 or more" if is_spread else "above 0"
-        help = f"give a number {least}, {THRESHOLD}"
+        help = f"give a number {least}, {unit}"
         if isinstance(value, (bool, np.bool_)):
             raise Error(f'{name}["{key}"] = {value} is no number\nhelp: {help}')
         number = arguments.number(f'{name}["{key}"]', value, help)

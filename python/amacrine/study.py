@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, overload
+from typing import Any, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -16,11 +16,12 @@ from . import _amacrine, arguments, notebook
 from ._amacrine import Error
 from .answer import Answer, told
 from .frames import shown
-from .kernels import Kernels, named
+from .caution import caution
+from .kernels import Kernels, kernels as each, named, npy, of_study
 from .names import chip as found_chip
 from .program import Program
 from .readout import Readout, readout_of
-from .sensor import Sensor
+from .sensor import UNIT_OF_COMPILED, Sensor, sensor_of
 from .arguments import flag, micros, names, whole, word, word_or_none
 
 Scene = Any
@@ -28,7 +29,11 @@ Scene = Any
 takes; or None, the clip that comes with the package."""
 
 
-THRESHOLD = "give a number above 0, in units of kernel times light (0 to 255)"
+Cells = Union[Kernels, Sensor, Sequence[Any]]
+"""Kernels; or a sensor, its file, or a name of :func:`amacrine.names`, which has thresholds, too; or a
+list of any of these, each kernel a kind of cell."""
+
+THRESHOLD = f"give a number above 0, {UNIT_OF_COMPILED}"
 PART = "give a part above 0 and up to 1, such as sample=0.05"
 LINK = "give the least and the most, in pJ, such as link_energy=(1.0, 20.0), or one number"
 
@@ -96,14 +101,14 @@ class QuantisedList(list[Any]):
 
 @overload
 def quantise(
-    kernel: Kernels, to: str | Sequence[str], *, sum: str = "kept", seed: int = 0
+    kernel: Cells, to: str | Sequence[str], *, sum: str = "kept", seed: int = 0
 ) -> Any: ...
 @overload
 def quantise(
-    kernel: Kernels,
+    kernel: Cells,
     to: str | Sequence[str],
     *,
-    thresholds: float | Sequence[float],
+    thresholds: float | Sequence[float] | None = None,
     sum: str = "kept",
     scene: Scene = None,
     fps: float | None = None,
@@ -115,7 +120,7 @@ def quantise(
 ) -> Answer: ...
 @arguments.renamed(threshold="thresholds")
 def quantise(
-    kernel: Kernels,
+    kernel: Cells,
     to: str | Sequence[str],
     *,
     thresholds: float | Sequence[float] | None = None,
@@ -131,32 +136,34 @@ def quantise(
     """A kernel in few values, or several, and what that does to them.
 
     Args:
-        kernel: A name, a file, an array (k,k), or several as for :class:`Sensor`.
+        kernel: A name, a file, an array (k,k), or several as for :class:`Sensor`; or a sensor, its
+            file or its name: then each is run on the chip at the sensor's thresholds.
         to: A quantiser such as ``"ternary"``, ``"int-5"``, ``"po2-3"``, ``"q3.4"``; or several.
         thresholds: Compile each for the chip, and run it on a scene beside the float kernel: events
             where kernel times light (0 to 255) moved by more than this. Several kernels are run in one
-            program; one threshold for all, or one for each.
+            program; one threshold for all, or one for each. A sensor has its own.
         sum: What the quantised kernel must sum to: ``"free"``, ``"zero"`` or ``"kept"``.
-        scene: What they watch, with ``thresholds``.
+        scene: What they watch, with ``thresholds`` or a sensor.
 
     Returns:
         A :class:`Quantised`, a list of them where several quantisers were asked for; of several
-        kernels a list with that of each. These lists are tables in a notebook. With ``thresholds``
-        an :class:`Answer` with the names of ``amacrine quantise --json``: ``kernel``, ``quantised``
+        kernels a list with that of each. These lists are tables in a notebook. With ``thresholds``, or
+        of a sensor, an :class:`Answer` with the names of ``amacrine quantise --json``: ``kernel``, ``quantised``
         (a row for each quantiser: levels, scale, relative error) and ``chip``, whose ``rows``, the
         table of ``to_frame()``, have words, us, what is kept and the threshold equivalent of each; of
         several kernels ``kernels``, each with its ``quantised``, and the table ``together``, a row for
         each quantiser. A notebook shows words, us, and what is kept with the chip's errors, also as a
         threshold equivalent, of each, or why it is not known.
     """
-    given, several = named(kernel), not isinstance(to, str)
+    of, several = _kinds(kernel), not isinstance(to, str)
+    given, limits = of.named, of.limits(thresholds)
     values, total = names("to", to), word("sum", sum, "kept")
-    if thresholds is None:
+    if limits is None:
         whole_scene = scene, fps, scale, within
         if any(one is not None for one in whole_scene):
             raise Error(
                 "a scene is of no use without thresholds\n"
-                "help: give thresholds, too: then each is run on the chip"
+                "help: give thresholds, too, or a sensor, which has its own: then each is run on the chip"
             )
         if not values:
             raise Error("to names no quantiser\nhelp: give one, such as to=\"ternary\"")
@@ -167,10 +174,9 @@ def quantise(
         ]
         of_kernels = QuantisedList(each if several else [few[0] for few in each])
         return of_kernels if len(given) > 1 else of_kernels[0]
-    limits = _limits(thresholds, len(given))
     how = _search(total, chip, effort, seed), shown(scene, fps, scale), micros("within", within)
     if len(given) > 1:
-        text = _amacrine.on_chip_together(given, values, limits, *how)
+        text = _amacrine.on_chip_together(given, (values, of.memory), limits, *how)
         return told(Answer.parse(text, rows="together", show=_together))
     text = _amacrine.on_chip(given[0], values, limits[0], *how)
     return told(Answer.parse(text, rows="chip.rows", show=_alone))
@@ -198,7 +204,7 @@ def _quantised(name: str, of: dict[str, Any]) -> Quantised:
 
 
 def design(
-    kernels: Kernels,
+    kernels: Cells,
     *,
     rate: float | None = None,
     thresholds: float | Sequence[float] | None = None,
@@ -216,11 +222,11 @@ def design(
     """From kernels and a scene to sensors to choose from: the table of ``amacrine design``.
 
     Args:
-        kernels: As for :class:`Sensor`, a kind of cell each.
+        kernels: As for :class:`Sensor`, a kind of cell each; or a sensor, its file or its name.
         rate: Events per pixel and second, all kinds together, each an equal share: the thresholds
             are found.
         thresholds: Instead: events where kernel times light (0 to 255) moved by more than this, one
-            for all kernels or one for each.
+            for all kernels or one for each. A sensor has its own.
         to: Few values that are tried.
         memory: What the program remembers: ``"analogue"``, ``"shared"`` or ``"bits:N"``; else all
             that the chip has room for are tried.
@@ -236,10 +242,10 @@ def design(
         many events that is of the float sensor (``events``). What there is to warn of is said of the
         knee.
     """
-    given = named(kernels)
+    of = _kinds(kernels)
     text = _amacrine.design(
-        given,
-        *_aim("a design", rate, thresholds, len(given)),
+        of.named,
+        *_aim("a design", rate, thresholds, of),
         (names("to", to), word_or_none("memory", memory, "shared")),
         _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
@@ -250,7 +256,7 @@ def design(
 
 @arguments.renamed(threshold="thresholds")
 def feasibility(
-    kernels: Kernels,
+    kernels: Cells,
     thresholds: float | Sequence[float] | None = None,
     *,
     rate: float | None = None,
@@ -274,15 +280,16 @@ def feasibility(
     feasibility``.
 
     Args:
-        kernels: As for :class:`Sensor`; several are to share a chip.
+        kernels: As for :class:`Sensor`; several are to share a chip. Or a sensor, its file or its name.
         thresholds: Events where kernel times light (0 to 255) moved by more than this: one for all
-            kernels, or one for each.
+            kernels, or one for each. A sensor has its own.
         rate: Instead: events per pixel and second, all kernels together, each an equal share: the
             thresholds are found.
         to: The few values that the chip computes with; else the best of the candidates.
         candidates: Rows of the table of quantisers; a usual list where it is empty.
         memory: What the program of all kernels remembers: ``"analogue"``, ``"shared"`` or
-            ``"bits:N"``; the first that the chip has room for where it is left out.
+            ``"bits:N"``; as a sensor of several kinds says, else the first that the chip has room for,
+            where it is left out.
         scene: What is watched.
         exposure: How long each frame is exposed, in seconds.
         link_energy: The least and the most energy of a bit on the link, in pJ, or one number: an
@@ -295,15 +302,16 @@ def feasibility(
         All numbers; ``verdict``; ``page`` is the report, which a notebook shows and
         ``save("report.html")`` writes. ``docs/feasibility.md`` says how each number is found.
     """
-    given = named(kernels)
-    aim = _aim("a report", rate, thresholds, len(given))
+    of = _kinds(kernels)
+    aim = _aim("a report", rate, thresholds, of)
+    remembered = word_or_none("memory", memory, "shared")
     text, page = _amacrine.feasibility(
-        given,
+        of.named,
         aim,
         (
             word_or_none("to", to, "int-5"),
             names("candidates", candidates),
-            word_or_none("memory", memory, "shared"),
+            of.memory if remembered is None else remembered,
         ),
         _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
@@ -323,8 +331,8 @@ class Waterfalls(list[Answer]):
 
 @arguments.renamed(threshold="thresholds")
 def waterfall(
-    kernel: Kernels,
-    thresholds: float | Sequence[float],
+    kernel: Cells,
+    thresholds: float | Sequence[float] | None = None,
     to: str = "ternary",
     *,
     sum: str = "kept",
@@ -347,9 +355,9 @@ def waterfall(
 
     Args:
         kernel: A name, a file, an array (k,k), or several as for :class:`Sensor`, all of them in one
-            program.
+            program; or a sensor, its file or its name.
         thresholds: Events where kernel times light (0 to 255) moved by more than this: one number for
-            all kernels, or one for each.
+            all kernels, or one for each. A sensor has its own.
         to: How the kernel comes into few values.
         domain: What the cells of the array hold.
         readout: How the chip's events are read out, as for :meth:`Sensor.events`; the scan that a
@@ -369,11 +377,17 @@ def waterfall(
         raise Error(
             "steps are told at the clip's own rate\nhelp: leave rates out, or steps"
         )
-    given = named(kernel)
+    of = _kinds(kernel)
+    limits = of.limits(thresholds)
+    if limits is None:
+        raise Error(
+            "a waterfall needs a threshold\n"
+            f"help: give thresholds=40, {UNIT_OF_COMPILED}, or a sensor, which has its own"
+        )
     found = _amacrine.waterfall(
-        given,
-        _limits(thresholds, len(given)),
-        (word("to", to, "int-5"), word("domain", domain, "exact")),
+        of.named,
+        limits,
+        (word("to", to, "int-5"), word("domain", domain, "exact"), of.memory),
         _search(sum, chip, effort, seed),
         shown(scene, fps, scale),
         micros("within", within),
@@ -386,7 +400,7 @@ def waterfall(
     )
     rows = "steps" if steps else "rates"
     all = Waterfalls(told(Answer.parse(text, drawing=svg, rows=rows)) for text, svg in found)
-    return all if len(given) > 1 else all[0]
+    return all if len(of.named) > 1 else all[0]
 
 
 def trade(
@@ -475,6 +489,47 @@ def _energy(given: Any) -> tuple[float, float]:
     return low, high
 
 
+@dataclass(frozen=True)
+class _Kinds:
+    """The kinds of cells that a study is of."""
+
+    named: list[tuple[str, bytes | None]]
+    """What each is called, and the bytes of its kernel unless it is built in."""
+    own: list[float] | None = None
+    """The threshold of each, of sensors."""
+    memory: str | None = None
+    """What a program of several must remember, of one sensor."""
+
+    def limits(self, given: Any) -> list[float] | None:
+        """A threshold for each: those that are given, else those of sensors; none is none."""
+        return self.own if given is None else _limits(given, len(self.named))
+
+
+def _kinds(given: Any) -> _Kinds:
+    """Kernels, or those of sensors with their thresholds. In what programs cannot follow a sensor the
+    caller is warned of."""
+    parts = list(given) if isinstance(given, (list, tuple)) else [given]
+    sensors = [sensor_of(part) for part in parts]
+    if all(sensor is None for sensor in sensors):
+        return _Kinds(named(given))
+    kinds: list[tuple[str, bytes | None]] = []
+    own: list[float] | None = []
+    memory = None
+    for part, sensor in zip(parts, sensors):
+        if sensor is None:
+            own = None
+            for kernel in each(part):
+                kinds.append(of_study(kernel, f"kernel {len(kinds)}"))
+            continue
+        called, of = sensor
+        called_kinds, kernels, thresholds, memory, notes = of._native.studied(called)
+        kinds += [(name, npy(kernel)) for name, kernel in zip(called_kinds, kernels)]
+        own = None if own is None else own + thresholds
+        for note in notes:
+            caution(note)
+    return _Kinds(kinds, own, memory if len(parts) == 1 else None)
+
+
 def _limits(thresholds: Any, count: int) -> list[float]:
     """A threshold for each kernel."""
     limits = arguments.numbers("thresholds", thresholds, THRESHOLD)
@@ -489,16 +544,18 @@ def _limits(thresholds: Any, count: int) -> list[float]:
 
 
 def _aim(
-    what: str, rate: Any, thresholds: Any, count: int
+    what: str, rate: Any, thresholds: Any, of: _Kinds
 ) -> tuple[float | None, list[float]]:
     """A rate, or a threshold for each kernel."""
-    if (rate is None) == (thresholds is None):
+    limits = of.limits(thresholds) if rate is None else None
+    if limits is None and rate is None or None not in (rate, thresholds):
         raise Error(
             f"{what} needs a rate of events, or thresholds, and not both\n"
-            "help: give rate=2, events per pixel and second, or thresholds=40"
+            "help: give rate=2, events per pixel and second, or thresholds=40, or a sensor, which has "
+            "its own"
         )
-    if rate is None:
-        return None, _limits(thresholds, count)
+    if limits is not None:
+        return None, limits
     return arguments.number("rate", rate, "give events per pixel and second, such as rate=2"), []
 
 

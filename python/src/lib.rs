@@ -53,6 +53,8 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(pool::threads, module)?)?;
     module.add_function(wrap_pyfunction!(options::in_words, module)?)?;
     module.add_function(wrap_pyfunction!(names::names, module)?)?;
+    module.add_function(wrap_pyfunction!(names::meant, module)?)?;
+    module.add_function(wrap_pyfunction!(names::is_sensor, module)?)?;
     module.add_function(wrap_pyfunction!(chip::check_domain, module)?)?;
     module.add_function(wrap_pyfunction!(names::text, module)?)?;
     module.add_function(wrap_pyfunction!(files::read, module)?)?;

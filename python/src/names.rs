@@ -3,6 +3,7 @@
 use amacrine::{
     bundled::{self, Kind},
     isa::Device,
+    reference::Description,
     scene::pattern::{PATTERNS, told},
 };
 use pyo3::prelude::*;
@@ -32,6 +33,19 @@ pub fn names(of: &str) -> PyResult<Vec<&'static str>> {
         DRAWN => PATTERNS.iter().map(|(name, _)| *name).collect(),
         _ => bundled::all(kind(of)?).map(|file| file.name).collect(),
     })
+}
+
+/// What to give instead of a name that is not there: one of this kind that is near, if any, and
+/// `otherwise`.
+#[pyfunction]
+pub fn meant(of: &str, name: &str, otherwise: &str) -> PyResult<String> {
+    Ok(bundled::meant(kind(of)?, name, otherwise))
+}
+
+/// Whether a text is that of a sensor file.
+#[pyfunction]
+pub fn is_sensor(text: &str) -> bool {
+    Description::is_meant(text)
 }
 
 /// The path of a file in the sources, and its text; none where there is no such file. Of a chip, which

@@ -10,6 +10,7 @@ use amacrine::{
     scene::Samples,
     source,
     study::{
+        cells::studied,
         pilot::{Effect, UnknownPart, left_out},
         rate,
         run_guard::RunGuard,
@@ -28,6 +29,19 @@ use crate::{
     stop::Flag,
     watcher,
 };
+
+/// The kernels of a kind of cell, each `(k, k)`.
+type Kernels<'py> = Vec<Bound<'py, PyArray2<f64>>>;
+
+/// The kinds of cells for a study: name, kernel and threshold of each, what a program of several must
+/// remember, and in what programs cannot follow the sensor.
+type Studied<'py> = (
+    Vec<String>,
+    Kernels<'py>,
+    Vec<f64>,
+    Option<String>,
+    Vec<String>,
+);
 
 /// A float sensor, checked.
 #[pyclass(frozen, module = "amacrine._amacrine")]
@@ -67,15 +81,19 @@ impl Sensor {
         channels.map(|channel| channel.name.clone()).collect()
     }
 
-    /// The kernels of each kind of cell: one, or four of a 2x2 pattern.
+    /// The kernels of each kind of cell: one, or four of a 2x2 pattern; none where it sees through a
+    /// mesh.
     #[getter]
-    fn kernels<'py>(&self, py: Python<'py>) -> PyResult<Vec<Vec<Bound<'py, PyArray2<f64>>>>> {
+    fn kernels<'py>(&self, py: Python<'py>) -> PyResult<Vec<Option<Kernels<'py>>>> {
         let channels = self.description.channels.iter();
         channels
             .map(|channel| {
+                if channel.surrounds.is_some() {
+                    return Ok(None);
+                }
                 let kernels = channel.kernels.iter();
                 let kernels = kernels.map(|kernel| plane(py, kernel.weights()));
-                kernels.collect::<PyResult<_>>()
+                kernels.collect::<PyResult<_>>().map(Some)
             })
             .collect()
     }
@@ -102,6 +120,21 @@ impl Sensor {
                 && channel.memory_kernel.is_none()
                 && !channel.log_temporal
         })
+    }
+
+    /// Its kinds of cells for a study, in which it is called so; thresholds in kernel times light, 0 to
+    /// 255.
+    fn studied<'py>(&self, py: Python<'py>, called: &str) -> PyResult<Studied<'py>> {
+        let of = studied(called, &self.description).map_err(raised)?;
+        let kernels = of.kernels.iter().map(|kernel| plane(py, kernel.weights()));
+        let notes = of.notes.iter().map(|note| in_python(note));
+        Ok((
+            of.names,
+            kernels.collect::<PyResult<_>>()?,
+            of.thresholds,
+            of.memory.map(|memory| memory.to_string()),
+            notes.collect(),
+        ))
     }
 
     /// A sensor of this size as switched on.

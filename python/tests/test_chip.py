@@ -338,6 +338,20 @@ def test_compile_is_a_program_of_kernels(frames: Frames) -> None:
     assert run.events.dtype == amacrine.EVENT and len(run.events) > 0
 
 
+def test_compile_takes_sensors(tmp_path: Path) -> None:
+    """As the command line's ``--sensor``: with its thresholds and its memory."""
+    sensor = amacrine.Sensor.from_file("rgc-4-on-chip")
+    want = sensor.on_chip("ternary", effort=0.05)
+    (tmp_path / "own.toml").write_text(sensor.text)
+    given: Any
+    for given in (sensor, "rgc-4-on-chip", tmp_path / "own.toml"):
+        assert amacrine.compile(given, to="ternary", effort=0.05).text == want.text
+    with pytest.raises(amacrine.Error, match="rgc-4 has thresholds of its own, and thresholds = 3"):
+        amacrine.compile("rgc-4", 3)
+    with pytest.raises(amacrine.Error, match="a program needs a threshold"):
+        amacrine.compile("csdvs-3")
+
+
 def test_one_name_is_a_list_of_one(frames: Frames) -> None:
     snap = amacrine.Program.from_file("dvs/snap")
     assert list(snap.run(frames, FPS, keep="R5").films) == ["R5"]

@@ -142,7 +142,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "names": (lambda: amacrine.names("cameras"), "sensors, programs"),
     "levels": (lambda: amacrine.quantise("dvs", "int-99"), "int-"),
     "of no use": (
-        lambda: amacrine.quantise("dvs", "ternary", fps=3),  # type: ignore[call-overload]
+        lambda: amacrine.quantise("dvs", "ternary", fps=3),
         "give thresholds, too",
     ),
     "two kernels": (lambda: amacrine.waterfall(kernels(2), [1, 2, 3]), "3 thresholds for 2 kernels"),
@@ -416,6 +416,25 @@ def test_the_words_of_the_command_line(
         assert word in stated and word in str(raised.value)
 
 
+@pytest.mark.parametrize("verb", ["run --sensor", "exec"])
+def test_names_that_are_not_there(program: Callable[..., str], verb: str) -> None:
+    """In the words of the command line."""
+    of = amacrine.Program if verb == "exec" else amacrine.Sensor
+    stated = program(*verb.split(), "nope", "--scene", "pattern:bar", good=False)
+    with pytest.raises(amacrine.Error) as raised:
+        of.from_file("nope")
+    first, help = str(raised.value).split("\n")
+    assert first == "cannot read nope: No such file or directory (os error 2)" and first in stated
+    assert help.split(",")[0].removeprefix("help: ") in stated
+    with pytest.raises(amacrine.Error, match="did you mean `dvs/snap`"):
+        amacrine.Program.from_file("dvs/snip")
+
+
+def test_one_frame_is_one_frame() -> None:
+    with pytest.raises(amacrine.Error, match="the frames given: 1 frame, in which nothing"):
+        amacrine.trade(sensor(), GOOD[:1], fps=9)
+
+
 def test_a_write_that_fails_leaves_nothing(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(amacrine.Error, match="x.npy"):
@@ -531,11 +550,13 @@ TABLE = "help: give a table with on, off and, where there is mismatch, sigma"
     ],
 )
 def test_one_wrong_threshold_is_one_message(given: Any, told: str) -> None:
-    """Of what was given, however many kernels it is for, and not of a text that was made of it."""
-    for make in (amacrine.Sensor, amacrine.compile):
+    """Of what was given, however many kernels it is for, and not of a text that was made of it; each in
+    its own unit."""
+    of_compile = told.replace("units of the response", "units of kernel times light (0 to 255)")
+    for make, want in ((amacrine.Sensor, told), (amacrine.compile, of_compile)):
         with pytest.raises(amacrine.Error) as error:
             make(kernels(4), given)
-        assert str(error.value) == told
+        assert str(error.value) == want
 
 
 def test_tables_of_thresholds_are_taken() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import multiprocessing
+import pickle
 import threading
 import time
 import warnings
@@ -516,6 +517,18 @@ def test_a_notebook_shows_a_sensor() -> None:
     # A kernel for each pixel of two by two.
     mosaic = amacrine.Sensor.from_file("mosaic")._repr_html_()
     assert ", x 1, y 0</td>" in mosaic and ", x 1, y 1</td>" in mosaic
+
+
+def test_a_mesh_is_no_kernel() -> None:
+    """What it is has no (k,k): another sensor would come of what is handed on."""
+    mesh = amacrine.Sensor.from_file("csdvs-mesh")
+    with pytest.raises(amacrine.Error, match="(?s)sees through a mesh.*`amacrine mesh solve"):
+        mesh.kernels
+    assert mesh.thresholds[0].tolist() == [0.2, 0.2, 0.03]
+    shown = mesh._repr_html_()
+    assert "<td>mesh</td><td></td><td>0.2</td>" in shown and "<td>1x1</td>" not in shown
+    assert mesh == amacrine.Sensor.from_text(mesh.text) and hash(mesh) == hash(pickle.loads(pickle.dumps(mesh)))
+    assert mesh != amacrine.Sensor.from_text(mesh.text.replace("lambda = 10", "lambda = 5"))
 
 
 def test_channels_are_counted_by_numpy() -> None:

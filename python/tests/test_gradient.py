@@ -199,6 +199,15 @@ def test_patterns_have_gradients(frames: Frames) -> None:
     assert back.kernels[0].shape == (4, 3, 3) and back.kernels[0].any()
 
 
+def test_of_no_clip_there_is_nothing() -> None:
+    """As of `Sensor.counts`, and of the layer."""
+    made = gradient.forward(_plain(), np.zeros((0, 3, 1, 8, 9), np.uint8), 30)
+    assert made.voxels.shape == (0, 3, 1, 8, 9) and made.counts.shape == (0, 2, 1, 8, 9)
+    back = made.backward(made.voxels, made.counts, events=1.0, light=True)
+    assert made.events == 0 and not back.kernels[0].any()
+    assert back.light is not None and back.light.shape == (0, 3, 8, 9)
+
+
 def _any(of: Any) -> Any:
     """What the types do not let through."""
     return of
@@ -222,6 +231,12 @@ MISTAKES: dict[str, tuple[Any, str]] = {
     "rule": (lambda f: _forward(f).backward(events=1, rule=_any("straight")), "no rule of the gradient"),
     "slope": (lambda f: _forward(f).backward(events=1, slope=_any("some")), "is no slope"),
     "shape": (lambda f: _forward(f).backward(np.zeros(3)), "of shape (3,)"),
+    "events inf": (
+        lambda f: _forward(f).backward(events=np.inf), "the gradient of the number of events is inf"
+    ),
+    "events nan": (
+        lambda f: _forward(f).backward(events=np.nan), "the gradient of the number of events is NaN"
+    ),
     "nan": (lambda f: _nan(f), "has NaN at [0, 0, 0, 0, 0]"),
     "mean": (
         lambda f: _forward(f, memory="filtered-snap").backward(events=1, rule="mean"),

@@ -110,6 +110,85 @@ def test_a_notebook_shows_what_is_kept_on_the_chip() -> None:
     assert [float(row[3]), float(row[5])] == pytest.approx(kept, rel=1e-3)
 
 
+CHANGE = """response = { linear = 255 }
+memory = "raw-snap"
+shared = true
+border = "zero"
+
+[[channel]]
+name = "change"
+kernel = "dvs"
+threshold = { on = 0.1, off = 0.1 }
+
+[[channel]]
+kernel = "sobel-x"
+threshold = { on = 0.3, off = 0.3 }
+"""
+
+
+def test_studies_take_sensors(program: Callable[..., str], tmp_path: Path) -> None:
+    """With their thresholds, in kernel times light, and what they remember, as the command line does."""
+    file = tmp_path / "own.toml"
+    file.write_text(CHANGE)
+    own: Any = file, str(file), amacrine.Sensor.from_file(file)
+    words = ("--scene", SCENE, "--effort", 0.05, "--json")
+    how: Any = {"scene": SCENE, "effort": 0.05}
+    stated = json.loads(program("quantise", file, "--to", "ternary", *words))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", amacrine.Caution)
+        for one in own:
+            answer = amacrine.quantise(one, "ternary", **how).to_dict()
+            if not isinstance(one, amacrine.Sensor):
+                assert answer["kernels"] == stated["kernels"]
+                assert answer["together"] == stated["together"]
+            assert answer["together"][0]["on_chip"]["memory"] == "one memory of the pixel for all kinds"
+            kinds = [kind["name"] for kind in answer["kernels"]]
+            assert kinds == ["change", f"{'own' if isinstance(one, amacrine.Sensor) else file}[1]"]
+        stated = json.loads(program("waterfall", file, "--steps", "--to", "ternary", *words))
+        falls = amacrine.waterfall(file, to="ternary", steps=True, **how)
+        for fall, its in zip(falls, stated, strict=True):
+            assert fall.name == its["name"] and fall.to_dict()["steps"] == its["steps"]
+        # Others in place of its own.
+        stated = json.loads(
+            program("waterfall", file, "--threshold", 20, "--steps", "--to", "ternary", *words)
+        )
+        falls = amacrine.waterfall(own[2], 20, to="ternary", steps=True, **how)
+        assert [fall.to_dict()["steps"] for fall in falls] == [its["steps"] for its in stated]
+
+
+def test_reports_and_designs_take_sensors(program: Callable[..., str], tmp_path: Path) -> None:
+    file = tmp_path / "own.toml"
+    file.write_text(CHANGE.split("\n\n[[channel]]\nkernel")[0] + "\n")
+    words = ("--scene", SCENE, "--effort", 0.05, "--to", "ternary", "--json")
+    how: Any = {"scene": SCENE, "effort": 0.05, "to": "ternary"}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", amacrine.Caution)
+        few = ("--candidates", "ternary", "--chips", 1)
+        stated = json.loads(program("feasibility", file, *words, *few))
+        report = amacrine.feasibility(file, candidates="ternary", chips=1, **how).to_dict()
+        assert report["kernel"] == stated["kernel"]
+        assert report["kernel"]["name"] == "change"
+        stated = json.loads(program("design", file, *words))
+        design = amacrine.design(amacrine.Sensor.from_file(file), **how).to_dict()
+        for own, theirs in zip(design["candidates"], stated["candidates"], strict=True):
+            assert {name: own[name] for name in theirs} == theirs
+        with pytest.raises(amacrine.Error, match="and not both"):
+            amacrine.design(file, rate=2, thresholds=20, **how)
+        # A sensor beside a kernel: not all have thresholds.
+        with pytest.raises(amacrine.Error, match="(?s)a waterfall needs a threshold.*or a sensor"):
+            amacrine.waterfall([file, "dvs"], scene=SCENE)
+
+
+@pytest.mark.filterwarnings("ignore::amacrine.Caution")
+def test_what_no_study_follows_of_a_sensor_is_told_of() -> None:
+    with pytest.warns(amacrine.Caution, match="rgc-4: its memory is not filtered-snap") as said:
+        amacrine.quantise("rgc-4", "ternary", scene=SCENE, effort=0.01)
+    assert {Path(one.filename).name for one in said} == {"test_study.py"}
+    for study in (amacrine.design, amacrine.feasibility, amacrine.waterfall):
+        with pytest.raises(amacrine.Error, match="a channel sees through a resistor mesh"):
+            study("csdvs-mesh")
+
+
 def test_a_notebook_says_why_nothing_is_kept() -> None:
     how: Any = {"scene": SCENE, "effort": 0.05}
     small = np.array([[0, 1, 0], [1, -4, 1], [0, 1, 0]]) / 300

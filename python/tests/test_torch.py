@@ -621,6 +621,23 @@ def test_what_the_way_back_needs_is_freed_with_it_and_not_with_the_outputs() -> 
     assert torch.isfinite(seen.voxels).all()
 
 
+def test_it_is_made_in_inference_mode() -> None:
+    """And learned outside of it."""
+    with torch.inference_mode():
+        layers = [EventSensor("csdvs-3", 4.0, fps=9, scale=255)]
+        layers.append(EventSensor.from_sensor(amacrine.Sensor("csdvs-3", 0.2), fps=9, scale=255))
+        assert not layers[0](torch.rand(1, 6, 1, 16, 16)).voxels.requires_grad
+    for layer in layers:
+        layer(torch.rand(1, 6, 1, 16, 16)).voxels.sum().backward()
+        assert layer.kernels.grad is not None
+
+
+def test_a_mesh_is_no_layer() -> None:
+    mesh = amacrine.Sensor.from_file("csdvs-mesh")
+    with pytest.raises(amacrine.Error, match="(?s)more than kernels.*without a pattern, a mesh"):
+        EventSensor.from_sensor(mesh, fps=9)
+
+
 WAYS: dict[str, Any] = {
     "checkpoint": lambda f, x: checkpoint(f, x, use_reentrant=False),
     "checkpoint of inputs": lambda f, x: checkpoint(f, x, use_reentrant=True),

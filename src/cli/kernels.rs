@@ -16,7 +16,10 @@ use crate::{
     npy,
     reference::Description,
     source,
-    study::{cells, design::DesignError},
+    study::{
+        cells::{self, Studied},
+        design::DesignError,
+    },
     unit::counted,
 };
 
@@ -117,26 +120,19 @@ impl Kinds {
     }
 
     fn of_sensor(name: &str, description: &Description) -> miette::Result<Self> {
-        let several = description.channels.len() > 1;
-        let followed = cells::memory_of(name, description).ok();
-        let memory = followed.filter(|_| several);
-        let cells =
-            cells::compiled_cells(name, description, memory.unwrap_or(DriveMemory::Analogue))?;
-        let thresholds = cells.thresholds(name)?;
-        let names = cells.kinds.iter().map(|kind| kind.name.clone());
+        let Studied {
+            names,
+            kernels,
+            thresholds,
+            memory,
+            notes,
+        } = cells::studied(name, description)?;
         Ok(Self {
-            names: names
-                .enumerate()
-                .map(|(i, own)| match own {
-                    Some(own) => own,
-                    None if several => format!("{name}[{i}]"),
-                    None => name.to_owned(),
-                })
-                .collect(),
-            kernels: cells.kinds.into_iter().map(|kind| kind.kernel).collect(),
+            names,
+            kernels,
             thresholds: Some(thresholds),
             memory,
-            notes: cells.notes,
+            notes,
         })
     }
 }
@@ -179,25 +175,19 @@ pub(super) fn check_number(kernels: usize) -> miette::Result<()> {
     Err(miette!(help = FEWER, "{}", wrong_number(kernels)))
 }
 
-/// Whether a file is a sensor, which has a `channel`, or would but for what is wrong with it; or there is none, and a sensor
-/// of this name comes with the program.
+/// Whether a file is a sensor; or there is none, and a sensor of this name comes with the program.
 fn is_sensor(name: &str) -> bool {
+    bundled(Kind::Sensor, Path::new(name)).is_some() || is_sensor_file(name)
+}
+
+/// Whether a file is a sensor, by what stands in it.
+pub(super) fn is_sensor_file(name: &str) -> bool {
     let path = Path::new(name);
-    if bundled(Kind::Sensor, path).is_some() {
-        return true;
-    }
     // A pipe can be read once.
     if path.extension().is_none_or(|ending| ending != "toml") || !path.is_file() {
         return false;
     }
-    let Ok(text) = source::text(path, "") else {
-        return false;
-    };
-    let has = |line: &str| line.trim_start().starts_with("[[channel]]");
-    text.lines().any(has)
-        || text
-            .parse::<toml::Table>()
-            .is_ok_and(|it| it.contains_key("channel"))
+    source::text(path, "").is_ok_and(|text| Description::is_meant(&text))
 }
 
 /// The kernels of a file or of a name, and how many axes they came with.

@@ -92,6 +92,13 @@ impl<R: Float> Model<R> {
         self.check_made(seen)?;
         shape(seen, Tensor::Voxels, ask.voxels, seen.voxels.len(), 0)?;
         shape(seen, Tensor::Counts, ask.counts, seen.counts.len(), 1)?;
+        if !ask.events.is_finite() {
+            return Err(GradientError::NotFinite {
+                tensor: Tensor::Events,
+                at: Vec::new(),
+                value: ask.events,
+            });
+        }
         let pieces = Piece::all(seen.clips, self.size);
         let back = |n: usize| {
             let mut pass = BackPass::new(self, seen, ask, rule, &pieces[n]);

@@ -37,7 +37,7 @@ impl<'a, R: Float> Clips<'a, R> {
             });
         }
         let clip = times.len() * size.pixels();
-        if clip == 0 || light.is_empty() || !light.len().is_multiple_of(clip) {
+        if clip == 0 || !light.len().is_multiple_of(clip) {
             return Err(GradientError::Shape {
                 tensor: Tensor::Light,
                 got: light.len(),

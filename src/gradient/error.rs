@@ -13,6 +13,8 @@ pub enum Tensor {
     Voxels,
     /// The loss's gradient of the counts, (clips, pairs, channels, rows, columns).
     Counts,
+    /// The loss's gradient of the number of events.
+    Events,
     /// The gradient of a channel's kernels.
     Kernel {
         /// Which channel.
@@ -37,6 +39,7 @@ impl fmt::Display for Tensor {
                 f,
                 "the gradient of the counts (clips, pairs, channels, rows, columns)"
             ),
+            Self::Events => write!(f, "the gradient of the number of events"),
             Self::Kernel { channel } => {
                 write!(f, "the gradient of the kernel of channel {channel}")
             }
@@ -151,7 +154,7 @@ pub enum GradientError {
         rate: f64,
     },
     /// NaN or infinity in a tensor.
-    #[error("{tensor} has {value} at {at:?}")]
+    #[error("{tensor} {}", found(at, *value))]
     #[diagnostic(help("{}", match tensor {
         Tensor::Kernel { .. } | Tensor::Thresholds { .. } =>
             "what goes in is finite, so a sum has left the format: use f64, or a smaller loss",
@@ -160,9 +163,18 @@ pub enum GradientError {
     NotFinite {
         /// Which tensor.
         tensor: Tensor,
-        /// The index of the first such value.
+        /// The index of the first such value; of one number empty.
         at: Vec<usize>,
         /// The value.
         value: f64,
     },
+}
+
+/// What a tensor has, and where.
+fn found(at: &[usize], value: f64) -> String {
+    if at.is_empty() {
+        format!("is {value}")
+    } else {
+        format!("has {value} at {at:?}")
+    }
 }

@@ -241,7 +241,7 @@ fn stands_in_the_way(description: &Description) -> Option<(&'static str, &'stati
     if description.channels.iter().any(|c| c.surrounds.is_some()) {
         return Some((
             "a channel sees through a mesh",
-            "give the channel a kernel: `mesh` prints one that is near to it",
+            "give the channel a kernel: what `amacrine mesh solve --show difference` makes of one bright pixel (docs/mesh.md)",
         ));
     }
     None

@@ -255,6 +255,45 @@ impl Cells {
     }
 }
 
+/// The kinds of cells of a sensor for a study, which compiles their kernels itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Studied {
+    /// What each is called.
+    pub names: Vec<String>,
+    /// The kernel of each.
+    pub kernels: Vec<Kernel>,
+    /// The threshold of each, for ON and OFF, in kernel times light (0 to 255).
+    pub thresholds: Vec<f64>,
+    /// What a program of several must remember to follow the sensor.
+    pub memory: Option<DriveMemory>,
+    /// In what programs cannot follow the sensor, a sentence each.
+    pub notes: Vec<String>,
+}
+
+/// The kinds of cells of a sensor for a study; `sensor` is what it is called.
+///
+/// # Errors
+/// As [`compiled_cells`], and when a kind has two thresholds.
+pub fn studied(sensor: &str, description: &Description) -> Result<Studied, CellsError> {
+    let several = description.channels.len() > 1;
+    let followed = memory_of(sensor, description).ok();
+    let memory = followed.filter(|_| several);
+    let cells = compiled_cells(sensor, description, memory.unwrap_or(DriveMemory::Analogue))?;
+    let thresholds = cells.thresholds(sensor)?;
+    let name = |(i, kind): (usize, &CellKind)| match &kind.name {
+        Some(own) => own.clone(),
+        None if several => format!("{sensor}[{i}]"),
+        None => sensor.to_owned(),
+    };
+    Ok(Studied {
+        names: cells.kinds.iter().enumerate().map(name).collect(),
+        kernels: cells.kinds.into_iter().map(|kind| kind.kernel).collect(),
+        thresholds,
+        memory,
+        notes: cells.notes,
+    })
+}
+
 /// What a program has to remember to follow a sensor.
 ///
 /// # Errors

@@ -33,7 +33,12 @@ pub use print::failed;
 
 /// Learns kernels and thresholds of event sensors for a task, and judges them at equal bits.
 #[derive(Debug, Parser)]
-#[command(name = "amacrine-learn", version, subcommand_negates_reqs = true)]
+#[command(
+    name = "amacrine-learn",
+    version,
+    subcommand_negates_reqs = true,
+    override_usage = "amacrine-learn [OPTIONS] --output <RUN> <TASK.toml>\n       amacrine-learn [OPTIONS] <COMMAND>"
+)]
 pub struct Arguments {
     #[command(subcommand)]
     verb: Option<Verb>,

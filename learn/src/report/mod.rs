@@ -16,6 +16,7 @@ mod table;
 
 use std::{
     collections::{BTreeMap, BTreeSet},
+    io::ErrorKind,
     path::Path,
 };
 
@@ -26,7 +27,7 @@ pub use error::ReportError;
 pub use metric::Metric;
 pub use surround::Surround;
 
-use crate::record::{Decoder, Form, Record, Row, VERSION};
+use crate::record::{Decoder, Form, KEPT_TASK, Record, Row, VERSION};
 
 /// The file of a run that is read.
 pub const FILE: &str = "learn.json";
@@ -51,9 +52,13 @@ impl Report {
     /// When there is no record, it is of another version, or nothing was measured yet.
     pub fn read(run: &Path) -> Result<Self, ReportError> {
         let path = run.join(FILE);
-        let text = std::fs::read_to_string(&path).map_err(|cause| ReportError::Unreadable {
-            path: path.clone(),
-            cause,
+        let text = std::fs::read_to_string(&path).map_err(|cause| {
+            let path = path.clone();
+            // Of a run that goes on, the record comes with the first arm.
+            if cause.kind() == ErrorKind::NotFound && run.join(KEPT_TASK).exists() {
+                return ReportError::Nothing { path };
+            }
+            ReportError::Unreadable { path, cause }
         })?;
         let record: Record = serde_json::from_str(&text).map_err(|cause| ReportError::Damaged {
             path: path.clone(),

@@ -2,7 +2,8 @@
 
 use std::{io::ErrorKind, path::Path};
 
-use super::{error::TrainError, kept::KEPT_TASK, lock::LOCK, run::ARMS};
+use super::{error::TrainError, lock::LOCK, run::ARMS};
+use crate::record::KEPT_TASK;
 
 /// What a run writes.
 const OWN: [&str; 5] = [ARMS, KEPT_TASK, LOCK, "learn.json", "report.html"];

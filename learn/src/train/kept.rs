@@ -2,16 +2,13 @@
 
 use amacrine::save;
 
-use crate::task::Task;
+use crate::{record::KEPT_TASK, task::Task};
 
 use super::{
     checkpoint,
     error::TrainError,
     run::{ARMS, Job, Run},
 };
-
-/// The file.
-pub(super) const KEPT_TASK: &str = "task.toml";
 
 impl Run<'_> {
     /// Leaves the task beside what is trained by it, as its file has it; `told` goes behind it as

@@ -158,8 +158,8 @@ class EventDataset(torch.utils.data.Dataset[Item]):
                 "options: the seed of a sensor is drawn for each item\nhelp: give seed=… of the data set"
             )
         sensors = [Sensor(of, self._range[0], **self._options) for of in self._kernels]
-        if len({len(sensor.kernels) for sensor in sensors}) > 1:
-            told = ", ".join(str(len(sensor.kernels)) for sensor in sensors)
+        if len({len(sensor.channels) for sensor in sensors}) > 1:
+            told = ", ".join(str(len(sensor.channels)) for sensor in sensors)
             raise Error(
                 f"kernels to draw from have {told} kinds of cells\nhelp: give as many kinds each"
             )

@@ -24,6 +24,10 @@ OPTIONS = ("response", "memory", "border", "refractory", "names", "name")
 """What of :class:`amacrine.Sensor` a layer can be told."""
 
 
+_Set = tuple[float, float | None, Rule | None, Slope, float | None, float | None, int | None]
+"""Frames per second, scale, rule, slope, mismatch, phase and seed."""
+
+
 class Watched(NamedTuple):
     """What a sensor made of a batch of clips."""
 
@@ -78,7 +82,9 @@ class EventSensor(torch.nn.Module):
     Attributes:
         kernels: The parameter (K,k,k), row 0 to the north; kernels of several sizes have zeros round
             them up to the largest.
-        log_thresholds: The parameter (K,2): the logarithms of the ON and the OFF threshold.
+        log_thresholds: The parameter (K,2): the logarithms of the ON and the OFF threshold. Weight
+            decay, which ``torch.optim.AdamW`` has by default, pulls them to 0, thresholds to 1, and
+            kernels to 0: give both a parameter group of their own with ``weight_decay=0``.
 
         given_thresholds: The buffer (K,2): the thresholds with which learning began.
         given_log_thresholds: The buffer (K,2): their logarithms, by which it is known which thresholds
@@ -112,10 +118,7 @@ class EventSensor(torch.nn.Module):
         if isinstance(limits, torch.Tensor):
             limits = limits.detach().cpu().double().tolist()
         sensor = Sensor(given, limits, **options)
-        self._begin(sensor, dtype)
-        if mismatch is None:
-            mismatch = _mismatch(sensor)
-        self._set(fps, scale, rule, slope, mismatch, phase, seed)
+        self._make(sensor, dtype, (fps, scale, rule, slope, mismatch, phase, seed))
 
     @classmethod
     def from_sensor(
@@ -135,24 +138,30 @@ class EventSensor(torch.nn.Module):
         mismatch and its seed, where they are left out."""
         self = cls.__new__(cls)
         torch.nn.Module.__init__(self)
-        self._begin(sensor, dtype)
-        if mismatch is None:
-            mismatch = _mismatch(sensor)
-        if seed is None:
-            seed = sensor._seed
-        self._set(fps, scale, rule, slope, mismatch, phase, seed)
+        self._make(sensor, dtype, (fps, scale, rule, slope, mismatch, phase, seed))
         return self
+
+    def _make(self, sensor: Sensor, dtype: torch.dtype, how: _Set) -> None:
+        """The layer that begins as this sensor; with its mismatch and its seed, where none is given."""
+        fps, scale, rule, slope, mismatch, phase, seed = how
+        # Parameters that are made in inference mode could never be learned.
+        with torch.inference_mode(False):
+            self._begin(sensor, dtype)
+            if mismatch is None:
+                mismatch = _mismatch(sensor)
+            if seed is None:
+                seed = sensor._seed
+            self._set(fps, scale, rule, slope, mismatch, phase, seed)
 
     def _begin(self, sensor: Sensor, dtype: torch.dtype) -> None:
         _check_dtype(dtype)
         check_float(sensor)
-        kernels = sensor.kernels
         if not sensor._native.plain:
             raise Error(
                 f"{sensor.name}: its kinds of cells are more than kernels\n"
                 "help: give every kind one kernel (k,k), without a pattern, a mesh or log-temporal"
             )
-        weights = torch.from_numpy(stacked(kernels))
+        weights = torch.from_numpy(stacked(sensor.kernels))
         limits = torch.from_numpy(np.stack([limit[:2] for limit in sensor.thresholds]))
         given = limits.to(dtype)
         logarithms = given.double().log().to(dtype)

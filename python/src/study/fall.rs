@@ -2,6 +2,7 @@
 
 use amacrine::{
     array::{Arithmetic, ArithmeticError},
+    compile::DriveMemory,
     kernel::Kernel,
     photoreceptor::Response,
     picture::svg,
@@ -46,7 +47,7 @@ pub fn waterfall(
     py: Python<'_>,
     of: Vec<Named>,
     thresholds: Vec<f64>,
-    how: (&str, &str),
+    how: (&str, &str, Option<&str>),
     search: Search<'_>,
     scene: Shown<'_>,
     within_us: Option<u64>,
@@ -54,7 +55,8 @@ pub fn waterfall(
     sample: (u64, Option<usize>),
     through: Option<readout::Asked>,
 ) -> PyResult<Vec<(String, String)>> {
-    let ((to, domain), (chips, tiles)) = (how, sample);
+    let ((to, domain, memory), (chips, tiles)) = (how, sample);
+    let memory: Option<DriveMemory> = memory.map(named).transpose()?;
     let (sum_to, chip, seconds, seed) = search;
     let kernels: Vec<Kernel> = of.iter().map(kernel).collect::<PyResult<_>>()?;
     let to = quantiser(to)?;
@@ -87,7 +89,7 @@ pub fn waterfall(
             within: within(within_us, shown.fps()),
         };
         falls::check_crossings(&designs, &mut *source.open()?)?;
-        let falls = Fall::all(&designs, question, None)?;
+        let falls = Fall::all(&designs, question, memory)?;
         let steps = falls::steps_together(&falls, &mut *shown, |_| ())?;
         let mut rates = Vec::new();
         if let Some(choice) = choice {

@@ -16,7 +16,7 @@ use amacrine::{
         },
         trade::{Ask, Point, Programs, Setup, Trade, told::Told, trade as survey_all},
     },
-    unit::Micros,
+    unit::{Micros, counted},
 };
 use miette::{Report, miette};
 use pyo3::prelude::*;
@@ -182,9 +182,9 @@ fn surveyed<M: Send>(
         if kept.len() < 3 {
             return Err(miette!(
                 help = "give a scene of at least three frames",
-                "{} has {} frames: nothing can be measured",
+                "{}: {}, in which nothing can be measured",
                 source.name(),
-                kept.len()
+                counted(kept.len(), "frame")
             ));
         }
         let start = Instant::now();

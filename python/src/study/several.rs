@@ -1,6 +1,7 @@
 //! Several kernels in one program, as `amacrine quantise` has it.
 
 use amacrine::{
+    compile::DriveMemory,
     kernel::quantise::{Quantiser, Sum},
     photoreceptor::Response,
     rig::guard::{Guard, Warning},
@@ -41,16 +42,18 @@ struct Question<'a> {
     names: Vec<String>,
     floats: Vec<Design<'a>>,
     sum: Sum,
+    memory: Option<DriveMemory>,
     source: &'a Source,
     within: Micros,
 }
 
-/// Several kernels in one program, each quantiser compiled and run beside the float sensor.
+/// Several kernels in one program, each quantiser compiled and run beside the float sensor; `how`: the
+/// quantisers, and what the program remembers.
 #[pyfunction]
 pub fn on_chip_together(
     py: Python<'_>,
     of: Vec<Named>,
-    to: Vec<String>,
+    how: (Vec<String>, Option<&str>),
     thresholds: Vec<f64>,
     search: Search<'_>,
     scene: Shown<'_>,
@@ -58,7 +61,7 @@ pub fn on_chip_together(
 ) -> PyResult<String> {
     let (sum_to, chip, seconds, seed) = search;
     let kernels = of.iter().map(kernel).collect::<PyResult<Vec<_>>>()?;
-    let to = quantisers(to)?;
+    let (to, memory) = (quantisers(how.0)?, how.1.map(named).transpose()?);
     let (sum, device) = (named(sum_to)?, device(chip)?);
     thresholds.iter().try_for_each(|it| check(*it))?;
     let source = scene.source()?;
@@ -69,6 +72,7 @@ pub fn on_chip_together(
             names: of.iter().map(|(name, _)| name.clone()).collect(),
             floats: Design::each(&kernels, &thresholds, &device, (effort, seed)),
             sum,
+            memory,
             source: &source,
             within: within(within_us, fps),
         };
@@ -96,7 +100,7 @@ impl Question<'_> {
             together.push(Joint::new(
                 &self.names,
                 &self.floats,
-                (*to, self.sum, None),
+                (*to, self.sum, self.memory),
                 (self.within, &mut *scene),
                 &mut guard,
                 || (),

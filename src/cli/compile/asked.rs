@@ -34,6 +34,14 @@ impl Asked {
         let (mut kernels, mut sources) = (Vec::new(), Vec::new());
         let mut stacked = arguments.kernels.len() > 1;
         for name in &arguments.kernels {
+            if kernels::is_sensor_file(name) {
+                return Err(miette!(
+                    help = format!(
+                        "give --sensor {name}, without --threshold and --filter-only: it has thresholds of its own"
+                    ),
+                    "{name} is a sensor file, not a kernel file"
+                ));
+            }
             let (more, axes) = super::super::kernels::read(name)?;
             sources.extend(kernels::names(name, more.len()));
             kernels.extend(more);

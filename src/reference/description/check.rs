@@ -20,6 +20,17 @@ use super::{
 };
 
 impl Description {
+    /// Whether a text is that of a sensor file, which has a `channel`, or would be but for what is
+    /// wrong with it.
+    #[must_use]
+    pub fn is_meant(text: &str) -> bool {
+        let has = |line: &str| line.trim_start().starts_with("[[channel]]");
+        text.lines().any(has)
+            || text
+                .parse::<toml::Table>()
+                .is_ok_and(|it| it.contains_key("channel"))
+    }
+
     /// Reads the text of a sensor file called `file`; `read` opens the kernel files it names.
     ///
     /// # Errors
