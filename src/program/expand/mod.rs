@@ -471,7 +471,7 @@ impl<'d> Lowering<'d> {
             format!("the program becomes more than {EXPANDED_STEPS} steps: words, host operations and calls of macros"),
             "here there is no room left",
         )
-        .help("use `repeat N { … }`, whose body counts once"))
+        .help("a body that is repeated counts once: `repeat N { … }`, and in C++ a loop outside of kernels that does the same in every iteration"))
     }
 
     /// Checks that the steps that run in `init`, and in a frame, are within the limit.
