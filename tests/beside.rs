@@ -996,6 +996,49 @@ fn equal_passes_are_one_beside_the_array() {
     }
 }
 
+/// The loop over the frames is the inner one, and what stands around it is done once; where it may
+/// end, the host decides.
+#[test]
+fn loops_over_the_frames_inside_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = "pattern:disc?width=16&height=16&frames=4";
+    for (inside, words) in [
+        ("while (1) { W; while (1) { W; get_image(A); } }", 15),
+        (
+            "while (1) { for (;;) { W; while (1) { W; get_image(A); } } }",
+            15,
+        ),
+        (
+            "while (1) { res(B); while (!restart) { W; get_image(A); } restart = 0; }",
+            22,
+        ),
+        (
+            "res(B); do { CLR(R5); W; while (1) { get_image(A); W; } } while (1);",
+            23,
+        ),
+    ] {
+        let text = format!(
+            "#define W vs_frame_loop_control()\nint main() {{ int restart = 0; vs_gui_add_switch(\"restart\", false, &restart); {inside} }}"
+        );
+        fs::write(folder.path().join("p.cpp"), &text).unwrap();
+        let run = |more: &[&str]| {
+            let all = [&["exec", "p.cpp", "--image", scene], more].concat();
+            json(folder.path(), &all)["words"].as_u64().unwrap()
+        };
+        assert_eq!((run(&[]), run(&["--host"])), (words, words), "{text}");
+    }
+    for inside in [
+        "while (1) { res(B); while (1) { W; get_image(A); if (scamp5_global_or(R5)) break; } }",
+        "while (1) { res(B); while (1) { W; get_image(A); if (n) break; } }",
+        "while (1) { W; get_image(A); if (n == 2) while (1) { W; res(B); } n++; }",
+        "bool again = false; while (1) { W; get_image(A); if (again) while (1) { W; res(B); } again = true; }",
+    ] {
+        let text =
+            format!("#define W vs_frame_loop_control()\nint main() {{ int n = 1; {inside} }}");
+        assert!(decides(&Program::read("p.cpp", &text)), "{text}");
+    }
+}
+
 #[test]
 fn what_goes_wrong_beside_the_array_has_its_line() {
     let folder = tempfile::tempdir().unwrap();
@@ -1042,6 +1085,13 @@ fn what_goes_wrong_beside_the_array_has_its_line() {
         &["p.cpp:4:", "out of bounds"],
     );
     wrong("if (s >= 0) scamp5_load_in(D, 1, 2, 3);", &["p.cpp:4:"]);
+    wrong(
+        "printf(\"%.*f\", 100000, 0.1);",
+        &[
+            "p.cpp:4:",
+            "a width or a precision of more than 4096 characters",
+        ],
+    );
     // The array itself says no.
     fs::write(
         folder.path().join("p.cpp"),

@@ -492,6 +492,88 @@ fn a_chip_cannot_ask_for_billions_of_arguments() {
     );
 }
 
+/// Calls and what stands inside each other multiply, on one stack.
+#[test]
+fn vendor_code_goes_only_so_deep() {
+    let call = "if (x == 0) return 0; int y = 0;";
+    let (loops, ifs) = (
+        "for (int i = 0; i < 1; i++) ".repeat(58),
+        "if (x) ".repeat(100),
+    );
+    for deep in [
+        format!("{call} {loops} y = f(x - 1); return y;"),
+        format!("{call} {ifs} y = {}f(x - 1); return y;", "!".repeat(20)),
+        format!(
+            "{call} y = {}f(x - 1){}; return y;",
+            "-(1+".repeat(40),
+            ")".repeat(40)
+        ),
+    ] {
+        let text = format!("int f(int x) {{ {deep} }}\nint main() {{ scamp5_in(A, f(60)); }}");
+        let case = Case::new(&[]).file("p.cpp", text);
+        refused(
+            case.folder.path(),
+            &["asm", "p.cpp"],
+            "more than 1152 statements and values inside each other",
+        );
+    }
+    // One limit is told once, without what follows from it.
+    for text in [
+        format!(
+            "int main() {{ {} nop(); }}",
+            "for (int i = 0; i < 1; i++) ".repeat(200)
+        ),
+        format!(
+            "int main() {{ int x = 1; {} nop(); }}",
+            "if (x) ; else ".repeat(2000)
+        ),
+    ] {
+        let case = Case::new(&[]).file("p.cpp", text);
+        let output = amacrine(case.folder.path(), &["asm", "p.cpp"]);
+        assert_eq!(told(&output).matches('×').count(), 1, "{}", told(&output));
+    }
+}
+
+/// Values that are put into values are counted where they lie.
+#[test]
+fn values_in_values_of_vendor_code_are_counted() {
+    let nested = |of: &dyn Fn(usize) -> String| (1..40).map(of).collect::<String>();
+    let classes = nested(&|i| format!("struct S{i} {{ S{} a; S{0} b; }};\n", i - 1));
+    let pairs = nested(&|i| format!("typedef std::pair<T{}, T{0}> T{i};\n", i - 1));
+    let values = "1048576 values in one variable";
+    for (before, inside, what) in [
+        (
+            "std::vector<std::vector<uint8_t>> all;\n",
+            "for (int i = 0; i < 100; i++) all.push_back(std::vector<uint8_t>(256 * 256));",
+            values,
+        ),
+        (
+            "std::vector<std::vector<int>> all(100);\n",
+            "for (int i = 0; i < 20; i++) all[i] = std::vector<int>(1000000);",
+            values,
+        ),
+        (
+            "",
+            "std::map<int, std::vector<int>> m; std::vector<int> v(1000000); for (int i = 0; i < 300; i++) m[i] = v;",
+            values,
+        ),
+        (
+            &format!("struct S0 {{ int a; }};\n{classes}"),
+            "S39 s; scamp5_in(A, 1);",
+            values,
+        ),
+        (
+            &format!("typedef int T0;\n{pairs}"),
+            "T39 s; scamp5_in(A, 1);",
+            "with a name of more than 4096 characters",
+        ),
+    ] {
+        let text = format!("{before}int main() {{\n{inside}\nnop(); }}");
+        let case = Case::new(&[]).file("p.cpp", text);
+        refused(case.folder.path(), &["asm", "p.cpp"], what);
+    }
+}
+
 #[test]
 fn macros_that_double_each_other_are_refused() {
     for inner in ["nop();", ""] {

@@ -1140,6 +1140,14 @@ fn what_does_not_parse_has_its_place() {
             "calls inside each other",
         ),
         (
+            "int f(int x = f()) { return x; } int main() { scamp5_in(A, f()); }",
+            "calls inside each other",
+        ),
+        (
+            "struct S { int n; S(int x = S().n) : n(x) {} }; int main() { S s; scamp5_in(A, s.n); }",
+            "calls inside each other",
+        ),
+        (
             "int main() { for (int i = 0; i >= 0; i++) { int x = 1; } }",
             "statements run before",
         ),

@@ -938,11 +938,33 @@ char lit[] = "xyz"; scamp5_in(B, sizeof(lit)); scamp5_in(B, lit[3]); for (char* 
         "`sprintf` writes 6 characters with the 0 at the end, and there is room for 4",
         "a larger array",
     );
+    for (format, values) in [
+        ("%.*f", "100000, 0.1"),
+        ("%100000f", "0.1"),
+        ("%.100000e", "0.1"),
+        ("%.100000g", "0.1"),
+        ("%2000000d", "1"),
+        ("%-99999999999999999999s", "\"a\""),
+    ] {
+        told(
+            &format!(
+                "int main() {{ char b[10];\nsnprintf(b, 10, \"{format}\", {values}); scamp5_in(A, b[0]); }}"
+            ),
+            2,
+            "a width or a precision of more than 4096 characters",
+            "a smaller one",
+        );
+    }
+    numbers(
+        "",
+        r#"char b[5000]; scamp5_in(A, sprintf(b, "%4096.4000f", 0.5) == 4096);"#,
+        &[1],
+    );
     told(
         "int main() { const char* p = \"ab\";\np += 3; scamp5_in(A, *p); }",
         2,
         "no text goes on",
-        "",
+        "no further than `strlen` says",
     );
 }
 

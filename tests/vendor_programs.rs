@@ -5,7 +5,7 @@
 use std::fs;
 
 use amacrine::{
-    config::Severity,
+    config::{Fault, Severity},
     isa::Device,
     program::{Action, Expansion, Includes},
 };
@@ -214,6 +214,61 @@ fn a_loop_whose_condition_stays_is_that_of_the_frames() {
         2,
         "nothing in it changes `busy`",
         "--const busy=VALUE",
+    );
+    for always in ["!0", "!false", "true == 1", "-1", "2 > 1", "(bool)3", "0.5"] {
+        let text =
+            format!("int main() {{ while ({always}) {{ vs_frame_loop_control(); mov(A, B); }} }}");
+        let read = expand(&text).unwrap();
+        let ends = |it: &Fault| it.message.contains("ends after");
+        assert!(!read.warnings.iter().any(ends), "{text}");
+    }
+    numbers(
+        "",
+        "while (2 < 1) { vs_frame_loop_control(); nop(); } scamp5_in(A, 5);",
+        &[5],
+    );
+}
+
+/// What is done once is one frame.
+#[test]
+fn frames_before_the_loop_are_warned_of() {
+    let text = |before: &str| {
+        format!(
+            "int main() {{ bool first = true; {before} while (1) {{ vs_frame_loop_control(); get_image(A); if (first) {{ mov(C, A); first = false; }} }} }}"
+        )
+    };
+    warned(
+        &text("vs_frame_loop_control(); CLR(R5);"),
+        "2 frames before the steady loop are one here, `init`",
+    );
+    warned(
+        &text("CLR(R5); vs_frame_loop_control(); CLR(R6); vs_frame_loop_control(); CLR(R7);"),
+        "3 frames before the steady loop",
+    );
+    warned(
+        "int main() { vs_frame_loop_control(); vs_frame_loop_control(); while (1) { vs_frame_loop_control(); get_image(A); } }",
+        "2 frames before the steady loop",
+    );
+    for before in ["CLR(R5);", "", "vs_init(); scamp5_in(B, 1);"] {
+        let told = |it: &Fault| it.message.contains("before the steady loop");
+        let read = expand(&text(before)).unwrap();
+        assert!(!read.warnings.iter().any(told), "{before}");
+    }
+}
+
+/// A type of nearly the name of another one is told where it stands.
+#[test]
+fn misspelt_types_are_named() {
+    told(
+        "struct Pair { int a; int b; };\nint main() {\nPairs p = {5, 6};\nscamp5_in(A, p.b); }",
+        3,
+        "no file here defines a type `Pairs`",
+        "did you mean `Pair`?",
+    );
+    numbers(
+        "struct Pair { int a; }; typedef Pair Pairs;",
+        "Pairs p = {5}; Other o; scamp5_in(A, p.a);",
+        &[5],
     );
 }
 

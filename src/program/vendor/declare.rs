@@ -585,9 +585,15 @@ impl Machine<'_> {
                 layout,
             });
         }
+        let values = shape::values(&members);
+        if !self.fits(values, place) {
+            self.layouts.remove(&it.name);
+            return;
+        }
         let mut layout = Layout {
             name: it.name.clone(),
             space: it.space.clone(),
+            values,
             members,
             functions: it.functions.clone(),
             base,
@@ -633,7 +639,7 @@ impl Machine<'_> {
             lengths.push(whole);
         }
         let layout = self.layouts.get(&it.of).filter(|_| !it.pointer);
-        let one = layout.map_or(1, |it| it.size());
+        let one = layout.map_or(1, |it| it.values);
         if !self.fits(shape::count(one, &lengths), it.place) {
             lengths.fill(None);
         }

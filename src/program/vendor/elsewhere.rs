@@ -9,7 +9,7 @@ use super::{
     tree::{Declared, Expr, ExprNode, Function, Kind, OF_OTHERS, last},
     value::Value,
 };
-use crate::config::Fault;
+use crate::config::{Fault, suggestion};
 
 /// Types of the language's library that hold what they are given, registers too.
 const HOLDERS: [&str; 14] = [
@@ -37,6 +37,8 @@ impl Machine<'_> {
         let strange = plain && it.kind == Kind::Any && self.strange(&it.of);
         if strange && !self.device.callables(&it.of).is_empty() {
             self.no_type(&it.of, it);
+        } else if strange {
+            self.misspelt(it);
         }
         match it.value.as_ref().map(|it| &it.node) {
             Some(ExprNode::Call(callee, given)) if matches!(&callee.node, ExprNode::Name(name) if &**name == OF_OTHERS) =>
@@ -96,6 +98,17 @@ impl Machine<'_> {
             && !self.layouts.contains_key(name)
             && !self.unread.contains_key(name)
             && !self.enumerations.contains_key(name)
+    }
+
+    /// Tells of a type that no file defines, where one has nearly its name.
+    fn misspelt(&mut self, it: &Declared) {
+        let of = last(&it.of);
+        let known = self.layouts.keys().chain(self.enumerations.keys());
+        let near = suggestion(of, known.map(|name| last(name)));
+        if let (Some(near), true) = (near, self.missing.is_empty()) {
+            let message = format!("no file here defines a type `{of}`");
+            self.error(it.place, message, "this declaration", &near);
+        }
     }
 
     /// Tells of an instruction where a type stands.

@@ -22,6 +22,11 @@ use crate::config::{Place, suggestion};
 impl Machine<'_> {
     /// The value of an expression, with all that it does.
     pub(super) fn value(&mut self, it: &Expr) -> Value {
+        let value = self.deeper(it.place, |inner| inner.evaluated(it));
+        value.unwrap_or(Value::Whole(0))
+    }
+
+    fn evaluated(&mut self, it: &Expr) -> Value {
         match &it.node {
             ExprNode::Whole(value) => Value::Whole(*value),
             ExprNode::Wide(value, width) => Value::Wide(*value, *width),
@@ -220,12 +225,12 @@ impl Machine<'_> {
 
     pub(super) fn or_fault(&mut self, value: Result<Value, String>, place: Place) -> Value {
         value.unwrap_or_else(|message| {
-            self.error(
-                place,
-                message,
-                "here",
-                "arithmetic is for numbers; registers are added by `add(y, x0, x1);`",
-            );
+            let help = if message.contains("no text goes on") {
+                "a text ends behind the 0 at its end: go no further than `strlen` says"
+            } else {
+                "arithmetic is for numbers; registers are added by `add(y, x0, x1);`"
+            };
+            self.error(place, message, "here", help);
             Value::Whole(0)
         })
     }

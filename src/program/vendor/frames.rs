@@ -17,6 +17,23 @@ use crate::{
     program::syntax::{Item, Kernel, Node},
 };
 
+/// Where the loop over the frames stands inside another one that begins again.
+const AGAIN: &str = "`exec` runs it, with the host beside the array. Here a program is the same words in every frame: put what is done once before one loop that has no end";
+
+/// What becomes of frames before the loop.
+const EARLIER: &str =
+    "what follows comes a frame or more earlier: `exec --host` runs each in a frame of its own";
+
+/// What was asked up to the end of the first iteration of a loop over the frames.
+struct Begun {
+    /// Frames before the loop.
+    early: Vec<Vec<Item>>,
+    /// What was asked since, before the loop.
+    before: Vec<Item>,
+    /// The first iteration, cut where frames begin.
+    first: Vec<Vec<Item>>,
+}
+
 /// Turns after which what still changes is called unknown.
 const TURNS: usize = 24;
 
@@ -89,12 +106,11 @@ impl Machine<'_> {
         if self.looped {
             return Flow::End;
         }
-        // What came before the first frame belongs to it, unless it took frames of its own.
-        let before = std::mem::take(&mut self.items);
-        let early = std::mem::take(&mut self.frames);
         let start = self.snapshot();
         let recorded = self.recorded.clone();
-        let mut first = self.iteration(body, step);
+        let Some(mut begun) = self.begin(body, step) else {
+            return Flow::End;
+        };
         // Variables that go on changing are not known; the steady iteration must do without them, or
         // with the one value that they were given from outside.
         let mut known = self.snapshot();
@@ -108,13 +124,17 @@ impl Machine<'_> {
                     self.slots[slot] = value.converted(self.kind_at(slot, &[]));
                 }
             }
-            first = self.iteration(body, step);
+            (self.frames, self.items) = (begun.early, begun.before);
+            begun = match self.begin(body, step) {
+                Some(begun) => begun,
+                None => return Flow::End,
+            };
             known = self.snapshot();
         }
         let mut steady = self.iteration(body, step);
         let why: Why = "a value that changes from frame to frame".into();
         for _ in 0..TURNS {
-            if self.done() {
+            if self.done() || self.looped {
                 break;
             }
             let after = self.snapshot();
@@ -139,9 +159,52 @@ impl Machine<'_> {
             self.slots.clone_from(&known);
             steady = self.iteration(body, step);
         }
-        self.looped = true;
-        self.lay(before, early, &first, &steady, body);
+        if std::mem::replace(&mut self.looped, true) {
+            self.undecided(
+                Fault::error(
+                    body.place,
+                    "a loop over the frames begins in a later iteration of this loop",
+                    "this loop",
+                )
+                .help(AGAIN),
+            );
+        }
+        self.lay(begun, &steady, body);
         Flow::End
+    }
+
+    /// The first iteration, and what came before it. Nothing where a loop inside is that over the
+    /// frames: it has laid them out, with all that came before.
+    fn begin(&mut self, body: &Stmt, step: Option<&Expr>) -> Option<Begun> {
+        let (waited, asked) = (self.frames.len(), self.items.len());
+        self.ends = false;
+        let mut early = self.iteration(body, step);
+        if self.looped {
+            if self.ends {
+                self.undecided(
+                    Fault::error(
+                        body.place,
+                        "this loop begins again where the loop over the frames inside it ends",
+                        "this loop",
+                    )
+                    .help(AGAIN),
+                );
+            }
+            self.items = early.pop().unwrap_or_default();
+            self.frames = early;
+            return None;
+        }
+        // What came before the first frame belongs to it, unless it took frames of its own.
+        let mut first = early.split_off(waited.min(early.len().saturating_sub(1)));
+        let before = match first.first_mut() {
+            Some(all) => all.drain(..asked.min(all.len())).collect(),
+            None => Vec::new(),
+        };
+        Some(Begun {
+            early,
+            before,
+            first,
+        })
     }
 
     /// Takes variables that an iteration changes, and that have a value from outside, for fixed; whether
@@ -178,8 +241,10 @@ impl Machine<'_> {
     fn iteration(&mut self, body: &Stmt, step: Option<&Expr>) -> Vec<Vec<Item>> {
         self.maybe = None;
         self.dark = false;
+        let left = self.left;
         let flow = self.scoped(body);
-        self.maybe = None;
+        let may_end = self.maybe.take().is_some() && self.left > left;
+        self.ends |= may_end || matches!(flow, Flow::Break | Flow::Return(_));
         if matches!(flow, Flow::Next | Flow::Continue)
             && let Some(step) = step
         {
@@ -192,14 +257,12 @@ impl Machine<'_> {
 
     /// Lays the frames out: what is done once, as `init`, and the steady one. A frame is what is
     /// asked between two waits.
-    fn lay(
-        &mut self,
-        before: Vec<Item>,
-        early: Vec<Vec<Item>>,
-        first: &[Vec<Item>],
-        steady: &[Vec<Item>],
-        body: &Stmt,
-    ) {
+    fn lay(&mut self, begun: Begun, steady: &[Vec<Item>], body: &Stmt) {
+        let Begun {
+            early,
+            before,
+            first,
+        } = begun;
         if steady.len() > 2 {
             self.undecided(
                 Fault::error(
@@ -229,8 +292,8 @@ impl Machine<'_> {
             }
         };
         // Waiting ends the iteration: the first iteration is a frame like the others.
-        let ends =
-            steady.len() == 2 && matches!(first, [all, none] if !all.is_empty() && none.is_empty());
+        let ends = steady.len() == 2
+            && matches!(&first[..], [all, none] if !all.is_empty() && none.is_empty());
         if once.last() == Some(&frame) {
             let rest = &once[..once.len() - 1];
             // What it captures before the loop belongs to a moment of its own; what else it does
@@ -239,7 +302,7 @@ impl Machine<'_> {
                 once.pop();
             }
         }
-        self.one_capture(&once, &first.concat(), &steady.concat());
+        self.one_frame(&once, body.place, &first.concat(), &steady.concat());
         let start = once.concat();
         self.bare = start == frame;
         self.items = frame;
@@ -247,9 +310,16 @@ impl Machine<'_> {
     }
 
     /// What is done once is one frame, in which the light falls once.
-    fn one_capture(&mut self, once: &[Vec<Item>], first_turn: &[Item], steady: &[Item]) {
+    fn one_frame(
+        &mut self,
+        once: &[Vec<Item>],
+        place: Place,
+        first_turn: &[Item],
+        steady: &[Item],
+    ) {
         let mut captures = once.iter().filter_map(|it| capture(it));
         let (Some(first), Some(second)) = (captures.next(), captures.next()) else {
+            self.several_frames(once, place);
             return;
         };
         if let Some(fault) = self.recorded_alone(first_turn, steady) {
@@ -286,6 +356,27 @@ impl Machine<'_> {
         );
         let fault = Fault::error(inside.place, message, "later frames do without it");
         Some(fault.help("put it before `scamp5_kernel_begin();`: every frame does it then"))
+    }
+
+    /// Warns of what is done once and takes several frames: here they are one.
+    fn several_frames(&mut self, once: &[Vec<Item>], place: Place) {
+        // The first frame is there from the beginning: it goes on behind a wait before which no
+        // light was taken in.
+        let joined = once
+            .first()
+            .is_some_and(|it| !light(it) && capture(it).is_none());
+        let count = once.len() - usize::from(joined && once.len() > 1);
+        if count > 1 {
+            let last = once.last().filter(|it| !it.is_empty());
+            self.fault(
+                Fault::warning(
+                    last.map_or(place, |it| place_of(it)),
+                    format!("{count} frames before the steady loop are one here, `init`"),
+                    "the last of them",
+                )
+                .help(EARLIER),
+            );
+        }
     }
 
     /// The frames of a program that ends: one, or one again and again.
@@ -347,11 +438,24 @@ fn place_of(items: &[Item]) -> Place {
 
 /// Whether a condition is written as one that always holds.
 pub(super) fn always(it: &Expr) -> bool {
-    match &it.node {
-        ExprNode::Whole(value) | ExprNode::Wide(value, _) => *value != 0,
-        ExprNode::Convert(_, of) => always(of),
-        _ => false,
-    }
+    written(it).is_some_and(|it| it.truth() == Ok(true))
+}
+
+/// The number that a value is written as, without names and calls.
+fn written(it: &Expr) -> Option<Value> {
+    let value = match &it.node {
+        ExprNode::Whole(value) => Value::Whole(*value),
+        ExprNode::Wide(value, width) => Value::Wide(*value, *width),
+        ExprNode::Real(value) => Value::Real(*value),
+        ExprNode::Convert(kind, of) => written(of)?.converted(*kind),
+        ExprNode::Unary("!", of) => Value::flag(!written(of)?.truth().ok()?),
+        ExprNode::Unary(operator @ ("-" | "+" | "~"), of) => written(of)?.signed(operator)?,
+        ExprNode::Binary(operator, left, right) if *operator != "," => {
+            Value::binary(operator, &written(left)?, &written(right)?).ok()?
+        }
+        _ => return None,
+    };
+    value.number().map(|_| value)
 }
 
 /// Whether something that is known has another value.

@@ -20,6 +20,8 @@ pub(super) struct Layout {
     pub base: Option<Rc<Self>>,
     /// What each element is, where it is a map.
     pub entry: Option<Rc<Self>>,
+    /// How many values an object holds.
+    pub values: usize,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -52,10 +54,12 @@ impl Layout {
             layout: None,
             default: None,
         });
+        let members: Vec<Member> = members.collect();
         Self {
             name: name.into(),
             space: name.into(),
-            members: members.collect(),
+            values: 1 + members.len(),
+            members,
             functions: Vec::new(),
             base: None,
             entry: None,

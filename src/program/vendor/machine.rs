@@ -17,12 +17,22 @@ use super::{
 use crate::{
     config::{Fault, Place, Severity, enough},
     isa::Device,
-    limit::{VENDOR_VALUES, VENDOR_WORK},
+    limit::{CHAIN, NESTING, VENDOR_VALUES, VENDOR_WORK},
     program::{Overrides, syntax::Item},
 };
 
 /// A statement takes about as long as copying so many values.
 const STATEMENT: usize = 32;
+
+/// Statements and values inside each other, in all functions that run, for which there is room on the
+/// stack: one chain of calls, and what stands around it.
+const LEVELS: usize = CHAIN + 4 * NESTING;
+
+/// How many values all variables hold, as a multiple of what one may hold.
+const VARIABLES: usize = 4;
+
+/// After how many values that were put into variables those are counted.
+const COUNTED: usize = VENDOR_VALUES / 4;
 
 /// A part of the text that is looked at takes about as long as copying so many values.
 const PART: usize = 4;
@@ -145,6 +155,8 @@ pub(super) struct Machine<'a> {
     /// How often a statement may have ended a loop or a function.
     pub left: usize,
     pub depth: usize,
+    /// How many statements, values and calls are worked out, one inside the other.
+    levels: usize,
     /// The slider that was read last.
     pub slider: String,
     /// The variable that is being declared.
@@ -161,10 +173,16 @@ pub(super) struct Machine<'a> {
     pub dark: bool,
     /// Whether the loop over the frames was run.
     pub looped: bool,
+    /// Whether something in an iteration of it may end it.
+    pub ends: bool,
     /// Whether every frame does the same, the first one too.
     pub bare: bool,
     /// What was worked on, in values that are copied.
     work: Cell<usize>,
+    /// Where the last statement or call was worked on.
+    worked: Place,
+    /// How many values were put into variables since those were counted.
+    grown: usize,
     /// How many statements were asked since what was asked ran.
     pub asked: usize,
     /// Whether a limit was met.
@@ -228,6 +246,7 @@ impl<'a> Machine<'a> {
             maybe: None,
             left: 0,
             depth: 0,
+            levels: 0,
             slider: String::new(),
             naming: None,
             titles: BTreeMap::new(),
@@ -236,8 +255,11 @@ impl<'a> Machine<'a> {
             stack: None,
             dark: false,
             looped: false,
+            ends: false,
             bare: false,
             work: Cell::new(0),
+            worked: Place::default(),
+            grown: 0,
             asked: 0,
             full: false,
         }
@@ -294,6 +316,7 @@ impl<'a> Machine<'a> {
     /// One more statement or call is worked on.
     pub(super) fn work(&mut self, place: Place) {
         self.passes(STATEMENT);
+        self.worked = place;
         if self.work.get() > STATEMENT * VENDOR_WORK && !self.full {
             self.full = true;
             let before = match self.companion {
@@ -314,6 +337,62 @@ impl<'a> Machine<'a> {
                 &help,
             );
         }
+    }
+
+    /// Does what is one level deeper; nothing, and tells of it, where there are too many.
+    pub(super) fn deeper<T>(
+        &mut self,
+        place: Place,
+        inner: impl FnOnce(&mut Self) -> T,
+    ) -> Option<T> {
+        if self.levels == LEVELS {
+            if !self.full {
+                self.full = true;
+                self.error(
+                    place,
+                    format!("more than {LEVELS} statements and values inside each other, in calls"),
+                    "too deep",
+                    "does a function call itself? write a loop, or take it apart",
+                );
+            }
+            return None;
+        }
+        self.levels += 1;
+        let done = inner(self);
+        self.levels -= 1;
+        Some(done)
+    }
+
+    /// So many values were put into variables; tells where there are too many.
+    pub(super) fn grows(&mut self, values: usize) {
+        self.grown = self.grown.saturating_add(values);
+        if self.grown < COUNTED || self.full {
+            return;
+        }
+        self.grown = 0;
+        let most = VARIABLES * VENDOR_VALUES;
+        let (mut one, mut all) = (0, 0);
+        // What nothing leads to any more is nobody's.
+        let alive = self.slots.iter().zip(self.alive()).filter(|it| it.1);
+        for (value, _) in alive {
+            let held = value.held();
+            one = held.max(one);
+            all += held;
+        }
+        let message = if one > VENDOR_VALUES {
+            format!("more than {VENDOR_VALUES} values in one variable")
+        } else if all > most {
+            format!("more than {most} values in all variables")
+        } else {
+            return;
+        };
+        self.full = true;
+        self.error(
+            self.worked,
+            message,
+            "here it grows",
+            "keep fewer of them: no chip reads out as many",
+        );
     }
 
     /// Whether so many values may be held in one variable; tells where they may not.

@@ -113,10 +113,12 @@ impl Machine<'_> {
         ) {
             return None;
         }
+        let values = it.size();
         match self.target(*slot, path)? {
             Value::Record(_, all) => all.push(it),
             _ => return None,
         }
+        self.grows(values);
         Some(count)
     }
 

@@ -136,14 +136,8 @@ impl Machine<'_> {
         (left == 0).then_some(all)
     }
 
-    /// Gives up variables that no name, no pointer and no lambda leads to.
-    pub(super) fn give_up(&mut self) {
-        let Some(companion) = self.companion.as_mut() else {
-            return;
-        };
-        if self.slots.len() - self.free.len() < companion.enough {
-            return;
-        }
+    /// Which variables a name, a pointer or a lambda leads to.
+    pub(super) fn alive(&self) -> Vec<bool> {
         let mut alive = vec![false; self.slots.len()];
         let mut open: Vec<Slot> = self
             .scopes
@@ -156,10 +150,24 @@ impl Machine<'_> {
             leads_to(stack, &mut open);
         }
         while let Some(slot) = open.pop() {
-            if !std::mem::replace(&mut alive[slot], true) {
+            // Frames are run anew with fewer variables: a pointer may lead to none.
+            if let Some(it @ false) = alive.get_mut(slot) {
+                *it = true;
                 leads_to(&self.slots[slot], &mut open);
             }
         }
+        alive
+    }
+
+    /// Gives up variables that no name, no pointer and no lambda leads to.
+    pub(super) fn give_up(&mut self) {
+        let Some(companion) = self.companion.as_mut() else {
+            return;
+        };
+        if self.slots.len() - self.free.len() < companion.enough {
+            return;
+        }
+        let alive = self.alive();
         self.free = (0..alive.len()).filter(|slot| !alive[*slot]).collect();
         for slot in self.free.clone() {
             self.slots[slot] = Value::Whole(0);

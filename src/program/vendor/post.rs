@@ -9,6 +9,9 @@ use super::{
 };
 use crate::config::Place;
 
+/// Characters that one value is written with, at most: more than any line for people has.
+const WIDEST: usize = 4096;
+
 impl Machine<'_> {
     /// `printf(format, …)`, with what is known of its values.
     pub(super) fn post(&mut self, values: &[Value], place: Place) {
@@ -21,30 +24,61 @@ impl Machine<'_> {
         else {
             return;
         };
-        companion.array.post(written(format, values));
+        match written(format, values) {
+            Some(text) => companion.array.post(text),
+            None => self.too_wide(place),
+        }
+    }
+
+    /// Tells of a format that asks for more characters than are written.
+    fn too_wide(&mut self, place: Place) {
+        self.error(
+            place,
+            format!("a width or a precision of more than {WIDEST} characters"),
+            "this format",
+            "give it a smaller one",
+        );
     }
 
     /// A format with its values, where all of them are known.
-    pub(super) fn formatted(&self, values: &[Value]) -> Option<String> {
+    pub(super) fn formatted(&mut self, values: &[Value], place: Place) -> Option<String> {
         let values: Vec<Value> = values.iter().map(|it| self.as_text(it)).collect();
         let (Value::Text(format), values) = values.split_first()? else {
             return None;
         };
         let known = |it: &Value| it.number().is_some() || matches!(it, Value::Text(_));
-        values.iter().all(known).then(|| written(format, values))
+        if !values.iter().all(known) {
+            return None;
+        }
+        let text = written(format, values);
+        if text.is_none() {
+            self.too_wide(place);
+        }
+        text
     }
 }
 
-/// A format with its values. One that does not fit them is shown as it stands.
-fn written(format: &str, values: &[Value]) -> String {
-    let (plain, values) = cut(format, values);
+/// A format with its values. One that does not fit them is shown as it stands; nothing where it asks
+/// for too many characters.
+fn written(format: &str, values: &[Value]) -> Option<String> {
+    let (plain, values) = cut(format, values)?;
     let given: Vec<Printed> = values.into_iter().map(Printed).collect();
     let given: Vec<&dyn Printf> = given.iter().map(|it| it as &dyn Printf).collect();
-    sprintf::vsprintf(&plain, &given).unwrap_or_else(|_| format.to_owned())
+    Some(sprintf::vsprintf(&plain, &given).unwrap_or_else(|_| format.to_owned()))
+}
+
+/// Whether a width or a precision asks for too many characters.
+fn is_wide(size: &str) -> bool {
+    let mut parts = size.split('.');
+    parts.any(|it| {
+        let digits = it.trim_start_matches(['-', '+', ' ', '#', '0']);
+        digits.len() > 9 || digits.parse().is_ok_and(|it: usize| it > WIDEST)
+    })
 }
 
 /// A format without `*` and lengths, and its values as their lengths have them: `%hhu` has 8 bits.
-fn cut(format: &str, values: &[Value]) -> (String, Vec<Value>) {
+/// Nothing where it asks for too many characters.
+fn cut(format: &str, values: &[Value]) -> Option<(String, Vec<Value>)> {
     let (mut plain, mut given) = (String::new(), Vec::new());
     let mut values = values.iter();
     let mut parts = format.split('%');
@@ -68,6 +102,9 @@ fn cut(format: &str, values: &[Value]) -> (String, Vec<Value>) {
                 }
                 it => size.push(it),
             }
+        }
+        if is_wide(&size) {
+            return None;
         }
         let name = |it: char| !"hlqLjzZt".contains(it);
         let (length, rest) = rest.split_at(rest.find(name).unwrap_or(rest.len()));
@@ -98,7 +135,7 @@ fn cut(format: &str, values: &[Value]) -> (String, Vec<Value>) {
         }
     }
     given.extend(values.cloned());
-    (plain, given)
+    Some((plain, given))
 }
 
 /// A whole number with the digits that `%.3d` asks for at least, and the rest of its format as that
@@ -107,7 +144,7 @@ fn at_least(size: &str, rest: &str, value: &Value) -> Option<(String, String)> {
     let (flags, digits) = size.split_once('.')?;
     let least: usize = match digits {
         "" => 0,
-        digits => digits.parse().ok().filter(|it| *it <= 1 << 16)?,
+        digits => digits.parse().ok()?,
     };
     let (Value::Whole(number) | Value::Wide(number, _)) = value else {
         return None;

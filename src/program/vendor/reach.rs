@@ -18,6 +18,11 @@ use crate::config::Fault;
 impl Machine<'_> {
     /// Where the value of an expression lies, with all that finding it does.
     pub(super) fn reach(&mut self, it: &Expr) -> Reach {
+        let reached = self.deeper(it.place, |inner| inner.found(it));
+        reached.unwrap_or(Reach::Value(Value::Whole(0)))
+    }
+
+    fn found(&mut self, it: &Expr) -> Reach {
         match &it.node {
             ExprNode::Name(name) => match self.named_location(name) {
                 Some((slot, path)) => Reach::Location(slot, path),

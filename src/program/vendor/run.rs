@@ -35,6 +35,11 @@ impl Machine<'_> {
     }
 
     fn statement(&mut self, it: &Stmt) -> Flow {
+        let flow = self.deeper(it.place, |inner| inner.done_by(it));
+        flow.unwrap_or(Flow::End)
+    }
+
+    fn done_by(&mut self, it: &Stmt) -> Flow {
         self.work(it.place);
         match &it.node {
             StmtNode::Block(inner) | StmtNode::Namespace(_, inner) => return self.block(inner),

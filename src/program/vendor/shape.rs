@@ -193,15 +193,13 @@ fn members(layout: &Rc<Layout>, rest: &mut VecDeque<Value>) -> Result<Value, Str
     Ok(Value::Record(Rc::clone(layout), all))
 }
 
-impl Layout {
-    /// How many values an object holds.
-    pub(super) fn size(&self) -> usize {
-        let members = self.members.iter().map(|member| {
-            let one = member.layout.as_ref().map_or(1, |it| it.size());
-            count(one, &member.lengths)
-        });
-        members.fold(1, usize::saturating_add)
-    }
+/// How many values an object with these members holds.
+pub(super) fn values(members: &[Member]) -> usize {
+    let members = members.iter().map(|member| {
+        let one = member.layout.as_ref().map_or(1, |it| it.values);
+        count(one, &member.lengths)
+    });
+    members.fold(1, usize::saturating_add)
 }
 
 impl Member {

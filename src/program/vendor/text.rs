@@ -127,12 +127,12 @@ impl Machine<'_> {
                 given[0].clone()
             }
             "sprintf" => {
-                let made = self.formatted(given.get(1..)?)?;
+                let made = self.formatted(given.get(1..)?, place)?;
                 self.spell(name, &given[0], &ended(&made), place)?;
                 Value::Whole(made.len() as i64)
             }
             "snprintf" => {
-                let (made, room) = (self.formatted(given.get(2..)?)?, size(1)?);
+                let (made, room) = (self.formatted(given.get(2..)?, place)?, size(1)?);
                 let mut bytes = ended(&made);
                 if room < bytes.len() {
                     bytes.truncate(room);

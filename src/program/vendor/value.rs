@@ -69,6 +69,16 @@ impl Value {
         }
     }
 
+    /// How many values a variable with it holds, as its declaration is counted: one more for each
+    /// object.
+    pub(super) fn held(&self) -> usize {
+        match self {
+            Self::List(all) => all.iter().map(Self::held).sum(),
+            Self::Record(_, all) => 1 + all.iter().map(Self::held).sum::<usize>(),
+            _ => 1,
+        }
+    }
+
     /// How many values there are in it that hold no others.
     pub(super) fn leaves(&self) -> usize {
         match self {

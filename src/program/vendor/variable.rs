@@ -20,7 +20,8 @@ impl Machine<'_> {
 
     /// A new variable, without a name.
     pub(super) fn hold(&mut self, value: Value, kind: Kind) -> Slot {
-        self.passes(value.size());
+        let values = value.size();
+        self.passes(values);
         let slot = self.free.pop().unwrap_or(self.slots.len());
         if slot == self.slots.len() {
             self.slots.push(value);
@@ -35,6 +36,7 @@ impl Machine<'_> {
         self.fixed.remove(&slot);
         self.not_followed.remove(&slot);
         self.classes.remove(&slot);
+        self.grows(values);
         slot
     }
 
@@ -137,9 +139,11 @@ impl Machine<'_> {
     }
 
     pub(super) fn put(&mut self, slot: Slot, path: &[usize], value: Value) {
-        self.passes(value.size());
+        let values = value.size();
+        self.passes(values);
         if let Some(target) = self.target(slot, path) {
             *target = value;
+            self.grows(values);
         }
     }
 

@@ -58,6 +58,8 @@ impl Machine<'_> {
             );
             return Value::Whole(0);
         }
+        // What its arguments begin with is worked out inside it.
+        self.depth += 1;
         self.entered.insert(function.place.start);
         let mut scope: BTreeMap<Word, usize> = function.held.iter().cloned().collect();
         let types = if function.template.is_empty() {
@@ -73,6 +75,7 @@ impl Machine<'_> {
             ))
         };
         if let Some(special) = self.special((function, place), types.as_deref(), &scope) {
+            self.depth -= 1;
             return self.enter_with(&special, given, None, place);
         }
         let made = self.made_for(function, &given, types.as_deref(), &scope);
@@ -86,7 +89,6 @@ impl Machine<'_> {
         let file = std::mem::replace(&mut self.file, self.files.name(function.place));
         self.base = self.scopes.len();
         self.scopes.push(scope);
-        self.depth += 1;
         let refers = std::mem::replace(&mut self.refers, function.refers);
         let flow = self.statements(&function.body);
         self.refers = refers;

@@ -347,6 +347,7 @@ impl Machine<'_> {
             _ => length + all.iter().map(Value::size).sum::<usize>(),
         };
         self.passes(moved);
+        self.grows(moved);
         Some(found)
     }
 

@@ -127,10 +127,10 @@ impl Machine<'_> {
         }
         if let Some(layout) = self.layouts.get(last(name)).cloned() {
             // An object of data alone: `Class{a, b}`.
-            if !self.fits(layout.size(), place) {
+            if !self.fits(layout.values, place) {
                 return Value::Unknown(format!("an object of `{name}`").into());
             }
-            self.passes(layout.size());
+            self.passes(layout.values);
             let given = given.iter().map(|it| self.value(it)).collect();
             return shape::record(&layout, given).unwrap_or_else(|why| Value::Unknown(why.into()));
         }

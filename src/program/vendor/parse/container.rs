@@ -7,9 +7,14 @@ use super::super::{
     tree::{Declared, Stmt, StmtNode, Struct, Word},
 };
 use super::{Parser, types::Type};
+use crate::config::Fault;
 
 /// Those that are followed.
 const CONTAINERS: [&str; 4] = ["pair", "tuple", "map", "unordered_map"];
+
+/// Characters of the name of such a class, with the types that it is given: those of types inside
+/// each other double.
+const NAME: usize = 4096;
 
 impl Parser<'_> {
     /// The class that `name<types>` is, from the `<` on; nothing, and no step ahead, where it is
@@ -43,6 +48,19 @@ impl Parser<'_> {
             return None;
         }
         let full: Word = format!("{name}<{}>", words.join(", ")).into();
+        if full.len() > NAME {
+            let fault = Fault::error(
+                place,
+                format!("types inside each other, with a name of more than {NAME} characters"),
+                "this type",
+            );
+            let known = |it: &Fault| it.place.start == place.start;
+            if !self.faults.iter().any(known) {
+                self.faults
+                    .push(fault.help("make it a `struct` of its own, with fewer members"));
+            }
+            return None;
+        }
         if !self.classes.insert(full.clone()) {
             return Some(full);
         }

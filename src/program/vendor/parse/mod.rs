@@ -56,6 +56,7 @@ pub(super) fn parse(tokens: &[Token], end: usize) -> Said {
         depth: 0,
         tries: 0,
         lost: None,
+        over: Over::No,
         links: 0,
         space: String::new(),
         faults: Vec::new(),
@@ -102,6 +103,7 @@ pub(super) struct Parser<'a> {
     tries: usize,
     /// Where no more was tried.
     lost: Option<Place>,
+    over: Over,
     /// How many operators and `else if`s stand one behind the other, at most: what walks the
     /// tree goes so deep.
     pub links: usize,
@@ -150,6 +152,16 @@ pub(super) struct Parser<'a> {
     library: Vec<Stmt>,
     /// How many blocks of functions are open.
     inner: usize,
+}
+
+/// Whether the text goes beyond a limit.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Over {
+    No,
+    /// In what was tried, maybe in vain.
+    At(Place),
+    /// It was told, and nothing more is read.
+    Told,
 }
 
 /// Where a list of statements ends.
@@ -238,6 +250,7 @@ impl<'a> Parser<'a> {
         // Blocks of kernels inside loops inside functions go deeper than programs do.
         if self.depth == 4 * NESTING {
             let place = self.place();
+            self.over = Over::At(place);
             return Err(Fault::error(
                 place,
                 format!("more than {} levels inside each other", 4 * NESTING),
@@ -263,6 +276,7 @@ impl<'a> Parser<'a> {
         if self.links <= CHAIN {
             return Ok(());
         }
+        self.over = Over::At(self.place());
         Err(Fault::error(
             self.place(),
             format!("more than {CHAIN} operators, calls or `else if`s one behind the other"),
@@ -275,7 +289,7 @@ impl<'a> Parser<'a> {
     fn statements(&mut self, until: Until) -> Vec<Stmt> {
         let mut all = Vec::new();
         let (links, mut most) = (self.links, self.links);
-        while self.peek(0).is_some() && !enough(&self.faults) {
+        while self.peek(0).is_some() && !enough(&self.faults) && self.over != Over::Told {
             most = most.max(self.links);
             self.links = links;
             if self.sees("}") {
@@ -307,7 +321,12 @@ impl<'a> Parser<'a> {
                         all.push(statement);
                     }
                 }
+                // What follows from a limit is no fault.
+                Err(_) if self.over == Over::Told => {}
                 Err(fault) => {
+                    if matches!(self.over, Over::At(it) if it.start == fault.place.start) {
+                        self.over = Over::Told;
+                    }
                     self.faults.push(fault);
                     self.recover(start);
                 }
