@@ -15,8 +15,8 @@ use crate::{
     number::Format,
     plane::Size,
     reference::{
-        Counts, Description, EventList, Firing, Limit, Reference, Report, Sinks, Tally, VoxelGrid,
-        WhenFull,
+        AnyReference, Counts, Description, EventList, Firing, Limit, Reference, Report, Sinks,
+        Tally, VoxelGrid, WhenFull,
     },
     rig::{self, guard::Warning},
     save::Stack,
@@ -184,6 +184,18 @@ impl Arguments {
             ));
         }
         Ok(())
+    }
+
+    /// The sensor of an array of this size, or of a part of it.
+    fn sensor_of(
+        &self,
+        description: Description,
+        (size, part): (Size, Option<&Part>),
+    ) -> miette::Result<Box<dyn AnyReference>> {
+        Ok(match part {
+            Some(part) => part.sensor(self.format, description, self.seed)?,
+            None => Reference::in_format(self.format, description, size, self.seed)?,
+        })
     }
 
     /// How many events are taken, where so many may be held.
@@ -374,18 +386,14 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     } = run;
     let size = scene.size();
     let channels = description.channels.len();
-    let names = description.names();
-    let name = description.name.clone();
+    let (names, name) = (description.names(), description.name.clone());
     let mut guard = RunGuard::new(&description, size, arguments.format);
     let mut firing = Firing::new();
     let sensor = Reference::bytes_in(arguments.format, &description, size);
     let held = events(arguments, &*scene, sensor, channels)?;
     let limit = arguments.limit(held);
     let part = window.map(|window| Part::new(size, window));
-    let mut reference = match &part {
-        Some(part) => part.sensor(arguments.format, description, arguments.seed)?,
-        None => Reference::in_format(arguments.format, description, size, arguments.seed)?,
-    };
+    let mut reference = arguments.sensor_of(description, (size, part.as_ref()))?;
     let mut packet = Packet::new(size, channels as u8);
     packet.names = names;
     packet.span.1 = end;
@@ -395,12 +403,12 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     let mut tally = Tally::new(channels);
     let counts_path = arguments.counts.as_ref();
     let mut counts = counts_path.map(|_| Counts::new(size, channels));
-    let count_stack = counts_path.map(|path| Stack::<i32>::create(path, channels, size));
-    let mut count_stack = count_stack.transpose()?;
+    let stack = |path: &Output| Stack::<i32>::create(path, channels, size);
+    let mut count_stack = counts_path.map(stack).transpose()?;
     let voxels_path = arguments.voxels.as_ref();
     let mut grid = voxels_path.map(|_| VoxelGrid::new(size, channels));
-    let voxel_stack = voxels_path.map(|path| Stack::<f32>::create(path, channels, size));
-    let mut voxel_stack = voxel_stack.transpose()?;
+    let stack = |path: &Output| Stack::<f32>::create(path, channels, size);
+    let mut voxel_stack = voxels_path.map(stack).transpose()?;
     let mut paper = PaperMetric::default();
     // Frames that are put in are not known before; those between which they are put are.
     let progress = Progress::new("watching", frames);
@@ -408,10 +416,7 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     let (mut first, mut last) = (None, 0.0);
     let mut list = { arguments.events.as_ref() }.map(|_| {
         let list = EventList::new(&mut packet, limit).holding(held);
-        match &part {
-            Some(part) => list.of_part(part.size(), part.corner()),
-            None => list,
-        }
+        list.of_part(reference.size(), part.as_ref().map(Part::corner))
     });
     let frames = rig::play(&mut scene, |frame| {
         let sinks = Sinks {
@@ -421,10 +426,8 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
             counts: counts.as_mut(),
             voxels: grid.as_mut(),
         };
-        match &part {
-            Some(part) => reference.watch_into_sinks(&part.of(&frame), sinks)?,
-            None => reference.watch_into_sinks(&frame, sinks)?,
-        }
+        let cut = part.as_ref().map(|part| part.of(&frame));
+        reference.watch_into_sinks(cut.as_ref().unwrap_or(&frame), sinks)?;
         output.take(list.as_mut())?;
         guard.see(&frame, firing.cells());
         if first.is_some() {

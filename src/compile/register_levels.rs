@@ -146,8 +146,8 @@ impl Request<'_> {
         let part = match registers {
             ..FEWEST_REGISTERS => 32,
             FEWEST_REGISTERS => 2,
-            ..=USUAL => 1,
             MOST.. => 5,
+            _ if registers <= USUAL => 1,
             // The plans that need no search.
             _ => return self.effort.with_states(0),
         };

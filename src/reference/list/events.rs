@@ -93,10 +93,10 @@ impl<'a> EventList<'a> {
     }
 
     /// The list of a sensor of this size that is a part of the packet's: its first cell is at
-    /// `corner` there.
+    /// `corner` there, if it is not the packet's first.
     #[must_use]
-    pub fn of_part(self, size: Size, corner: At) -> Self {
-        let part = (size, corner);
+    pub fn of_part(self, size: Size, corner: Option<At>) -> Self {
+        let part = (size, corner.unwrap_or(At { y: 0, x: 0 }));
         Self { part, ..self }
     }
 

@@ -38,3 +38,16 @@ pub struct Answer<M> {
     /// run.
     pub expected: Option<[f64; 2]>,
 }
+
+impl<M> Answer<M> {
+    /// The same with the times of this share of the array.
+    #[must_use]
+    pub(super) fn of_part(mut self, share: f64) -> Self {
+        let of_part = |seconds: [f64; 2]| seconds.map(|seconds| seconds * share);
+        for offer in &mut self.offers {
+            offer.seconds = offer.seconds.map(of_part);
+        }
+        self.expected = self.expected.map(of_part);
+        self
+    }
+}

@@ -267,18 +267,14 @@ pub fn plan(
         seed: question.seed,
         base: &base,
     };
-    let mut answer = measure.ask(&family, &candidates)?;
     // Times were measured of the whole array.
-    let of_part = |seconds: [f64; 2]| seconds.map(|seconds| seconds * left);
-    for offer in &mut answer.offers {
-        offer.seconds = offer.seconds.map(of_part);
-    }
+    let answer = measure.ask(&family, &candidates)?.of_part(left);
     Ok(Plan {
         choice: answer.choice,
         change: answer.change,
         offers: answer.offers,
         why: answer.why,
-        expected: answer.expected.map(of_part),
+        expected: answer.expected,
         seconds: clock() - start,
         ..plan
     })
