@@ -256,6 +256,27 @@ fn frames_before_the_loop_are_warned_of() {
     }
 }
 
+/// A loop that its first iteration leaves is none: what stands behind it is run.
+#[test]
+fn a_loop_that_is_left_at_once_is_no_loop() {
+    let words = |text: &str| {
+        let code = expand(text).unwrap().code;
+        code.init.len() + code.frame.len()
+    };
+    let left = "vs_frame_loop_control(); get_image(A);";
+    for (end, behind) in [("break;", 1), ("return 0;", 0)] {
+        let text = format!("int main() {{ while (1) {{ {left} {end} }} CLR(R5); }}");
+        let plain = ["get_image(A);", "get_image(A); CLR(R5);"][behind];
+        assert_eq!(
+            words(&text),
+            words(&format!(
+                "int main() {{ vs_frame_loop_control(); {plain} }}"
+            )),
+            "{text}"
+        );
+    }
+}
+
 /// A type of nearly the name of another one is told where it stands.
 #[test]
 fn misspelt_types_are_named() {

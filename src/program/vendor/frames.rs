@@ -108,8 +108,9 @@ impl Machine<'_> {
         }
         let start = self.snapshot();
         let recorded = self.recorded.clone();
-        let Some(mut begun) = self.begin(body, step) else {
-            return Flow::End;
+        let mut begun = match self.begin(body, step) {
+            Ok(begun) => begun,
+            Err(flow) => return flow,
         };
         // Variables that go on changing are not known; the steady iteration must do without them, or
         // with the one value that they were given from outside.
@@ -126,12 +127,12 @@ impl Machine<'_> {
             }
             (self.frames, self.items) = (begun.early, begun.before);
             begun = match self.begin(body, step) {
-                Some(begun) => begun,
-                None => return Flow::End,
+                Ok(begun) => begun,
+                Err(flow) => return flow,
             };
             known = self.snapshot();
         }
-        let mut steady = self.iteration(body, step);
+        let (mut steady, _) = self.iteration(body, step);
         let why: Why = "a value that changes from frame to frame".into();
         for _ in 0..TURNS {
             if self.done() || self.looped {
@@ -157,7 +158,7 @@ impl Machine<'_> {
             }
             self.slots.truncate(known.len());
             self.slots.clone_from(&known);
-            steady = self.iteration(body, step);
+            (steady, _) = self.iteration(body, step);
         }
         if std::mem::replace(&mut self.looped, true) {
             self.undecided(
@@ -173,12 +174,15 @@ impl Machine<'_> {
         Flow::End
     }
 
-    /// The first iteration, and what came before it. Nothing where a loop inside is that over the
-    /// frames: it has laid them out, with all that came before.
-    fn begin(&mut self, body: &Stmt, step: Option<&Expr>) -> Option<Begun> {
+    /// The first iteration, and what came before it.
+    ///
+    /// # Errors
+    /// With what comes then, where there is no second one: a loop inside is that over the frames, and
+    /// has laid them out, or the first iteration leaves this loop.
+    fn begin(&mut self, body: &Stmt, step: Option<&Expr>) -> Result<Begun, Flow> {
         let (waited, asked) = (self.frames.len(), self.items.len());
         self.ends = false;
-        let mut early = self.iteration(body, step);
+        let (mut early, flow) = self.iteration(body, step);
         if self.looped {
             if self.ends {
                 self.undecided(
@@ -190,9 +194,15 @@ impl Machine<'_> {
                     .help(AGAIN),
                 );
             }
-            self.items = early.pop().unwrap_or_default();
-            self.frames = early;
-            return None;
+            self.go_on_behind(early);
+            return Err(Flow::End);
+        }
+        if let Flow::Break | Flow::Return(_) = flow {
+            self.go_on_behind(early);
+            return Err(match flow {
+                Flow::Break => Flow::Next,
+                left => left,
+            });
         }
         // What came before the first frame belongs to it, unless it took frames of its own.
         let mut first = early.split_off(waited.min(early.len().saturating_sub(1)));
@@ -200,11 +210,17 @@ impl Machine<'_> {
             Some(all) => all.drain(..asked.min(all.len())).collect(),
             None => Vec::new(),
         };
-        Some(Begun {
+        Ok(Begun {
             early,
             before,
             first,
         })
+    }
+
+    /// What was asked, the last of it in the frame that goes on.
+    fn go_on_behind(&mut self, mut asked: Vec<Vec<Item>>) {
+        self.items = asked.pop().unwrap_or_default();
+        self.frames = asked;
     }
 
     /// Takes variables that an iteration changes, and that have a value from outside, for fixed; whether
@@ -237,8 +253,8 @@ impl Machine<'_> {
         self.slots.clone()
     }
 
-    /// One iteration: what it asks, cut where frames begin.
-    fn iteration(&mut self, body: &Stmt, step: Option<&Expr>) -> Vec<Vec<Item>> {
+    /// One iteration: what it asks, cut where frames begin, and how it ends.
+    fn iteration(&mut self, body: &Stmt, step: Option<&Expr>) -> (Vec<Vec<Item>>, Flow) {
         self.maybe = None;
         self.dark = false;
         let left = self.left;
@@ -252,7 +268,7 @@ impl Machine<'_> {
         }
         let mut all = std::mem::take(&mut self.frames);
         all.push(std::mem::take(&mut self.items));
-        all
+        (all, flow)
     }
 
     /// Lays the frames out: what is done once, as `init`, and the steady one. A frame is what is
