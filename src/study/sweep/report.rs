@@ -427,11 +427,12 @@ fn judged(cost: &str, mut sensors: Vec<Standing>) -> Vec<Standing> {
     let names: Vec<String> = sensors.iter().map(|s| s.name.clone()).collect();
     let named = |by: Option<usize>| names.get(by?).cloned();
     let sure = sure_dominators(&all).into_iter().zip(dominators(&costs));
-    for ((sensor, at), (sure, seeming)) in sensors.iter_mut().zip(&all).zip(sure) {
+    let own = sensors.iter_mut().zip(&all).enumerate();
+    for ((i, (sensor, at)), (sure, seeming)) in own.zip(sure) {
         // What has figures of another model may cost the most that they allow.
         let at_most = || {
-            let could = |other: &usize| all.get(*other).is_some_and(|it| it.low.dominates(at.high));
-            (0..all.len()).find(could)
+            let mut others = all.iter().enumerate().filter(|(other, _)| *other != i);
+            Some(others.find(|(_, it)| it.low.dominates(at.high))?.0)
         };
         let open = seeming.or_else(|| sensor.left_out.as_ref().and_then(|_| at_most()));
         sensor.dominated_by = named(sure);
