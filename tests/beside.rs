@@ -1016,6 +1016,11 @@ fn loops_over_the_frames_inside_each_other() {
             "res(B); do { CLR(R5); W; while (1) { get_image(A); W; } } while (1);",
             23,
         ),
+        // Its first iteration leaves it: the outer one is that over the frames.
+        (
+            "while (1) { res(B); while (1) { W; get_image(A); if (!restart) break; } }",
+            30,
+        ),
     ] {
         let text = format!(
             "#define W vs_frame_loop_control()\nint main() {{ int restart = 0; vs_gui_add_switch(\"restart\", false, &restart); {inside} }}"
@@ -1029,7 +1034,6 @@ fn loops_over_the_frames_inside_each_other() {
     }
     for inside in [
         "while (1) { res(B); while (1) { W; get_image(A); if (scamp5_global_or(R5)) break; } }",
-        "while (1) { res(B); while (1) { W; get_image(A); if (n) break; } }",
         "while (1) { W; get_image(A); if (n == 2) while (1) { W; res(B); } n++; }",
         "bool again = false; while (1) { W; get_image(A); if (again) while (1) { W; res(B); } again = true; }",
     ] {
