@@ -1077,7 +1077,7 @@ mod command {
             assert_eq!(auto.len(), full.len(), "{sensor}");
             // Where all tiles are in the sample, f32 may be known to move events by less.
             for (auto, full) in auto.iter().zip(&full) {
-                let place = |it: &Event| (it.y, it.x, it.channel, it.polarity);
+                let place = |it: &amacrine::event::Event| (it.y, it.x, it.channel, it.polarity);
                 assert_eq!(place(auto), place(full), "{sensor}");
                 assert!(
                     auto.t.0.abs_diff(full.t.0) <= 100,
