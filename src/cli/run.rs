@@ -15,15 +15,15 @@ use crate::{
     number::Format,
     plane::Size,
     reference::{
-        AnyReference, Counts, Description, EventList, Firing, Limit, Reference, Report, Sinks,
-        Tally, VoxelGrid, WhenFull,
+        Counts, Description, EventList, Firing, Limit, Reference, Report, Sinks, Tally, VoxelGrid,
+        WhenFull,
     },
     rig::{self, guard::Warning},
     save::Stack,
     scene::{Observation, Scene, SceneError, upsample},
     source,
     study::{
-        pilot::{Effect, Part, Plan, plan::Crop},
+        pilot::{Effect, Part, Plan},
         run_guard::{Done, RunGuard},
     },
     unit::{Micros, counted},
@@ -186,18 +186,6 @@ impl Arguments {
         Ok(())
     }
 
-    /// The sensor of an array of this size, or of a part of it.
-    fn sensor_of(
-        &self,
-        description: Description,
-        (size, part): (Size, Option<&Part>),
-    ) -> miette::Result<Box<dyn AnyReference>> {
-        Ok(match part {
-            Some(part) => part.sensor(self.format, description, self.seed)?,
-            None => Reference::in_format(self.format, description, size, self.seed)?,
-        })
-    }
-
     /// How many events are taken, where so many may be held.
     fn limit(&self, held: usize) -> Limit {
         let all = if self.readout.is_asked() {
@@ -272,13 +260,15 @@ fn watched(
     let shown = (scene.frames(), scene.fps());
     arguments.check_disk(shown.0, sensor.channels.len(), scene.size())?;
     let scene = upsample::by_contrast(scene, arguments.upsample)?;
+    let window = plan.and_then(Plan::crop);
+    let part = window.map(|window| Part::new(scene.size(), window));
     let watched = watch(Run {
         arguments,
         description: sensor,
         scene,
         end,
         shown,
-        window: plan.and_then(Plan::crop),
+        part,
     });
     let mut warnings = Warning::of_scene(observation, description.response);
     warnings.extend(found.and_then(|found| found.warning(&description.name)));
@@ -366,7 +356,7 @@ struct Run<'a> {
     /// Frames before any are put in, where that is known, and how many a second.
     shown: (Option<u64>, f64),
     /// What the plan leaves of the array, where it cuts it.
-    window: Option<&'a Crop>,
+    part: Option<Part>,
 }
 
 /// When the last frame of a scene is to come; 0 where nobody knows.
@@ -382,7 +372,7 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
         mut scene,
         end,
         shown: (frames, fps),
-        window,
+        part,
     } = run;
     let size = scene.size();
     let channels = description.channels.len();
@@ -392,8 +382,8 @@ fn watch(run: Run<'_>) -> miette::Result<Watched> {
     let sensor = Reference::bytes_in(arguments.format, &description, size);
     let held = events(arguments, &*scene, sensor, channels)?;
     let limit = arguments.limit(held);
-    let part = window.map(|window| Part::new(size, window));
-    let mut reference = arguments.sensor_of(description, (size, part.as_ref()))?;
+    let sensor = (arguments.format, description, arguments.seed);
+    let mut reference = Part::sensor(part.as_ref(), size, sensor)?;
     let mut packet = Packet::new(size, channels as u8);
     packet.names = names;
     packet.span.1 = end;

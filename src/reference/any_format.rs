@@ -4,14 +4,8 @@
 //! Python package do, does not compile the model again.
 
 use super::{
-    counts::Counts,
-    description::Description,
-    firing::Firing,
-    list::{EventList, Limit},
-    report::Report,
-    sensor::Reference,
-    tally::Tally,
-    voxel::VoxelGrid,
+    counts::Counts, description::Description, firing::Firing, list::EventList, report::Report,
+    sensor::Reference, tally::Tally, voxel::VoxelGrid,
 };
 use crate::{
     mosaic::Mosaic,
@@ -46,9 +40,6 @@ pub trait AnyReference: Sensor + Send {
 
     /// What it has to say of the run, as [`Reference::report`].
     fn report(&self) -> Report;
-
-    /// Sets the bound on event lists that [`Sensor::watch`] keeps.
-    fn set_limit(&mut self, limit: Limit);
 }
 
 impl<N: Number> AnyReference for Reference<N> {
@@ -65,10 +56,6 @@ impl<N: Number> AnyReference for Reference<N> {
 
     fn report(&self) -> Report {
         Self::report(self)
-    }
-
-    fn set_limit(&mut self, limit: Limit) {
-        self.limit = limit;
     }
 }
 

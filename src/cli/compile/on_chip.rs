@@ -139,14 +139,10 @@ impl Compiled {
         };
         // Weights that are all as large have no digit to spare.
         let is_flat = |kernel: &Kernel| {
-            let largest = kernel
-                .weights()
-                .iter()
-                .fold(0.0, |most: f64, w| most.max(w.abs()));
-            kernel
-                .weights()
-                .iter()
-                .all(|w| *w == 0.0 || w.abs() == largest)
+            let sizes = kernel.weights().iter().map(|w| w.abs());
+            let mut sizes = sizes.filter(|size| *size != 0.0);
+            let first = sizes.next();
+            sizes.all(|size| Some(size) == first)
         };
         let fewer = if kernels.iter().all(is_flat) {
             ""

@@ -5,9 +5,10 @@ use std::ops::ControlFlow;
 use crate::{
     event::Packet,
     plane::Size,
-    reference::{Limit, Reference},
+    reference::{EventList, Limit, Sinks},
     rig,
     scene::{Scene, upsample},
+    unit::Micros,
 };
 
 use super::{
@@ -47,7 +48,7 @@ impl<'a> Model<'a> {
         Self {
             question,
             choice: plan.choice.clone(),
-            window: plan.window.clone(),
+            window: plan.crop().cloned(),
             limit,
         }
     }
@@ -74,17 +75,8 @@ impl<'a> Model<'a> {
         scene: &mut dyn Scene,
         seen: &mut dyn FnMut(),
     ) -> Result<Packet, PlanError> {
-        let keeps = |effect: Effect| !self.choice.leaves_out(effect);
-        let window = self
-            .window
-            .as_ref()
-            .filter(|_| !keeps(Effect::Surroundings));
-        let part = window.map(|window| Part::new(whole, window));
-        let mut packet = self.watched(part.as_ref(), scene, seen)?;
-        if let Some(part) = &part {
-            part.place(&mut packet.events);
-            packet.size = whole;
-        }
+        let part = self.window.as_ref().map(|window| Part::new(whole, window));
+        let packet = self.watched((whole, part.as_ref()), scene, seen)?;
         Ok(match self.question.readout {
             Some(readout) => readout.read(&packet).packet,
             None => packet,
@@ -94,7 +86,7 @@ impl<'a> Model<'a> {
     /// Of a part, or of the whole.
     fn watched(
         &self,
-        part: Option<&Part>,
+        (whole, part): (Size, Option<&Part>),
         scene: &mut dyn Scene,
         seen: &mut dyn FnMut(),
     ) -> Result<Packet, PlanError> {
@@ -102,21 +94,24 @@ impl<'a> Model<'a> {
             description, seed, ..
         } = *self.question;
         let (format, plain) = (self.choice.format, self.choice.plainer(description));
-        let mut sensor = match part {
-            Some(part) => part.sensor(format, plain, seed)?,
-            None => Reference::in_format(format, plain, scene.size(), seed)?,
-        };
-        sensor.set_limit(self.limit);
-        let mut packet = Packet::new(sensor.size(), sensor.channels());
+        let mut sensor = Part::sensor(part, whole, (format, plain, seed))?;
+        let mut packet = Packet::new(whole, sensor.channels());
+        let list = EventList::new(&mut packet, self.limit);
+        let mut list = list.of_part(sensor.size(), part.map(Part::corner));
+        let mut span = None;
         rig::play(scene, |frame| {
-            let frame = match part {
-                Some(part) => part.of(&frame),
-                None => frame,
+            let cut = part.map(|part| part.of(&frame));
+            let sinks = Sinks {
+                list: Some(&mut list),
+                ..Sinks::default()
             };
-            sensor.watch(&frame, &mut packet)?;
+            sensor.watch_into_sinks(cut.as_ref().unwrap_or(&frame), sinks)?;
+            let t = Micros::from_seconds(frame.seconds);
+            span = Some((span.map_or(t, |(first, _)| first), t));
             seen();
             Ok::<_, PlanError>(ControlFlow::Continue(()))
         })?;
+        packet.span = span.unwrap_or(packet.span);
         Ok(packet)
     }
 }

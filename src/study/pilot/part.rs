@@ -1,7 +1,6 @@
 //! The part of an array that is left where all else never fires.
 
 use crate::{
-    event::Event,
     mosaic::Mosaic,
     number::Format,
     plane::{At, Size},
@@ -35,29 +34,25 @@ impl Part {
         }
     }
 
-    /// Its rows and columns.
-    #[must_use]
-    pub fn size(&self) -> Size {
-        self.mosaic.size()
-    }
-
     /// Where its first cell is in the whole.
     #[must_use]
     pub const fn corner(&self) -> At {
         self.corner
     }
 
-    /// The sensor of this part.
+    /// The sensor of a part, or else of the whole.
     ///
     /// # Errors
     /// As [`Reference::in_format`].
     pub fn sensor(
-        &self,
-        format: Format,
-        description: Description,
-        seed: u64,
+        part: Option<&Self>,
+        whole: Size,
+        (format, description, seed): (Format, Description, u64),
     ) -> Result<Box<dyn AnyReference>, SensorError> {
-        Reference::on_tiles_in_format(format, description, &self.mosaic, seed)
+        match part {
+            Some(part) => Reference::on_tiles_in_format(format, description, &part.mosaic, seed),
+            None => Reference::in_format(format, description, whole, seed),
+        }
     }
 
     /// What of a frame it sees.
@@ -68,13 +63,5 @@ impl Part {
         let part = ndarray::s![y..y + height, x..x + width];
         let light = frame.light.slice(part).to_owned().into();
         Frame { light, ..*frame }
-    }
-
-    /// Puts its events where they are in the whole.
-    pub fn place(&self, events: &mut [Event]) {
-        for event in events {
-            event.x += self.corner.x as u16;
-            event.y += self.corner.y as u16;
-        }
     }
 }
