@@ -6,7 +6,7 @@ mod common;
 use std::{fs, path::Path};
 
 use amacrine::{
-    mesh::{Between, Flow, Sheet, Steady},
+    mesh::{Between, Flow, Laterals, Mismatch, Network, Sheet, Steady},
     plane::{Plane, Size},
 };
 use common::amacrine;
@@ -479,4 +479,57 @@ fn solve_says_what_it_wrote_and_what_it_takes() {
         line.contains("; black is ") && line.contains(", white "),
         "{line}"
     );
+}
+
+/// A chip's parts are those of the library's network; its distance from equal parts is told.
+#[test]
+fn solve_takes_parts_that_differ() {
+    let folder = tempfile::tempdir().unwrap();
+    let signal = scene(13, 29);
+    write_npy(folder.path().join("P.npy"), &signal).unwrap();
+    let of = |more: &[&str]| {
+        let files = ["--input", "P.npy", "--output", "H.npy", "--json"];
+        let out = mesh(
+            &[&["solve", "--lambda", "2"], &files[..], more].concat(),
+            folder.path(),
+        );
+        let said: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+        let surround: Plane<f64> = read_npy(folder.path().join("H.npy")).unwrap();
+        (surround, said["chip"].clone())
+    };
+    let uniform = || Network::uniform(Sheet::new(2.0).unwrap(), Size::of(&signal)).unwrap();
+    let equal = of(&[]);
+    assert_eq!(equal.1, serde_json::Value::Null);
+
+    let drawn = |seed: &str| {
+        let parts = ["--lateral-mismatch", "1%", "--transverse-mismatch", "10%"];
+        of(&[&parts[..], &["--seed", seed]].concat())
+    };
+    let (chip, said) = drawn("7");
+    let mismatch = Mismatch {
+        lateral: 0.01,
+        transverse: 0.1,
+        capacitance: 0.0,
+    };
+    let own = uniform().with_mismatch(mismatch, 7);
+    assert_eq!(chip, own.settle(&signal).unwrap().surround);
+    let apart = &chip - &equal.0;
+    let rms = (apart.mapv(|v| v * v).sum() / apart.len() as f64).sqrt();
+    let told = said["differs_rms"].as_f64().unwrap();
+    assert!((told - rms).abs() <= 1e-12 * rms && rms > 0.01, "{told}");
+    assert_ne!(drawn("8").0, chip);
+
+    let (bent, _) = of(&["--laterals", "saturating:3"]);
+    let own = uniform().with_laterals(Laterals::Saturating { scale: 3.0 });
+    assert_eq!(bent, own.unwrap().settle(&signal).unwrap().surround);
+
+    let solve = ["solve", "--lambda", "2", "--input", "P.npy", "--output"];
+    let idle = refused(
+        &[&solve[..], &["n.npy", "--seed", "3"]].concat(),
+        folder.path(),
+    );
+    assert!(idle.contains("--seed draws the parts of a chip"), "{idle}");
+    let law = ["n.npy", "--laterals", "saturating:-1"];
+    let law = refused(&[&solve[..], &law].concat(), folder.path());
+    assert!(law.contains("give saturating:V or opening:V"), "{law}");
 }

@@ -18,7 +18,16 @@ SHAPES = "give an array of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W)"
 
 
 RANGES = ("auto", "limited", "full")
-TRANSFERS = ("auto", "as-coded", "linear", "srgb", "bt709")
+TRANSFERS = (
+    "auto",
+    "as-coded",
+    "linear",
+    "srgb",
+    "bt709",
+    "gamma22",
+    "gamma28",
+    "smpte240m",
+)
 
 
 class Clips(NamedTuple):
@@ -150,7 +159,8 @@ def load(
         range: Which samples are black and white: ``"limited"`` (16 and 235 of 255), ``"full"``, or
             ``"auto"``: what the file says, else limited for mp4 and y4m with colour.
         transfer: How light was coded, to be undone: ``"as-coded"`` (nothing is), ``"linear"``,
-            ``"srgb"``, ``"bt709"``, or ``"auto"``, what the file says.
+            ``"srgb"``, ``"bt709"``, ``"gamma22"``, ``"gamma28"``, ``"smpte240m"``, or ``"auto"``, what
+            the file says.
         frames: The first so many frames only.
         slice: Some frames only, in times or in numbers of frames: ``"2s..5s"``, ``"..100"``.
         crop: A part of each picture, ``"WIDTHxHEIGHT"`` in its middle, or ``"WIDTHxHEIGHT+X+Y"``.

@@ -420,7 +420,7 @@ impl Run {
     fn warnings(&self, subject: &str) -> Vec<(&'static str, String)> {
         let all = self.with(|watch| watch.warnings(subject));
         all.into_iter()
-            .map(|warning| (warning.about.name(), in_python(&warning.to_string())))
+            .map(|warning| (warning.about.word(), in_python(&warning.to_string())))
             .collect()
     }
 

@@ -429,7 +429,7 @@ fn summary(all: &Feasibility) -> String {
             crate::unit::counted(chip.frame_words, "word"),
             time.array,
             time.readout,
-            time.plan.words(),
+            time.plan.in_words(),
             time.order.name(),
             time.ceiling,
             time.ceiling_as_programmed,

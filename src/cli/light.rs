@@ -65,6 +65,12 @@ enum Undo {
     Srgb,
     /// ITU-R BT.709
     Bt709,
+    /// A power of 2.2: analogue video of 525 lines
+    Gamma22,
+    /// A power of 2.8: analogue video of 625 lines
+    Gamma28,
+    /// SMPTE ST 240, early video of high definition
+    Smpte240m,
 }
 
 impl Samples {
@@ -82,6 +88,9 @@ impl Samples {
                 Undo::Linear => Some(Transfer::Linear),
                 Undo::Srgb => Some(Transfer::Srgb),
                 Undo::Bt709 => Some(Transfer::Bt709),
+                Undo::Gamma22 => Some(Transfer::Gamma22),
+                Undo::Gamma28 => Some(Transfer::Gamma28),
+                Undo::Smpte240m => Some(Transfer::Smpte240m),
             },
             scale: self.scale,
         }

@@ -39,7 +39,7 @@ pub(super) fn table(rows: impl Iterator<Item = Row>) -> String {
         let _ = writeln!(
             text,
             "{:<37} {:>16} {:>16}   {carries}",
-            format!("{mark}{}", row.way.words()),
+            format!("{mark}{}", row.way.in_words()),
             between(row.us, 1),
             between(row.frames_s, 0),
         );

@@ -28,13 +28,18 @@ pub enum EventReadout {
 
 impl From<&Plan> for EventReadout {
     fn from(plan: &Plan) -> Self {
-        match (plan.way, plan.slots, &plan.rows) {
-            (_, Some(slots), _) => Self::Slots(slots as u32),
-            (_, _, Some(rows)) => Self::BitPlanes(*rows.start() as u16, *rows.end() as u16),
-            (Way::BoundingBox, ..) => Self::BoundingBox,
-            (Way::EventCounts, ..) => Self::Counts,
-            (Way::Sums, ..) => Self::Sums,
-            _ => Self::Any,
+        match plan.way {
+            Way::AsProgrammed | Way::BusiestFrame | Way::NinetyNinePercent => {
+                Self::Slots(plan.slots.unwrap_or_default() as u32)
+            }
+            Way::BitPlanes | Way::Region => {
+                let rows = plan.rows.clone().unwrap_or(0..=0);
+                Self::BitPlanes(*rows.start() as u16, *rows.end() as u16)
+            }
+            Way::BoundingBox => Self::BoundingBox,
+            Way::EventCounts => Self::Counts,
+            Way::Sums => Self::Sums,
+            Way::AnyEvent => Self::Any,
         }
     }
 }

@@ -29,27 +29,27 @@ use super::{
     signal::{check_next, check_time, checked_range},
 };
 use crate::{
+    config::listed,
     elementary,
     plane::{Plane, Size},
 };
 
+listed! {
 /// What the signal does between two frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Between {
     /// A straight line from the earlier frame to the later.
     #[default]
-    Ramp,
+    Ramp = "ramp",
     /// A step to the later frame, right after the earlier.
-    Step,
+    Step = "step",
+}
 }
 
 impl fmt::Display for Between {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Ramp => "ramp",
-            Self::Step => "step",
-        })
+        f.write_str(self.word())
     }
 }
 

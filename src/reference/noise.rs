@@ -158,11 +158,37 @@ impl Noise {
         ),
         Key::with_default(
             "cutoff-rule",
-            Kind::Choice(&["ramp", "step"]),
+            Kind::Choice(Between::WORDS),
             "\"ramp\"",
             "what the light does between two frames, as the photoreceptor sees it: a straight line, or a step to the later frame at once, as in v2e",
         ),
     ]);
+
+    /// Its numbers with their keys, in the order of the file; `cutoff-rule` is a word.
+    #[must_use]
+    pub const fn numbers(&self) -> [(&'static str, f64); 8] {
+        let Self {
+            leak_hz,
+            leak_spread,
+            shot_hz,
+            shot_at_white,
+            hot_fraction,
+            hot_hz,
+            jitter_us,
+            cutoff_hz,
+            cutoff_rule: _,
+        } = *self;
+        [
+            ("leak-hz", leak_hz),
+            ("leak-spread", leak_spread),
+            ("shot-hz", shot_hz),
+            ("shot-at-white", shot_at_white),
+            ("hot-fraction", hot_fraction),
+            ("hot-hz", hot_hz),
+            ("jitter-us", jitter_us),
+            ("cutoff-hz", cutoff_hz),
+        ]
+    }
 
     /// The noise that a checked table states.
     ///
@@ -179,9 +205,7 @@ impl Noise {
             hot_hz: noise.number("hot-hz")?,
             jitter_us: noise.number("jitter-us")?,
             cutoff_hz: noise.number("cutoff-hz")?,
-            cutoff_rule: noise
-                .word("cutoff-rule", &[Between::Ramp, Between::Step])?
-                .unwrap_or_default(),
+            cutoff_rule: noise.word("cutoff-rule", Between::ALL)?.unwrap_or_default(),
         })
     }
 

@@ -139,10 +139,7 @@ impl<N: Number> Reference<N> {
             .flat_map(|channel| channel.kernels.iter().chain(&channel.memory_kernel))
             .map(Kernel::reach)
             .fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
-        let held_pixels = matches!(
-            description.memory,
-            MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep
-        );
+        let held_pixels = description.memory.holds_pixels();
         Ok(Self {
             size,
             limit: Limit::default(),

@@ -12,7 +12,7 @@ use crate::{
 };
 
 use super::{
-    description::{Channel, Description, MemoryRule, PolarityRule},
+    description::{Channel, Description, PolarityRule},
     signal::{Light, Photoreceptors},
     surround::{SheetRule, Surround, Surrounds},
 };
@@ -187,12 +187,8 @@ impl Description {
             return None;
         };
         let is_pixel = |kernel: &Kernel| kernel.weights().iter().eq([&1.0]);
-        let follows = matches!(
-            self.memory,
-            MemoryRule::FilteredSnap | MemoryRule::FilteredStep
-        );
         let sees_its_drive = channel.surrounds.is_some()
-            && follows
+            && !self.memory.holds_pixels()
             && self.polarity == PolarityRule::Filtered
             && self.noise.cutoff_hz <= 0.0
             && !channel.log_temporal

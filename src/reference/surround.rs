@@ -12,7 +12,7 @@
 //! border is always the open end of the resistors.
 
 use crate::{
-    config::{Fault, Key, Kind, Node, Place, Range, Read, Section, Table},
+    config::{Fault, Key, Kind, Node, Place, Range, Read, Section, Table, listed},
     mesh::Sheet,
 };
 
@@ -40,16 +40,18 @@ pub struct Surround {
     pub noise: f64,
 }
 
+listed! {
 /// How grids are advanced in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SheetRule {
     /// Exactly; the signal is a straight line between frames.
     #[default]
-    Ramp,
+    Ramp = "ramp",
     /// Exactly; the later frame is there right after the earlier.
-    Step,
+    Step = "step",
     /// v2e's Euler steps, which stop early, from a sheet that starts as the first frame.
-    V2e,
+    V2e = "v2e",
+}
 }
 
 const NOT_NEGATIVE: Kind = Kind::Number(Range::NOT_NEGATIVE);
@@ -75,9 +77,6 @@ const NOISE: Key = Key::with_default(
     "0",
     "sqrt(kT/C), in the unit of the signal",
 );
-
-/// The words of [`SheetRule`], in its order.
-pub const RULES: &[&str] = &["ramp", "step", "v2e"];
 
 /// The keys of a channel's `mesh`.
 pub const MESH: Table = Table {
@@ -111,7 +110,7 @@ pub const MESH: Table = Table {
         .example("sheets = [{ gain = -1, lambda = 10 }]"),
         Key::with_default(
             "rule",
-            Kind::Choice(RULES),
+            Kind::Choice(SheetRule::WORDS),
             "\"ramp\"",
             "how the sheets are moved on",
         ),
@@ -140,8 +139,7 @@ impl Surrounds {
     /// When they contradict each other, or are too large times the gain.
     pub(super) fn read(node: Node<'_>, gain: f64) -> Read<Self> {
         let mesh = Section::new(node, &MESH);
-        let rules = [SheetRule::Ramp, SheetRule::Step, SheetRule::V2e];
-        let rule = mesh.word("rule", &rules)?.unwrap_or_default();
+        let rule = mesh.word("rule", SheetRule::ALL)?.unwrap_or_default();
         let sheets = if mesh.get("lambda").is_some() {
             vec![Surround::read(&mesh, -1.0, gain, rule)?]
         } else {

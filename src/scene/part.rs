@@ -1,7 +1,6 @@
-//! Scenes made of another scene: its first frames, those after them, or its frames at another
-//! rate.
+//! Scenes made of another scene: its first frames, or those after them.
 
-use super::{Frame, Outline, Scene, SceneError, check_rate};
+use super::{Frame, Outline, Scene, SceneError};
 
 /// The first frames of a scene.
 #[derive(Debug)]
@@ -76,41 +75,5 @@ impl<S: Scene> Scene for After<S> {
             }
         }
         self.source.next_frame()
-    }
-}
-
-/// A scene whose frames come at another rate.
-#[derive(Debug)]
-pub struct Retimed<S> {
-    source: S,
-    fps: f64,
-}
-
-impl<S: Scene> Retimed<S> {
-    /// The frames of `source` at `fps` frames a second.
-    ///
-    /// # Errors
-    /// When the rate is not a finite number above 0.
-    pub fn new(source: S, fps: f64) -> Result<Self, SceneError> {
-        check_rate(fps)?;
-        Ok(Self { source, fps })
-    }
-}
-
-impl<S: Scene> Scene for Retimed<S> {
-    fn outline(&self) -> Outline {
-        Outline {
-            fps: self.fps,
-            fps_is_assumed: false,
-            ..self.source.outline()
-        }
-    }
-
-    fn next_frame(&mut self) -> Result<Option<Frame>, SceneError> {
-        let frame = self.source.next_frame()?;
-        Ok(frame.map(|frame| Frame {
-            seconds: frame.index as f64 / self.fps,
-            ..frame
-        }))
     }
 }

@@ -207,7 +207,7 @@ impl Readouts {
         let plan = &self.plans[self.chosen];
         let what = match plan.way {
             Way::AsProgrammed => "all slots",
-            way => way.words(),
+            way => way.in_words(),
         };
         let [us, fps] = [
             readout_table::between(plan.us, 1),

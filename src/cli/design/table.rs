@@ -67,7 +67,7 @@ pub(super) fn text(
             candidate.stored_words,
             candidate.frames_s[0],
             mark,
-            candidate.readout.words()
+            candidate.readout.in_words()
         );
     }
     text += &refusals(found);

@@ -3,6 +3,7 @@
 mod constants;
 mod fit;
 mod output;
+mod parts;
 mod show;
 mod solve;
 mod step;

@@ -7,6 +7,7 @@ use miette::{WrapErr, miette};
 use super::{
     constants::Constants,
     output::{Show, extremes, say_json, write},
+    parts::{Chip, Parts},
 };
 use crate::{
     cli::{
@@ -16,7 +17,7 @@ use crate::{
         npy, say,
     },
     memory::Need,
-    mesh::Steady,
+    mesh::{MeshError, Steady},
     plane::{Plane, Size},
     scene::{SceneError, open},
 };
@@ -24,11 +25,13 @@ use crate::{
 /// What `mesh solve` is asked to do.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  amacrine mesh solve --lambda 10 --input P.npy --output H.npy\n  amacrine mesh solve --lambda 3 --input photo.png --show difference --output edges.png"
+    after_help = "Examples:\n  amacrine mesh solve --lambda 10 --input P.npy --output H.npy\n  amacrine mesh solve --lambda 3 --input photo.png --show difference --output edges.png\n  amacrine mesh solve --lambda 3 --input photo.png --transverse-mismatch 10% --seed 7 --output chip-7.png"
 )]
 pub struct Arguments {
     #[command(flatten)]
     constants: Constants,
+    #[command(flatten)]
+    parts: Parts,
     /// The signal P: a .npy of shape (H,W), or a picture
     #[arg(short, long, value_name = "FILE")]
     input: Named,
@@ -51,26 +54,50 @@ struct Json {
     mean: f64,
     least: f64,
     most: f64,
+    /// Where the parts are not equal.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    chip: Option<Chip>,
 }
 
 /// Planes of numbers that are held at once.
 const PLANES: u128 = 5;
+
+/// Of them and of those that a network of unequal parts holds while it settles.
+const PLANES_OF_UNEQUAL: u128 = 32;
 
 /// Runs the verb.
 ///
 /// # Errors
 /// When the signal cannot be read or solved for, or the output not be written.
 pub fn run(arguments: &Arguments) -> miette::Result<()> {
-    let sheet = arguments.constants.sheet()?;
+    let (sheet, parts) = (arguments.constants.sheet()?, &arguments.parts);
+    if parts.has_idle_seed() {
+        return Err(miette!(
+            help = "give --lateral-mismatch or --transverse-mismatch, or leave --seed out",
+            "--seed draws the parts of a chip, and all parts are equal"
+        ));
+    }
     let signal = read(&arguments.input)?;
     let size = Size::of(&signal);
     // The signal, the surround, the settled sheet on its way to it, and a picture.
-    let need = Need::new().and("planes of the sheet", PLANES * 8 * size.pixels() as u128);
+    let planes = if parts.are_equal() {
+        PLANES
+    } else {
+        PLANES_OF_UNEQUAL
+    };
+    let need = Need::new().and("planes of the sheet", planes * 8 * size.pixels() as u128);
     let help = "take a smaller signal";
     budget::check(&need, &format!("a sheet of {size}"), help)?;
-    let surround = Steady::new(sheet, size)
-        .and_then(|mut steady| steady.solve(&signal))
-        .map_err(miette::Report::new)
+    let settle = || {
+        let equal = Steady::new(sheet, size)?.solve(&signal)?;
+        if parts.are_equal() {
+            return Ok((equal, None));
+        }
+        let (surround, chip) = parts.settled(sheet, &signal, &equal)?;
+        Ok((surround, Some(chip)))
+    };
+    let (surround, chip) = settle()
+        .map_err(|error: MeshError| miette::Report::new(error))
         .wrap_err_with(|| format!("cannot solve {}", arguments.input))?;
     let shown = match arguments.show {
         Show::Surround => surround,
@@ -88,6 +115,7 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             mean,
             least,
             most,
+            chip,
         };
         return say_json(&json);
     }
@@ -102,6 +130,13 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
         "{}  {size}, mean {mean}, from {least} to {most}{grays}\n",
         arguments.output.display()
     ));
+    if let Some(chip) = chip {
+        let differences = [chip.differs_rms, chip.differs_most];
+        let [rms, most] = differences.map(|value| brief(value, chip.differs_most));
+        say(&format!(
+            "its surround differs from that of equal parts by {rms} (root mean square), at most {most}\n"
+        ));
+    }
     Ok(())
 }
 

@@ -71,7 +71,7 @@ pub struct Arguments {
     /// Chooses mismatch and noise, and the tiles
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    #[arg(long, help = format!("Number formats in place of the full model's, of: {} [default: f32,f16,bf16,q16.16,q8.8 of a sensor, exact,f32,f16,q8.8 of a program]", Format::names()), value_delimiter = ',', value_name = "FORMATS", value_parser = number_format)]
+    #[arg(long, help = format!("Number formats in place of the full model's, of: {} [default: {} of a sensor, {} of a program]", Format::names(), sensor::FORMATS.join(","), program::FORMATS.join(",")), value_delimiter = ',', value_name = "FORMATS", value_parser = number_format)]
     formats: Option<Vec<Format>>,
     /// An event that is moved by more than this is changed
     #[arg(long, default_value = "100us", value_name = "TIME")]

@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// Domains that are tried where none are named.
-const FORMATS: [&str; 4] = ["exact", "f32", "f16", "q8.8"];
+pub(super) const FORMATS: [&str; 4] = ["exact", "f32", "f16", "q8.8"];
 
 pub fn run(arguments: &Arguments, path: &Input) -> miette::Result<()> {
     let source = Source::new(

@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// Formats that are tried where none are named.
-const FORMATS: [&str; 5] = ["f32", "f16", "bf16", "q16.16", "q8.8"];
+pub(super) const FORMATS: [&str; 5] = ["f32", "f16", "bf16", "q16.16", "q8.8"];
 
 pub fn run(arguments: &Arguments, sensor: &Input) -> miette::Result<()> {
     let description = read_sensor(sensor)?;

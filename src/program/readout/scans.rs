@@ -61,20 +61,9 @@ impl Scans {
     /// those whose size needs none.
     #[must_use]
     pub fn plans(&self, demand: Option<&Demand>, device: &Device) -> Vec<Plan> {
-        let ways = [
-            Way::AsProgrammed,
-            Way::BusiestFrame,
-            Way::NinetyNinePercent,
-            Way::BitPlanes,
-            Way::Region,
-            Way::BoundingBox,
-            Way::EventCounts,
-            Way::Sums,
-            Way::AnyEvent,
-        ];
-        let plans = ways.into_iter();
+        let plans = Way::ALL.iter();
         plans
-            .filter_map(|way| self.plan(way, demand, device))
+            .filter_map(|way| self.plan(*way, demand, device))
             .collect()
     }
 
@@ -100,8 +89,7 @@ impl Scans {
         };
         let mut plan = Plan {
             way,
-            // A sum is of a drive, of which each kind has one; the others are of each sign.
-            calls: if way == Way::Sums {
+            calls: if way.reads_drives() {
                 self.count.div_ceil(2)
             } else {
                 self.count

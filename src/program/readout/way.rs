@@ -1,35 +1,37 @@
 //! The ways in which a frame's events can leave the chip.
 
-use crate::isa::HostKind;
+use crate::{config::listed, isa::HostKind};
 
+listed! {
 /// What a frame's events leave the chip as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Way {
     /// As many slots as the program asks for.
-    AsProgrammed,
+    AsProgrammed = "as_programmed",
     /// Slots for the busiest frame that is expected.
-    BusiestFrame,
+    BusiestFrame = "busiest_frame",
     /// Slots within which 99 % of the frames of the scene stay.
-    NinetyNinePercent,
+    NinetyNinePercent = "ninety_nine_percent",
     /// All bits of the registers of events.
-    BitPlanes,
+    BitPlanes = "bit_planes",
     /// The bits of those rows in which the scene has events.
-    Region,
+    Region = "region",
     /// The box around the events of each register.
-    BoundingBox,
+    BoundingBox = "bounding_box",
     /// An estimate of the number of events in each register.
-    EventCounts,
+    EventCounts = "event_counts",
     /// A sum of each kind's drive over the array.
-    Sums,
+    Sums = "sums",
     /// Whether any pixel of each register has an event.
-    AnyEvent,
+    AnyEvent = "any_event",
+}
 }
 
 impl Way {
     /// In a few words.
     #[must_use]
-    pub const fn words(self) -> &'static str {
+    pub const fn in_words(self) -> &'static str {
         match self {
             Self::AsProgrammed => "all slots that the program asks for",
             Self::BusiestFrame => "slots for the busiest frame",
@@ -77,9 +79,29 @@ impl Way {
     /// Whether only a summary of the events leaves the chip, and none of their addresses.
     #[must_use]
     pub const fn is_summary(self) -> bool {
-        matches!(
-            self,
-            Self::BoundingBox | Self::EventCounts | Self::Sums | Self::AnyEvent
-        )
+        match self {
+            Self::AsProgrammed
+            | Self::BusiestFrame
+            | Self::NinetyNinePercent
+            | Self::BitPlanes
+            | Self::Region => false,
+            Self::BoundingBox | Self::EventCounts | Self::Sums | Self::AnyEvent => true,
+        }
+    }
+
+    /// Whether it reads a kind's drive, which both signs share, and not the bits of each sign.
+    #[must_use]
+    pub const fn reads_drives(self) -> bool {
+        match self {
+            Self::Sums => true,
+            Self::AsProgrammed
+            | Self::BusiestFrame
+            | Self::NinetyNinePercent
+            | Self::BitPlanes
+            | Self::Region
+            | Self::BoundingBox
+            | Self::EventCounts
+            | Self::AnyEvent => false,
+        }
     }
 }

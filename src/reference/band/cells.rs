@@ -30,10 +30,7 @@ impl<N: Number> Cells<N> {
         let (width, channels) = (scratch.drive.len(), plan.weights.len());
         let cells = rows.len() * channels * width;
         // A memory of pixels has no use for the first drive.
-        let follows = matches!(
-            description.memory,
-            MemoryRule::FilteredSnap | MemoryRule::FilteredStep
-        );
+        let follows = !description.memory.holds_pixels();
         // The memory is what the cells see of the first frame, so that a still scene is silent.
         let mut filtered = Vec::with_capacity(cells);
         let mut pixels = Vec::with_capacity(cells);

@@ -43,8 +43,7 @@ impl Description {
 impl Reader<'_> {
     pub(super) fn sensor(&self, root: Node<'_>) -> Read<Description> {
         let section = Section::new(root, &SENSOR);
-        let memory = section.word("memory", &MemoryRule::ALL)?;
-        let memory = memory.unwrap_or(MemoryRule::FilteredStep);
+        let memory = section.needed_word("memory", MemoryRule::ALL)?;
         let refractory = refractory(memory, section.get("refractory"))?;
         let shared = shared(memory, &section)?;
         let polarity = polarity(memory, &section)?;
@@ -57,7 +56,7 @@ impl Reader<'_> {
         let channels = channels.collect::<Read<Vec<_>>>()?.concat();
         let many = soundness::channels(channels.len());
         many.map_err(|odd| odd.at(section.place_of("channel")))?;
-        let border = section.word("border", &[Border::Replicate, Border::Zero])?;
+        let border = section.word("border", Border::ALL)?;
         let name = section.maybe_text("name");
         Ok(Description {
             name: name.unwrap_or_else(|| stem(self.file).to_owned()),
@@ -146,8 +145,8 @@ fn refractory(memory: MemoryRule, section: Option<Node<'_>>) -> Read<Refractory>
         return Ok(Refractory { us: 0.0, rule });
     };
     let section = Section::new(node, &REFRACTORY);
-    let rules = [RefractoryRule::DeadTime, RefractoryRule::Authors];
-    let rule = section.word("rule", &rules)?.unwrap_or_default();
+    let rule = section.word("rule", RefractoryRule::ALL)?;
+    let rule = rule.unwrap_or_default();
     soundness::refractory(memory, rule).map_err(|odd| odd.at(node.place()))?;
     let us = section.number("us")?;
     Ok(Refractory { us, rule })
@@ -161,8 +160,8 @@ fn shared(memory: MemoryRule, section: &Section<'_>) -> Read<bool> {
 }
 
 fn polarity(memory: MemoryRule, section: &Section<'_>) -> Read<PolarityRule> {
-    let rules = [PolarityRule::Filtered, PolarityRule::Pixel];
-    let rule = section.word("polarity", &rules)?.unwrap_or_default();
+    let rule = section.word("polarity", PolarityRule::ALL)?;
+    let rule = rule.unwrap_or_default();
     let fits = soundness::polarity(memory, rule);
     fits.map_err(|odd| odd.at(section.place_of("polarity")))?;
     Ok(rule)

@@ -7,7 +7,7 @@ use crate::{
     reference::{noise::Noise, surround},
 };
 
-pub use surround::RULES;
+use super::rules::{Border, MemoryRule, PolarityRule, RefractoryRule};
 
 /// Kinds of cells that a pixel may have.
 pub(super) const MOST_CHANNELS: usize = crate::limit::KERNELS;
@@ -18,20 +18,6 @@ pub const FILE: File = File {
     kind: Kind::Table(&SENSOR),
     see: "docs/reference.md lists every key of a sensor file",
 };
-
-/// What an event does to the memory.
-pub const MEMORY: &[&str] = &[
-    "raw-snap",
-    "filtered-snap",
-    "filtered-step",
-    "authors-pixel-step",
-];
-
-/// Where an event's sign comes from.
-pub const POLARITY: &[&str] = &["filtered", "pixel"];
-
-/// What the kernel reads off the array.
-pub const BORDER: &[&str] = &["replicate", "zero"];
 
 pub(super) const SENSOR: Table = Table::new(&[
     Key::optional(
@@ -44,7 +30,7 @@ pub(super) const SENSOR: Table = Table::new(&[
         .example("response = { linear = 255 }"),
     Key::required(
         "memory",
-        Kind::Choice(MEMORY),
+        Kind::Choice(MemoryRule::WORDS),
         "what an event does to the memory",
     )
     .example("memory = \"filtered-step\""),
@@ -56,13 +42,13 @@ pub(super) const SENSOR: Table = Table::new(&[
     ),
     Key::with_default(
         "polarity",
-        Kind::Choice(POLARITY),
+        Kind::Choice(PolarityRule::WORDS),
         "\"filtered\"",
         "where an event's sign comes from",
     ),
     Key::with_default(
         "border",
-        Kind::Choice(BORDER),
+        Kind::Choice(Border::WORDS),
         "\"replicate\"",
         "what the kernel reads off the array",
     ),
@@ -99,7 +85,7 @@ pub const REFRACTORY: Table = Table::new(&[
     .example("us = 1000"),
     Key::with_default(
         "rule",
-        Kind::Choice(&["dead-time", "authors"]),
+        Kind::Choice(RefractoryRule::WORDS),
         "\"dead-time\"",
         "how the silence works",
     ),

@@ -1,54 +1,66 @@
 //! The rules that a sensor chooses from: memory, polarity, border, refractory period.
 
+use crate::config::listed;
+
+listed! {
 /// What an event does to the memory; `docs/reference.md` has the equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MemoryRule {
     /// The memory holds pixels; a pixel that fires stores its own signal (Eq. 2-4 of the paper).
-    RawSnap,
+    RawSnap = "raw-snap",
     /// The memory holds the filtered signal; a cell that fires stores it.
-    FilteredSnap,
+    FilteredSnap = "filtered-snap",
     /// The memory holds the filtered signal; each event moves it by one threshold.
-    FilteredStep,
+    FilteredStep = "filtered-step",
     /// The released simulator's old rule: the memory holds pixels, and is moved by thresholds
     /// of the filtered difference. Only to agree with the released code.
-    AuthorsPixelStep,
+    AuthorsPixelStep = "authors-pixel-step",
+}
 }
 
 impl MemoryRule {
-    /// All, in the order of their words in [`MEMORY`](super::keys::MEMORY).
-    pub const ALL: [Self; 4] = [
-        Self::RawSnap,
-        Self::FilteredSnap,
-        Self::FilteredStep,
-        Self::AuthorsPixelStep,
-    ];
-
     /// Whether events move the memory by thresholds; else it takes what is there.
     #[must_use]
     pub const fn steps(self) -> bool {
-        matches!(self, Self::FilteredStep | Self::AuthorsPixelStep)
+        match self {
+            Self::FilteredStep | Self::AuthorsPixelStep => true,
+            Self::RawSnap | Self::FilteredSnap => false,
+        }
+    }
+
+    /// Whether the memory holds pixels; else it holds the filtered signal.
+    #[must_use]
+    pub const fn holds_pixels(self) -> bool {
+        match self {
+            Self::RawSnap | Self::AuthorsPixelStep => true,
+            Self::FilteredSnap | Self::FilteredStep => false,
+        }
     }
 }
 
+listed! {
 /// Where an event's sign comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PolarityRule {
     /// The sign of the filtered difference (the released code).
     #[default]
-    Filtered,
+    Filtered = "filtered",
     /// The sign of the pixel's own change since it last fired (Eq. 3 of the paper). A cell
     /// whose own pixel has not changed has no sign and emits nothing.
-    Pixel,
+    Pixel = "pixel",
+}
 }
 
+listed! {
 /// What the kernel reads off the array.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Border {
     /// The nearest pixel of the array.
     #[default]
-    Replicate,
+    Replicate = "replicate",
     /// Zero, after the response.
-    Zero,
+    Zero = "zero",
+}
 }
 
 /// How long a cell is silent after an event; `docs/reference.md` has the equations.
@@ -78,12 +90,14 @@ impl Refractory {
     }
 }
 
+listed! {
 /// How the silence after an event works.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RefractoryRule {
     /// A real dead time: crossings in it are lost, and the memory moves through them.
     #[default]
-    DeadTime,
+    DeadTime = "dead-time",
     /// The supplement's `α_r` and `β_r`, as in the released simulator.
-    Authors,
+    Authors = "authors",
+}
 }

@@ -190,7 +190,7 @@ pub(super) fn leak(memory: MemoryRule, rule: RefractoryRule, noise: &Noise) -> R
         return Ok(());
     }
     unless(
-        matches!(memory, MemoryRule::FilteredSnap | MemoryRule::FilteredStep),
+        !memory.holds_pixels(),
         "noise.leak-hz counts thresholds of the filtered signal, and this memory holds pixels",
         "use memory = \"filtered-snap\" or \"filtered-step\", or leave the leak out",
     )?;
@@ -203,9 +203,8 @@ pub(super) fn leak(memory: MemoryRule, rule: RefractoryRule, noise: &Noise) -> R
 
 /// What a channel that sees through a mesh can have.
 pub(super) fn mesh(memory: MemoryRule, four: bool, log_temporal: bool) -> Result<(), Odd> {
-    let is_filtered = matches!(memory, MemoryRule::FilteredSnap | MemoryRule::FilteredStep);
     unless(
-        is_filtered && !four && !log_temporal,
+        !memory.holds_pixels() && !four && !log_temporal,
         "a mesh stands in place of a kernel, before a memory of the filtered signal",
         "use memory = \"filtered-step\" or \"filtered-snap\", and no pattern or log-temporal in this channel",
     )
@@ -214,7 +213,7 @@ pub(super) fn mesh(memory: MemoryRule, four: bool, log_temporal: bool) -> Result
 /// Which memories can hold the logarithm of the drive.
 pub(super) fn log_temporal(memory: MemoryRule, log_temporal: bool) -> Result<(), Odd> {
     unless(
-        !log_temporal || matches!(memory, MemoryRule::FilteredSnap | MemoryRule::FilteredStep),
+        !log_temporal || !memory.holds_pixels(),
         "log-temporal is the logarithm of the filtered signal, and this memory holds pixels",
         "use memory = \"filtered-step\" or \"filtered-snap\", or leave log-temporal out",
     )
@@ -246,27 +245,6 @@ pub(super) fn memory_kernel(memory: MemoryRule, kernel: Option<&Kernel>) -> Resu
 
 /// The first number of the noise that is out of its range.
 fn odd_noise(noise: &Noise) -> Option<(&'static str, f64)> {
-    let Noise {
-        leak_hz,
-        leak_spread,
-        shot_hz,
-        shot_at_white,
-        hot_fraction,
-        hot_hz,
-        jitter_us,
-        cutoff_hz,
-        cutoff_rule: _,
-    } = *noise;
-    let all = [
-        ("leak_hz", leak_hz),
-        ("leak_spread", leak_spread),
-        ("shot_hz", shot_hz),
-        ("shot_at_white", shot_at_white),
-        ("hot_fraction", hot_fraction),
-        ("hot_hz", hot_hz),
-        ("jitter_us", jitter_us),
-        ("cutoff_hz", cutoff_hz),
-    ];
-    all.into_iter()
-        .find(|(field, value)| !holds(&Noise::TABLE, &field.replace('_', "-"), *value))
+    let mut numbers = noise.numbers().into_iter();
+    numbers.find(|(key, value)| !holds(&Noise::TABLE, key, *value))
 }

@@ -4,16 +4,12 @@ use std::fmt::Write as _;
 
 use crate::{
     kernel::Kernel,
-    reference::{
-        noise::Noise,
-        surround::{self, Surrounds},
-    },
+    reference::{noise::Noise, surround::Surrounds},
 };
 
 use super::{
     channel::{Channel, Threshold},
-    keys,
-    rules::{Border, MemoryRule, PolarityRule, RefractoryRule},
+    rules::{Border, PolarityRule},
     sensor::Description,
 };
 
@@ -25,23 +21,17 @@ impl Description {
         let mut text = format!("name = {}\n", quoted(&self.name));
         // Writing to a string cannot fail.
         let _ = writeln!(text, "response = {}", self.response.text());
-        let memory = MemoryRule::ALL.iter().zip(keys::MEMORY);
-        for (_, word) in memory.filter(|(rule, _)| **rule == self.memory) {
-            let _ = writeln!(text, "memory = \"{word}\"");
-        }
+        let _ = writeln!(text, "memory = \"{}\"", self.memory.word());
         if self.shared {
             text += "shared = true\n";
         }
-        if self.polarity == PolarityRule::Pixel {
-            text += "polarity = \"pixel\"\n";
+        if self.polarity != PolarityRule::default() {
+            let _ = writeln!(text, "polarity = \"{}\"", self.polarity.word());
         }
-        if self.border == Border::Zero {
-            text += "border = \"zero\"\n";
+        if self.border != Border::default() {
+            let _ = writeln!(text, "border = \"{}\"", self.border.word());
         }
-        let rule = match self.refractory.rule {
-            RefractoryRule::DeadTime => "dead-time",
-            RefractoryRule::Authors => "authors",
-        };
+        let rule = self.refractory.rule.word();
         let us = self.refractory.us;
         if us > 0.0 {
             let _ = writeln!(text, "refractory = {{ us = {us:?}, rule = \"{rule}\" }}");
@@ -59,17 +49,8 @@ fn noise(noise: &Noise) -> String {
     if *noise == Noise::NONE {
         return String::new();
     }
-    let keys = [
-        ("leak-hz", noise.leak_hz),
-        ("leak-spread", noise.leak_spread),
-        ("shot-hz", noise.shot_hz),
-        ("shot-at-white", noise.shot_at_white),
-        ("hot-fraction", noise.hot_fraction),
-        ("hot-hz", noise.hot_hz),
-        ("jitter-us", noise.jitter_us),
-        ("cutoff-hz", noise.cutoff_hz),
-    ];
-    let lines = keys.map(|(key, value)| format!("{key} = {value:?}\n"));
+    let numbers = noise.numbers();
+    let lines = numbers.map(|(key, value)| format!("{key} = {value:?}\n"));
     let rule = noise.cutoff_rule;
     format!("\n[noise]\n{}cutoff-rule = \"{rule}\"\n", lines.concat())
 }
@@ -136,11 +117,10 @@ fn mesh(surrounds: &Surrounds) -> String {
         )
     });
     let sheets: Vec<String> = sheets.collect();
-    let rule = surround::RULES.get(surrounds.rule as usize);
     format!(
         "mesh = {{ centre = {:?}, rule = \"{}\", sheets = [{}] }}\n",
         surrounds.centre,
-        rule.copied().unwrap_or_default(),
+        surrounds.rule.word(),
         sheets.join(", ")
     )
 }

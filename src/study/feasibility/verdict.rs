@@ -377,7 +377,7 @@ fn speed(chip: &OnChip, over: &OverChips, fps: f64) -> Finding {
         word,
         says: format!(
             "It reaches {ceiling} for the {fps} that the scene asks for, {opinion}; {binds} ({}, {}).{}{}",
-            chip.time.plan.words(),
+            chip.time.plan.in_words(),
             chip.time.order.name(),
             if is_drawn {
                 " The lowest is that of a drawn chip, which has more events to read out than the chip of the seed."
@@ -387,7 +387,7 @@ fn speed(chip: &OnChip, over: &OverChips, fps: f64) -> Finding {
             fastest.map_or(String::new(), |plan| {
                 format!(
                     " The highest is that of another readout ({}), on a chip where that is the cheaper one.",
-                    plan.plan.words()
+                    plan.plan.in_words()
                 )
             }),
         ),

@@ -61,3 +61,40 @@ impl fmt::Display for ErrorTerm {
         f.write_str(self.name())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::isa::Device;
+
+    #[test]
+    fn without_all_terms_nothing_errs() {
+        let mut errors = Errors::from_device(&Device::scamp5());
+        for term in ErrorTerm::ALL {
+            term.leave_out(&mut errors);
+        }
+        // A field that is added belongs to a term.
+        let Errors {
+            transfer,
+            loss,
+            division,
+            gain_mismatch,
+            offset_mismatch,
+            division_mismatch,
+            noise,
+            input_step,
+            range,
+            decay,
+            retention,
+            // Of no effect where the others are 0.
+            mismatch_correlation: _,
+            reset_level: _,
+            retention_spread: _,
+        } = errors;
+        let of_a_store = [transfer, loss, division, noise, input_step, decay];
+        let mismatch = [gain_mismatch, offset_mismatch, division_mismatch];
+        assert_eq!((of_a_store, mismatch), ([0.0; 6], [0.0; 3]));
+        let infinite = f64::INFINITY;
+        assert_eq!((range, retention), ((-infinite, infinite), infinite));
+    }
+}

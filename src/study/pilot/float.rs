@@ -6,7 +6,7 @@ use crate::{
     number::Format,
     photoreceptor::Curve,
     plane::Size,
-    reference::{Border, Description, MemoryRule, Reference, bands_of},
+    reference::{Border, Description, Reference, bands_of},
     sensor::{Sensor, SensorError},
     study::design,
 };
@@ -85,11 +85,7 @@ impl Family for Floats<'_> {
             return Err("a resistor sheet reaches over the whole sensor, and its tiles are not it");
         }
         let reach = self.reach();
-        let pixels = matches!(
-            description.memory,
-            MemoryRule::RawSnap | MemoryRule::AuthorsPixelStep
-        );
-        if pixels && reach > 0 {
+        if description.memory.holds_pixels() && reach > 0 {
             return Err(
                 "with this memory what a cell does reaches its neighbours, and theirs: the events of a tile are not those of the whole sensor",
             );

@@ -106,11 +106,7 @@ pub fn may_saturate(format: Format, description: &Description, look: &Look) -> b
             .thresholds
             .iter()
             .all(|t| t.on == t.off && t.sigma <= 0.0);
-        let steps = matches!(
-            description.memory,
-            MemoryRule::FilteredStep | MemoryRule::AuthorsPixelStep
-        );
-        if steps && !equal {
+        if description.memory.steps() && !equal {
             whole + threshold * MOST_STEPS
         } else {
             whole

@@ -78,9 +78,9 @@ fn time(chip: &OnChip) -> Markup {
     let time = &chip.time;
     html! {
         (number::row("Time on the array", &at("array"), &time.array))
-        (number::row(&format!("Readout, {}", time.plan.words()), &at("readout"), &time.readout))
+        (number::row(&format!("Readout, {}", time.plan.in_words()), &at("readout"), &time.readout))
         @for (i, plan) in time.plans.iter().enumerate().filter(|(_, plan)| !plan.is_chosen) {
-            (number::row(&format!("Readout, {}", plan.plan.words()), &at(&format!("plans/{i}/time")), &plan.time))
+            (number::row(&format!("Readout, {}", plan.plan.in_words()), &at(&format!("plans/{i}/time")), &plan.time))
         }
         @if let Some(exposure) = &time.exposure {
             (number::row("Exposure", &at("exposure"), exposure))

@@ -103,7 +103,7 @@ fn program_table(program: &SharedProgram) -> Markup {
                         &halvings(program),
                     ))
                     (number::row("Time on the array", &at("time/array"), &time.array))
-                    (number::row(&format!("Readout, {}", time.plan.words()), &at("time/readout"), &time.readout))
+                    (number::row(&format!("Readout, {}", time.plan.in_words()), &at("time/readout"), &time.readout))
                     (number::row("Frame rate, at most", &at("time/ceiling"), &time.ceiling))
                 }
             }

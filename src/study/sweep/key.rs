@@ -16,7 +16,7 @@ use crate::{
     number::{FORMAT_PATTERN, Format},
     photoreceptor::Response,
     plane::Size,
-    reference::{Noise, keys},
+    reference::{Border, Noise, PolarityRule, SheetRule, keys},
     scene::{Crop, Slice},
 };
 
@@ -200,7 +200,16 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "transfer",
         sides: ANY,
-        kind: Kind::Choice(&["as-coded", "auto", "linear", "srgb", "bt709"]),
+        kind: Kind::Choice(&[
+            "as-coded",
+            "auto",
+            "linear",
+            "srgb",
+            "bt709",
+            "gamma22",
+            "gamma28",
+            "smpte240m",
+        ]),
         default: Absent::Is("\"as-coded\""),
         what: "how the light was coded, to be undone; as `--transfer` of `amacrine run`",
     },
@@ -299,7 +308,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "border",
         sides: REFERENCE,
-        kind: Kind::Choice(keys::BORDER),
+        kind: Kind::Choice(Border::WORDS),
         default: Absent::Is("\"zero\""),
         what: "what the kernel reads off the array; the array itself reads zero",
     },
@@ -320,7 +329,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "polarity",
         sides: FLOAT,
-        kind: Kind::Choice(keys::POLARITY),
+        kind: Kind::Choice(PolarityRule::WORDS),
         default: Absent::Is("\"filtered\""),
         what: "where the sign of an event comes from, as in a sensor file",
     },
@@ -348,7 +357,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "solver",
         sides: MESH,
-        kind: Kind::Choice(keys::RULES),
+        kind: Kind::Choice(SheetRule::WORDS),
         default: Absent::Is("\"ramp\""),
         what: "how the mesh is moved on: the `rule` of a sensor file's `mesh`",
     },

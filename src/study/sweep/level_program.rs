@@ -59,7 +59,7 @@ impl LevelProgram {
         }
         let mut names = Vec::new();
         for erasure in erased {
-            let about = Warning::erased(name, erasure).about.name();
+            let about = Warning::erased(name, erasure).about.word();
             if !names.contains(&about) {
                 names.push(about);
             }

@@ -166,7 +166,7 @@ fn measured(
     put("dropped", json!(packet.dropped.total()));
     if !warnings.is_empty() {
         let mut names: Vec<&str> = erased.iter().map(String::as_str).collect();
-        names.extend(warnings.iter().map(|w| w.about.name()));
+        names.extend(warnings.iter().map(|w| w.about.word()));
         put("warnings", json!(names.join(" ")));
     }
     put("bits", json!(address::bits(&packet)));

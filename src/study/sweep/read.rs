@@ -9,7 +9,7 @@ use crate::{
     config::{self, Fault, Node, Range, Read, Section, Table},
     mesh::Between,
     photoreceptor::Response,
-    reference::{Noise, keys::REFRACTORY},
+    reference::{Noise, RefractoryRule, keys::REFRACTORY},
 };
 
 /// What to do where nothing better can be said.
@@ -52,10 +52,10 @@ pub(super) fn value(key: &Key, node: Node<'_>) -> Read<Value> {
         }
         Kind::Refractory => {
             let refractory = Section::new(node, &REFRACTORY);
-            let rule = refractory.word("rule", &["dead-time", "authors"])?;
+            let rule = refractory.word("rule", RefractoryRule::ALL)?;
             Ok(Value::Refractory {
                 us: refractory.number("us")?,
-                rule: rule.unwrap_or("dead-time"),
+                rule: rule.unwrap_or_default().word(),
             })
         }
         Kind::Noise => {
@@ -84,20 +84,10 @@ const NOISY: Noise = Noise {
 /// The keys that are not as in a sensor without noise.
 fn noise_text(noise: &Noise) -> String {
     let none = Noise::NONE;
-    let all = [
-        ("leak-hz", noise.leak_hz, none.leak_hz),
-        ("leak-spread", noise.leak_spread, none.leak_spread),
-        ("shot-hz", noise.shot_hz, none.shot_hz),
-        ("shot-at-white", noise.shot_at_white, none.shot_at_white),
-        ("hot-fraction", noise.hot_fraction, none.hot_fraction),
-        ("hot-hz", noise.hot_hz, none.hot_hz),
-        ("jitter-us", noise.jitter_us, none.jitter_us),
-        ("cutoff-hz", noise.cutoff_hz, none.cutoff_hz),
-    ];
+    let all = noise.numbers().into_iter().zip(none.numbers());
     let mut pairs: Vec<String> = all
-        .iter()
-        .filter(|(_, value, none)| value != none)
-        .map(|(name, value, _)| format!("{name} = {value:?}"))
+        .filter(|(own, none)| own != none)
+        .map(|((key, value), _)| format!("{key} = {value:?}"))
         .collect();
     if noise.cutoff_rule != none.cutoff_rule {
         pairs.push(format!("cutoff-rule = \"{}\"", noise.cutoff_rule));

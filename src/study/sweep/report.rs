@@ -154,7 +154,7 @@ pub fn warnings(rows: &[Row]) -> Vec<Warning> {
 fn warned(rows: &[Row], about: About) -> impl Iterator<Item = &Row> {
     rows.iter().filter(move |row| {
         let told = row.get("warnings").and_then(serde_json::Value::as_str);
-        { told.unwrap_or_default().split(' ') }.any(|name| name == about.name())
+        { told.unwrap_or_default().split(' ') }.any(|name| name == about.word())
     })
 }
 

@@ -70,11 +70,11 @@ impl Cause {
             Self::Kernel => "kernel in few values",
             Self::Format => "number format",
             Self::Converter => "threshold in steps",
-            Self::Saturation => "saturation",
-            Self::Transfer => "transfer and division",
-            Self::Mismatch => "mismatch",
-            Self::Noise => "temporal noise",
-            Self::Decay => "decay",
+            Self::Saturation => ErrorTerm::Saturation.name(),
+            Self::Transfer => ErrorTerm::Transfer.name(),
+            Self::Mismatch => ErrorTerm::Mismatch.name(),
+            Self::Noise => ErrorTerm::Noise.name(),
+            Self::Decay => ErrorTerm::Decay.name(),
             Self::Readout => "readout",
         }
     }

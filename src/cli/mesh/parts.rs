@@ -1,0 +1,103 @@
+//! Parts of a sheet that are not equal, as silicon has them.
+
+use crate::{
+    cli::fidelity::percent,
+    mesh::{Laterals, MeshError, Mismatch, Network, Settled, Sheet},
+    plane::{Plane, Size},
+};
+
+/// Parts that differ, as they are asked for.
+#[derive(Debug, clap::Args)]
+pub(super) struct Parts {
+    /// Mismatch of the lateral resistors of one chip, such as 1%: the standard deviation of the logarithm
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    lateral_mismatch: Option<f64>,
+    /// Mismatch of the transverse resistors, such as 10%
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    transverse_mismatch: Option<f64>,
+    /// Chooses the chip, whose parts are drawn [default: 0]
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Laterals that are transistors: saturating:V, whose current is V tanh(v / V), or opening:V, V sinh(v / V); V in the signal's unit
+    #[arg(long, value_name = "LAW:V", value_parser = laterals)]
+    laterals: Option<Laterals>,
+}
+
+/// What one chip's parts make of a surround.
+#[derive(Debug, serde::Serialize)]
+pub(super) struct Chip {
+    lateral_mismatch: f64,
+    transverse_mismatch: f64,
+    seed: u64,
+    /// Root mean square of its difference from the surround of equal parts, in the signal's unit.
+    pub differs_rms: f64,
+    /// The largest difference.
+    pub differs_most: f64,
+    /// Bound on the error of a node's voltage.
+    error: f64,
+}
+
+impl Parts {
+    /// Whether all parts are equal, and laterals are resistors.
+    pub(super) fn are_equal(&self) -> bool {
+        self.laterals.is_none() && self.mismatch() == Mismatch::default()
+    }
+
+    /// Whether a chip is chosen of which no part is drawn.
+    pub(super) fn has_idle_seed(&self) -> bool {
+        self.seed.is_some() && self.mismatch() == Mismatch::default()
+    }
+
+    fn mismatch(&self) -> Mismatch {
+        Mismatch {
+            lateral: self.lateral_mismatch.unwrap_or_default(),
+            transverse: self.transverse_mismatch.unwrap_or_default(),
+            // Of no effect on a settled state.
+            capacitance: 0.0,
+        }
+    }
+
+    /// The surround of such a sheet, and how it differs from `equal`, that of equal parts.
+    pub(super) fn settled(
+        &self,
+        sheet: Sheet,
+        signal: &Plane<f64>,
+        equal: &Plane<f64>,
+    ) -> Result<(Plane<f64>, Chip), MeshError> {
+        let (mismatch, seed) = (self.mismatch(), self.seed.unwrap_or_default());
+        let network = Network::uniform(sheet, Size::of(signal))?
+            .with_mismatch(mismatch, seed)
+            .with_laterals(self.laterals.unwrap_or_default())?;
+        let Settled {
+            surround, error, ..
+        } = network.settle(signal)?;
+        let differences = surround.iter().zip(equal).map(|(own, equal)| own - equal);
+        let (mut squares, mut most) = (0.0, 0.0_f64);
+        for difference in differences {
+            squares += difference * difference;
+            most = most.max(difference.abs());
+        }
+        let chip = Chip {
+            lateral_mismatch: mismatch.lateral,
+            transverse_mismatch: mismatch.transverse,
+            seed,
+            differs_rms: (squares / surround.len() as f64).sqrt(),
+            differs_most: most,
+            error,
+        };
+        Ok((surround, chip))
+    }
+}
+
+fn laterals(text: &str) -> Result<Laterals, String> {
+    let scale = |number: &str| number.parse::<f64>().ok().filter(|scale| *scale > 0.0);
+    let of = text.split_once(':');
+    match of.and_then(|(law, number)| Some((law, scale(number)?))) {
+        Some(("saturating", scale)) => Ok(Laterals::Saturating { scale }),
+        Some(("opening", scale)) => Ok(Laterals::Opening { scale }),
+        _ => Err(
+            "give saturating:V or opening:V, V above 0 in the signal's unit, such as saturating:30"
+                .to_owned(),
+        ),
+    }
+}
