@@ -7,7 +7,7 @@ use crate::{
     plane::Size,
     program::{Action, Host, Step},
     scene::Frame,
-    sensor::{Sensor, SensorError},
+    sensor::{Overflowed, Sensor, SensorError, Silence},
     unit::Micros,
 };
 
@@ -99,6 +99,18 @@ impl Sensor for AllEvents {
 
     fn channels(&self) -> u8 {
         self.chip.channels()
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.chip.names()
+    }
+
+    fn silence(&self) -> Silence {
+        self.chip.silence()
+    }
+
+    fn overflowed(&self) -> Overflowed {
+        self.chip.overflowed()
     }
 
     fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {

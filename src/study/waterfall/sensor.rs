@@ -15,7 +15,7 @@ use crate::{
     plane::Size,
     reference::MemoryRule,
     scene::Frame,
-    sensor::{Sensor, SensorError},
+    sensor::{Overflowed, Sensor, SensorError, Silence},
     study::pilot::ErrorTerm,
     unit::Micros,
 };
@@ -173,6 +173,18 @@ impl<S: Sensor> Sensor for OncePerFrame<S> {
 
     fn channels(&self) -> u8 {
         self.sensor.channels()
+    }
+
+    fn names(&self) -> Vec<String> {
+        self.sensor.names()
+    }
+
+    fn silence(&self) -> Silence {
+        self.sensor.silence()
+    }
+
+    fn overflowed(&self) -> Overflowed {
+        self.sensor.overflowed()
     }
 
     fn watch(&mut self, frame: &Frame, packet: &mut Packet) -> Result<(), SensorError> {
