@@ -185,7 +185,7 @@ const FIGURES: [(&str, Holds, &str); 24] = [
     ),
     real(
         "quantisation_error",
-        "|w - scale levels| / |w| of the kernel; of several kinds the largest",
+        "the norm of w - scale levels over that of w, the kernel; of several kinds the largest",
     ),
     whole(
         "window_us",
