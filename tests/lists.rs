@@ -219,3 +219,23 @@ fn verbs() {
     let list = format!("verbs: {};", verbs.join(", "));
     assert!(page.contains(&list), "README.md: {list}");
 }
+
+/// Each file of tests has its row in `tests/README.md`, in order, and no row is of a file that is gone.
+#[test]
+fn tests_are_listed() {
+    let folder = root().join("tests");
+    let mut files: Vec<String> = fs::read_dir(&folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name.ends_with(".rs"))
+        .collect();
+    files.sort();
+    let page = fs::read_to_string(folder.join("README.md")).unwrap();
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| `"));
+    let names = rows.filter_map(|row| row.split_once('`'));
+    let listed: Vec<&str> = names
+        .map(|(name, _)| name)
+        .filter(|name| name.ends_with(".rs"))
+        .collect();
+    assert_eq!(listed, files);
+}
