@@ -73,6 +73,8 @@ pub enum About {
     Window,
     /// A still scene fires.
     Still,
+    /// A refractory period too short for times of events.
+    Refractory,
     /// A kernel in few values has lost its surround.
     Surround,
     /// A symmetric kernel is not symmetric in few values.
@@ -116,6 +118,7 @@ impl About {
             Self::Short => "short",
             Self::Window => "window",
             Self::Still => "still",
+            Self::Refractory => "refractory",
             Self::Surround => "surround",
             Self::Lopsided => "lopsided",
             Self::Clipped => "clipped",
@@ -289,6 +292,21 @@ impl Warning {
                 format!("{kept:.2} is kept on the chip"),
                 "most of its events are not what the kernels say, and it is the best that was found or taken",
                 "give higher thresholds or a lower rate, other few values (--to), a longer search (--effort), or other kernels",
+            )
+        })
+    }
+
+    /// Cells that are silent for less than a microsecond, the step of times of events: as where seconds
+    /// are meant.
+    #[must_use]
+    pub fn refractory(subject: &str, us: f64) -> Option<Self> {
+        (us > 0.0 && us < 1.0).then(|| {
+            Self::new(
+                About::Refractory,
+                subject,
+                format!("a refractory period of {us} us"),
+                "times of events are whole microseconds, and it is less than one: hardly any event is lost to it",
+                "give microseconds, of which 1000 are a millisecond, or leave it out",
             )
         })
     }
