@@ -924,6 +924,8 @@ mod verb {
         for key in ["on", "off", "f1", "kinds", "cells", "dropped"] {
             assert!(!json[key].is_null(), "{key}");
         }
+        // Text does not say what is missing of it.
+        assert_eq!(json["dropped"], serde_json::json!([0, null]));
     }
 
     /// Events on frames of 40 ms, of which the judged packet has some one frame late: within less

@@ -1449,6 +1449,26 @@ mod verbs {
         assert!(!about(&json).contains(&"still".to_owned()), "{json}");
     }
 
+    /// Seconds in the place of microseconds.
+    #[test]
+    fn a_refractory_period_below_a_microsecond_is_told() {
+        let folder = folder();
+        for (us, told) in [("0.001", true), ("0", false), ("1", false), ("1000", false)] {
+            let text = format!(
+                "response = {{ linear = 255 }}\nmemory = \"filtered-step\"\nrefractory = {{ us = {us} }}\n[[channel]]\nkernel = \"dvs\"\nthreshold = {{ on = 0.2, off = 0.2 }}\n"
+            );
+            fs::write(folder.path().join("quick.toml"), text).unwrap();
+            let (json, beside) = both(
+                folder.path(),
+                &["run", "--sensor", "quick.toml", "--scene", "still.npy"],
+            );
+            let known = about(&json).contains(&"refractory".to_owned());
+            assert_eq!(known, told, "{us}: {json}");
+            let words = "a refractory period of 0.001 us: times of events are whole microseconds";
+            assert_eq!(beside.contains(words), told, "{us}: {beside}");
+        }
+    }
+
     #[test]
     fn kinds_of_other_names_are_told_when_they_are_compared() {
         let folder = folder();

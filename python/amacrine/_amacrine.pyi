@@ -13,9 +13,14 @@ _OfKind = tuple[
     list[npt.NDArray[np.float64]], list[float], list[float], list[float], tuple[float, float]
 ]
 _Readout = tuple[str, str | None, list[tuple[str, str]]]
+_Lost = tuple[int, int, int, int, int]
+_OfArray = tuple[int | None, list[str], _Lost | None]
+_Side = tuple[_Path, Events | None, tuple[int, int] | None, _OfArray]
 _Shown = tuple[str | None, npt.NDArray[Any] | None, float | None, float | None]
 
 __version__: str
+ASSUMED_FPS: float
+"""Frames per second where nobody says it."""
 
 class Error(ValueError):
     """What is wrong, in the words of the command line: what was given, what was expected, and
@@ -310,14 +315,14 @@ def write(
     channels: int | None,
     names: list[str],
     span_us: tuple[int, int] | None,
-    dropped: tuple[int, int, int, int, int],
+    lost: _Lost | None,
     to: str | None,
     compression: str,
 ) -> None: ...
 def save(path: _Path, text: str) -> None: ...
 def compare(
-    a: tuple[_Path, Events | None, tuple[int, int] | None, tuple[int | None, list[str]]],
-    b: tuple[_Path, Events | None, tuple[int, int] | None, tuple[int | None, list[str]]],
+    a: _Side,
+    b: _Side,
     within_us: int | None,
     fps: float | None,
     bins: int,

@@ -381,6 +381,7 @@ def voxels(
         until = max(last, round(span[1] * 1e6) - since if span else 0)
     length = max(until, 1) * 1e-6 if window is None else window
     how = voxel.how(bins, length, every, causal, polarity, share, normalise)
+    voxel.check_length(length, until * 1e-6)
     other = 0 if number == np.float32 else number.itemsize
     flat, (height, width, kinds) = _amacrine.voxels(
         _placed(given, size), since, size, count, how, until, other

@@ -43,13 +43,15 @@ class About:
     size_known: bool
     """Whether the file says it."""
     channels: int
-    """Kinds of cells."""
+    """Kinds of cells; as few as its events need where the file does not say it."""
+    channels_known: bool
+    """Whether the file says it."""
     names: list[str]
     """What each kind is called; empty where the file does not say it."""
     span_us: tuple[int, int]
     """The time watched, in microseconds."""
-    dropped: dict[str, int]
-    """Events that were made and not delivered, by reason."""
+    dropped: dict[str, int] | None
+    """Events that were made and not delivered, by reason; None where the file does not say it."""
     skipped: int
     """Records that are no events of a pixel."""
 
@@ -60,6 +62,7 @@ def _about(text: str) -> About:
         size=(of["height"], of["width"]),
         size_known=of["size_known"],
         channels=of["channels"],
+        channels_known=of["channels_known"],
         names=of["names"],
         span_us=(of["span_us"][0], of["span_us"][1]),
         dropped=of["dropped"],
@@ -87,14 +90,15 @@ def read(
     Returns:
         A structured array as :meth:`Sensor.events` gives it, with what the file says besides:
         ``.sensor_size``, ``.kinds`` and their ``.names``, ``.span`` and ``.dropped``, which
-        :func:`write` writes.
+        :func:`write` writes; None where the file does not say it.
     """
     records, channels, text = _read(path, format, size, stream)
     events, about = view(records, channels), _about(text)
     check_addresses(path, events, about.size)
     size_known = about.size if about.size_known else None
+    kinds_known = channels if about.channels_known else None
     first, last = (time / 1e6 for time in about.span_us)
-    return named(events, about.names, size_known, channels, (first, last), about.dropped)
+    return named(events, about.names, size_known, kinds_known, (first, last), about.dropped)
 
 
 def _read(
@@ -157,7 +161,6 @@ def write(
             names = given.names
         # Times that were shifted are no longer of that span.
         span = _holding(given) if span is None else span
-    lost = getattr(given, "dropped", None) or {}
     called = [] if names is None else arguments.names("names", names)
     if called and channels is not None and kinds != len(called):
         raise Error(
@@ -171,16 +174,20 @@ def write(
         kinds,
         called,
         _micros(span),
-        (
-            lost.get("no_slot", 0),
-            lost.get("over_limit", 0),
-            lost.get("queue_full", 0),
-            lost.get("merged", 0),
-            lost.get("unscanned", 0),
-        ),
+        _lost(given),
         arguments.word_or_none("format", format, "evt3"),
         arguments.word("compression", compression, "zstd"),
     )
+
+
+def _lost(events: Any) -> tuple[int, int, int, int, int] | None:
+    """What is missing, by reason, where the events know it."""
+    known = events.dropped if isinstance(events, NamedEvents) else None
+    if known is None:
+        return None
+    why = "no_slot", "over_limit", "queue_full", "merged", "unscanned"
+    no_slot, over_limit, queue_full, merged, unscanned = (known.get(one, 0) for one in why)
+    return no_slot, over_limit, queue_full, merged, unscanned
 
 
 def _holding(events: NamedEvents) -> tuple[float, float] | None:
@@ -226,7 +233,7 @@ def compare(
 
     Returns:
         ``headline`` (kept, f1, floor, window_us), ``curve`` over all windows, ``f1``,
-        ``precision``, ``recall``, ``events`` and more, and under ``ruler`` every metric beside the
+        ``precision``, ``recall``, ``events``, ``dropped`` (None where nobody knows it) and more, and under ``ruler`` every metric beside the
         identical packet and accident. ``docs/ruler.md`` has them all. What makes the score mean
         something else than it seems to (kinds of other names, a packet without events, a window
         within which accident scores as much) is under ``warnings``, and a :class:`Caution`.
@@ -266,12 +273,22 @@ def _has_kinds(packet: Any) -> bool:
     return "channel" in fields_of(packet)
 
 
+_Side = tuple[
+    Path_,
+    _amacrine.Events | None,
+    tuple[int, int] | None,
+    tuple[int | None, list[str], tuple[int, int, int, int, int] | None],
+]
+
+
 def _side(
     packet: Any, name: str, size: tuple[int, int] | None
-) -> tuple[Path_, _amacrine.Events | None, tuple[int, int] | None, tuple[int | None, list[str]]]:
-    """A file, or an array and what it knows: the size of its sensor, its kinds of cells, their names."""
+) -> _Side:
+    """A file, or an array and what it knows: the size of its sensor, its kinds of cells, their names,
+    what is missing of them."""
     if isinstance(packet, (str, PathLike)):
-        return packet, None, size, (None, [])
+        return packet, None, size, (None, [], None)
     place, kinds = size_of(packet, size), kinds_of(packet, None)
     names = getattr(packet, "names", None) or []
-    return name, packed(packet, place), place, (kinds, names if len(names) == kinds else [])
+    called = names if len(names) == kinds else []
+    return name, packed(packet, place), place, (kinds, called, _lost(packet))

@@ -17,6 +17,12 @@ from .tensor import widened
 SHAPES = "give an array of shape (T,H,W), (T,1,H,W) or (B,T,1,H,W)"
 
 
+GRAY_LAST = ".299 * frames[..., 0] + .587 * frames[..., 1] + .114 * frames[..., 2]"
+GRAY_THIRD = (
+    ".299 * frames[..., :1, :, :] + .587 * frames[..., 1:2, :, :] + .114 * frames[..., 2:3, :, :]"
+)
+"""What makes colour gray, of arrays and of tensors alike."""
+
 RANGES = ("auto", "limited", "full")
 TRANSFERS = (
     "auto",
@@ -58,6 +64,11 @@ def clips(frames: Any, scale: float | None) -> Clips:
     """Frames of any of the shapes that are taken; arrays and tensors are not copied where they
     are of a type that is read in place."""
     arguments.unmasked("frames", frames)
+    if _is_loaded(frames):
+        raise Error(
+            "the frames are what load gives: frames, and their rate\n"
+            "help: take them apart: frames, fps = amacrine.load(…)"
+        )
     try:
         array = np.asarray(widened(frames))
     except (TypeError, RuntimeError, ValueError) as cause:
@@ -77,16 +88,26 @@ def clips(frames: Any, scale: float | None) -> Clips:
     raise Error(f"frames of shape {array.shape} are no clip\nhelp: {shaped(array.shape)}")
 
 
+def _is_loaded(frames: Any) -> bool:
+    """Whether it is the pair that :func:`load` gives."""
+    return (
+        isinstance(frames, tuple)
+        and len(frames) == 2
+        and np.ndim(frames[1]) == 0
+        and getattr(frames[0], "ndim", 0) == 3
+    )
+
+
 def shaped(shape: tuple[int, ...]) -> str:
     """What makes a clip of frames of another shape."""
     if len(shape) == 2:
         return f"{SHAPES}: one frame is frames[None]"
     if len(shape) in (4, 5) and shape[-1] in (3, 4):
-        return f"{SHAPES}: colour must be made gray first, such as frames[..., :3] @ (.299, .587, .114)"
+        return f"{SHAPES}: colour must be made gray first, such as {GRAY_LAST}"
     if len(shape) == 4 and shape[-1] == 1:
         return f"{SHAPES}: frames[..., 0] leaves the last axis out"
     if (len(shape) == 4 and shape[1] == 3) or (len(shape) == 5 and shape[2] == 3):
-        return f"{SHAPES}: colour must be made gray first, such as (frames * [[[.299]], [[.587]], [[.114]]]).sum(axis=-3, keepdims=True)"
+        return f"{SHAPES}: colour must be made gray first, such as {GRAY_THIRD}"
     if len(shape) == 4:
         return f"{SHAPES}: several clips (B,T,H,W) are frames[:, :, None]"
     return SHAPES
@@ -190,10 +211,15 @@ def load(
     )
     light, rate, is_assumed, told = _amacrine.scene(name, rate, by, first, coded, part)
     if is_assumed:
-        caution(f"{name}: {rate:g} frames per second are assumed; say fps=… otherwise")
+        caution_of_rate(str(name), rate)
     for text in told:
         caution(text)
     return light, rate
+
+
+def caution_of_rate(of: str, rate: float) -> None:
+    """Warns of frames per second that nobody said."""
+    caution(f"{of}: {rate:g} frames per second are assumed; say fps=… otherwise")
 
 
 def shown(

@@ -15,11 +15,8 @@ from . import _amacrine, arguments, notebook
 from ._amacrine import Error
 from .caution import caution
 from .events import NamedEvents, check_side, named, view
-from .frames import clips
+from .frames import caution_of_rate, clips
 from .names import chip as found_chip, opened
-
-FPS = 30.0
-"""Frames per second where neither the caller nor the program says so, as on the command line."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +141,8 @@ class Program:
 
         Args:
             frames: Light, (T,H,W) or (T,1,H,W); the array has their size.
-            fps: Frames per second; else what the program says, or 30.
+            fps: Frames per second; else what the program says. Where neither says it, 240 are assumed,
+                as on the command line, and a :class:`Caution` says so.
             scale: What floats are multiplied by to be light from 0 to 255.
             domain: What cells hold: ``exact``, ``silicon``, ``f16``, ``q8.8``, …; else what the
                 program says, or ``exact``.
@@ -163,7 +161,8 @@ class Program:
         if given.batched:
             raise Error("several clips\nhelp: give an array of shape (T,H,W)")
         check_side(given.size)
-        rate = arguments.rate(fps if fps is not None else self._native.fps or FPS)
+        said = self._native.fps if fps is None else fps
+        rate = arguments.rate(_amacrine.ASSUMED_FPS if said is None else said)
         found = self._native.run(
             given.clip(0),
             rate,
@@ -180,6 +179,9 @@ class Program:
             _registers(registers, given.size),
         )
         records, channels, dropped, registers, films, posts, warned = found
+        # One frame has no rate.
+        if said is None and given.frames > 1:
+            caution_of_rate(self._native.file, rate)
         for text in warned:
             caution(text)
         seconds = max(given.frames - 1, 0) / rate

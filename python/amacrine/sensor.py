@@ -260,6 +260,7 @@ class EventSensor(ABC):
         length = seconds or 1.0 if window is None else window
         how = voxel.how(bins, length, every, causal, polarity, share, normalise)
         one = voxel.shape(how, size, kinds, polarity)
+        voxel.check_length(length, seconds)
         windows = how.count(round(seconds * 1e6))
         contrast = self._contrast(upsample)
         step = PART if contrast is None else max(given.frames, 1)

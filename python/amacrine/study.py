@@ -113,9 +113,9 @@ def quantise(
     scene: Scene = None,
     fps: float | None = None,
     scale: float | None = None,
-    chip: str | Path = "scamp5",
+    chip: str | Path | None = None,
     within: float | None = None,
-    effort: float = 1.0,
+    effort: float | None = None,
     seed: int = 0,
 ) -> Answer: ...
 @arguments.renamed(threshold="thresholds")
@@ -128,9 +128,9 @@ def quantise(
     scene: Scene = None,
     fps: float | None = None,
     scale: float | None = None,
-    chip: str | Path = "scamp5",
+    chip: str | Path | None = None,
     within: float | None = None,
-    effort: float = 1.0,
+    effort: float | None = None,
     seed: int = 0,
 ) -> Any:
     """A kernel in few values, or several, and what that does to them.
@@ -143,7 +143,10 @@ def quantise(
             where kernel times light (0 to 255) moved by more than this. Several kernels are run in one
             program; one threshold for all, or one for each. A sensor has its own.
         sum: What the quantised kernel must sum to: ``"free"``, ``"zero"`` or ``"kept"``.
-        scene: What they watch, with ``thresholds`` or a sensor.
+        scene: What they watch, with ``thresholds`` or a sensor, as all that follow but ``seed``.
+        chip: A shipped chip by name, or the folder of another; ``"scamp5"`` where it is left out.
+        effort: How long to search for each program, as for :meth:`Sensor.on_chip`; 1 where it is left
+            out.
 
     Returns:
         A :class:`Quantised`, a list of them where several quantisers were asked for; of several
@@ -159,12 +162,21 @@ def quantise(
     given, limits = of.named, of.limits(thresholds)
     values, total = names("to", to), word("sum", sum, "kept")
     if limits is None:
-        whole_scene = scene, fps, scale, within
-        if any(one is not None for one in whole_scene):
-            raise Error(
-                "a scene is of no use without thresholds\n"
-                "help: give thresholds, too, or a sensor, which has its own: then each is run on the chip"
-            )
+        of_chip = {
+            "within": within,
+            "chip": chip,
+            "effort": effort,
+            "scene": scene,
+            "fps": fps,
+            "scale": scale,
+        }
+        for name, one in of_chip.items():
+            if one is not None:
+                raise Error(
+                    f"{name} is of no use without thresholds\n"
+                    "help: give thresholds, too, or a sensor, which has its own: then each is run on the "
+                    "chip"
+                )
         if not values:
             raise Error("to names no quantiser\nhelp: give one, such as to=\"ternary\"")
         found = json.loads(_amacrine.quantise(given, values, total, whole("seed", seed)))
@@ -174,7 +186,10 @@ def quantise(
         ]
         of_kernels = QuantisedList(each if several else [few[0] for few in each])
         return of_kernels if len(given) > 1 else of_kernels[0]
-    how = _search(total, chip, effort, seed), shown(scene, fps, scale), micros("within", within)
+    search = _search(
+        total, "scamp5" if chip is None else chip, 1.0 if effort is None else effort, seed
+    )
+    how = search, shown(scene, fps, scale), micros("within", within)
     if len(given) > 1:
         text = _amacrine.on_chip_together(given, (values, of.memory), limits, *how)
         return told(Answer.parse(text, rows="together", show=_together))
@@ -344,7 +359,7 @@ def waterfall(
     fps: float | None = None,
     scale: float | None = None,
     chip: str | Path = "scamp5",
-    chips: int = 4,
+    chips: int | None = None,
     tiles: int | None = None,
     within: float | None = None,
     effort: float = 1.0,
@@ -365,7 +380,7 @@ def waterfall(
         rates: Frames per second at which the same light is shown; four from the clip's own to the
             most that the chip allows where they are left out.
         steps: Tell only the steps at the clip's own rate, event by event.
-        chips: How many chips: seeds from ``seed`` on.
+        chips: How many chips over ``rates``: seeds from ``seed`` on; 4 if left out.
         tiles: Tiles of the scene on which they are run; as many as take some seconds if left out.
 
     Returns:
@@ -373,10 +388,15 @@ def waterfall(
         picture, which a notebook shows. Of several kernels a list with that of each, which has its
         ``name`` and the ``memory`` of the program too. ``docs/waterfall.md`` says what each cause is.
     """
-    if flag("steps", steps) and rates is not None:
-        raise Error(
-            "steps are told at the clip's own rate\nhelp: leave rates out, or steps"
-        )
+    if flag("steps", steps):
+        if rates is not None:
+            raise Error("steps are told at the clip's own rate\nhelp: leave rates out, or steps")
+        for name, one in (("chips", chips), ("tiles", tiles)):
+            if one is not None:
+                raise Error(
+                    "steps are told of one chip and of the whole scene\n"
+                    f"help: leave {name} out, or steps"
+                )
     of = _kinds(kernel)
     limits = of.limits(thresholds)
     if limits is None:
@@ -393,7 +413,7 @@ def waterfall(
         micros("within", within),
         None if steps else _rates(rates),
         (
-            whole("chips", chips, 1, MOST_FALLEN),
+            4 if chips is None else whole("chips", chips, 1, MOST_FALLEN),
             None if tiles is None else whole("tiles", tiles, 1, MOST_FALLEN),
         ),
         readout_of(readout),

@@ -69,6 +69,12 @@ class Sweep:
         """Points that this call computed; the others were there already."""
         return int(self._told.get("computed", 0))
 
+    @property
+    def damaged(self) -> list[dict[str, Any]]:
+        """Files that this call could not believe, set aside and computed again: the number of the
+        ``point`` (None of a pilot's file), its ``path``, and ``why``."""
+        return list(self._told.get("damaged", []))
+
     def __len__(self) -> int:
         return len(self.rows)
 
@@ -126,7 +132,7 @@ def sweep(
             raise Error("shards without a client\nhelp: give client, or leave shards out")
         count = 0 if jobs is None else arguments.whole("jobs", jobs, 1, MOST_JOBS)
         told = json.loads(_amacrine.sweep(given, sets, path, None, count, longest))
-        _caution(told["scene_warnings"] + told["warnings"])
+        _caution(told["scene_warnings"] + told["warnings"], [told["set_aside"]])
         return Sweep(path, told)
     if jobs is not None:
         raise Error("jobs with a client\nhelp: leave jobs out: a worker computes a point at a time")
@@ -150,15 +156,21 @@ def sweep(
     shares = [json.loads(one) for one in done]
     told = json.loads(_amacrine.merge([path / f"shard-{n}" for n in range(count)], path / "all"))
     # Of points as of all of them together.
-    _caution([text for one in shares for text in one["scene_warnings"]] + told["warnings"])
+    of_scenes = [text for one in shares for text in one["scene_warnings"]]
+    _caution(of_scenes + told["warnings"], [one["set_aside"] for one in shares])
     told["computed"] = sum(one["computed"] for one in shares)
+    told["damaged"] = [file for one in shares for file in one["damaged"]]
     return Sweep(path / "all", told)
 
 
-def _caution(told: list[str]) -> None:
-    """Warns the caller of :func:`sweep` of what it warns of, once of each thing."""
+def _caution(told: list[str], set_aside: list[str | None]) -> None:
+    """Warns the caller of :func:`sweep` of what it warns of, once of each thing, and of the files that
+    it has set aside."""
     for text in dict.fromkeys(told):
         caution(_amacrine.in_python(text))
+    for files in set_aside:
+        if files is not None:
+            caution(files)
 
 
 def _shard(

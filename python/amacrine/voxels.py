@@ -9,9 +9,12 @@ import numpy.typing as npt
 
 from . import _amacrine, arguments
 from ._amacrine import Error
-
+from .caution import caution
 
 SECONDS = "give seconds, such as 0.05"
+
+MOST_CLIPS = 100.0
+"""A window that is longer than so many clips, and than a second, is taken for a mistake."""
 
 MOST_BINS = 1000
 """Of a window, as on the command line."""
@@ -39,6 +42,16 @@ def how(
         arguments.word("polarity", polarity, "split"),
         "none" if normalise is None else arguments.word("normalise", normalise, "std"),
     )
+
+
+def check_length(window: float, seconds: float) -> None:
+    """Warns of a window beside which what it is of is nothing: microseconds, or milliseconds, that are
+    taken for seconds. Nobody is warned of a usual window and a few events."""
+    if window > max(MOST_CLIPS * seconds, 1.0) and seconds > 0.0:
+        caution(
+            f"a window of {window:g} s, and {seconds:g} s in all: nearly all of it is empty; give window in "
+            "seconds"
+        )
 
 
 def number(dtype: npt.DTypeLike) -> np.dtype[Any]:

@@ -41,9 +41,11 @@ struct About {
     width: usize,
     size_known: bool,
     channels: u8,
+    channels_known: bool,
     names: Vec<String>,
     span_us: [u64; 2],
-    dropped: Dropped,
+    /// Nothing where nobody says it.
+    dropped: Option<Dropped>,
     skipped: u64,
 }
 
@@ -55,9 +57,10 @@ impl About {
             width: packet.size.width,
             size_known: loaded.size_known,
             channels: packet.channels,
+            channels_known: loaded.channels_known,
             names: packet.names.clone(),
             span_us: [packet.span.0.0, packet.span.1.0],
-            dropped: packet.dropped,
+            dropped: loaded.dropped_known.then_some(packet.dropped),
             skipped: loaded.skipped,
         }
     }
@@ -138,6 +141,20 @@ fn unless_contradicted(path: &Path, asked: Format) -> PyResult<Format> {
     ))
 }
 
+/// Events that found no place, as Python counts them: without a slot, over the limit, at a full
+/// queue, merged, in rows that are not scanned.
+type Lost = (u64, u64, u64, u64, u64);
+
+fn dropped((no_slot, over_limit, queue_full, merged, unscanned): Lost) -> Dropped {
+    Dropped {
+        no_slot,
+        over_limit,
+        queue_full,
+        merged,
+        unscanned,
+    }
+}
+
 /// Writes events, whole or not at all.
 #[pyfunction]
 pub fn write(
@@ -148,7 +165,7 @@ pub fn write(
     channels: Option<u8>,
     names: Vec<String>,
     span_us: Option<(u64, u64)>,
-    dropped: (u64, u64, u64, u64, u64),
+    lost: Option<Lost>,
     to: Option<&str>,
     compression: &str,
 ) -> PyResult<()> {
@@ -180,16 +197,12 @@ pub fn write(
         };
         packet.span = (Micros(first).min(least), Micros(last).max(most));
     }
-    let (no_slot, over_limit, queue_full, merged, unscanned) = dropped;
-    packet.dropped = Dropped {
-        no_slot,
-        over_limit,
-        queue_full,
-        merged,
-        unscanned,
+    let head = Head {
+        dropped: lost.map(dropped),
+        ..Head::from_packet(&packet)
     };
     let written = pool::work(py, || {
-        let mut writer = Writer::create(&path, to, compression, &Head::from_packet(&packet))?;
+        let mut writer = Writer::create(&path, to, compression, &head)?;
         for events in given.blocks() {
             writer.put(&events)?;
         }
@@ -237,16 +250,19 @@ struct Ruled {
 }
 
 /// One of the two: a file, or the events of an array, and what it is called; the size of its sensor
-/// where it is known, and what an array knows of its kinds of cells: how many there are, and their
-/// names.
+/// where it is known, and what an array knows: how many kinds of cells there are, their names, and
+/// what is missing of them.
 type Side = (
     PathBuf,
     Option<Py<Events>>,
     Option<(usize, usize)>,
-    (Option<u8>, Vec<String>),
+    (Option<u8>, Vec<String>, Option<Lost>),
 );
 
-fn side((path, _, of, (kinds, names)): &Side, events: Option<Given<'_>>) -> Result<Loaded, Report> {
+fn side(
+    (path, _, of, (kinds, names, lost)): &Side,
+    events: Option<Given<'_>>,
+) -> Result<Loaded, Report> {
     let Some(events) = events else {
         let how = Opening {
             size: size(*of),
@@ -256,6 +272,8 @@ fn side((path, _, of, (kinds, names)): &Side, events: Option<Given<'_>>) -> Resu
     };
     let mut loaded = events.load(size(*of), *kinds);
     loaded.packet.names.clone_from(names);
+    loaded.dropped_known = lost.is_some();
+    loaded.packet.dropped = lost.map(dropped).unwrap_or_default();
     Ok(loaded)
 }
 
@@ -341,7 +359,7 @@ pub fn compare(
                 fps,
             },
             curve: window::curve(&pair, &redraws),
-            comparison: Comparison::from_pair(&pair, within),
+            comparison: Comparison::of_loaded(&pair, within, [&reference, &judged]),
             ruler: ruler.collect(),
             reference: About::new(&reference),
             judged: About::new(&judged),

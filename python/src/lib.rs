@@ -29,6 +29,7 @@ mod sweep;
 mod tensor;
 mod watcher;
 
+use amacrine::scene::ASSUMED_FPS;
 use numpy::PyArray1;
 use pyo3::{prelude::*, wrap_pyfunction};
 
@@ -40,6 +41,7 @@ fn _amacrine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("Error", py.get_type::<error::Error>())?;
     module.add("NotFinite", py.get_type::<error::NotFinite>())?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("ASSUMED_FPS", ASSUMED_FPS)?;
     module.add_class::<sensor::Sensor>()?;
     module.add_class::<chip::Chip>()?;
     module.add_class::<run::Run>()?;

@@ -11,7 +11,9 @@ use amacrine::{
     memory::Budget,
     rig::guard::Warning,
     study::sweep::{
-        Override, Plan, Request, Shard, Study, merge as merge_folders,
+        Override, Plan, Request, Shard, Study,
+        damage::set_aside,
+        merge as merge_folders,
         overrides::OverrideError,
         request::Swept,
         run::ShardError,
@@ -95,6 +97,12 @@ fn complete(
     let mut answer = told(&plan.manifest().title, plan.entries.len(), &tables);
     answer["computed"] = json!(did.computed);
     answer["found"] = json!(did.found);
+    answer["damaged"] = json!(did.damaged);
+    answer["set_aside"] = if did.damaged.is_empty() {
+        json!(null)
+    } else {
+        json!(format!("damaged {}", set_aside(&did.damaged, output)))
+    };
     answer["scene_warnings"] = json!(texts(&plan.warnings()));
     Ok(answer)
 }

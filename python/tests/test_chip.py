@@ -52,7 +52,7 @@ def test_what_was_lost_goes_with_the_events(
     )
     run = amacrine.Program.from_file("dvs/snap").run(frames, FPS)
     want = amacrine.about(tmp_path / "e.npz").dropped
-    assert run.events.dropped == want and run.lost == want["no_slot"] > 1000
+    assert want is not None and run.events.dropped == want and run.lost == want["no_slot"] > 1000
     amacrine.write(tmp_path / "mine.npz", run.events)
     assert amacrine.about(tmp_path / "mine.npz").dropped == want
 

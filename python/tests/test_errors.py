@@ -145,6 +145,26 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: amacrine.quantise("dvs", "ternary", fps=3),
         "give thresholds, too",
     ),
+    "chip of no use": (
+        lambda: amacrine.quantise("dvs", "ternary", chip="nope"),
+        "chip is of no use without thresholds",
+    ),
+    "effort of no use": (
+        lambda: amacrine.quantise("dvs", "ternary", effort=-5),
+        "effort is of no use without thresholds",
+    ),
+    "rates of steps": (
+        lambda: amacrine.waterfall("dvs", 9, steps=True, rates=25), "leave rates out, or steps"
+    ),
+    "chips of steps": (
+        lambda: amacrine.waterfall("dvs", 9, steps=True, chips=9), "leave chips out, or steps"
+    ),
+    "tiles of steps": (
+        lambda: amacrine.waterfall("dvs", 9, steps=True, tiles=1), "leave tiles out, or steps"
+    ),
+    "frames and their rate": (
+        lambda: sensor().events(amacrine.load(frames=2), 9), "frames, fps = amacrine.load(…)"
+    ),
     "two kernels": (lambda: amacrine.waterfall(kernels(2), [1, 2, 3]), "3 thresholds for 2 kernels"),
     "old name": (
         lambda: _any(amacrine.quantise)("dvs", "ternary", threshold=20), "give thresholds=20"
@@ -226,7 +246,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str]] = {
     "generator": (lambda: sensor().events((f for f in GOOD), 9), "voxel_windows"),
     "one frame": (lambda: sensor().events(GOOD[0], 9), "frames[None]"),
     "colours last": (
-        lambda: sensor().events(np.zeros((3, 8, 8, 3), "u1"), 9), "frames[..., :3] @"
+        lambda: sensor().events(np.zeros((3, 8, 8, 3), "u1"), 9), "+ .587 * frames[..., 1] +"
     ),
     "clips without an axis": (
         lambda: sensor().events(np.zeros((2, 5, 8, 8), "u1"), 9), "frames[:, :, None]"

@@ -45,6 +45,48 @@ def test_what_a_file_says(tmp_path: Path, events: Any) -> None:
     assert not bare.size_known and bare.size == (events["y"].max() + 1, events["x"].max() + 1)
 
 
+LOST = {"no_slot": 3, "over_limit": 0, "queue_full": 2, "merged": 0, "unscanned": 1}
+
+
+@pytest.mark.parametrize("ending", ["csv", "txt", "es", "npz", "evt3"])
+def test_what_is_lost_is_known_where_it_is_said(
+    ending: str, tmp_path: Path, frames: Frames, program: Callable[..., str]
+) -> None:
+    """Of a file, and of an array, that does not say it, nobody knows what is missing."""
+    path, again = tmp_path / f"events.{ending}", tmp_path / "again.npz"
+    events = amacrine.Sensor("dvs", 0.2).events(frames, FPS)
+    events.dropped = LOST
+    want = LOST if ending in ("npz", "evt3") else None
+    lost = None if want is None else 6
+    amacrine.write(path, events)
+    read = amacrine.read(path)
+    assert (read.dropped, amacrine.about(path).dropped) == (want, want)
+    amacrine.write(again, read)
+    assert amacrine.about(again).dropped == want
+    for pair in ((path, again), (read, path)):
+        assert amacrine.compare(*pair).dropped == [lost, lost]
+        assert amacrine.compare(*pair).to_dict()["reference"]["dropped"] == want
+    assert json.loads(program("compare", path, again, "--json"))["dropped"] == [lost, lost]
+    amacrine.write(again, np.asarray(events))
+    assert amacrine.about(again).dropped is None
+    assert amacrine.compare(np.asarray(events), events).dropped == [None, 6]
+
+
+def test_kinds_are_known_where_they_are_said(tmp_path: Path) -> None:
+    """A file that does not say how many there are may be one of more that are silent."""
+    events = np.zeros(4, amacrine.EVENT_OF_KINDS)
+    events["t"], events["x"], events["channel"], events["p"] = range(4), range(4), [0, 1, 1, 2], 1
+    for ending in ("csv", "npz"):
+        amacrine.write(tmp_path / f"four.{ending}", events, size=(5, 5), channels=4)
+    said, silent = (amacrine.read(tmp_path / f"four.{ending}") for ending in ("npz", "csv"))
+    assert (said.kinds, silent.kinds) == (4, None)
+    about = amacrine.about(tmp_path / "four.csv")
+    assert (about.channels, about.channels_known) == (3, False)
+    assert amacrine.about(tmp_path / "four.npz").channels_known
+    for pair in ((said, silent), (silent, said), (tmp_path / "four.npz", silent)):
+        assert amacrine.compare(*pair).equal
+
+
 def test_kinds_are_kept(tmp_path: Path, frames: Frames) -> None:
     events = amacrine.Sensor(kernels(3), 0.5).events(frames, FPS)
     path = tmp_path / "kinds.npy"
@@ -138,7 +180,7 @@ def test_kinds_that_come_late_are_told(tmp_path: Path) -> None:
     rows = "".join(f"{t},1,0,1,0\n" for t in range(20_000))
     path.write_text(f"t,x,y,p,channel\n{rows}20000,0,0,0,1\n")
     read = amacrine.read(path)
-    assert read.dtype == amacrine.EVENT_OF_KINDS and read.kinds == 2
+    assert read.dtype == amacrine.EVENT_OF_KINDS and amacrine.about(path).channels == 2
     assert read["t"].tolist() == list(range(20_001))
     assert read["channel"].tolist() == [0] * 20_000 + [1] and not read["p"][-1]
 
@@ -224,15 +266,23 @@ def test_missing_pictures_and_repeats_are_said(tmp_path: Path) -> None:
         amacrine.Sensor("dvs", 20.0).events(twice, 50)
 
 
-def test_colour_is_made_gray_as_the_program_does() -> None:
-    colour = np.random.default_rng(2).integers(0, 255, (2, 3, 4, 5)).astype(np.uint8)
+@pytest.mark.parametrize("kind", ["numpy", "torch"])
+@pytest.mark.parametrize("shape", [(2, 3, 4, 5), (2, 4, 5, 3), (2, 4, 5, 4), (1, 2, 3, 4, 5)])
+def test_colour_is_made_gray_as_the_program_does(shape: tuple[int, ...], kind: str) -> None:
+    """In every layout, of arrays and of tensors."""
+    given: Any = np.random.default_rng(2).integers(0, 255, shape).astype(np.uint8)
+    axis = len(shape) - 3 if shape[-1] == 5 else len(shape) - 1
+    colour = np.moveaxis(given, axis, -1)[..., :3].reshape(2, 4, 5, 3)
+    if kind == "torch":
+        given = pytest.importorskip("torch").from_numpy(given)
+    sensor = amacrine.Sensor("dvs", 20.0)
     with pytest.raises(amacrine.Error) as error:
-        amacrine.Sensor("dvs", 20.0).events(colour, 50)
+        sensor.events(given, 50)
     told = str(error.value).split("such as ")[1]
-    gray = eval(told, {"frames": colour})
-    assert gray.shape == (2, 1, 4, 5)
-    want = np.einsum("tchw,c->thw", colour, [0.299, 0.587, 0.114])
-    np.testing.assert_allclose(gray[:, 0], want)
+    gray = eval(told, {"frames": given})
+    want = colour @ [0.299, 0.587, 0.114]
+    np.testing.assert_allclose(np.asarray(gray).reshape(2, 4, 5), want, rtol=1e-5)
+    sensor.events(gray, 50, scale=1)
 
 
 def test_a_rate_that_is_assumed_is_said(tmp_path: Path, frames: Frames) -> None:
@@ -244,6 +294,26 @@ def test_a_rate_that_is_assumed_is_said(tmp_path: Path, frames: Frames) -> None:
         warnings.simplefilter("error")
         amacrine.load(tmp_path / "light.npy", fps=240)
         amacrine.load("pattern:bar?width=16&height=16&frames=3&fps=50")
+
+
+def test_the_rate_of_a_program_is_that_of_the_command_line(
+    program: Callable[..., str], tmp_path: Path, frames: Frames
+) -> None:
+    np.save(tmp_path / "light.npy", frames)
+    shown = ("exec", "dvs/snap", "--image", tmp_path / "light.npy", "--json")
+    stated = json.loads(program(*shown, "--events", tmp_path / "events.npy"))
+    snap = amacrine.Program.from_file("dvs/snap")
+    with pytest.warns(amacrine.Caution, match="dvs/snap.scamp: 240 frames per second are assumed"):
+        events = snap.run(frames).events
+    assert stated["light"]["assumed_fps"] == 240
+    assert np.array_equal(events, np.load(tmp_path / "events.npy"))
+    said = amacrine.Program.from_text(snap.text.replace("//! frames", "//! fps = 50\n//! frames"))
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        assert snap.run(frames, 240.0).events.tobytes() == events.tobytes()
+        snap.run(frames[:1])
+        assert said.run(frames).events["t"].max() == 220_000
+    assert not any("assumed" in str(one.message) for one in told)
 
 
 def test_a_data_frame_is_events(tmp_path: Path, events: Any) -> None:

@@ -221,6 +221,24 @@ def test_it_warns_as_the_program_does(program: Callable[..., str], tmp_path: Pat
     assert [str(one.message) for one in caught] == [_amacrine.in_python(text) for text in theirs]
 
 
+def test_files_that_are_set_aside_are_told_of(
+    study: Path, program: Callable[..., str], tmp_path: Path
+) -> None:
+    set, output = {"threshold": 4, "reference.format": ["f16"]}, tmp_path / "out"
+    assert amacrine.sweep(study, output, set=set).damaged == []
+    point = next((output / "points").iterdir())
+    point.write_text(point.read_text()[:-9])
+    program("sweep", study, "threshold=4", "reference.format=f16", "--output", output)
+    point.write_text(point.read_text()[:-9])
+    with pytest.warns(amacrine.Caution, match="damaged 1 file of points, set aside in ") as said:
+        swept = amacrine.sweep(study, output, set=set)
+    (file,) = swept.damaged
+    assert Path(file["path"]) == point and file["point"] in (0, 1) and swept.computed == 1
+    (text,) = (str(one.message) for one in said if "set aside" in str(one.message))
+    assert f"{output}/damaged:" in text and f"{point}: {file['why']}" in text
+    assert len(list((output / "damaged").iterdir())) == 2
+
+
 def test_on_a_cluster(study: Path, tmp_path: Path) -> None:
     distributed = pytest.importorskip("dask.distributed")
     amacrine.sweep(study, tmp_path / "alone")

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import warnings
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, Callable
 
 import amacrine
 import numpy as np
@@ -238,6 +239,28 @@ def test_what_half_precision_does_not_hold_is_refused() -> None:
     with pytest.raises(amacrine.Error, match="70000 events is beyond float16"):
         amacrine.events.voxels(many, bins=1, dtype=np.float16, size=(2, 2))
     assert amacrine.events.voxels(many, bins=1, size=(2, 2)).max() == 70000
+
+
+@pytest.mark.parametrize("window, told", [(40_000.0, True), (50.0, True), (1.0, False), (0.1, False)])
+def test_a_window_beside_which_a_clip_is_nothing_is_told_of(window: float, told: bool) -> None:
+    """Microseconds in the place of seconds; not of few events in a usual window."""
+    clip = np.random.default_rng(3).integers(0, 255, (12, 8, 9)).astype(np.uint8)
+    events = amacrine.Sensor("dvs", 0.2).events(clip, 25)
+    all: list[Callable[[], Any]] = [
+        lambda: amacrine.Sensor("dvs", 0.2).voxels(clip, 25, bins=2, window=window),
+        lambda: amacrine.events.voxels(events, bins=2, window=window),
+    ]
+    for watch in all:
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            watch()
+        assert any("give window in seconds" in str(one.message) for one in said) == told
+    few = np.zeros(2, amacrine.EVENT)
+    few["t"] = 0, 300
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        amacrine.events.voxels(few, bins=2, window=0.05)
+        amacrine.events.voxels(few[:1], bins=2, window=9.0)
 
 
 OF_EVENTS = """

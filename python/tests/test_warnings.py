@@ -264,6 +264,31 @@ def test_a_stream_that_was_interrupted_has_stopped() -> None:
                 run.events(clip[:2], again, None)
 
 
+def test_a_picture_larger_than_the_chip_is_told_of() -> None:
+    """Of a sensor on a chip as of its program."""
+    sensor = amacrine.Sensor("dvs", 0.1, memory="filtered-snap", border="zero")
+    chip = sensor.on_chip("exact", domain="exact", effort=0.01)
+    wide = moving(3, 8, 300)
+    seen = "an array of 300x8, and scamp5 has 256x256 processors: no chip runs what is shown here"
+    all: list[Callable[[Array], Any]] = [
+        lambda clip: chip.events(clip, FPS),
+        lambda clip: chip.counts(clip, FPS),
+        lambda clip: chip.voxels(clip, FPS, bins=2),
+        lambda clip: chip.stream(FPS).events(clip),
+        lambda clip: chip.program.run(clip, FPS),
+    ]
+    for watch in all:
+        assert sum(seen in text for text in said(lambda: watch(wide))) == 1
+        assert not any("no chip runs" in text for text in said(lambda: watch(wide[:, :, :256])))
+
+
+def test_a_refractory_period_in_seconds_is_told_of() -> None:
+    for us, told in ((0.001, True), (1.0, False), (None, False)):
+        sensor = amacrine.Sensor("dvs", 0.1, refractory=us)
+        found = said(lambda: sensor.events(moving(), FPS))
+        assert any("a refractory period of 0.001 us" in text for text in found) == told
+
+
 def test_a_full_queue_is_told_until_the_advice_is_taken(
     program: Callable[..., str], tmp_path: Path
 ) -> None:

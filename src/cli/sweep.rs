@@ -26,7 +26,7 @@ use crate::bundled::Kind;
 use crate::study::sweep::{
     Asked, Limits, Override, Plan, Request, Shard, Study,
     ask::{self, PointError},
-    damage::{Damage, listed},
+    damage::{listed, set_aside},
     request::Swept,
     run::{Did, Failed},
     schema,
@@ -448,20 +448,6 @@ fn reasons(points: &[Failed]) -> String {
     }))
 }
 
-/// How many files are damaged, of what.
-fn files(damaged: &[Damage]) -> String {
-    let pilots = damaged
-        .iter()
-        .filter(|damage| damage.point.is_none())
-        .count();
-    let of = |files: usize, what: &str| format!("{} of {what}", counted(files, "file"));
-    match (damaged.len() - pilots, pilots) {
-        (points, 0) => of(points, "points"),
-        (0, pilots) => of(pilots, "pilots"),
-        (points, pilots) => format!("{} and {}", of(points, "points"), of(pilots, "pilots")),
-    }
-}
-
 struct Said<'a> {
     plan: &'a Plan,
     output: &'a Path,
@@ -524,16 +510,7 @@ impl Said<'_> {
         let output = self.output.display();
         let damaged = &self.did.damaged;
         if !damaged.is_empty() {
-            let _ = writeln!(
-                text,
-                "damaged  {}, set aside in {output}/damaged:{}",
-                files(damaged),
-                listed(
-                    damaged
-                        .iter()
-                        .map(|d| format!("{}: {}", d.path.display(), d.why))
-                )
-            );
+            let _ = writeln!(text, "damaged  {}", set_aside(damaged, self.output));
         }
         if self.tables.failed > 0 {
             let _ = writeln!(

@@ -48,7 +48,7 @@ pub use pair::{CompareError, Pair, Signed, Sorted, Times};
 pub use trains::Cell;
 
 use crate::{
-    event::{Packet, address::AddressWord},
+    event::{Packet, address::AddressWord, file::Loaded},
     unit::Micros,
 };
 use counts::{Cells, Kind};
@@ -88,8 +88,8 @@ pub struct Comparison {
     pub bits: [u64; 2],
     /// Bits of one event.
     pub bits_per_event: u32,
-    /// Events that each sensor made and could not deliver.
-    pub dropped: [u64; 2],
+    /// Events that each sensor made and could not deliver; nothing where that is not known.
+    pub dropped: [Option<u64>; 2],
 }
 
 /// Judges `judged` against `reference`; events match within `within`.
@@ -140,7 +140,18 @@ impl Comparison {
                 .events()
                 .map(|events| events * u64::from(bits_per_event)),
             bits_per_event,
-            dropped: pair.dropped(),
+            dropped: pair.dropped().map(Some),
         }
+    }
+
+    /// As [`Comparison::from_pair`], of packets that were read from files, which need not say what was
+    /// dropped.
+    #[must_use]
+    pub fn of_loaded(pair: &Pair, within: Micros, [reference, judged]: [&Loaded; 2]) -> Self {
+        let mut comparison = Self::from_pair(pair, within);
+        for (dropped, loaded) in comparison.dropped.iter_mut().zip([reference, judged]) {
+            *dropped = dropped.filter(|_| loaded.dropped_known);
+        }
+        comparison
     }
 }

@@ -10,7 +10,7 @@ use crate::{
     program::Code,
     reference::Description,
     rig::{
-        Overflow,
+        Larger, Overflow,
         guard::{Crowd, Guard, Warning},
     },
     scene::Frame,
@@ -35,6 +35,10 @@ pub struct RunGuard {
     still: Option<[f64; 2]>,
     /// Numbers of its program that its cells do not hold.
     unheld: Option<Unheld>,
+    /// The chip whose array is smaller than what its program is shown.
+    larger: Option<Larger>,
+    /// How long a cell is silent, in microseconds.
+    refractory: f64,
     /// Whether its events go through slots of its own program, which may lose those of a kind.
     has_slots: bool,
 }
@@ -70,6 +74,8 @@ impl RunGuard {
             spread: spread(description),
             still: description.still(),
             unheld: None,
+            larger: None,
+            refractory: description.refractory.us,
             has_slots: false,
         }
     }
@@ -92,6 +98,8 @@ impl RunGuard {
             spread: None,
             still: None,
             unheld: Unheld::of_program(cells, &[&code.init, &code.frame], device, settings),
+            larger: Larger::check("the array", size, device).err(),
+            refractory: 0.0,
             has_slots: true,
         }
     }
@@ -132,8 +140,11 @@ impl RunGuard {
         let nothing = unscanned > 0 && (done.kept, lost, full) == (0, 0, 0);
         let nothing = nothing.then(|| Warning::no_events_in_rows(subject, frames, unscanned));
         let rows = (unscanned > 0).then(|| Warning::rows(subject, unscanned, done.kept));
+        let larger = self.larger.as_ref();
+        let larger = larger.map(|larger| Warning::larger(subject, larger));
+        let refractory = Warning::refractory(subject, self.refractory);
         let all = [
-            rounded, silent, still, spread, crowd, slots, queue, nothing, rows,
+            larger, rounded, silent, still, spread, refractory, crowd, slots, queue, nothing, rows,
         ];
         guard.extend(all.into_iter().flatten());
         if let Some(unheld) = &self.unheld {

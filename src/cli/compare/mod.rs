@@ -96,7 +96,8 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
     }
     let progress = Progress::spinner("comparing");
     let curve = headline.curve(&pair, &redraws);
-    let comparison = Comparison::from_pair(&pair, headline.window());
+    let loaded = [&reference, &judged];
+    let comparison = Comparison::of_loaded(&pair, headline.window(), loaded);
     let warnings = headline.warnings([&reference.packet, &judged.packet]);
     light::warn(&warnings);
     let mut scales = Scales {
@@ -125,19 +126,14 @@ pub fn run(arguments: &Arguments) -> miette::Result<()> {
             ruler: &ruler,
             warnings: &warnings,
         };
-        let mut json = serde_json::to_value(&json).map_err(|e| miette::miette!("{e}"))?;
-        for (side, loaded) in [&reference, &judged].into_iter().enumerate() {
-            if !loaded.dropped_known {
-                json["dropped"][side] = serde_json::Value::Null;
-            }
-        }
+        let json = serde_json::to_value(&json).map_err(|e| miette::miette!("{e}"))?;
         super::say(&format!("{json}\n"));
     } else {
         super::say(&headline.line());
         super::say(&headline.tuned());
         super::say(&headline::table(&curve));
         super::say(&head(arguments, &reference, &judged));
-        super::say(&table(&comparison, [&reference, &judged]));
+        super::say(&table(&comparison, &reference));
         super::say(&ruler.table());
     }
     Ok(())
@@ -317,7 +313,7 @@ fn head(arguments: &Arguments, reference: &Loaded, judged: &Loaded) -> String {
 }
 
 /// The plain comparison for people.
-fn table(c: &Comparison, [reference, judged]: [&Loaded; 2]) -> String {
+fn table(c: &Comparison, reference: &Loaded) -> String {
     let called = |kind: &Kind, sign: &str| {
         format!("  channel {} {sign}", reference.packet.called(kind.channel))
     };
@@ -335,14 +331,8 @@ fn table(c: &Comparison, [reference, judged]: [&Loaded; 2]) -> String {
             both(&called(kind, "OFF"), kind.off);
         }
     }
-    let known = [reference.dropped_known, judged.dropped_known];
-    let [a, b] = [0, 1].map(|i| {
-        if known[i] {
-            c.dropped[i].to_string()
-        } else {
-            "not known".to_owned()
-        }
-    });
+    let told = |count: Option<u64>| count.map_or_else(|| "not known".to_owned(), |n| n.to_string());
+    let [a, b] = c.dropped.map(told);
     rows.push(format!("{:<width$}{a:>14}{b:>14}", "dropped"));
     let mut both =
         |name: &str, [a, b]: [u64; 2]| rows.push(format!("{name:<width$}{a:>14}{b:>14}"));

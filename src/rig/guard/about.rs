@@ -47,6 +47,8 @@ pub enum About {
     Window = "window",
     /// A still scene fires.
     Still = "still",
+    /// A refractory period too short for times of events.
+    Refractory = "refractory",
     /// A kernel in few values has lost its surround.
     Surround = "surround",
     /// A symmetric kernel is not symmetric in few values.

@@ -137,6 +137,21 @@ impl Warning {
         Self::new(about, subject, erasure.to_string(), why, change)
     }
 
+    /// Cells that are silent for less than a microsecond, the step of times of events: as where seconds
+    /// are meant.
+    #[must_use]
+    pub fn refractory(subject: &str, us: f64) -> Option<Self> {
+        (us > 0.0 && us < 1.0).then(|| {
+            Self::new(
+                About::Refractory,
+                subject,
+                format!("a refractory period of {us} us"),
+                "times of events are whole microseconds, and it is less than one: hardly any event is lost to it",
+                "give microseconds, of which 1000 are a millisecond, or leave it out",
+            )
+        })
+    }
+
     /// A program on an array that is larger than its chip's.
     #[must_use]
     pub fn larger(subject: &str, larger: &Larger) -> Self {

@@ -1,8 +1,13 @@
 //! Damaged files of points and of pilots.
 
-use std::{fmt::Write as _, path::PathBuf};
+use std::{
+    fmt::Write as _,
+    path::{Path, PathBuf},
+};
 
 use serde::Serialize;
+
+use crate::unit::counted;
 
 /// A point's or a pilot's file that is damaged.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -30,6 +35,32 @@ pub fn listed(lines: impl ExactSizeIterator<Item = String>) -> String {
         let _ = write!(text, "\n  and {more} more");
     }
     text
+}
+
+/// What a sweep says of files that it has set aside in its folder: how many, of what, where they are,
+/// and which.
+#[must_use]
+pub fn set_aside(all: &[Damage], folder: &Path) -> String {
+    format!(
+        "{}, set aside in {}/damaged:{}",
+        files(all),
+        folder.display(),
+        damages(all)
+    )
+}
+
+/// How many files are damaged, of what.
+fn files(damaged: &[Damage]) -> String {
+    let pilots = damaged
+        .iter()
+        .filter(|damage| damage.point.is_none())
+        .count();
+    let of = |files: usize, what: &str| format!("{} of {what}", counted(files, "file"));
+    match (damaged.len() - pilots, pilots) {
+        (points, 0) => of(points, "points"),
+        (0, pilots) => of(pilots, "pilots"),
+        (points, pilots) => format!("{} and {}", of(points, "points"), of(pilots, "pilots")),
+    }
 }
 
 /// Damaged files for people.
