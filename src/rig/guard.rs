@@ -665,6 +665,11 @@ impl Warning {
                 "each pixel has the light at its centre, which flickers as they move",
                 "give a growth nearer to 0, fewer frames or a coarser texture, or draw more pixels and show them as fewer (--resize)".to_owned(),
             ),
+            Alias::Still { frequency, fps } => (
+                format!("frequency={frequency} Hz at {fps} frames/s is seen as light at rest"),
+                "every frame is taken as it passes its middle",
+                format!("give fps= of {} or more, or a lower frequency", 4.0 * frequency),
+            ),
             Alias::Fast { frequency, fps } => {
                 let seen_as = (frequency - (frequency / fps).round() * fps).abs();
                 (
