@@ -322,6 +322,7 @@ def compare(
     fps: float | None,
     bins: int,
     seed: int,
+    by: tuple[Sensor, str, tuple[str, int], _Shown, float | None] | None,
 ) -> str: ...
 def scene(
     name: str | None,
@@ -382,6 +383,7 @@ def waterfall(
     within_us: int | None,
     rates: list[float] | None,
     sample: tuple[int, int | None],
+    sets: list[tuple[str, float]],
     through: _Readout | None,
 ) -> list[tuple[str, str]]: ...
 def trade_program(

@@ -80,7 +80,7 @@ const PHRASES: [(&str, &str); 27] = [
 
 /// Arguments of Python that are called as the option is, with underscores for dashes. Those that
 /// are true take a word; behind the others a word goes on with the sentence.
-const ARGUMENTS: [(&str, bool); 34] = [
+const ARGUMENTS: [(&str, bool); 35] = [
     ("bins", false),
     ("candidates", false),
     ("chip", true),
@@ -106,6 +106,7 @@ const ARGUMENTS: [(&str, bool); 34] = [
     ("sample", false),
     ("scale", false),
     ("seed", false),
+    ("sensor", false),
     ("size", false),
     ("slice", true),
     ("stream", false),
@@ -153,7 +154,12 @@ pub fn in_words(text: &str) -> String {
 
 /// Warns whoever called the function of Python that called.
 pub fn caution(py: Python<'_>, warning: &Warning) -> PyResult<()> {
-    let words = in_python(&warning.to_string());
+    note(py, &warning.to_string())
+}
+
+/// The same of what the command line notes.
+pub fn note(py: Python<'_>, text: &str) -> PyResult<()> {
+    let words = in_python(text);
     py.import("amacrine.caution")?
         .call_method1("caution", (words,))?;
     Ok(())

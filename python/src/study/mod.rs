@@ -131,7 +131,8 @@ fn open_on(source: &Source, device: &Device) -> Result<Box<dyn Scene>, Report> {
 }
 
 impl Shown<'_> {
-    fn source(&self) -> PyResult<Source> {
+    /// The scene.
+    pub fn source(&self) -> PyResult<Source> {
         Source::new(self.0.clone(), self.1.as_ref(), self.2, self.3)
     }
 }
