@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 /// What the library says of options that have no argument of their own here, and what is said
 /// instead.
-const PHRASES: [(&str, &str); 27] = [
+const PHRASES: [(&str, &str); 28] = [
     (
         "the limit (--max-events, and --max-memory where there is no room for more); \
          `amacrine run` also has --counts and --voxels instead of --events, and --when-full drop",
@@ -75,12 +75,13 @@ const PHRASES: [(&str, &str); 27] = [
     ("--verify measures them", "verify=True measures them"),
     ("--runs N shares them", "runs=N shares them"),
     ("--threshold", "thresholds"),
+    ("--kernel ", "kernels "),
     ("--const ", "constants "),
 ];
 
 /// Arguments of Python that are called as the option is, with underscores for dashes. Those that
 /// are true take a word; behind the others a word goes on with the sentence.
-const ARGUMENTS: [(&str, bool); 35] = [
+const ARGUMENTS: [(&str, bool); 36] = [
     ("bins", false),
     ("candidates", false),
     ("chip", true),
@@ -107,6 +108,7 @@ const ARGUMENTS: [(&str, bool); 35] = [
     ("scale", false),
     ("seed", false),
     ("sensor", false),
+    ("sigma", false),
     ("size", false),
     ("slice", true),
     ("stream", false),

@@ -40,7 +40,8 @@ use crate::{
 /// A kernel by name, or the bytes of its file.
 pub type Named = (String, Option<Vec<u8>>);
 
-fn kernel((name, bytes): &Named) -> PyResult<Kernel> {
+/// The kernel, which must be one that can be worked with.
+pub fn kernel((name, bytes): &Named) -> PyResult<Kernel> {
     let kernel = match bytes {
         Some(bytes) => Kernel::from_bytes(name, bytes).map_err(|error| {
             use amacrine::kernel::KernelFileError::Wrong;
