@@ -277,7 +277,11 @@ fn what_a_format_cannot_hold_is_refused_and_nothing_is_written() {
 }
 
 /// Each damaged file, and what is said about it.
-const BAD: [(&str, &str); 38] = [
+const BAD: [(&str, &str); 39] = [
+    (
+        "empty.e2vid",
+        ":1:1: expected `width height`, the size of the sensor, found 0 fields",
+    ),
     (
         "no_size.e2vid",
         ":1:1: expected `width height`, the size of the sensor, found 4 fields",

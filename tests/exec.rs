@@ -436,6 +436,25 @@ fn a_strip_has_a_row_for_each_register_and_a_column_for_each_line() {
     assert!(!empty.path("s.png").exists());
 }
 
+/// A dump that fails half-way leaves what was there, and no file of its own.
+#[cfg(target_os = "linux")]
+#[test]
+fn registers_are_dumped_all_or_none() {
+    let bench = Bench::new("frame { get_image(A); }").set("A", &ramp());
+    fs::create_dir(bench.path("out")).unwrap();
+    fs::write(bench.path("out/A.npy"), "old").unwrap();
+    std::os::unix::fs::symlink("/dev/full", bench.path("out/F.png")).unwrap();
+    let said = bench.command(&["--set", "A=A.in.npy", "--dump", "out"]);
+    let said = { said }.assert().code(2).get_output().clone();
+    let said = line(&said.stderr);
+    assert!(
+        said.contains("out/F.png") && said.contains("No space left"),
+        "{said}"
+    );
+    assert_eq!(fs::read(bench.path("out/A.npy")).unwrap(), b"old");
+    assert_eq!(fs::read_dir(bench.path("out")).unwrap().count(), 2);
+}
+
 #[test]
 fn a_clip_is_run_whole_and_its_end_is_told() {
     let text = "//! frames = 2\n\ninit { get_image(C); }\nframe { get_image(D); }";

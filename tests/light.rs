@@ -568,6 +568,17 @@ fn patterns_that_are_seen_as_others_say_so() {
             "pattern:flicker?frequency=200&frames=2&width=8",
             ["seen as 40 Hz", "fps= of 800"],
         ),
+        (
+            "pattern:flicker?frequency=120&frames=2&width=8&fps=240",
+            [
+                "120 Hz at 240 frames/s is seen as light at rest",
+                "fps= of 480",
+            ],
+        ),
+        (
+            "pattern:flicker?frequency=360&frames=2&width=8&fps=240",
+            ["seen as light at rest", "fps= of 1440"],
+        ),
     ] {
         let told = told(spec);
         assert_eq!(told.len(), 1, "{spec}: {told:?}");
@@ -579,7 +590,9 @@ fn patterns_that_are_seen_as_others_say_so() {
         "pattern:noise?grain=2&frames=2",
         "pattern:zoom?frames=2",
         "pattern:zoom?growth=-1&frames=61&fps=120&width=8&height=8",
-        "pattern:flicker?frequency=200&frames=2&width=8&fps=400",
+        "pattern:flicker?frequency=199&frames=2&width=8&fps=400",
+        "pattern:flicker?frequency=200&frames=2&width=8&fps=400&wave=square",
+        "pattern:flicker?frequency=0&frames=2&width=8",
         "pattern:spot?sigma=0.1&frames=2",
     ] {
         assert_eq!(told(spec), [""; 0], "{spec}");

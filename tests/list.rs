@@ -71,6 +71,27 @@ fn the_bundled_clip_has_a_name() {
     let folder = tempfile::tempdir().unwrap();
     let run = ["run", "--scene", "bundled", "--sensor", "dvs"];
     assert_eq!(json(folder.path(), &run)["frames"], 72);
+    let folder = folder.path();
+    let told = good(folder, &["show", "scene", "bundled"]);
+    for words in [
+        "72 of 256x256 at 10 frames/s, 7.2 s",
+        "vtest.avi",
+        "--scene bundled",
+    ] {
+        assert!(told.contains(words), "{told}");
+    }
+    let bar = good(folder, &["show", "scene", "pattern:bar"]);
+    assert_eq!(bar, good(folder, &["show", "pattern", "bar"]));
+    refused(
+        folder,
+        &["show", "scene", "clip"],
+        &["no scene", "bundled", "pattern:NAME"],
+    );
+    refused(
+        folder,
+        &["show", "scene"],
+        &["which one is not said", "bundled"],
+    );
 }
 
 #[test]

@@ -223,13 +223,14 @@ fn a_threshold_that_is_advised_can_fire() {
     assert!(!said.contains("no light gives an event"), "{said}");
 }
 
-/// Where a file of a design cannot be written, it is told which are there.
+/// Where a file of a design cannot be written, none is: what was there stays.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_design_that_is_not_complete_is_told() {
+fn a_design_is_written_whole_or_not_at_all() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     fs::create_dir(at.join("d")).unwrap();
+    fs::write(at.join("d/program.scamp"), "old").unwrap();
     std::os::unix::fs::symlink("/dev/full", at.join("d/report.html")).unwrap();
     let design = [
         "design",
@@ -247,9 +248,9 @@ fn a_design_that_is_not_complete_is_told() {
         "-o",
         "d",
     ];
-    let words = ["the design is not complete: of it there is d/sensor.toml and d/program.scamp"];
-    refused(at, &design, &words);
-    assert!(at.join("d/program.scamp").exists());
+    refused(at, &design, &["d/report.html", "No space left"]);
+    assert_eq!(fs::read(at.join("d/program.scamp")).unwrap(), b"old");
+    assert_eq!(fs::read_dir(at.join("d")).unwrap().count(), 2);
 }
 
 /// What comes through a pipe has no name to rename, and what is not there yet neither.

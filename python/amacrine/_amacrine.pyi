@@ -70,6 +70,12 @@ class Sensor:
     ) -> Run: ...
     def warning_of_light(self, subject: str, low: float, high: float) -> str | None: ...
     def without(self, effects: list[str]) -> str: ...
+    def changed(
+        self,
+        kernels: tuple[list[_Named], str] | None,
+        threshold: tuple[float, float] | None,
+        sigma: float | None,
+    ) -> str: ...
     def for_rate(
         self, frames: npt.NDArray[Any], fps: float, scale: float, rate: float, seed: int
     ) -> str: ...
@@ -327,6 +333,7 @@ def compare(
     fps: float | None,
     bins: int,
     seed: int,
+    by: tuple[Sensor, str, tuple[str, int], _Shown, float | None] | None,
 ) -> str: ...
 def scene(
     name: str | None,
@@ -387,6 +394,7 @@ def waterfall(
     within_us: int | None,
     rates: list[float] | None,
     sample: tuple[int, int | None],
+    sets: list[tuple[str, float]],
     through: _Readout | None,
 ) -> list[tuple[str, str]]: ...
 def trade_program(

@@ -26,6 +26,8 @@ from .events import (
     view,
     whole,
 )
+from .frames import shown
+from .sensor import Sensor
 from .voxels import MOST_BINS
 
 Path_ = arguments.File
@@ -218,6 +220,10 @@ def compare(
     fps: float | None = None,
     bins: int = 8,
     seed: int = 0,
+    sensor: Any = None,
+    scene: Any = None,
+    scale: float | None = None,
+    upsample: float | None = None,
 ) -> Answer:
     """Judges one packet against another, as ``amacrine compare`` does.
 
@@ -230,14 +236,24 @@ def compare(
         fps: Frames per second, where events are at the times of frames.
         bins: Bins of the voxel grids.
         seed: Of the redraw and the permutation that every metric is held against.
+        sensor: The sensor that made the reference, its file or its name, with its own seed and number
+            format: it is run on the scene at other thresholds, to tell which change of its threshold
+            costs as much, and which has as many events.
+        scene: With ``sensor``: frames, with ``fps``, or what :func:`load` takes; else the clip that
+            comes with the package.
+        scale: With ``sensor``: what floats of the scene are multiplied by to be light from 0 to 255.
+        upsample: With ``sensor``: insert frames, as for :meth:`Sensor.events`.
 
     Returns:
         ``headline`` (kept, f1, floor, window_us), ``curve`` over all windows, ``f1``,
         ``precision``, ``recall``, ``events``, ``dropped`` (None where nobody knows it) and more, and under ``ruler`` every metric beside the
         identical packet and accident. ``docs/ruler.md`` has them all. What makes the score mean
         something else than it seems to (kinds of other names, a packet without events, a window
-        within which accident scores as much) is under ``warnings``, and a :class:`Caution`.
+        within which accident scores as much) is under ``warnings``, and a :class:`Caution`. With
+        ``sensor`` the headline has ``threshold_equivalent_percent``, whether that
+        ``threshold_equivalent_is_least``, and ``tuned``, the same against the sensor of as many events.
     """
+    made_by = _made_by(sensor, scene, fps, scale, upsample)
     window, place = arguments.micros("within", within), arguments.size(size)
     one, other = whole(reference), whole(judged)
     _check_kinds(one, other)
@@ -248,8 +264,30 @@ def compare(
         None if fps is None else arguments.rate(fps),
         arguments.whole("bins", bins, 1, MOST_BINS),
         arguments.whole("seed", seed),
+        made_by,
     )
     return told(Answer.parse(text, rows="curve"))
+
+
+def _made_by(given: Any, scene: Any, fps: Any, scale: Any, upsample: Any) -> Any:
+    """The sensor that made a reference, and its scene; none is none."""
+    if given is None:
+        for name, value in {"scene": scene, "scale": scale, "upsample": upsample}.items():
+            if value is not None:
+                raise Error(
+                    f"{name} is of no use without sensor\n"
+                    "help: give the sensor that made the reference, too: then it is run at higher "
+                    "thresholds"
+                )
+        return None
+    if isinstance(given, Sensor):
+        called, sensor = given.name, given
+    else:
+        what = 'a Sensor, its file, or a name of amacrine.names("sensors")'
+        called = str(arguments.file("sensor", given, what))
+        sensor = Sensor.from_file(called)
+    how = sensor._format, sensor._seed
+    return sensor._native, called, how, shown(scene, fps, scale), arguments.contrast(upsample)
 
 
 def _check_kinds(reference: Any, judged: Any) -> None:

@@ -672,6 +672,31 @@ class Sensor(EventSensor):
         cannot leave out."""
         return self._rewritten(self._native.without(arguments.names("effects", effects)))
 
+    def changed(
+        self,
+        *,
+        kernels: Kernels | None = None,
+        thresholds: Any = None,
+        sigma: float | None = None,
+    ) -> Sensor:
+        """The sensor with others than its own, as ``amacrine run --kernel``, ``--threshold`` and
+        ``--sigma`` have it.
+
+        Args:
+            kernels: As for :class:`Sensor`: a kind of cell for each, which is else as the first.
+            thresholds: A number, or (on, off), of every kind; or a table with on, off and sigma. Without
+                sigma the spread from cell to cell stays.
+            sigma: The spread of thresholds from cell to cell, their standard deviation.
+        """
+        table = {} if thresholds is None else _threshold("thresholds", thresholds, UNIT)
+        spread = table.get("sigma") if sigma is None else sigma
+        if spread is not None:
+            help = f"give a number of 0 or more, {UNIT}"
+            spread = arguments.number("sigma", spread, help)
+        of = None if kernels is None else (files(kernels), "given")
+        both = (table["on"], table["off"]) if table else None
+        return self._rewritten(self._native.changed(of, both, spread))
+
     def with_seed(self, seed: int) -> Sensor:
         """The sensor with another mismatch and other noise: those of this seed."""
         return self._reseeded(arguments.whole("seed", seed))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Union, overload
@@ -359,6 +359,7 @@ def waterfall(
     fps: float | None = None,
     scale: float | None = None,
     chip: str | Path = "scamp5",
+    set: Mapping[str, float] | None = None,
     chips: int | None = None,
     tiles: int | None = None,
     within: float | None = None,
@@ -380,6 +381,7 @@ def waterfall(
         rates: Frames per second at which the same light is shown; four from the clip's own to the
             most that the chip allows where they are left out.
         steps: Tell only the steps at the clip's own rate, event by event.
+        set: Numbers of the chip that are set, as what if: ``{"error.noise": 0.1}``.
         chips: How many chips over ``rates``: seeds from ``seed`` on; 4 if left out.
         tiles: Tiles of the scene on which they are run; as many as take some seconds if left out.
 
@@ -416,6 +418,7 @@ def waterfall(
             4 if chips is None else whole("chips", chips, 1, MOST_FALLEN),
             None if tiles is None else whole("tiles", tiles, 1, MOST_FALLEN),
         ),
+        _figures(set),
         readout_of(readout),
     )
     rows = "steps" if steps else "rates"
@@ -498,6 +501,16 @@ def _search(sum: str, chip: str | Path, effort: float, seed: int) -> tuple[str, 
     seconds = arguments.number("effort", effort, "give seconds, such as effort=1")
     on = found_chip(chip)
     return word("sum", sum, "kept"), on, seconds, whole("seed", seed)
+
+
+def _figures(given: Any) -> list[tuple[str, float]]:
+    """Numbers of the chip by name."""
+    such_as = '{"error.noise": 0.1}'
+    help = f"give numbers, such as set={such_as}"
+    return [
+        (name, arguments.number(f'set["{name}"]', value, help))
+        for name, value in arguments.table("set", given, such_as).items()
+    ]
 
 
 def _energy(given: Any) -> tuple[float, float]:

@@ -20,6 +20,7 @@ use amacrine::{
     rig::guard::Warning,
     save::save as save_file,
     stop::Stop,
+    study::remade::Equivalent,
     unit::Micros,
 };
 use miette::{Report, miette};
@@ -31,6 +32,7 @@ use crate::{
     error::{raised, refused},
     events::{Borrowed, Events, Given},
     pool, record,
+    remade::By,
     stop::Flag,
 };
 
@@ -237,6 +239,8 @@ struct Headline {
     point: Point,
     frame_interval_us: Option<Micros>,
     fps: Option<f64>,
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    equivalent: Option<Equivalent>,
 }
 
 /// One metric beside the identical packet and accident.
@@ -301,6 +305,7 @@ pub fn compare(
     fps: Option<f64>,
     bins: usize,
     seed: u64,
+    by: Option<By<'_>>,
 ) -> PyResult<String> {
     if !(1..=1000).contains(&bins) {
         return Err(refused(format!("{bins} bins"), "give 1 to 1000"));
@@ -311,8 +316,10 @@ pub fn compare(
     let (one, other) = (array(py, &a)?, array(py, &b)?);
     let one = one.as_ref().map(Borrowed::given).transpose()?;
     let other = other.as_ref().map(Borrowed::given).transpose()?;
-    let flag = Flag::new();
-    let stop = flag.stop();
+    let maker = by.map(By::maker).transpose()?;
+    let own = Flag::new();
+    let shown = maker.as_ref().map(|maker| &maker.source);
+    let (flag, stop) = shown.map_or((own.flag(), own.stop()), |it| (it.flag(), it.stop()));
     let judge = || {
         let mut reference = side(&a, one)?;
         check(stop)?;
@@ -323,11 +330,21 @@ pub fn compare(
         let pair = Pair::new(&reference.packet, &judged.packet)?;
         let redraws = Redraws::new(&pair, seed);
         check(stop)?;
-        let interval = match fps {
-            Some(fps) => Some(window::interval(fps)),
-            None => window::frame_interval(&pair),
+        let (fps, interval) = match (&maker, fps) {
+            (Some(maker), _) => {
+                let (fps, interval) = maker.frames(&pair)?;
+                (Some(fps), interval)
+            }
+            (None, Some(fps)) => (Some(fps), Some(window::interval(fps))),
+            (None, None) => (None, window::frame_interval(&pair)),
         };
         let within = within_us.map_or_else(|| window::headline_of(interval), Micros);
+        let packets = [&reference.packet, &judged.packet];
+        let called = a.0.display().to_string();
+        let equivalent = maker
+            .as_ref()
+            .map(|it| it.equivalent(&called, packets, (within, seed)));
+        let equivalent = equivalent.transpose()?;
         let mut scales = Scales {
             bins,
             seed,
@@ -350,13 +367,13 @@ pub fn compare(
             (score.metric.key(), ruled)
         });
         let point = Point::new(&pair, &redraws, within);
-        let packets = [&reference.packet, &judged.packet];
         let warnings = Warning::of_comparison(packets, within, point.floor);
         Ok(Compared {
             headline: Headline {
                 point,
                 frame_interval_us: interval,
                 fps,
+                equivalent,
             },
             curve: window::curve(&pair, &redraws),
             comparison: Comparison::of_loaded(&pair, within, [&reference, &judged]),
@@ -367,8 +384,12 @@ pub fn compare(
         })
     };
     let pool = pool::pool()?;
-    let compared = pool::watched(py, flag.flag(), || pool.install(judge))?;
-    json(&compared.map_err(|report: Report| raised(report))?)
+    let compared = pool::watched(py, flag, || pool.install(judge))?;
+    let compared = json(&compared.map_err(|report: Report| raised(report))?)?;
+    if let Some(maker) = &maker {
+        maker.warn(py)?;
+    }
+    Ok(compared)
 }
 
 /// A result as text.

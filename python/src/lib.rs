@@ -20,6 +20,7 @@ mod pool;
 mod program;
 mod readout;
 mod record;
+mod remade;
 mod run;
 mod sensor;
 mod source;

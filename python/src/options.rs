@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 /// What the library says of options that have no argument of their own here, and what is said
 /// instead.
-const PHRASES: [(&str, &str); 27] = [
+const PHRASES: [(&str, &str); 28] = [
     (
         "the limit (--max-events, and --max-memory where there is no room for more); \
          `amacrine run` also has --counts and --voxels instead of --events, and --when-full drop",
@@ -75,12 +75,13 @@ const PHRASES: [(&str, &str); 27] = [
     ("--verify measures them", "verify=True measures them"),
     ("--runs N shares them", "runs=N shares them"),
     ("--threshold", "thresholds"),
+    ("--kernel ", "kernels "),
     ("--const ", "constants "),
 ];
 
 /// Arguments of Python that are called as the option is, with underscores for dashes. Those that
 /// are true take a word; behind the others a word goes on with the sentence.
-const ARGUMENTS: [(&str, bool); 34] = [
+const ARGUMENTS: [(&str, bool); 36] = [
     ("bins", false),
     ("candidates", false),
     ("chip", true),
@@ -106,6 +107,8 @@ const ARGUMENTS: [(&str, bool); 34] = [
     ("sample", false),
     ("scale", false),
     ("seed", false),
+    ("sensor", false),
+    ("sigma", false),
     ("size", false),
     ("slice", true),
     ("stream", false),
@@ -153,7 +156,12 @@ pub fn in_words(text: &str) -> String {
 
 /// Warns whoever called the function of Python that called.
 pub fn caution(py: Python<'_>, warning: &Warning) -> PyResult<()> {
-    let words = in_python(&warning.to_string());
+    note(py, &warning.to_string())
+}
+
+/// The same of what the command line notes.
+pub fn note(py: Python<'_>, text: &str) -> PyResult<()> {
+    let words = in_python(text);
     py.import("amacrine.caution")?
         .call_method1("caution", (words,))?;
     Ok(())

@@ -27,7 +27,7 @@ use crate::{
     run::Run,
     source::Source,
     stop::Flag,
-    watcher,
+    study, watcher,
 };
 
 /// The kernels of a kind of cell, each `(k, k)`.
@@ -177,6 +177,27 @@ impl Sensor {
         let sensor = &self.description;
         let plain = left_out::sensor_without(&sensor.name, sensor, &effects).map_err(raised)?;
         Ok(plain.to_toml())
+    }
+
+    /// The text of the sensor with these kernels, threshold and spread in place of its own; `called` is
+    /// what the kernels are called.
+    fn changed(
+        &self,
+        kernels: Option<(Vec<study::Named>, String)>,
+        threshold: Option<(f64, f64)>,
+        sigma: Option<f64>,
+    ) -> PyResult<String> {
+        let mut sensor = self.description.clone();
+        if let Some((kernels, called)) = kernels {
+            let each = kernels
+                .iter()
+                .map(|named| Ok((named.0.clone(), study::kernel(named)?)));
+            let each = each.collect::<PyResult<_>>()?;
+            sensor = sensor.with_kernels(each, &called).map_err(raised)?;
+        }
+        let threshold = threshold.map(|(on, off)| [on, off]);
+        let sensor = sensor.with_thresholds(threshold, sigma).map_err(raised)?;
+        Ok(sensor.to_toml())
     }
 
     /// The text of the sensor with all thresholds times the factor at which it says `rate` events per

@@ -1,6 +1,10 @@
 //! Scenes: by name, or an array that the caller gives.
 
-use std::{io, str::FromStr, sync::Arc};
+use std::{
+    io,
+    str::FromStr,
+    sync::{Arc, atomic::AtomicBool},
+};
 
 use amacrine::{
     config::UnknownWord,
@@ -205,6 +209,11 @@ impl Source {
     /// What was seen of them.
     pub const fn observation(&self) -> &Observation {
         &self.observation
+    }
+
+    /// What is set once the person wants to stop.
+    pub const fn flag(&self) -> &'static AtomicBool {
+        self.stop.flag()
     }
 
     /// What tells other work that the person wants to stop.

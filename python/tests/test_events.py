@@ -32,6 +32,34 @@ def of_program(
     return {name: np.load(path) for name, path in made.items()}
 
 
+def test_what_is_changed_is_what_the_program_changes(
+    program: Callable[..., str], tmp_path: Path, frames: Frames
+) -> None:
+    own = amacrine.Sensor.from_file("rgc-4", seed=3)
+    limits = {"on": 0.3, "off": 0.2, "sigma": 0.02}
+    for changed, options in (
+        (own.changed(thresholds=(0.3, 0.2)), ("--threshold", "0.3,0.2")),
+        (own.changed(thresholds=limits), ("--threshold", "0.3,0.2", "--sigma", 0.02)),
+        (own.changed(sigma=0), ("--sigma", 0)),
+        (own.changed(kernels=["dvs", "sobel-x"]), ("--kernel", "dvs,sobel-x")),
+    ):
+        want = of_program(program, tmp_path, frames, own.text, "--seed", 3, *options)
+        assert changed.events(frames, FPS).tobytes() == want["events"].tobytes(), options
+    assert own.changed(kernels=["dvs", "sobel-x"]).channels == ["dvs", "sobel-x"]
+    assert np.array_equal(own.changed(kernels=kernels(1)).kernels[0], kernels(1)[0, 0])
+    assert own.changed(thresholds=0.3).changed(thresholds=own.thresholds[0][:2]) == own.changed()
+    for wrong, told in (
+        (dict(thresholds=0), "thresholds = 0"),
+        (dict(sigma=-1), "sigma=-1 is no spread"),
+        (dict(sigma="wide"), "sigma = 'wide' is no number"),
+        (dict(kernels=np.ones((2, 2))), "both must be odd"),
+    ):
+        with pytest.raises(amacrine.Error, match=told):
+            own.changed(**wrong)
+    with pytest.raises(amacrine.Error, match="kernels given: .*mesh or a pattern"):
+        amacrine.Sensor.from_file("csdvs-mesh").changed(kernels="dvs")
+
+
 def sensors() -> dict[str, amacrine.Sensor]:
     return {
         "shipped": amacrine.Sensor.from_file("rgc-4", seed=3),

@@ -239,6 +239,34 @@ def test_compare_is_that_of_the_program(
     assert 0 < amacrine.compare(events, judged, within=1e-3).headline.kept < 1
 
 
+def test_compare_runs_the_sensor_of_the_reference(
+    program: Callable[..., str], tmp_path: Path
+) -> None:
+    scene, at = "pattern:disc?width=48&height=40&frames=12&fps=50", tmp_path / "s.toml"
+    sensor, higher = (amacrine.Sensor("csdvs-5", of, format="f64") for of in (0.1, 0.12))
+    at.write_text(sensor.text, encoding="utf-8")
+    frames, fps = amacrine.load(scene)
+    reference, judged = (one.events(frames, fps, scale=1) for one in (sensor, higher))
+    a, b = tmp_path / "a.npy", tmp_path / "b.npy"
+    for path, events in (a, reference), (b, judged):
+        amacrine.write(path, events)
+    stated = json.loads(program("compare", a, b, "--sensor", at, "--scene", scene, "--json"))
+    for answer in (
+        amacrine.compare(a, b, sensor=sensor, scene=scene),
+        amacrine.compare(reference, judged, sensor=sensor, scene=frames, fps=fps, scale=1),
+    ):
+        of = answer.to_dict()["headline"]
+        for name, value in of.items():
+            assert value == stated["headline"][name], name
+        assert of["threshold_equivalent_percent"] > 0 and of["tuned"]
+    with pytest.raises(amacrine.Error, match="(?s)is not what .*, fps, upsample and seed.*leave sensor out"):
+        amacrine.compare(b, a, sensor=sensor, scene=scene)
+    with pytest.raises(amacrine.Error, match="scene is of no use without sensor"):
+        amacrine.compare(a, b, scene=scene)
+    with pytest.raises(amacrine.Error, match="sensor = 3 is no path"):
+        amacrine.compare(a, b, sensor=3)
+
+
 def test_a_clip_is_an_array(tmp_path: Path, frames: Frames) -> None:
     clip, fps = amacrine.load()
     assert clip.shape == (72, 256, 256) and clip.dtype == np.uint8 and fps == 10

@@ -371,6 +371,26 @@ def test_waterfall(program: Callable[..., str], tmp_path: Path) -> None:
         answer.save(tmp_path / "fall.html")
 
 
+def test_a_waterfall_of_what_if(program: Callable[..., str]) -> None:
+    words = ("--threshold", 20, "--scene", SCENE, "--effort", 0.05, "--steps", "--json")
+    set = "--set", "error.noise=2", "--set", "error.offset_mismatch=0"
+    how: Any = dict(scene=SCENE, effort=0.05, steps=True)
+    what_if = {"error.noise": 2, "error.offset_mismatch": 0.0}
+    much: Any = {"error.noise": "much"}
+    stated = json.loads(program("waterfall", "csdvs-3", *words, *set))
+    answer = amacrine.waterfall("csdvs-3", 20, set=what_if, **how)
+    assert answer.to_dict()["steps"] == stated["steps"]
+    assert stated["steps"] != json.loads(program("waterfall", "csdvs-3", *words))["steps"]
+    with pytest.raises(amacrine.Error, match="no number `error.nois`; did you mean `error.noise`"):
+        amacrine.waterfall("csdvs-3", 20, set={"error.nois": 1}, **how)
+    with pytest.raises(amacrine.Error, match="error.noise"):
+        amacrine.waterfall("csdvs-3", 20, set={"error.noise": -1}, **how)
+    with pytest.raises(amacrine.Error, match=r'set\["error.noise"\] = .* is no number'):
+        amacrine.waterfall("csdvs-3", 20, set=much, **how)
+    with pytest.warns(amacrine.Caution, match='error.noise changes nothing.*domain="silicon"'):
+        amacrine.waterfall("csdvs-3", 20, domain="exact", set={"error.noise": 1}, **how)
+
+
 def test_a_waterfall_of_several_kernels(program: Callable[..., str]) -> None:
     """All of them in one program, as on the command line."""
     words = ["--threshold", "20,64", "--scene", SCENE, "--effort", "0.05", "--steps"]

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     config::asked,
-    isa::{Device, Errors},
+    isa::{Device, Errors, Figure},
     number::{FIXED, FixedFormat, Format, FormatError, Q, Width, known_floats},
     plane::Size,
     program::Code,
@@ -36,6 +36,27 @@ pub enum Arithmetic {
 pub struct ArithmeticError {
     /// What was given.
     pub name: String,
+}
+
+impl Arithmetic {
+    /// What is to be said of something that was set, where it changes nothing since these cells do
+    /// not err; `option` sets the domain.
+    #[must_use]
+    pub fn changes_nothing(self, set: &str, option: &str) -> Option<String> {
+        if matches!(self, Self::Silicon { .. }) {
+            return None;
+        }
+        Some(format!(
+            "{set} changes nothing in the domain {self}, whose cells do not err: {option} silicon has errors"
+        ))
+    }
+
+    /// The same of a number of the chip; none of one that does not say how cells err.
+    #[must_use]
+    pub fn unused(self, figure: Figure, option: &str) -> Option<String> {
+        let is_error = figure.key().0 == "error";
+        is_error.then(|| self.changes_nothing(&figure.to_string(), option))?
+    }
 }
 
 impl FromStr for Arithmetic {

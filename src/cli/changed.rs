@@ -1,13 +1,13 @@
 //! `--kernel`, `--threshold`, `--sigma` and `--rate`: a sensor file with other receptive fields,
 //! thresholds, or with thresholds for a rate of events.
 
-use miette::{WrapErr, miette};
+use miette::WrapErr;
 
 use super::{event_rate::event_rate, files::Named, kernels};
 use crate::{
     kernel::Kernel,
     number::Format,
-    reference::{Channel, Description, Threshold},
+    reference::{Description, Threshold},
     rig::guard::Warning,
     scene::Reopen,
     study::rate::{self, ThresholdFactor},
@@ -42,28 +42,9 @@ impl Changes {
     /// When a kernel cannot be read, or a threshold is not above 0.
     pub(super) fn set(&self, mut sensor: Description) -> miette::Result<Description> {
         if !self.kernel.is_empty() {
-            let kernels = self.kernels()?;
-            let Some(first) = sensor.channels.first().cloned() else {
-                return Ok(sensor);
-            };
-            if first.surrounds.is_some() || first.thresholds.len() != 1 {
-                return Err(miette!(
-                    help =
-                        "give a sensor file whose first kind has a kernel of its own, such as rgc",
-                    "--kernel {}: the first kind of the sensor has a mesh or a pattern in place of a kernel",
-                    named(&self.kernel)
-                ));
-            }
-            let several = kernels.len() > 1;
-            let kinds = kernels.into_iter().map(|(name, kernel)| Channel {
-                name: several.then_some(name),
-                kernels: vec![kernel],
-                ..first.clone()
-            });
-            sensor.channels = kinds.collect();
+            sensor = sensor.with_kernels(self.kernels()?, &named(&self.kernel))?;
         }
-        self.set_thresholds(&mut sensor)?;
-        Ok(sensor)
+        Ok(sensor.with_thresholds(self.threshold, self.sigma)?)
     }
 
     /// The sensor with thresholds for the rate that is asked for, and which were found: of what
@@ -90,31 +71,6 @@ impl Changes {
             thresholds: all.copied().collect(),
         };
         Ok((sensor, Some(found)))
-    }
-
-    /// Sets the thresholds and spreads that are asked for.
-    fn set_thresholds(&self, sensor: &mut Description) -> miette::Result<()> {
-        let is_bad = |threshold: &&f64| !(**threshold > 0.0 && threshold.is_finite());
-        if let Some(threshold) = self.threshold.iter().flatten().find(is_bad) {
-            return Err(miette!(
-                help = "give a finite number above 0, in units of the response",
-                "--threshold {threshold} is no threshold"
-            ));
-        }
-        if let Some(sigma) = self.sigma.filter(|it| !(*it >= 0.0 && it.is_finite())) {
-            return Err(miette!(
-                help = "give a finite number of 0 or more, in units of the response",
-                "--sigma {sigma} is no spread of thresholds"
-            ));
-        }
-        let kinds = sensor.channels.iter_mut();
-        for own in kinds.flat_map(|kind| &mut kind.thresholds) {
-            if let Some([on, off]) = self.threshold {
-                (own.on, own.off) = (on, off);
-            }
-            own.sigma = self.sigma.unwrap_or(own.sigma);
-        }
-        Ok(())
     }
 
     /// How `--threshold` was read, and what it leaves of the file, where that matters: of the sensor as

@@ -8,7 +8,10 @@ use miette::miette;
 use crate::{
     bundled::{self, File, Kind},
     isa::Device,
-    scene::pattern::{PATTERNS, told},
+    scene::{
+        self,
+        pattern::{PATTERNS, told},
+    },
 };
 
 /// What `list` is asked to do.
@@ -194,6 +197,12 @@ pub(super) fn kind_with(name: &str) -> Option<String> {
 /// Refuses a kind of thing of which no name was given, where an event file is wanted; a file of
 /// that name goes first.
 pub(super) fn check_no_kind(word: &str) -> miette::Result<()> {
+    if SCENES.contains(&word) && !Path::new(word).exists() {
+        return Err(miette!(
+            help = "give bundled, or pattern:NAME",
+            "show {word}: which one is not said"
+        ));
+    }
     match kind_of(word).filter(|_| !Path::new(word).exists()) {
         Some((_, plural)) => Err(miette!(
             help = format!("give a name that `amacrine list {plural}` prints"),
@@ -203,18 +212,49 @@ pub(super) fn check_no_kind(word: &str) -> miette::Result<()> {
     }
 }
 
-/// `amacrine show sensor NAME`: as `list sensors NAME`.
+/// The words for a scene: none is a file, so that `list` has no kind for them.
+const SCENES: [&str; 2] = ["scene", "scenes"];
+
+/// What is known of a scene by name.
+fn scene(name: &str) -> miette::Result<String> {
+    if let Some(pattern) = name.strip_prefix("pattern:") {
+        return Ok(told::one(pattern)?);
+    }
+    if name != "bundled" {
+        return Err(miette!(
+            help = "there are bundled and, drawn, pattern:NAME (`amacrine list patterns`)",
+            "no scene that comes with the program is called {name}"
+        ));
+    }
+    let outline = scene::bundled()?.outline();
+    let frames = outline.frames.unwrap_or_default();
+    let (size, fps, coding) = (outline.size, outline.fps, outline.coding);
+    let seconds = frames as f64 / fps;
+    Ok(format!(
+        "bundled: people walking past a still camera, gray\n\n\
+         frames   {frames} of {size} at {fps} frames/s, {seconds} s\n\
+         light    {coding}\n\
+         source   a crop of vtest.avi, of OpenCV's examples (Apache-2.0 and BSD-3-Clause)\n\
+         given    as --scene bundled\n"
+    ))
+}
+
+/// `amacrine show sensor NAME`: as `list sensors NAME`; `show scene NAME` too.
 ///
 /// # Errors
 /// When there is no such kind of thing, or nothing of this name.
 pub(super) fn show(of: &str, name: &str) -> miette::Result<()> {
+    if SCENES.contains(&of) {
+        super::say(&scene(name)?);
+        return Ok(());
+    }
     match kind_of(of) {
         Some((found, _)) => {
             super::say(&found.text(name)?);
             Ok(())
         }
         None => Err(miette!(
-            help = "give sensor, program, kernel, study, readout, chip or pattern before the name; or one event file, and -o PICTURE",
+            help = "give sensor, program, kernel, study, readout, chip, pattern or scene before the name; or one event file, and -o PICTURE",
             "{of} {name}: {of} is no kind of thing that comes with the program"
         )),
     }

@@ -26,10 +26,11 @@ use crate::{
   amacrine show out/events.npy -o rate.svg --view rate
   amacrine show out/events.npy -o events.gif --window 20ms
   amacrine show out/events.npy -o events.mcap --window 20ms
-  amacrine show sensor rgc-4")]
+  amacrine show sensor rgc-4
+  amacrine show scene bundled")]
 pub struct Arguments {
     /// An event file; or what kind of thing is to be shown by name: sensor, program, kernel, study,
-    /// readout, chip, pattern
+    /// readout, chip, pattern, scene
     file: Input,
     /// The name of one that comes with the program (`amacrine list sensors`): its text
     #[arg(conflicts_with_all = ["output", "view", "from", "to", "window", "at", "title", "hold", "json", "size", "stream"])]

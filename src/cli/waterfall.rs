@@ -32,7 +32,6 @@ use super::{
     budget,
     clip::Clip,
     content::Content,
-    figure::{changes_nothing, error_name},
     files::{Named, Output},
     kernel_names::KernelNames,
     kernels::Kinds,
@@ -269,12 +268,8 @@ impl Arguments {
 
     /// Says which number that is set changes nothing.
     fn note_unused(&self) {
-        if matches!(self.format, Arithmetic::Silicon { .. }) {
-            return;
-        }
-        let set = { self.sets.iter() }.find_map(|(figure, _)| error_name(*figure));
-        if let Some(set) = set {
-            let note = changes_nothing(&set, self.format, "--format");
+        let mut sets = self.sets.iter();
+        if let Some(note) = sets.find_map(|(figure, _)| self.format.unused(*figure, "--format")) {
             super::complain(&format!("note: {note}\n"));
         }
     }

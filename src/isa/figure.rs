@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::Interval;
 use crate::{
-    config::Range,
+    config::{Range, nearest},
     limit::{ARRAY_SIDE, FIGURE, STORE_WORDS},
 };
 
@@ -264,6 +264,41 @@ figures! {
     SquareGain = "squarer"."gain", "1/LSB", Any;
     /// How far a bit travels in one propagation, in pixels.
     Travel = "propagation"."travel", "px", Count;
+}
+
+/// The chip has no number of this name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
+#[error("the chip has no number `{name}`; {instead}")]
+pub struct UnknownFigure {
+    /// What was given.
+    pub name: String,
+    /// The one that was meant, or all that there are.
+    instead: String,
+}
+
+impl std::fmt::Display for Figure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (section, key) = self.key();
+        write!(f, "{section}.{key}")
+    }
+}
+
+impl Figure {
+    /// The one that is called `section.key`.
+    ///
+    /// # Errors
+    /// When there is none: with the one that was meant, or all.
+    pub fn find(name: &str) -> Result<Self, UnknownFigure> {
+        Self::named(name).ok_or_else(|| {
+            let all: Vec<String> = Self::ALL.iter().map(ToString::to_string).collect();
+            let instead = match nearest(name, all.iter().map(String::as_str)) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("it has {}", all.join(", ")),
+            };
+            let name = name.to_owned();
+            UnknownFigure { name, instead }
+        })
+    }
 }
 
 #[cfg(test)]

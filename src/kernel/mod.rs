@@ -150,7 +150,7 @@ impl Kernel {
             return Err(KernelError::NotFinite { row, column, value });
         }
         let kernel = Self { weights };
-        let ((row, column), value) = kernel.largest();
+        let ((row, column), value) = kernel.at_largest();
         if value.is_subnormal() {
             return Err(KernelError::Subnormal { row, column, value });
         }
@@ -162,7 +162,7 @@ impl Kernel {
     }
 
     /// Where the weight that is largest in size stands, and what it is.
-    fn largest(&self) -> ((usize, usize), f64) {
+    fn at_largest(&self) -> ((usize, usize), f64) {
         let all = self.weights.indexed_iter().map(|(at, w)| (at, *w));
         all.reduce(|most, one| {
             if one.1.abs() > most.1.abs() {
@@ -179,7 +179,7 @@ impl Kernel {
     /// # Errors
     /// When the largest weight is too small or too large for that. All weights may be zero.
     pub fn workable(&self) -> Result<(), KernelError> {
-        let ((row, column), value) = self.largest();
+        let ((row, column), value) = self.at_largest();
         if value == 0.0 || (LEAST_WEIGHT..=MOST_WEIGHT).contains(&value.abs()) {
             return Ok(());
         }
@@ -246,6 +246,12 @@ impl Kernel {
     #[must_use]
     pub fn magnitude(&self) -> f64 {
         self.weights.iter().map(|weight| weight.abs()).sum()
+    }
+
+    /// The largest magnitude of a weight.
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        self.at_largest().1.abs()
     }
 
     /// Whether what is left of the sum is rounding alone, of weights in f32 too: 1e-6 of the weights'

@@ -44,8 +44,8 @@ mod voxel;
 pub use any_format::{AnyReference, Sinks};
 pub use counts::{CountBand, Counts};
 pub use description::{
-    Border, Channel, Description, MemoryRule, OpenError, PolarityRule, ReadFile, Refractory,
-    RefractoryRule, Threshold, keys,
+    Border, ChangeError, Channel, Description, MemoryRule, OpenError, PolarityRule, ReadFile,
+    Refractory, RefractoryRule, Threshold, keys,
 };
 pub use firing::{Firing, FiringBand};
 pub use list::{EventList, Limit, ListBand, WhenFull};

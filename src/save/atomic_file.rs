@@ -140,6 +140,11 @@ impl AtomicFile {
         finish().map_err(hears).map_err(SaveError::at(&path))
     }
 
+    /// Whether what is written is no file that is replaced.
+    pub(super) const fn is_written_through(&self) -> bool {
+        self.end.is_written_through()
+    }
+
     /// An error of the system, with the name of this file.
     #[must_use]
     pub fn failed(&self, cause: io::Error) -> SaveError {
@@ -148,9 +153,13 @@ impl AtomicFile {
 }
 
 impl End {
+    const fn is_written_through(&self) -> bool {
+        !matches!(self, Self::Rename { .. })
+    }
+
     /// Notes that a reader has gone. A file has none.
     const fn hears(&self) -> impl Fn(io::Error) -> io::Error + use<> {
-        let through = !matches!(self, Self::Rename { .. });
+        let through = self.is_written_through();
         move |cause| {
             if through && cause.kind() == io::ErrorKind::BrokenPipe {
                 GONE.store(true, Ordering::Relaxed);

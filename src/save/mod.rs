@@ -6,6 +6,8 @@
 //! descriptor (`/dev/stdout`) is written through, and stays what it is. A folder that is missing
 //! is made.
 //!
+//! [`Together`] is for several files: all of them are written before the first has its name.
+//!
 //! [`save_durably`] and [`AtomicFile::keep_durably`] also wait until the disk has the file and its
 //! name, so that both outlive the machine; the others leave that to the system.
 
@@ -17,6 +19,7 @@ mod litter;
 mod spool;
 mod stack;
 mod temporary;
+mod together;
 mod whole;
 mod writable;
 
@@ -28,5 +31,6 @@ pub use litter::{is_temporary, sweep_up};
 pub use spool::Spool;
 pub use stack::Stack;
 pub use temporary::remove_all;
+pub use together::Together;
 pub use whole::{save, save_durably};
 pub use writable::{check_folder_writable, check_writable, free_space};

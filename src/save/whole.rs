@@ -30,7 +30,8 @@ where
     filled(path, fill)?.keep_durably()
 }
 
-fn filled<F>(path: &Path, fill: F) -> Result<AtomicFile, SaveError>
+/// A file that was written through `fill`, still without its name.
+pub(super) fn filled<F>(path: &Path, fill: F) -> Result<AtomicFile, SaveError>
 where
     F: FnOnce(&mut dyn Write) -> io::Result<()>,
 {

@@ -15,6 +15,13 @@ pub enum Alias {
         /// How many pixels of the texture lie side by side in one at the end.
         pixels: f64,
     },
+    /// Light that passes its middle at every frame, and so does not change.
+    Still {
+        /// Hertz.
+        frequency: f64,
+        /// Frames a second.
+        fps: f64,
+    },
     /// Light that goes up and down more often than every other frame.
     Fast {
         /// Hertz.

@@ -14,6 +14,7 @@ pub mod joint;
 pub mod pilot;
 pub mod quantisation;
 pub mod rate;
+pub mod remade;
 pub mod report;
 pub mod run_guard;
 pub mod saturation;

@@ -3,6 +3,7 @@
 use amacrine::{
     array::{Arithmetic, ArithmeticError},
     compile::DriveMemory,
+    isa::Figure,
     kernel::Kernel,
     photoreceptor::Response,
     picture::svg,
@@ -22,7 +23,7 @@ use crate::{
     chip::{effort, named, quantiser},
     error::{raised, refused},
     files::json,
-    readout,
+    options, readout,
 };
 
 /// Both answers as one object.
@@ -53,6 +54,7 @@ pub fn waterfall(
     within_us: Option<u64>,
     rates: Option<Vec<f64>>,
     sample: (u64, Option<usize>),
+    sets: Vec<(String, f64)>,
     through: Option<readout::Asked>,
 ) -> PyResult<Vec<(String, String)>> {
     let ((to, domain, memory), (chips, tiles)) = (how, sample);
@@ -60,8 +62,17 @@ pub fn waterfall(
     let (sum_to, chip, seconds, seed) = search;
     let kernels: Vec<Kernel> = of.iter().map(kernel).collect::<PyResult<_>>()?;
     let to = quantiser(to)?;
-    let (sum, device) = (named(sum_to)?, device(chip)?);
+    let (sum, mut device) = (named(sum_to)?, device(chip)?);
     let arithmetic: Arithmetic = domain.parse().map_err(|e: ArithmeticError| raised(e))?;
+    let mut note = None;
+    for (name, value) in sets {
+        let figure = Figure::find(&name).map_err(raised)?;
+        device = device.what_if(figure, value).map_err(raised)?;
+        note = note.or_else(|| arithmetic.unused(figure, "--domain"));
+    }
+    if let Some(note) = note {
+        options::note(py, &note)?;
+    }
     let readout = through.map_or_else(|| scan().map_err(raised), readout::open)?;
     let source = scene.source()?;
     let effort = effort(seconds, source.stop())?;

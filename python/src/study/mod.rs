@@ -40,7 +40,8 @@ use crate::{
 /// A kernel by name, or the bytes of its file.
 pub type Named = (String, Option<Vec<u8>>);
 
-fn kernel((name, bytes): &Named) -> PyResult<Kernel> {
+/// The kernel, which must be one that can be worked with.
+pub fn kernel((name, bytes): &Named) -> PyResult<Kernel> {
     let kernel = match bytes {
         Some(bytes) => Kernel::from_bytes(name, bytes).map_err(|error| {
             use amacrine::kernel::KernelFileError::Wrong;
@@ -131,7 +132,8 @@ fn open_on(source: &Source, device: &Device) -> Result<Box<dyn Scene>, Report> {
 }
 
 impl Shown<'_> {
-    fn source(&self) -> PyResult<Source> {
+    /// The scene.
+    pub fn source(&self) -> PyResult<Source> {
         Source::new(self.0.clone(), self.1.as_ref(), self.2, self.3)
     }
 }

@@ -15,7 +15,7 @@ use crate::{
     picture::{CurvePoint, CurveShow, Drawing, curve},
     rig::guard::Warning,
     scene::SceneError,
-    study::equivalent::{self, Tuned},
+    study::{equivalent, remade::Equivalent},
     unit::{Micros, frame_rate},
 };
 
@@ -30,17 +30,6 @@ pub(super) struct Headline {
     fps: Option<f64>,
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     equivalent: Option<Equivalent>,
-}
-
-/// The change of the reference sensor's threshold that costs as much.
-#[derive(Clone, Copy, Serialize)]
-pub(super) struct Equivalent {
-    #[serde(rename = "threshold_equivalent_percent")]
-    pub percent: Option<f64>,
-    #[serde(rename = "threshold_equivalent_is_least")]
-    pub is_least: bool,
-    /// Against the sensor that says as many events; none where no threshold does.
-    pub tuned: Option<Tuned>,
 }
 
 /// F1 within one window, and whether that is less than the time from frame to frame.

@@ -32,7 +32,7 @@ use crate::{
     kernel::quantise::Quantiser,
     photoreceptor::Response,
     rig::guard::Warning,
-    save::save,
+    save::{SaveError, Together},
     scene::Observation,
     study::{
         equivalent::RUNGS,
@@ -169,24 +169,13 @@ impl Written {
         [&self.sensor, &self.program, &self.report]
     }
 
-    /// Writes them, in this order; where one cannot be, tells which of this design are there.
-    fn write(&self, texts: &[String; 3]) -> miette::Result<()> {
-        let mut there: Vec<String> = Vec::new();
+    /// Writes all or none of them.
+    fn write(&self, texts: &[String; 3]) -> Result<(), SaveError> {
+        let mut files = Together::new();
         for (path, text) in self.all().into_iter().zip(texts) {
-            if let Err(cause) = save(path, |out| out.write_all(text.as_bytes())) {
-                let cause = miette::Report::from(cause);
-                return Err(if there.is_empty() {
-                    cause
-                } else {
-                    cause.wrap_err(format!(
-                        "the design is not complete: of it there is {}, and no more",
-                        there.join(" and ")
-                    ))
-                });
-            }
-            there.push(path.display().to_string());
+            files.add(path, |out| out.write_all(text.as_bytes()))?;
         }
-        Ok(())
+        files.keep()
     }
 }
 

@@ -8,7 +8,6 @@ use super::{
     super::{
         budget::{self, Growth},
         complain,
-        figure::{changes_nothing, error_name},
         opened::Opened,
     },
     arguments::{Arguments, Assignment, Switch},
@@ -336,16 +335,18 @@ impl<'a> Bench<'a> {
 
     /// What is to be said of numbers of the chip, or a seed, that were set and change nothing.
     fn unused(&self) -> Option<String> {
+        const DOMAIN: &str = "--domain";
         // A trace runs the chip's errors beside.
-        if matches!(self.arithmetic, Arithmetic::Silicon { .. }) || self.arguments.trace.is_some() {
+        if self.arguments.trace.is_some() {
             return None;
         }
         let set = self.arguments.sets.iter().find_map(|set| match set {
-            Assignment::Figure(figure, _) => error_name(*figure),
+            Assignment::Figure(figure, _) => self.arithmetic.unused(*figure, DOMAIN),
             _ => None,
         });
-        let set = set.or_else(|| self.arguments.seed.map(|_| "--seed".to_owned()))?;
-        Some(changes_nothing(&set, self.arithmetic, "--domain"))
+        set.or_else(|| {
+            { self.arguments.seed }.and_then(|_| self.arithmetic.changes_nothing("--seed", DOMAIN))
+        })
     }
 
     /// Refuses files of events where the program reads none out.

@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::npy;
 use crate::{
     array::{Array, Register},
     isa::Device,
-    picture::{panel, write_png},
+    npy,
+    picture::{panel, png},
+    plane::Plane,
+    save::{SaveError, Together},
 };
 
 /// The files that a dump writes.
@@ -21,8 +23,9 @@ fn pair(folder: &Path, register: &str) -> [PathBuf; 2] {
     ["npy", "png"].map(|ending| folder.join(format!("{register}.{ending}")))
 }
 
-/// Writes every register, as numbers and as a picture.
-pub fn dump(chip: &dyn Array, folder: &Path) -> miette::Result<()> {
+/// Writes every register, as numbers and as a picture: all of them or none.
+pub fn dump(chip: &dyn Array, folder: &Path) -> Result<(), SaveError> {
+    let mut files = Together::new();
     let (low, high) = chip.device().register_range();
     for register in Register::all(chip.device()) {
         let name = register.name(chip.device());
@@ -34,11 +37,23 @@ pub fn dump(chip: &dyn Array, folder: &Path) -> miette::Result<()> {
         };
         let [array, shown] = pair(folder, &name);
         if register.is_bit() {
-            npy::write(&array, &values.mapv(|bit| bit as u8))?;
+            add(&mut files, &array, &values.mapv(|bit| bit as u8))?;
         } else {
-            npy::write(&array, &values)?;
+            add(&mut files, &array, &values)?;
         }
-        write_png(&shown, &panel::frame(&values, black, white))?;
+        let picture = png(&panel::frame(&values, black, white));
+        files.add(&shown, |out| out.write_all(&picture))?;
     }
-    Ok(())
+    files.keep()
+}
+
+fn add<T: npy::Element>(
+    files: &mut Together,
+    path: &Path,
+    plane: &Plane<T>,
+) -> Result<(), SaveError> {
+    let (height, width) = plane.dim();
+    files.add(path, |out| {
+        npy::write(out, &[height, width], plane.iter().copied())
+    })
 }

@@ -25,20 +25,37 @@ use crate::{
 pub struct Light {
     pub scene: Option<Box<dyn Scene>>,
     frames: Option<u64>,
-    /// How many frames the program says, where a clip that was asked for is shown instead.
-    cut: Option<u64>,
-    /// How many frames the program says, of a pattern that was asked for and has more.
-    of_pattern: Option<u64>,
+    stated: Option<Stated>,
     fps: f64,
+}
+
+/// How many frames the program says, where it is not asked what is shown.
+#[derive(Clone, Copy, Debug)]
+enum Stated {
+    /// A clip that was asked for is shown instead.
+    Clip(u64),
+    /// So many of a pattern that was asked for are shown; it has more.
+    Pattern(u64),
+}
+
+impl Stated {
+    /// What is to be said of it after so many frames.
+    fn note(self, frames: u64) -> Option<String> {
+        match self {
+            Self::Clip(says) => (says != frames).then(|| {
+                format!("the program says frames = {says}; the whole clip was run: --frames {says} runs as many")
+            }),
+            Self::Pattern(says) => Some(format!(
+                "the program says frames = {says}, and so many of the pattern were run: --frames N runs more"
+            )),
+        }
+    }
 }
 
 /// What is to be said of how long the light lasts.
 #[derive(Debug, Default)]
 pub struct Said {
-    /// How many frames the program says, where a clip that was asked for is shown instead.
-    cut: Cell<Option<u64>>,
-    /// How many frames the program says, of a pattern that was asked for and has more.
-    of_pattern: Cell<Option<u64>>,
+    stated: Cell<Option<Stated>>,
     /// Frames that the clip had, and those that were asked for.
     ended: Cell<Option<(u64, u64)>>,
     /// Words of the shortest and of the longest frame, where the host decides what runs.
@@ -58,21 +75,16 @@ pub struct Said {
 impl Said {
     /// After a run.
     pub fn set(&self, light: &Lasting) {
-        self.cut.set(light.light.cut);
-        self.of_pattern.set(light.light.of_pattern);
+        self.stated.set(light.light.stated);
         self.ended.set(light.ended);
     }
 
     /// Whole sentences.
     pub fn notes(&self, frames: u64) -> Vec<String> {
-        let (cut, ended) = (self.cut.get(), self.ended.get());
         let stopped = self.stopped.get();
-        let cut = cut.filter(|says| *says != frames && !stopped).map(|says| {
-            format!("the program says frames = {says}; the whole clip was run: --frames {says} runs as many")
-        });
-        let of_pattern = self.of_pattern.get().filter(|_| !stopped).map(|says| {
-            format!("the program says frames = {says}, and so many of the pattern were run: --frames N runs more")
-        });
+        let stated = { self.stated.get() }.filter(|_| !stopped);
+        let stated = stated.and_then(|stated| stated.note(frames));
+        let ended = self.ended.get();
         let ended = ended.map(|(had, asked)| {
             let more = asked - had;
             format!(
@@ -103,8 +115,7 @@ impl Said {
                 frames.saturating_sub(1)
             )
         });
-        cut.into_iter()
-            .chain(of_pattern)
+        { stated.into_iter() }
             .chain(ended)
             .chain(stopped)
             .chain(left)
@@ -149,9 +160,13 @@ impl Light {
             && scene
                 .as_deref()
                 .is_some_and(|scene| !is_endless && scene.frames() != Some(1));
-        let cut = own.filter(|_| clip && arguments.frames.is_none());
         let is_pattern = arguments.image.is_some() && is_endless;
-        let of_pattern = own.filter(|_| is_pattern && arguments.frames.is_none());
+        let stated = own.filter(|_| arguments.frames.is_none());
+        let stated = stated.and_then(|says| match (clip, is_pattern) {
+            (true, _) => Some(Stated::Clip(says)),
+            (false, true) => Some(Stated::Pattern(says)),
+            (false, false) => None,
+        });
         let frames = arguments.frames.or(own.filter(|_| !clip));
         if frames == Some(0) {
             return Err(miette!(
@@ -168,8 +183,7 @@ impl Light {
         Ok(Self {
             scene,
             frames,
-            cut,
-            of_pattern,
+            stated,
             fps: asked.unwrap_or(found),
         })
     }

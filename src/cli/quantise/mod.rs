@@ -477,10 +477,7 @@ fn written(kernel: &Kernel) -> String {
 
 /// Three shades of each sign.
 fn drawn(kernel: &Kernel) -> String {
-    let most = kernel
-        .weights()
-        .iter()
-        .fold(0.0, |most: f64, w| most.max(w.abs()));
+    let most = kernel.largest();
     let cell = |w: f64| {
         let part = if most > 0.0 { w.abs() / most } else { 0.0 };
         let shade = if part < 1.0 / 12.0 {

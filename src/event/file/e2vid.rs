@@ -4,7 +4,7 @@
 use std::io;
 
 use super::{
-    Fault,
+    Fault, Place,
     about::{About, within_reach},
     chunks::Chunks,
     entry::{Entry, Limits, Sign, Streams},
@@ -106,5 +106,13 @@ impl Rows for SizedText {
 
     fn size(&self) -> Option<Size> {
         self.size
+    }
+
+    fn end(&self) -> Result<(), Stop> {
+        if self.size.is_some() {
+            return Ok(());
+        }
+        let place = Place::Line { line: 1, column: 1 };
+        Err(Stop::Fault(place, Fault::NoSize { got: 0 }))
     }
 }

@@ -59,9 +59,8 @@ impl Quantised {
 
     /// Weights beyond the levels of fixed point, whose scale is 1: of others the scale makes room.
     fn clipped(&self, weights: &Plane<f64>) -> Option<Erasure> {
-        let levels = self.levels.weights();
-        let most = levels.iter().fold(0.0, |most: f64, l| most.max(l.abs()));
-        let beyond = weights.iter().zip(levels);
+        let most = self.levels.largest();
+        let beyond = weights.iter().zip(self.levels.weights());
         let beyond: Vec<f64> = { beyond.filter(|(w, l)| w.abs() > most && *w * *l > 0.0) }
             .map(|(w, l)| w.abs() - l.abs())
             .collect();

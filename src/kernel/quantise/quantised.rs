@@ -29,7 +29,7 @@ impl Quantiser {
     ) -> Result<Quantised, QuantiseError> {
         kernel.workable()?;
         let weights: Vec<f64> = kernel.weights().iter().copied().collect();
-        let largest = weights.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+        let largest = kernel.largest();
         if largest == 0.0 {
             return Err(QuantiseError::Nothing);
         }
@@ -72,11 +72,7 @@ impl Quantised {
     /// anyway, an array then halves on the way instead of losing the bits of its input first.
     #[must_use]
     pub fn within_one(mut self) -> Self {
-        let largest = self
-            .levels
-            .weights
-            .iter()
-            .fold(0.0, |most: f64, l| most.max(l.abs()));
+        let largest = self.levels.largest();
         if largest > 0.0 {
             let power = 2f64.powi(elementary::log2(largest).ceil() as i32);
             self.levels.weights /= power;

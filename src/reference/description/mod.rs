@@ -21,6 +21,7 @@
 //! A channel with `pattern = "2x2"` gives four kernels and four thresholds; the pixel at
 //! (x, y) uses number `2 (y mod 2) + (x mod 2)`.
 
+mod changed;
 mod channel;
 mod check;
 mod growth;
@@ -36,6 +37,7 @@ mod still;
 mod text;
 
 pub use self::{
+    changed::ChangeError,
     channel::{Channel, Threshold},
     open::OpenError,
     reader::ReadFile,

@@ -188,6 +188,13 @@ impl Motif {
             Figure::Texture(Texture::Picture { .. }) if pixels > 2.0 => {
                 Some(Alias::Shrunk { growth, pixels })
             }
+            Figure::Flicker {
+                frequency,
+                wave: Wave::Sine,
+            } if *frequency > 0.0 && 2.0 * frequency % fps == 0.0 => Some(Alias::Still {
+                frequency: *frequency,
+                fps,
+            }),
             Figure::Flicker { frequency, .. } if 2.0 * frequency > fps => Some(Alias::Fast {
                 frequency: *frequency,
                 fps,

@@ -1,0 +1,91 @@
+//! The sensor that made the reference of a comparison, on its scene.
+
+use amacrine::{
+    compare::{Pair, window},
+    event::Packet,
+    number::{Format, FormatError},
+    photoreceptor::Response,
+    rig::guard::Warning,
+    scene::{Scene, upsample},
+    study::remade::{Equivalent, Remade},
+    unit::Micros,
+};
+use miette::Report;
+use pyo3::prelude::*;
+
+use crate::{error::raised, options::caution, sensor::Sensor, source::Source, study::Shown};
+
+/// The sensor, what it is called, its number format and its seed; the scene, and the contrast that
+/// frames are put in for.
+#[derive(FromPyObject)]
+pub struct By<'py>(Py<Sensor>, String, (String, u64), Shown<'py>, Option<f64>);
+
+/// The same, checked.
+pub struct Maker {
+    sensor: Py<Sensor>,
+    called: String,
+    format: Format,
+    seed: u64,
+    pub source: Source,
+    contrast: Option<f64>,
+}
+
+impl By<'_> {
+    pub fn maker(self) -> PyResult<Maker> {
+        let Self(sensor, called, (format, seed), scene, contrast) = self;
+        Ok(Maker {
+            sensor,
+            called,
+            format: format.parse().map_err(|e: FormatError| raised(e))?,
+            seed,
+            source: scene.source()?,
+            contrast,
+        })
+    }
+}
+
+impl Maker {
+    fn open(&self) -> Result<Box<dyn Scene + '_>, Report> {
+        Ok(upsample::by_contrast(self.source.open()?, self.contrast)?)
+    }
+
+    /// Frames a second, and the time between two where events are at theirs.
+    pub fn frames(&self, pair: &Pair) -> Result<(f64, Option<Micros>), Report> {
+        let fps = self.open()?.fps();
+        let interval = Some(window::interval(fps)).filter(|_| window::at_frames(pair, fps));
+        Ok((fps, interval))
+    }
+
+    /// The change of the threshold that costs as much as what is judged lacks.
+    pub fn equivalent(
+        &self,
+        reference: &str,
+        packets: [&Packet; 2],
+        window: (Micros, u64),
+    ) -> Result<Equivalent, Report> {
+        let remade = Remade {
+            description: &self.sensor.get().description,
+            format: self.format,
+            seed: self.seed,
+            reference,
+            sensor: &self.called,
+            scene: self.source.name(),
+        };
+        remade.equivalent(packets, window, |parts| {
+            remade.at(parts, &mut *self.open()?, || ())
+        })
+    }
+
+    /// Warns whoever called of what there is to warn of in the scene.
+    pub fn warn(&self, py: Python<'_>) -> PyResult<()> {
+        let observation = self.source.observation();
+        let rate = Warning::assumed_rate(observation, "fps");
+        for warning in Warning::of_scene(observation, Response::IDENTITY)
+            .iter()
+            .chain(&rate)
+        {
+            caution(py, warning)?;
+        }
+        Ok(())
+    }
+}

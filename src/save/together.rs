@@ -1,0 +1,82 @@
+//! Files that belong together: none has its name before all of them are written.
+
+use std::{
+    io::{self, Write},
+    path::Path,
+};
+
+use super::{atomic_file::AtomicFile, error::SaveError, whole::filled};
+
+/// Files of one result, each under a temporary name until all are [kept](Self::keep): what fails
+/// or is killed before that leaves what was there.
+#[derive(Debug, Default)]
+pub struct Together {
+    files: Vec<AtomicFile>,
+}
+
+impl Together {
+    /// None yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Writes one more through `fill`. A device or a FIFO has it at once.
+    ///
+    /// # Errors
+    /// When the file cannot be created or filled.
+    pub fn add<F>(&mut self, path: &Path, fill: F) -> Result<(), SaveError>
+    where
+        F: FnOnce(&mut dyn Write) -> io::Result<()>,
+    {
+        let mut file = filled(path, fill)?;
+        // Who reads one FIFO to its end may open the next only then.
+        if file.is_written_through() {
+            return file.keep();
+        }
+        // What is still in hand may be what the disk has no room for.
+        file.flush().map_err(|cause| file.failed(cause))?;
+        self.files.push(file);
+        Ok(())
+    }
+
+    /// Gives all files their names, in the order in which they were added.
+    ///
+    /// # Errors
+    /// When a name cannot be given; files before it have theirs.
+    pub fn keep(self) -> Result<(), SaveError> {
+        self.files.into_iter().try_for_each(AtomicFile::keep)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn none_is_there_before_all_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("a"), "old").unwrap();
+        let mut files = Together::new();
+        files.add(&at("a"), |out| out.write_all(b"new")).unwrap();
+        files.add(&at("in/b"), |out| out.write_all(b"new")).unwrap();
+        let failed = files.add(&at("c"), |out| {
+            out.write_all(b"half")?;
+            Err(io::Error::other("no more"))
+        });
+        assert!(failed.unwrap_err().to_string().contains('c'));
+        assert_eq!(fs::read(at("a")).unwrap(), b"old");
+        drop(files);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        let mut files = Together::new();
+        files.add(&at("a"), |out| out.write_all(b"new")).unwrap();
+        files.add(&at("in/b"), |out| out.write_all(b"new")).unwrap();
+        files.keep().unwrap();
+        for name in ["a", "in/b"] {
+            assert_eq!(fs::read(at(name)).unwrap(), b"new");
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+}
