@@ -282,7 +282,14 @@ impl Program {
             guard,
         });
         let warned = warned.iter().map(|it| in_python(&it.to_string()));
-        let warned = warned.collect();
+        let set = |register| {
+            let named = |(name, _): &(String, _)| Register::named_to_set(&self.device, name).ok();
+            set.iter().any(|it| named(it) == Some(register))
+        };
+        let give = |name: &str| format!("registers={{\"{name}\": …}}");
+        let (file, expansion) = (&self.source.file, &self.expansion);
+        let uncaptured = execution::uncaptured(file, expansion, &self.device, set, give);
+        let warned = warned.chain(uncaptured).collect();
         Ok((
             records,
             packet.channels,
